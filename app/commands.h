@@ -1,0 +1,23 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+namespace palpate::app {
+
+// Exit codes (docs/file-formats.md).
+inline constexpr int kDone = 0;
+inline constexpr int kBadInput = 2;
+inline constexpr int kFault = 3;
+inline constexpr int kGoalMissed = 4;
+
+// Each adds one subcommand whose callback sets `exit_code`; one file each.
+void add_model(CLI::App& program, int& exit_code);
+void add_noise(CLI::App& program, int& exit_code);
+void add_inspect(CLI::App& program, int& exit_code);
+void add_run(CLI::App& program, int& exit_code);
+void add_demo(CLI::App& program, int& exit_code);
+void add_replay(CLI::App& program, int& exit_code);
+void add_export(CLI::App& program, int& exit_code);
+void add_repair(CLI::App& program, int& exit_code);
+void add_bench(CLI::App& program, int& exit_code);
+
+}  // namespace palpate::app

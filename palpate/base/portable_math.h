@@ -1,0 +1,27 @@
+#pragma once
+
+/// Elementary functions whose result does not depend on the C library's choice by processor: the same bits at
+/// -O0 and -O2 on any x86-64. Only +, -, *, / and sqrt of IEEE 754 are used. Each is within 2 units in the
+/// last place.
+namespace palpate::portable {
+
+inline constexpr double kPi = 3.14159265358979323846;
+
+struct SinCos {
+  double sine;
+  double cosine;
+};
+
+/// [rt] e^x; 0 below -745.2, infinity above 709.8, NaN for NaN.
+[[nodiscard]] double exp(double x) noexcept;
+
+/// [rt] Natural logarithm; -infinity at 0, NaN below, infinity at infinity.
+[[nodiscard]] double log(double x) noexcept;
+
+/// [rt] Sine and cosine of x [rad], |x| <= 1e5 (larger arguments lose digits).
+[[nodiscard]] SinCos sin_cos(double x) noexcept;
+
+/// [rt] Arc cosine [rad] of x, clamped to [-1, 1] first.
+[[nodiscard]] double acos(double x) noexcept;
+
+}  // namespace palpate::portable

@@ -1,0 +1,33 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/mesh.h"
+#include "palpate/geometry/tool.h"
+
+namespace palpate::geometry {
+
+/// [setup] Ball of `radius` [m] about the origin: an icosahedron divided until it has at least `triangles`
+/// (20, 80, 320, 1280, ...). Every vertex lies on the sphere.
+[[nodiscard]] TriangleMesh make_ball(double radius, int triangles = 1280);
+
+/// [setup] Box of `size` [m] about the origin, each side divided into squares of edge <= `longest` and those
+/// into two triangles; closed.
+[[nodiscard]] TriangleMesh make_box(const Vec3& size, double longest);
+
+/// [setup] Names of the built-in organs: "gallbladder", "heart", "ball", "box".
+[[nodiscard]] const std::vector<std::string>& builtin_organ_names();
+
+/// [setup] A built-in organ, metres, middle of its bounding box at the origin. @throws InputError listing the
+/// names.
+[[nodiscard]] TriangleMesh make_organ(const std::string& name);
+
+/// [setup] Names of the built-in instruments: "curved-forceps", "straight-forceps" (two jaws each);
+/// "sphere:R" (mm) is one too.
+[[nodiscard]] const std::vector<std::string>& builtin_tool_names();
+
+/// [setup] A built-in instrument in its handle frame (origin at the jaw pivot, +z towards the tips).
+/// @throws InputError listing the names.
+[[nodiscard]] Tool make_tool(const std::string& name);
+
+}  // namespace palpate::geometry

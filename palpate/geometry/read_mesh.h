@@ -1,0 +1,40 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/base/units.h"
+#include "palpate/geometry/mesh.h"
+
+namespace palpate::geometry {
+
+/// What was found in a mesh file and what was done about it.
+struct MeshFindings {
+  bool closed = false;
+  bool manifold = false;
+  int shells = 0;
+  double volume = 0.0;               // [m^3]
+  std::vector<std::string> repairs;  // done, in words
+  std::vector<std::string> defects;  // left as they are, in words
+};
+
+struct LoadedMesh {
+  TriangleMesh mesh;  // metres
+  MeshFindings findings;
+};
+
+/// [setup] Reads a triangle mesh (STL, OBJ, PLY, OFF, 3DS, glTF, told by the file's ending), merges duplicate
+/// vertices, drops unreferenced ones and says so. Node transforms are applied, an importer's axis change
+/// undone.
+/// @param unit of the file's numbers; none: metres are assumed (only `inspect` may do without)
+/// @throws InputError naming the file and what is wrong: missing, unknown ending, empty, truncated, NaN,
+/// index out of range, no triangles, ...
+[[nodiscard]] LoadedMesh read_mesh(const std::filesystem::path& file, std::optional<LengthUnit> unit);
+
+/// [setup] Refuses what cannot be an organ: open, not manifold, turned inwards, degenerate triangles,
+/// bounding box outside 5 mm to 2 m. @param name file or built-in name, for the message. @throws InputError
+/// in words.
+void require_organ(const LoadedMesh& loaded, const std::string& name);
+
+}  // namespace palpate::geometry

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "palpate/contact/contact.h"
+#include "palpate/haptics/device.h"
+#include "palpate/haptics/gate.h"
+#include "palpate/haptics/tick_row.h"
+#include "palpate/noise/touch_noise.h"
+
+namespace palpate::haptics {
+
+/// How a device's sample becomes the tool's pose: translation scaled, then placed by `base`.
+struct WorkspaceMapping {
+  double scale = 1.0;
+  Pose base;
+  /// [rt] Pose of the handle in the world.
+  [[nodiscard]] Pose apply(const Vec3& position_D, const Quat& orientation_D) const noexcept;
+};
+
+/// Everything a tick needs that does not change: organ, tools, laws, noise, limits, rate.
+struct SimulationWorld {
+  contact::World contact;
+  noise::TouchNoise noise;
+  GateLimits limits;
+  std::vector<WorkspaceMapping> mappings;  // one a hand
+  Pose organ_W;
+  double rate_Hz = 1000.0;
+  [[nodiscard]] std::size_t hands() const noexcept { return mappings.size(); }
+};
+
+/// Everything that changes from tick to tick. Copyable; a copy replays the same.
+struct SimulationState {
+  /// [setup] The state before tick 0.
+  explicit SimulationState(const SimulationWorld& world);
+
+  contact::State contact;
+  std::vector<noise::TouchNoise::State> noise;
+  std::vector<GateState> gates;
+  std::vector<contact::ToolInput> inputs;    // working memory of a tick
+  std::vector<contact::ToolResult> results;  // of the last tick, for the picture
+  bool noise_enabled = true;
+};
+
+/// [rt] One haptic tick (model.md, section 4): samples in, rows and commands out. A pure function of its
+/// arguments; it reads no clock, so tick_ns and late_ns stay 0.
+/// @param samples, commands, rows one entry a hand
+void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
+          std::span<const DeviceState> samples, std::span<ForceCommand> commands,
+          std::span<TickRow> rows) noexcept;
+
+}  // namespace palpate::haptics

@@ -1,0 +1,60 @@
+#pragma once
+#include <array>
+
+#include "palpate/model/tissue.h"
+
+namespace palpate::model {
+
+/// Force and tangent at a depth.
+struct ContactResponse {
+  double force = 0.0;      // [N]
+  double stiffness = 0.0;  // dF/dD [N/m], of the layer below at a joint; 0 when saturated
+  int cutoff_layer = 1;    // M, 1-based
+  bool saturated = false;  // past the last allowed layer: force and deformation hold
+};
+
+/// Closed-form law of the equal-ratio layered parallel springs under one contact point.
+///
+/// Layer i has 4^(i-1) springs of stiffness k_1 exp((i-1)/beta) [N/m] and limit L_1 q^(i-1) [m]; layers fill
+/// in order. [Zhang 2011, eq. 3, 4]; the cut-off layer's deformation is eq. 5 with the k_M that the print
+/// omits (docs/model.md).
+class LayeredSpringLaw final {
+ public:
+  static constexpr int kMaxLayers = 24;
+
+  /// The paper's own direction: what every layer does under a force.
+  struct LayerState {
+    double depth = 0.0;      // D = sum of the layers' deformations [m]
+    double force = 0.0;      // what the layers carry [N]; less than asked for when saturated
+    double stiffness = 0.0;  // as in ContactResponse
+    int cutoff_layer = 1;    // entries used in `deformation`
+    bool saturated = false;
+    std::array<double, kMaxLayers> deformation{};  // of one spring of each layer [m]
+  };
+
+  /// [setup] Precomputes each layer's start depth [m], start force [N] and slope [N/m].
+  /// @param loop_period T [s]: only layers with T_i < T are allowed (eq. 7)
+  /// @throws ParameterError naming the field, its value and its unit.
+  LayeredSpringLaw(const TissueParameters& tissue, Direction direction, double loop_period);
+
+  /// [rt] Contact force and tangent stiffness at penetration depth [m]; O(layers).
+  /// depth <= 0 gives force 0 in layer 1; beyond the last layer the force holds and `saturated` is set.
+  [[nodiscard]] ContactResponse force_at(double depth) const noexcept;
+
+  /// [rt] The inverse: deformation of every layer under a contact force [N] >= 0.
+  [[nodiscard]] LayerState deformation_under(double force) const noexcept;
+
+  /// [rt] Layers that the delay budget allows.
+  [[nodiscard]] int layers_allowed() const noexcept { return layers_; }
+  /// [rt] Largest depth [m] and force [N] that the layers can take.
+  [[nodiscard]] double max_depth() const noexcept { return start_depth_[static_cast<std::size_t>(layers_)]; }
+  [[nodiscard]] double max_force() const noexcept { return start_force_[static_cast<std::size_t>(layers_)]; }
+
+ private:
+  int layers_ = 1;
+  std::array<double, kMaxLayers + 1> start_depth_{};  // depth at which layer i+1 starts [m]
+  std::array<double, kMaxLayers + 1> start_force_{};  // force at which layer i+1 starts [N]
+  std::array<double, kMaxLayers> slope_{};            // P_i k_i [N/m]
+};
+
+}  // namespace palpate::model

@@ -1,0 +1,61 @@
+#pragma once
+#include <optional>
+#include <string>
+
+namespace palpate::model {
+
+/// Which limit of the springs counts: pressed (X_1o - X_1min) or pulled (X_1max - X_1o). [Zhang 2011, eq. 4]
+enum class Direction { kPress, kPull };
+
+/// How the surface gives way around a contact (model.md, section 3); all without unit.
+struct ReachParameters {
+  double contact_ratio = 1.1;     // c: R_1 = c sqrt(R D)
+  double first_bar_ratio = 0.43;  // a
+  double bar_ratio = 1.8;         // s > 1
+  double weight_ratio = 0.58;     // g, in (0, 1)
+};
+
+/// What the contact rules need of a tissue (model.md, section 4).
+struct ContactParameters {
+  double friction = 0.2;                       // Coulomb coefficient, >= 0
+  std::optional<double> tangential_stiffness;  // k_t [N/m]; 10 k_1 when not given
+  double damping = 0.5;                        // b [N s/m], >= 0
+  double reference_radius = 10e-3;             // R_ref [m]
+  double grip_limit = 8.0;                     // [N]
+};
+
+/// The indenter that the parameters were fitted with.
+struct SourceParameters {
+  std::string indenter;
+  double radius = 0.0;  // [m]
+};
+
+/// One tissue: the layered springs' parameters and what belongs to them. SI units.
+struct TissueParameters {
+  std::string name;
+  double k1 = 0.0;           // stiffness of the first layer's spring [N/m]
+  double beta = 0.0;         // eq. 3
+  double q = 0.0;            // eq. 4
+  double rest_length = 0.0;  // X_1o [m]
+  double max_length = 0.0;   // X_1max [m]
+  double min_length = 0.0;   // X_1min [m]
+  double t1 = 0.0;           // delay of the first layer [s], eq. 6
+  ReachParameters reach;
+  ContactParameters contact;
+  std::optional<SourceParameters> source;
+
+  /// [any] L_1 [m]: X_1max - X_1o when pulled, X_1o - X_1min when pressed.
+  [[nodiscard]] double first_limit(Direction direction) const noexcept;
+  /// [any] k_t [N/m].
+  [[nodiscard]] double tangential_stiffness() const noexcept;
+};
+
+/// [setup] Checks every field. @throws ParameterError naming the first bad field as it stands in a tissue
+/// file (k1_N_per_m, rest_length_mm, contact.friction, ...), its value in that unit and what would be right.
+void validate(const TissueParameters& tissue);
+
+/// [setup] A built-in tissue: "gallbladder", "heart", "liver" or "kidney". @throws InputError listing those
+/// names.
+[[nodiscard]] TissueParameters tissue_preset(const std::string& name);
+
+}  // namespace palpate::model

@@ -1,0 +1,10 @@
+#pragma once
+#include "palpate/haptics/simulation.h"
+#include "palpate/scene/setup.h"
+
+namespace palpate::record {
+
+/// [setup] Builds what a tick needs from a resolved scene. @throws InputError, ParameterError.
+[[nodiscard]] haptics::SimulationWorld assemble(const scene::Setup& setup);
+
+}  // namespace palpate::record

@@ -1,0 +1,67 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "palpate/deform/displacement.h"
+#include "palpate/geometry/mesh.h"
+#include "palpate/geometry/tool.h"
+#include "palpate/haptics/loop.h"
+#include "palpate/model/tissue.h"
+
+namespace palpate::render {
+
+/// 8-bit RGB, top row first.
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// [setup] Writes a PNG. @throws InputError naming the file when it cannot be written.
+void write_png(const Image& image, const std::filesystem::path& file);
+
+/// What a picture shows that does not change from tick to tick.
+struct Subject {
+  geometry::TriangleMesh organ;  // rest, organ frame
+  std::vector<geometry::Tool> tools;
+  model::ReachParameters reach;
+  std::string tissue_name;  // chooses the colour: gallbladder, heart, liver, kidney; else a neutral tissue
+};
+
+/// Where the picture is seen from. World frame.
+struct Camera {
+  Vec3 eye = Vec3(0.1, -0.2, 0.1);
+  Vec3 target = Vec3::Zero();
+  Vec3 up = Vec3::UnitZ();
+  double vertical_view_deg = 30.0;
+};
+
+/// [setup] A camera that frames organ and tool tip from the side on which the contact is best seen.
+/// @param focus_W the contact (or nearest) point; @param normal_W outward there
+/// @param close_up true: the contact fills the picture; false: the whole organ is in it
+[[nodiscard]] Camera frame_contact(const Subject& subject, const haptics::Snapshot& snapshot,
+                                   const Vec3& focus_W, const Vec3& normal_W, bool close_up);
+
+/// Draws snapshots without a display: SDL's offscreen video driver over Mesa EGL, OpenGL 3.3 core or later.
+class OffscreenRenderer final {
+ public:
+  /// [setup] @throws std::runtime_error saying what is missing when no OpenGL context can be had.
+  OffscreenRenderer(const Subject& subject, int width, int height);
+  ~OffscreenRenderer();
+
+  /// [setup] The picture of one snapshot; organ deformed as model.md section 3 says, tool at its pose and
+  /// opening.
+  [[nodiscard]] Image draw(const haptics::Snapshot& snapshot, const Camera& camera);
+
+  /// [any] The renderer's name as OpenGL gives it, for the report.
+  [[nodiscard]] std::string driver() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::render

@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "palpate/base/pose.h"
+#include "palpate/geometry/mesh.h"
+#include "palpate/geometry/tool.h"
+#include "palpate/model/tissue.h"
+#include "palpate/noise/touch_noise.h"
+
+namespace palpate::scene {
+
+enum class Task { kPress, kPull };
+
+/// How the device's sample becomes the tool's pose: translation scaled, then placed by `base`.
+struct DeviceSetup {
+  std::string kind = "scripted";  // scripted | replay | ...
+  std::string path;               // resolved; empty: none given
+  double workspace_scale = 1.0;   // > 0
+  Pose base;
+};
+
+/// Limits of the gate; SI (slew per second).
+struct SafetySetup {
+  double max_force = 20.0;        // N
+  double max_slew = 5000.0;       // N/s
+  double max_torque = 0.2;        // N m
+  double max_torque_slew = 50.0;  // N m/s
+};
+
+/// One scene, fully resolved and checked: everything the simulation needs, in SI, no file left to read.
+struct Setup {
+  std::string name;
+  Task task = Task::kPress;
+  double rate_Hz = 1000.0;
+  std::uint64_t seed = 1;
+  std::string organ_name;        // built-in name or file, for people
+  geometry::TriangleMesh organ;  // organ frame, m
+  Pose organ_pose;
+  model::TissueParameters tissue;
+  std::vector<geometry::Tool> tools;  // one a hand
+  std::vector<DeviceSetup> devices;   // one a hand
+  noise::NoiseSettings noise;
+  SafetySetup safety;
+  std::vector<std::string>
+      remarks;  // repairs, defects left, warnings: told to the user, kept in the recording
+};
+
+}  // namespace palpate::scene
