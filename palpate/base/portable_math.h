@@ -18,10 +18,10 @@ struct SinCos {
 /// [rt] Natural logarithm; -infinity at 0, NaN below, infinity at infinity.
 [[nodiscard]] double log(double x) noexcept;
 
-/// [rt] Sine and cosine of x [rad], |x| <= 1e5 (larger arguments lose digits).
+/// [rt] Sine and cosine of x [rad], |x| <= 1e5 (larger arguments lose digits; NaN past 1e9).
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 
-/// [rt] Arc cosine [rad] of x, clamped to [-1, 1] first.
+/// [rt] Arc cosine [rad] of x, clamped to [-1, 1] first; NaN for NaN.
 [[nodiscard]] double acos(double x) noexcept;
 
 }  // namespace palpate::portable
