@@ -1,0 +1,234 @@
+#include "palpate/contact/contact.h"
+
+#include <algorithm>
+
+#include "palpate/base/error.h"
+#include "palpate/contact/press.h"
+#include "palpate/contact/proximity.h"
+#include "palpate/contact/pull.h"
+#include "palpate/contact/sharing.h"
+#include "palpate/contact/state.h"
+
+namespace palpate::contact {
+namespace {
+
+constexpr std::size_t kMaxTools = 8;
+
+ToolPoints sample_tool(const geometry::Tool& tool) {
+  if (tool.parts.empty() || tool.parts.size() > static_cast<std::size_t>(kMaxParts)) {
+    throw InputError("tool \"" + tool.name + "\" has " + std::to_string(tool.parts.size()) +
+                     " parts: must be 1 to " + std::to_string(kMaxParts));
+  }
+  ToolPoints points;
+  double tip_z = 0.0;
+  for (const geometry::ToolPart& part : tool.parts) {
+    points.parts.push_back(sample_part(part, tool.tip_radius.value_or(0.0)));
+    points.has_jaws = points.has_jaws || part.is_jaw;
+    const PartPoints& sampled = points.parts.back();
+    for (std::size_t i = 0; i < sampled.size(); ++i) {
+      if (points.tip_radius > 0.0 && sampled.z[i] <= tip_z) continue;
+      tip_z = sampled.z[i];
+      points.tip_radius = sampled.tip_radius[i];
+    }
+  }
+  return points;
+}
+
+std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
+  if (tools.empty() || tools.size() > kMaxTools) {
+    throw InputError(std::to_string(tools.size()) + " tools: must be 1 to " + std::to_string(kMaxTools));
+  }
+  std::vector<ToolPoints> sampled;
+  for (const geometry::Tool& tool : tools) sampled.push_back(sample_tool(tool));
+  return sampled;
+}
+
+/// Brings all parts of a tool to where they are now and works out its contacts; shares come later.
+std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
+                          const ToolInput& input, ToolState& tool, DepthScratch& scratch) noexcept {
+  std::uint32_t status = 0;
+  tool.pose_S = organ_W.inverse() * input.pose_W;
+  for (std::size_t i = 0; i < points.parts.size(); ++i) {
+    PartState& part = tool.parts[i];
+    const bool was_seen = part.seen;
+    const Pose pose_S = tool.pose_S * geometry::part_pose(points.parts[i].joint, input.gripper);
+    if (move_part(world.surface, points.parts[i], pose_S, world.period, part)) continue;
+    part.contact_count = 0;
+    GripState grip;
+    grip.open = tool.grip.open;
+    grip.last_gripper = tool.grip.last_gripper;
+    tool.grip = grip;
+    if (was_seen) status |= kJump;
+  }
+  status |= update_pull(world, points, input.gripper, tool);
+  for (std::size_t i = 0; i < points.parts.size(); ++i) {
+    status |= update_press(world, points.parts[i], tool.parts[i], scratch);
+  }
+  return status;
+}
+
+/// Sums over a tool's contacts, in the organ's frame.
+struct Sums {
+  Vec3 force = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();  // about the handle's origin
+  Vec3 friction = Vec3::Zero();
+
+  void add(const Vec3& part, const Vec3& where, const Vec3& origin) noexcept {
+    force += part;
+    torque += (where - origin).cross(part);
+  }
+};
+
+void add_view(const ContactView& view, ToolResult& result) noexcept {
+  if (result.view_count < kMaxViews) result.views[static_cast<std::size_t>(result.view_count++)] = view;
+}
+
+void add_press(const World::Data& world, const Pose& organ_W, ToolState& tool, Sums& sums,
+               ToolResult& result) noexcept {
+  double largest = -1.0;
+  for (PartState& part : tool.parts) {
+    for (const Contact& contact : part.active()) {
+      const double counts = contact.share * part.press_level;
+      const Vec3 force = counts * (contact.normal_force * contact.normal + contact.friction);
+      sums.add(force, contact.support.mean, tool.pose_S.position);
+      sums.friction += counts * contact.friction;
+      if (counts <= 0.0 || contact.depth <= 0.0) continue;
+      result.phase = Phase::kPress;
+      add_view({contact.at.point, -contact.normal, contact.depth * part.press_level,
+                contact.support.tip_radius, contact.support.half_width, contact.at.triangle, false},
+               result);
+      if (counts * contact.normal_force <= largest) continue;
+      largest = counts * contact.normal_force;
+      const model::ContactResponse response = world.press.force_at(contact.depth);
+      result.depth = contact.depth;
+      result.cutoff_layer = response.cutoff_layer;
+      result.saturated = response.saturated;
+      result.contact_W = organ_W * contact.at.point;
+      result.normal_W = organ_W.rotation * contact.normal;
+    }
+  }
+}
+
+void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult& result) noexcept {
+  const GripState& grip = tool.grip;
+  if (!pulls(grip)) return;
+  const Vec3 carried = grip.anchor.point + grip.stretch;
+  const bool strongest = grip.held || grip.force.norm() >= sums.force.norm();
+  sums.add(grip.force, carried, tool.pose_S.position);
+  const double length = grip.stretch.norm();
+  if (length > 0.0) {
+    add_view(
+        {grip.anchor.point, grip.stretch / length, length, grip.tip_radius, 0.0, grip.anchor.triangle, true},
+        result);
+  }
+  if (!strongest) return;
+  result.phase = Phase::kPull;
+  result.depth = length;
+  result.cutoff_layer = grip.cutoff_layer;
+  result.saturated = grip.saturated;
+  result.contact_W = organ_W * grip.anchor.point;
+  result.normal_W = organ_W.rotation * grip.normal;
+}
+
+/// Distance of the whole tool, and the way from the tissue to it.
+void add_nearest(const ToolPoints& points, const Pose& organ_W, const ToolState& tool,
+                 ToolResult& result) noexcept {
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < tool.parts.size(); ++i) {
+    if (tool.parts[i].nearest.distance < tool.parts[nearest].nearest.distance) nearest = i;
+  }
+  const PartState& part = tool.parts[nearest];
+  result.distance = part.nearest.distance;
+  result.nearest_W = organ_W * part.nearest.point;
+  const Vec3 to_tool = part.pose_S * points.parts[nearest].point(part.nearest_point) - part.nearest.point;
+  constexpr double kTouching =
+      1e-9;  // m: nearer than this the line has no direction, the surface's normal serves
+  Vec3 away = part.nearest.normal;
+  if (part.nearest.distance > kTouching) away = to_tool.normalized();
+  result.away_W = organ_W.rotation * away;
+  result.contact_W = result.nearest_W;
+  result.normal_W = result.away_W;
+}
+
+ToolResult summarize(const World::Data& world, const ToolPoints& points, const Pose& organ_W, ToolState& tool,
+                     std::uint32_t status) noexcept {
+  ToolResult result;
+  Sums sums;
+  result.status = status;
+  add_nearest(points, organ_W, tool, result);
+  add_press(world, organ_W, tool, sums, result);
+  add_pull(organ_W, tool, sums, result);
+  if (result.phase != Phase::kApproach) result.away_W = result.normal_W;
+  result.force_W = organ_W.rotation * sums.force;
+  result.torque_W = organ_W.rotation * sums.torque;
+  result.friction = sums.friction.norm();
+  return result;
+}
+
+}  // namespace
+
+World::World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
+             const model::TissueParameters& tissue, double loop_period) {
+  model::validate(tissue);
+  data_ = std::make_unique<const Data>(
+      Data{tissue, OrganSurface(organ, tissue.contact.reference_radius), sample_tools(tools),
+           model::LayeredSpringLaw(tissue, model::Direction::kPress, loop_period),
+           model::LayeredSpringLaw(tissue, model::Direction::kPull, loop_period), loop_period});
+}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+std::size_t World::tool_count() const noexcept { return data_->tools.size(); }
+const model::TissueParameters& World::tissue() const noexcept { return data_->tissue; }
+const model::LayeredSpringLaw& World::press_law() const noexcept { return data_->press; }
+const model::LayeredSpringLaw& World::pull_law() const noexcept { return data_->pull; }
+const geometry::TriangleMesh& World::rest_surface() const noexcept { return data_->surface.mesh(); }
+double World::tip_radius(std::size_t tool) const noexcept { return data_->tools[tool].tip_radius; }
+
+State::State(const World& world) : data_(std::make_unique<Data>()) {
+  std::size_t most_points = 0;
+  for (const ToolPoints& points : world.data().tools) {
+    ToolState tool;
+    for (const PartPoints& part_points : points.parts) {
+      PartState part;
+      part.known.assign(part_points.size(), 0.0);
+      part.since.assign(part_points.size(), 0.0);
+      part.nearest_triangle.assign(part_points.size(), -1);
+      part.inside.assign(part_points.size(), 0);
+      most_points = std::max(most_points, part_points.size());
+      tool.parts.push_back(std::move(part));
+    }
+    data_->tools.push_back(std::move(tool));
+  }
+  data_->scratch.assign(most_points, 0.0);
+}
+State::~State() = default;
+State::State(const State& other) : data_(std::make_unique<Data>(*other.data_)) {}
+State& State::operator=(const State& other) {
+  if (this != &other) data_ = std::make_unique<Data>(*other.data_);
+  return *this;
+}
+State::State(State&&) noexcept = default;
+State& State::operator=(State&&) noexcept = default;
+
+void advance(const World& world, const Pose& organ_W, std::span<const ToolInput> inputs, State& state,
+             std::span<ToolResult> results) noexcept {
+  const World::Data& data = world.data();
+  State::Data& now = state.data();
+  std::array<std::uint32_t, kMaxTools> status{};
+  std::array<Contact*, kMaxTools * kContactsPerPart * kMaxParts> all{};
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < data.tools.size(); ++t) {
+    status[t] = update_tool(data, data.tools[t], organ_W, inputs[t], now.tools[t], now.scratch);
+    for (PartState& part : now.tools[t].parts) {
+      for (Contact& contact : part.active()) all[count++] = &contact;
+    }
+  }
+  share_tissue(data.tissue.contact.reference_radius, std::span(all).first(count));
+  for (std::size_t t = 0; t < data.tools.size(); ++t) {
+    results[t] = summarize(data, data.tools[t], organ_W, now.tools[t], status[t]);
+  }
+}
+
+}  // namespace palpate::contact

@@ -1,0 +1,244 @@
+#include "palpate/contact/press.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/base/portable_math.h"
+#include "palpate/contact/proximity.h"
+
+namespace palpate::contact {
+namespace {
+
+// The rules' own figures (model.md, section 4).
+constexpr double kWalkSpeed = 0.05;         // m/s, that c may gain on the tool
+constexpr double kStillStep = 0.1e-6;       // m, where the walk stops
+constexpr int kWalkSteps = 3;               // a tick
+constexpr double kLetIn = 50e-3;            // s, over which a start's excess depth counts
+constexpr double kShallow = 0.5e-3;         // m, an inside point this deep may start a contact
+constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
+constexpr double kDampingDepth = 1e-3;      // m, where the damping counts in full
+constexpr double kDeepInside = -1e-3;       // m, a part that loses its last contact here is off until outside
+constexpr int kMostEvaluations = 8;         // supports looked at for starts, a tick and part
+constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
+
+Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
+                     const Vec3& point_S, const Vec3& normal_S, DepthScratch& scratch) noexcept {
+  const Pose to_part = part.pose_S.inverse();
+  Support support = support_of(points, to_part * point_S, to_part.rotation * normal_S,
+                               world.tissue.contact.reference_radius, scratch);
+  support.mean = part.pose_S * support.mean;
+  return support;
+}
+
+/// Turns `normal` towards `goal` by at most `most` [rad]. @return the angle turned
+double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
+  const double cosine = std::clamp(normal.dot(goal), -1.0, 1.0);
+  const Vec3 across = goal - cosine * normal;
+  const double sine = across.norm();
+  const double angle = portable::acos(cosine);
+  // Near 0 the cosine has lost its digits, and the sine is the angle.
+  if ((cosine > 0.0 && sine <= most) || angle <= most) {
+    normal = goal;
+    return cosine > 0.99 ? sine : angle;
+  }
+  if (sine < 1e-9) return 0.0;  // turned right round: no way is nearer
+  const auto [s, c] = portable::sin_cos(most);
+  normal = (c * normal + (s / sine) * across).normalized();
+  return most;
+}
+
+/// Up to three steps along the surface towards the middle of the support, then the normal.
+void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part, Contact& contact,
+                  DepthScratch& scratch) noexcept {
+  const double own_motion = motion_at(part, contact.at.point).norm();
+  const double limit = kWalkSpeed * world.period + own_motion;
+  double left = limit;
+  contact.step = std::max(contact.step, own_motion);
+  for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
+    const Support support = support_in_S(world, points, part, contact.at.point, contact.normal, scratch);
+    if (support.depth <= 0.0) break;
+    Vec3 away = support.mean - contact.at.point;
+    away -= away.dot(contact.normal) * contact.normal;
+    const double distance = away.norm();
+    if (distance < kStillStep) break;
+    const Vec3 direction = away / distance;
+    contact.step *= direction.dot(contact.last_direction) < 0.0 ? 0.5 : 1.5;
+    contact.step = std::min(contact.step, limit);
+    if (contact.step < kStillStep) break;
+    const double length = std::min({contact.step, distance, left});
+    contact.at = world.surface.walk(contact.at, length * direction, contact.normal);
+    contact.last_direction = direction;
+    left -= length;
+  }
+  const double reference_radius = world.tissue.contact.reference_radius;
+  const double turned =
+      turn_towards(contact.normal, world.surface.normal_at(contact.at), limit / reference_radius);
+  contact.step = std::max(contact.step, turned * reference_radius);
+}
+
+/// Depth, force along the normal with damping, and friction of a contact whose support is known.
+void compute_force(const World::Data& world, const PartState& part, Contact& contact) noexcept {
+  const model::ContactParameters& rules = world.tissue.contact;
+  contact.offset = std::max(0.0, contact.offset - contact.offset_step);
+  const double depth = std::max(0.0, contact.support.depth - contact.offset);
+  contact.elastic_force = world.press.force_at(depth).force;
+  const double speed = (depth - contact.depth) / world.period;
+  contact.normal_force =
+      std::max(0.0, contact.elastic_force + rules.damping * speed * std::min(1.0, depth / kDampingDepth));
+  contact.depth = depth;
+
+  // Friction [Hayward and Armstrong 2000]: a tangential spring on the slip, trimmed to the cone.
+  const double stiffness = world.tissue.tangential_stiffness();
+  contact.slip += motion_at(part, contact.support.mean);
+  contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
+  const double longest = rules.friction * contact.normal_force / stiffness;
+  const double length = contact.slip.norm();
+  if (length > longest) contact.slip *= longest / length;
+  contact.friction = -stiffness * contact.slip;
+}
+
+void remove_contact(PartState& part, int index) noexcept {
+  for (int i = index; i + 1 < part.contact_count; ++i) {
+    part.contacts[static_cast<std::size_t>(i)] = part.contacts[static_cast<std::size_t>(i + 1)];
+  }
+  --part.contact_count;
+}
+
+/// Contacts closer than R_ref/10 are one: the stronger stays.
+void merge_contacts(double reference_radius, PartState& part) noexcept {
+  const double closest = reference_radius / 10.0;
+  for (int i = 0; i < part.contact_count; ++i) {
+    for (int j = i + 1; j < part.contact_count; ++j) {
+      const Contact& a = part.contacts[static_cast<std::size_t>(i)];
+      const Contact& b = part.contacts[static_cast<std::size_t>(j)];
+      if ((a.at.point - b.at.point).squaredNorm() >= closest * closest) continue;
+      remove_contact(part, a.depth >= b.depth ? j : i);
+      i = -1;  // look at all pairs again
+      break;
+    }
+  }
+}
+
+bool near_a_contact(double reference_radius, PartState& part, const Vec3& point) noexcept {
+  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& contact) {
+    return (contact.at.point - point).squaredNorm() <= reference_radius * reference_radius;
+  });
+}
+
+std::size_t point_nearest_to(const PartPoints& points, const Vec3& wanted) noexcept {
+  std::size_t best = 0;
+  double best_squared = (points.point(0) - wanted).squaredNorm();
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double squared = (points.point(i) - wanted).squaredNorm();
+    if (squared < best_squared) {
+      best_squared = squared;
+      best = i;
+    }
+  }
+  return best;
+}
+
+/// Starting contacts of one part, with a bound on the supports looked at.
+class Starter final {
+ public:
+  Starter(const World::Data& world, const PartPoints& points, PartState& part, DepthScratch& scratch) noexcept
+      : world_(world), points_(points), part_(part), scratch_(scratch) {}
+
+  void try_entries() noexcept {
+    for (std::size_t i = 0; i < part_.entry_count; ++i)
+      try_at(part_.entries[i].point, part_.entries[i].at, 2);
+  }
+
+  /// Points that are inside but not deep, a few a tick, in turn.
+  void try_shallow_points() noexcept {
+    const auto count = static_cast<std::uint32_t>(points_.size());
+    for (std::uint32_t k = 0; k < std::min(kPointsTried, count) && evaluations_ < kMostEvaluations; ++k) {
+      part_.cursor = (part_.cursor + 1) % count;
+      const std::size_t i = part_.cursor;
+      if (part_.inside[i] == 0 || greatest_distance(part_, i) < -kShallow) continue;
+      if (near_a_contact(radius(), part_, part_.pose_S * points_.point(i))) continue;
+      const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, i, part_);
+      if (nearest.distance >= 0.0 || nearest.distance < -kShallow) continue;
+      try_at(i, {nearest.point, nearest.triangle}, 0);
+    }
+  }
+
+  [[nodiscard]] std::uint32_t status() const noexcept { return status_; }
+
+ private:
+  [[nodiscard]] double radius() const noexcept { return world_.tissue.contact.reference_radius; }
+
+  /// Starts a contact at `at` if the point is the deepest of its own support; else looks where that is.
+  void try_at(std::size_t point, const SurfacePoint& at, int redirections) noexcept {
+    if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMostEvaluations) return;
+    if (part_.contact_count == kContactsPerPart) {
+      status_ |= kContactsFull;
+      return;
+    }
+    ++evaluations_;
+    const Vec3 normal = world_.surface.normal_at(at);
+    const Support support = support_in_S(world_, points_, part_, at.point, normal, scratch_);
+    if (support.depth <= 0.0 || (part_.contact_count > 0 && support.depth > kDeepestSecond)) return;
+    const Vec3 here = part_.pose_S * points_.point(point);
+    if ((support.mean - here).norm() > radius() / 5.0) {
+      if (redirections == 0) return;
+      const std::size_t deepest = point_nearest_to(points_, part_.pose_S.inverse() * support.mean);
+      const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, deepest, part_);
+      if (nearest.distance < 0.0) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
+      return;
+    }
+    Contact contact;
+    contact.at = at;
+    contact.normal = normal;
+    contact.support = support;
+    const double own_motion = motion_at(part_, at.point).norm();
+    contact.step = own_motion;
+    contact.offset = std::max(0.0, support.depth - own_motion);
+    contact.offset_step = contact.offset * world_.period / kLetIn;
+    contact.offset += contact.offset_step;  // the first tick takes it off again
+    part_.contacts[static_cast<std::size_t>(part_.contact_count++)] = contact;
+  }
+
+  const World::Data& world_;
+  const PartPoints& points_;
+  PartState& part_;
+  DepthScratch& scratch_;
+  int evaluations_ = 0;
+  std::uint32_t status_ = 0;
+};
+
+}  // namespace
+
+std::uint32_t update_press(const World::Data& world, const PartPoints& points, PartState& part,
+                           DepthScratch& scratch) noexcept {
+  const int before = part.contact_count;
+  for (int i = 0; i < part.contact_count;) {
+    Contact& contact = part.contacts[static_cast<std::size_t>(i)];
+    walk_contact(world, points, part, contact, scratch);
+    contact.support = support_in_S(world, points, part, contact.at.point, contact.normal, scratch);
+    if (contact.support.depth > 0.0) {
+      ++i;
+    } else {
+      remove_contact(part, i);
+    }
+  }
+  merge_contacts(world.tissue.contact.reference_radius, part);
+  if (before > 0 && part.contact_count == 0 && part.nearest.distance < kDeepInside) part.armed = false;
+
+  std::uint32_t status = 0;
+  if (part.armed) {
+    Starter starter(world, points, part, scratch);
+    starter.try_entries();
+    if (part.nearest.distance < 0.0) starter.try_shallow_points();
+    status = starter.status();
+  } else {
+    status = kStartedInside;
+  }
+  for (Contact& contact : part.active()) {
+    compute_force(world, part, contact);
+    contact.elastic_force *= part.press_level;  // jaws that hold press nothing, and take no share from others
+  }
+  return status;
+}
+
+}  // namespace palpate::contact

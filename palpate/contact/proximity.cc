@@ -1,0 +1,104 @@
+#include "palpate/contact/proximity.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::contact {
+namespace {
+
+constexpr double kOutside = -1e-6;  // m: a part that just touches counts as outside
+
+/// The most that any point of the part moves between two poses: reached at a corner of its box, since the
+/// motion is affine and its norm convex.
+double greatest_motion(const PartPoints& points, const Pose& from, const Pose& to) noexcept {
+  double squared = 0.0;
+  for (const Vec3& corner : points.corners)
+    squared = std::max(squared, (to * corner - from * corner).squaredNorm());
+  return std::sqrt(squared);
+}
+
+/// Forgets what is known of every point but that distance changes by no more than the way gone.
+void forget(const OrganSurface& surface, const PartPoints& points, PartState& part) noexcept {
+  const double middle = surface.nearest(part.pose_S * points.centre, -1).distance;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    part.known[i] = middle;
+    part.since[i] = part.travelled - points.from_centre[i];
+    part.nearest_triangle[i] = -1;
+    part.inside[i] = middle < 0.0 ? 1 : 0;
+  }
+}
+
+void add_entry(PartState& part, std::size_t point, const SurfacePoint& at) noexcept {
+  if (part.entry_count == PartState::kMostEntries) return;  // so many points at once: any of them will do
+  part.entries[part.entry_count++] = {static_cast<std::uint32_t>(point), at};
+}
+
+/// Asks one point, and notes an entry when it went in, or in and out again, during this tick.
+void update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i, bool placed_anew,
+                  PartState& part) noexcept {
+  const bool was_inside = part.inside[i] != 0;
+  const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
+  const geometry::NearestPoint now = ask_distance(surface, points, i, part);
+  if (placed_anew || was_inside) return;
+  const bool went_in = now.distance < 0.0;
+  const Vec3 end = part.pose_S * points.point(i);
+  const Vec3 start = part.previous_S * points.point(i);
+  if (!went_in && std::max(0.0, before) + now.distance > (end - start).norm()) return;  // cannot have touched
+  if (const auto entry = surface.first_entry(start, end)) {
+    add_entry(part, i, {entry->point, entry->triangle});
+  } else if (went_in) {
+    add_entry(part, i, {now.point, now.triangle});
+  }
+}
+
+void scan_points(const OrganSurface& surface, const PartPoints& points, bool placed_anew,
+                 PartState& part) noexcept {
+  update_point(surface, points, part.nearest_point, placed_anew, part);
+  part.nearest = ask_distance(surface, points, part.nearest_point, part);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double least = least_distance(part, i);
+    const bool may_have_crossed = least <= 0.0 && greatest_distance(part, i) >= 0.0;
+    if (least >= part.nearest.distance && !may_have_crossed) continue;
+    if (i == part.nearest_point) continue;
+    update_point(surface, points, i, placed_anew, part);
+    if (part.known[i] < part.nearest.distance) {
+      part.nearest_point = static_cast<std::uint32_t>(i);
+      part.nearest = ask_distance(surface, points, i, part);
+    }
+  }
+}
+
+}  // namespace
+
+geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoints& points, std::size_t point,
+                                    PartState& part) noexcept {
+  const geometry::NearestPoint found =
+      surface.nearest(part.pose_S * points.point(point), part.nearest_triangle[point]);
+  part.known[point] = found.distance;
+  part.since[point] = part.travelled;
+  part.nearest_triangle[point] = found.triangle;
+  part.inside[point] = found.distance < 0.0 ? 1 : 0;
+  return found;
+}
+
+bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S, double period,
+               PartState& part) noexcept {
+  part.previous_S = part.seen ? part.pose_S : pose_S;
+  part.pose_S = pose_S;
+  part.motion = greatest_motion(points, part.previous_S, pose_S);
+  part.travelled += part.motion;
+  part.entry_count = 0;
+  const bool placed_anew = !part.seen || part.motion > kFastestHand * period;
+  part.seen = true;
+  if (placed_anew) {
+    forget(surface, points, part);
+    part.previous_S = pose_S;
+    part.motion = 0.0;
+    part.armed = false;
+  }
+  scan_points(surface, points, placed_anew, part);
+  if (part.nearest.distance >= kOutside) part.armed = true;
+  return !placed_anew;
+}
+
+}  // namespace palpate::contact

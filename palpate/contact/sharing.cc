@@ -1,0 +1,46 @@
+#include "palpate/contact/sharing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/base/portable_math.h"
+
+namespace palpate::contact {
+namespace {
+
+/// c_ij: 1 for coincident contacts, 0 from R_ref on; r_ij is the arc that chord and normals span.
+double closeness(const Contact& a, const Contact& b, double reference_radius) noexcept {
+  const double chord_squared = (a.at.point - b.at.point).squaredNorm();
+  if (chord_squared >= reference_radius * reference_radius) return 0.0;  // the arc is longer than its chord
+  const double cosine = std::clamp(a.normal.dot(b.normal), -1.0, 1.0);
+  const double half_sine = std::sqrt(0.5 * (1.0 - cosine));
+  constexpr double kStraight = 1e-6;  // below this the arc is its chord
+  const double stretch = half_sine > kStraight ? 0.5 * portable::acos(cosine) / half_sine : 1.0;
+  const double ratio_squared = chord_squared * stretch * stretch / (reference_radius * reference_radius);
+  return std::max(0.0, 1.0 - ratio_squared);
+}
+
+double eighth_power(double x) noexcept {
+  const double x2 = x * x;
+  const double x4 = x2 * x2;
+  return x4 * x4;
+}
+
+}  // namespace
+
+void share_tissue(double reference_radius, std::span<Contact* const> contacts) noexcept {
+  for (Contact* const one : contacts) {
+    double greatest = 0.0;  // C_i
+    double crowd = 0.0;     // sum over the others of c_ij (F_j/F_i)^8
+    for (const Contact* const other : contacts) {
+      if (other == one) continue;
+      const double close = closeness(*one, *other, reference_radius);
+      if (close <= 0.0) continue;
+      greatest = std::max(greatest, close);
+      if (one->elastic_force > 0.0) crowd += close * eighth_power(other->elastic_force / one->elastic_force);
+    }
+    one->share = 1.0 - greatest + greatest / (1.0 + crowd);
+  }
+}
+
+}  // namespace palpate::contact

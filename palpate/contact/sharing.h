@@ -1,0 +1,12 @@
+#pragma once
+#include <span>
+
+#include "palpate/contact/state.h"
+
+namespace palpate::contact {
+
+/// [rt] Several contacts on one organ share its tissue: sets the share of each, so that coincident contacts
+/// weigh as one, distant ones add, and nothing jumps as they part (model.md, section 4).
+void share_tissue(double reference_radius, std::span<Contact* const> contacts) noexcept;
+
+}  // namespace palpate::contact

@@ -1,0 +1,118 @@
+#pragma once
+// What World and State hold inside; only the .cc files of this module include it.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "palpate/contact/contact.h"
+#include "palpate/contact/organ_surface.h"
+#include "palpate/contact/support.h"
+#include "palpate/contact/tool_points.h"
+
+namespace palpate::contact {
+
+/// An instrument as contact sees it.
+struct ToolPoints {
+  std::vector<PartPoints> parts;
+  bool has_jaws = false;
+  double tip_radius = 0.0;  // at the tip [m]
+};
+
+struct World::Data {
+  model::TissueParameters tissue;
+  OrganSurface surface;
+  std::vector<ToolPoints> tools;
+  model::LayeredSpringLaw press;
+  model::LayeredSpringLaw pull;
+  double period;  // T [s]
+};
+
+/// One press contact; organ frame S.
+struct Contact {
+  SurfacePoint at;                     // c
+  Vec3 normal = Vec3::UnitZ();         // state: turns towards the surface's normal at a limited rate
+  double step = 0.0;                   // length of the next step of the walk [m]
+  Vec3 last_direction = Vec3::Zero();  // of the walk
+  double offset = 0.0;                 // depth not let in yet [m]
+  double offset_step = 0.0;            // let in a tick [m]
+  double depth = 0.0;                  // D that counts, last tick [m]
+  Vec3 slip = Vec3::Zero();            // of the tangential spring [m]
+  // Of this tick:
+  Support support;               // in S
+  double elastic_force = 0.0;    // F(D) [N]
+  double normal_force = 0.0;     // with damping [N]
+  Vec3 friction = Vec3::Zero();  // [N]
+  double share = 1.0;            // of several contacts on one tissue
+};
+
+/// A point that has gone in, and where.
+struct EntryEvent {
+  std::uint32_t point = 0;
+  SurfacePoint at;
+};
+
+/// One rigid part from tick to tick.
+struct PartState {
+  static constexpr std::size_t kMostEntries = 64;
+
+  // Where it is. A point's signed distance to the organ is known to be within `known +- (travelled - since)`.
+  Pose pose_S;      // of the part's frame in the organ's, this tick
+  Pose previous_S;  // last tick
+  bool seen = false;
+  double travelled = 0.0;     // most that any point has moved so far, summed [m]
+  double motion = 0.0;        // of that, this tick
+  std::vector<double> known;  // a point's signed distance when last asked [m]
+  std::vector<double> since;  // `travelled` then
+  std::vector<std::int32_t> nearest_triangle;
+  std::vector<std::uint8_t> inside;
+  std::uint32_t nearest_point = 0;  // of the part to the organ
+  geometry::NearestPoint nearest;   // its distance
+  std::size_t entry_count = 0;
+  std::array<EntryEvent, kMostEntries> entries{};
+
+  // Contacts.
+  bool armed = false;        // has been outside since it was placed
+  std::uint32_t cursor = 0;  // next point to try for a start
+  int contact_count = 0;
+  std::array<Contact, kContactsPerPart> contacts{};
+  double press_level = 1.0;  // 0 while the jaws hold tissue
+
+  [[nodiscard]] std::span<Contact> active() noexcept {
+    return std::span(contacts).first(static_cast<std::size_t>(contact_count));
+  }
+};
+
+/// The jaws' hold on the tissue; organ frame S unless said.
+struct GripState {
+  bool open = false;     // by the gripper, with hysteresis
+  bool closing = false;  // the gripper has passed its closing value and closes on
+  double last_gripper = 0.0;
+  bool held = false;
+  bool released = false;         // let go past the limit; until the jaws open again
+  SurfacePoint anchor;           // on the rest surface
+  Vec3 normal = Vec3::UnitZ();   // of the surface there
+  Vec3 anchor_T = Vec3::Zero();  // in the handle's frame at closing
+  double tip_radius = 0.0;
+  // Of this tick, or fading after letting go:
+  Vec3 stretch = Vec3::Zero();         // s [m]
+  Vec3 force = Vec3::Zero();           // [N]
+  Vec3 released_force = Vec3::Zero();  // at the moment of letting go [N]
+  Vec3 released_stretch = Vec3::Zero();
+  double fade = 0.0;  // 1 .. 0 after letting go
+  int cutoff_layer = 0;
+  bool saturated = false;
+};
+
+/// One tool from tick to tick.
+struct ToolState {
+  Pose pose_S;  // of the handle in the organ's frame, this tick
+  std::vector<PartState> parts;
+  GripState grip;
+};
+
+struct State::Data {
+  std::vector<ToolState> tools;
+  DepthScratch scratch;
+};
+
+}  // namespace palpate::contact

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "palpate/geometry/mesh.h"
+#include "palpate/geometry/tool.h"
+
+namespace palpate::contact {
+
+/// The surface points of one rigid part of a tool, in the part's own frame P (the handle's, drawn closed).
+/// Arrays by component; points that lie together are neighbours in the arrays, in clusters that can be passed
+/// over whole.
+struct PartPoints {
+  /// A run of points within a ball.
+  struct Cluster {
+    Vec3 centre = Vec3::Zero();
+    double radius = 0.0;
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+  };
+
+  std::vector<double> x, y, z;      // m
+  std::vector<double> area;         // m^2, of the surface that the point stands for, > 0
+  std::vector<double> tip_radius;   // R, radius of curvature there [m]
+  std::vector<double> half_width;   // of the part there [m]
+  std::vector<double> from_centre;  // distance to `centre` [m]
+  std::vector<Cluster> clusters;
+  Vec3 centre = Vec3::Zero();
+  std::array<Vec3, 8> corners;  // of the bounding box
+  geometry::ToolPart joint;     // is_jaw, pivot, axis, open_angle; no mesh
+
+  [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
+  [[nodiscard]] Vec3 point(std::size_t i) const noexcept { return {x[i], y[i], z[i]}; }
+};
+
+/// [setup] Resamples a part's surface: spacing at most 2 mm, the mesh's own vertices among the points, area
+/// weights.
+/// @param given_radius the user's tip_radius [m], used instead of the estimate when > 0
+/// @throws InputError when the part has no triangles.
+[[nodiscard]] PartPoints sample_part(const geometry::ToolPart& part, double given_radius);
+
+}  // namespace palpate::contact
