@@ -25,8 +25,8 @@ struct GateLimits {
 struct GateState {
   Vec3 force = Vec3::Zero();  // written at the last tick
   Vec3 torque = Vec3::Zero();
-  Vec3 fault_force_step = Vec3::Zero();  // a tick, while a fault brings the force to zero
-  Vec3 fault_torque_step = Vec3::Zero();
+  double gripper_force = 0.0;
+  ForceCommand fault_step;  // a tick, while a fault brings the force to zero
   int fault_ticks_left = 0;
   Fault fault = Fault::kNone;  // latched until reset
 };
@@ -36,12 +36,22 @@ struct GateOutput {
   std::uint32_t status = 0;
 };
 
-/// [rt] The one gate before the hardware: finite check, + noise, clamp, slew. A fault latches: the force goes
-/// linearly to zero within 10 ms and stays there.
-/// @param tissue force and torque from contact; noise a force
+/// From the tick of a fault the force goes linearly to zero and is there within this time, whatever the rate
+/// and the slew limit.
+inline constexpr double kFaultFall = 10e-3;  // s
+
+/// [rt] The one gate before the hardware: finite check, + noise, clamp, slew (the norm of a vector each
+/// time). The written force is never above max_force and never changes by more than force_step a tick; torque
+/// the same; the gripper's force obeys the force's limits. A vector whose norm overflows counts as not
+/// finite. A fault latches: everything falls linearly to zero within kFaultFall and stays exactly zero until
+/// reset_fault().
+/// @param tissue force [N], torque [N m] and gripper force [N] from contact; @param noise a force [N]
 /// @param fault_now a fault seen this tick outside the gate (device could not be read, sample not finite), or
 /// kNone
 [[nodiscard]] GateOutput pass_gate(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
                                    const Vec3& noise, Fault fault_now) noexcept;
+
+/// [rt] Clears a latched fault; the force then rises from where it is, by the slew limit.
+void reset_fault(GateState& state) noexcept;
 
 }  // namespace palpate::haptics

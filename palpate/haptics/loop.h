@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <span>
@@ -35,7 +36,7 @@ struct Snapshot {
 
 struct LoopOptions {
   std::uint64_t ticks = 0;                  // how many to run
-  bool offline = false;                     // as fast as possible; late_ns is 0
+  bool offline = false;                     // as fast as possible; tick_ns and late_ns of the rows are 0
   const std::atomic<bool>* stop = nullptr;  // Ctrl-C
   SnapshotCell<Snapshot>* snapshots = nullptr;
   std::atomic<std::uint64_t>* progress = nullptr;  // ticks done
@@ -46,8 +47,8 @@ struct LoopReport {
   std::uint64_t ticks = 0;
   bool stopped_early = false;
   Fault fault = Fault::kNone;
-  Histogram tick_time;                 // ns
-  Histogram lateness;                  // ns
+  Histogram tick_time;                 // ns; also measured offline
+  Histogram lateness;                  // ns; empty offline
   std::uint64_t missed_deadlines = 0;  // ticks that began a full period or more late
   std::int64_t longest_gap_ns = 0;     // between two tick starts
   bool realtime_priority = false;      // SCHED_FIFO granted
@@ -56,8 +57,10 @@ struct LoopReport {
 };
 
 /// [setup] Runs the loop on a thread of its own and waits for its end: absolute deadlines, SCHED_FIFO and
-/// mlockall where allowed. Device::stop() is called at the end whatever happened.
-/// @param devices, one a hand; @param sink may be null
+/// mlockall where allowed (not offline). A device that refuses a command counts as not readable at the next
+/// tick. Device::stop() is called at the end whatever happened.
+/// @param devices one a hand; @param sink may be null
+/// @throws std::invalid_argument when there is not one device a hand.
 [[nodiscard]] LoopReport run_loop(const SimulationWorld& world, SimulationState& state,
                                   std::span<Device* const> devices, TickSink* sink,
                                   const LoopOptions& options);

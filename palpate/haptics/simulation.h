@@ -19,6 +19,9 @@ struct WorkspaceMapping {
   [[nodiscard]] Pose apply(const Vec3& position_D, const Quat& orientation_D) const noexcept;
 };
 
+/// A device position farther out [m] than this is no hand's: the sample is refused.
+inline constexpr double kFarthest = 100.0;
+
 /// Everything a tick needs that does not change: organ, tools, laws, noise, limits, rate.
 struct SimulationWorld {
   contact::World contact;
@@ -38,13 +41,19 @@ struct SimulationState {
   contact::State contact;
   std::vector<noise::TouchNoise::State> noise;
   std::vector<GateState> gates;
-  std::vector<contact::ToolInput> inputs;    // working memory of a tick
+  std::vector<contact::ToolInput> inputs;    // the last good pose and opening of every hand
   std::vector<contact::ToolResult> results;  // of the last tick, for the picture
   bool noise_enabled = true;
 };
 
-/// [rt] One haptic tick (model.md, section 4): samples in, rows and commands out. A pure function of its
+/// [rt] One haptic tick (docs/model.md, section 4): samples in, rows and commands out. A pure function of its
 /// arguments; it reads no clock, so tick_ns and late_ns stay 0.
+///
+/// A sample that cannot be used (not valid, not finite, a quaternion that is none, farther than kFarthest)
+/// latches a fault on its hand; contact then goes on with the hand's last good pose, so that the other hands
+/// and the picture stay as they were. Rows hold finite numbers only, but for `device`, `device_q`,
+/// `device_velocity` and `device_gripper`: they are the sample as it came, so that a replay meets the same
+/// fault.
 /// @param samples, commands, rows one entry a hand
 void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,

@@ -1,0 +1,42 @@
+#include "palpate/haptics/histogram.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+
+namespace palpate::haptics {
+namespace {
+
+constexpr std::int64_t kLargest = (std::int64_t{1} << 40) - 1;  // ns, 18 minutes: longer counts as this
+
+}  // namespace
+
+// Bucket of v: v itself below 2^(kSubBits+1), where every number has its own; above, `shift` low bits are
+// dropped so that kSubBits + 1 leading bits stay, and each shift has 2^kSubBits buckets of its own.
+void Histogram::add(std::int64_t value_ns) noexcept {
+  const std::int64_t value = std::clamp<std::int64_t>(value_ns, 0, kLargest);
+  const int width = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(value)));
+  const int shift = std::max(0, width - (kSubBits + 1));
+  const std::int64_t bucket = (static_cast<std::int64_t>(shift) << kSubBits) + (value >> shift);
+  ++counts_[static_cast<std::size_t>(bucket)];
+  ++count_;
+  max_ = std::max(max_, value);
+}
+
+std::int64_t Histogram::percentile(double share) const noexcept {
+  if (count_ == 0) return 0;
+  const double wanted = std::ceil(std::clamp(share, 0.0, 1.0) * static_cast<double>(count_));
+  const std::uint64_t rank = std::clamp<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1, count_);
+  std::uint64_t seen = 0;
+  for (int bucket = 0; bucket < kBuckets; ++bucket) {
+    seen += counts_[static_cast<std::size_t>(bucket)];
+    if (seen < rank) continue;
+    const int shift = std::max(0, (bucket >> kSubBits) - 1);
+    const std::int64_t lead = bucket - (static_cast<std::int64_t>(shift) << kSubBits);
+    return std::min(max_, ((lead + 1) << shift) - 1);  // the largest value that falls into this bucket
+  }
+  return max_;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,123 @@
+#include "palpate/haptics/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::haptics {
+namespace {
+
+constexpr double kQuaternionSlack =
+    0.05;  // a unit quaternion's norm may be off by this, from rounding in files
+
+/// What is wrong with a sample, if anything.
+Fault judge(const DeviceState& sample) noexcept {
+  if (!sample.valid) return Fault::kDevice;
+  const double norm = sample.orientation_D.norm();
+  if (!sample.position_D.allFinite() || !sample.velocity_D.allFinite() || !std::isfinite(sample.gripper) ||
+      !std::isfinite(norm)) {
+    return Fault::kNotFinite;
+  }
+  if (std::abs(norm - 1.0) > kQuaternionSlack) return Fault::kDevice;
+  if (sample.position_D.cwiseAbs().maxCoeff() > kFarthest) return Fault::kDevice;
+  return Fault::kNone;
+}
+
+bool finite(const contact::ToolResult& result) noexcept {
+  return std::isfinite(result.distance) && result.nearest_W.allFinite() && result.away_W.allFinite() &&
+         std::isfinite(result.force_W.norm()) && std::isfinite(result.torque_W.norm()) &&
+         std::isfinite(result.friction) && std::isfinite(result.depth) && result.contact_W.allFinite() &&
+         result.normal_W.allFinite();
+}
+
+std::array<double, 3> plain(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
+std::array<double, 4> plain(const Quat& q) noexcept { return {q.w(), q.x(), q.y(), q.z()}; }
+
+/// The columns that say where the hand is and what contact found.
+void describe_contact(const contact::ToolInput& input, const contact::ToolResult& result,
+                      TickRow& row) noexcept {
+  row.phase = static_cast<std::uint32_t>(result.phase);
+  row.distance = result.distance;
+  row.depth = result.depth;
+  row.cutoff_layer = static_cast<std::uint32_t>(result.cutoff_layer);
+  row.saturated = result.saturated ? 1 : 0;
+  row.tissue_force = result.force_W.norm();
+  row.friction = result.friction;
+  row.tool = plain(input.pose_W.position);
+  row.tool_q = plain(input.pose_W.rotation);
+  row.gripper = input.gripper;
+  row.contact = plain(result.contact_W);
+  row.normal = plain(result.normal_W);
+}
+
+void keep_sample(const DeviceState& sample, TickRow& row) noexcept {
+  row.device = plain(sample.position_D);
+  row.device_q = plain(sample.orientation_D);
+  row.device_velocity = plain(sample.velocity_D);
+  row.device_gripper = sample.gripper;
+  row.buttons = sample.buttons;
+  row.device_valid = sample.valid ? 1 : 0;
+}
+
+/// Noise, gate and row of one hand, once contact is known.
+void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
+                 std::size_t hand, const DeviceState& sample, ForceCommand& command, TickRow& row) noexcept {
+  contact::ToolResult& result = state.results[hand];
+  GateState& gate = state.gates[hand];
+  Fault fault = judge(sample);
+  if (!finite(result)) {
+    if (fault == Fault::kNone) fault = Fault::kNotFinite;
+    result = contact::ToolResult{};
+  }
+  const bool touching = result.phase != contact::Phase::kApproach;
+  const double noise =
+      world.noise.force(state.noise[hand], state.noise_enabled, static_cast<std::uint32_t>(hand), tick_number,
+                        touching ? 0.0 : result.distance);
+  const GateOutput out = pass_gate(world.limits, gate, {result.force_W, result.torque_W, 0.0},
+                                   noise * result.away_W, fault);  // [Zhang 2011, eq. 2]
+  command = out.command;
+
+  row = TickRow{};
+  row.tick = tick_number;
+  row.time = static_cast<double>(tick_number) / world.rate_Hz;
+  row.hand = static_cast<std::uint32_t>(hand);
+  describe_contact(state.inputs[hand], result, row);
+  row.noise_force = gate.fault == Fault::kNone ? noise : 0.0;
+  row.force = plain(command.force);
+  row.torque = plain(command.torque);
+  row.gripper_force = command.gripper_force;
+  row.status = result.status | out.status;
+  row.fault = static_cast<std::uint32_t>(gate.fault);
+  keep_sample(sample, row);
+}
+
+}  // namespace
+
+Pose WorkspaceMapping::apply(const Vec3& position_D, const Quat& orientation_D) const noexcept {
+  return base * Pose{orientation_D.normalized(), scale * position_D};
+}
+
+SimulationState::SimulationState(const SimulationWorld& world)
+    : contact(world.contact),
+      noise(world.hands()),
+      gates(world.hands()),
+      inputs(world.hands()),
+      results(world.hands()),
+      noise_enabled(world.noise.settings().enabled) {}
+
+void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
+          std::span<const DeviceState> samples, std::span<ForceCommand> commands,
+          std::span<TickRow> rows) noexcept {
+  const std::size_t hands = world.hands();
+  for (std::size_t hand = 0; hand < hands; ++hand) {
+    const DeviceState& sample = samples[hand];
+    if (judge(sample) != Fault::kNone) continue;  // the last good pose stays; finish_hand latches the fault
+    state.inputs[hand].pose_W = world.mappings[hand].apply(sample.position_D, sample.orientation_D);
+    state.inputs[hand].gripper = std::clamp(sample.gripper, 0.0, 1.0);
+  }
+  contact::advance(world.contact, world.organ_W, state.inputs, state.contact, state.results);
+  for (std::size_t hand = 0; hand < hands; ++hand) {
+    finish_hand(world, state, tick_number, hand, samples[hand], commands[hand], rows[hand]);
+  }
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,39 @@
+#include "palpate/record/assemble.h"
+
+#include <string>
+
+#include "palpate/base/error.h"
+
+namespace palpate::record {
+namespace {
+
+haptics::GateLimits gate_limits(const scene::SafetySetup& safety, double period) {
+  return {safety.max_force, safety.max_slew * period, safety.max_torque, safety.max_torque_slew * period,
+          period};
+}
+
+}  // namespace
+
+haptics::SimulationWorld assemble(const scene::Setup& setup) {
+  if (setup.tools.empty() || setup.tools.size() != setup.devices.size()) {
+    throw InputError("scene: " + std::to_string(setup.tools.size()) + " tools and " +
+                     std::to_string(setup.devices.size()) + " devices; there must be one of each a hand");
+  }
+  const double period = 1.0 / setup.rate_Hz;
+  noise::NoiseSettings noise = setup.noise;
+  noise.seed = setup.seed;
+  haptics::SimulationWorld world{
+      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period),
+      .noise = noise::TouchNoise(noise, setup.rate_Hz),
+      .limits = gate_limits(setup.safety, period),
+      .mappings = {},
+      .organ_W = setup.organ_pose,
+      .rate_Hz = setup.rate_Hz,
+  };
+  for (const scene::DeviceSetup& device : setup.devices) {
+    world.mappings.push_back({device.workspace_scale, device.base});
+  }
+  return world;
+}
+
+}  // namespace palpate::record
