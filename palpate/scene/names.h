@@ -1,0 +1,16 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace palpate::scene {
+
+/// [setup] Whether a user's text means a file: it has a '/' or a known ending (.toml, .stl, .csv, ...);
+/// otherwise it is a built-in name.
+[[nodiscard]] bool means_file(std::string_view text);
+
+/// [setup] "a, b or c", for messages.
+[[nodiscard]] std::string alternatives(std::span<const std::string> words);
+
+}  // namespace palpate::scene

@@ -1,0 +1,148 @@
+#include "palpate/scene/tissue_file.h"
+
+#include <algorithm>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/base/units.h"
+#include "palpate/scene/load.h"
+#include "palpate/scene/names.h"
+#include "palpate/scene/toml_reader.h"
+
+namespace palpate::scene {
+namespace {
+
+void check_law(TomlTable& table) {
+  const std::string law = table.text("law").value_or("layered");
+  if (law == "smooth") table.fail("law", "this version computes the layered law only, must be \"layered\"");
+  if (law != "layered") table.fail("law", "must be \"layered\"");
+  if (!table.tables("relaxation").empty()) {
+    table.fail("relaxation", "this version computes no relaxation, leave [[tissue.relaxation]] out");
+  }
+}
+
+model::ReachParameters read_reach(TomlTable table) {
+  model::ReachParameters reach;
+  reach.contact_ratio = table.number("contact_ratio").value_or(reach.contact_ratio);
+  reach.first_bar_ratio = table.number("first_bar_ratio").value_or(reach.first_bar_ratio);
+  reach.bar_ratio = table.number("bar_ratio").value_or(reach.bar_ratio);
+  reach.weight_ratio = table.number("weight_ratio").value_or(reach.weight_ratio);
+  table.refuse_unknown_keys();
+  return reach;
+}
+
+model::ContactParameters read_contact(TomlTable table) {
+  model::ContactParameters contact;
+  contact.friction = table.number("friction").value_or(contact.friction);
+  contact.tangential_stiffness = table.number("tangential_N_per_m");
+  contact.damping = table.number("damping_N_s_per_m").value_or(contact.damping);
+  if (const auto radius = table.number("reference_radius_mm"))
+    contact.reference_radius = *radius * kMillimetre;
+  contact.grip_limit = table.number("grip_limit_N").value_or(contact.grip_limit);
+  table.refuse_unknown_keys();
+  return contact;
+}
+
+model::SourceParameters read_source(TomlTable table) {
+  model::SourceParameters source;
+  source.indenter = table.text("indenter").value_or("");
+  source.radius = table.required_number("radius_mm", kPositive) * kMillimetre;
+  table.refuse_unknown_keys();
+  return source;
+}
+
+model::TissueParameters read_parameters(TomlTable& table, const std::string& default_name) {
+  model::TissueParameters tissue;
+  tissue.name = table.text("name").value_or(default_name);
+  check_law(table);
+  tissue.k1 = table.required_number("k1_N_per_m");
+  tissue.beta = table.required_number("beta");
+  tissue.q = table.required_number("q");
+  tissue.rest_length = table.required_number("rest_length_mm") * kMillimetre;
+  tissue.max_length = table.required_number("max_length_mm") * kMillimetre;
+  tissue.min_length = table.required_number("min_length_mm") * kMillimetre;
+  tissue.t1 = table.required_number("t1_us") * kMicrosecond;
+  if (const auto reach = table.table("reach")) tissue.reach = read_reach(*reach);
+  if (const auto contact = table.table("contact")) tissue.contact = read_contact(*contact);
+  if (const auto source = table.table("source")) tissue.source = read_source(*source);
+  return tissue;
+}
+
+/// A length in millimetres, as short as it reads back.
+std::string millimetres(double metres) {
+  const double rounded = metres / kMillimetre;
+  return shortest(rounded);
+}
+
+std::string real(double value) {
+  const std::string text = shortest(value);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+}  // namespace
+
+model::TissueParameters read_tissue_file(const std::filesystem::path& file) {
+  const TomlFile toml = read_toml(file);
+  TomlTable root(toml);
+  std::optional<TomlTable> table = root.table("tissue");
+  root.refuse_unknown_keys();
+  if (!table) root.fail_missing("tissue", "a tissue file must have a table [tissue]");
+  const model::TissueParameters tissue = read_parameters(*table, file.stem().string());
+  table->refuse_unknown_keys();
+  try {
+    model::validate(tissue);
+  } catch (const ParameterError& error) {
+    const std::string message = error.what();
+    const std::size_t colon = message.find(": ");
+    table->fail_path(error.field(), colon == std::string::npos ? message : message.substr(colon + 2));
+  }
+  return tissue;
+}
+
+std::string to_toml(const model::TissueParameters& tissue) {
+  std::string out = "[tissue]\nname = " + quoted(tissue.name) + "\nlaw = \"layered\"\n";
+  const auto line = [&out](const char* key, const std::string& value) {
+    out += std::string(key) + " = " + value + "\n";
+  };
+  line("k1_N_per_m", real(tissue.k1));
+  line("beta", real(tissue.beta));
+  line("q", real(tissue.q));
+  line("rest_length_mm", millimetres(tissue.rest_length));
+  line("max_length_mm", millimetres(tissue.max_length));
+  line("min_length_mm", millimetres(tissue.min_length));
+  line("t1_us", real(tissue.t1 / kMicrosecond));
+  out += "[tissue.reach]\n";
+  line("contact_ratio", real(tissue.reach.contact_ratio));
+  line("first_bar_ratio", real(tissue.reach.first_bar_ratio));
+  line("bar_ratio", real(tissue.reach.bar_ratio));
+  line("weight_ratio", real(tissue.reach.weight_ratio));
+  out += "[tissue.contact]\n";
+  line("friction", real(tissue.contact.friction));
+  if (tissue.contact.tangential_stiffness)
+    line("tangential_N_per_m", real(*tissue.contact.tangential_stiffness));
+  line("damping_N_s_per_m", real(tissue.contact.damping));
+  line("reference_radius_mm", millimetres(tissue.contact.reference_radius));
+  line("grip_limit_N", real(tissue.contact.grip_limit));
+  if (tissue.source) {
+    out += "[tissue.source]\n";
+    if (!tissue.source->indenter.empty()) line("indenter", quoted(tissue.source->indenter));
+    line("radius_mm", millimetres(tissue.source->radius));
+  }
+  return out;
+}
+
+model::TissueParameters load_tissue(const std::string& name_or_file) {
+  if (means_file(name_or_file)) return read_tissue_file(name_or_file);
+  return model::tissue_preset(name_or_file);
+}
+
+}  // namespace palpate::scene

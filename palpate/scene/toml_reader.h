@@ -1,0 +1,90 @@
+#pragma once
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "palpate/base/pose.h"
+
+namespace palpate::scene {
+
+/// What a number in a file may be; the ends count unless said.
+struct Range {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_excluded = false;
+
+  [[nodiscard]] bool contains(double value) const noexcept {
+    return (low_excluded ? value > low : value >= low) && value <= high;
+  }
+  /// [setup] "a finite number > 0", for messages.
+  [[nodiscard]] std::string in_words() const;
+};
+
+inline constexpr Range kAnyNumber{};
+inline constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), true};
+
+/// A TOML file in memory, with its name for messages.
+struct TomlFile {
+  std::string name;
+  toml::table root;
+};
+
+/// [setup] Reads and parses a file. @throws InputError naming the file (and the line).
+[[nodiscard]] TomlFile read_toml(const std::filesystem::path& file);
+
+/// One table of a TOML file, read key by key. Every error is one line, FILE:LINE: field = value: what would
+/// be right. All functions are [setup] and throw InputError.
+class TomlTable final {
+ public:
+  /// @param field the table's name with its path ("tool.jaw"), empty for the root
+  TomlTable(std::string file, std::string field, const toml::table& table, int line);
+  /// The root of a file.
+  explicit TomlTable(const TomlFile& file) : TomlTable(file.name, "", file.root, 1) {}
+
+  [[nodiscard]] bool has(std::string_view key);
+  /// A finite number (an integer will do).
+  [[nodiscard]] std::optional<double> number(std::string_view key, const Range& range = kAnyNumber);
+  [[nodiscard]] double required_number(std::string_view key, const Range& range = kAnyNumber);
+  [[nodiscard]] std::optional<std::uint64_t> whole_number(std::string_view key);
+  [[nodiscard]] std::optional<bool> truth(std::string_view key);
+  /// A text that is not empty.
+  [[nodiscard]] std::optional<std::string> text(std::string_view key);
+  /// Three finite numbers, each within `range`.
+  [[nodiscard]] std::optional<Vec3> vector(std::string_view key, const Range& range = kAnyNumber);
+  [[nodiscard]] std::optional<TomlTable> table(std::string_view key);
+  /// A table, or an array of tables; empty when the key is absent.
+  [[nodiscard]] std::vector<TomlTable> tables(std::string_view key);
+
+  /// Call when every known key has been asked for. @throws InputError at the first key that never was, with
+  /// the nearest known one.
+  void refuse_unknown_keys() const;
+
+  /// "FILE:LINE: field = value: want", at `key`'s own line.
+  [[noreturn]] void fail(std::string_view key, const std::string& want) const;
+  /// "FILE:LINE: field: missing; want", at the table's line.
+  [[noreturn]] void fail_missing(std::string_view key, const std::string& want) const;
+
+  /// "FILE:LINE" of a key (of the table when the key is absent).
+  [[nodiscard]] std::string place(std::string_view key) const;
+  /// "table.key".
+  [[nodiscard]] std::string field(std::string_view key) const;
+  /// The table's own key by a dotted path ("contact.friction") as text and place; for errors found later.
+  [[noreturn]] void fail_path(std::string_view dotted, const std::string& want) const;
+
+ private:
+  [[nodiscard]] const toml::node* find(std::string_view key);
+  [[nodiscard]] TomlTable child(std::string_view key, const toml::node& node) const;
+
+  std::string file_;
+  std::string field_;
+  const toml::table* table_;
+  int line_;
+  std::vector<std::string> known_;
+};
+
+}  // namespace palpate::scene
