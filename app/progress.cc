@@ -1,0 +1,41 @@
+#include "app/progress.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include <unistd.h>
+
+#include "palpate/base/clock.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr int kBarWidth = 30;
+constexpr std::int64_t kRedraw_ns = 50'000'000;
+constexpr const char* kClearLine = "\r\033[K";
+
+}  // namespace
+
+Progress::Progress(std::string title) : title_(std::move(title)), terminal_(isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (drawn_) std::fputs(kClearLine, stderr);
+}
+
+void Progress::update(double share, const std::string& what) {
+  if (!terminal_) return;
+  const std::int64_t now = monotonic_ns();
+  if (now < next_draw_ns_) return;
+  next_draw_ns_ = now + kRedraw_ns;
+  drawn_ = true;
+  share = share > 0.0 ? std::min(share, 1.0) : 0.0;
+  const int filled = static_cast<int>(share * kBarWidth);
+  const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                          std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
+  std::fprintf(stderr, "%s%s [%s] %3d %% %s", kClearLine, title_.c_str(), bar.c_str(),
+               static_cast<int>(100.0 * share), what.c_str());
+  std::fflush(stderr);
+}
+
+}  // namespace palpate::app
