@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 namespace palpate::app {
@@ -9,12 +11,13 @@ inline constexpr int kBadInput = 2;
 inline constexpr int kFault = 3;
 inline constexpr int kGoalMissed = 4;
 
-// Each adds one subcommand whose callback sets `exit_code`; one file each.
+// Each adds one subcommand whose callback sets `exit_code`; one file each. `command_line`, as the user typed
+// it, is what a report says about how it was made.
 void add_model(CLI::App& program, int& exit_code);
 void add_noise(CLI::App& program, int& exit_code);
 void add_inspect(CLI::App& program, int& exit_code);
-void add_run(CLI::App& program, int& exit_code);
-void add_demo(CLI::App& program, int& exit_code);
+void add_run(CLI::App& program, const std::string& command_line, int& exit_code);
+void add_demo(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_replay(CLI::App& program, int& exit_code);
 void add_export(CLI::App& program, int& exit_code);
 void add_repair(CLI::App& program, int& exit_code);

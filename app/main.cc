@@ -1,19 +1,45 @@
 // The one program: `palpate SUBCOMMAND`. Bad usage and bad input end with exit code 2 and one line in words.
 #include <exception>
 #include <iostream>
+#include <string>
+#include <string_view>
 
-#include "palpate/base/error.h"
+#include "palpate/version.h"
 
 #include "app/commands.h"
+
+namespace {
+
+/// The words of a command line, quoted where a shell needs it.
+std::string joined(int argc, char** argv) {
+  std::string line = "palpate";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;~#!") == word.npos;
+    line += ' ';
+    if (plain) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char letter : word) line += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+    line += '\'';
+  }
+  return line;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace palpate::app;
   CLI::App program{"Palpate lets a hand feel soft tissue through a force-feedback device, in real time."};
   program.name("palpate");
+  program.set_version_flag("--version", std::string("palpate ") + palpate::kVersion);
   program.require_subcommand(1);
+  const std::string command_line = joined(argc, argv);
   int exit_code = kDone;
-  add_run(program, exit_code);
-  add_demo(program, exit_code);
+  add_run(program, command_line, exit_code);
+  add_demo(program, command_line, exit_code);
   add_model(program, exit_code);
   add_noise(program, exit_code);
   add_inspect(program, exit_code);
@@ -21,12 +47,15 @@ int main(int argc, char** argv) {
   add_export(program, exit_code);
   add_repair(program, exit_code);
   add_bench(program, exit_code);
+  if (argc == 1) {
+    std::cerr << program.help();
+    return kBadInput;
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? kDone : kBadInput;
-  } catch (const palpate::InputError& error) {
-    std::cerr << "palpate: " << error.what() << '\n';
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
+    std::cerr << "palpate: " << error.what() << " (--help shows what there is)\n";
     return kBadInput;
   } catch (const std::exception& error) {
     std::cerr << "palpate: " << error.what() << '\n';

@@ -1,0 +1,98 @@
+// `palpate demo`: the paper's two experiments one after the other, in real time, and the report.
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/report/report.h"
+
+#include "app/commands.h"
+#include "app/progress.h"
+#include "app/session.h"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Experiment {
+  const char* task;
+  const char* file;
+};
+constexpr std::array<Experiment, 2> kExperiments{{{"press", "gallbladder.h5"}, {"pull", "heart.h5"}}};
+
+struct DemoFlags {
+  fs::path folder = "out";
+  bool json = false;
+};
+
+fs::path write_demo_report(const std::vector<Session>& sessions, const std::vector<OutputFiles>& files,
+                           const fs::path& folder, const std::string& command_line) {
+  std::vector<record::Recording> recordings;
+  for (const OutputFiles& file : files) recordings.push_back(record::read_recording(file.recording));
+  std::vector<report::Experiment> experiments;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    experiments.push_back({title_of(sessions[i].setup), &recordings[i], command_line});
+  }
+  Progress bar("report");
+  return report::write_report(experiments, folder,
+                              [&bar](double done, const std::string& what) { bar.update(done, what); });
+}
+
+int demo(const DemoFlags& flags, const std::string& command_line) {
+  std::vector<Session> sessions;
+  for (const Experiment& experiment : kExperiments) {
+    scene::Request request;
+    request.task = experiment.task;
+    sessions.push_back(prepare(request, std::nullopt));
+  }
+  require_writable_folder(flags.folder, "--report");
+  fs::create_directories(flags.folder);
+
+  int exit_code = kDone;
+  bool stopped = false;
+  nlohmann::json summaries = nlohmann::json::array();
+  std::vector<OutputFiles> files;
+  for (std::size_t i = 0; i < sessions.size() && !stopped; ++i) {
+    files.push_back({flags.folder / kExperiments[i].file, {}, {}});
+    RunAccount account;
+    {
+      const StopOnSignal signals;
+      account = play(sessions[i], files[i].recording, false, signals.flag(), sessions[i].setup.name);
+    }
+    stopped = account.loop.stopped_early;
+    exit_code = std::max(exit_code, exit_code_of(account, std::nullopt));
+    summaries.push_back(summary_json(account, files[i]));
+    if (!flags.json) print_summary(std::cout, account, files[i]);
+  }
+  if (stopped) {
+    std::cerr << "palpate: stopped before the end of the demo; no report was written\n";
+    return exit_code;
+  }
+  const fs::path page = write_demo_report(sessions, files, flags.folder, command_line);
+  if (flags.json) {
+    std::cout << nlohmann::json{{"experiments", summaries}, {"report", page.string()}}.dump(2) << '\n';
+  } else {
+    std::cout << "Report: " << page.string() << '\n';
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+void add_demo(CLI::App& program, const std::string& command_line, int& exit_code) {
+  CLI::App* command =
+      program.add_subcommand("demo", "The paper's two experiments with the built-in organs, and the report");
+  auto flags = std::make_shared<DemoFlags>();
+  command->add_option("--report", flags->folder, "folder of the report and the recordings")
+      ->capture_default_str();
+  command->add_flag("--json", flags->json, "summary as one JSON document");
+  command->footer("Example: palpate demo --report out");
+  command->callback([flags, &command_line, &exit_code] { exit_code = demo(*flags, command_line); });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,214 @@
+#include "app/session.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <csignal>
+#include <mutex>
+#include <stop_token>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include <unistd.h>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/devices/devices.h"
+#include "palpate/record/assemble.h"
+#include "palpate/record/recorder.h"
+#include "palpate/record/replay.h"
+
+#include "app/commands.h"
+#include "app/progress.h"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLongestRun = 1e12;  // ticks, 30 years at 1 kHz: --duration-s beyond it is a typing mistake
+
+/// What a signal handler may set. The one mutable global: a handler has no other way to say anything.
+std::atomic<bool> stop_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+extern "C" void ask_to_stop(int) { stop_asked.store(true, std::memory_order_relaxed); }
+
+std::uint64_t ticks_to_run(const Session& session, std::optional<double> duration_s) {
+  const double rate = session.setup.rate_Hz;
+  if (duration_s) {
+    const double ticks = std::round(*duration_s * rate);
+    if (!(ticks >= 0.0) || ticks > kLongestRun || *duration_s <= 0.0) {
+      throw ParameterError("--duration-s", *duration_s, "> 0 and at most " + shortest(kLongestRun / rate));
+    }
+    return static_cast<std::uint64_t>(ticks);
+  }
+  std::uint64_t last = 0;
+  for (const auto& device : session.devices) last = std::max(last, device->last_tick(rate));
+  return last;
+}
+
+/// Says when the tissue was fitted with an indenter of quite another size: F(D) knows nothing of the tool's.
+void compare_radii(Session& session) {
+  if (!session.setup.tissue.source || !(session.setup.tissue.source->radius > 0.0)) return;
+  const double fitted = session.setup.tissue.source->radius;
+  for (std::size_t hand = 0; hand < session.setup.tools.size(); ++hand) {
+    const double radius = session.world.contact.tip_radius(hand);
+    if (!(radius > 2.0 * fitted || 2.0 * radius < fitted)) continue;
+    session.setup.remarks.push_back(
+        "tissue '" + session.setup.tissue.name + "' was fitted with an indenter of " +
+        shortest(std::round(fitted * 1e5) / 1e2) + " mm radius, the tip of '" +
+        session.setup.tools[hand].name + "' has " + shortest(std::round(radius * 1e5) / 1e2) +
+        " mm: more than twofold apart, so the force may be wrong");
+  }
+}
+
+/// Shows how far a run is, from a thread of its own; the loop's only counts.
+class RunProgress final {
+ public:
+  RunProgress(const std::string& title, const std::atomic<std::uint64_t>& done, std::uint64_t all,
+              double rate_Hz)
+      : thread_([=, &done](const std::stop_token& stop) {
+          Progress bar(title);
+          std::mutex mutex;
+          std::condition_variable_any wake;
+          std::unique_lock lock(mutex);
+          while (!wake.wait_for(lock, stop, kRedraw, [&stop] { return stop.stop_requested(); })) {
+            const auto ticks = static_cast<double>(done.load(std::memory_order_relaxed));
+            bar.update(ticks / static_cast<double>(all), seconds(ticks / rate_Hz));
+          }
+        }) {}
+
+ private:
+  static constexpr std::chrono::milliseconds kRedraw{100};
+
+  static std::string seconds(double time) { return shortest(std::round(time * 10.0) / 10.0) + " s"; }
+
+  std::jthread thread_;
+};
+
+void require_writable_parent(const fs::path& path, const std::string& flag) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw InputError(flag + " " + path.string() + ": there is no folder " + folder.string());
+  }
+  if (access(folder.c_str(), W_OK) != 0) {
+    throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " is not writable");
+  }
+}
+
+}  // namespace
+
+Session prepare(const scene::Request& request, std::optional<double> duration_s) {
+  scene::Setup setup = scene::load(request);
+  haptics::SimulationWorld world = record::assemble(setup);
+  Session session{std::move(setup), std::move(world), {}, 0};
+  for (std::size_t hand = 0; hand < session.setup.devices.size(); ++hand) {
+    session.devices.push_back(devices::open_device(session.setup, hand));
+  }
+  session.ticks = ticks_to_run(session, duration_s);
+  compare_radii(session);
+  return session;
+}
+
+void require_writable_file(const fs::path& file, const std::string& flag) {
+  std::error_code error;
+  if (!file.has_filename() || fs::is_directory(file, error)) {
+    throw InputError(flag + " " + file.string() + ": is a folder; a file is wanted");
+  }
+  require_writable_parent(file, flag);
+  if (fs::exists(file, error) && access(file.c_str(), W_OK) != 0) {
+    throw InputError(flag + " " + file.string() + ": the file is there and not writable");
+  }
+}
+
+void require_writable_folder(const fs::path& folder, const std::string& flag) {
+  std::error_code error;
+  fs::path there = fs::absolute(folder);
+  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  if (!fs::is_directory(there, error)) {
+    throw InputError(flag + " " + folder.string() + ": " + there.string() + " is not a folder");
+  }
+  if (access(there.c_str(), W_OK) != 0) {
+    throw InputError(flag + " " + folder.string() + ": the folder " + there.string() + " is not writable");
+  }
+}
+
+StopOnSignal::StopOnSignal() {
+  stop_asked.store(false);
+  struct sigaction action {};
+  action.sa_handler = ask_to_stop;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+StopOnSignal::~StopOnSignal() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+const std::atomic<bool>& StopOnSignal::flag() const noexcept { return stop_asked; }
+
+RunAccount play(Session& session, const fs::path& recording, bool offline, const std::atomic<bool>& stop,
+                const std::string& title) {
+  std::optional<record::Recorder> recorder;
+  if (!recording.empty()) recorder.emplace(recording, session.setup, offline);
+  RowWatch watch(recorder ? &*recorder : nullptr, session.setup);
+  haptics::SimulationState state(session.world);
+  std::vector<haptics::Device*> devices;
+  for (const auto& device : session.devices) devices.push_back(device.get());
+
+  RunAccount account;
+  account.setup = &session.setup;
+  account.offline = offline;
+  std::atomic<std::uint64_t> done{0};
+  {
+    const RunProgress progress(title, done, session.ticks, session.setup.rate_Hz);
+    account.loop = haptics::run_loop(
+        session.world, state, devices, &watch,
+        {.ticks = session.ticks, .offline = offline, .stop = &stop, .snapshots = nullptr, .progress = &done});
+  }
+  if (recorder) recorder->finish(account.loop);
+  account.highlights = watch.highlights();
+  return account;
+}
+
+int exit_code_of(const RunAccount& run, std::optional<std::uint64_t> max_missed) {
+  if (run.loop.fault != haptics::Fault::kNone) return kFault;
+  if (max_missed && run.loop.missed_deadlines > *max_missed) return kGoalMissed;
+  return kDone;
+}
+
+std::string title_of(const scene::Setup& setup) {
+  std::string organ = fs::path(setup.organ_name).stem().string();
+  if (organ.empty()) organ = "organ";
+  organ.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(organ.front())));
+  std::string tools;
+  for (const geometry::Tool& tool : setup.tools) tools += (tools.empty() ? "" : " and ") + tool.name;
+  return organ + (setup.task == scene::Task::kPull ? " pulled with " : " pressed with ") + tools;
+}
+
+void write_screenshot(const record::Recording& recording, const Highlights& highlights,
+                      const fs::path& file) {
+  constexpr int kWidth = 1280;
+  constexpr int kHeight = 960;
+  if (recording.rows.empty()) throw InputError("--screenshot " + file.string() + ": no tick was run");
+  const std::vector<haptics::Snapshot> snapshots = record::snapshots_at(recording, {highlights.deepest_tick});
+  const haptics::Snapshot& deepest = snapshots.front();
+  const contact::ToolResult& result = deepest.results[highlights.deepest_hand];
+  const render::Subject subject{recording.setup.organ, recording.setup.tools, recording.setup.tissue.reach,
+                                recording.setup.tissue.name};
+  render::OffscreenRenderer renderer(subject, kWidth, kHeight);
+  const bool touched = result.phase != contact::Phase::kApproach;
+  const render::Camera camera = render::frame_contact(
+      subject, deepest, touched ? result.contact_W : result.nearest_W, result.normal_W, touched);
+  render::write_png(renderer.draw(deepest, camera), file);
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,63 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/haptics/loop.h"
+#include "palpate/record/recording.h"
+#include "palpate/render/offscreen.h"
+#include "palpate/scene/load.h"
+
+#include "app/summary.h"
+
+namespace palpate::app {
+
+/// A scene, checked and ready to run; nothing has been written yet.
+struct Session {
+  scene::Setup setup;
+  haptics::SimulationWorld world;
+  std::vector<std::unique_ptr<haptics::Device>> devices;
+  std::uint64_t ticks = 0;  // 2^64-1: until Ctrl-C
+};
+
+/// [setup] Reads and checks all inputs. @param duration_s exactly round(duration x rate) ticks; none: until
+/// the devices have nothing more to say. @throws InputError.
+[[nodiscard]] Session prepare(const scene::Request& request, std::optional<double> duration_s);
+
+/// [setup] Whether a file or folder could be written there, without touching anything. @throws InputError
+/// naming `flag` and the path.
+void require_writable_file(const std::filesystem::path& file, const std::string& flag);
+void require_writable_folder(const std::filesystem::path& folder, const std::string& flag);
+
+/// Ctrl-C and SIGTERM end the run in good order while this lives; the second one ends the program.
+class StopOnSignal final {
+ public:
+  StopOnSignal();
+  ~StopOnSignal();
+  StopOnSignal(const StopOnSignal&) = delete;
+  StopOnSignal& operator=(const StopOnSignal&) = delete;
+
+  [[nodiscard]] const std::atomic<bool>& flag() const noexcept;
+};
+
+/// [setup] Runs a session to its end, with a progress bar named `title` on a terminal.
+/// @param recording file to write; empty: none. @throws InputError when the recording cannot be written.
+[[nodiscard]] RunAccount play(Session& session, const std::filesystem::path& recording, bool offline,
+                              const std::atomic<bool>& stop, const std::string& title);
+
+/// [setup] Exit code of a run: 3 with a fault, 4 past the missed deadlines allowed, else 0.
+[[nodiscard]] int exit_code_of(const RunAccount& run, std::optional<std::uint64_t> max_missed);
+
+/// [setup] "Gallbladder pressed with curved-forceps".
+[[nodiscard]] std::string title_of(const scene::Setup& setup);
+
+/// [setup] The picture of a recording's deepest moment as a PNG. @throws InputError when it cannot be
+/// written, std::runtime_error without OpenGL.
+void write_screenshot(const record::Recording& recording, const Highlights& highlights,
+                      const std::filesystem::path& file);
+
+}  // namespace palpate::app
