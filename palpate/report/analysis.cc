@@ -1,0 +1,170 @@
+#include "palpate/report/analysis.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "palpate/base/error.h"
+#include "palpate/contact/contact.h"
+#include "palpate/haptics/gate.h"
+#include "palpate/noise/touch_noise.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr double kLawFrom = 1e-3;  // m: below it damping and the start of contact outweigh the law
+
+bool touching(const haptics::TickRow& row) {
+  return row.phase != static_cast<std::uint32_t>(contact::Phase::kApproach);
+}
+
+double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
+
+Moments find_moments(const std::vector<haptics::TickRow>& rows, model::Direction direction) {
+  Moments moments;
+  moments.after = rows.size() - 1;
+  std::size_t nearest = 0;
+  bool deep = false;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].distance < rows[nearest].distance) nearest = i;
+    if (!moments.contact && touching(rows[i])) {
+      moments.contact = true;
+      moments.touch = i;
+    }
+    if (in_contact(rows[i], direction) && (!deep || rows[i].depth > rows[moments.deepest].depth)) {
+      deep = true;
+      moments.deepest = i;
+    }
+  }
+  if (!moments.contact) {
+    moments.touch = nearest;
+  } else {
+    moments.rest = moments.touch / 2;
+  }
+  if (!deep) moments.deepest = moments.touch;
+  return moments;
+}
+
+LawDeparture departure(const std::vector<haptics::TickRow>& rows, const model::LayeredSpringLaw& law,
+                       model::Direction direction) {
+  std::vector<double> relative;
+  for (const haptics::TickRow& row : rows) {
+    if (!in_contact(row, direction) || row.depth < kLawFrom) continue;
+    const double wanted = law.force_at(row.depth).force;
+    relative.push_back(std::abs(normal_force(row) - wanted) / wanted);
+  }
+  return {relative.size(), quantile(relative, 0.5), quantile(relative, 0.95)};
+}
+
+void collect_noise(HandAnalysis& analysis, const scene::Setup& setup) {
+  if (!setup.noise.enabled) return;
+  const noise::TouchNoise source(setup.noise, setup.rate_Hz);
+  analysis.contact_sigma = source.sigma(0.0);
+  const haptics::TickRow* previous = nullptr;
+  for (const haptics::TickRow& row : analysis.rows) {
+    const bool fresh =
+        previous == nullptr || source.sample_number(row.tick) != source.sample_number(previous->tick);
+    previous = &row;
+    if (!fresh) continue;
+    const double sigma = source.sigma(touching(row) ? 0.0 : row.distance);
+    if (!(sigma > 0.0)) continue;
+    analysis.unit_noise.push_back(row.noise_force / sigma);
+    if (touching(row)) analysis.contact_noise.push_back(row.noise_force);
+  }
+  analysis.noise_check = check_standard_normal(analysis.unit_noise);
+}
+
+HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand,
+                          model::Direction direction) {
+  HandAnalysis result;
+  result.hand = hand;
+  for (const haptics::TickRow& row : recording.rows) {
+    if (row.hand == hand) result.rows.push_back(row);
+  }
+  result.moments = find_moments(result.rows, direction);
+  const haptics::TickRow* previous = nullptr;
+  for (const haptics::TickRow& row : result.rows) {
+    if (touching(row)) result.peak_depth = std::max(result.peak_depth, row.depth);
+    result.peak_tissue_force = std::max(result.peak_tissue_force, row.tissue_force);
+    result.peak_device_force = std::max(result.peak_device_force, norm(row.force));
+    if (previous != nullptr) {
+      const std::array<double, 3> step{row.force[0] - previous->force[0], row.force[1] - previous->force[1],
+                                       row.force[2] - previous->force[2]};
+      result.largest_step = std::max(result.largest_step, norm(step));
+    }
+    previous = &row;
+  }
+  result.law = departure(result.rows, law_of(recording.setup, direction), direction);
+  collect_noise(result, recording.setup);
+  return result;
+}
+
+}  // namespace
+
+model::LayeredSpringLaw law_of(const scene::Setup& setup, model::Direction direction) {
+  return {setup.tissue, direction, 1.0 / setup.rate_Hz};
+}
+
+double normal_force(const haptics::TickRow& row) {
+  return std::sqrt(std::max(0.0, row.tissue_force * row.tissue_force - row.friction * row.friction));
+}
+
+bool in_contact(const haptics::TickRow& row, model::Direction direction) {
+  const contact::Phase phase =
+      direction == model::Direction::kPull ? contact::Phase::kPull : contact::Phase::kPress;
+  return row.phase == static_cast<std::uint32_t>(phase);
+}
+
+Analysis analyse(const record::Recording& recording) {
+  if (recording.rows.empty()) throw InputError("report: the recording has no tick");
+  Analysis analysis;
+  analysis.direction =
+      recording.setup.task == scene::Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+  std::uint32_t hands = 0;
+  std::vector<std::int64_t> tick_time;
+  std::vector<std::int64_t> lateness;
+  const auto period_ns = static_cast<std::int64_t>(1e9 / recording.setup.rate_Hz);
+  std::uint64_t late_rows = 0;
+  for (const haptics::TickRow& row : recording.rows) {
+    hands = std::max(hands, row.hand + 1);
+    if (row.hand != 0) continue;
+    tick_time.push_back(row.tick_ns);
+    lateness.push_back(row.late_ns);
+    if (row.late_ns >= period_ns) ++late_rows;
+  }
+  analysis.ticks = tick_time.size();
+  analysis.missed = recording.facts.complete ? recording.facts.missed_deadlines : late_rows;
+  analysis.tick_time = percentiles(std::move(tick_time));
+  analysis.lateness = percentiles(std::move(lateness));
+  for (std::uint32_t hand = 0; hand < hands; ++hand) {
+    analysis.hands.push_back(analyse_hand(recording, hand, analysis.direction));
+  }
+  return analysis;
+}
+
+std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& rows) {
+  static constexpr std::array<std::pair<std::uint32_t, const char*>, 8> kWords{{
+      {contact::kStartedInside, "a part of the tool was inside at the start and gave no force until outside"},
+      {contact::kContactsFull, "more than four contacts wanted on one part"},
+      {contact::kGripReleased, "the grip let go, past its limit"},
+      {contact::kJump, "the tool moved faster than any hand and was placed anew"},
+      {haptics::kForceClamped, "the force was clamped at max_force_N"},
+      {haptics::kForceSlewed, "the force's change was limited by max_slew_N_per_ms"},
+      {haptics::kTorqueClamped, "the torque was clamped at max_torque_N_m"},
+      {haptics::kTorqueSlewed, "the torque's change was limited by max_slew_N_m_per_ms"},
+  }};
+  std::vector<std::string> words;
+  for (const auto& [bit, text] : kWords) {
+    const std::uint32_t mask = bit;
+    const auto ticks = std::count_if(
+        rows.begin(), rows.end(), [mask](const haptics::TickRow& row) { return (row.status & mask) != 0; });
+    if (ticks > 0) words.push_back(std::string(text) + " (" + std::to_string(ticks) + " ticks)");
+  }
+  const auto faults =
+      std::count_if(rows.begin(), rows.end(), [](const haptics::TickRow& row) { return row.fault != 0; });
+  if (faults > 0) words.push_back("a fault was latched (" + std::to_string(faults) + " ticks)");
+  return words;
+}
+
+}  // namespace palpate::report

@@ -1,0 +1,273 @@
+#include "palpate/report/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "palpate/base/text.h"
+#include "palpate/report/gnuplot.h"
+#include "palpate/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr std::size_t kMostPoints = 2500;  // a line has no more, so that the page stays small
+constexpr std::size_t kMostMarkers = 300;  // a scatter has no more, so that the curve beneath is seen
+constexpr double kMilli = 1e3;             // m to mm, N to mN
+constexpr std::size_t kLongestSegment = 1024;
+constexpr std::size_t kShortestSegment = 64;
+
+// Colours that colour-blind readers can tell apart (Okabe and Ito 2008).
+constexpr const char* kBlue = "#0072B2";
+constexpr const char* kOrange = "#D55E00";
+constexpr const char* kGrey = "#9a9a9a";
+constexpr const char* kGreen = "#009E73";
+
+std::string quoted(const std::string& colour) { return "rgb '" + colour + "'"; }
+
+/// Size in points, output and what all figures share.
+std::string preamble(int width, int height) {
+  return "set encoding utf8\nset terminal svg size " + std::to_string(width) + "," + std::to_string(height) +
+         " dynamic noenhanced font 'Helvetica,14' background '#ffffff'\nset output 'figure.svg'\n"
+         "set border 3 lw 1 lc rgb '#555555'\nset tics nomirror out scale 0.6 textcolor rgb '#333333'\n"
+         "set grid lc rgb '#e4e4e4' lw 1\nset key top right Left reverse samplen 2 spacing 1.15 noopaque\n";
+}
+
+/// Draws; a failure of gnuplot becomes words in the figure.
+Figure drawn(Figure figure, const std::string& script, const std::vector<PlotData>& data) {
+  try {
+    run_gnuplot(script, data, figure.file);
+  } catch (const FigureError& error) {
+    figure.missing = error.what();
+  }
+  return figure;
+}
+
+std::size_t stride_for(std::size_t count, std::size_t most) {
+  return std::max<std::size_t>(1, (count + most - 1) / most);
+}
+
+std::string vertical(double at, const std::string& label, const std::string& label_at) {
+  const std::string x = shortest(at);
+  std::string text =
+      "set arrow from " + x + ",graph 0 to " + x + ",graph 1 nohead dt 2 lw 1 lc rgb '#777777' back\n";
+  if (!label.empty()) {
+    text += "set label '" + label + "' at " + x + ",graph " + label_at +
+            " offset 0.4,0 font ',12' textcolor rgb '#555555' front\n";
+  }
+  return text;
+}
+
+double device_force(const haptics::TickRow& row) {
+  return std::hypot(row.force[0], row.force[1], row.force[2]);
+}
+
+/// Outline of a histogram: x, share of all values a bin.
+PlotData steps(const Bins& bins, double scale, const std::string& name) {
+  PlotData data{name, {}};
+  for (std::size_t i = 0; i < bins.counts.size(); ++i) {
+    data.rows.push_back({bins.edges[i], bins.edges[i + 1], static_cast<double>(bins.counts[i]) * scale});
+  }
+  return data;
+}
+
+}  // namespace
+
+Figure draw_over_time(const HandAnalysis& hand, const std::filesystem::path& file) {
+  PlotData data{"rows.dat", {}};
+  const std::size_t stride = stride_for(hand.rows.size(), kMostPoints);
+  for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
+    const haptics::TickRow& row = hand.rows[i];
+    data.rows.push_back({row.time, row.depth * kMilli, row.tissue_force, device_force(row)});
+  }
+  const double end = std::max(hand.rows.back().time, 1e-3);
+  std::string script = preamble(860, 520);
+  script += "set multiplot\nset lmargin at screen 0.095\nset rmargin at screen 0.985\nset xrange [0:" +
+            shortest(end) + "]\n";
+  if (hand.moments.contact) {
+    script += vertical(hand.rows[hand.moments.touch].time, "contact", "0.95");
+    script += vertical(hand.rows[hand.moments.deepest].time, "deepest", "0.95");
+  }
+  script +=
+      "set bmargin at screen 0.585\nset tmargin at screen 0.975\nset format x ''\n"
+      "set ylabel 'depth (mm)' offset 1\nset yrange [0:1<*]\nset key off\n";
+  script += "plot 'rows.dat' using 1:2 with lines lw 2 lc " + quoted(kBlue) + "\n";
+  script +=
+      "unset label\nset bmargin at screen 0.125\nset tmargin at screen 0.535\nset format x '%g'\n"
+      "set xlabel 'time (s)' offset 0,0.4\nset ylabel 'force (N)' offset 1\nset yrange [0:0.05<*]\n"
+      "set key top right\n";
+  script += "plot 'rows.dat' using 1:4 with lines lw 1 lc " + quoted(kGrey) +
+            " title 'to the hand, with noise', '' using 1:3 with lines lw 2 lc " + quoted(kOrange) +
+            " title 'tissue'\nunset multiplot\n";
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Depth in millimetres and force in newtons over time in seconds";
+  figure.caption =
+      "Depth of the contact with the largest force (above) and force (below) over time. Dashed: first "
+      "contact and deepest tick.";
+  return drawn(figure, script, {data});
+}
+
+Figure draw_law(const HandAnalysis& hand, const scene::Setup& setup, model::Direction direction,
+                const std::filesystem::path& file) {
+  const model::LayeredSpringLaw law = law_of(setup, direction);
+  PlotData in{"in.dat", {}};
+  PlotData out{"out.dat", {}};
+  double deepest = 1e-3;
+  const std::size_t stride = stride_for(hand.rows.size(), kMostMarkers);
+  for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
+    const haptics::TickRow& row = hand.rows[i];
+    if (!in_contact(row, direction)) continue;
+    deepest = std::max(deepest, row.depth);
+    (i <= hand.moments.deepest ? in : out).rows.push_back({row.depth * kMilli, normal_force(row)});
+  }
+  PlotData curve{"law.dat", {}};
+  constexpr int kCurvePoints = 400;
+  for (int i = 0; i <= kCurvePoints; ++i) {
+    const double depth = 1.08 * deepest * i / kCurvePoints;
+    curve.rows.push_back({depth * kMilli, law.force_at(depth).force});
+  }
+  std::string script = preamble(860, 470);
+  script +=
+      "set key top left\nset xlabel 'depth (mm)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
+      "set xrange [0:" +
+      shortest(1.08 * deepest * kMilli) + "]\nset yrange [0:*]\n";
+  script += "plot 'law.dat' using 1:2 with lines lw 7 lc rgb '#cfcfcf' title 'law of the model'";
+  if (!in.rows.empty()) {
+    script += ", 'in.dat' using 1:2 with points pt 7 ps 0.45 lc " + quoted(kBlue) + " title 'going in'";
+  }
+  if (!out.rows.empty()) {
+    script += ", 'out.dat' using 1:2 with points pt 6 ps 0.6 lc " + quoted(kOrange) + " title 'coming out'";
+  }
+  script += "\n";
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Measured force over depth beside the law of the model";
+  figure.caption =
+      "Force along the contact normal over depth, one tick in " + std::to_string(stride) +
+      ", on the law of one contact. Several contacts on one organ share the tissue and lie above that line; "
+      "damping and the fades at the start and at letting go part from it for a moment.";
+  return drawn(figure, script, {curve, in, out});
+}
+
+Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
+                           const std::filesystem::path& file) {
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Power spectral density of the touch noise over frequency";
+  const bool contact = hand.contact_noise.size() >= 4 * kShortestSegment;
+  const std::vector<double>& samples = contact ? hand.contact_noise : hand.unit_noise;
+  std::size_t segment = kLongestSegment;
+  while (segment > kShortestSegment && samples.size() < 8 * segment) segment /= 2;
+  const double rate = setup.noise.rate_Hz;
+  const Spectrum spectrum = welch(samples, rate, segment);
+  if (spectrum.density.empty()) {
+    figure.missing = setup.noise.enabled ? "The run is too short for a spectrum." : "The noise was off.";
+    return figure;
+  }
+  const double scale = contact ? kMilli * kMilli : 1.0;
+  const double sigma = contact ? hand.contact_sigma : 1.0;
+  const double flat = 2.0 * sigma * sigma / rate * scale;
+  // Half-overlapping Hann segments: the variance of the mean is about (1 + 2/36) / segments of one segment's.
+  const double spread = 1.96 * std::sqrt(1.0556 / static_cast<double>(spectrum.segments));
+  PlotData data{"spectrum.dat", {}};
+  for (std::size_t i = 1; i + 1 < spectrum.density.size(); ++i) {
+    data.rows.push_back({spectrum.frequency[i], spectrum.density[i] * scale});
+  }
+  const PlotData band{"band.dat",
+                      {{0.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)},
+                       {rate / 2.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)}}};
+  std::string script = preamble(640, 420);
+  script += "set xlabel 'frequency (Hz)' offset 0,0.4\nset ylabel 'power density (" +
+            std::string(contact ? "mN²/Hz" : "σ²/Hz") + ")' offset 1\nset xrange [0:" + shortest(rate / 2.0) +
+            "]\nset yrange [0:" + shortest(flat * std::max(2.6, 1.0 + 2.2 * spread)) + "]\n";
+  script +=
+      "plot 'band.dat' using 1:3:4 with filledcurves lc rgb '#e6e6e6' title '95 % band of white noise', "
+      "'spectrum.dat' using 1:2 with lines lw 1.2 lc " +
+      quoted(kBlue) + " title 'measured', 'band.dat' using 1:2 with lines lw 1.5 lc " + quoted(kOrange) +
+      " title 'white, at the set level'\n";
+  figure.caption = (contact ? "Spectrum of the noise force while in contact"
+                            : "Spectrum of the noise force in units of its standard deviation") +
+                   std::string(", Welch's estimate, ") + std::to_string(spectrum.segments) + " segments of " +
+                   std::to_string(segment) + " samples at " + fixed(rate, 0) + " Hz.";
+  return drawn(figure, script, {band, data});
+}
+
+Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::path& file) {
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Histogram of the touch noise with the normal curve";
+  if (hand.unit_noise.empty()) {
+    figure.missing = "The noise was off.";
+    return figure;
+  }
+  constexpr double kRange = 5.0;  // in standard deviations
+  constexpr int kBins = 50;
+  const Bins bins = bin_linear(hand.unit_noise, -kRange, kRange, kBins);
+  const double scale = kBins / (2.0 * kRange * static_cast<double>(hand.unit_noise.size()));
+  PlotData curve{"normal.dat", {}};
+  for (int i = -100; i <= 100; ++i)
+    curve.rows.push_back({kRange * i / 100, normal_density(kRange * i / 100)});
+  std::string script = preamble(640, 420);
+  script +=
+      "set xlabel 'noise force / σ' offset 0,0.4\nset ylabel 'density' offset 1\nset yrange [0:*]\n"
+      "set xrange [-5:5]\nset style fill solid 0.45 noborder\n";
+  script += "plot 'bins.dat' using (($1+$2)/2):3:(0.94*($2-$1)) with boxes lc " + quoted(kBlue) +
+            " title 'measured', 'normal.dat' using 1:2 with lines lw 2 lc " + quoted(kOrange) +
+            " title 'standard normal'\n";
+  figure.caption =
+      "Histogram of " + grouped(hand.unit_noise.size()) +
+      " noise samples, each divided by the standard deviation that belongs to its distance: K/(d "
+      "+ d₀) in approach, K/d₀ in contact.";
+  return drawn(figure, script, {steps(bins, scale, "bins.dat"), curve});
+}
+
+Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantity quantity,
+                           const std::filesystem::path& file) {
+  const bool computing = quantity == TickQuantity::kComputing;
+  Figure figure;
+  figure.file = file;
+  figure.alternative =
+      computing ? "Histogram of the computing time of a tick" : "Histogram of how late a tick began";
+  std::vector<double> values;
+  for (const haptics::TickRow& row : analysis.hands.front().rows) {
+    values.push_back(static_cast<double>(computing ? row.tick_ns : row.late_ns) * 1e-3);
+  }
+  const Bins bins = bin_logarithmic(values, 20);
+  if (bins.counts.empty()) {
+    figure.missing = computing ? "The recording has no tick times."
+                               : "The run was offline: no tick has a due time, so none is late.";
+    return figure;
+  }
+  const auto most = static_cast<double>(*std::max_element(bins.counts.begin(), bins.counts.end()));
+  const Percentiles& marks = computing ? analysis.tick_time : analysis.lateness;
+  std::string script = preamble(640, 420);
+  script += "set logscale x\nset logscale y\nset yrange [0.5:" + shortest(4.0 * most) +
+            "]\nset key off\nset xlabel '" +
+            std::string(computing ? "computing time of a tick (µs)" : "lateness of a tick (µs)") +
+            "' offset 0,0.4\nset ylabel 'ticks' offset 1\nset style fill solid 0.55 noborder\n";
+  const double period_us = 1e6 / rate_Hz;
+  script += "set xrange [" + shortest(bins.edges.front()) + ":" +
+            shortest(std::max(bins.edges.back(), 1.3 * period_us)) + "]\n";
+  const auto mark = [&script](std::int64_t ns, const char* label, const char* height) {
+    if (ns > 0) script += vertical(static_cast<double>(ns) * 1e-3, label, height);
+  };
+  mark(marks.p50, "p50", "0.97");
+  mark(marks.p99, "p99", "0.91");
+  mark(marks.p999, "p99.9", "0.85");
+  mark(marks.max, "max", "0.79");
+  script += "set arrow from " + shortest(period_us) + ",graph 0 to " + shortest(period_us) +
+            ",graph 1 nohead lw 1.5 lc " + quoted(kOrange) + " back\nset label 'period' at " +
+            shortest(period_us) + ",graph 0.5 rotate by 90 center offset -0.8,0 font ',12' textcolor " +
+            quoted(kOrange) + " front\n";
+  PlotData data{"bins.dat", {}};
+  for (const std::vector<double>& row : steps(bins, 1.0, "bins.dat").rows) {
+    if (row[2] > 0.0) data.rows.push_back({row[0], row[1], row[2]});
+  }
+  script += "plot 'bins.dat' using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc " + quoted(kGreen) + "\n";
+  figure.caption = std::string(computing ? "Computing time of a tick" : "How late a tick began") +
+                   ", both axes logarithmic. Dashed: p50, p99, p99.9 and the largest; solid: the period.";
+  return drawn(figure, script, {data});
+}
+
+}  // namespace palpate::report

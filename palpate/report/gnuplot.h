@@ -1,0 +1,42 @@
+#pragma once
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace palpate::report {
+
+/// gnuplot could not draw: it is missing, or refused the script; the message says which, in words.
+class FigureError final : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A folder of its own under the system's temporary folder, removed with everything in it at the end.
+class TemporaryFolder final {
+ public:
+  /// [setup] @throws FigureError when it cannot be made.
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// One table of numbers that a script reads: columns separated by spaces, one row a line.
+struct PlotData {
+  std::string name;  // of the file, in the script's working folder
+  std::vector<std::vector<double>> rows;
+};
+
+/// [setup] Writes the data files, runs gnuplot on the script in a temporary folder and moves what the script
+/// wrote under "figure.svg" to `file`. @param program gnuplot's name or path
+/// @throws FigureError when gnuplot is missing or fails; InputError when `file` cannot be written.
+void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
+                 const std::filesystem::path& file, const std::string& program = "gnuplot");
+
+}  // namespace palpate::report

@@ -1,0 +1,121 @@
+#include "palpate/report/pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <utility>
+
+#include "palpate/base/clock.h"
+#include "palpate/base/error.h"
+#include "palpate/record/replay.h"
+#include "palpate/render/offscreen.h"
+#include "palpate/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr int kWidth = 960;
+constexpr int kHeight = 720;
+constexpr int kTimedDraws = 7;
+
+struct NamedMoment {
+  const char* name;
+  const char* file;
+  std::size_t row;
+};
+
+std::array<NamedMoment, 4> named(const Moments& moments) {
+  return {{{"before contact", "1-before", moments.rest},
+           {moments.contact ? "at contact" : "at its nearest", "2-contact", moments.touch},
+           {"at depth", "3-depth", moments.deepest},
+           {"after", "4-after", moments.after}}};
+}
+
+/// The snapshots of the moments, in their order; the same tick may come twice.
+std::vector<haptics::Snapshot> take_snapshots(const record::Recording& recording, const HandAnalysis& hand) {
+  std::vector<std::uint64_t> ticks;
+  for (const NamedMoment& moment : named(hand.moments)) ticks.push_back(hand.rows[moment.row].tick);
+  std::vector<std::uint64_t> ascending = ticks;
+  std::sort(ascending.begin(), ascending.end());
+  ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
+  const std::vector<haptics::Snapshot> taken = record::snapshots_at(recording, ascending);
+  std::vector<haptics::Snapshot> result;
+  for (const std::uint64_t tick : ticks) {
+    const auto place = std::lower_bound(ascending.begin(), ascending.end(), tick) - ascending.begin();
+    result.push_back(taken.at(static_cast<std::size_t>(place)));
+  }
+  return result;
+}
+
+double median_draw_ms(render::OffscreenRenderer& renderer, const haptics::Snapshot& snapshot,
+                      const render::Camera& camera) {
+  std::vector<double> times;
+  for (int i = 0; i < kTimedDraws; ++i) {
+    const std::int64_t start = monotonic_ns();
+    static_cast<void>(renderer.draw(snapshot, camera));
+    times.push_back(static_cast<double>(monotonic_ns() - start) * 1e-6);
+  }
+  return quantile(times, 0.5);
+}
+
+Figure picture(render::OffscreenRenderer& renderer, const haptics::Snapshot& snapshot,
+               const render::Camera& camera, const std::filesystem::path& file, const std::string& what) {
+  render::write_png(renderer.draw(snapshot, camera), file);
+  Figure figure;
+  figure.file = file;
+  figure.alternative = what;
+  return figure;
+}
+
+void draw_all(const record::Recording& recording, const HandAnalysis& hand,
+              const std::filesystem::path& folder, const std::string& prefix, PictureSet& set) {
+  const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
+  const scene::Setup& setup = recording.setup;
+  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  render::OffscreenRenderer renderer(subject, kWidth, kHeight);
+  set.driver = renderer.driver();
+  set.width = kWidth;
+  set.height = kHeight;
+
+  // The same two places for all moments, chosen at depth, so that only organ and tool move between pictures.
+  const haptics::Snapshot& deepest = snapshots[2];
+  const contact::ToolResult& result = deepest.results[hand.hand];
+  const Vec3 focus = hand.moments.contact ? result.contact_W : result.nearest_W;
+  const Vec3 normal = hand.moments.contact ? result.normal_W : result.away_W;
+  const render::Camera wide = render::frame_contact(subject, deepest, focus, normal, false);
+  const render::Camera near = render::frame_contact(subject, deepest, focus, normal, true);
+  set.contacts_at_depth = result.view_count;
+
+  std::size_t i = 0;
+  for (const NamedMoment& moment : named(hand.moments)) {
+    const std::string what = setup.organ_name + " and tool " + moment.name;
+    MomentPictures pictures;
+    pictures.name = moment.name;
+    pictures.row = hand.rows[moment.row];
+    pictures.overview =
+        picture(renderer, snapshots[i], wide, folder / (prefix + moment.file + ".png"), what + ", overview");
+    pictures.close_up = picture(renderer, snapshots[i], near, folder / (prefix + moment.file + "-close.png"),
+                                what + ", close-up");
+    set.moments.push_back(std::move(pictures));
+    ++i;
+  }
+  set.draw_ms = median_draw_ms(renderer, deepest, wide);
+}
+
+}  // namespace
+
+PictureSet draw_pictures(const record::Recording& recording, const HandAnalysis& hand,
+                         const std::filesystem::path& folder, const std::string& prefix) {
+  PictureSet set;
+  try {
+    draw_all(recording, hand, folder, prefix, set);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {
+    set = PictureSet{};
+    set.missing = error.what();
+  }
+  return set;
+}
+
+}  // namespace palpate::report

@@ -1,0 +1,158 @@
+#include "palpate/report/statistics.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <string>
+
+#include "palpate/base/error.h"
+
+namespace palpate::report {
+namespace {
+
+/// Index of the smallest element that at least `share` of `count` sorted elements do not exceed.
+std::size_t rank_of(double share, std::size_t count) {
+  const double wanted = std::ceil(share * static_cast<double>(count));
+  const auto rank = static_cast<std::size_t>(std::max(1.0, wanted));
+  return std::min(rank, count) - 1;
+}
+
+void count_into(Bins& bins, std::span<const double> values) {
+  for (const double value : values) {
+    if (!(value >= bins.edges.front() && value <= bins.edges.back())) continue;
+    const auto above = std::upper_bound(bins.edges.begin(), bins.edges.end(), value);
+    const auto index = static_cast<std::size_t>(above - bins.edges.begin());
+    ++bins.counts[std::min(index, bins.counts.size()) - 1];
+  }
+}
+
+}  // namespace
+
+Percentiles percentiles(std::vector<std::int64_t> values) {
+  Percentiles result;
+  result.count = values.size();
+  if (values.empty()) return result;
+  std::sort(values.begin(), values.end());
+  result.p50 = values[rank_of(0.5, values.size())];
+  result.p99 = values[rank_of(0.99, values.size())];
+  result.p999 = values[rank_of(0.999, values.size())];
+  result.max = values.back();
+  return result;
+}
+
+Bins bin_linear(std::span<const double> values, double low, double high, int number) {
+  if (!(low < high) || number <= 0) throw InputError("histogram: want low < high and at least one bin");
+  Bins bins;
+  bins.counts.assign(static_cast<std::size_t>(number), 0);
+  for (int i = 0; i <= number; ++i) bins.edges.push_back(low + (high - low) * i / number);
+  count_into(bins, values);
+  return bins;
+}
+
+Bins bin_logarithmic(std::span<const double> values, int per_decade) {
+  if (per_decade <= 0) throw InputError("histogram: want at least one bin a decade");
+  double low = 0.0;
+  double high = 0.0;
+  for (const double value : values) {
+    if (!(value > 0.0) || !std::isfinite(value)) continue;
+    low = low > 0.0 ? std::min(low, value) : value;
+    high = std::max(high, value);
+  }
+  Bins bins;
+  if (!(low > 0.0)) return bins;
+  const int first = static_cast<int>(std::floor(std::log10(low)));
+  const int last = std::max(first + 1, static_cast<int>(std::ceil(std::log10(high))));
+  bins.counts.assign(static_cast<std::size_t>((last - first) * per_decade), 0);
+  for (int i = 0; i <= (last - first) * per_decade; ++i)
+    bins.edges.push_back(std::pow(10.0, first + static_cast<double>(i) / per_decade));
+  count_into(bins, values);
+  return bins;
+}
+
+void transform(std::vector<std::complex<double>>& values) {
+  const std::size_t n = values.size();
+  if (!std::has_single_bit(n)) {
+    throw InputError("Fourier transform: length " + std::to_string(n) + ", want a power of two");
+  }
+  for (std::size_t i = 1, j = 0; i < n; ++i) {
+    std::size_t bit = n >> 1;
+    for (; (j & bit) != 0; bit >>= 1) j ^= bit;
+    j ^= bit;
+    if (i < j) std::swap(values[i], values[j]);
+  }
+  for (std::size_t length = 2; length <= n; length *= 2) {
+    const double angle = -2.0 * std::numbers::pi / static_cast<double>(length);
+    for (std::size_t k = 0; k < length / 2; ++k) {
+      const std::complex<double> turn = std::polar(1.0, angle * static_cast<double>(k));
+      for (std::size_t start = 0; start < n; start += length) {
+        const std::complex<double> even = values[start + k];
+        const std::complex<double> odd = turn * values[start + k + length / 2];
+        values[start + k] = even + odd;
+        values[start + k + length / 2] = even - odd;
+      }
+    }
+  }
+}
+
+Spectrum welch(std::span<const double> samples, double rate, std::size_t segment) {
+  if (!std::has_single_bit(segment) || segment < 4) {
+    throw InputError("spectrum: segments of " + std::to_string(segment) +
+                     " samples, want a power of two >= 4");
+  }
+  Spectrum result;
+  if (samples.size() < segment) return result;
+  std::vector<double> window(segment);
+  double power = 0.0;
+  for (std::size_t i = 0; i < segment; ++i) {
+    const double phase = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(segment);
+    window[i] = 0.5 - 0.5 * std::cos(phase);
+    power += window[i] * window[i];
+  }
+  const std::size_t half = segment / 2;
+  result.density.assign(half + 1, 0.0);
+  std::vector<std::complex<double>> values(segment);
+  for (std::size_t start = 0; start + segment <= samples.size(); start += half) {
+    for (std::size_t i = 0; i < segment; ++i) values[i] = samples[start + i] * window[i];
+    transform(values);
+    for (std::size_t i = 0; i <= half; ++i) result.density[i] += std::norm(values[i]);
+    ++result.segments;
+  }
+  for (std::size_t i = 0; i <= half; ++i) {
+    const double sides = i == 0 || i == half ? 1.0 : 2.0;
+    result.density[i] *= sides / (rate * power * static_cast<double>(result.segments));
+    result.frequency.push_back(rate * static_cast<double>(i) / static_cast<double>(segment));
+  }
+  return result;
+}
+
+NormalCheck check_standard_normal(std::vector<double> values) {
+  NormalCheck result;
+  result.count = values.size();
+  if (values.empty()) return result;
+  std::sort(values.begin(), values.end());
+  const auto count = static_cast<double>(values.size());
+  result.mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    squares += (values[i] - result.mean) * (values[i] - result.mean);
+    const double expected = 0.5 * std::erfc(-values[i] / std::numbers::sqrt2);
+    const double below = static_cast<double>(i) / count;
+    const double up_to = static_cast<double>(i + 1) / count;
+    result.ks_distance = std::max({result.ks_distance, expected - below, up_to - expected});
+  }
+  result.standard_deviation = values.size() > 1 ? std::sqrt(squares / (count - 1.0)) : 0.0;
+  return result;
+}
+
+double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi); }
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const std::size_t rank = rank_of(share, values.size());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
+  return values[rank];
+}
+
+}  // namespace palpate::report

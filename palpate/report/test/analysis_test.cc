@@ -1,0 +1,123 @@
+#include "palpate/report/analysis.h"
+
+#include <gtest/gtest.h>
+
+#include "palpate/base/error.h"
+#include "palpate/haptics/gate.h"
+#include "palpate/report/test/synthetic_recording.h"
+
+namespace palpate::report {
+namespace {
+
+using testing::SyntheticRecording;
+
+TEST(Analysis, FindsTheMomentsOfAPress) {
+  const record::Recording recording = SyntheticRecording::make();
+  const HandAnalysis hand = analyse(recording).hands.at(0);
+  ASSERT_TRUE(hand.moments.contact);
+  // 10 of 22 mm in 1.5 s: the surface is reached at 0.6818 s, the first tick beneath it is 682.
+  EXPECT_EQ(hand.rows[hand.moments.touch].tick, 682U);
+  EXPECT_EQ(hand.rows[hand.moments.rest].tick, 341U);
+  EXPECT_EQ(hand.rows[hand.moments.deepest].tick, 1500U);
+  EXPECT_EQ(hand.rows[hand.moments.after].tick, 3999U);
+  EXPECT_DOUBLE_EQ(hand.peak_depth, SyntheticRecording::kDeepest);
+}
+
+TEST(Analysis, WithoutContactItTakesTheNearestTick) {
+  const record::Recording recording = SyntheticRecording::make(true, 500);
+  const HandAnalysis hand = analyse(recording).hands.at(0);
+  EXPECT_FALSE(hand.moments.contact);
+  EXPECT_EQ(hand.moments.touch, 499U);
+  EXPECT_EQ(hand.moments.deepest, 499U);
+  EXPECT_EQ(hand.peak_depth, 0.0);
+}
+
+TEST(Analysis, AForceOnTheLawDepartsByNothing) {
+  const record::Recording recording = SyntheticRecording::make();
+  const HandAnalysis hand = analyse(recording).hands.at(0);
+  EXPECT_GT(hand.law.rows, 1900U);
+  EXPECT_LT(hand.law.p95, 1e-12);
+}
+
+TEST(Analysis, AForceTenPercentOverTheLawDepartsByTenPercent) {
+  record::Recording recording = SyntheticRecording::make();
+  for (haptics::TickRow& row : recording.rows) row.tissue_force *= 1.1;
+  const HandAnalysis hand = analyse(recording).hands.at(0);
+  EXPECT_NEAR(hand.law.median, 0.1, 1e-9);
+  EXPECT_NEAR(hand.law.p95, 0.1, 1e-9);
+}
+
+TEST(Analysis, FrictionIsLeftOutOfTheNormalForce) {
+  haptics::TickRow row;
+  row.tissue_force = 5.0;
+  row.friction = 3.0;
+  EXPECT_DOUBLE_EQ(normal_force(row), 4.0);
+}
+
+TEST(Analysis, NoiseIsDividedByTheSigmaOfItsDistance) {
+  const record::Recording recording = SyntheticRecording::make();
+  const HandAnalysis hand = analyse(recording).hands.at(0);
+  ASSERT_EQ(hand.unit_noise.size(), 4000U);
+  EXPECT_DOUBLE_EQ(hand.contact_sigma, 10e-3);
+  for (std::size_t i = 0; i < 4000; i += 97) {
+    EXPECT_NEAR(hand.unit_noise[i], noise::unit_sample(1, 0, i), 1e-9) << "tick " << i;
+  }
+}
+
+TEST(Analysis, HeldNoiseSamplesCountOnce) {
+  record::Recording recording = SyntheticRecording::make();
+  recording.setup.noise.rate_Hz = 250.0;
+  EXPECT_EQ(analyse(recording).hands.at(0).unit_noise.size(), 1000U);
+}
+
+TEST(Analysis, NoNoiseLeavesNoSamples) {
+  const record::Recording recording = SyntheticRecording::make(false);
+  EXPECT_TRUE(analyse(recording).hands.at(0).unit_noise.empty());
+}
+
+TEST(Analysis, MissedDeadlinesOfACutOffRecordingAreCountedFromTheRows) {
+  record::Recording recording = SyntheticRecording::make();
+  EXPECT_EQ(analyse(recording).missed, 3U);  // the loop's own account
+  recording.facts.complete = false;
+  recording.rows[5].late_ns = 1'000'000;
+  recording.rows[9].late_ns = 999'999;
+  EXPECT_EQ(analyse(recording).missed, 1U);
+}
+
+TEST(Analysis, HandsAreTakenApart) {
+  record::Recording recording = SyntheticRecording::make();
+  haptics::TickRow other = recording.rows[0];
+  other.hand = 1;
+  recording.rows.insert(recording.rows.begin() + 1, other);
+  const Analysis analysis = analyse(recording);
+  ASSERT_EQ(analysis.hands.size(), 2U);
+  EXPECT_EQ(analysis.hands[0].rows.size(), 4000U);
+  EXPECT_EQ(analysis.hands[1].rows.size(), 1U);
+  EXPECT_EQ(analysis.ticks, 4000U);
+}
+
+TEST(Analysis, ThePullHasItsOwnDirection) {
+  record::Recording recording = SyntheticRecording::make();
+  recording.setup.task = scene::Task::kPull;
+  EXPECT_EQ(analyse(recording).direction, model::Direction::kPull);
+  EXPECT_EQ(analyse(recording).hands.at(0).law.rows, 0U);  // nothing was pulled
+}
+
+TEST(Analysis, RefusesARecordingWithoutTicks) {
+  EXPECT_THROW(static_cast<void>(analyse(record::Recording{})), InputError);
+}
+
+TEST(Analysis, SaysStatusBitsAndFaultsInWords) {
+  std::vector<haptics::TickRow> rows(10);
+  rows[2].status = haptics::kForceClamped | contact::kGripReleased;
+  rows[3].status = haptics::kForceClamped;
+  rows[4].fault = 1;
+  const std::vector<std::string> words = status_in_words(rows);
+  ASSERT_EQ(words.size(), 3U);
+  EXPECT_EQ(words[0], "the grip let go, past its limit (1 ticks)");
+  EXPECT_EQ(words[1], "the force was clamped at max_force_N (2 ticks)");
+  EXPECT_EQ(words[2], "a fault was latched (1 ticks)");
+}
+
+}  // namespace
+}  // namespace palpate::report

@@ -1,0 +1,160 @@
+// The part of the report that says what was run.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/base/text.h"
+#include "palpate/geometry/mesh.h"
+#include "palpate/report/sections.h"
+#include "palpate/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
+constexpr double kMilli = 1e3;
+
+std::string number(double value, const char* unit) {
+  return shortest(value) + (*unit == '\0' ? "" : " ") + unit;
+}
+
+/// A length of the scene in mm, rounded where the conversion from metres leaves a rest.
+std::string millimetres(double metres) {
+  std::string text = fixed(metres * kMilli, 6);
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text + " mm";
+}
+
+std::string point_mm(const Vec3& p) {
+  const auto bare = [](double metres) {
+    const std::string text = millimetres(metres);
+    return text.substr(0, text.size() - 3);
+  };
+  return bare(p.x()) + ", " + bare(p.y()) + ", " + bare(p.z()) + " mm";
+}
+
+std::string mesh_in_words(const geometry::TriangleMesh& mesh) {
+  const Vec3 size = geometry::bounds(mesh).size() * kMilli;
+  return grouped(mesh.vertices.size()) + " vertices, " + grouped(mesh.triangles.size()) + " triangles, " +
+         fixed(size.x(), 1) + " × " + fixed(size.y(), 1) + " × " + fixed(size.z(), 1) + " mm";
+}
+
+Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
+  Facts facts{
+      {"scene", setup.name},
+      {"task", setup.task == scene::Task::kPull ? "pull" : "press"},
+      {"organ", setup.organ_name + ": " + mesh_in_words(setup.organ)},
+      {"organ's position", point_mm(setup.organ_pose.position)},
+  };
+  for (const geometry::Tool& tool : setup.tools) {
+    std::string text = tool.name;
+    for (const geometry::ToolPart& part : tool.parts) {
+      text += "; " + std::string(part.is_jaw ? "jaw" : "part") + (part.name.empty() ? "" : " " + part.name) +
+              ": " + mesh_in_words(part.mesh);
+    }
+    if (tool.tip_radius) text += "; tip radius " + millimetres(*tool.tip_radius);
+    facts.emplace_back("tool", text);
+  }
+  for (const scene::DeviceSetup& device : setup.devices) {
+    facts.emplace_back("device", device.kind + (device.path.empty() ? "" : ", path " + device.path) +
+                                     ", workspace scale " + shortest(device.workspace_scale));
+  }
+  facts.emplace_back("rate", number(setup.rate_Hz, "Hz"));
+  facts.emplace_back("length", grouped(analysis.ticks) + " ticks, " +
+                                   fixed(static_cast<double>(analysis.ticks) / setup.rate_Hz, 3) + " s");
+  facts.emplace_back("seed", std::to_string(setup.seed));
+  return facts;
+}
+
+Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
+  const model::TissueParameters& tissue = setup.tissue;
+  const model::LayeredSpringLaw law = law_of(setup, direction);
+  Facts facts{
+      {"name", tissue.name},
+      {"law", "layered parallel springs, " +
+                  std::string(direction == model::Direction::kPull ? "pulled" : "pressed") + ", " +
+                  std::to_string(law.layers_allowed()) + " layers at this rate; largest " +
+                  millimetres(law.max_depth()) + " and " + fixed(law.max_force(), 2) + " N"},
+      {"k1", number(tissue.k1, "N/m")},
+      {"beta", number(tissue.beta, "")},
+      {"q", number(tissue.q, "")},
+      {"rest, largest, smallest length", millimetres(tissue.rest_length) + ", " +
+                                             millimetres(tissue.max_length) + ", " +
+                                             millimetres(tissue.min_length)},
+      {"t1", fixed(tissue.t1 * 1e6, 3) + " µs"},
+      {"reach c, a, s, g", shortest(tissue.reach.contact_ratio) + ", " +
+                               shortest(tissue.reach.first_bar_ratio) + ", " +
+                               shortest(tissue.reach.bar_ratio) + ", " + shortest(tissue.reach.weight_ratio)},
+      {"friction", shortest(tissue.contact.friction)},
+      {"tangential stiffness", number(tissue.tangential_stiffness(), "N/m")},
+      {"damping", number(tissue.contact.damping, "N s/m")},
+      {"reference radius", millimetres(tissue.contact.reference_radius)},
+      {"grip limit", number(tissue.contact.grip_limit, "N")},
+  };
+  if (tissue.source) {
+    facts.emplace_back("fitted with",
+                       tissue.source->indenter + ", radius " + millimetres(tissue.source->radius));
+  }
+  return facts;
+}
+
+Facts other_facts(const scene::Setup& setup) {
+  const noise::NoiseSettings& noise = setup.noise;
+  const scene::SafetySetup& safety = setup.safety;
+  return {
+      {"touch noise", noise.enabled ? "K " + number(noise.gain, "N m") + ", d₀ " +
+                                          millimetres(noise.threshold) + ", σ in contact " +
+                                          fixed(noise.gain / noise.threshold * kMilli, 3) + " mN, clock " +
+                                          number(noise.rate_Hz, "Hz") + ", seed " + std::to_string(noise.seed)
+                                    : "off"},
+      {"largest force, its change",
+       number(safety.max_force, "N") + ", " + number(safety.max_slew / kMilli, "N/ms")},
+      {"largest torque, its change",
+       number(safety.max_torque, "N m") + ", " + number(safety.max_torque_slew / kMilli, "N m/ms")},
+  };
+}
+
+Facts run_facts(const record::RunFacts& facts) {
+  const auto granted = [](bool yes) { return std::string(yes ? "granted" : "not granted"); };
+  Facts rows{{"palpate", facts.version + ", " + facts.compiler}, {"machine", facts.machine}};
+  if (facts.started_unix_ns != 0) rows.emplace_back("started", utc_time(facts.started_unix_ns));
+  rows.emplace_back("clock", facts.offline ? "offline, as fast as possible" : "real time");
+  if (!facts.offline) {
+    rows.emplace_back("real-time priority", granted(facts.realtime_priority));
+    rows.emplace_back("memory locked", granted(facts.memory_locked));
+  }
+  if (!facts.complete) rows.emplace_back("recording", "cut off: it ends with the last row that was written");
+  return rows;
+}
+
+}  // namespace
+
+void write_what_was_run(Page& page, const WorkedExperiment& worked) {
+  const record::Recording& recording = *worked.experiment->recording;
+  page.heading("What was run");
+  page.code(worked.experiment->command);
+  page.open_grid("two");
+  page.open_grid("column");
+  page.facts(scene_facts(recording.setup, worked.analysis));
+  page.facts(run_facts(recording.facts));
+  page.close_grid();
+  page.open_grid("column");
+  page.paragraph("<strong>Tissue</strong>");
+  page.facts(tissue_facts(recording.setup, worked.analysis.direction));
+  page.facts(other_facts(recording.setup));
+  page.close_grid();
+  page.close_grid();
+  std::vector<std::string> remarks;
+  for (const std::string& remark : recording.setup.remarks) remarks.push_back(escaped(remark));
+  for (const HandAnalysis& hand : worked.analysis.hands) {
+    for (const std::string& words : status_in_words(hand.rows)) remarks.push_back(escaped(words));
+  }
+  if (!remarks.empty()) {
+    page.paragraph("<strong>Remarks</strong>");
+    page.list(remarks);
+  }
+}
+
+}  // namespace palpate::report
