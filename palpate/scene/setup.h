@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,6 +13,12 @@
 namespace palpate::scene {
 
 enum class Task { kPress, kPull };
+
+inline constexpr std::size_t kMaxHands = 4;      // tools (and devices) in one scene
+inline constexpr std::size_t kMaxToolParts = 3;  // rigid parts of one tool that contact solves
+
+inline constexpr double kSlowestRate = 100.0;  // Hz, of the loop
+inline constexpr double kFastestRate = 20000.0;
 
 /// How the device's sample becomes the tool's pose: translation scaled, then placed by `base`.
 struct DeviceSetup {

@@ -101,9 +101,7 @@ model::TissueParameters read_tissue_file(const std::filesystem::path& file) {
   try {
     model::validate(tissue);
   } catch (const ParameterError& error) {
-    const std::string message = error.what();
-    const std::size_t colon = message.find(": ");
-    table->fail_path(error.field(), colon == std::string::npos ? message : message.substr(colon + 2));
+    table->fail(error);
   }
   return tissue;
 }

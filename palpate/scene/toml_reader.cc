@@ -6,7 +6,6 @@
 #include <iterator>
 #include <sstream>
 
-#include "palpate/base/error.h"
 #include "palpate/base/text.h"
 
 namespace palpate::scene {
@@ -98,6 +97,12 @@ void TomlTable::fail_missing(std::string_view key, const std::string& want) cons
   throw InputError(file_ + ":" + std::to_string(line_) + ": " + field(key) + ": missing, " + want);
 }
 
+void TomlTable::fail(const ParameterError& error) const {
+  const std::string message = error.what();  // "field = value: must be ..."
+  const std::size_t colon = message.find(": ");
+  fail_path(error.field(), colon == std::string::npos ? message : message.substr(colon + 2));
+}
+
 void TomlTable::fail_path(std::string_view dotted, const std::string& want) const {
   const std::size_t dot = dotted.find('.');
   if (dot == std::string_view::npos) fail(dotted, want);
@@ -152,7 +157,9 @@ std::optional<std::string> TomlTable::text(std::string_view key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
   const auto* value = node->as_string();
-  if (value == nullptr || value->get().empty()) fail(key, "must be a text in quotes, not empty");
+  if (value == nullptr || value->get().empty() || value->get() != one_line(value->get())) {
+    fail(key, "must be a text in quotes, not empty, on one line");
+  }
   return value->get();
 }
 

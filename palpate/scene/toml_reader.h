@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include <toml++/toml.h>
 
+#include "palpate/base/error.h"
 #include "palpate/base/pose.h"
 
 namespace palpate::scene {
@@ -52,7 +54,7 @@ class TomlTable final {
   [[nodiscard]] double required_number(std::string_view key, const Range& range = kAnyNumber);
   [[nodiscard]] std::optional<std::uint64_t> whole_number(std::string_view key);
   [[nodiscard]] std::optional<bool> truth(std::string_view key);
-  /// A text that is not empty.
+  /// A text that is not empty and has no line break or other control character.
   [[nodiscard]] std::optional<std::string> text(std::string_view key);
   /// Three finite numbers, each within `range`.
   [[nodiscard]] std::optional<Vec3> vector(std::string_view key, const Range& range = kAnyNumber);
@@ -73,10 +75,12 @@ class TomlTable final {
   [[nodiscard]] std::string place(std::string_view key) const;
   /// "table.key".
   [[nodiscard]] std::string field(std::string_view key) const;
-  /// The table's own key by a dotted path ("contact.friction") as text and place; for errors found later.
-  [[noreturn]] void fail_path(std::string_view dotted, const std::string& want) const;
+  /// A library's complaint about a field of this table (dotted for a table inside it), at that field's line
+  /// and with the value as it stands in the file.
+  [[noreturn]] void fail(const ParameterError& error) const;
 
  private:
+  [[noreturn]] void fail_path(std::string_view dotted, const std::string& want) const;
   [[nodiscard]] const toml::node* find(std::string_view key);
   [[nodiscard]] TomlTable child(std::string_view key, const toml::node& node) const;
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,16 +21,22 @@ struct PathRow {
 /// after the last row.
 class ToolPath final {
  public:
-  /// [setup] @throws InputError when there is no row or times do not strictly increase.
+  /// [setup] Orientations must be unit quaternions. @throws InputError when there is no row or times do not
+  /// strictly increase.
   explicit ToolPath(std::vector<PathRow> rows, bool has_gripper = true);
 
   /// [rt] The row at `time` [s].
   [[nodiscard]] PathRow at(double time) const noexcept;
+  /// [rt] Velocity [m/s] at `time` [s]: the slope of the piece that begins there or holds it; 0 outside.
+  [[nodiscard]] Vec3 velocity_at(double time) const noexcept;
   [[nodiscard]] double end_time() const noexcept { return rows_.back().time; }
   [[nodiscard]] bool has_gripper() const noexcept { return has_gripper_; }
   [[nodiscard]] const std::vector<PathRow>& rows() const noexcept { return rows_; }
 
  private:
+  /// Index of the last row at or before `time`, which is not before the first row's.
+  [[nodiscard]] std::size_t row_before(double time) const noexcept;
+
   std::vector<PathRow> rows_;
   bool has_gripper_;
 };
@@ -37,9 +44,11 @@ class ToolPath final {
 /// [setup] Reads a path CSV (columns by header name). @throws InputError naming file, line, column and value.
 [[nodiscard]] ToolPath read_tool_path(const std::filesystem::path& file);
 
-/// [setup] The path that a scripted device without a file takes: from above the organ's middle, tool +z down,
-/// 10 mm clear, to 12 mm of depth or pull, hold 1 s, back. In the device's frame (the mapping of `setup` is
-/// undone).
+/// [setup] The path that a scripted device without a file takes: tool +z down, from above the organ's middle
+/// with the tool's lowest point 10 mm clear, to 12 mm of depth (press) or, closed at touch, 12 mm of lift
+/// (pull), hold 1 s, back. Several hands stand side by side, 30 mm apart at most. In the device's frame (the
+/// mapping of `setup` is undone).
+/// @throws InputError when the organ's mesh is not closed.
 [[nodiscard]] ToolPath default_path(const Setup& setup, std::size_t hand);
 
 }  // namespace palpate::scene

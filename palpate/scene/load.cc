@@ -1,0 +1,247 @@
+#include "palpate/scene/load.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "palpate/base/error.h"
+#include "palpate/base/portable_math.h"
+#include "palpate/base/text.h"
+#include "palpate/geometry/builtin.h"
+#include "palpate/scene/instrument.h"
+#include "palpate/scene/mesh_source.h"
+#include "palpate/scene/names.h"
+#include "palpate/scene/scene_file.h"
+#include "palpate/scene/tool_path.h"
+
+namespace palpate::scene {
+namespace {
+
+constexpr double kFlagJawOpening = 15.0 * portable::kPi / 180.0;  // rad
+
+Stated flag(const std::string& name, const std::string& value) { return {value, name, {}}; }
+
+Task task_of(const Request& request, Task otherwise) {
+  return request.task ? parse_task(flag("--task", *request.task)) : otherwise;
+}
+
+/// The scene that a run without a scene file takes.
+SceneDescription default_scene(Task task) {
+  SceneDescription scene;
+  const bool press = task == Task::kPress;
+  scene.task = task;
+  scene.organ = Stated{press ? "gallbladder" : "heart", "organ", {}};
+  ToolDescription tool;
+  tool.mesh = Stated{press ? "curved-forceps" : "straight-forceps", "tool", {}};
+  scene.tools.push_back(std::move(tool));
+  return scene;
+}
+
+ToolDescription tool_from_flags(const std::vector<std::string>& files) {
+  ToolDescription tool;
+  if (files.size() == 1) {
+    tool.mesh = flag("--tool", files.front());
+    return tool;
+  }
+  tool.jaws_by_flags = true;
+  for (const std::string& file : files) {
+    JawDescription jaw;
+    jaw.mesh = flag("--tool", file);
+    jaw.open_angle = kFlagJawOpening;
+    tool.jaws.push_back(std::move(jaw));
+  }
+  return tool;
+}
+
+void override_meshes(const Request& request, SceneDescription& scene) {
+  if (request.organ) {
+    scene.organ = flag("--organ", *request.organ);
+    scene.organ_unit.reset();
+  }
+  if (request.organ_unit) scene.organ_unit = parse_unit(flag("--organ-unit", *request.organ_unit));
+  if (request.tissue) scene.tissue = flag("--tissue", *request.tissue);
+  if (!request.tools.empty()) {
+    if (scene.tools.size() > 1) {
+      flag("--tool", request.tools.front())
+          .fail("the scene has several tools, change them in the scene file");
+    }
+    scene.tools = {tool_from_flags(request.tools)};
+  }
+  if (request.tool_unit) {
+    const LengthUnit unit = parse_unit(flag("--tool-unit", *request.tool_unit));
+    for (ToolDescription& tool : scene.tools) tool.unit = unit;
+  }
+}
+
+void override_device(const std::string& text, SceneDescription& scene) {
+  if (scene.tools.size() > 1 || scene.devices.size() > 1) {
+    flag("--device", text).fail("the scene has several hands, change their devices in the scene file");
+  }
+  if (scene.devices.empty()) scene.devices.emplace_back();
+  DeviceDescription& device = scene.devices.front();
+  const std::size_t colon = text.find(':');
+  device.kind = flag("--device", text.substr(0, colon));
+  device.path.reset();
+  if (colon == std::string::npos) return;
+  device.path = flag("--device", text.substr(colon + 1));
+  if (device.path->value.empty()) flag("--device", text).fail("must be KIND or KIND:PATH");
+}
+
+void override_numbers(const Request& request, SceneDescription& scene) {
+  if (request.rate_Hz) {
+    const double rate = *request.rate_Hz;
+    if (!(rate >= kSlowestRate && rate <= kFastestRate)) {
+      throw ParameterError("--rate-Hz", rate,
+                           "a number >= " + shortest(kSlowestRate) + " and <= " + shortest(kFastestRate));
+    }
+    scene.rate_Hz = rate;
+  }
+  if (request.seed) scene.seed = *request.seed;
+  if (request.no_noise) scene.noise.enabled = false;
+}
+
+/// The scene file, or the default scene, with the flags laid over it.
+SceneDescription describe(const Request& request) {
+  SceneDescription scene;
+  if (request.scene) {
+    scene = read_scene_file(*request.scene);
+    scene.task = task_of(request, scene.task);
+  } else {
+    scene = default_scene(task_of(request, Task::kPress));
+  }
+  override_meshes(request, scene);
+  if (request.device) override_device(*request.device, scene);
+  override_numbers(request, scene);
+  if (!scene.organ) {
+    throw InputError(scene.organ_place + ": missing, must be a built-in organ (" +
+                     alternatives(geometry::builtin_organ_names()) + ") or a file");
+  }
+  if (scene.tools.empty()) {
+    throw InputError(scene.tool_place + ": missing, must be a built-in tool (" +
+                     alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
+  }
+  if (!request.scene) {
+    scene.name = std::filesystem::path(scene.organ->value).stem().string() +
+                 (scene.task == Task::kPress ? " press" : " pull");
+  }
+  return scene;
+}
+
+void load_organ(const SceneDescription& scene, Setup& setup) {
+  const Stated& organ = *scene.organ;
+  setup.organ_name = organ.value;
+  if (means_file(organ.value)) {
+    geometry::LoadedMesh loaded = read_mesh_source(organ, scene.organ_unit, setup.remarks);
+    try {
+      geometry::require_organ(loaded, organ.value);
+    } catch (const InputError& error) {
+      throw InputError(organ.where + ": " + error.what());
+    }
+    setup.organ = std::move(loaded.mesh);
+    return;
+  }
+  const std::vector<std::string>& known = geometry::builtin_organ_names();
+  if (std::find(known.begin(), known.end(), organ.value) == known.end()) {
+    organ.fail("must be " + alternatives(known) + ", or a file (with a / or an ending such as .stl)");
+  }
+  setup.organ = geometry::make_organ(organ.value);
+}
+
+/// The tissue asked for; else the built-in one of the organ's name; else the task's.
+model::TissueParameters find_tissue(const SceneDescription& scene) {
+  if (scene.tissue) {
+    try {
+      return load_tissue(means_file(scene.tissue->value) ? scene.tissue->file().string()
+                                                         : scene.tissue->value);
+    } catch (const InputError& error) {
+      throw InputError(scene.tissue->where + ": " + error.what());
+    }
+  }
+  static const std::array<std::string, 2> kOrgansWithTissue = {"gallbladder", "heart"};
+  const auto own = std::find(kOrgansWithTissue.begin(), kOrgansWithTissue.end(), scene.organ->value);
+  if (own != kOrgansWithTissue.end()) return model::tissue_preset(*own);
+  return model::tissue_preset(scene.task == Task::kPull ? "heart" : "gallbladder");
+}
+
+void check_device_kind(const Stated& kind) {
+  static const std::vector<std::string> kHere = {"scripted", "replay"};
+  static const std::vector<std::string> kLater = {"emulated", "mouse", "forcedimension", "haply"};
+  if (std::find(kHere.begin(), kHere.end(), kind.value) != kHere.end()) return;
+  if (std::find(kLater.begin(), kLater.end(), kind.value) != kLater.end()) {
+    kind.fail("this version has no such device yet, must be scripted or replay");
+  }
+  kind.fail("must be scripted or replay");
+}
+
+/// Checks what a device would read at its opening.
+void check_device_file(const DeviceDescription& device, Task task) {
+  if (!device.path) {
+    if (device.kind.value == "replay") device.kind.fail("needs the path of a recording beside it");
+    return;
+  }
+  const std::filesystem::path file = device.path->file();
+  std::error_code status;
+  if (!std::filesystem::exists(file, status)) device.path->fail("there is no such file");
+  if (std::filesystem::is_directory(file, status)) device.path->fail("is a folder, must be a file");
+  if (device.kind.value != "scripted") return;
+  try {
+    const ToolPath path = read_tool_path(file);
+    if (task == Task::kPull && !path.has_gripper()) {
+      throw InputError(file.string() + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
+    }
+  } catch (const InputError& error) {
+    throw InputError(device.path->where + ": " + error.what());
+  }
+}
+
+void load_hands(const SceneDescription& scene, Setup& setup) {
+  const std::size_t hands = scene.tools.size();
+  if (hands > kMaxHands) {
+    throw InputError(scene.tool_place + ": there are " + std::to_string(hands) + " tools, must be at most " +
+                     std::to_string(kMaxHands));
+  }
+  std::vector<DeviceDescription> devices = scene.devices;
+  if (devices.empty()) devices.resize(hands);
+  if (devices.size() != hands) {
+    throw InputError(devices.front().kind.where + ": there are " + std::to_string(devices.size()) +
+                     " devices for " + std::to_string(hands) + " tools, must be one a tool");
+  }
+  for (const DeviceDescription& device : devices) {
+    check_device_kind(device.kind);
+    check_device_file(device, scene.task);
+    setup.devices.push_back({device.kind.value, device.path ? device.path->file().string() : "",
+                             device.workspace_scale, device.base});
+  }
+  for (const ToolDescription& tool : scene.tools) setup.tools.push_back(load_instrument(tool, setup.remarks));
+}
+
+void set_noise(const SceneDescription& scene, Setup& setup) {
+  setup.noise = scene.noise;
+  setup.noise.seed = scene.seed;
+  if (setup.noise.rate_Hz <= scene.rate_Hz) return;
+  if (!scene.noise_rate_place.empty()) {
+    throw InputError(scene.noise_rate_place + " = " + shortest(setup.noise.rate_Hz) +
+                     ": must be at most the loop's rate, " + shortest(scene.rate_Hz) + " Hz");
+  }
+  setup.noise.rate_Hz = scene.rate_Hz;
+}
+
+}  // namespace
+
+Setup load(const Request& request) {
+  const SceneDescription scene = describe(request);
+  Setup setup;
+  setup.name = scene.name;
+  setup.task = scene.task;
+  setup.rate_Hz = scene.rate_Hz;
+  setup.seed = scene.seed;
+  setup.organ_pose = scene.organ_pose;
+  setup.safety = scene.safety;
+  set_noise(scene, setup);
+  setup.tissue = find_tissue(scene);
+  load_organ(scene, setup);
+  load_hands(scene, setup);
+  return setup;
+}
+
+}  // namespace palpate::scene

@@ -1,0 +1,203 @@
+#include "palpate/scene/scene_file.h"
+
+#include "palpate/base/error.h"
+#include "palpate/base/portable_math.h"
+#include "palpate/scene/toml_reader.h"
+
+namespace palpate::scene {
+namespace {
+
+constexpr double kRadiansPerDegree = portable::kPi / 180.0;
+constexpr double kMillisecondsPerSecond = 1000.0;  // slew is given a millisecond
+
+constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
+constexpr Range kRotation{-3600.0, 3600.0};  // deg: ten turns
+constexpr Range kOpening{-180.0, 180.0};     // deg
+constexpr Range kLoopRate{kSlowestRate, kFastestRate};
+constexpr Range kNoiseRate{0.0, kFastestRate, true};
+constexpr Range kWorkspaceScale{0.0, 1000.0, true};
+constexpr Range kTipRadius{0.0, 1000.0, true};  // mm
+
+/// Reads one scene file; holds what every part of it needs.
+class SceneReader final {
+ public:
+  SceneReader(TomlTable root, std::filesystem::path folder)
+      : root_(std::move(root)), folder_(std::move(folder)) {}
+
+  SceneDescription read(const std::string& default_name) {
+    SceneDescription scene;
+    scene.name = default_name;
+    if (auto table = root_.table("scene")) read_scene(*table, scene);
+    read_organ(scene);
+    for (TomlTable& table : root_.tables("tool")) scene.tools.push_back(read_tool(table));
+    scene.tool_place = root_.place("tool") + ": tool.mesh";
+    for (TomlTable& table : root_.tables("device")) scene.devices.push_back(read_device(table));
+    if (auto table = root_.table("noise")) read_noise(*table, scene);
+    if (auto table = root_.table("safety")) scene.safety = read_safety(*table);
+    root_.refuse_unknown_keys();
+    return scene;
+  }
+
+ private:
+  std::optional<Stated> stated(TomlTable& table, std::string_view key) const {
+    const std::optional<std::string> text = table.text(key);
+    if (!text) return std::nullopt;
+    return Stated{*text, table.place(key) + ": " + table.field(key), folder_};
+  }
+
+  static Pose read_pose(TomlTable& parent, std::string_view key) {
+    Pose pose;
+    std::optional<TomlTable> table = parent.table(key);
+    if (!table) return pose;
+    if (const auto position = table->vector("position_mm", kPosition))
+      pose.position = *position * kMillimetre;
+    if (const auto rotation = table->vector("rotation_deg", kRotation)) {
+      pose.rotation = rotation_from_degrees(*rotation);
+    }
+    table->refuse_unknown_keys();
+    return pose;
+  }
+
+  std::optional<LengthUnit> read_unit(TomlTable& table) const {
+    const std::optional<Stated> unit = stated(table, "unit");
+    if (!unit) return std::nullopt;
+    return parse_unit(*unit);
+  }
+
+  void read_scene(TomlTable& table, SceneDescription& scene) const {
+    scene.name = table.text("name").value_or(scene.name);
+    if (const auto task = stated(table, "task")) scene.task = parse_task(*task);
+    scene.rate_Hz = table.number("rate_Hz", kLoopRate).value_or(scene.rate_Hz);
+    scene.seed = table.whole_number("seed").value_or(scene.seed);
+    table.refuse_unknown_keys();
+  }
+
+  void read_organ(SceneDescription& scene) {
+    scene.organ_place = root_.place("organ") + ": organ.mesh";
+    std::optional<TomlTable> table = root_.table("organ");
+    if (!table) return;
+    scene.organ = stated(*table, "mesh");
+    scene.organ_unit = read_unit(*table);
+    scene.tissue = stated(*table, "tissue");
+    scene.organ_pose = read_pose(*table, "pose");
+    table->refuse_unknown_keys();
+  }
+
+  JawDescription read_jaw(TomlTable& table) const {
+    constexpr double kDefaultOpening = 15.0;  // deg
+    JawDescription jaw;
+    std::optional<Stated> mesh = stated(table, "mesh");
+    if (!mesh) table.fail_missing("mesh", "a jaw needs its mesh, a file");
+    jaw.mesh = *mesh;
+    if (const auto pivot = table.vector("pivot_mm", kPosition)) jaw.pivot = *pivot * kMillimetre;
+    if (const auto axis = table.vector("axis", kPosition)) {
+      if (axis->norm() < 1e-9) table.fail("axis", "must be a direction, not zero");
+      jaw.axis = axis->normalized();
+    }
+    jaw.open_angle = table.number("open_deg", kOpening).value_or(kDefaultOpening) * kRadiansPerDegree;
+    table.refuse_unknown_keys();
+    return jaw;
+  }
+
+  ToolDescription read_tool(TomlTable& table) const {
+    ToolDescription tool;
+    tool.mesh = stated(table, "mesh");
+    tool.unit = read_unit(table);
+    tool.mount = read_pose(table, "mount");
+    if (const auto radius = table.number("tip_radius_mm", kTipRadius))
+      tool.tip_radius = *radius * kMillimetre;
+    for (TomlTable& jaw : table.tables("jaw")) tool.jaws.push_back(read_jaw(jaw));
+    table.refuse_unknown_keys();
+    if (!tool.mesh && tool.jaws.empty()) {
+      table.fail_missing("mesh", "a tool needs a mesh (a built-in name, a file or sphere:R) or jaws");
+    }
+    return tool;
+  }
+
+  DeviceDescription read_device(TomlTable& table) const {
+    DeviceDescription device;
+    if (const auto kind = stated(table, "kind")) device.kind = *kind;
+    if (device.kind.where.empty()) device.kind.where = table.place("kind") + ": " + table.field("kind");
+    device.path = stated(table, "path");
+    device.workspace_scale =
+        table.number("workspace_scale", kWorkspaceScale).value_or(device.workspace_scale);
+    device.base = read_pose(table, "base");
+    table.refuse_unknown_keys();
+    return device;
+  }
+
+  static double read_gain(TomlTable& table, double threshold_distance, double default_gain) {
+    constexpr double kDefaultShare =
+        0.6;  // of the user's threshold: about where published work finds the best
+    const std::optional<double> gain = table.number("gain_N_m");
+    const std::optional<double> user_threshold = table.number("user_threshold_N");
+    const std::optional<double> share = table.number("share_of_threshold");
+    if (user_threshold && gain)
+      table.fail("gain_N_m", "stands beside user_threshold_N, give only one of them");
+    if (share && !user_threshold) table.fail("share_of_threshold", "needs user_threshold_N beside it");
+    if (!user_threshold) return gain.value_or(default_gain);
+    return noise::gain_from_threshold(*user_threshold, share.value_or(kDefaultShare), threshold_distance);
+  }
+
+  static void read_noise(TomlTable& table, SceneDescription& scene) {
+    noise::NoiseSettings& settings = scene.noise;
+    settings.enabled = table.truth("enabled").value_or(settings.enabled);
+    if (const auto threshold = table.number("threshold_mm", kPositive)) {
+      settings.threshold = *threshold * kMillimetre;
+    }
+    if (const auto rate = table.number("rate_Hz", kNoiseRate)) {
+      settings.rate_Hz = *rate;
+      scene.noise_rate_place = table.place("rate_Hz") + ": " + table.field("rate_Hz");
+    }
+    try {
+      settings.gain = read_gain(table, settings.threshold, settings.gain);
+      noise::validate(settings, kFastestRate);
+    } catch (const ParameterError& error) {
+      table.fail(error);
+    }
+    table.refuse_unknown_keys();
+  }
+
+  static SafetySetup read_safety(TomlTable& table) {
+    SafetySetup safety;
+    safety.max_force = table.number("max_force_N", kPositive).value_or(safety.max_force);
+    safety.max_torque = table.number("max_torque_N_m", kPositive).value_or(safety.max_torque);
+    if (const auto slew = table.number("max_slew_N_per_ms", kPositive))
+      safety.max_slew = *slew * kMillisecondsPerSecond;
+    if (const auto slew = table.number("max_slew_N_m_per_ms", kPositive)) {
+      safety.max_torque_slew = *slew * kMillisecondsPerSecond;
+    }
+    table.refuse_unknown_keys();
+    return safety;
+  }
+
+  TomlTable root_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace
+
+void Stated::fail(const std::string& want) const {
+  throw InputError(where + " = \"" + value + "\": " + want);
+}
+
+Task parse_task(const Stated& stated) {
+  if (stated.value == "press") return Task::kPress;
+  if (stated.value == "pull") return Task::kPull;
+  stated.fail("must be press or pull");
+}
+
+LengthUnit parse_unit(const Stated& stated) {
+  for (const LengthUnit unit :
+       {LengthUnit::kMillimetre, LengthUnit::kCentimetre, LengthUnit::kMetre, LengthUnit::kInch}) {
+    if (stated.value == to_string(unit)) return unit;
+  }
+  stated.fail("must be mm, cm, m or in");
+}
+
+SceneDescription read_scene_file(const std::filesystem::path& file) {
+  const TomlFile toml = read_toml(file);
+  return SceneReader(TomlTable(toml), file.parent_path()).read(file.stem().string());
+}
+
+}  // namespace palpate::scene

@@ -1,0 +1,54 @@
+#include "palpate/scene/tool_path.h"
+
+#include <algorithm>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+
+namespace palpate::scene {
+
+ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper)
+    : rows_(std::move(rows)), has_gripper_(has_gripper) {
+  if (rows_.empty()) throw InputError("a tool path must have at least one row");
+  for (std::size_t i = 1; i < rows_.size(); ++i) {
+    if (rows_[i].time > rows_[i - 1].time) continue;
+    throw InputError("time_s = " + shortest(rows_[i].time) + ": must be later than the row before, " +
+                     shortest(rows_[i - 1].time));
+  }
+}
+
+std::size_t ToolPath::row_before(double time) const noexcept {
+  const auto after = std::upper_bound(rows_.begin(), rows_.end(), time,
+                                      [](double t, const PathRow& row) { return t < row.time; });
+  return static_cast<std::size_t>(after - rows_.begin()) - 1;
+}
+
+PathRow ToolPath::at(double time) const noexcept {
+  PathRow row;
+  if (!(time > rows_.front().time)) {
+    row = rows_.front();
+  } else if (time >= rows_.back().time) {
+    row = rows_.back();
+  } else {
+    const std::size_t i = row_before(time);
+    const PathRow& a = rows_[i];
+    const PathRow& b = rows_[i + 1];
+    const double u = (time - a.time) / (b.time - a.time);
+    row = a;
+    if (u > 0.0) {
+      row.position = (1.0 - u) * a.position + u * b.position;
+      row.orientation = slerp(a.orientation, b.orientation, u);
+      row.gripper = (1.0 - u) * a.gripper + u * b.gripper;
+    }
+  }
+  row.time = time;
+  return row;
+}
+
+Vec3 ToolPath::velocity_at(double time) const noexcept {
+  if (!(time >= rows_.front().time) || time >= rows_.back().time) return Vec3::Zero();
+  const std::size_t i = row_before(time);
+  return (rows_[i + 1].position - rows_[i].position) / (rows_[i + 1].time - rows_[i].time);
+}
+
+}  // namespace palpate::scene
