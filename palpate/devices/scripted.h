@@ -1,0 +1,32 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+
+#include "palpate/haptics/device.h"
+#include "palpate/scene/tool_path.h"
+
+namespace palpate::devices {
+
+/// A hand that follows a path in time: its sample depends on the tick's time alone. Forces go nowhere.
+class ScriptedDevice final : public haptics::Device {
+ public:
+  static constexpr double kRest = 0.5;  // s, from the path's last row to the run's end
+
+  /// [setup]
+  explicit ScriptedDevice(scene::ToolPath path) : path_(std::move(path)) {}
+
+  /// [rt]
+  haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
+  /// [rt] @return false once stopped.
+  bool write(const haptics::ForceCommand& command) noexcept override;
+  /// [any]
+  void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
+  /// [any] round((end of the path + 0.5 s) x rate).
+  [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override;
+
+ private:
+  scene::ToolPath path_;
+  std::atomic<bool> stopped_{false};
+};
+
+}  // namespace palpate::devices
