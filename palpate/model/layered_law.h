@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstddef>
 
 #include "palpate/model/tissue.h"
 
@@ -34,27 +35,36 @@ class LayeredSpringLaw final {
 
   /// [setup] Precomputes each layer's start depth [m], start force [N] and slope [N/m].
   /// @param loop_period T [s]: only layers with T_i < T are allowed (eq. 7)
-  /// @throws ParameterError naming the field, its value and its unit.
+  /// @throws ParameterError naming the field, its value and its unit, as validate(); also when layer 1 alone
+  /// would carry no finite force, or the loop period is not finite and > 0.
   LayeredSpringLaw(const TissueParameters& tissue, Direction direction, double loop_period);
 
   /// [rt] Contact force and tangent stiffness at penetration depth [m]; O(layers).
-  /// depth <= 0 gives force 0 in layer 1; beyond the last layer the force holds and `saturated` is set.
+  /// depth <= 0 gives force 0 and the slope of layer 1; beyond the last layer the force holds and `saturated`
+  /// is set. NaN gives NaN.
   [[nodiscard]] ContactResponse force_at(double depth) const noexcept;
 
-  /// [rt] The inverse: deformation of every layer under a contact force [N] >= 0.
+  /// [rt] The inverse: deformation of every layer under a contact force [N]; force <= 0 as depth <= 0 above.
   [[nodiscard]] LayerState deformation_under(double force) const noexcept;
 
-  /// [rt] Layers that the delay budget allows.
+  /// [rt] Deformation of every layer at penetration depth [m]; force, stiffness and layer as force_at().
+  [[nodiscard]] LayerState deformation_at(double depth) const noexcept;
+
+  /// [rt] Layers that the delay budget allows, at most kMaxLayers; a layer with a number that is not finite
+  /// ends the list.
   [[nodiscard]] int layers_allowed() const noexcept { return layers_; }
   /// [rt] Largest depth [m] and force [N] that the layers can take.
   [[nodiscard]] double max_depth() const noexcept { return start_depth_[static_cast<std::size_t>(layers_)]; }
   [[nodiscard]] double max_force() const noexcept { return start_force_[static_cast<std::size_t>(layers_)]; }
 
  private:
+  [[nodiscard]] LayerState layer_state(std::size_t cutoff, double in_cutoff) const noexcept;
+
   int layers_ = 1;
   std::array<double, kMaxLayers + 1> start_depth_{};  // depth at which layer i+1 starts [m]
   std::array<double, kMaxLayers + 1> start_force_{};  // force at which layer i+1 starts [N]
   std::array<double, kMaxLayers> slope_{};            // P_i k_i [N/m]
+  std::array<double, kMaxLayers> limit_{};            // L_i [m]
 };
 
 }  // namespace palpate::model

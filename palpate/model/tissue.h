@@ -7,7 +7,7 @@ namespace palpate::model {
 /// Which limit of the springs counts: pressed (X_1o - X_1min) or pulled (X_1max - X_1o). [Zhang 2011, eq. 4]
 enum class Direction { kPress, kPull };
 
-/// How the surface gives way around a contact (model.md, section 3); all without unit.
+/// How the surface gives way around a contact (docs/model.md, section 3); all without unit.
 struct ReachParameters {
   double contact_ratio = 1.1;     // c: R_1 = c sqrt(R D)
   double first_bar_ratio = 0.43;  // a
@@ -15,7 +15,7 @@ struct ReachParameters {
   double weight_ratio = 0.58;     // g, in (0, 1)
 };
 
-/// What the contact rules need of a tissue (model.md, section 4).
+/// What the contact rules need of a tissue (docs/model.md, section 4).
 struct ContactParameters {
   double friction = 0.2;                       // Coulomb coefficient, >= 0
   std::optional<double> tangential_stiffness;  // k_t [N/m]; 10 k_1 when not given

@@ -1,0 +1,33 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+namespace palpate {
+
+/// Philox 4x32-10: 128 random bits as a pure function of a 128-bit counter and a 64-bit key, so that any
+/// number of any run can be computed alone. [Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers: as
+/// easy as 1, 2, 3"]
+using PhiloxCounter = std::array<std::uint32_t, 4>;
+using PhiloxKey = std::array<std::uint32_t, 2>;
+
+/// [rt] The four 32-bit words at `counter` under `key`.
+[[nodiscard]] constexpr PhiloxCounter philox4x32(PhiloxCounter counter, PhiloxKey key) noexcept {
+  constexpr int kRounds = 10;
+  constexpr std::uint64_t kMultiplier0 = 0xd251'1f53;
+  constexpr std::uint64_t kMultiplier1 = 0xcd9e'8d57;
+  constexpr std::uint32_t kWeyl0 = 0x9e37'79b9;  // golden ratio
+  constexpr std::uint32_t kWeyl1 = 0xbb67'ae85;  // sqrt(3) - 1
+  for (int round = 0; round < kRounds; ++round) {
+    const std::uint64_t product0 = kMultiplier0 * counter[0];
+    const std::uint64_t product1 = kMultiplier1 * counter[2];
+    counter = {static_cast<std::uint32_t>(product1 >> 32) ^ counter[1] ^ key[0],
+               static_cast<std::uint32_t>(product1),
+               static_cast<std::uint32_t>(product0 >> 32) ^ counter[3] ^ key[1],
+               static_cast<std::uint32_t>(product0)};
+    key[0] += kWeyl0;
+    key[1] += kWeyl1;
+  }
+  return counter;
+}
+
+}  // namespace palpate
