@@ -27,10 +27,17 @@ struct LoadedMesh {
 /// [setup] Reads a triangle mesh (STL, OBJ, PLY, OFF, 3DS, glTF, told by the file's ending), merges duplicate
 /// vertices, drops unreferenced ones and says so. Node transforms are applied, an importer's axis change
 /// undone.
-/// @param unit of the file's numbers; none: metres are assumed (only `inspect` may do without)
+/// Vertices at exactly equal places are one; the triangles' order and turning stay. Assimp keeps coordinates
+/// as 32-bit floats. Not to be called from two threads at once.
+/// @param unit of the file's numbers; never guessed: none is an error
 /// @throws InputError naming the file and what is wrong: missing, unknown ending, empty, truncated, NaN,
 /// index out of range, no triangles, ...
 [[nodiscard]] LoadedMesh read_mesh(const std::filesystem::path& file, std::optional<LengthUnit> unit);
+
+/// [setup] What can be said of any mesh, built-in ones too (`repairs` stays empty). `closed`: no edge of one
+/// triangle; `manifold`: no edge of more than two, no vertex where separate surfaces touch; `shells`: parts
+/// that hang together by edges; triangles without area are those lower than 1e-7 of their longest edge.
+[[nodiscard]] MeshFindings findings_of(const TriangleMesh& mesh);
 
 /// [setup] Refuses what cannot be an organ: open, not manifold, turned inwards, degenerate triangles,
 /// bounding box outside 5 mm to 2 m. @param name file or built-in name, for the message. @throws InputError

@@ -1,0 +1,304 @@
+#include "palpate/geometry/mesh_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "palpate/base/error.h"
+#include "palpate/geometry/ply_check.h"
+#include "palpate/geometry/text_scan.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr std::uintmax_t kLargestFile = 512ULL << 20;  // bytes
+
+constexpr std::array<std::pair<std::string_view, MeshFormat>, 7> kEndings{{{".stl", MeshFormat::kStl},
+                                                                           {".obj", MeshFormat::kObj},
+                                                                           {".ply", MeshFormat::kPly},
+                                                                           {".off", MeshFormat::kOff},
+                                                                           {".3ds", MeshFormat::k3ds},
+                                                                           {".gltf", MeshFormat::kGltf},
+                                                                           {".glb", MeshFormat::kGlb}}};
+
+MeshFormat format_of(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const auto& [known, format] : kEndings) {
+    if (ending == known) return format;
+  }
+  throw InputError(path.string() + ": unknown ending \"" + ending +
+                   "\": must be .stl, .obj, .ply, .off, .3ds, .gltf or .glb");
+}
+
+std::uint32_t little_endian_32(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+void check_ascii_stl(const MeshFile& file) {
+  std::size_t facets = 0;
+  std::size_t vertices = 0;
+  std::size_t closed_facets = 0;
+  bool ends = false;
+  LineReader lines(file.bytes);
+  while (lines.next()) {
+    std::string_view rest = lines.line();
+    const std::string_view word = next_word(rest);
+    if (word == "vertex") {
+      ++vertices;
+      (void)read_point(rest, file.path.string() + ", line " + std::to_string(lines.number()), vertices);
+    }
+    facets += word == "facet" ? 1 : 0;
+    closed_facets += word == "endfacet" ? 1 : 0;
+    if (!word.empty()) ends = word == "endsolid";
+  }
+  if (facets == 0) throw InputError(file.path.string() + ": no triangles");
+  if (closed_facets != facets || !ends) {
+    throw InputError(file.path.string() + ": truncated: " + std::to_string(facets) + " facets begun, " +
+                     std::to_string(closed_facets) + " ended" + (ends ? "" : ", and no endsolid at the end"));
+  }
+  if (vertices != 3 * facets) {
+    throw InputError(file.path.string() + ": " + std::to_string(facets) + " facets have " +
+                     std::to_string(vertices) + " vertices: must be three each");
+  }
+}
+
+/// Binary by its size, since many a binary file starts with "solid"; then ASCII by its first word.
+void check_stl(const MeshFile& file) {
+  constexpr std::size_t kHeader = 84;
+  constexpr std::size_t kTriangle = 50;
+  const std::string& bytes = file.bytes;
+  std::size_t declared = 0;
+  if (bytes.size() >= kHeader) {
+    declared = little_endian_32(bytes, 80);
+    if (bytes.size() == kHeader + kTriangle * declared) {
+      if (declared == 0) throw InputError(file.path.string() + ": no triangles");
+      return;
+    }
+  }
+  std::string_view start(bytes);
+  const bool is_text = bytes.find('\0') == std::string::npos;
+  if (is_text && next_word(start) == "solid") return check_ascii_stl(file);
+  if (bytes.size() < kHeader) {
+    throw InputError(file.path.string() + ": truncated: a binary STL has at least 84 bytes, this has " +
+                     std::to_string(bytes.size()));
+  }
+  throw InputError(file.path.string() + ": truncated or damaged: a binary STL of " +
+                   std::to_string(declared) + " triangles has " +
+                   std::to_string(kHeader + kTriangle * declared) + " bytes, this has " +
+                   std::to_string(bytes.size()));
+}
+
+class ObjCheck final {
+ public:
+  explicit ObjCheck(const MeshFile& file) : file_(file) {}
+
+  VertexFacts run() {
+    LineReader lines(file_.bytes, /*join_backslash=*/true);
+    while (lines.next()) {
+      line_ = lines.number();
+      std::string_view rest = lines.line();
+      const std::string_view word = next_word(rest);
+      if (word == "v") {
+        ++points_.count;
+        points_.add(read_point(rest, where(), points_.count));
+      } else if (word == "f") {
+        check_face(rest);
+      }
+    }
+    if (largest_ > static_cast<std::int64_t>(points_.count)) {
+      line_ = largest_line_;
+      refuse(largest_);
+    }
+    return points_.facts();
+  }
+
+ private:
+  [[nodiscard]] std::string where() const { return file_.path.string() + ", line " + std::to_string(line_); }
+
+  [[noreturn]] void refuse(std::int64_t index) const {
+    throw InputError(where() + ": vertex index " + std::to_string(index) + " is out of range: the file has " +
+                     std::to_string(points_.count) + " vertices, the first is 1");
+  }
+
+  /// Indices count from 1, or backwards from the last vertex when negative; later vertices may be named too.
+  void check_face(std::string_view rest) {
+    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+      if (word.front() == '#') break;
+      const std::string_view index_word = word.substr(0, word.find('/'));
+      const std::optional<std::int64_t> index = whole_number(index_word);
+      if (!index) throw InputError(where() + ": \"" + std::string(index_word) + "\" is not a vertex index");
+      if (*index == 0 || -*index > static_cast<std::int64_t>(points_.count)) refuse(*index);
+      if (*index > largest_) {
+        largest_ = *index;
+        largest_line_ = line_;
+      }
+    }
+  }
+
+  const MeshFile& file_;
+  PointSet points_;
+  std::size_t line_ = 0;
+  std::int64_t largest_ = 0;
+  std::size_t largest_line_ = 0;
+};
+
+class OffCheck final {
+ public:
+  explicit OffCheck(const MeshFile& file) : file_(file), lines_(file.bytes) {}
+
+  VertexFacts run() {
+    std::string_view header = next_content();
+    std::string_view rest = header;
+    const std::string_view word = next_word(rest);
+    const bool has_name = word.size() >= 3 && word.substr(word.size() - 3) == "OFF";
+    if (!has_name) refuse("starts with \"" + std::string(word.substr(0, 20)) + "\": must be OFF");
+    if (rest.find("BINARY") != std::string_view::npos) refuse("binary OFF is not read: save it as text");
+    if (word.find('4') != std::string_view::npos || word.find('n') != std::string_view::npos) {
+      refuse("\"" + std::string(word) + "\" is not a surface in three dimensions");
+    }
+    if (trimmed(rest).empty()) rest = next_content();
+    const std::size_t vertices = count_of(rest, "vertices");
+    const std::size_t faces = count_of(rest, "faces");
+    for (std::size_t v = 1; v <= vertices; ++v) {
+      points_.add(read_point(next_content(), where(), v));
+    }
+    points_.count = vertices;
+    for (std::size_t f = 0; f < faces; ++f) check_face(vertices);
+    return points_.facts();
+  }
+
+ private:
+  [[nodiscard]] std::string where() const {
+    return file_.path.string() + ", line " + std::to_string(lines_.number());
+  }
+  [[noreturn]] void refuse(const std::string& words) const { throw InputError(where() + ": " + words); }
+
+  /// The next line that holds something besides a comment.
+  std::string_view next_content() {
+    while (lines_.next()) {
+      const std::string_view content = trimmed(lines_.line().substr(0, lines_.line().find('#')));
+      if (!content.empty()) return content;
+    }
+    refuse("truncated: fewer lines than the vertices and faces that it declares");
+  }
+
+  std::size_t count_of(std::string_view& rest, const char* what) const {
+    const std::string_view word = next_word(rest);
+    const std::optional<std::int64_t> count = whole_number(word);
+    if (!count || *count < 0) refuse("\"" + std::string(word) + "\" is not a number of " + what);
+    // The shortest vertex or face takes four bytes.
+    if (static_cast<std::uint64_t>(*count) > file_.bytes.size() / 4) {
+      refuse("declares " + std::to_string(*count) + " " + what + ", more than its " +
+             std::to_string(file_.bytes.size()) + " bytes can hold");
+    }
+    return static_cast<std::size_t>(*count);
+  }
+
+  void check_face(std::size_t vertices) {
+    std::string_view rest = next_content();
+    const std::optional<std::int64_t> corners = whole_number(next_word(rest));
+    if (!corners || *corners < 0) refuse("a face must start with its number of corners");
+    for (std::int64_t k = 0; k < *corners; ++k) {
+      const std::string_view word = next_word(rest);
+      const std::optional<std::int64_t> index = whole_number(word);
+      if (!index) {
+        refuse("a face of " + std::to_string(*corners) + " corners has \"" + std::string(word) +
+               "\" for vertex index " + std::to_string(k + 1));
+      }
+      if (*index < 0 || static_cast<std::uint64_t>(*index) >= vertices) {
+        refuse("vertex index " + std::to_string(*index) + " is out of range: the file has " +
+               std::to_string(vertices) + " vertices, the first is 0");
+      }
+    }
+  }
+
+  const MeshFile& file_;
+  LineReader lines_;
+  PointSet points_;
+};
+
+void check_glb(const MeshFile& file) {
+  const std::string& bytes = file.bytes;
+  if (bytes.size() < 12 || bytes.compare(0, 4, "glTF") != 0) {
+    throw InputError(file.path.string() + ": not a binary glTF: must start with \"glTF\"");
+  }
+  const std::size_t declared = little_endian_32(bytes, 8);
+  if (declared != bytes.size()) {
+    throw InputError(file.path.string() + ": truncated or damaged: declares " + std::to_string(declared) +
+                     " bytes, has " + std::to_string(bytes.size()));
+  }
+}
+
+void check_3ds(const MeshFile& file) {
+  const std::string& bytes = file.bytes;
+  if (bytes.size() < 6 || bytes.compare(0, 2, "MM") != 0) {
+    throw InputError(file.path.string() + ": not a 3DS file: must start with the chunk 4D4D");
+  }
+  const std::size_t declared = little_endian_32(bytes, 2);
+  if (declared > bytes.size()) {
+    throw InputError(file.path.string() + ": truncated: declares " + std::to_string(declared) +
+                     " bytes, has " + std::to_string(bytes.size()));
+  }
+}
+
+}  // namespace
+
+MeshFile open_mesh_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw InputError(path.string() + ": no such file");
+  if (!std::filesystem::is_regular_file(status)) throw InputError(path.string() + ": not a file");
+  MeshFile file{path, format_of(path), {}};
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) throw InputError(path.string() + ": cannot be read: " + error.message());
+  if (size == 0) throw InputError(path.string() + ": empty");
+  if (size > kLargestFile) {
+    throw InputError(path.string() + ": " + std::to_string(size >> 20) + " MiB: at most 512 are read");
+  }
+  std::ifstream stream(path, std::ios::binary);
+  file.bytes.resize(static_cast<std::size_t>(size));
+  if (!stream.read(file.bytes.data(), static_cast<std::streamsize>(size))) {
+    throw InputError(path.string() + ": cannot be read");
+  }
+  return file;
+}
+
+VertexFacts check_mesh_file(const MeshFile& file) {
+  switch (file.format) {
+    case MeshFormat::kStl:
+      check_stl(file);
+      return {};
+    case MeshFormat::kObj:
+      return ObjCheck(file).run();
+    case MeshFormat::kPly:
+      return check_ply(file);
+    case MeshFormat::kOff:
+      return OffCheck(file).run();
+    case MeshFormat::k3ds:
+      check_3ds(file);
+      return {};
+    case MeshFormat::kGlb:
+      check_glb(file);
+      return {};
+    case MeshFormat::kGltf:
+      return {};
+  }
+  return {};
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,256 @@
+#include "palpate/geometry/ply_check.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "palpate/base/error.h"
+#include "palpate/geometry/text_scan.h"
+
+namespace palpate::geometry {
+namespace {
+
+enum class Encoding { kText, kLittleEndian, kBigEndian };
+enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+struct Property {
+  std::string name;
+  Scalar type = Scalar::kFloat32;
+  std::optional<Scalar> count_type;  // of a list
+};
+
+struct Element {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<Property> properties;
+};
+
+constexpr std::array<std::pair<std::string_view, Scalar>, 16> kScalars{{{"char", Scalar::kInt8},
+                                                                        {"int8", Scalar::kInt8},
+                                                                        {"uchar", Scalar::kUint8},
+                                                                        {"uint8", Scalar::kUint8},
+                                                                        {"short", Scalar::kInt16},
+                                                                        {"int16", Scalar::kInt16},
+                                                                        {"ushort", Scalar::kUint16},
+                                                                        {"uint16", Scalar::kUint16},
+                                                                        {"int", Scalar::kInt32},
+                                                                        {"int32", Scalar::kInt32},
+                                                                        {"uint", Scalar::kUint32},
+                                                                        {"uint32", Scalar::kUint32},
+                                                                        {"float", Scalar::kFloat32},
+                                                                        {"float32", Scalar::kFloat32},
+                                                                        {"double", Scalar::kFloat64},
+                                                                        {"float64", Scalar::kFloat64}}};
+
+std::size_t size_of(Scalar type) {
+  switch (type) {
+    case Scalar::kInt8:
+    case Scalar::kUint8:
+      return 1;
+    case Scalar::kInt16:
+    case Scalar::kUint16:
+      return 2;
+    case Scalar::kInt32:
+    case Scalar::kUint32:
+    case Scalar::kFloat32:
+      return 4;
+    case Scalar::kFloat64:
+      return 8;
+  }
+  return 1;
+}
+
+template <typename T>
+double decoded(const char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return static_cast<double>(value);
+}
+
+class PlyCheck final {
+ public:
+  explicit PlyCheck(const MeshFile& file) : file_(file), lines_(file.bytes) {}
+
+  VertexFacts run() {
+    read_header();
+    for (const Element& element : elements_) {
+      check_count(element);
+      for (std::size_t n = 0; n < element.count; ++n) check_one(element, n);
+    }
+    return points_.facts();
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& words) const {
+    throw InputError(file_.path.string() + ": " + words);
+  }
+
+  Scalar scalar_of(std::string_view word) const {
+    for (const auto& [name, type] : kScalars) {
+      if (name == word) return type;
+    }
+    refuse("line " + std::to_string(lines_.number()) + ": \"" + std::string(word) + "\" is not a PLY type");
+  }
+
+  void read_header() {
+    if (!lines_.next() || trimmed(lines_.line()) != "ply") refuse("must start with \"ply\"");
+    std::optional<Encoding> encoding;
+    while (lines_.next()) {
+      std::string_view rest = lines_.line();
+      const std::string_view word = next_word(rest);
+      if (word == "end_header") {
+        if (!encoding) refuse("the header has no format");
+        encoding_ = *encoding;
+        body_ = lines_.rest();
+        return;
+      }
+      if (word == "format") encoding = encoding_of(next_word(rest));
+      if (word == "element") add_element(rest);
+      if (word == "property") add_property(rest);
+    }
+    refuse("truncated: the header does not end");
+  }
+
+  Encoding encoding_of(std::string_view word) const {
+    if (word == "ascii") return Encoding::kText;
+    if (word == "binary_little_endian") return Encoding::kLittleEndian;
+    if (word == "binary_big_endian") return Encoding::kBigEndian;
+    refuse("format \"" + std::string(word) + "\": must be ascii, binary_little_endian or binary_big_endian");
+  }
+
+  void add_element(std::string_view rest) {
+    Element element;
+    element.name = next_word(rest);
+    const std::string_view word = next_word(rest);
+    const std::optional<std::int64_t> count = whole_number(word);
+    if (!count || *count < 0) refuse("\"" + std::string(word) + "\" is not a number of " + element.name);
+    element.count = static_cast<std::size_t>(*count);
+    if (element.name == "vertex") points_.count = element.count;
+    elements_.push_back(std::move(element));
+  }
+
+  void add_property(std::string_view rest) {
+    if (elements_.empty()) refuse("a property comes before any element");
+    Property property;
+    std::string_view word = next_word(rest);
+    if (word == "list") {
+      property.count_type = scalar_of(next_word(rest));
+      word = next_word(rest);
+    }
+    property.type = scalar_of(word);
+    property.name = next_word(rest);
+    elements_.back().properties.push_back(std::move(property));
+  }
+
+  void check_count(const Element& element) const {
+    std::size_t least = 0;  // bytes of one: two a number in text, the last needs no blank
+    for (const Property& property : element.properties) {
+      const Scalar first = property.count_type.value_or(property.type);
+      least += encoding_ == Encoding::kText ? 2 : size_of(first);
+    }
+    if (least == 0) refuse("element " + element.name + " has no properties");
+    if (element.count > (body_.size() + 1) / least) {
+      refuse("truncated: declares " + std::to_string(element.count) + " x " + element.name + ", but only " +
+             std::to_string(body_.size()) + " bytes are left");
+    }
+  }
+
+  double take(Scalar type, const Element& element, std::size_t n) {
+    if (encoding_ == Encoding::kText) {
+      const std::string_view word = next_word(body_);
+      if (word.empty()) refuse_as_truncated(element, n);
+      const std::optional<double> value = number(word);
+      if (!value) {
+        refuse(element.name + " " + std::to_string(n + 1) + ": \"" + std::string(word.substr(0, 40)) +
+               "\" is not a number");
+      }
+      return *value;
+    }
+    const std::size_t size = size_of(type);
+    if (body_.size() < size) refuse_as_truncated(element, n);
+    std::array<char, 8> bytes{};
+    std::copy_n(body_.begin(), size, bytes.begin());
+    if (encoding_ == Encoding::kBigEndian)
+      std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    body_.remove_prefix(size);
+    switch (type) {
+      case Scalar::kInt8:
+        return decoded<std::int8_t>(bytes.data());
+      case Scalar::kUint8:
+        return decoded<std::uint8_t>(bytes.data());
+      case Scalar::kInt16:
+        return decoded<std::int16_t>(bytes.data());
+      case Scalar::kUint16:
+        return decoded<std::uint16_t>(bytes.data());
+      case Scalar::kInt32:
+        return decoded<std::int32_t>(bytes.data());
+      case Scalar::kUint32:
+        return decoded<std::uint32_t>(bytes.data());
+      case Scalar::kFloat32:
+        return decoded<float>(bytes.data());
+      case Scalar::kFloat64:
+        return decoded<double>(bytes.data());
+    }
+    return 0.0;
+  }
+
+  [[noreturn]] void refuse_as_truncated(const Element& element, std::size_t n) const {
+    refuse("truncated: ends in " + element.name + " " + std::to_string(n + 1) + " of " +
+           std::to_string(element.count));
+  }
+
+  void check_one(const Element& element, std::size_t n) {
+    const bool is_vertex = element.name == "vertex";
+    Point point{};
+    for (const Property& property : element.properties) {
+      if (property.count_type) {
+        check_list(element, property, n);
+        continue;
+      }
+      const double value = take(property.type, element, n);
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (is_vertex && property.name == std::string_view("xyz").substr(k, 1))
+          point[k] = static_cast<float>(value);
+      }
+    }
+    if (!is_vertex) return;
+    require_finite(point, file_.path.string(), n + 1);
+    points_.add(point);
+  }
+
+  void check_list(const Element& element, const Property& property, std::size_t n) {
+    const double length = take(*property.count_type, element, n);
+    if (!(length >= 0.0 && length <= static_cast<double>(body_.size())) || length != std::floor(length)) {
+      refuse_as_truncated(element, n);
+    }
+    const bool names_vertices = property.name == "vertex_indices" || property.name == "vertex_index";
+    for (double k = 0.0; k < length; k += 1.0) {
+      const double index = take(property.type, element, n);
+      if (!names_vertices) continue;
+      if (!(index >= 0.0 && index < static_cast<double>(points_.count)) || index != std::floor(index)) {
+        refuse(element.name + " " + std::to_string(n + 1) +
+               ": a vertex index is out of range: the file has " + std::to_string(points_.count) +
+               " vertices, the first is 0");
+      }
+    }
+  }
+
+  const MeshFile& file_;
+  LineReader lines_;
+  Encoding encoding_ = Encoding::kText;
+  std::string_view body_;
+  std::vector<Element> elements_;
+  PointSet points_;
+};
+
+}  // namespace
+
+VertexFacts check_ply(const MeshFile& file) { return PlyCheck(file).run(); }
+
+}  // namespace palpate::geometry

@@ -1,0 +1,139 @@
+#include "palpate/geometry/read_mesh.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/geometry/import_mesh.h"
+#include "palpate/geometry/mesh_file.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kSmallestOrgan = 5e-3;  // m
+constexpr double kLargestOrgan = 2.0;    // m
+
+struct PlaceHash {
+  std::size_t operator()(const std::array<double, 3>& place) const noexcept {
+    std::uint64_t hash = 0;
+    for (const double x : place) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
+    return static_cast<std::size_t>(hash ^ (hash >> 29));
+  }
+};
+
+struct Merged {
+  TriangleMesh mesh;
+  std::size_t distinct = 0;  // places that had a vertex, used or not
+};
+
+/// One vertex for each place that a triangle uses, in the order of the input; only exactly equal places are
+/// one.
+Merged merge_equal_vertices(const TriangleMesh& mesh) {
+  std::unordered_map<std::array<double, 3>, std::size_t, PlaceHash> first_at;
+  first_at.reserve(mesh.vertices.size());
+  std::vector<std::size_t> place_of(mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vec3 p = mesh.vertices[v] + Vec3::Zero();  // -0 is 0
+    place_of[v] = first_at.try_emplace({p.x(), p.y(), p.z()}, v).first->second;
+  }
+  std::vector<bool> is_used(mesh.vertices.size(), false);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::int32_t corner : triangle) is_used[place_of[static_cast<std::size_t>(corner)]] = true;
+  }
+  Merged merged;
+  merged.distinct = first_at.size();
+  std::vector<std::int32_t> new_index(mesh.vertices.size(), -1);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!is_used[v]) continue;
+    new_index[v] = static_cast<std::int32_t>(merged.mesh.vertices.size());
+    merged.mesh.vertices.push_back(mesh.vertices[v]);
+  }
+  merged.mesh.triangles.reserve(mesh.triangles.size());
+  for (const Triangle& triangle : mesh.triangles) {
+    Triangle renamed{};
+    for (std::size_t k = 0; k < 3; ++k)
+      renamed[k] = new_index[place_of[static_cast<std::size_t>(triangle[k])]];
+    merged.mesh.triangles.push_back(renamed);
+  }
+  return merged;
+}
+
+void say_merged(const MeshFile& file, const VertexFacts& facts, const TriangleMesh& imported,
+                const Merged& merged, std::vector<std::string>& repairs) {
+  // The importer gives each OBJ, PLY and OFF face vertices of its own: there the file's own list counts.
+  const std::size_t vertices = facts.known ? facts.vertices : imported.vertices.size();
+  const std::size_t distinct = facts.known ? facts.distinct : merged.distinct;
+  const std::size_t kept = merged.mesh.vertices.size();
+  if (file.format == MeshFormat::kStl) {  // a list of triangles without a list of vertices
+    repairs.push_back("joined " + std::to_string(vertices) + " triangle corners in " + std::to_string(kept) +
+                      " vertices");
+    return;
+  }
+  if (vertices > distinct) {
+    repairs.push_back("merged " + std::to_string(vertices - distinct) + " duplicate vertices");
+  }
+  if (distinct > kept) {
+    repairs.push_back("dropped " + std::to_string(distinct - kept) + " vertices that no triangle uses");
+  }
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// The unit in which `size` metres, as read, would be a likely organ, for a hint.
+std::string unit_hint(double size) {
+  for (const double factor : {1e-3, 1e3, 1e-2, 1e2, 25.4e-3, 1.0 / 25.4e-3}) {
+    const double other = size * factor;
+    if (other >= 0.02 && other <= 0.5) {
+      return ": is its unit right? (" + shortest(factor < 1.0 ? 1.0 / factor : factor) + " times " +
+             (factor < 1.0 ? "smaller" : "larger") + " it would be " + shortest(std::round(other * 1e3)) +
+             " mm)";
+    }
+  }
+  return ": is its unit right?";
+}
+
+}  // namespace
+
+LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
+  const MeshFile file = open_mesh_file(path);
+  if (!unit) throw InputError(path.string() + ": its unit is missing: must be mm, cm, m or in");
+  const VertexFacts facts = check_mesh_file(file);
+  ImportedMesh imported = import_mesh(file);
+  if (imported.mesh.triangles.empty()) {
+    throw InputError(path.string() + ": no triangles" +
+                     (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));
+  }
+  for (std::size_t v = 0; v < imported.mesh.vertices.size(); ++v) {
+    if (imported.mesh.vertices[v].allFinite()) continue;
+    throw InputError(path.string() + ": vertex " + std::to_string(v + 1) + " is not finite");
+  }
+  Merged merged = merge_equal_vertices(imported.mesh);
+  say_merged(file, facts, imported.mesh, merged, imported.repairs);
+  for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(*unit);
+  LoadedMesh loaded{std::move(merged.mesh), {}};
+  loaded.findings = findings_of(loaded.mesh);
+  loaded.findings.repairs = std::move(imported.repairs);
+  return loaded;
+}
+
+void require_organ(const LoadedMesh& loaded, const std::string& name) {
+  const double size = bounds(loaded.mesh).size().maxCoeff();
+  if (!(size >= kSmallestOrgan && size <= kLargestOrgan)) {
+    throw InputError(name + ": its largest side is " + shortest(size * 1e3) +
+                     " mm, an organ's is 5 to 2000 mm" + unit_hint(size));
+  }
+  if (loaded.findings.defects.empty()) return;
+  throw InputError(name + ": cannot be an organ: " + joined(loaded.findings.defects) +
+                   "; an organ must be closed, manifold and turned outwards: repair it in a mesh tool first");
+}
+
+}  // namespace palpate::geometry

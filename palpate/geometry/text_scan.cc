@@ -1,0 +1,119 @@
+#include "palpate/geometry/text_scan.h"
+
+#include <bit>
+#include <charconv>
+#include <cmath>
+
+#include "palpate/base/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr std::string_view kBlank = " \t\v\f\r";
+
+}  // namespace
+
+std::string_view LineReader::take() {
+  const std::size_t end = rest_.find_first_of("\r\n");
+  const std::string_view line = rest_.substr(0, end);
+  ++lines_taken_;
+  if (end == std::string_view::npos) {
+    rest_ = {};
+  } else {
+    const bool is_pair = rest_[end] == '\r' && end + 1 < rest_.size() && rest_[end + 1] == '\n';
+    rest_.remove_prefix(end + (is_pair ? 2 : 1));
+  }
+  return line;
+}
+
+bool LineReader::next() {
+  if (rest_.empty()) return false;
+  number_ = lines_taken_ + 1;
+  line_ = take();
+  if (!joins_ || line_.empty() || line_.back() != '\\') return true;
+  joined_ = line_;
+  while (!joined_.empty() && joined_.back() == '\\' && !rest_.empty()) {
+    joined_.back() = ' ';
+    joined_ += take();
+  }
+  line_ = joined_;
+  return true;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
+}
+
+std::string_view next_word(std::string_view& rest) {
+  const std::size_t begin = rest.find_first_not_of(" \t\v\f\r\n");
+  if (begin == std::string_view::npos) {
+    rest = {};
+    return {};
+  }
+  const std::size_t end = std::min(rest.size(), rest.find_first_of(" \t\v\f\r\n", begin));
+  const std::string_view word = rest.substr(begin, end - begin);
+  rest.remove_prefix(end);
+  return word;
+}
+
+std::optional<double> number(std::string_view word) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || end != word.data() + word.size()) return std::nullopt;
+  if (error == std::errc::result_out_of_range) {  // too large, or so small that it is none
+    return word.find("e-") != std::string_view::npos || word.find("E-") != std::string_view::npos
+               ? 0.0
+               : std::numeric_limits<double>::infinity();
+  }
+  if (error != std::errc{}) return std::nullopt;
+  return value;
+}
+
+std::optional<std::int64_t> whole_number(std::string_view word) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+void require_finite(const Point& point, const std::string& where, std::size_t vertex) {
+  for (const float x : point) {
+    if (std::isfinite(x)) continue;
+    throw InputError(where + ": vertex " + std::to_string(vertex) +
+                     " is not finite (NaN, infinite or past 3.4e38)");
+  }
+}
+
+Point read_point(std::string_view rest, const std::string& where, std::size_t vertex) {
+  Point point{};
+  for (float& x : point) {
+    const std::string_view word = next_word(rest);
+    if (word.empty()) {
+      throw InputError(where + ": vertex " + std::to_string(vertex) + " has fewer than three numbers");
+    }
+    const std::optional<double> value = number(word);
+    if (!value) {
+      throw InputError(where + ": vertex " + std::to_string(vertex) + ": \"" +
+                       std::string(word.substr(0, 40)) + "\" is not a number");
+    }
+    x = static_cast<float>(*value);
+  }
+  require_finite(point, where, vertex);
+  return point;
+}
+
+void PointSet::add(const Point& point) {
+  distinct_.insert({point[0] + 0.0F, point[1] + 0.0F, point[2] + 0.0F});  // -0 is 0
+}
+
+std::size_t PointSet::Hash::operator()(const Point& point) const noexcept {
+  std::uint64_t hash = 0;
+  for (const float x : point) hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 0x9e3779b97f4a7c15ULL;
+  return static_cast<std::size_t>(hash ^ (hash >> 32));
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,71 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+
+#include "palpate/geometry/mesh_file.h"
+
+// Words and numbers of text mesh files, for mesh_file.cc and ply_check.cc.
+namespace palpate::geometry {
+
+/// Takes a text apart into lines, ended by \n, \r\n or \r.
+class LineReader final {
+ public:
+  /// @param join_backslash a line that ends in \ goes on in the next (OBJ)
+  explicit LineReader(std::string_view text, bool join_backslash = false)
+      : rest_(text), joins_(join_backslash) {}
+
+  /// Moves to the next line. @return false at the end.
+  bool next();
+
+  [[nodiscard]] std::string_view line() const { return line_; }
+  [[nodiscard]] std::size_t number() const { return number_; }  // the first is 1
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+
+ private:
+  std::string_view take();
+
+  std::string_view rest_;
+  std::string_view line_;
+  std::string joined_;
+  std::size_t number_ = 0;
+  std::size_t lines_taken_ = 0;
+  bool joins_;
+};
+
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+
+/// Takes the first word off `rest`; empty at its end.
+std::string_view next_word(std::string_view& rest);
+
+[[nodiscard]] std::optional<double> number(std::string_view word);
+[[nodiscard]] std::optional<std::int64_t> whole_number(std::string_view word);
+
+using Point = std::array<float, 3>;  // as the importer keeps it
+
+/// The first three numbers of `rest`. @throws InputError starting with `where` when one is missing, no number
+/// or not finite as a float.
+[[nodiscard]] Point read_point(std::string_view rest, const std::string& where, std::size_t vertex);
+
+/// @throws InputError when a coordinate is not finite.
+void require_finite(const Point& point, const std::string& where, std::size_t vertex);
+
+/// Counts the places at which a file has vertices.
+class PointSet final {
+ public:
+  std::size_t count = 0;
+  void add(const Point& point);
+  [[nodiscard]] VertexFacts facts() const { return {true, count, distinct_.size()}; }
+
+ private:
+  struct Hash {
+    std::size_t operator()(const Point& point) const noexcept;
+  };
+  std::unordered_set<Point, Hash> distinct_;
+};
+
+}  // namespace palpate::geometry
