@@ -14,10 +14,6 @@ haptics::DeviceState ReplayDevice::read(std::uint64_t tick, double /*time*/) noe
   return samples_[std::min<std::uint64_t>(tick, samples_.size() - 1)];
 }
 
-bool ReplayDevice::write(const haptics::ForceCommand& /*command*/) noexcept {
-  return !stopped_.load(std::memory_order_relaxed);
-}
-
 std::uint64_t ReplayDevice::last_tick(double /*rate_Hz*/) const noexcept { return samples_.size(); }
 
 std::vector<haptics::DeviceState> samples_of_hand(const std::vector<haptics::TickRow>& rows,

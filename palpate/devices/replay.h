@@ -1,5 +1,4 @@
 #pragma once
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -16,16 +15,15 @@ class ReplayDevice final : public haptics::Device {
 
   /// [rt]
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
-  /// [rt] @return false once stopped.
-  bool write(const haptics::ForceCommand& command) noexcept override;
+  /// [rt] Accepts every command; no hand is there to feel it.
+  bool write(const haptics::ForceCommand& /*command*/) noexcept override { return true; }
   /// [any]
-  void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
+  void stop() noexcept override {}
   /// [any] The number of samples.
   [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override;
 
  private:
   std::vector<haptics::DeviceState> samples_;
-  std::atomic<bool> stopped_{false};
 };
 
 /// [setup] The device samples in a recording's rows that belong to `hand`, in the rows' order.

@@ -14,10 +14,6 @@ haptics::DeviceState ScriptedDevice::read(std::uint64_t /*tick*/, double time) n
   return state;
 }
 
-bool ScriptedDevice::write(const haptics::ForceCommand& /*command*/) noexcept {
-  return !stopped_.load(std::memory_order_relaxed);
-}
-
 std::uint64_t ScriptedDevice::last_tick(double rate_Hz) const noexcept {
   constexpr double kLargest = 9e18;  // below 2^63
   const double ticks = std::floor((path_.end_time() + kRest) * rate_Hz + 0.5);

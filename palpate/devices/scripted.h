@@ -1,5 +1,4 @@
 #pragma once
-#include <atomic>
 #include <cstdint>
 
 #include "palpate/haptics/device.h"
@@ -17,16 +16,15 @@ class ScriptedDevice final : public haptics::Device {
 
   /// [rt]
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
-  /// [rt] @return false once stopped.
-  bool write(const haptics::ForceCommand& command) noexcept override;
+  /// [rt] Accepts every command; no hand is there to feel it.
+  bool write(const haptics::ForceCommand& /*command*/) noexcept override { return true; }
   /// [any]
-  void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
+  void stop() noexcept override {}
   /// [any] round((end of the path + 0.5 s) x rate).
   [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override;
 
  private:
   scene::ToolPath path_;
-  std::atomic<bool> stopped_{false};
 };
 
 }  // namespace palpate::devices

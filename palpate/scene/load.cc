@@ -1,8 +1,6 @@
 #include "palpate/scene/load.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
@@ -157,9 +155,12 @@ model::TissueParameters find_tissue(const SceneDescription& scene) {
       throw InputError(scene.tissue->where + ": " + error.what());
     }
   }
-  static const std::array<std::string, 2> kOrgansWithTissue = {"gallbladder", "heart"};
-  const auto own = std::find(kOrgansWithTissue.begin(), kOrgansWithTissue.end(), scene.organ->value);
-  if (own != kOrgansWithTissue.end()) return model::tissue_preset(*own);
+  if (!means_file(scene.organ->value)) {
+    try {
+      return model::tissue_preset(scene.organ->value);
+    } catch (const InputError&) {  // an organ without a tissue of its own, such as the box
+    }
+  }
   return model::tissue_preset(scene.task == Task::kPull ? "heart" : "gallbladder");
 }
 

@@ -14,7 +14,7 @@ constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
 constexpr Range kRotation{-3600.0, 3600.0};  // deg: ten turns
 constexpr Range kOpening{-180.0, 180.0};     // deg
 constexpr Range kLoopRate{kSlowestRate, kFastestRate};
-constexpr Range kNoiseRate{0.0, kFastestRate, true};
+constexpr Range kNoiseRate{1e-3, kFastestRate};
 constexpr Range kWorkspaceScale{0.0, 1000.0, true};
 constexpr Range kTipRadius{0.0, 1000.0, true};  // mm
 
@@ -27,65 +27,66 @@ class SceneReader final {
   SceneDescription read(const std::string& default_name) {
     SceneDescription scene;
     scene.name = default_name;
+    root_.allow_only({"scene", "organ", "tool", "device", "noise", "safety"});
     if (auto table = root_.table("scene")) read_scene(*table, scene);
     read_organ(scene);
-    for (TomlTable& table : root_.tables("tool")) scene.tools.push_back(read_tool(table));
+    for (const TomlTable& table : root_.tables("tool")) scene.tools.push_back(read_tool(table));
     scene.tool_place = root_.place("tool") + ": tool.mesh";
-    for (TomlTable& table : root_.tables("device")) scene.devices.push_back(read_device(table));
+    for (const TomlTable& table : root_.tables("device")) scene.devices.push_back(read_device(table));
     if (auto table = root_.table("noise")) read_noise(*table, scene);
     if (auto table = root_.table("safety")) scene.safety = read_safety(*table);
-    root_.refuse_unknown_keys();
     return scene;
   }
 
  private:
-  std::optional<Stated> stated(TomlTable& table, std::string_view key) const {
+  std::optional<Stated> stated(const TomlTable& table, std::string_view key) const {
     const std::optional<std::string> text = table.text(key);
     if (!text) return std::nullopt;
     return Stated{*text, table.place(key) + ": " + table.field(key), folder_};
   }
 
-  static Pose read_pose(TomlTable& parent, std::string_view key) {
+  static Pose read_pose(const TomlTable& parent, std::string_view key) {
     Pose pose;
-    std::optional<TomlTable> table = parent.table(key);
+    const std::optional<TomlTable> table = parent.table(key);
     if (!table) return pose;
+    table->allow_only({"position_mm", "rotation_deg"});
     if (const auto position = table->vector("position_mm", kPosition))
       pose.position = *position * kMillimetre;
     if (const auto rotation = table->vector("rotation_deg", kRotation)) {
       pose.rotation = rotation_from_degrees(*rotation);
     }
-    table->refuse_unknown_keys();
     return pose;
   }
 
-  std::optional<LengthUnit> read_unit(TomlTable& table) const {
+  std::optional<LengthUnit> read_unit(const TomlTable& table) const {
     const std::optional<Stated> unit = stated(table, "unit");
     if (!unit) return std::nullopt;
     return parse_unit(*unit);
   }
 
-  void read_scene(TomlTable& table, SceneDescription& scene) const {
+  void read_scene(const TomlTable& table, SceneDescription& scene) const {
+    table.allow_only({"name", "task", "rate_Hz", "seed"});
     scene.name = table.text("name").value_or(scene.name);
     if (const auto task = stated(table, "task")) scene.task = parse_task(*task);
     scene.rate_Hz = table.number("rate_Hz", kLoopRate).value_or(scene.rate_Hz);
     scene.seed = table.whole_number("seed").value_or(scene.seed);
-    table.refuse_unknown_keys();
   }
 
   void read_organ(SceneDescription& scene) {
     scene.organ_place = root_.place("organ") + ": organ.mesh";
-    std::optional<TomlTable> table = root_.table("organ");
+    const std::optional<TomlTable> table = root_.table("organ");
     if (!table) return;
+    table->allow_only({"mesh", "unit", "tissue", "pose"});
     scene.organ = stated(*table, "mesh");
     scene.organ_unit = read_unit(*table);
     scene.tissue = stated(*table, "tissue");
     scene.organ_pose = read_pose(*table, "pose");
-    table->refuse_unknown_keys();
   }
 
-  JawDescription read_jaw(TomlTable& table) const {
+  JawDescription read_jaw(const TomlTable& table) const {
     constexpr double kDefaultOpening = 15.0;  // deg
     JawDescription jaw;
+    table.allow_only({"mesh", "pivot_mm", "axis", "open_deg"});
     std::optional<Stated> mesh = stated(table, "mesh");
     if (!mesh) table.fail_missing("mesh", "a jaw needs its mesh, a file");
     jaw.mesh = *mesh;
@@ -95,38 +96,37 @@ class SceneReader final {
       jaw.axis = axis->normalized();
     }
     jaw.open_angle = table.number("open_deg", kOpening).value_or(kDefaultOpening) * kRadiansPerDegree;
-    table.refuse_unknown_keys();
     return jaw;
   }
 
-  ToolDescription read_tool(TomlTable& table) const {
+  ToolDescription read_tool(const TomlTable& table) const {
     ToolDescription tool;
+    table.allow_only({"mesh", "unit", "mount", "tip_radius_mm", "jaw"});
     tool.mesh = stated(table, "mesh");
     tool.unit = read_unit(table);
     tool.mount = read_pose(table, "mount");
     if (const auto radius = table.number("tip_radius_mm", kTipRadius))
       tool.tip_radius = *radius * kMillimetre;
-    for (TomlTable& jaw : table.tables("jaw")) tool.jaws.push_back(read_jaw(jaw));
-    table.refuse_unknown_keys();
+    for (const TomlTable& jaw : table.tables("jaw")) tool.jaws.push_back(read_jaw(jaw));
     if (!tool.mesh && tool.jaws.empty()) {
       table.fail_missing("mesh", "a tool needs a mesh (a built-in name, a file or sphere:R) or jaws");
     }
     return tool;
   }
 
-  DeviceDescription read_device(TomlTable& table) const {
+  DeviceDescription read_device(const TomlTable& table) const {
     DeviceDescription device;
+    table.allow_only({"kind", "path", "workspace_scale", "base"});
     if (const auto kind = stated(table, "kind")) device.kind = *kind;
     if (device.kind.where.empty()) device.kind.where = table.place("kind") + ": " + table.field("kind");
     device.path = stated(table, "path");
     device.workspace_scale =
         table.number("workspace_scale", kWorkspaceScale).value_or(device.workspace_scale);
     device.base = read_pose(table, "base");
-    table.refuse_unknown_keys();
     return device;
   }
 
-  static double read_gain(TomlTable& table, double threshold_distance, double default_gain) {
+  static double read_gain(const TomlTable& table, double threshold_distance, double default_gain) {
     constexpr double kDefaultShare =
         0.6;  // of the user's threshold: about where published work finds the best
     const std::optional<double> gain = table.number("gain_N_m");
@@ -139,8 +139,10 @@ class SceneReader final {
     return noise::gain_from_threshold(*user_threshold, share.value_or(kDefaultShare), threshold_distance);
   }
 
-  static void read_noise(TomlTable& table, SceneDescription& scene) {
+  static void read_noise(const TomlTable& table, SceneDescription& scene) {
     noise::NoiseSettings& settings = scene.noise;
+    table.allow_only(
+        {"enabled", "gain_N_m", "threshold_mm", "rate_Hz", "user_threshold_N", "share_of_threshold"});
     settings.enabled = table.truth("enabled").value_or(settings.enabled);
     if (const auto threshold = table.number("threshold_mm", kPositive)) {
       settings.threshold = *threshold * kMillimetre;
@@ -155,11 +157,11 @@ class SceneReader final {
     } catch (const ParameterError& error) {
       table.fail(error);
     }
-    table.refuse_unknown_keys();
   }
 
-  static SafetySetup read_safety(TomlTable& table) {
+  static SafetySetup read_safety(const TomlTable& table) {
     SafetySetup safety;
+    table.allow_only({"max_force_N", "max_slew_N_per_ms", "max_torque_N_m", "max_slew_N_m_per_ms"});
     safety.max_force = table.number("max_force_N", kPositive).value_or(safety.max_force);
     safety.max_torque = table.number("max_torque_N_m", kPositive).value_or(safety.max_torque);
     if (const auto slew = table.number("max_slew_N_per_ms", kPositive))
@@ -167,7 +169,6 @@ class SceneReader final {
     if (const auto slew = table.number("max_slew_N_m_per_ms", kPositive)) {
       safety.max_torque_slew = *slew * kMillisecondsPerSecond;
     }
-    table.refuse_unknown_keys();
     return safety;
   }
 

@@ -12,7 +12,7 @@
 namespace palpate::scene {
 namespace {
 
-void check_law(TomlTable& table) {
+void check_law(const TomlTable& table) {
   const std::string law = table.text("law").value_or("layered");
   if (law == "smooth") table.fail("law", "this version computes the layered law only, must be \"layered\"");
   if (law != "layered") table.fail("law", "must be \"layered\"");
@@ -21,38 +21,41 @@ void check_law(TomlTable& table) {
   }
 }
 
-model::ReachParameters read_reach(TomlTable table) {
+model::ReachParameters read_reach(const TomlTable& table) {
   model::ReachParameters reach;
+  table.allow_only({"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio"});
   reach.contact_ratio = table.number("contact_ratio").value_or(reach.contact_ratio);
   reach.first_bar_ratio = table.number("first_bar_ratio").value_or(reach.first_bar_ratio);
   reach.bar_ratio = table.number("bar_ratio").value_or(reach.bar_ratio);
   reach.weight_ratio = table.number("weight_ratio").value_or(reach.weight_ratio);
-  table.refuse_unknown_keys();
   return reach;
 }
 
-model::ContactParameters read_contact(TomlTable table) {
+model::ContactParameters read_contact(const TomlTable& table) {
   model::ContactParameters contact;
+  table.allow_only(
+      {"friction", "tangential_N_per_m", "damping_N_s_per_m", "reference_radius_mm", "grip_limit_N"});
   contact.friction = table.number("friction").value_or(contact.friction);
   contact.tangential_stiffness = table.number("tangential_N_per_m");
   contact.damping = table.number("damping_N_s_per_m").value_or(contact.damping);
   if (const auto radius = table.number("reference_radius_mm"))
     contact.reference_radius = *radius * kMillimetre;
   contact.grip_limit = table.number("grip_limit_N").value_or(contact.grip_limit);
-  table.refuse_unknown_keys();
   return contact;
 }
 
-model::SourceParameters read_source(TomlTable table) {
+model::SourceParameters read_source(const TomlTable& table) {
   model::SourceParameters source;
+  table.allow_only({"indenter", "radius_mm"});
   source.indenter = table.text("indenter").value_or("");
   source.radius = table.required_number("radius_mm", kPositive) * kMillimetre;
-  table.refuse_unknown_keys();
   return source;
 }
 
-model::TissueParameters read_parameters(TomlTable& table, const std::string& default_name) {
+model::TissueParameters read_parameters(const TomlTable& table, const std::string& default_name) {
   model::TissueParameters tissue;
+  table.allow_only({"name", "law", "k1_N_per_m", "beta", "q", "rest_length_mm", "max_length_mm",
+                    "min_length_mm", "t1_us", "relaxation", "reach", "contact", "source"});
   tissue.name = table.text("name").value_or(default_name);
   check_law(table);
   tissue.k1 = table.required_number("k1_N_per_m");
@@ -92,12 +95,11 @@ std::string quoted(const std::string& text) {
 
 model::TissueParameters read_tissue_file(const std::filesystem::path& file) {
   const TomlFile toml = read_toml(file);
-  TomlTable root(toml);
-  std::optional<TomlTable> table = root.table("tissue");
-  root.refuse_unknown_keys();
+  const TomlTable root(toml);
+  root.allow_only({"tissue"});
+  const std::optional<TomlTable> table = root.table("tissue");
   if (!table) root.fail_missing("tissue", "a tissue file must have a table [tissue]");
   const model::TissueParameters tissue = read_parameters(*table, file.stem().string());
-  table->refuse_unknown_keys();
   try {
     model::validate(tissue);
   } catch (const ParameterError& error) {

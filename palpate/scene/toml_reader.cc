@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "palpate/base/text.h"
+#include "palpate/scene/names.h"
 
 namespace palpate::scene {
 namespace {
@@ -112,49 +113,42 @@ void TomlTable::fail_path(std::string_view dotted, const std::string& want) cons
   child(key, *node).fail_path(dotted.substr(dot + 1), want);
 }
 
-const toml::node* TomlTable::find(std::string_view key) {
-  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
-  return table_->get(key);
-}
-
 TomlTable TomlTable::child(std::string_view key, const toml::node& node) const {
   return {file_, field(key), *node.as_table(), static_cast<int>(node.source().begin.line)};
 }
 
-bool TomlTable::has(std::string_view key) { return find(key) != nullptr; }
-
-std::optional<double> TomlTable::number(std::string_view key, const Range& range) {
-  const toml::node* node = find(key);
+std::optional<double> TomlTable::number(std::string_view key, const Range& range) const {
+  const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
   const std::optional<double> value = as_number(*node);
   if (!value || !std::isfinite(*value) || !range.contains(*value)) fail(key, "must be " + range.in_words());
   return value;
 }
 
-double TomlTable::required_number(std::string_view key, const Range& range) {
+double TomlTable::required_number(std::string_view key, const Range& range) const {
   const std::optional<double> value = number(key, range);
   if (!value) fail_missing(key, "must be " + range.in_words());
   return *value;
 }
 
-std::optional<std::uint64_t> TomlTable::whole_number(std::string_view key) {
-  const toml::node* node = find(key);
+std::optional<std::uint64_t> TomlTable::whole_number(std::string_view key) const {
+  const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
   const auto* value = node->as_integer();
   if (value == nullptr || value->get() < 0) fail(key, "must be a whole number >= 0");
   return static_cast<std::uint64_t>(value->get());
 }
 
-std::optional<bool> TomlTable::truth(std::string_view key) {
-  const toml::node* node = find(key);
+std::optional<bool> TomlTable::truth(std::string_view key) const {
+  const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
   const auto* value = node->as_boolean();
   if (value == nullptr) fail(key, "must be true or false");
   return value->get();
 }
 
-std::optional<std::string> TomlTable::text(std::string_view key) {
-  const toml::node* node = find(key);
+std::optional<std::string> TomlTable::text(std::string_view key) const {
+  const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
   const auto* value = node->as_string();
   if (value == nullptr || value->get().empty() || value->get() != one_line(value->get())) {
@@ -163,8 +157,8 @@ std::optional<std::string> TomlTable::text(std::string_view key) {
   return value->get();
 }
 
-std::optional<Vec3> TomlTable::vector(std::string_view key, const Range& range) {
-  const toml::node* node = find(key);
+std::optional<Vec3> TomlTable::vector(std::string_view key, const Range& range) const {
+  const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
   const std::string want = "must be three numbers [x, y, z], each " + range.in_words();
   const auto* array = node->as_array();
@@ -178,16 +172,16 @@ std::optional<Vec3> TomlTable::vector(std::string_view key, const Range& range) 
   return value;
 }
 
-std::optional<TomlTable> TomlTable::table(std::string_view key) {
-  const toml::node* node = find(key);
+std::optional<TomlTable> TomlTable::table(std::string_view key) const {
+  const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_table()) fail(key, "must be a table, [" + field(key) + "] or { ... }");
   return child(key, *node);
 }
 
-std::vector<TomlTable> TomlTable::tables(std::string_view key) {
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   std::vector<TomlTable> found;
-  const toml::node* node = find(key);
+  const toml::node* node = table_->get(key);
   if (node == nullptr) return found;
   const std::string want = "must be a table or an array of tables, [[" + field(key) + "]]";
   if (node->is_table()) {
@@ -203,14 +197,13 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
   return found;
 }
 
-void TomlTable::refuse_unknown_keys() const {
+void TomlTable::allow_only(std::initializer_list<const char*> keys) const {
+  const std::vector<std::string> known(keys.begin(), keys.end());
   for (const auto& [key, node] : *table_) {
     const std::string_view name = key.str();
-    if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-    const std::string near = nearest_word(name, known_);
-    std::string known;
-    for (const std::string& word : known_) known += (known.empty() ? "" : ", ") + word;
-    const std::string hint = near.empty() ? "known are " + known : "did you mean " + near + "?";
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::string near = nearest_word(name, known);
+    const std::string hint = near.empty() ? "known are " + alternatives(known) : "did you mean " + near + "?";
     throw InputError(file_ + ":" + std::to_string(key.source().begin.line) + ": " +
                      field(one_line(std::string(name))) + " = " + value_in_words(node) + ": unknown key, " +
                      hint);

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
@@ -48,23 +49,22 @@ class TomlTable final {
   /// The root of a file.
   explicit TomlTable(const TomlFile& file) : TomlTable(file.name, "", file.root, 1) {}
 
-  [[nodiscard]] bool has(std::string_view key);
-  /// A finite number (an integer will do).
-  [[nodiscard]] std::optional<double> number(std::string_view key, const Range& range = kAnyNumber);
-  [[nodiscard]] double required_number(std::string_view key, const Range& range = kAnyNumber);
-  [[nodiscard]] std::optional<std::uint64_t> whole_number(std::string_view key);
-  [[nodiscard]] std::optional<bool> truth(std::string_view key);
-  /// A text that is not empty and has no line break or other control character.
-  [[nodiscard]] std::optional<std::string> text(std::string_view key);
-  /// Three finite numbers, each within `range`.
-  [[nodiscard]] std::optional<Vec3> vector(std::string_view key, const Range& range = kAnyNumber);
-  [[nodiscard]] std::optional<TomlTable> table(std::string_view key);
-  /// A table, or an array of tables; empty when the key is absent.
-  [[nodiscard]] std::vector<TomlTable> tables(std::string_view key);
+  /// Call before reading. @throws InputError at the first key that is not one of `keys`, with the nearest
+  /// one.
+  void allow_only(std::initializer_list<const char*> keys) const;
 
-  /// Call when every known key has been asked for. @throws InputError at the first key that never was, with
-  /// the nearest known one.
-  void refuse_unknown_keys() const;
+  /// A finite number (an integer will do).
+  [[nodiscard]] std::optional<double> number(std::string_view key, const Range& range = kAnyNumber) const;
+  [[nodiscard]] double required_number(std::string_view key, const Range& range = kAnyNumber) const;
+  [[nodiscard]] std::optional<std::uint64_t> whole_number(std::string_view key) const;
+  [[nodiscard]] std::optional<bool> truth(std::string_view key) const;
+  /// A text that is not empty and has no line break or other control character.
+  [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
+  /// Three finite numbers, each within `range`.
+  [[nodiscard]] std::optional<Vec3> vector(std::string_view key, const Range& range = kAnyNumber) const;
+  [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
+  /// A table, or an array of tables; empty when the key is absent.
+  [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
 
   /// "FILE:LINE: field = value: want", at `key`'s own line.
   [[noreturn]] void fail(std::string_view key, const std::string& want) const;
@@ -81,14 +81,12 @@ class TomlTable final {
 
  private:
   [[noreturn]] void fail_path(std::string_view dotted, const std::string& want) const;
-  [[nodiscard]] const toml::node* find(std::string_view key);
   [[nodiscard]] TomlTable child(std::string_view key, const toml::node& node) const;
 
   std::string file_;
   std::string field_;
   const toml::table* table_;
   int line_;
-  std::vector<std::string> known_;
 };
 
 }  // namespace palpate::scene

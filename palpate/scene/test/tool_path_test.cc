@@ -1,0 +1,189 @@
+#include "palpate/scene/tool_path.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/scene/test/temporary_folder.h"
+
+namespace palpate::scene {
+namespace {
+
+using test::error_of;
+using test::TemporaryFolder;
+using testing::HasSubstr;
+
+const double kHalfRoot = std::sqrt(0.5);
+
+PathRow row(double time, const Vec3& position, double gripper = 0.0) {
+  PathRow r;
+  r.time = time;
+  r.position = position;
+  r.gripper = gripper;
+  return r;
+}
+
+std::string error_in(const std::string& content) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("way.csv", content);
+  const std::string message = error_of([&] { (void)read_tool_path(file); });
+  EXPECT_TRUE(message.starts_with(file.string())) << message;
+  return message.starts_with(folder.path().string()) ? message.substr(folder.path().string().size() + 1)
+                                                     : message;
+}
+
+TEST(ToolPath, InterpolatesPositionAndGripperLinearly) {
+  const ToolPath path({row(1.0, {0.0, 1.0, 2.0}, 1.0), row(3.0, {4.0, 1.0, -2.0}, 0.0)});
+  const PathRow quarter = path.at(1.5);
+  EXPECT_EQ(quarter.time, 1.5);
+  EXPECT_DOUBLE_EQ(quarter.position.x(), 1.0);
+  EXPECT_DOUBLE_EQ(quarter.position.y(), 1.0);
+  EXPECT_DOUBLE_EQ(quarter.position.z(), 1.0);
+  EXPECT_DOUBLE_EQ(quarter.gripper, 0.75);
+}
+
+TEST(ToolPath, SlerpsTheRotationAtConstantSpeed) {
+  PathRow turned = row(2.0, Vec3::Zero());
+  turned.orientation = Quat(kHalfRoot, 0.0, 0.0, kHalfRoot);  // 90 degrees about z
+  const ToolPath path({row(0.0, Vec3::Zero()), turned});
+  const Quat third = path.at(2.0 / 3.0).orientation;  // 30 degrees
+  EXPECT_NEAR(third.w(), std::cos(std::acos(-1.0) / 12.0), 1e-12);
+  EXPECT_NEAR(third.z(), std::sin(std::acos(-1.0) / 12.0), 1e-12);
+}
+
+TEST(ToolPath, HoldsBeforeTheFirstAndAfterTheLastRow) {
+  const ToolPath path({row(1.0, {1.0, 0.0, 0.0}, 1.0), row(2.0, {2.0, 0.0, 0.0}, 0.0)});
+  for (const double time : {-5.0, 0.0, 1.0}) EXPECT_EQ(path.at(time).position.x(), 1.0);
+  for (const double time : {2.0, 2.5, 1e9}) EXPECT_EQ(path.at(time).position.x(), 2.0);
+  EXPECT_EQ(path.at(0.5).gripper, 1.0);
+  EXPECT_EQ(path.at(9.0).gripper, 0.0);
+  EXPECT_EQ(path.end_time(), 2.0);
+}
+
+TEST(ToolPath, GivesEveryRowExactlyAtItsOwnTime) {
+  std::vector<PathRow> rows;
+  for (int i = 0; i < 50; ++i) {
+    rows.push_back(row(0.1 * i, {0.3 * i, -0.7 * i, std::sqrt(i)}, (i % 7) / 6.0));
+    rows.back().orientation = Quat(1.0, 0.1 * i, 0.2, -0.05 * i).normalized();
+  }
+  const ToolPath path(rows);
+  for (const PathRow& want : rows) {
+    const PathRow got = path.at(want.time);
+    EXPECT_EQ(got.position, want.position);
+    EXPECT_EQ(got.orientation.coeffs(), want.orientation.coeffs());
+    EXPECT_EQ(got.gripper, want.gripper);
+  }
+}
+
+TEST(ToolPath, OneRowHoldsForEver) {
+  const ToolPath path({row(0.0, {1.0, 2.0, 3.0})});
+  EXPECT_EQ(path.at(-1.0).position, Vec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(path.at(1.0).position, Vec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(path.velocity_at(0.0), Vec3(0.0, 0.0, 0.0));
+}
+
+TEST(ToolPath, VelocityIsTheSlopeOfThePieceAndZeroOutside) {
+  const ToolPath path({row(0.0, {0.0, 0.0, 0.0}), row(2.0, {1.0, 0.0, 0.0}), row(3.0, {1.0, 0.0, -4.0})});
+  EXPECT_EQ(path.velocity_at(-0.1), Vec3(0.0, 0.0, 0.0));
+  EXPECT_EQ(path.velocity_at(1.0), Vec3(0.5, 0.0, 0.0));
+  EXPECT_EQ(path.velocity_at(2.0), Vec3(0.0, 0.0, -4.0));
+  EXPECT_EQ(path.velocity_at(3.0), Vec3(0.0, 0.0, 0.0));
+}
+
+TEST(ToolPath, RefusesNoRowsAndTimesThatDoNotRise) {
+  EXPECT_THAT(error_of([] { (void)ToolPath({}); }), HasSubstr("at least one row"));
+  EXPECT_THAT(error_of([] {
+                (void)ToolPath({row(1.0, Vec3::Zero()), row(1.0, Vec3::Zero())});
+              }),
+              HasSubstr("time_s = 1: must be later"));
+  EXPECT_THAT(
+      error_of([] {
+        (void)ToolPath({row(1.0, Vec3::Zero()), row(std::numeric_limits<double>::quiet_NaN(), Vec3::Zero())});
+      }),
+      HasSubstr("time_s = nan"));
+}
+
+TEST(ReadToolPath, ReadsColumnsByNameInAnyOrder) {
+  const TemporaryFolder folder;
+  const ToolPath path = read_tool_path(folder.write(
+      "way.csv",
+      "gripper,z_m, x_m "
+      ",y_m,time_s,qz,qy,qx,qw\r\n1,0.3,0.1,0.2,0,0,0,0,2\r\n0.5,-3e-1,0.1,+0.2,1.5,1,0,0,1\r\n\r\n\n"));
+  ASSERT_EQ(path.rows().size(), 2U);
+  EXPECT_TRUE(path.has_gripper());
+  const PathRow& first = path.rows()[0];
+  EXPECT_EQ(first.time, 0.0);
+  EXPECT_EQ(first.position, Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(first.orientation.coeffs(), Quat::Identity().coeffs());
+  EXPECT_EQ(first.gripper, 1.0);
+  const PathRow& second = path.rows()[1];
+  EXPECT_EQ(second.time, 1.5);
+  EXPECT_EQ(second.position.z(), -0.3);
+  EXPECT_DOUBLE_EQ(second.orientation.w(), kHalfRoot);
+  EXPECT_DOUBLE_EQ(second.orientation.z(), kHalfRoot);
+  EXPECT_EQ(second.gripper, 0.5);
+}
+
+TEST(ReadToolPath, DefaultsToUprightAndClosed) {
+  const TemporaryFolder folder;
+  const ToolPath path = read_tool_path(folder.write("way.csv", "time_s,x_m,y_m,z_m\n0,1,2,3"));
+  EXPECT_FALSE(path.has_gripper());
+  EXPECT_EQ(path.rows()[0].gripper, 0.0);
+  EXPECT_EQ(path.rows()[0].orientation.w(), 1.0);
+}
+
+TEST(ReadToolPath, RefusesBadHeaders) {
+  EXPECT_EQ(error_in("time_s,x_m,y_m\n"),
+            "way.csv:1: z_m: missing, the header must name time_s, x_m, y_m and z_m");
+  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,griper\n"),
+            "way.csv:1: column \"griper\": unknown, did you mean gripper?");
+  EXPECT_THAT(error_in("0,0,0,0\n"), HasSubstr("way.csv:1: column \"0\": unknown"));
+  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,x_m\n"), "way.csv:1: x_m: stands twice, must stand once");
+  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,qw,qx,qz\n"),
+            "way.csv:1: qy: missing, must be all of qw, qx, qy, qz or none");
+}
+
+TEST(ReadToolPath, RefusesBadNumbersWithLineColumnAndValue) {
+  const std::string header = "time_s,x_m,y_m,z_m\n0,0,0,0\n";
+  for (const std::string bad : {"nan", "inf", "abc", "", "1.0mm", "0x10", "1e999", "1 2"}) {
+    EXPECT_EQ(error_in(header + "1,0," + bad + ",0\n"),
+              "way.csv:3: y_m = " + bad + ": must be a finite number");
+  }
+  EXPECT_EQ(error_in(header + "1,0,0\n"), "way.csv:3: the row has 3 values, must have 4 as the header");
+  EXPECT_EQ(error_in(header + "1,0,0,0,0\n"), "way.csv:3: the row has 5 values, must have 4 as the header");
+}
+
+TEST(ReadToolPath, RefusesTimeThatRunsBackwardsOrStandsStill) {
+  const std::string start = "time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0\n";
+  EXPECT_EQ(error_in(start + "0.5,0,0,0\n"), "way.csv:4: time_s = 0.5: must be later than the row before, 1");
+  EXPECT_EQ(error_in(start + "1,0,0,0\n"), "way.csv:4: time_s = 1: must be later than the row before, 1");
+}
+
+TEST(ReadToolPath, RefusesGripperAndRotationOutOfRange) {
+  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1.1\n"),
+            "way.csv:2: gripper = 1.1: must be 0 (closed) to 1 (open)");
+  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,gripper\n0,0,0,0,-0.1\n"),
+            "way.csv:2: gripper = -0.1: must be 0 (closed) to 1 (open)");
+  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"),
+            "way.csv:2: qw,qx,qy,qz = 0,0,0,0: must be a rotation, not of length 0");
+}
+
+TEST(ReadToolPath, RefusesEmptyFilesAndBlankLinesBetweenRows) {
+  EXPECT_EQ(error_in(""), "way.csv: has no rows, must have a header and at least one row");
+  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m\n"),
+            "way.csv: has no rows, must have a header and at least one row");
+  EXPECT_THAT(error_in("time_s,x_m,y_m,z_m\n0,0,0,0\n\n1,0,0,0\n"), HasSubstr("way.csv:4: a blank line"));
+  EXPECT_THAT(error_in("\ntime_s,x_m,y_m,z_m\n0,0,0,0\n"), HasSubstr("way.csv:2: a blank line"));
+}
+
+TEST(ReadToolPath, RefusesMissingFilesAndFolders) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(error_of([&] { (void)read_tool_path(folder.path() / "none.csv"); }),
+            folder.path().string() + "/none.csv: there is no such file");
+  EXPECT_THAT(error_of([&] { (void)read_tool_path(folder.path()); }), HasSubstr("is a folder"));
+}
+
+}  // namespace
+}  // namespace palpate::scene
