@@ -49,6 +49,9 @@ MemoryLock::~MemoryLock() {
 SignalsHeld::SignalsHeld() noexcept {
   sigset_t all;
   sigfillset(&all);
+  for (const int own_doing : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGABRT}) {
+    sigdelset(&all, own_doing);
+  }
   pthread_sigmask(SIG_SETMASK, &all, &before_);
 }
 

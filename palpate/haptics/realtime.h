@@ -27,7 +27,8 @@ class MemoryLock final {
   bool granted_;
 };
 
-/// Signals wait while this lives, and so in every thread started meanwhile: Ctrl-C is for the main thread.
+/// Signals from outside wait while this lives, and so in every thread started meanwhile: Ctrl-C is for the
+/// main thread.
 class SignalsHeld final {
  public:
   SignalsHeld() noexcept;

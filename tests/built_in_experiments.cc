@@ -1,0 +1,43 @@
+#include "tests/built_in_experiments.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "palpate/devices/devices.h"
+#include "palpate/record/assemble.h"
+#include "palpate/scene/load.h"
+
+namespace palpate::tests {
+
+Rig::Rig(scene::Setup resolved) : setup(std::move(resolved)), world(record::assemble(setup)) {
+  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
+    devices.push_back(devices::open_device(setup, hand));
+  }
+}
+
+std::uint64_t Rig::whole_path() const {
+  std::uint64_t last = 0;
+  for (const auto& device : devices) last = std::max(last, device->last_tick(setup.rate_Hz));
+  return last;
+}
+
+haptics::LoopReport Rig::run(haptics::TickSink* sink, const haptics::LoopOptions& options) {
+  haptics::SimulationState state(world);
+  std::vector<haptics::Device*> plain;
+  for (const auto& device : devices) plain.push_back(device.get());
+  return haptics::run_loop(world, state, plain, sink, options);
+}
+
+Rig built_in(const std::string& task) {
+  scene::Request request;
+  request.task = task;
+  return Rig(scene::load(request));
+}
+
+bool same_bits(haptics::TickRow a, haptics::TickRow b) {
+  a.tick_ns = b.tick_ns = 0;
+  a.late_ns = b.late_ns = 0;
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+}  // namespace palpate::tests

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "palpate/haptics/loop.h"
+#include "palpate/scene/setup.h"
+
+namespace palpate::tests {
+
+/// A scene with its devices, ready to run.
+struct Rig {
+  explicit Rig(scene::Setup resolved);
+
+  scene::Setup setup;
+  haptics::SimulationWorld world;
+  std::vector<std::unique_ptr<haptics::Device>> devices;
+
+  /// Ticks until the devices have nothing more to say.
+  [[nodiscard]] std::uint64_t whole_path() const;
+  /// Runs from tick 0. `options.ticks` counts.
+  haptics::LoopReport run(haptics::TickSink* sink, const haptics::LoopOptions& options);
+};
+
+/// One of the paper's two experiments: task "press" (gallbladder) or "pull" (heart).
+Rig built_in(const std::string& task);
+
+/// Keeps all rows of a run.
+class RowKeeper final : public haptics::TickSink {
+ public:
+  explicit RowKeeper(std::uint64_t expected) { rows.reserve(expected); }
+  void begin(std::int64_t) noexcept override {}
+  void put(const haptics::TickRow& row) noexcept override { rows.push_back(row); }
+  std::vector<haptics::TickRow> rows;
+};
+
+/// Bit for bit, but for the two times.
+bool same_bits(haptics::TickRow a, haptics::TickRow b);
+
+}  // namespace palpate::tests

@@ -1,0 +1,242 @@
+// The program as its users meet it: exit codes, words, and what is or is not written.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace palpate::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// A folder of the test's own, gone at the end.
+class Folder final {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "palpate_program_XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& entry : fs::directory_iterator(path_)) all.push_back(entry.path().filename().string());
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Outcome {
+  int exit_code = -1;  // -1: ended by a signal
+  std::string out;
+  std::string err;
+};
+
+/// The program in a child process; output goes to files of a folder apart.
+class Program final {
+ public:
+  Program(const fs::path& working_folder, std::vector<std::string> words) {
+    words.insert(words.begin(), PALPATE_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    const std::string out = output_ / "out";
+    const std::string err = output_ / "err";
+    child_ = fork();
+    if (child_ != 0) return;
+    const int out_file = open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
+    const int err_file = open(err.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
+    if (chdir(working_folder.c_str()) == 0 && dup2(out_file, 1) == 1 && dup2(err_file, 2) == 2) {
+      execv(PALPATE_PROGRAM, argv.data());
+    }
+    _exit(127);
+  }
+  void signal(int number) const { kill(child_, number); }
+  Outcome wait() {
+    int status = 0;
+    waitpid(child_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(output_ / "out"), text_of(output_ / "err")};
+  }
+
+ private:
+  Folder output_;
+  pid_t child_ = -1;
+};
+
+Outcome run(const Folder& folder, std::vector<std::string> words) {
+  return Program(folder.path(), std::move(words)).wait();
+}
+
+std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+/// Waits until a file is there (a recording appears with its first tick); at most a minute.
+bool appears(const std::string& file) {
+  for (int i = 0; i < 6000; ++i) {
+    if (fs::exists(file)) return true;
+    std::this_thread::sleep_for(10ms);
+  }
+  return false;
+}
+
+/// The wall time that a 1 kHz recording spans: its ticks, and what late ones shifted the schedule by.
+double covered_seconds(const std::string& csv) {
+  constexpr double kPeriod = 1e-3;
+  std::istringstream all(csv);
+  std::string line;
+  std::getline(all, line);
+  const std::string head = line.substr(0, line.find("late_ns"));
+  const auto column = std::count(head.begin(), head.end(), ',');
+  double covered = 0.0;
+  while (std::getline(all, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (std::ptrdiff_t i = 0; i <= column; ++i) std::getline(cells, cell, ',');
+    const double late = std::stod(cell) * 1e-9;
+    covered += kPeriod + (late >= kPeriod ? late : 0.0);
+  }
+  return covered;
+}
+
+TEST(Program, AloneItPrintsItsHelpAndExitsTwo) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("run"), std::string::npos);
+}
+
+TEST(Program, HelpAndVersionExitZero) {
+  const Folder folder;
+  EXPECT_EQ(run(folder, {"--help"}).exit_code, 0);
+  const Outcome version = run(folder, {"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_EQ(version.out.rfind("palpate ", 0), 0u);
+  const Outcome help = run(folder, {"run", "--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.out.find("Example: palpate run"), std::string::npos);
+}
+
+TEST(Program, BadUsageAndBadInputExitTwoInOneLineAndWriteNothing) {
+  const Folder folder;
+  const std::vector<std::string> outputs = {"--record", "r.h5", "--report", "rep", "--screenshot", "s.png"};
+  const std::vector<std::vector<std::string>> wrongs = {
+      {"--nonsense"},
+      {"--task", "poke"},
+      {"--organ", "none.stl", "--organ-unit", "mm"},
+      {"--organ", "gallblader"},
+      {"--tissue", "none.toml"},
+      {"--rate-Hz", "fast"},
+      {"--rate-Hz", "-1"},
+      {"--duration-s", "-1"},
+      {"--duration-s", "0"},
+      {"--duration-s", "nan"},
+      {"--duration-s", "1e300"},
+      {"--seed", "one"},
+      {"--max-missed", "few"},
+      {"--device", "scripted:none.csv"},
+      {"--device", "teleport"},
+      {"--igtl", "18944"},
+      {"none.toml"},
+  };
+  for (const auto& wrong : wrongs) {
+    std::vector<std::string> words = {"run", "--offline", "--headless"};
+    words.insert(words.end(), wrong.begin(), wrong.end());
+    words.insert(words.end(), outputs.begin(), outputs.end());
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2) << wrong.front();
+    EXPECT_EQ(lines(outcome.err), 1u) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(folder.names().empty()) << wrong.front();
+  }
+}
+
+TEST(Program, OutputsThatCannotBeWrittenExitTwoAndLeaveTheOthersAlone) {
+  const Folder folder;
+  for (const auto& wrong : std::vector<std::vector<std::string>>{{"--record", "no/such/r.h5"},
+                                                                 {"--record", "."},
+                                                                 {"--screenshot", "no/such/s.png"},
+                                                                 {"--report", "/dev/null/report"}}) {
+    std::vector<std::string> words = {"run", "--offline", "--duration-s", "0.01"};
+    words.insert(words.end(), wrong.begin(), wrong.end());
+    if (wrong.front() != "--record") words.insert(words.end(), {"--record", "r.h5"});
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2) << wrong.front();
+    EXPECT_EQ(lines(outcome.err), 1u) << outcome.err;
+    EXPECT_NE(outcome.err.find(wrong.front()), std::string::npos) << outcome.err;
+    EXPECT_TRUE(folder.names().empty()) << wrong.front();
+  }
+}
+
+TEST(Program, ARunTellsWhatItWasLikeAndRecordsExactlyItsTicks) {
+  const Folder folder;
+  const Outcome outcome = run(
+      folder, {"run", "--offline", "--duration-s", "0.3", "--rate-Hz", "1500", "--record", "r.h5", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.front(), '{');
+  EXPECT_NE(outcome.out.find("\"ticks\": 450"), std::string::npos) << outcome.out;
+  EXPECT_EQ(run(folder, {"export", "r.h5", "--csv", "r.csv"}).exit_code, 0);
+  EXPECT_EQ(lines(text_of(folder / "r.csv")), 451u);
+}
+
+TEST(Program, MaxMissedExceededExitsFourAndOtherwiseNot) {
+  const Folder folder;
+  EXPECT_EQ(run(folder, {"run", "--duration-s", "0.2", "--max-missed", "1000000"}).exit_code, 0);
+}
+
+TEST(Program, CtrlCEndsTheRunInGoodOrderWithARecordingThatVerifies) {
+  const Folder folder;
+  Program program(folder.path(), {"run", "--duration-s", "600", "--record", "r.h5"});
+  ASSERT_TRUE(appears(folder / "r.h5"));
+  std::this_thread::sleep_for(300ms);
+  program.signal(SIGINT);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("stopped before its end"), std::string::npos) << outcome.out;
+  EXPECT_EQ(run(folder, {"replay", "r.h5", "--verify"}).exit_code, 0);
+}
+
+TEST(Program, KilledAtAnyMomentLeavesARecordingThatLacksAtMostTheLastSecond) {
+  for (const auto moment : {50ms, 700ms, 1300ms, 2450ms}) {
+    const Folder folder;
+    Program program(folder.path(), {"run", "--duration-s", "600", "--record", "r.h5"});
+    ASSERT_TRUE(appears(folder / "r.h5"));
+    const auto seen = std::chrono::steady_clock::now();
+    std::this_thread::sleep_for(moment);
+    program.signal(SIGKILL);
+    EXPECT_EQ(program.wait().exit_code, -1);
+    const double ran = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen).count();
+    const Outcome exported = run(folder, {"export", "r.h5", "--csv", "r.csv"});
+    ASSERT_EQ(exported.exit_code, 0) << exported.err;
+    EXPECT_GE(covered_seconds(text_of(folder / "r.csv")), ran - 1.0) << "after " << ran << " s";
+  }
+}
+
+}  // namespace
+}  // namespace palpate::tests

@@ -1,0 +1,119 @@
+// Claims about whole runs: the scene, its devices, contact, noise, gate and loop together.
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "palpate/geometry/builtin.h"
+
+#include "tests/built_in_experiments.h"
+
+namespace palpate::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file that is gone at the end.
+class PathFile final {
+ public:
+  explicit PathFile(const std::string& text)
+      : path_(fs::temp_directory_path() / ("palpate_run_test_" + std::to_string(getpid()) + ".csv")) {
+    std::ofstream(path_) << text;
+  }
+  ~PathFile() { fs::remove(path_); }
+  PathFile(const PathFile&) = delete;
+  PathFile& operator=(const PathFile&) = delete;
+  [[nodiscard]] std::string name() const { return path_.string(); }
+
+ private:
+  fs::path path_;
+};
+
+/// A 3 mm ball over a block whose top is at z = 0, along a path.
+scene::Setup ball_and_block(double rate_Hz, const std::string& path) {
+  scene::Setup setup;
+  setup.name = "ball and block";
+  setup.rate_Hz = rate_Hz;
+  setup.seed = 5;
+  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  setup.organ_pose.position = Vec3(0, 0, -0.02);
+  setup.tissue = model::tissue_preset("gallbladder");
+  setup.tools = {geometry::make_tool("sphere:3")};
+  setup.devices = {{"scripted", path, 1.0, {}}};
+  return setup;
+}
+
+std::vector<haptics::TickRow> rows_of(Rig& rig, std::uint64_t ticks, bool offline = true) {
+  RowKeeper keeper(ticks);
+  (void)rig.run(&keeper, {.ticks = ticks, .offline = offline});
+  return std::move(keeper.rows);
+}
+
+TEST(Run, NoiseThreeMillimetresOffTheSurfaceIsTheSameAtOneAndFourKilohertz) {
+  const PathFile held("time_s,x_m,y_m,z_m\n0,0.001,0.002,0.006\n");
+  Rig slow(ball_and_block(1000.0, held.name()));
+  Rig fast(ball_and_block(4000.0, held.name()));
+  const auto at_1 = rows_of(slow, 500);
+  const auto at_4 = rows_of(fast, 2000);
+  ASSERT_EQ(at_1.size(), 500u);
+  ASSERT_EQ(at_4.size(), 2000u);
+  const noise::NoiseSettings& settings = slow.setup.noise;
+  for (std::size_t i = 0; i < at_4.size(); ++i) {
+    const haptics::TickRow& row = at_4[i];
+    const haptics::TickRow& same = at_1[i / 4];
+    ASSERT_EQ(row.noise_force, same.noise_force) << i;
+    ASSERT_EQ(row.phase, 0u);
+    ASSERT_NEAR(row.distance, 0.003, 2e-5);
+    const double sigma = settings.gain / (row.distance + settings.threshold);
+    ASSERT_NEAR(row.noise_force, sigma * noise::unit_sample(5, 0, i / 4), 1e-15) << i;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ASSERT_NEAR(row.force[axis], row.noise_force * row.normal[axis], 1e-15) << i;
+    }
+    ASSERT_NEAR(row.normal[2], 1.0, 1e-6) << "away from the top";
+  }
+  EXPECT_NE(at_1[0].noise_force, at_1[1].noise_force);
+}
+
+TEST(Run, InContactTheForceIsTheLawsAtTheDepthAndUpwards) {
+  const PathFile pressed(
+      "time_s,x_m,y_m,z_m\n0,0.001,0.002,0.006\n0.5,0.001,0.002,-0.002\n1,0.001,0.002,-0.002\n");
+  scene::Setup setup = ball_and_block(1000.0, pressed.name());
+  setup.noise.enabled = false;
+  Rig rig(std::move(setup));
+  const auto rows = rows_of(rig, 1000);
+  const haptics::TickRow& last = rows.back();
+  EXPECT_EQ(last.phase, 1u);
+  EXPECT_NEAR(last.depth, 0.005, 5e-5) << "3 mm ball, its centre 2 mm below the top";
+  const double law = rig.world.contact.press_law().force_at(last.depth).force;
+  EXPECT_NEAR(last.tissue_force, law, 0.01 * law);
+  EXPECT_NEAR(last.force[2], law, 0.01 * law);
+}
+
+class BuiltInExperiment : public testing::TestWithParam<const char*> {};
+
+TEST_P(BuiltInExperiment, GivesTheSameRowsOfflineAndInRealTime) {
+  Rig rig = built_in(GetParam());
+  const std::uint64_t ticks = rig.whole_path();
+  const auto offline = rows_of(rig, ticks);
+  const auto real = rows_of(rig, ticks, false);
+  ASSERT_EQ(offline.size(), ticks);
+  ASSERT_EQ(real.size(), ticks);
+  for (std::size_t i = 0; i < ticks; ++i) ASSERT_TRUE(same_bits(offline[i], real[i])) << i;
+}
+
+TEST_P(BuiltInExperiment, GoesAtLeastTenMillimetresDeepWithoutAFault) {
+  Rig rig = built_in(GetParam());
+  double deepest = 0.0;
+  for (const haptics::TickRow& row : rows_of(rig, rig.whole_path())) {
+    deepest = std::max(deepest, row.depth);
+    ASSERT_EQ(row.fault, 0u) << row.tick;
+  }
+  EXPECT_GE(deepest, 0.010);
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, BuiltInExperiment, testing::Values("press", "pull"),
+                         [](const auto& task) { return std::string(task.param); });
+
+}  // namespace
+}  // namespace palpate::tests

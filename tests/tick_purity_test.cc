@@ -1,0 +1,118 @@
+// No heap use, no lock and no system call but the clock within a tick, over both of the paper's experiments.
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "palpate/record/recorder.h"
+
+#include "tests/built_in_experiments.h"
+#include "tests/heap_and_lock_guard.h"
+#include "tests/syscall_guard.h"
+
+namespace palpate::tests {
+namespace {
+
+constexpr std::uint64_t kTicks = 10'000;
+
+/// Hands every row on; something begins with the first tick and ends with the last, on the loop's own thread.
+template <typename Begin, typename End>
+class Bracket final : public haptics::TickSink {
+ public:
+  Bracket(std::uint64_t ticks, haptics::TickSink* next, Begin begin, End end)
+      : left_(ticks), next_(next), begin_(begin), end_(end) {}
+  void begin(std::int64_t started_unix_ns) noexcept override {
+    if (next_ != nullptr) next_->begin(started_unix_ns);
+    begin_();
+  }
+  void put(const haptics::TickRow& row) noexcept override {
+    if (next_ != nullptr) next_->put(row);
+    if (row.phase != 0) ++touching;
+    if (--left_ == 0) end_();
+  }
+  std::uint64_t touching = 0;
+
+ private:
+  std::uint64_t left_;
+  haptics::TickSink* next_;
+  Begin begin_;
+  End end_;
+};
+
+class TickPurity : public testing::TestWithParam<const char*> {};
+
+TEST_P(TickPurity, NoHeapUseAndNoLockInTenThousandTicks) {
+  Rig rig = built_in(GetParam());
+  SnapshotCell<haptics::Snapshot> snapshots;
+  const std::uint64_t heap_before = heap_uses();
+  const std::uint64_t locks_before = lock_uses();
+  Bracket sink(kTicks, nullptr, arm_guard, disarm_guard);
+  (void)rig.run(&sink, {.ticks = kTicks, .offline = true, .snapshots = &snapshots});
+  EXPECT_EQ(heap_uses() - heap_before, 0u);
+  EXPECT_EQ(lock_uses() - locks_before, 0u);
+  EXPECT_GT(sink.touching, 100u) << "the ticks are of an experiment that touches";
+}
+
+TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {
+  const std::string task = GetParam();
+  const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
+    Rig rig = built_in(task);
+    SnapshotCell<haptics::Snapshot> snapshots;
+    Bracket sink(
+        kTicks, nullptr, [&] { part.start(); }, [&] { part.done(); });
+    (void)rig.run(&sink, {.ticks = kTicks, .offline = true, .snapshots = &snapshots});
+  });
+  EXPECT_EQ(outcome.forbidden, -1) << "number of the system call";
+  EXPECT_TRUE(outcome.done) << "child's status " << outcome.exit_status;
+}
+
+TEST_P(TickPurity, NoSystemCallButTheClockInRealTimeWithARecorder) {
+  const std::string task = GetParam();
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("palpate_purity_" + std::to_string(getpid()) + ".h5");
+  const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
+    constexpr std::uint64_t kRealTicks = 1500;
+    Rig rig = built_in(task);
+    record::Recorder recorder(file, rig.setup, false);
+    Bracket sink(
+        kRealTicks, &recorder, [&] { part.start(); }, [&] { part.done(); });
+    (void)rig.run(&sink, {.ticks = kRealTicks, .offline = false});
+  });
+  std::filesystem::remove(file);
+  EXPECT_EQ(outcome.forbidden, -1) << "number of the system call";
+  EXPECT_TRUE(outcome.done) << "child's status " << outcome.exit_status;
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, TickPurity, testing::Values("press", "pull"),
+                         [](const auto& task) { return std::string(task.param); });
+
+TEST(Guards, TheHeapAndLockGuardSeesWhatItIsFor) {
+  std::mutex mutex;
+  const std::uint64_t heap_before = heap_uses();
+  const std::uint64_t locks_before = lock_uses();
+  arm_guard();
+  auto number = std::make_unique<int>(1);
+  number.reset();
+  { const std::lock_guard lock(mutex); }
+  disarm_guard();
+  EXPECT_GE(heap_uses() - heap_before, 2u);
+  EXPECT_GE(lock_uses() - locks_before, 1u);
+}
+
+TEST(Guards, TheSystemCallGuardSeesWhatItIsFor) {
+  const FilteredOutcome outcome = run_filtered([](FilteredPart& part) {
+    part.start();
+    (void)getppid();
+    part.done();
+  });
+  EXPECT_NE(outcome.forbidden, -1);
+  EXPECT_FALSE(outcome.done);
+}
+
+}  // namespace
+}  // namespace palpate::tests
