@@ -12,7 +12,7 @@ struct NoiseSettings {
   std::uint64_t seed = 1;
 };
 
-/// [setup] @throws ParameterError naming gain_N_m, threshold_mm, noise.rate_Hz or the loop's rate_Hz.
+/// [setup] @throws ParameterError naming gain_N_m, threshold_mm or rate_Hz (the noise's or the loop's).
 void validate(const NoiseSettings& settings, double loop_rate_Hz);
 
 /// [setup] K [N m] that puts sigma in contact at `share` (0..1) of the user's own detection threshold [N].
