@@ -10,15 +10,16 @@ namespace palpate::contact {
 namespace {
 
 // The rules' own figures (model.md, section 4).
-constexpr double kWalkSpeed = 0.05;         // m/s, that c may gain on the tool
-constexpr double kStillStep = 0.1e-6;       // m, where the walk stops
-constexpr int kWalkSteps = 3;               // a tick
-constexpr double kLetIn = 50e-3;            // s, over which a start's excess depth counts
-constexpr double kShallow = 0.5e-3;         // m, an inside point this deep may start a contact
-constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
-constexpr double kDampingDepth = 1e-3;      // m, where the damping counts in full
-constexpr double kDeepInside = -1e-3;       // m, a part that loses its last contact here is off until outside
-constexpr int kMostEvaluations = 8;         // supports looked at for starts, a tick and part
+constexpr double kWalkSpeed = 0.05;      // m/s, that c may gain on the tool
+constexpr double kStillStep = 0.1e-6;    // m, where the walk stops
+constexpr int kWalkSteps = 3;            // a tick
+constexpr double kRestartShare = 8.0;    // a walk that has stopped starts again with this part of the motion
+constexpr double kLetIn = 50e-3;         // s, over which a start's excess depth counts
+constexpr double kShallow = 0.5e-3;      // m, an inside point this deep may start a contact
+constexpr double kDeepestSecond = 1e-3;  // m, D with which a part that has a contact may start another
+constexpr double kDampingDepth = 1e-3;   // m, where the damping counts in full
+constexpr double kDeepInside = -1e-3;    // m, a part that loses its last contact here is off until outside
+constexpr int kMostEvaluations = 8;      // supports looked at for starts, a tick and part
 constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
 
 Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
@@ -47,13 +48,16 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
   return most;
 }
 
-/// Up to three steps along the surface towards the middle of the support, then the normal.
+/// Up to three steps along the surface towards the middle of the support; the normal turns along, so that a
+/// step too far shows in the next one.
 void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part, Contact& contact,
                   DepthScratch& scratch) noexcept {
   const double own_motion = motion_at(part, contact.at.point).norm();
   const double limit = kWalkSpeed * world.period + own_motion;
+  const double reference_radius = world.tissue.contact.reference_radius;
   double left = limit;
-  contact.step = std::max(contact.step, own_motion);
+  double turn_left = limit / reference_radius;
+  contact.step = std::max(contact.step, own_motion / kRestartShare);
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
     const Support support = support_in_S(world, points, part, contact.at.point, contact.normal, scratch);
     if (support.depth <= 0.0) break;
@@ -69,11 +73,10 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
     contact.at = world.surface.walk(contact.at, length * direction, contact.normal);
     contact.last_direction = direction;
     left -= length;
+    turn_left -= turn_towards(contact.normal, world.surface.normal_at(contact.at), turn_left);
   }
-  const double reference_radius = world.tissue.contact.reference_radius;
-  const double turned =
-      turn_towards(contact.normal, world.surface.normal_at(contact.at), limit / reference_radius);
-  contact.step = std::max(contact.step, turned * reference_radius);
+  const double turned = turn_towards(contact.normal, world.surface.normal_at(contact.at), turn_left);
+  contact.step = std::max(contact.step, turned * reference_radius / kRestartShare);
 }
 
 /// Depth, force along the normal with damping, and friction of a contact whose support is known.
@@ -82,7 +85,8 @@ void compute_force(const World::Data& world, const PartState& part, Contact& con
   contact.offset = std::max(0.0, contact.offset - contact.offset_step);
   const double depth = std::max(0.0, contact.support.depth - contact.offset);
   contact.elastic_force = world.press.force_at(depth).force;
-  const double speed = (depth - contact.depth) / world.period;
+  // The depth's rate is taken where the tool touches: the same in the limit, without the steps of the walk.
+  const double speed = -motion_at(part, contact.support.mean).dot(contact.normal) / world.period;
   contact.normal_force =
       std::max(0.0, contact.elastic_force + rules.damping * speed * std::min(1.0, depth / kDampingDepth));
   contact.depth = depth;
