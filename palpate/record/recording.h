@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,17 @@
 #include "palpate/scene/setup.h"
 
 namespace palpate::record {
+
+/// Percentiles and maximum of a measured time; zero when unknown.
+struct TimeFigures {
+  std::int64_t p50_ns = 0;
+  std::int64_t p99_ns = 0;
+  std::int64_t p999_ns = 0;
+  std::int64_t max_ns = 0;
+};
+
+/// How far a long operation is, 0..1; may be empty.
+using Progress = std::function<void(double)>;
 
 /// What a recording tells about the run itself.
 struct RunFacts {
@@ -23,6 +35,9 @@ struct RunFacts {
   std::int64_t longest_gap_ns = 0;
   bool realtime_priority = false;
   bool memory_locked = false;
+  TimeFigures tick_time;             // the tick's own computing time
+  TimeFigures lateness;              // how late ticks began
+  std::vector<std::string> remarks;  // what the loop was not granted, in words
 };
 
 /// A whole recording in memory.
@@ -32,14 +47,25 @@ struct Recording {
   std::vector<haptics::TickRow> rows;  // by tick, then hand
 };
 
-/// [setup] Reads a recording, also one that was cut off (kill -9, full disk). @throws InputError naming the
-/// file.
-[[nodiscard]] Recording read_recording(const std::filesystem::path& file);
+/// [setup] Reads a recording, also one that was cut off (kill -9, full disk, a copy that broke off) or is
+/// still being written: rows up to the last whole tick before the damage. @throws InputError naming the file
+/// and what is missing or wrong.
+[[nodiscard]] Recording read_recording(const std::filesystem::path& file, const Progress& progress = {});
 
-/// [setup] Makes a recording that was cut off open in every HDF5 tool. @return rows kept. @throws InputError.
-std::size_t repair_recording(const std::filesystem::path& file);
+/// What repair_recording() did.
+struct RepairResult {
+  std::uint64_t rows = 0;    // in the file now
+  bool was_damaged = false;  // false: nothing was wrong and the file is untouched
+};
 
-/// [setup] Writes the ticks as CSV with the contract's columns, numbers in shortest round-trip form.
-void export_csv(const Recording& recording, const std::filesystem::path& file);
+/// [setup] Makes a recording that was cut off open in every HDF5 tool: writes what can be read into a new
+/// file beside it and puts that in its place. @throws InputError, with the old file as it was, when it is no
+/// recording, is still being written, or the new file cannot be made.
+RepairResult repair_recording(const std::filesystem::path& file, const Progress& progress = {});
+
+/// [setup] Writes the ticks as CSV with the contract's columns, numbers in shortest round-trip form;
+/// then the device's own sample (device_*). phase is approach, press or pull; fault is 0, not-finite or
+/// device. @throws InputError when the file cannot be written, naming it.
+void export_csv(const Recording& recording, const std::filesystem::path& file, const Progress& progress = {});
 
 }  // namespace palpate::record

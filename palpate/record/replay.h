@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,11 +17,24 @@ struct ReplayResult {
   std::uint64_t hash = 0;        // of the replayed rows' bits without tick_ns and late_ns
 };
 
-/// [setup] Feeds the recorded device samples through the tick again and compares every row bit for bit (all
-/// columns but tick_ns and late_ns).
-[[nodiscard]] ReplayResult replay(const Recording& recording);
+/// [setup] The first column, in words, whose bits differ (tick_ns and late_ns do not count); empty: none.
+[[nodiscard]] std::string row_difference(const haptics::TickRow& recorded, const haptics::TickRow& replayed);
 
-/// [setup] Runs the recording again and returns the snapshots at `ticks` (ascending), for pictures.
+inline constexpr std::uint64_t kHashStart = 14695981039346656037ULL;
+
+/// [any] 64-bit FNV-1a (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns, going on from
+/// `hash`, that of the rows before.
+[[nodiscard]] std::uint64_t hash_rows(std::span<const haptics::TickRow> rows,
+                                      std::uint64_t hash = kHashStart) noexcept;
+
+/// [setup] Feeds the recorded device samples through the tick again and compares every row bit for bit (all
+/// columns but tick_ns and late_ns). @throws InputError when rows are missing in the middle or the scene is
+/// bad.
+[[nodiscard]] ReplayResult replay(const Recording& recording, const Progress& progress = {});
+
+/// [setup] Runs the recording again and returns the snapshots at `ticks` (ascending), for pictures; their
+/// taken_ns is the time since tick 0. @throws InputError as replay(), or when a tick is past the end or out
+/// of order.
 [[nodiscard]] std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
                                                           const std::vector<std::uint64_t>& ticks);
 

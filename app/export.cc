@@ -1,0 +1,45 @@
+// `palpate export`: a recording's ticks as CSV.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "palpate/record/recording.h"
+
+#include "app/commands.h"
+#include "app/progress.h"
+
+namespace palpate::app {
+namespace {
+
+struct ExportFlags {
+  std::string file;
+  std::string csv;
+};
+
+int export_file(const ExportFlags& flags) {
+  record::Recording recording;
+  {
+    Progress bar("export");
+    recording = record::read_recording(
+        flags.file, [&](double share) { bar.update(0.3 * share, "reading " + flags.file); });
+    record::export_csv(recording, flags.csv,
+                       [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + flags.csv); });
+  }
+  std::cerr << flags.csv << ": " << recording.rows.size() << " rows"
+            << (recording.facts.complete ? "" : "; the recording was cut off after the last of them") << '\n';
+  return kDone;
+}
+
+}  // namespace
+
+void add_export(CLI::App& program, int& exit_code) {
+  auto flags = std::make_shared<ExportFlags>();
+  CLI::App* command =
+      program.add_subcommand("export", "Write a recording's ticks as CSV, one row a tick and hand");
+  command->add_option("recording", flags->file, "The recording (.h5)")->required();
+  command->add_option("--csv", flags->csv, "The CSV file to write")->required();
+  command->footer("Example:\n  palpate export run.h5 --csv run.csv");
+  command->callback([flags, &exit_code] { exit_code = export_file(*flags); });
+}
+
+}  // namespace palpate::app

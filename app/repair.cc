@@ -1,0 +1,36 @@
+// `palpate repair`: a recording that was cut off, made readable for every HDF5 tool.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "palpate/record/recording.h"
+
+#include "app/commands.h"
+#include "app/progress.h"
+
+namespace palpate::app {
+namespace {
+
+int repair_file(const std::string& file) {
+  record::RepairResult result;
+  {
+    Progress bar("repair");
+    result = record::repair_recording(file, [&](double share) { bar.update(share, "writing " + file); });
+  }
+  std::cout << file << ": " << (result.was_damaged ? "repaired, " : "nothing to repair, ") << result.rows
+            << " rows\n";
+  return kDone;
+}
+
+}  // namespace
+
+void add_repair(CLI::App& program, int& exit_code) {
+  auto file = std::make_shared<std::string>();
+  CLI::App* command =
+      program.add_subcommand("repair", "Make a recording that was cut off open in every HDF5 tool");
+  command->add_option("recording", *file, "The recording (.h5); replaced by its repaired self")->required();
+  command->footer("Example:\n  palpate repair run.h5");
+  command->callback([file, &exit_code] { exit_code = repair_file(*file); });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,86 @@
+// `palpate replay`: a recording's device samples through the tick again.
+#include "palpate/record/replay.h"
+
+#include <array>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/record/recording.h"
+
+#include "app/commands.h"
+#include "app/progress.h"
+
+namespace palpate::app {
+namespace {
+
+struct ReplayFlags {
+  std::string file;
+  bool verify = false;
+  bool json = false;
+};
+
+std::string hexadecimal(std::uint64_t value) {
+  std::array<char, 20> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+  return text.data();
+}
+
+void print_json(const record::Recording& recording, const record::ReplayResult& result, std::uint64_t ticks) {
+  nlohmann::ordered_json json;
+  json["ticks"] = ticks;
+  json["hands"] = recording.setup.tools.size();
+  json["complete"] = recording.facts.complete;
+  json["rows_compared"] = result.rows_compared;
+  json["rows_different"] = result.rows_different;
+  json["identical"] = result.rows_different == 0;
+  json["first_difference"] =
+      result.first_difference.empty() ? nlohmann::ordered_json(nullptr) : result.first_difference;
+  json["hash"] = hexadecimal(result.hash);
+  std::cout << json.dump(2) << '\n';
+}
+
+void print_words(const record::Recording& recording, const record::ReplayResult& result, std::uint64_t ticks,
+                 bool verify) {
+  std::cout << "ticks  " << ticks << (recording.facts.complete ? "" : "  (the recording was cut off)") << '\n'
+            << "hash   " << hexadecimal(result.hash) << '\n';
+  if (result.rows_different == 0) {
+    std::cout << "same   all " << result.rows_compared << " rows, bit for bit\n";
+    return;
+  }
+  std::cout << (verify ? "DIFFERS " : "differs ") << result.rows_different << " of " << result.rows_compared
+            << " rows; first: " << result.first_difference << '\n';
+}
+
+int replay_file(const ReplayFlags& flags) {
+  Progress bar("replay");
+  const record::Recording recording = record::read_recording(
+      flags.file, [&](double share) { bar.update(0.2 * share, "reading " + flags.file); });
+  const record::ReplayResult result = record::replay(
+      recording, [&](double share) { bar.update(0.2 + 0.8 * share, "running the ticks again"); });
+  const std::uint64_t ticks = result.rows_compared / recording.setup.tools.size();
+  if (flags.json) {
+    print_json(recording, result, ticks);
+  } else {
+    print_words(recording, result, ticks, flags.verify);
+  }
+  return flags.verify && result.rows_different > 0 ? kGoalMissed : kDone;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& program, int& exit_code) {
+  auto flags = std::make_shared<ReplayFlags>();
+  CLI::App* command = program.add_subcommand(
+      "replay", "Run a recording's ticks again from its own device samples, and compare every value");
+  command->add_option("recording", flags->file, "The recording (.h5)")->required();
+  command->add_flag("--verify", flags->verify, "Exit with 4 when any value differs in any bit");
+  command->add_flag("--json", flags->json, "Print one JSON document");
+  command->footer("Examples:\n  palpate replay run.h5\n  palpate replay run.h5 --verify --json");
+  command->callback([flags, &exit_code] { exit_code = replay_file(*flags); });
+}
+
+}  // namespace palpate::app

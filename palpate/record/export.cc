@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string_view>
+#include <system_error>
+
+#include "palpate/base/error.h"
+#include "palpate/record/recording.h"
+#include "palpate/record/tick_columns.h"
+
+namespace palpate::record {
+namespace {
+
+constexpr std::size_t kBlockRows = 4096;
+constexpr std::size_t kLongestValue = 32;  // characters of one number or word, and its comma
+
+char* append(char* at, std::string_view word) {
+  std::memcpy(at, word.data(), word.size());
+  return at + word.size();
+}
+
+template <typename T>
+T value_at(const haptics::TickRow& row, std::size_t offset) {
+  T value;
+  std::memcpy(&value, reinterpret_cast<const char*>(&row) + offset, sizeof(T));
+  return value;
+}
+
+template <typename T>
+char* append_number(char* at, T value) {
+  return std::to_chars(at, at + kLongestValue, value).ptr;
+}
+
+char* append_phase(char* at, std::uint32_t phase) {
+  static constexpr std::string_view kWords[] = {"approach", "press", "pull"};
+  return phase < 3 ? append(at, kWords[phase]) : append_number(at, phase);
+}
+
+char* append_fault(char* at, std::uint32_t fault) {
+  static constexpr std::string_view kWords[] = {"0", "not-finite", "device"};
+  return fault < 3 ? append(at, kWords[fault]) : append_number(at, fault);
+}
+
+char* append_value(char* at, const haptics::TickRow& row, const Column& column) {
+  switch (column.type) {
+    case ColumnType::kU64:
+      return append_number(at, value_at<std::uint64_t>(row, column.offset));
+    case ColumnType::kI64:
+      return append_number(at, value_at<std::int64_t>(row, column.offset));
+    case ColumnType::kF64: {
+      const auto value = value_at<double>(row, column.offset);
+      return std::isnan(value) ? append(at, "nan") : append_number(at, value);
+    }
+    case ColumnType::kU32:
+      break;
+  }
+  const auto value = value_at<std::uint32_t>(row, column.offset);
+  if (column.offset == offsetof(haptics::TickRow, phase)) return append_phase(at, value);
+  if (column.offset == offsetof(haptics::TickRow, fault)) return append_fault(at, value);
+  return append_number(at, value);
+}
+
+/// One line of the file; `at` has room for all columns.
+char* append_row(char* at, const haptics::TickRow& row) {
+  for (const Column& column : tick_columns()) {
+    at = append_value(at, row, column);
+    *at++ = ',';
+  }
+  at[-1] = '\n';
+  return at;
+}
+
+std::string header_line() {
+  std::string line;
+  for (const Column& column : tick_columns()) line += std::string(column.name) + ",";
+  line.back() = '\n';
+  return line;
+}
+
+struct CloseFile {
+  void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+};
+
+[[noreturn]] void refuse(const std::filesystem::path& file) {
+  throw InputError(file.string() + ": cannot be written: " + std::strerror(errno));
+}
+
+void write_all(std::FILE* out, const Recording& recording, const std::filesystem::path& file,
+               const Progress& progress) {
+  const auto write = [&](const char* text, std::size_t bytes) {
+    if (std::fwrite(text, 1, bytes, out) != bytes) refuse(file);
+  };
+  const std::string header = header_line();
+  write(header.data(), header.size());
+  std::vector<char> block(kBlockRows * tick_columns().size() * kLongestValue);
+  for (std::size_t start = 0; start < recording.rows.size(); start += kBlockRows) {
+    const std::size_t end = std::min(start + kBlockRows, recording.rows.size());
+    char* at = block.data();
+    for (std::size_t i = start; i < end; ++i) at = append_row(at, recording.rows[i]);
+    write(block.data(), static_cast<std::size_t>(at - block.data()));
+    if (progress) progress(static_cast<double>(end) / static_cast<double>(recording.rows.size()));
+  }
+}
+
+}  // namespace
+
+void export_csv(const Recording& recording, const std::filesystem::path& file, const Progress& progress) {
+  std::unique_ptr<std::FILE, CloseFile> out(std::fopen(file.c_str(), "w"));
+  if (!out) refuse(file);
+  try {
+    write_all(out.get(), recording, file, progress);
+    if (std::fclose(out.release()) != 0) refuse(file);
+  } catch (...) {
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
+    throw;
+  }
+}
+
+}  // namespace palpate::record

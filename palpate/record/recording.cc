@@ -1,0 +1,28 @@
+#include "palpate/record/recording.h"
+
+#include <new>
+
+#include "palpate/base/error.h"
+#include "palpate/record/recording_reader.h"
+
+namespace palpate::record {
+
+Recording read_recording(const std::filesystem::path& file, const Progress& progress) {
+  RecordingReader reader(file);
+  Recording recording;
+  try {
+    (void)reader.for_each_block(true, [&](std::span<const haptics::TickRow> rows) {
+      recording.rows.insert(recording.rows.end(), rows.begin(), rows.end());
+      if (progress && reader.rows_claimed() > 0) {
+        progress(static_cast<double>(recording.rows.size()) / static_cast<double>(reader.rows_claimed()));
+      }
+    });
+  } catch (const std::bad_alloc&) {
+    throw InputError(file.string() + ": too large for this machine's memory");
+  }
+  recording.facts = reader.facts();
+  recording.setup = reader.take_setup();
+  return recording;
+}
+
+}  // namespace palpate::record

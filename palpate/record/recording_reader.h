@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+
+#include "palpate/haptics/tick_row.h"
+#include "palpate/record/hdf5_handle.h"
+#include "palpate/record/recording.h"
+#include "palpate/scene/setup.h"
+
+namespace palpate::record {
+
+/// Reads the file that RecordingWriter writes, whole, cut off or still growing. Internal to record; every
+/// function throws InputError that names the file.
+class RecordingReader final {
+ public:
+  /// [setup] Opens the file and reads all but the ticks.
+  explicit RecordingReader(std::filesystem::path file);
+  ~RecordingReader();
+  RecordingReader(const RecordingReader&) = delete;
+  RecordingReader& operator=(const RecordingReader&) = delete;
+
+  [[nodiscard]] const scene::Setup& setup() const noexcept { return setup_; }
+  /// Moves the scene out; the last call on a reader.
+  [[nodiscard]] scene::Setup&& take_setup() noexcept { return std::move(setup_); }
+  [[nodiscard]] const RunFacts& facts() const noexcept { return facts_; }
+  [[nodiscard]] std::uint64_t rows_lost() const noexcept { return rows_lost_; }
+  /// Whether other HDF5 tools would refuse the file.
+  [[nodiscard]] bool cut_off() const noexcept { return cut_off_; }
+  /// Rows that the file claims to have; fewer may be there.
+  [[nodiscard]] std::uint64_t rows_claimed() const noexcept { return rows_claimed_; }
+
+  /// [setup] Hands out the rows in order, block by block, up to the last whole tick before the first damage.
+  /// @param strict throw on damage instead, unless the recording was cut off
+  /// @return how many rows.
+  std::uint64_t for_each_block(bool strict,
+                               const std::function<void(std::span<const haptics::TickRow>)>& use);
+
+ private:
+  void open();
+  bool open_as_is();
+  bool open_filled_up();
+  void read_all_but_ticks();
+  void check_row_type();
+  void read_block(std::uint64_t start, std::span<haptics::TickRow> rows);
+  [[noreturn]] void refuse(const std::string& why) const;
+
+  hdf5::Quiet quiet_;
+  std::filesystem::path path_;
+  std::uint64_t file_bytes_ = 0;
+  int memory_file_ = -1;
+  hdf5::Handle file_;
+  hdf5::Handle row_type_;
+  hdf5::Handle ticks_;
+  scene::Setup setup_;
+  RunFacts facts_;
+  std::uint64_t rows_lost_ = 0;
+  std::uint64_t rows_claimed_ = 0;
+  bool cut_off_ = false;
+};
+
+}  // namespace palpate::record

@@ -1,0 +1,171 @@
+#include "palpate/record/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/haptics/simulation.h"
+#include "palpate/record/assemble.h"
+#include "palpate/record/tick_columns.h"
+
+namespace palpate::record {
+namespace {
+
+using haptics::TickRow;
+
+haptics::DeviceState sample_of(const TickRow& row) noexcept {
+  haptics::DeviceState sample;
+  sample.position_D = Vec3(row.device[0], row.device[1], row.device[2]);
+  sample.orientation_D = Quat(row.device_q[0], row.device_q[1], row.device_q[2], row.device_q[3]);
+  sample.velocity_D = Vec3(row.device_velocity[0], row.device_velocity[1], row.device_velocity[2]);
+  sample.gripper = row.device_gripper;
+  sample.buttons = row.buttons;
+  sample.valid = row.device_valid != 0;
+  return sample;
+}
+
+const char* value_of(const TickRow& row, const Column& column) noexcept {
+  return reinterpret_cast<const char*>(&row) + column.offset;
+}
+
+std::string text_of(const TickRow& row, const Column& column) {
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, value_of(row, column), column_size(column.type));
+  if (column.type == ColumnType::kI64) return std::to_string(static_cast<std::int64_t>(bits));
+  if (column.type != ColumnType::kF64) return std::to_string(bits);
+  double value = 0.0;
+  std::memcpy(&value, &bits, sizeof(value));
+  return shortest(value);
+}
+
+/// Runs a recording's ticks again, one by one.
+class Replay final {
+ public:
+  /// [setup] @throws InputError when ticks or hands are missing, or the scene is bad.
+  explicit Replay(const Recording& recording)
+      : recording_(recording),
+        world_(assemble(recording.setup)),
+        state_(world_),
+        samples_(world_.hands()),
+        commands_(world_.hands()),
+        rows_(world_.hands()) {
+    for (std::size_t i = 0; i < recording.rows.size(); ++i) {
+      const TickRow& row = recording.rows[i];
+      if (row.tick != i / hands() || row.hand != i % hands()) {
+        throw InputError("the recording lacks tick " + std::to_string(i / hands()) + " of hand " +
+                         std::to_string(i % hands()) + "; it cannot be run again");
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
+  [[nodiscard]] std::uint64_t ticks() const noexcept { return recording_.rows.size() / hands(); }
+
+  /// The next tick, from 0 on.
+  void run_tick(std::uint64_t number) noexcept {
+    const std::span<const TickRow> recorded = recorded_rows(number);
+    for (std::size_t hand = 0; hand < hands(); ++hand) samples_[hand] = sample_of(recorded[hand]);
+    haptics::tick(world_, state_, number, samples_, commands_, rows_);
+  }
+
+  [[nodiscard]] std::span<const TickRow> recorded_rows(std::uint64_t tick) const noexcept {
+    return std::span(recording_.rows).subspan(tick * hands(), hands());
+  }
+  [[nodiscard]] std::span<const TickRow> rows() const noexcept { return rows_; }
+
+  /// As the loop publishes it, but with the recording's own time.
+  [[nodiscard]] haptics::Snapshot snapshot(std::uint64_t number) const {
+    haptics::Snapshot snapshot;
+    const std::size_t count = std::min(hands(), haptics::Snapshot::kMaxHands);
+    snapshot.tick = number;
+    snapshot.taken_ns = std::llround(static_cast<double>(number) / world_.rate_Hz * 1e9);
+    snapshot.organ_W = world_.organ_W;
+    snapshot.hands = static_cast<std::uint32_t>(count);
+    std::copy_n(state_.inputs.begin(), count, snapshot.tools.begin());
+    std::copy_n(state_.results.begin(), count, snapshot.results.begin());
+    std::copy_n(commands_.begin(), count, snapshot.commands.begin());
+    return snapshot;
+  }
+
+ private:
+  const Recording& recording_;
+  haptics::SimulationWorld world_;
+  haptics::SimulationState state_;
+  std::vector<haptics::DeviceState> samples_;
+  std::vector<haptics::ForceCommand> commands_;
+  std::vector<TickRow> rows_;
+};
+
+}  // namespace
+
+std::string row_difference(const TickRow& recorded, const TickRow& replayed) {
+  for (const Column& column : tick_columns()) {
+    if (is_measured_time(column)) continue;
+    const char* a = value_of(recorded, column);
+    const char* b = value_of(replayed, column);
+    if (std::memcmp(a, b, column_size(column.type)) == 0) continue;
+    return "tick " + std::to_string(recorded.tick) + ", hand " + std::to_string(recorded.hand) + ", " +
+           column.name + ": recorded " + text_of(recorded, column) + ", replayed " +
+           text_of(replayed, column);
+  }
+  return {};
+}
+
+std::uint64_t hash_rows(std::span<const TickRow> rows, std::uint64_t hash) noexcept {
+  constexpr std::uint64_t kPrime = 1099511628211ULL;
+  for (const TickRow& row : rows) {
+    for (const Column& column : tick_columns()) {
+      if (is_measured_time(column)) continue;
+      const char* at = value_of(row, column);
+      for (std::size_t i = 0; i < column_size(column.type); ++i) {
+        hash = (hash ^ static_cast<unsigned char>(at[i])) * kPrime;
+      }
+    }
+  }
+  return hash;
+}
+
+ReplayResult replay(const Recording& recording, const Progress& progress) {
+  constexpr std::uint64_t kProgressEvery = 1024;  // ticks
+  Replay again(recording);
+  ReplayResult result;
+  result.hash = kHashStart;
+  const std::uint64_t ticks = again.ticks();
+  for (std::uint64_t number = 0; number < ticks; ++number) {
+    again.run_tick(number);
+    const std::span<const TickRow> recorded = again.recorded_rows(number);
+    for (std::size_t hand = 0; hand < again.hands(); ++hand) {
+      std::string difference = row_difference(recorded[hand], again.rows()[hand]);
+      ++result.rows_compared;
+      if (!difference.empty() && ++result.rows_different == 1)
+        result.first_difference = std::move(difference);
+    }
+    result.hash = hash_rows(again.rows(), result.hash);
+    if (progress && number % kProgressEvery == 0) {
+      progress(static_cast<double>(number) / static_cast<double>(ticks));
+    }
+  }
+  return result;
+}
+
+std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
+                                            const std::vector<std::uint64_t>& ticks) {
+  Replay again(recording);
+  std::vector<haptics::Snapshot> snapshots;
+  std::uint64_t next = 0;
+  for (const std::uint64_t wanted : ticks) {
+    if (wanted >= again.ticks()) {
+      throw InputError("the recording has no tick " + std::to_string(wanted) + "; it has " +
+                       std::to_string(again.ticks()) + " ticks");
+    }
+    if (wanted + 1 < next) throw InputError("snapshots_at: ticks must be in ascending order");
+    for (; next <= wanted; ++next) again.run_tick(next);
+    snapshots.push_back(again.snapshot(wanted));
+  }
+  return snapshots;
+}
+
+}  // namespace palpate::record

@@ -1,0 +1,219 @@
+#include "palpate/record/scene_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/base/error.h"
+
+namespace palpate::record {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector_json(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Vec3 vector_from(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
+
+Json pose_json(const Pose& pose) {
+  const Quat& q = pose.rotation;
+  return {{"position_m", vector_json(pose.position)},
+          {"rotation_wxyz", Json::array({q.w(), q.x(), q.y(), q.z()})}};
+}
+
+Pose pose_from(const Json& json) {
+  const Json& q = json.at("rotation_wxyz");
+  Pose pose;
+  pose.position = vector_from(json.at("position_m"));
+  pose.rotation =
+      Quat(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(), q.at(3).get<double>());
+  return pose;
+}
+
+Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+std::optional<double> optional_from(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
+}
+
+Json tissue_json(const model::TissueParameters& t) {
+  Json json = {{"name", t.name},
+               {"k1_N_per_m", t.k1},
+               {"beta", t.beta},
+               {"q", t.q},
+               {"rest_length_m", t.rest_length},
+               {"max_length_m", t.max_length},
+               {"min_length_m", t.min_length},
+               {"t1_s", t.t1}};
+  json["reach"] = {{"contact_ratio", t.reach.contact_ratio},
+                   {"first_bar_ratio", t.reach.first_bar_ratio},
+                   {"bar_ratio", t.reach.bar_ratio},
+                   {"weight_ratio", t.reach.weight_ratio}};
+  json["contact"] = {{"friction", t.contact.friction},
+                     {"tangential_N_per_m", optional_json(t.contact.tangential_stiffness)},
+                     {"damping_N_s_per_m", t.contact.damping},
+                     {"reference_radius_m", t.contact.reference_radius},
+                     {"grip_limit_N", t.contact.grip_limit}};
+  json["source"] =
+      t.source ? Json{{"indenter", t.source->indenter}, {"radius_m", t.source->radius}} : Json(nullptr);
+  return json;
+}
+
+model::TissueParameters tissue_from(const Json& json) {
+  model::TissueParameters t;
+  t.name = json.at("name").get<std::string>();
+  t.k1 = json.at("k1_N_per_m").get<double>();
+  t.beta = json.at("beta").get<double>();
+  t.q = json.at("q").get<double>();
+  t.rest_length = json.at("rest_length_m").get<double>();
+  t.max_length = json.at("max_length_m").get<double>();
+  t.min_length = json.at("min_length_m").get<double>();
+  t.t1 = json.at("t1_s").get<double>();
+  const Json& reach = json.at("reach");
+  t.reach.contact_ratio = reach.at("contact_ratio").get<double>();
+  t.reach.first_bar_ratio = reach.at("first_bar_ratio").get<double>();
+  t.reach.bar_ratio = reach.at("bar_ratio").get<double>();
+  t.reach.weight_ratio = reach.at("weight_ratio").get<double>();
+  const Json& contact = json.at("contact");
+  t.contact.friction = contact.at("friction").get<double>();
+  t.contact.tangential_stiffness = optional_from(contact.at("tangential_N_per_m"));
+  t.contact.damping = contact.at("damping_N_s_per_m").get<double>();
+  t.contact.reference_radius = contact.at("reference_radius_m").get<double>();
+  t.contact.grip_limit = contact.at("grip_limit_N").get<double>();
+  if (const Json& source = json.at("source"); !source.is_null()) {
+    t.source = model::SourceParameters{source.at("indenter").get<std::string>(),
+                                       source.at("radius_m").get<double>()};
+  }
+  return t;
+}
+
+Json tool_json(const geometry::Tool& tool) {
+  Json parts = Json::array();
+  for (const geometry::ToolPart& part : tool.parts) {
+    parts.push_back({{"name", part.name},
+                     {"is_jaw", part.is_jaw},
+                     {"pivot_m", vector_json(part.pivot)},
+                     {"axis", vector_json(part.axis)},
+                     {"open_angle_rad", part.open_angle}});
+  }
+  return {{"name", tool.name}, {"tip_radius_m", optional_json(tool.tip_radius)}, {"parts", parts}};
+}
+
+geometry::Tool tool_from(const Json& json) {
+  geometry::Tool tool;
+  tool.name = json.at("name").get<std::string>();
+  tool.tip_radius = optional_from(json.at("tip_radius_m"));
+  for (const Json& entry : json.at("parts")) {
+    geometry::ToolPart part;
+    part.name = entry.at("name").get<std::string>();
+    part.is_jaw = entry.at("is_jaw").get<bool>();
+    part.pivot = vector_from(entry.at("pivot_m"));
+    part.axis = vector_from(entry.at("axis"));
+    part.open_angle = entry.at("open_angle_rad").get<double>();
+    tool.parts.push_back(std::move(part));
+  }
+  return tool;
+}
+
+Json device_json(const scene::DeviceSetup& device) {
+  return {{"kind", device.kind},
+          {"path", device.path},
+          {"workspace_scale", device.workspace_scale},
+          {"base", pose_json(device.base)}};
+}
+
+scene::DeviceSetup device_from(const Json& json) {
+  scene::DeviceSetup device;
+  device.kind = json.at("kind").get<std::string>();
+  device.path = json.at("path").get<std::string>();
+  device.workspace_scale = json.at("workspace_scale").get<double>();
+  device.base = pose_from(json.at("base"));
+  return device;
+}
+
+Json noise_json(const noise::NoiseSettings& noise) {
+  return {{"enabled", noise.enabled},
+          {"gain_N_m", noise.gain},
+          {"threshold_m", noise.threshold},
+          {"rate_Hz", noise.rate_Hz},
+          {"seed", noise.seed}};
+}
+
+noise::NoiseSettings noise_from(const Json& json) {
+  noise::NoiseSettings noise;
+  noise.enabled = json.at("enabled").get<bool>();
+  noise.gain = json.at("gain_N_m").get<double>();
+  noise.threshold = json.at("threshold_m").get<double>();
+  noise.rate_Hz = json.at("rate_Hz").get<double>();
+  noise.seed = json.at("seed").get<std::uint64_t>();
+  return noise;
+}
+
+Json safety_json(const scene::SafetySetup& safety) {
+  return {{"max_force_N", safety.max_force},
+          {"max_slew_N_per_s", safety.max_slew},
+          {"max_torque_N_m", safety.max_torque},
+          {"max_torque_slew_N_m_per_s", safety.max_torque_slew}};
+}
+
+scene::SafetySetup safety_from(const Json& json) {
+  scene::SafetySetup safety;
+  safety.max_force = json.at("max_force_N").get<double>();
+  safety.max_slew = json.at("max_slew_N_per_s").get<double>();
+  safety.max_torque = json.at("max_torque_N_m").get<double>();
+  safety.max_torque_slew = json.at("max_torque_slew_N_m_per_s").get<double>();
+  return safety;
+}
+
+scene::Task task_from(const std::string& word) {
+  if (word == "press") return scene::Task::kPress;
+  if (word == "pull") return scene::Task::kPull;
+  throw InputError("scene: task is \"" + word + "\", want press or pull");
+}
+
+scene::Setup setup_from(const Json& json) {
+  scene::Setup setup;
+  setup.name = json.at("name").get<std::string>();
+  setup.task = task_from(json.at("task").get<std::string>());
+  setup.rate_Hz = json.at("rate_Hz").get<double>();
+  setup.seed = json.at("seed").get<std::uint64_t>();
+  setup.organ_name = json.at("organ").at("name").get<std::string>();
+  setup.organ_pose = pose_from(json.at("organ").at("pose"));
+  setup.tissue = tissue_from(json.at("tissue"));
+  for (const Json& tool : json.at("tools")) setup.tools.push_back(tool_from(tool));
+  for (const Json& device : json.at("devices")) setup.devices.push_back(device_from(device));
+  setup.noise = noise_from(json.at("noise"));
+  setup.safety = safety_from(json.at("safety"));
+  setup.remarks = json.at("remarks").get<std::vector<std::string>>();
+  return setup;
+}
+
+}  // namespace
+
+std::string setup_to_json(const scene::Setup& setup) {
+  Json json = {{"name", setup.name},
+               {"task", setup.task == scene::Task::kPress ? "press" : "pull"},
+               {"rate_Hz", setup.rate_Hz},
+               {"seed", setup.seed},
+               {"organ", {{"name", setup.organ_name}, {"pose", pose_json(setup.organ_pose)}}},
+               {"tissue", tissue_json(setup.tissue)}};
+  json["tools"] = Json::array();
+  for (const geometry::Tool& tool : setup.tools) json["tools"].push_back(tool_json(tool));
+  json["devices"] = Json::array();
+  for (const scene::DeviceSetup& device : setup.devices) json["devices"].push_back(device_json(device));
+  json["noise"] = noise_json(setup.noise);
+  json["safety"] = safety_json(setup.safety);
+  json["remarks"] = setup.remarks;
+  // File names need not be UTF-8; a byte that is not becomes a replacement character.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+scene::Setup setup_from_json(const std::string& text) {
+  try {
+    return setup_from(Json::parse(text));
+  } catch (const Json::exception& error) {
+    throw InputError(std::string("scene: ") + error.what());
+  }
+}
+
+}  // namespace palpate::record

@@ -1,0 +1,255 @@
+#include <bit>
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/base/error.h"
+#include "palpate/record/scene_json.h"
+#include "palpate/record/test/sample_recording.h"
+
+namespace palpate::record {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<std::uint64_t> bits(const std::vector<double>& values) {
+  std::vector<std::uint64_t> out;
+  for (const double value : values) out.push_back(std::bit_cast<std::uint64_t>(value));
+  return out;
+}
+
+void add_pose(const Pose& pose, std::vector<double>& out) {
+  const Quat& q = pose.rotation;
+  out.insert(out.end(),
+             {pose.position.x(), pose.position.y(), pose.position.z(), q.w(), q.x(), q.y(), q.z()});
+}
+
+/// Every number of a scene but the meshes', in one list.
+std::vector<double> numbers(const scene::Setup& s) {
+  const model::TissueParameters& t = s.tissue;
+  std::vector<double> out = {s.rate_Hz,
+                             t.k1,
+                             t.beta,
+                             t.q,
+                             t.rest_length,
+                             t.max_length,
+                             t.min_length,
+                             t.t1,
+                             t.reach.contact_ratio,
+                             t.reach.first_bar_ratio,
+                             t.reach.bar_ratio,
+                             t.reach.weight_ratio,
+                             t.contact.friction,
+                             t.contact.tangential_stiffness.value_or(-1),
+                             t.contact.damping,
+                             t.contact.reference_radius,
+                             t.contact.grip_limit,
+                             t.source ? t.source->radius : -1,
+                             s.noise.gain,
+                             s.noise.threshold,
+                             s.noise.rate_Hz,
+                             s.safety.max_force,
+                             s.safety.max_slew,
+                             s.safety.max_torque,
+                             s.safety.max_torque_slew};
+  add_pose(s.organ_pose, out);
+  for (const geometry::Tool& tool : s.tools) {
+    out.push_back(tool.tip_radius.value_or(-1));
+    for (const geometry::ToolPart& part : tool.parts) {
+      out.insert(out.end(), {part.pivot.x(), part.pivot.y(), part.pivot.z(), part.axis.x(), part.axis.y(),
+                             part.axis.z(), part.open_angle});
+    }
+  }
+  for (const scene::DeviceSetup& device : s.devices) {
+    out.push_back(device.workspace_scale);
+    add_pose(device.base, out);
+  }
+  return out;
+}
+
+/// Every word, flag and integer of a scene.
+std::vector<std::string> words(const scene::Setup& s) {
+  std::vector<std::string> out = {s.name,
+                                  s.task == scene::Task::kPull ? "pull" : "press",
+                                  std::to_string(s.seed),
+                                  s.organ_name,
+                                  s.tissue.name,
+                                  s.tissue.source ? s.tissue.source->indenter : "",
+                                  std::to_string(s.noise.enabled),
+                                  std::to_string(s.noise.seed)};
+  for (const geometry::Tool& tool : s.tools) {
+    out.push_back(tool.name);
+    for (const geometry::ToolPart& part : tool.parts) out.push_back(part.name + std::to_string(part.is_jaw));
+  }
+  for (const scene::DeviceSetup& device : s.devices) out.push_back(device.kind + device.path);
+  out.insert(out.end(), s.remarks.begin(), s.remarks.end());
+  return out;
+}
+
+void expect_same_mesh(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
+  ASSERT_EQ(a.vertices.size(), b.vertices.size());
+  for (std::size_t i = 0; i < a.vertices.size(); ++i) EXPECT_EQ(a.vertices[i], b.vertices[i]);
+  EXPECT_EQ(a.triangles, b.triangles);
+}
+
+TEST(RoundTrip, SceneComesBackToTheBit) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 3, 2);
+  const scene::Setup want = sample_setup(2);
+  const scene::Setup got = read_recording(folder / "a.h5").setup;
+  EXPECT_EQ(words(got), words(want));
+  EXPECT_EQ(bits(numbers(got)), bits(numbers(want)));
+  expect_same_mesh(got.organ, want.organ);
+  for (std::size_t t = 0; t < 2; ++t) {
+    for (std::size_t p = 0; p < 2; ++p) {
+      expect_same_mesh(got.tools.at(t).parts.at(p).mesh, want.tools[t].parts[p].mesh);
+    }
+  }
+}
+
+TEST(RoundTrip, OptionalValuesThatAreNotGivenStayNotGiven) {
+  scene::Setup setup = sample_setup(1);
+  setup.tissue.source.reset();
+  setup.tissue.contact.tangential_stiffness.reset();
+  setup.tools[0].tip_radius.reset();
+  const scene::Setup got = setup_from_json(setup_to_json(setup));
+  EXPECT_FALSE(got.tissue.source.has_value());
+  EXPECT_FALSE(got.tissue.contact.tangential_stiffness.has_value());
+  EXPECT_FALSE(got.tools[0].tip_radius.has_value());
+}
+
+TEST(RoundTrip, SceneWithAMissingKeyIsRefusedWithItsName) {
+  std::string text = setup_to_json(sample_setup(1));
+  text.replace(text.find("grip_limit_N"), 12, "grop_limit_N");
+  try {
+    (void)setup_from_json(text);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("grip_limit_N"));
+  }
+}
+
+TEST(RoundTrip, SceneThatIsNoJsonOrHasAnotherTaskIsRefused) {
+  EXPECT_THROW((void)setup_from_json("{"), InputError);
+  EXPECT_THROW((void)setup_from_json("[1]"), InputError);
+  std::string text = setup_to_json(sample_setup(1));
+  text.replace(text.find("\"pull\""), 6, "\"push\"");
+  EXPECT_THROW((void)setup_from_json(text), InputError);
+}
+
+class RoundTripRows : public ::testing::TestWithParam<std::pair<std::uint64_t, std::size_t>> {};
+
+TEST_P(RoundTripRows, ComeBackToTheBit) {
+  const auto [ticks, hands] = GetParam();
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", ticks, hands);
+  const Recording recording = read_recording(folder / "a.h5");
+  ASSERT_EQ(recording.rows.size(), ticks * hands);
+  for (std::size_t i = 0; i < recording.rows.size(); ++i) {
+    ASSERT_TRUE(same_bits(recording.rows[i], sample_row(i / hands, static_cast<std::uint32_t>(i % hands))))
+        << i;
+  }
+}
+
+// None, one, a chunk (1024) and its neighbours, more than the ring (8192), hands that do not divide a chunk.
+INSTANTIATE_TEST_SUITE_P(Sizes, RoundTripRows,
+                         ::testing::Values(std::pair{0, 1}, std::pair{1, 1}, std::pair{1023, 1},
+                                           std::pair{1024, 1}, std::pair{1025, 1}, std::pair{60000, 1},
+                                           std::pair{5000, 3}));
+
+TEST(RoundTrip, FactsComeBack) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 10, 1);
+  const RunFacts facts = read_recording(folder / "a.h5").facts;
+  EXPECT_TRUE(facts.complete);
+  EXPECT_TRUE(facts.offline);
+  EXPECT_EQ(facts.started_unix_ns, kStarted);
+  EXPECT_EQ(facts.missed_deadlines, 7U);
+  EXPECT_EQ(facts.longest_gap_ns, 123456);
+  EXPECT_TRUE(facts.realtime_priority);
+  EXPECT_TRUE(facts.memory_locked);
+  EXPECT_EQ(facts.tick_time.p50_ns, 500);
+  EXPECT_EQ(facts.lateness.max_ns, 900);
+  EXPECT_EQ(facts.remarks, (std::vector<std::string>{"no priority: not allowed", "second remark"}));
+  EXPECT_FALSE(facts.version.empty());
+  EXPECT_FALSE(facts.compiler.empty());
+  EXPECT_FALSE(facts.machine.empty());
+}
+
+TEST(Recorder, FileAppearsOnlyWhenTheRunBegins) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.h5", sample_setup(1), false);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.h5"));
+  recorder.begin(kStarted);
+  for (int i = 0; i < 1000 && !std::filesystem::exists(folder / "a.h5"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.h5"));
+  recorder.finish({});
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(Recorder, RunThatNeverBeginsLeavesNothing) {
+  const TemporaryFolder folder;
+  {
+    Recorder recorder(folder / "a.h5", sample_setup(1), false);
+    recorder.finish({});
+  }
+  { const Recorder recorder(folder / "b.h5", sample_setup(1), false); }
+  EXPECT_EQ(folder.entries(), 0U);
+}
+
+TEST(Recorder, OlderFileStaysUntilTheRunBeginsAndIsReplacedThen) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.h5") << "old";
+  { const Recorder recorder(folder / "a.h5", sample_setup(1), true); }
+  EXPECT_EQ(contents(folder / "a.h5"), "old");
+  record_sample(folder / "a.h5", 2, 1);
+  EXPECT_EQ(read_recording(folder / "a.h5").rows.size(), 2U);
+}
+
+TEST(Recorder, WithoutFinishTheFileIsWholeButNotComplete) {
+  const TemporaryFolder folder;
+  {
+    Recorder recorder(folder / "a.h5", sample_setup(1), true);
+    recorder.begin(kStarted);
+    recorder.put(sample_row(0, 0));
+  }
+  EXPECT_TRUE(opens_plainly(folder / "a.h5"));
+  const Recording recording = read_recording(folder / "a.h5");
+  EXPECT_EQ(recording.rows.size(), 1U);
+  EXPECT_FALSE(recording.facts.complete);
+}
+
+TEST(Recorder, FolderThatIsNotThereIsRefusedWithTheFilesName) {
+  const TemporaryFolder folder;
+  try {
+    const Recorder recorder(folder / "none/a.h5", sample_setup(1), true);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("none/a.h5"));
+  }
+  EXPECT_THROW(Recorder("/", sample_setup(1), true), InputError);
+}
+
+TEST(Recorder, RecordingCanBeReadWhileItGrows) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.h5", sample_setup(1), true);
+  recorder.begin(kStarted);
+  for (std::uint64_t tick = 0; tick < 20000; ++tick) recorder.put(sample_row(tick, 0));
+  std::size_t rows = 0;
+  for (int i = 0; i < 1000 && rows < 20000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (std::filesystem::exists(folder / "a.h5")) rows = read_recording(folder / "a.h5").rows.size();
+  }
+  EXPECT_EQ(rows, 20000U);
+  EXPECT_THROW((void)repair_recording(folder / "a.h5"), InputError);
+  recorder.finish({});
+  EXPECT_EQ(read_recording(folder / "a.h5").rows.size(), 20000U);
+}
+
+}  // namespace
+}  // namespace palpate::record
