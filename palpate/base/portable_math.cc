@@ -77,6 +77,41 @@ Reduced reduce_to_quadrant(double x) noexcept {
   return {value, (b - value) + rest, std::bit_cast<std::uint64_t>(shifted) & 3};
 }
 
+// Sine and cosine of a reduced angle, turned back by its quadrant.
+SinCos sin_cos_of(const Reduced& angle) noexcept {
+  const auto [r, rest, quadrant] = angle;
+  const double z = r * r;
+  // Taylor; the next terms are below 1e-19 and 1e-18
+  constexpr double kSine[] = {-1.0 / 6,
+                              1.0 / 120,
+                              -1.0 / 5040,
+                              1.0 / 362880,
+                              -1.0 / 39916800.0,
+                              1.0 / 6227020800.0,
+                              -1.0 / 1307674368000.0,
+                              1.0 / 355687428096000.0};
+  constexpr double kCosine[] = {1.0 / 24,
+                                -1.0 / 720,
+                                1.0 / 40320,
+                                -1.0 / 3628800,
+                                1.0 / 479001600.0,
+                                -1.0 / 87178291200.0,
+                                1.0 / 20922789888000.0,
+                                -1.0 / 6402373705728000.0};
+  const double half = 0.5 * z;
+  const double sine = r + (r * z * polynomial(kSine, z) + rest * (1.0 - half));
+  const double near_one = 1.0 - half;
+  const double cosine = near_one + (((1.0 - near_one) - half) + (z * z * polynomial(kCosine, z) - r * rest));
+  // A quarter turn swaps the two and a sign follows: without branches, which random angles would mispredict.
+  const auto sine_bits = std::bit_cast<std::uint64_t>(sine);
+  const auto cosine_bits = std::bit_cast<std::uint64_t>(cosine);
+  const std::uint64_t swap = (sine_bits ^ cosine_bits) & (0 - (quadrant & 1));
+  const std::uint64_t sine_sign = (quadrant & 2) << 62;
+  const std::uint64_t cosine_sign = ((quadrant + 1) & 2) << 62;
+  return {std::bit_cast<double>(sine_bits ^ swap ^ sine_sign),
+          std::bit_cast<double>(cosine_bits ^ swap ^ cosine_sign)};
+}
+
 // (asin(s)/s - 1)/s^2 as a function of z = s^2 in [0, 1/4]: interpolated at Chebyshev nodes of the exact
 // series, z times the error below 2.4e-18.
 double asin_excess(double z) noexcept {
@@ -147,39 +182,17 @@ double log(double x) noexcept {
 SinCos sin_cos(double x) noexcept {
   constexpr double kLargest = 1e9;  // past it not even the quadrant would be right
   if (!(std::fabs(x) <= kLargest)) return {kNaN, kNaN};
-  const auto [r, rest, quadrant] = reduce_to_quadrant(x);
-  const double z = r * r;
-  // Taylor; the next terms are below 1e-19 and 1e-18
-  constexpr double kSine[] = {-1.0 / 6,
-                              1.0 / 120,
-                              -1.0 / 5040,
-                              1.0 / 362880,
-                              -1.0 / 39916800.0,
-                              1.0 / 6227020800.0,
-                              -1.0 / 1307674368000.0,
-                              1.0 / 355687428096000.0};
-  constexpr double kCosine[] = {1.0 / 24,
-                                -1.0 / 720,
-                                1.0 / 40320,
-                                -1.0 / 3628800,
-                                1.0 / 479001600.0,
-                                -1.0 / 87178291200.0,
-                                1.0 / 20922789888000.0,
-                                -1.0 / 6402373705728000.0};
-  const double half = 0.5 * z;
-  const double sine = r + (r * z * polynomial(kSine, z) + rest * (1.0 - half));
-  const double near_one = 1.0 - half;
-  const double cosine = near_one + (((1.0 - near_one) - half) + (z * z * polynomial(kCosine, z) - r * rest));
-  switch (quadrant) {
-    case 0:
-      return {sine, cosine};
-    case 1:
-      return {cosine, -sine};
-    case 2:
-      return {-sine, -cosine};
-    default:
-      return {-cosine, sine};
-  }
+  return sin_cos_of(reduce_to_quadrant(x));
+}
+
+SinCos sin_cos_of_turns(double turns) noexcept {
+  constexpr double kLargest = 0x1p40;  // the quadrant's number must stand in the rounder's low bits
+  if (!(std::fabs(turns) <= kLargest)) return {kNaN, kNaN};
+  const double quarters = 4.0 * turns;  // exact, and so is what the nearest quarter leaves
+  const double shifted = quarters + kRounder;
+  const double left = quarters - (shifted - kRounder);
+  const double r = left * kHalfPiHigh;
+  return sin_cos_of({r, left * kHalfPiLow, std::bit_cast<std::uint64_t>(shifted) & 3});
 }
 
 double acos(double x) noexcept {

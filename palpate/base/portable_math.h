@@ -21,6 +21,10 @@ struct SinCos {
 /// [rt] Sine and cosine of x [rad], |x| <= 1e5 (larger arguments lose digits; NaN past 1e9).
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 
+/// [rt] Sine and cosine of 2 pi turns, |turns| <= 2^40 (NaN past it): for angles given as a share of the
+/// circle, where the quadrant costs nothing.
+[[nodiscard]] SinCos sin_cos_of_turns(double turns) noexcept;
+
 /// [rt] Arc cosine [rad] of x, clamped to [-1, 1] first; NaN for NaN.
 [[nodiscard]] double acos(double x) noexcept;
 

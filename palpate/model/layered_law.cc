@@ -44,8 +44,10 @@ LayeredSpringLaw::LayeredSpringLaw(const TissueParameters& tissue, Direction dir
 ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
   if (depth <= 0.0) return {0.0, slope_[0], 1, false};
   const auto layers = static_cast<std::size_t>(layers_);
-  std::size_t end = 1;  // 1-based number of the cut-off layer, which ends at start_depth_[end]
-  while (end < layers && depth > start_depth_[end]) ++end;
+  // 1-based number of the cut-off layer, which ends at start_depth_[end]; counted without a branch a layer,
+  // which the next depth would mispredict
+  std::size_t end = 1;
+  for (std::size_t i = 1; i < layers; ++i) end += depth > start_depth_[i] ? 1 : 0;
   if (depth > start_depth_[end]) return {start_force_[end], 0.0, layers_, true};
   const double force = start_force_[end - 1] + slope_[end - 1] * (depth - start_depth_[end - 1]);
   // never more than at the joint, so that the inverse finds the same layer; NaN stays NaN
@@ -58,7 +60,8 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::layer_state(std::size_t cutoff,
   LayerState state;
   state.cutoff_layer = static_cast<int>(cutoff);
   state.stiffness = slope_[cutoff - 1];
-  std::copy_n(limit_.begin(), cutoff - 1, state.deformation.begin());
+  const auto layers = static_cast<std::size_t>(layers_);
+  for (std::size_t i = 0; i < layers; ++i) state.deformation[i] = i + 1 < cutoff ? limit_[i] : 0.0;
   state.deformation[cutoff - 1] = std::min(in_cutoff, limit_[cutoff - 1]);
   return state;
 }
@@ -67,7 +70,7 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_under(double force) c
   const auto layers = static_cast<std::size_t>(layers_);
   if (force <= 0.0) return layer_state(1, 0.0);
   std::size_t end = 1;
-  while (end < layers && force > start_force_[end]) ++end;
+  for (std::size_t i = 1; i < layers; ++i) end += force > start_force_[i] ? 1 : 0;
   if (force > start_force_[end]) {
     LayerState state = layer_state(end, limit_[end - 1]);
     state.depth = start_depth_[end];

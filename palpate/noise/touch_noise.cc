@@ -20,7 +20,7 @@ constexpr double kFastestRate = 1e6;   // Hz, far above any loop
 // Uniform in [0, 1) from the upper 53 of 64 bits.
 double uniform(std::uint32_t high, std::uint32_t low) noexcept {
   const std::uint64_t bits = (static_cast<std::uint64_t>(high) << 32) | low;
-  return static_cast<double>(bits >> 11) * 0x1p-53;
+  return static_cast<double>(static_cast<std::int64_t>(bits >> 11)) * 0x1p-53;
 }
 
 std::uint64_t in_thousandths(double rate_Hz) noexcept {
@@ -65,7 +65,7 @@ double unit_sample(std::uint64_t seed, std::uint32_t hand, std::uint64_t n) noex
   const double u1 = uniform(bits[0], bits[1]);
   const double u2 = uniform(bits[2], bits[3]);
   const double radius = std::sqrt(-2.0 * portable::log(1.0 - u1));
-  return radius * portable::sin_cos(2.0 * portable::kPi * u2).cosine;  // [Zhang 2011, eq. 1]
+  return radius * portable::sin_cos_of_turns(u2).cosine;  // [Zhang 2011, eq. 1]
 }
 
 TouchNoise::TouchNoise(const NoiseSettings& settings, double loop_rate_Hz) : settings_(settings) {
@@ -83,6 +83,7 @@ double TouchNoise::sigma(double distance) const noexcept {
 }
 
 std::uint64_t TouchNoise::sample_number(std::uint64_t tick) const noexcept {
+  if (noise_rate_ == loop_rate_) return tick;  // spares two integer divisions at the default rates
   // tick x noise_rate / loop_rate, split so that the product never overflows
   return tick / loop_rate_ * noise_rate_ + tick % loop_rate_ * noise_rate_ / loop_rate_;
 }

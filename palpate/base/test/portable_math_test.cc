@@ -124,6 +124,42 @@ TEST(PortableMath, SineAndCosineAreRightAtTheirEdges) {
   }
 }
 
+TEST(PortableMath, SineAndCosineOfTurnsAreWithinTwoUnitsOfLongDouble) {
+  std::mt19937_64 random(6);
+  const long double pi = std::acos(-1.0L);
+  double worst = 0.0;
+  std::uniform_real_distribution<double> argument(-0.125, 0.125);
+  for (int i = 0; i < kSamples; ++i) {
+    const double left =
+        argument(random);  // kept apart from whole quarters, so that the oracle loses no digits
+    const long double angle = 2.0L * pi * static_cast<long double>(left);
+    const auto [sine, cosine] = portable::sin_cos_of_turns(left);
+    worst = std::max({worst, ulps(sine, std::sin(angle)), ulps(cosine, std::cos(angle))});
+  }
+  EXPECT_LE(worst, kPromise);
+}
+
+TEST(PortableMath, TurnsByWholeQuartersSwapAndChangeSign) {
+  const double left = 0x1.2345678p-5;  // few enough digits that adding a quarter is exact
+  const auto [sine, cosine] = portable::sin_cos_of_turns(left);
+  for (const double whole : {0.0, 1.0, -3.0, 1000.0}) {
+    const auto quarter = portable::sin_cos_of_turns(whole + 0.25 + left);
+    EXPECT_EQ(quarter.sine, cosine);
+    EXPECT_EQ(quarter.cosine, -sine);
+    const auto half = portable::sin_cos_of_turns(whole + 0.5 + left);
+    EXPECT_EQ(half.sine, -sine);
+    EXPECT_EQ(half.cosine, -cosine);
+    const auto three = portable::sin_cos_of_turns(whole + 0.75 + left);
+    EXPECT_EQ(three.sine, -cosine);
+    EXPECT_EQ(three.cosine, sine);
+  }
+  EXPECT_EQ(portable::sin_cos_of_turns(0.0).cosine, 1.0);
+  EXPECT_EQ(portable::sin_cos_of_turns(0.5).cosine, -1.0);
+  EXPECT_EQ(portable::sin_cos_of_turns(0.25).sine, 1.0);
+  for (const double bad : {kNaN, kInfinity, -1e300})
+    EXPECT_TRUE(std::isnan(portable::sin_cos_of_turns(bad).sine));
+}
+
 TEST(PortableMath, AcosIsWithinTwoUnitsOfLongDouble) {
   std::mt19937_64 random(4);
   double worst = 0.0;
