@@ -9,8 +9,8 @@
 namespace palpate::geometry {
 namespace {
 
-// A triangle lower than this share of its longest edge has no normal to speak of.
-constexpr double kFlat = 1e-7;
+// A triangle lower than this share of its longest edge has no area but the rounding of 32-bit coordinates.
+constexpr double kFlat = 2e-7;
 
 // With more shells than this their nesting is not looked into, only their turning.
 constexpr std::size_t kMostShellsNested = 100;

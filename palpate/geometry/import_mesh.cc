@@ -1,11 +1,9 @@
 #include "palpate/geometry/import_mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cmath>
-#include <exception>
 #include <string_view>
+#include <utility>
 
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>

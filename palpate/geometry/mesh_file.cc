@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <optional>
 #include <string_view>
 #include <system_error>
-#include <unordered_set>
 #include <utility>
-#include <vector>
 
 #include "palpate/base/error.h"
+#include "palpate/geometry/gltf_check.h"
 #include "palpate/geometry/ply_check.h"
 #include "palpate/geometry/text_scan.h"
 
@@ -232,18 +229,6 @@ class OffCheck final {
   PointSet points_;
 };
 
-void check_glb(const MeshFile& file) {
-  const std::string& bytes = file.bytes;
-  if (bytes.size() < 12 || bytes.compare(0, 4, "glTF") != 0) {
-    throw InputError(file.path.string() + ": not a binary glTF: must start with \"glTF\"");
-  }
-  const std::size_t declared = little_endian_32(bytes, 8);
-  if (declared != bytes.size()) {
-    throw InputError(file.path.string() + ": truncated or damaged: declares " + std::to_string(declared) +
-                     " bytes, has " + std::to_string(bytes.size()));
-  }
-}
-
 void check_3ds(const MeshFile& file) {
   const std::string& bytes = file.bytes;
   if (bytes.size() < 6 || bytes.compare(0, 2, "MM") != 0) {
@@ -293,9 +278,8 @@ VertexFacts check_mesh_file(const MeshFile& file) {
       check_3ds(file);
       return {};
     case MeshFormat::kGlb:
-      check_glb(file);
-      return {};
     case MeshFormat::kGltf:
+      check_gltf(file);
       return {};
   }
   return {};

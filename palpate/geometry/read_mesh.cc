@@ -1,6 +1,6 @@
 #include "palpate/geometry/read_mesh.h"
 
-#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>

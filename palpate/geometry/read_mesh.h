@@ -36,7 +36,7 @@ struct LoadedMesh {
 
 /// [setup] What can be said of any mesh, built-in ones too (`repairs` stays empty). `closed`: no edge of one
 /// triangle; `manifold`: no edge of more than two, no vertex where separate surfaces touch; `shells`: parts
-/// that hang together by edges; triangles without area are those lower than 1e-7 of their longest edge.
+/// that hang together by edges; triangles without area are those lower than 2e-7 of their longest edge.
 [[nodiscard]] MeshFindings findings_of(const TriangleMesh& mesh);
 
 /// [setup] Refuses what cannot be an organ: open, not manifold, turned inwards, degenerate triangles,

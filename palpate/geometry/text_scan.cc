@@ -1,8 +1,11 @@
 #include "palpate/geometry/text_scan.h"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <system_error>
 
 #include "palpate/base/error.h"
 

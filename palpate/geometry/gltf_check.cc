@@ -1,0 +1,141 @@
+#include "palpate/geometry/gltf_check.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/base/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kDeepestJson = 100;
+constexpr int kDeepestNode = 200;
+constexpr std::size_t kMostNodes = 100'000;
+constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // numbers that only a count stands for
+
+std::uint32_t little_endian_32(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+/// The JSON chunk of a .glb, which comes first.
+std::string_view json_of_glb(const MeshFile& file) {
+  const std::string_view bytes = file.bytes;
+  const auto refuse = [&](const std::string& words) { throw InputError(file.path.string() + ": " + words); };
+  constexpr std::size_t kHeader = 20;  // of the file 12, of the chunk 8
+  if (bytes.size() < kHeader || bytes.substr(0, 4) != "glTF") {
+    refuse("not a binary glTF: must start with \"glTF\" and a JSON chunk");
+  }
+  const std::size_t declared = little_endian_32(bytes, 8);
+  if (declared != bytes.size()) {
+    refuse("truncated or damaged: declares " + std::to_string(declared) + " bytes, has " +
+           std::to_string(bytes.size()));
+  }
+  const std::size_t length = little_endian_32(bytes, 12);
+  if (length > bytes.size() - kHeader) refuse("truncated: its JSON chunk does not end");
+  return bytes.substr(kHeader, length);
+}
+
+class GltfCheck final {
+ public:
+  GltfCheck(const MeshFile& file, std::string_view text) : file_(file), text_(text) {}
+
+  void run() {
+    check_nesting();
+    root_ = json::parse(text_.begin(), text_.end(), nullptr, /*allow_exceptions=*/false);
+    if (!root_.is_object()) refuse("not a JSON document");
+    check_nodes();
+    check_accessors();
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& words) const {
+    throw InputError(file_.path.string() + ": " + words);
+  }
+
+  void check_nesting() const {
+    int depth = 0;
+    bool in_string = false;
+    for (std::size_t i = 0; i < text_.size(); ++i) {
+      const char c = text_[i];
+      if (in_string) {
+        if (c == '\\') ++i;
+        in_string = c != '"';
+      } else if (c == '"') {
+        in_string = true;
+      } else if (c == '[' || c == '{') {
+        if (++depth > kDeepestJson)
+          refuse("its JSON is nested more than " + std::to_string(kDeepestJson) + " deep");
+      } else if (c == ']' || c == '}') {
+        --depth;
+      }
+    }
+  }
+
+  [[nodiscard]] const json& list(const json& owner, const char* name) const {
+    static const json kNone = json::array();
+    if (!owner.is_object()) return kNone;
+    const auto found = owner.find(name);
+    return found != owner.end() && found->is_array() ? *found : kNone;
+  }
+
+  /// Walks the tree as an importer would, a node once for each time that it is used.
+  void check_nodes() const {
+    const json& nodes = list(root_, "nodes");
+    std::vector<std::pair<std::size_t, int>> open;  // node, depth
+    const auto add = [&](const json& indices, int depth) {
+      for (const json& index : indices) {
+        if (!index.is_number_unsigned()) continue;  // the importer says so
+        if (index.get<std::uint64_t>() < nodes.size()) open.emplace_back(index.get<std::size_t>(), depth);
+      }
+    };
+    for (const json& scene : list(root_, "scenes")) add(list(scene, "nodes"), 1);
+    std::size_t visited = 0;
+    while (!open.empty()) {
+      const auto [node, depth] = open.back();
+      open.pop_back();
+      if (depth > kDeepestNode)
+        refuse("its nodes are nested more than " + std::to_string(kDeepestNode) + " deep");
+      if (++visited > kMostNodes)
+        refuse("its nodes are used more than " + std::to_string(kMostNodes) + " times");
+      add(list(nodes[node], "children"), depth + 1);
+    }
+  }
+
+  void check_accessors() const {
+    std::uint64_t without_buffer = 0;
+    for (const json& accessor : list(root_, "accessors")) {
+      if (!accessor.is_object() || accessor.contains("bufferView")) continue;
+      const auto count = accessor.find("count");
+      if (count == accessor.end() || !count->is_number_unsigned()) continue;
+      without_buffer += std::min(count->get<std::uint64_t>(), kMostWithoutBuffer + 1);
+      if (without_buffer > kMostWithoutBuffer) {
+        refuse("accessors without a buffer declare more than " + std::to_string(kMostWithoutBuffer) +
+               " elements");
+      }
+    }
+  }
+
+  const MeshFile& file_;
+  std::string_view text_;
+  json root_;
+};
+
+}  // namespace
+
+void check_gltf(const MeshFile& file) {
+  const std::string_view text =
+      file.format == MeshFormat::kGlb ? json_of_glb(file) : std::string_view(file.bytes);
+  GltfCheck(file, text).run();
+}
+
+}  // namespace palpate::geometry
