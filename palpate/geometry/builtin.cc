@@ -1,0 +1,89 @@
+#include "palpate/geometry/builtin.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/base/units.h"
+#include "palpate/geometry/forceps.h"
+#include "palpate/geometry/gallbladder.h"
+#include "palpate/geometry/heart.h"
+
+namespace palpate::geometry {
+
+namespace {
+
+constexpr std::string_view kSphere = "sphere:";
+constexpr int kSphereTriangles = 1280;
+constexpr double kBallRadius = 0.03;       // [m]
+constexpr double kBoxEdge = 0.005;         // [m] longest edge of the box's squares
+const Vec3 kBoxSize(0.060, 0.060, 0.040);  // [m]
+
+TriangleMesh centred(TriangleMesh mesh) {
+  const Vec3 middle = bounds(mesh).middle();
+  for (Vec3& v : mesh.vertices) v -= middle;
+  return mesh;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+[[noreturn]] void unknown(const std::string& kind, const std::string& name,
+                          const std::vector<std::string>& names, const std::string& more) {
+  const std::string near = nearest_word(name, names);
+  throw InputError("unknown " + kind + " \"" + name + "\"" +
+                   (near.empty() ? "" : ", did you mean " + near + "?") + " (built in: " + listed(names) +
+                   more + "; a file needs a / or a known ending)");
+}
+
+Tool sphere(const std::string& name) {
+  const std::string_view number = std::string_view(name).substr(kSphere.size());
+  double radius_mm = 0.0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), radius_mm);
+  const bool whole = error == std::errc() && end == number.data() + number.size();
+  constexpr double kLargest = 1000.0;  // mm
+  if (!whole || !std::isfinite(radius_mm) || radius_mm <= 0.0 || radius_mm > kLargest) {
+    throw InputError("tool \"" + name +
+                     "\": the radius after \"sphere:\" must be a number of mm > 0 and <= 1000");
+  }
+  Tool tool;
+  tool.name = name;
+  tool.parts.push_back({.name = "ball", .mesh = make_ball(radius_mm * kMillimetre, kSphereTriangles)});
+  return tool;
+}
+
+}  // namespace
+
+const std::vector<std::string>& builtin_organ_names() {
+  static const std::vector<std::string> names{"gallbladder", "heart", "ball", "box"};
+  return names;
+}
+
+TriangleMesh make_organ(const std::string& name) {
+  if (name == "gallbladder") return centred(make_gallbladder());
+  if (name == "heart") return centred(make_heart());
+  if (name == "ball") return centred(make_ball(kBallRadius));
+  if (name == "box") return centred(make_box(kBoxSize, kBoxEdge));
+  unknown("organ", name, builtin_organ_names(), "");
+}
+
+const std::vector<std::string>& builtin_tool_names() {
+  static const std::vector<std::string> names{"curved-forceps", "straight-forceps"};
+  return names;
+}
+
+Tool make_tool(const std::string& name) {
+  if (name == "curved-forceps") return make_curved_forceps();
+  if (name == "straight-forceps") return make_straight_forceps();
+  if (std::string_view(name).starts_with(kSphere)) return sphere(name);
+  unknown("tool", name, builtin_tool_names(), ", sphere:R with R in mm");
+}
+
+}  // namespace palpate::geometry

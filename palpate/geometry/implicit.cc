@@ -1,0 +1,246 @@
+#include "palpate/geometry/implicit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <unordered_map>
+
+namespace palpate::geometry {
+
+FieldValue unite(const FieldValue& a, const FieldValue& b, double blend) noexcept {
+  const FieldValue& low = a.value <= b.value ? a : b;
+  const FieldValue& high = a.value <= b.value ? b : a;
+  const double gap = high.value - low.value;
+  if (gap >= blend) return low;
+  const double h = (blend - gap) / blend;
+  return {low.value - 0.25 * blend * h * h, (1.0 - 0.5 * h) * low.gradient + 0.5 * h * high.gradient};
+}
+
+FieldValue unite_with_furrow(const FieldValue& a, const FieldValue& b, double width, double depth) noexcept {
+  FieldValue sum = unite(a, b, 0.5 * width);
+  const double gap = (a.value - b.value) / width;
+  if (gap * gap >= 1.0) return sum;
+  const double h = 1.0 - gap * gap;
+  sum.value += depth * h * h;
+  sum.gradient -= 4.0 * depth * h * gap / width * (a.gradient - b.gradient);
+  return sum;
+}
+
+FieldValue intersect(const FieldValue& a, const FieldValue& b, double blend) noexcept {
+  const FieldValue sum = unite({-a.value, -a.gradient}, {-b.value, -b.gradient}, blend);
+  return {-sum.value, -sum.gradient};
+}
+
+FieldValue subtract(const FieldValue& a, const FieldValue& b, double blend) noexcept {
+  return intersect(a, {-b.value, -b.gradient}, blend);
+}
+
+FieldValue Ellipsoid::at(const Vec3& p) const noexcept {
+  const Vec3 local = axes.transpose() * (p - middle);
+  const Vec3 once = local.cwiseQuotient(half_axes);
+  const Vec3 twice = once.cwiseQuotient(half_axes);
+  const double k = once.norm();
+  const double g = twice.norm();
+  if (g <= 0.0) return {-half_axes.minCoeff(), Vec3::UnitX()};
+  return {k * (k - 1.0) / g, axes * (twice / g)};
+}
+
+namespace {
+
+TubeKnot catmull_rom(const TubeKnot& a, const TubeKnot& b, const TubeKnot& c, const TubeKnot& d, double u) {
+  const double u2 = u * u;
+  const double u3 = u2 * u;
+  const double wa = 0.5 * (2.0 * u2 - u3 - u);
+  const double wb = 0.5 * (2.0 - 5.0 * u2 + 3.0 * u3);
+  const double wc = 0.5 * (u + 4.0 * u2 - 3.0 * u3);
+  const double wd = 0.5 * (u3 - u2);
+  return {wa * a.middle + wb * b.middle + wc * c.middle + wd * d.middle,
+          wa * a.radius + wb * b.radius + wc * c.radius + wd * d.radius};
+}
+
+TubeKnot beyond(const TubeKnot& end, const TubeKnot& before) {
+  return {2.0 * end.middle - before.middle, 2.0 * end.radius - before.radius};
+}
+
+}  // namespace
+
+Tube::Tube(const std::vector<TubeKnot>& knots, double far) : far_(far) {
+  constexpr int kPieces = 5;  // a span
+  const std::size_t count = knots.size();
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    const TubeKnot before = i > 0 ? knots[i - 1] : beyond(knots[0], knots[1]);
+    const TubeKnot after = i + 2 < count ? knots[i + 2] : beyond(knots[count - 1], knots[count - 2]);
+    for (int k = 0; k < kPieces; ++k) {
+      line_.push_back(catmull_rom(before, knots[i], knots[i + 1], after, static_cast<double>(k) / kPieces));
+    }
+  }
+  line_.push_back(knots.back());
+  box_ = {line_.front().middle, line_.front().middle};
+  for (const TubeKnot& knot : line_) {
+    const Vec3 around = Vec3::Constant(knot.radius);
+    box_.low = box_.low.cwiseMin(knot.middle - around);
+    box_.high = box_.high.cwiseMax(knot.middle + around);
+  }
+}
+
+FieldValue Tube::at(const Vec3& p) const noexcept {
+  const Vec3 off = p - p.cwiseMax(box_.low).cwiseMin(box_.high);
+  const double away2 = off.squaredNorm();
+  if (away2 > far_ * far_) {
+    const double away = std::sqrt(away2);
+    return {away, off / away};
+  }
+  FieldValue best{1e9, Vec3::UnitX()};
+  for (std::size_t i = 0; i + 1 < line_.size(); ++i) {
+    const Vec3 along = line_[i + 1].middle - line_[i].middle;
+    const double length2 = along.squaredNorm();
+    const double t = std::clamp((p - line_[i].middle).dot(along) / length2, 0.0, 1.0);
+    const Vec3 arm = p - line_[i].middle - t * along;
+    const double distance = arm.norm();
+    const double taper = line_[i + 1].radius - line_[i].radius;
+    const double value = distance - (line_[i].radius + t * taper);
+    if (value >= best.value) continue;
+    Vec3 gradient = distance > 0.0 ? Vec3(arm / distance) : Vec3::UnitX();
+    if (t > 0.0 && t < 1.0) gradient -= taper / length2 * along;
+    best = {value, gradient};
+  }
+  return best;
+}
+
+namespace {
+
+/// The grid of marching tetrahedra: samples, and the surface vertex on each crossed grid edge.
+class Grid final {
+ public:
+  Grid(const ImplicitSolid& solid, const Bounds& box, double spacing) : low_(box.low), spacing_(spacing) {
+    const Vec3 size = box.size();
+    for (std::size_t k = 0; k < 3; ++k) {
+      count_[k] = static_cast<std::int64_t>(std::ceil(size[static_cast<Eigen::Index>(k)] / spacing)) + 1;
+    }
+    values_.reserve(static_cast<std::size_t>(count_[0] * count_[1] * count_[2]));
+    for (std::int64_t k = 0; k < count_[2]; ++k) {
+      for (std::int64_t j = 0; j < count_[1]; ++j) {
+        for (std::int64_t i = 0; i < count_[0]; ++i) values_.push_back(solid.at(place(i, j, k)).value);
+      }
+    }
+  }
+
+  [[nodiscard]] TriangleMesh surface() {
+    for (std::int64_t k = 0; k + 1 < count_[2]; ++k) {
+      for (std::int64_t j = 0; j + 1 < count_[1]; ++j) {
+        for (std::int64_t i = 0; i + 1 < count_[0]; ++i) cube(i, j, k);
+      }
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  [[nodiscard]] Vec3 place(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return low_ + spacing_ * Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+  }
+  [[nodiscard]] std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return (k * count_[1] + j) * count_[0] + i;
+  }
+  [[nodiscard]] Vec3 place(std::int64_t node) const {
+    const std::int64_t row = node / count_[0];
+    return place(node % count_[0], row % count_[1], row / count_[1]);
+  }
+  [[nodiscard]] double value(std::int64_t node) const { return values_[static_cast<std::size_t>(node)]; }
+
+  /// The six tetrahedra around the cube's diagonal (Kuhn): one for each order of the three axes, so that
+  /// neighbouring cubes cut their common face alike.
+  void cube(std::int64_t i, std::int64_t j, std::int64_t k) {
+    static constexpr std::array<std::array<int, 3>, 6> kOrders{
+        {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+    for (std::size_t n = 0; n < kOrders.size(); ++n) {
+      std::array<std::int64_t, 3> at{i, j, k};
+      std::array<std::int64_t, 4> nodes{};
+      nodes[0] = index(at[0], at[1], at[2]);
+      for (std::size_t s = 0; s < 3; ++s) {
+        ++at[static_cast<std::size_t>(kOrders[n][s])];
+        nodes[s + 1] = index(at[0], at[1], at[2]);
+      }
+      if (n >= 3) std::swap(nodes[1], nodes[2]);  // odd orders: keeps every tetrahedron right-handed
+      tetrahedron(nodes);
+    }
+  }
+
+  void tetrahedron(const std::array<std::int64_t, 4>& nodes) {
+    std::array<std::int64_t, 4> in{};
+    std::array<std::int64_t, 4> out{};
+    std::size_t ins = 0;
+    std::size_t outs = 0;
+    std::array<int, 4> order{};
+    for (int n = 0; n < 4; ++n) {
+      const bool inside = value(nodes[static_cast<std::size_t>(n)]) < 0.0;
+      if (inside) {
+        order[ins] = n;
+        in[ins++] = nodes[static_cast<std::size_t>(n)];
+      } else {
+        order[3 - outs] = n;
+        out[3 - outs] = nodes[static_cast<std::size_t>(n)];
+        ++outs;
+      }
+    }
+    if (ins == 0 || outs == 0) return;
+    const bool even = is_even(order);
+    if (ins == 1) {
+      emit(cut(in[0], out[1]), cut(in[0], out[2]), cut(in[0], out[3]), even);
+    } else if (ins == 3) {
+      emit(cut(in[0], out[3]), cut(in[1], out[3]), cut(in[2], out[3]), even);
+    } else {
+      const std::int32_t a = cut(in[0], out[2]);
+      const std::int32_t b = cut(in[0], out[3]);
+      const std::int32_t c = cut(in[1], out[3]);
+      const std::int32_t d = cut(in[1], out[2]);
+      emit(a, b, c, even);
+      emit(a, c, d, even);
+    }
+  }
+
+  [[nodiscard]] static bool is_even(const std::array<int, 4>& order) {
+    int swaps = 0;
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = a + 1; b < 4; ++b) swaps += order[a] > order[b] ? 1 : 0;
+    }
+    return swaps % 2 == 0;
+  }
+
+  void emit(std::int32_t a, std::int32_t b, std::int32_t c, bool forward) {
+    if (forward) {
+      mesh_.triangles.push_back({a, b, c});
+    } else {
+      mesh_.triangles.push_back({a, c, b});
+    }
+  }
+
+  /// The vertex on the grid edge between an inside and an outside node, made once; kept off the nodes, so
+  /// that no two vertices coincide.
+  std::int32_t cut(std::int64_t inside, std::int64_t outside) {
+    const std::int64_t total = count_[0] * count_[1] * count_[2];
+    const auto [entry, fresh] = made_.try_emplace(inside * total + outside, 0);
+    if (fresh) {
+      const double t = std::clamp(value(inside) / (value(inside) - value(outside)), 0.05, 0.95);
+      const Vec3 a = place(inside);
+      entry->second = static_cast<std::int32_t>(mesh_.vertices.size());
+      mesh_.vertices.push_back(a + t * (place(outside) - a));
+    }
+    return entry->second;
+  }
+
+  Vec3 low_;
+  double spacing_;
+  std::array<std::int64_t, 3> count_{};
+  std::vector<double> values_;
+  std::unordered_map<std::int64_t, std::int32_t> made_;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+TriangleMesh polygonise(const ImplicitSolid& solid, const Bounds& box, double spacing) {
+  return Grid(solid, box, spacing).surface();
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,75 @@
+#pragma once
+#include <vector>
+
+#include "palpate/geometry/mesh.h"
+
+namespace palpate::geometry {
+
+/// Value of a scalar field at a point and its gradient: negative inside a solid, 0 on its surface, about the
+/// distance [m] near it.
+struct FieldValue {
+  double value = 0.0;
+  Vec3 gradient = Vec3::Zero();
+};
+
+/// [setup] Union of two solids, rounded where they meet over a width `blend` [m] (0: a sharp crease). The
+/// polynomial smooth minimum: differs from the plain union only where both values differ by less than
+/// `blend`.
+[[nodiscard]] FieldValue unite(const FieldValue& a, const FieldValue& b, double blend) noexcept;
+
+/// [setup] Union with a furrow of `depth` [m] along the seam, over a `width` [m] measured by how much nearer
+/// one solid is than the other. Smooth.
+[[nodiscard]] FieldValue unite_with_furrow(const FieldValue& a, const FieldValue& b, double width,
+                                           double depth) noexcept;
+
+/// [setup] Common part of two solids, its edge rounded over `blend` [m].
+[[nodiscard]] FieldValue intersect(const FieldValue& a, const FieldValue& b, double blend) noexcept;
+
+/// [setup] What is left of `a` without `b`, its edge rounded over `blend` [m].
+[[nodiscard]] FieldValue subtract(const FieldValue& a, const FieldValue& b, double blend) noexcept;
+
+/// An ellipsoid with its own axes.
+struct Ellipsoid {
+  Vec3 middle = Vec3::Zero();     // [m]
+  Vec3 half_axes = Vec3::Ones();  // [m]
+  Mat3 axes = Mat3::Identity();   // columns: unit directions of the half axes
+
+  [[nodiscard]] FieldValue at(const Vec3& p) const noexcept;
+};
+
+/// A point of a tube's centre line and the tube's radius there.
+struct TubeKnot {
+  Vec3 middle = Vec3::Zero();  // [m]
+  double radius = 0.0;         // [m]
+};
+
+/// A round tube along a smooth curve through its knots, ends rounded.
+class Tube final {
+ public:
+  /// [setup] Catmull-Rom curve through at least two knots, each span in straight tapering pieces. Farther
+  /// than `far` from the box around the tube at() gives a lower bound only: `far` [m] must be at least the
+  /// widest blend with other solids.
+  Tube(const std::vector<TubeKnot>& knots, double far);
+
+  [[nodiscard]] FieldValue at(const Vec3& p) const noexcept;
+  [[nodiscard]] const std::vector<TubeKnot>& line() const noexcept { return line_; }
+
+ private:
+  std::vector<TubeKnot> line_;
+  Bounds box_;  // around everything
+  double far_;
+};
+
+/// A solid given by its field; sampled many times, always in the same order.
+class ImplicitSolid {
+ public:
+  virtual ~ImplicitSolid() = default;
+  [[nodiscard]] virtual FieldValue at(const Vec3& p) const noexcept = 0;
+};
+
+/// [setup] The solid's surface as triangles, by marching tetrahedra on a grid of `spacing` [m] that fills
+/// `box`: closed, manifold, turned outwards; badly shaped triangles, to be remeshed (remesh.h). Solids that
+/// reach the box's faces are not closed there.
+[[nodiscard]] TriangleMesh polygonise(const ImplicitSolid& solid, const Bounds& box, double spacing);
+
+}  // namespace palpate::geometry
