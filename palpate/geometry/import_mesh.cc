@@ -142,22 +142,18 @@ class SceneReader final {
 };
 
 struct FaceCounts {
-  std::size_t points = 0;
-  std::size_t lines = 0;
-  std::size_t polygons = 0;  // of more than three corners
+  std::size_t lines = 0;     // of fewer than three corners
+  std::size_t polygons = 0;  // of more
 };
 
-FaceCounts count_faces(const aiScene& scene) {
-  FaceCounts counts;
+void add_faces(const aiScene& scene, FaceCounts& counts) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     for (unsigned f = 0; f < scene.mMeshes[m]->mNumFaces; ++f) {
       const unsigned corners = scene.mMeshes[m]->mFaces[f].mNumIndices;
-      counts.points += corners < 2 ? 1 : 0;
-      counts.lines += corners == 2 ? 1 : 0;
+      counts.lines += corners < 3 ? 1 : 0;
       counts.polygons += corners > 3 ? 1 : 0;
     }
   }
-  return counts;
 }
 
 std::string cannot_read(const MeshFile& file, const std::string& why) {
@@ -166,24 +162,31 @@ std::string cannot_read(const MeshFile& file, const std::string& why) {
 
 }  // namespace
 
-ImportedMesh import_mesh(const MeshFile& file) {
-  const LogCapture log;
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(file.path.string(), 0);
-  if (scene == nullptr) throw InputError(cannot_read(file, importer.GetErrorString()));
-  const FaceCounts counts = count_faces(*scene);
-  if (counts.polygons > 0) {
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+ImportedMesh import_mesh(const MeshFile& file, const FileFacts& facts) {
+  FaceCounts counts;
+  counts.lines = facts.lines;
+  ImportedMesh imported;
+  const bool is_cleaned = file.format == MeshFormat::kObj;
+  if (!is_cleaned || facts.cleaned.find("\nf ") != std::string::npos) {
+    const LogCapture log;
+    Assimp::Importer importer;
+    const aiScene* scene =
+        is_cleaned ? importer.ReadFileFromMemory(facts.cleaned.data(), facts.cleaned.size(), 0, "obj")
+                   : importer.ReadFile(file.path.string(), 0);
     if (scene == nullptr) throw InputError(cannot_read(file, importer.GetErrorString()));
+    add_faces(*scene, counts);
+    if (counts.polygons > 0) {
+      scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+      if (scene == nullptr) throw InputError(cannot_read(file, importer.GetErrorString()));
+    }
+    if (!log.first().empty()) throw InputError(cannot_read(file, log.first()));
+    imported = SceneReader(file, *scene).run();
   }
-  if (!log.first().empty()) throw InputError(cannot_read(file, log.first()));
-  ImportedMesh imported = SceneReader(file, *scene).run();
   if (counts.polygons > 0) {
     imported.repairs.push_back("cut " + std::to_string(counts.polygons) + " polygons into triangles");
   }
-  if (counts.lines + counts.points > 0) {
-    imported.repairs.push_back("dropped " + std::to_string(counts.lines) + " lines and " +
-                               std::to_string(counts.points) + " points");
+  if (counts.lines > 0) {
+    imported.repairs.push_back("dropped " + std::to_string(counts.lines) + " lines or points");
   }
   return imported;
 }

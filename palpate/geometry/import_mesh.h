@@ -15,6 +15,6 @@ struct ImportedMesh {
 
 /// [setup] Hands a checked file to assimp. Not to be called from two threads at once (assimp's log is one for
 /// all). @throws InputError naming the file.
-[[nodiscard]] ImportedMesh import_mesh(const MeshFile& file);
+[[nodiscard]] ImportedMesh import_mesh(const MeshFile& file, const FileFacts& facts);
 
 }  // namespace palpate::geometry

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -100,28 +101,35 @@ void check_stl(const MeshFile& file) {
                    std::to_string(bytes.size()));
 }
 
+/// Reads the vertices and faces of an OBJ file and writes them anew, in plain numbers and indices from 1:
+/// what else such a file may hold (textures, normals, materials, groups) is nothing to a mesh and much to go
+/// wrong.
 class ObjCheck final {
  public:
   explicit ObjCheck(const MeshFile& file) : file_(file) {}
 
-  VertexFacts run() {
+  FileFacts run() {
     LineReader lines(file_.bytes, /*join_backslash=*/true);
     while (lines.next()) {
       line_ = lines.number();
       std::string_view rest = lines.line();
       const std::string_view word = next_word(rest);
       if (word == "v") {
-        ++points_.count;
-        points_.add(read_point(rest, where(), points_.count));
+        take_vertex(rest);
       } else if (word == "f") {
-        check_face(rest);
+        take_face(rest);
+      } else if (word == "l" || word == "p" || word == "curv") {
+        ++left_out_;
       }
     }
     if (largest_ > static_cast<std::int64_t>(points_.count)) {
       line_ = largest_line_;
       refuse(largest_);
     }
-    return points_.facts();
+    FileFacts facts = points_.facts();
+    facts.cleaned = std::move(vertices_) + faces_;
+    facts.lines = left_out_;
+    return facts;
   }
 
  private:
@@ -132,24 +140,53 @@ class ObjCheck final {
                      std::to_string(points_.count) + " vertices, the first is 1");
   }
 
+  void take_vertex(std::string_view rest) {
+    ++points_.count;
+    const Point point = read_point(rest, where(), points_.count);
+    points_.add(point);
+    vertices_ += 'v';
+    for (const float x : point) {
+      std::array<char, 32> digits{};
+      const auto written =
+          std::to_chars(digits.data(), digits.data() + digits.size(), x, std::chars_format::scientific);
+      vertices_ += ' ';
+      vertices_.append(digits.data(), written.ptr);
+    }
+    vertices_ += '\n';
+  }
+
   /// Indices count from 1, or backwards from the last vertex when negative; later vertices may be named too.
-  void check_face(std::string_view rest) {
+  void take_face(std::string_view rest) {
+    std::string face = "f";
+    int corners = 0;
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
       if (word.front() == '#') break;
       const std::string_view index_word = word.substr(0, word.find('/'));
       const std::optional<std::int64_t> index = whole_number(index_word);
       if (!index) throw InputError(where() + ": \"" + std::string(index_word) + "\" is not a vertex index");
-      if (*index == 0 || -*index > static_cast<std::int64_t>(points_.count)) refuse(*index);
-      if (*index > largest_) {
-        largest_ = *index;
+      if (*index == 0 || *index < -static_cast<std::int64_t>(points_.count)) refuse(*index);
+      const std::int64_t absolute =
+          *index > 0 ? *index : static_cast<std::int64_t>(points_.count) + 1 + *index;
+      if (absolute > largest_) {
+        largest_ = absolute;
         largest_line_ = line_;
       }
+      face += ' ' + std::to_string(absolute);
+      ++corners;
+    }
+    if (corners < 3) {
+      ++left_out_;
+    } else {
+      faces_ += face + '\n';
     }
   }
 
   const MeshFile& file_;
   PointSet points_;
+  std::string vertices_;
+  std::string faces_;
   std::size_t line_ = 0;
+  std::size_t left_out_ = 0;
   std::int64_t largest_ = 0;
   std::size_t largest_line_ = 0;
 };
@@ -158,7 +195,7 @@ class OffCheck final {
  public:
   explicit OffCheck(const MeshFile& file) : file_(file), lines_(file.bytes) {}
 
-  VertexFacts run() {
+  FileFacts run() {
     std::string_view header = next_content();
     std::string_view rest = header;
     const std::string_view word = next_word(rest);
@@ -172,7 +209,8 @@ class OffCheck final {
     const std::size_t vertices = count_of(rest, "vertices");
     const std::size_t faces = count_of(rest, "faces");
     for (std::size_t v = 1; v <= vertices; ++v) {
-      points_.add(read_point(next_content(), where(), v));
+      const std::string_view content = next_content();
+      points_.add(read_point(content, where(), v));
     }
     points_.count = vertices;
     for (std::size_t f = 0; f < faces; ++f) check_face(vertices);
@@ -263,7 +301,7 @@ MeshFile open_mesh_file(const std::filesystem::path& path) {
   return file;
 }
 
-VertexFacts check_mesh_file(const MeshFile& file) {
+FileFacts check_mesh_file(const MeshFile& file) {
   switch (file.format) {
     case MeshFormat::kStl:
       check_stl(file);

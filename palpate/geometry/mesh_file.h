@@ -14,11 +14,13 @@ struct MeshFile {
   std::string bytes;
 };
 
-/// What the file itself says about its vertices; known where the format has a list of them (OBJ, PLY, OFF).
-struct VertexFacts {
-  bool known = false;
+/// What was seen while checking.
+struct FileFacts {
+  bool has_vertex_list = false;  // the format has one: OBJ, PLY, OFF
   std::size_t vertices = 0;
-  std::size_t distinct = 0;
+  std::size_t distinct_vertices = 0;
+  std::string cleaned;    // OBJ: vertices and faces alone, for the importer; otherwise empty
+  std::size_t lines = 0;  // OBJ: lines, points and curves that `cleaned` leaves out
 };
 
 /// [setup] Opens and reads the file. @throws InputError: missing, no file, unknown ending, empty, too large.
@@ -26,6 +28,6 @@ struct VertexFacts {
 
 /// [setup] Checks what an importer would trust: declared counts against the file's size, every number finite,
 /// every vertex index in range. @throws InputError naming the file and the line or element.
-VertexFacts check_mesh_file(const MeshFile& file);
+FileFacts check_mesh_file(const MeshFile& file);
 
 }  // namespace palpate::geometry

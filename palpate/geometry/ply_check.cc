@@ -77,7 +77,7 @@ class PlyCheck final {
  public:
   explicit PlyCheck(const MeshFile& file) : file_(file), lines_(file.bytes) {}
 
-  VertexFacts run() {
+  FileFacts run() {
     read_header();
     for (const Element& element : elements_) {
       check_count(element);
@@ -251,6 +251,6 @@ class PlyCheck final {
 
 }  // namespace
 
-VertexFacts check_ply(const MeshFile& file) { return PlyCheck(file).run(); }
+FileFacts check_ply(const MeshFile& file) { return PlyCheck(file).run(); }
 
 }  // namespace palpate::geometry

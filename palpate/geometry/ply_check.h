@@ -5,6 +5,6 @@ namespace palpate::geometry {
 
 /// [setup] Walks a PLY file, text or binary, element by element: that all it declares is there, that every
 /// coordinate is finite and every vertex index in range. @throws InputError naming the file and the element.
-VertexFacts check_ply(const MeshFile& file);
+FileFacts check_ply(const MeshFile& file);
 
 }  // namespace palpate::geometry

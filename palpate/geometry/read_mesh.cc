@@ -63,11 +63,11 @@ Merged merge_equal_vertices(const TriangleMesh& mesh) {
   return merged;
 }
 
-void say_merged(const MeshFile& file, const VertexFacts& facts, const TriangleMesh& imported,
+void say_merged(const MeshFile& file, const FileFacts& facts, const TriangleMesh& imported,
                 const Merged& merged, std::vector<std::string>& repairs) {
   // The importer gives each OBJ, PLY and OFF face vertices of its own: there the file's own list counts.
-  const std::size_t vertices = facts.known ? facts.vertices : imported.vertices.size();
-  const std::size_t distinct = facts.known ? facts.distinct : merged.distinct;
+  const std::size_t vertices = facts.has_vertex_list ? facts.vertices : imported.vertices.size();
+  const std::size_t distinct = facts.has_vertex_list ? facts.distinct_vertices : merged.distinct;
   const std::size_t kept = merged.mesh.vertices.size();
   if (file.format == MeshFormat::kStl) {  // a list of triangles without a list of vertices
     repairs.push_back("joined " + std::to_string(vertices) + " triangle corners in " + std::to_string(kept) +
@@ -106,8 +106,8 @@ std::string unit_hint(double size) {
 LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
   const MeshFile file = open_mesh_file(path);
   if (!unit) throw InputError(path.string() + ": its unit is missing: must be mm, cm, m or in");
-  const VertexFacts facts = check_mesh_file(file);
-  ImportedMesh imported = import_mesh(file);
+  const FileFacts facts = check_mesh_file(file);
+  ImportedMesh imported = import_mesh(file, facts);
   if (imported.mesh.triangles.empty()) {
     throw InputError(path.string() + ": no triangles" +
                      (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));

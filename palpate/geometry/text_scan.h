@@ -59,7 +59,7 @@ class PointSet final {
  public:
   std::size_t count = 0;
   void add(const Point& point);
-  [[nodiscard]] VertexFacts facts() const { return {true, count, distinct_.size()}; }
+  [[nodiscard]] FileFacts facts() const { return {true, count, distinct_.size(), {}, 0}; }
 
  private:
   struct Hash {
