@@ -1,7 +1,9 @@
 #include "palpate/model/layered_law.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
@@ -60,8 +62,13 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::layer_state(std::size_t cutoff,
   LayerState state;
   state.cutoff_layer = static_cast<int>(cutoff);
   state.stiffness = slope_[cutoff - 1];
+  // A mask instead of a branch a layer, which the next force would mispredict.
   const auto layers = static_cast<std::size_t>(layers_);
-  for (std::size_t i = 0; i < layers; ++i) state.deformation[i] = i + 1 < cutoff ? limit_[i] : 0.0;
+  for (std::size_t i = 0; i < layers; ++i) {
+    const std::uint64_t mask = 0 - static_cast<std::uint64_t>(i + 1 < cutoff);
+    state.deformation[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(limit_[i]) & mask);
+  }
+  std::fill(state.deformation.begin() + layers_, state.deformation.end(), 0.0);
   state.deformation[cutoff - 1] = std::min(in_cutoff, limit_[cutoff - 1]);
   return state;
 }

@@ -30,7 +30,9 @@ class LayeredSpringLaw final {
     double stiffness = 0.0;  // as in ContactResponse
     int cutoff_layer = 1;    // entries used in `deformation`
     bool saturated = false;
-    std::array<double, kMaxLayers> deformation{};  // of one spring of each layer [m]
+    // of one spring of each layer [m], 0 past the cut-off layer; the law writes every entry, so clearing them
+    // first would only cost its time
+    std::array<double, kMaxLayers> deformation;
   };
 
   /// [setup] Precomputes each layer's start depth [m], start force [N] and slope [N/m].
