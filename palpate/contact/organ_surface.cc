@@ -36,6 +36,35 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b, double& 
   return (p - (a + along * edge)).norm();
 }
 
+/// The sides beyond the sharp edges near a point. Several edges of one line lead to one side: the nearest
+/// counts.
+class OtherSides final {
+ public:
+  void add(const Vec3& normal, double share) noexcept {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (normals_[i].dot(normal) < kSharpCosine) continue;
+      if (share > shares_[i]) {
+        shares_[i] = share;
+        normals_[i] = normal;
+      }
+      return;
+    }
+    if (count_ == normals_.size()) return;  // a spike: what is there says enough
+    normals_[count_] = normal;
+    shares_[count_++] = share;
+  }
+
+  [[nodiscard]] Vec3 sum(Vec3 own) const noexcept {
+    for (std::size_t i = 0; i < count_; ++i) own += shares_[i] * normals_[i];
+    return own;
+  }
+
+ private:
+  std::array<Vec3, 4> normals_;
+  std::array<double, 4> shares_{};
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
 OrganSurface::OrganSurface(const geometry::TriangleMesh& organ, double reference_radius)
@@ -198,7 +227,7 @@ Vec3 OrganSurface::smooth_normal(std::int32_t triangle, const Vec3& point) const
 
 Vec3 OrganSurface::normal_at(const SurfacePoint& where) const noexcept {
   const Vec3 own = smooth_normal(where.triangle, where.point);
-  Vec3 sum = own;
+  OtherSides others;
   const std::int32_t end = sharp_start_[at(where.triangle) + 1];
   for (std::int32_t i = sharp_start_[at(where.triangle)]; i < end; ++i) {
     const SharpEdge& sharp = sharp_edges_[at(sharp_near_[at(i)])];
@@ -213,9 +242,10 @@ Vec3 OrganSurface::normal_at(const SurfacePoint& where) const noexcept {
     const Vec3 side1 = smooth_normal(sharp.triangle[1], on_edge);
     const bool own_is_0 = own.dot(side0) >= own.dot(side1);
     if (own.dot(own_is_0 ? side0 : side1) < kSharpCosine) continue;  // an edge of another side altogether
-    const double share = 1.0 - distance / kBlendWidth;
-    sum += share * share * (own_is_0 ? side1 : side0);
+    const double closeness = 1.0 - distance / kBlendWidth;
+    others.add(own_is_0 ? side1 : side0, closeness * closeness);
   }
+  const Vec3 sum = others.sum(own);
   const double length = sum.norm();
   return length > 0.1 ? Vec3(sum / length) : own;
 }

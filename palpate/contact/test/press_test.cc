@@ -1,0 +1,269 @@
+// Press: the law at the depth of the tool's own deepest point, friction, edges, thin plates, starts.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "palpate/base/error.h"
+#include "palpate/contact/test/rig.h"
+
+namespace palpate::contact::test {
+namespace {
+
+const Vec3 kBox(60e-3, 60e-3, 40e-3);
+constexpr double kSpeed = 10e-3;  // m/s
+
+Quat random_rotation(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+}
+
+double law(const Rig& rig, double depth) { return rig.world().press_law().force_at(depth).force; }
+
+TEST(Press, BallGivesTheLawsForceAtItsDeepestPointWhateverTheTriangles) {
+  std::mt19937 random(1);
+  for (const double box_edge : {0.1, 6e-3}) {
+    for (const int triangles : {80, 1280, 20480}) {
+      const geometry::TriangleMesh ball =
+          turned(geometry::make_ball(3e-3, triangles), random_rotation(random));
+      Rig rig(block(kBox, box_edge), one_part_tool(ball), plain_tissue());
+      const Vec3 over(1.3e-3, -0.7e-3, 0.0);
+      rig.tick(place(over + Vec3(0, 0, 4e-3)));
+      for (const double depth : {2e-3, 9e-3, 12e-3}) {
+        rig.move_to(over + Vec3(0, 0, -depth - lowest_z(ball)), 40e-3);
+        const ToolResult& result = rig.hold(0.1);
+        EXPECT_NEAR(result.force_W.z() / law(rig, depth), 1.0, 0.01)
+            << triangles << " triangles at " << depth;
+        EXPECT_LT(result.force_W.head<2>().norm(), 0.01 * law(rig, depth));
+        EXPECT_EQ(result.phase, Phase::kPress);
+        EXPECT_NEAR(result.depth, depth, 1e-6);
+      }
+    }
+  }
+}
+
+TEST(Press, TorqueIsTheLeverFromTheToolsOriginTimesTheForce) {
+  geometry::TriangleMesh ball = moved(geometry::make_ball(3e-3, 1280), Vec3(20e-3, 5e-3, 0));
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), plain_tissue());
+  rig.tick(place(Vec3(-20e-3, -5e-3, 8e-3)));
+  rig.move_to(Vec3(-20e-3, -5e-3, -2e-3), kSpeed);
+  const ToolResult& result = rig.hold(0.1);
+  const double force = result.force_W.z();
+  ASSERT_GT(force, 0.0);
+  EXPECT_NEAR(result.torque_W.x(), 5e-3 * force, 1e-4 * force);  // r x F = (y F, -x F, 0)
+  EXPECT_NEAR(result.torque_W.y(), -20e-3 * force, 1e-4 * force);
+  EXPECT_NEAR(result.torque_W.z(), 0.0, 1e-6 * force);
+}
+
+TEST(Press, SlidBallFeelsMuTimesTheNormalForceAndTheNormalForceStays) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.contact.friction = 0.3;
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), tissue);
+  const double z = -5e-3 - lowest_z(ball);
+  rig.tick(place(Vec3(-10e-3, 3e-3, 5e-3)));
+  rig.move_to(Vec3(-10e-3, 3e-3, z), kSpeed);
+  const double normal_before = rig.hold(0.2).force_W.z();
+  const ToolResult& result = rig.move_to(Vec3(10e-3, 3e-3, z), 20e-3);
+  EXPECT_NEAR(result.force_W.z(), normal_before, 1e-3 * normal_before);
+  EXPECT_NEAR(-result.force_W.x() / result.force_W.z(), 0.3, 0.02 * 0.3);
+  EXPECT_NEAR(result.friction, 0.3 * result.force_W.z(), 0.02 * 0.3 * result.force_W.z());
+}
+
+TEST(Press, StickingFrictionGivesBackNoMoreWorkThanWasPutIn) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.contact.friction = 0.5;
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), tissue);
+  const double z = -6e-3 - lowest_z(ball);
+  rig.tick(place(Vec3(0, 0, 5e-3)));
+  rig.move_to(Vec3(0, 0, z), kSpeed);
+  rig.hold(0.1);
+  double work_by_hand = 0.0;
+  Vec3 last = rig.pose().position;
+  for (int i = 1; i <= 4000; ++i) {
+    const double x = 1e-3 * std::sin(2e-3 * i);
+    const Vec3 now(x, 0.5 * x, z);
+    const Vec3 force = rig.tick(place(now)).force_W;
+    work_by_hand -= force.dot(now - last);
+    last = now;
+    EXPECT_GE(work_by_hand, -1e-9);
+  }
+}
+
+TEST(Press, AtRestIsExactlyStill) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.contact.friction = 0.2;
+  tissue.contact.damping = 0.5;
+  Rig rig(geometry::make_ball(25e-3, 1280), one_part_tool(geometry::make_ball(3e-3, 320)), tissue);
+  rig.tick(place(Vec3(2e-3, 1e-3, 32e-3)));
+  rig.move_to(Vec3(5e-3, -2e-3, 22e-3), 20e-3);
+  rig.hold(0.5);
+  const ToolResult still = rig.result();
+  for (int i = 0; i < 1000; ++i) {
+    const ToolResult& now = rig.tick(rig.pose());
+    ASSERT_EQ(now.force_W, still.force_W);
+    ASSERT_EQ(now.torque_W, still.torque_W);
+    ASSERT_EQ(now.contact_W, still.contact_W);
+  }
+}
+
+TEST(Press, IntoAThinPlateKeepsToItsOwnSide) {
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(Vec3(60e-3, 60e-3, 10e-3), 0.1), one_part_tool(ball), plain_tissue());
+  rig.tick(place(Vec3(1e-3, 3e-3, 5e-3)));
+  rig.move_to(Vec3(1e-3, 3e-3, -8e-3 - lowest_z(ball)), kSpeed);
+  const ToolResult& result = rig.hold(0.2);
+  EXPECT_NEAR(result.force_W.z(), law(rig, 8e-3), 0.01 * law(rig, 8e-3));
+  EXPECT_GT(result.normal_W.z(), 0.999);
+}
+
+TEST(Press, OverEdgesAndCornersTheForceHasNoSteps) {
+  struct Way {
+    Vec3 from, to;
+  };
+  for (const Way& way :
+       {Way{Vec3(20e-3, 0, 0), Vec3(36e-3, 0, 0)}, Way{Vec3(25e-3, 25e-3, 0), Vec3(35e-3, 35e-3, 0)},
+        Way{Vec3(20e-3, 28.5e-3, 0), Vec3(36e-3, 28.5e-3, 0)}}) {
+    for (const double depth : {2e-3, 5e-3}) {
+      const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+      Rig rig(block(kBox, 0.1), one_part_tool(ball), plain_tissue());
+      StepMeter meter;
+      rig.each_tick([&](const ToolResult& result) { meter(result); });
+      const Vec3 down(0, 0, -depth - lowest_z(ball));
+      rig.tick(place(way.from + Vec3(0, 0, 5e-3)));
+      rig.move_to(way.from + down, kSpeed);
+      rig.move_to(way.to + down, 20e-3);
+      EXPECT_GT(meter.peak_force(), 0.0);
+      EXPECT_LT(meter.force_step(), 0.05) << "depth " << depth;
+      EXPECT_LT(meter.torque_step(), 0.05) << "depth " << depth;
+    }
+  }
+}
+
+TEST(Press, AFastToolDoesNotPassThrough) {
+  Rig rig(block(Vec3(60e-3, 60e-3, 2e-3), 0.1), one_part_tool(geometry::make_ball(3e-3, 1280)),
+          plain_tissue());
+  rig.tick(place(Vec3(0, 0, 8e-3)));
+  const ToolResult& result = rig.tick(place(Vec3(0, 0, -7e-3)));  // all of it below the plate, 15 m/s
+  EXPECT_EQ(result.phase, Phase::kPress);
+  EXPECT_NEAR(result.depth, 10e-3, 0.1e-3);
+  EXPECT_GT(result.force_W.z(), 0.0);
+}
+
+TEST(Press, StartedOrPlacedInsideThereIsNoForceUntilItHasBeenOutside) {
+  Rig rig(block(Vec3(60e-3, 60e-3, 20e-3), 0.1), one_part_tool(geometry::make_ball(3e-3, 1280)),
+          plain_tissue());
+  EXPECT_EQ(rig.tick(place(Vec3(0, 0, -5e-3))).status & kStartedInside, kStartedInside);
+  EXPECT_EQ(rig.move_to(Vec3(4e-3, 0, -1e-3), kSpeed).force_W, Vec3::Zero());
+  rig.move_to(Vec3(4e-3, 0, 5e-3), kSpeed);
+  EXPECT_GT(rig.move_to(Vec3(4e-3, 0, -1e-3), kSpeed).force_W.z(), 0.0);
+  rig.move_to(Vec3(4e-3, 0, 40e-3), 1.0);
+  EXPECT_EQ(rig.tick(place(Vec3(0, 0, -4e-3))).status & kJump, kJump);  // 44 m/s: no hand does that
+  EXPECT_EQ(rig.hold(0.1).force_W, Vec3::Zero());
+}
+
+TEST(Press, DampingAddsBTimesTheSpeedOncePastAMillimetreAndNeverPulls) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.contact.damping = 2.0;
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), tissue);
+  rig.tick(place(Vec3(0, 0, 5e-3)));
+  const double depth = 6e-3;
+  const ToolResult in = rig.move_to(Vec3(0, 0, -depth - lowest_z(ball)), 20e-3);
+  EXPECT_NEAR(in.force_W.z(), law(rig, in.depth) + 2.0 * 20e-3, 1e-4);
+  rig.each_tick([](const ToolResult& result) { EXPECT_GE(result.force_W.z(), 0.0); });
+  rig.move_to(Vec3(0, 0, 5e-3), 200e-3);
+}
+
+TEST(Press, TheFullForceIsThereAtOnceWhenAToolComesFromOutside) {
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), plain_tissue());
+  rig.tick(place(Vec3(0, 0, 4e-3)));
+  rig.each_tick([&](const ToolResult& result) {
+    const double depth = -(rig.pose().position.z() + lowest_z(ball));
+    if (depth > 0.1e-3) {
+      EXPECT_NEAR(result.force_W.z(), law(rig, depth), 0.01 * law(rig, depth) + 1e-9);
+    }
+  });
+  rig.move_to(Vec3(0, 0, -2e-3), 100e-3);
+}
+
+TEST(Press, TheSameShapesAtFourTimesTheTrianglesGiveTheSameForceAndTorque) {
+  const geometry::TriangleMesh organ = geometry::make_ball(25e-3, 1280);
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 320);
+  ToolResult results[2];
+  for (int fine = 0; fine < 2; ++fine) {
+    Rig rig(fine != 0 ? geometry::quadruple(organ) : organ,
+            one_part_tool(fine != 0 ? geometry::quadruple(ball) : ball), plain_tissue());
+    const double top = geometry::bounds(organ).high.z();
+    rig.tick(place(Vec3(6e-3, 2e-3, top + 4e-3)));
+    rig.move_to(Vec3(6e-3, 2e-3, top - 6e-3), 20e-3);
+    results[fine] = rig.hold(0.3);
+  }
+  const double force = results[0].force_W.norm();
+  ASSERT_GT(force, 0.0);
+  EXPECT_LT((results[1].force_W - results[0].force_W).norm(), 0.02 * force);
+  EXPECT_LT((results[1].torque_W - results[0].torque_W).norm(), 0.02 * force * 10e-3);
+}
+
+TEST(Press, NoContactIsLostInRandomMotion) {
+  const geometry::TriangleMesh organ = geometry::make_ball(20e-3, 1280);
+  Rig rig(organ, one_part_tool(geometry::make_ball(3e-3, 320)), plain_tissue());
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Vec3 position(0, 0, 26e-3);
+  Vec3 velocity = Vec3::Zero();
+  rig.tick(place(position));
+  int inside = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 goal = 19e-3 * position.normalized();  // the ball's deepest point about 4 mm inside
+    velocity += 0.04 * (goal - position) + 8e-4 * Vec3(normal(random), normal(random), normal(random)) -
+                0.01 * velocity;
+    position += 1e-3 * velocity;
+    const ToolResult& result = rig.tick(place(position));
+    if (result.distance > -0.6e-3) continue;
+    ++inside;
+    ASSERT_EQ(result.phase, Phase::kPress) << "tick " << i;
+    ASSERT_GT(result.force_W.norm(), 0.0) << "tick " << i;
+  }
+  EXPECT_GT(inside, 5000);
+}
+
+TEST(Press, AMovedOrganIsFeltWhereItIs) {
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), plain_tissue());
+  rig.organ_W = {rotation_from_degrees(Vec3(0, 90, 0)), Vec3(0.1, 0.0, 0.2)};  // its top now looks along +x
+  rig.tick(place(Vec3(0.105, 0, 0.2)));
+  rig.move_to(Vec3(0.101, 0, 0.2), kSpeed);
+  const ToolResult& result = rig.hold(0.1);
+  const double depth = 2e-3;
+  EXPECT_NEAR(result.force_W.x(), law(rig, depth), 0.02 * law(rig, depth));
+  EXPECT_NEAR(result.contact_W.x(), 0.1, 1e-5);
+}
+
+TEST(Press, DistanceIsExactInApproachAndNegativeInside) {
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), plain_tissue());
+  rig.tick(place(Vec3(0, 0, 30e-3)));
+  rig.each_tick([&](const ToolResult& result) {
+    EXPECT_NEAR(result.distance, rig.pose().position.z() + lowest_z(ball), 1e-9);
+  });
+  rig.move_to(Vec3(3e-3, 1e-3, -2e-3), 50e-3);
+  EXPECT_LT(rig.result().distance, 0.0);
+}
+
+TEST(World, RefusesAToolWithoutPartsAndAnOpenOrgan) {
+  const geometry::Tool ball = one_part_tool(geometry::make_ball(3e-3, 80));
+  EXPECT_THROW(World(block(kBox, 0.1), {geometry::Tool{}}, plain_tissue(), 1e-3), InputError);
+  EXPECT_THROW(World(block(kBox, 0.1), {}, plain_tissue(), 1e-3), InputError);
+  EXPECT_THROW(World(block(kBox, 0.1), {one_part_tool({})}, plain_tissue(), 1e-3), InputError);
+  geometry::TriangleMesh open = block(kBox, 0.1);
+  open.triangles.pop_back();
+  EXPECT_THROW(World(open, {ball}, plain_tissue(), 1e-3), InputError);
+  model::TissueParameters bad = plain_tissue();
+  bad.q = -1.0;
+  EXPECT_THROW(World(block(kBox, 0.1), {ball}, bad, 1e-3), ParameterError);
+}
+
+}  // namespace
+}  // namespace palpate::contact::test
