@@ -79,7 +79,7 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
   std::size_t number = 0;
   for (const WorkedExperiment& worked : all) write_experiment(page, worked, ++number);
   write_comparison(page, all);
-  const std::filesystem::path file = folder / "report.html";
+  std::filesystem::path file = folder / "report.html";
   write_file(file, page.html());
   if (progress) progress(1.0, "report");
   return file;

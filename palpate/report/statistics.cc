@@ -64,7 +64,7 @@ Bins bin_logarithmic(std::span<const double> values, int per_decade) {
   if (!(low > 0.0)) return bins;
   const int first = static_cast<int>(std::floor(std::log10(low)));
   const int last = std::max(first + 1, static_cast<int>(std::ceil(std::log10(high))));
-  bins.counts.assign(static_cast<std::size_t>((last - first) * per_decade), 0);
+  bins.counts.assign(static_cast<std::size_t>(last - first) * static_cast<std::size_t>(per_decade), 0);
   for (int i = 0; i <= (last - first) * per_decade; ++i)
     bins.edges.push_back(std::pow(10.0, first + static_cast<double>(i) / per_decade));
   count_into(bins, values);
