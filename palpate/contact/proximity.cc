@@ -34,37 +34,37 @@ void add_entry(PartState& part, std::size_t point, const SurfacePoint& at) noexc
 }
 
 /// Asks one point, and notes an entry when it went in, or in and out again, during this tick.
-void update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i, bool placed_anew,
-                  PartState& part) noexcept {
+geometry::NearestPoint update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i,
+                                    bool placed_anew, PartState& part) noexcept {
   const bool was_inside = part.inside[i] != 0;
   const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
   const geometry::NearestPoint now = ask_distance(surface, points, i, part);
-  if (placed_anew || was_inside) return;
+  if (placed_anew || was_inside) return now;
   const bool went_in = now.distance < 0.0;
   const Vec3 end = part.pose_S * points.point(i);
   const Vec3 start = part.previous_S * points.point(i);
-  if (!went_in && std::max(0.0, before) + now.distance > (end - start).norm()) return;  // cannot have touched
+  if (!went_in && std::max(0.0, before) + now.distance > (end - start).norm())
+    return now;  // cannot have touched
   if (const auto entry = surface.first_entry(start, end)) {
     add_entry(part, i, {entry->point, entry->triangle});
   } else if (went_in) {
     add_entry(part, i, {now.point, now.triangle});
   }
+  return now;
 }
 
 void scan_points(const OrganSurface& surface, const PartPoints& points, bool placed_anew,
                  PartState& part) noexcept {
-  update_point(surface, points, part.nearest_point, placed_anew, part);
-  part.nearest = ask_distance(surface, points, part.nearest_point, part);
+  const std::size_t last_nearest = part.nearest_point;
+  part.nearest = update_point(surface, points, last_nearest, placed_anew, part);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double least = least_distance(part, i);
     const bool may_have_crossed = least <= 0.0 && greatest_distance(part, i) >= 0.0;
-    if (least >= part.nearest.distance && !may_have_crossed) continue;
-    if (i == part.nearest_point) continue;
-    update_point(surface, points, i, placed_anew, part);
-    if (part.known[i] < part.nearest.distance) {
-      part.nearest_point = static_cast<std::uint32_t>(i);
-      part.nearest = ask_distance(surface, points, i, part);
-    }
+    if ((least >= part.nearest.distance && !may_have_crossed) || i == last_nearest) continue;
+    const geometry::NearestPoint found = update_point(surface, points, i, placed_anew, part);
+    if (found.distance >= part.nearest.distance) continue;
+    part.nearest_point = static_cast<std::uint32_t>(i);
+    part.nearest = found;
   }
 }
 
