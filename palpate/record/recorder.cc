@@ -21,15 +21,21 @@
 namespace palpate::record {
 namespace {
 
-constexpr double kRingSeconds = 8.0;                     // a disk may stall for this long in real time
-constexpr std::size_t kRingLeast = 4096;                 // rows
+// In real time a disk may stall for this long. Offline the ticks wait for the disk, and what is in the ring
+// and not flushed when the program is killed must be less than a second of the simulation.
+constexpr double kRingSeconds = 8.0;
+constexpr double kRingSecondsOffline = 0.25;
+constexpr double kSimulatedFlush = 0.5;                  // s of the simulation's time
+constexpr std::size_t kRingLeast = 64;                   // rows
 constexpr std::size_t kRingMost = std::size_t{1} << 20;  // rows
 constexpr std::chrono::milliseconds kPoll{10};
-constexpr std::int64_t kFlushEvery = 200'000'000;  // ns
-constexpr int kFlushesToDisk = 2;                  // every second flush waits for the disk
+constexpr std::chrono::microseconds kPollOffline{500};
+constexpr std::int64_t kFlushEvery = 200'000'000;   // ns
+constexpr std::int64_t kToDiskEvery = 400'000'000;  // ns; such a flush waits for the disk
 
-std::size_t ring_rows(const scene::Setup& setup) {
-  const double rows = setup.rate_Hz * static_cast<double>(setup.tools.size()) * kRingSeconds;
+/// Rows of `seconds` of a simulation, within bounds.
+std::size_t rows_in(double seconds, const scene::Setup& setup) {
+  const double rows = setup.rate_Hz * static_cast<double>(setup.tools.size()) * seconds;
   if (!(rows < static_cast<double>(kRingMost))) return kRingMost;
   return std::max(kRingLeast, static_cast<std::size_t>(rows));
 }
@@ -95,12 +101,17 @@ struct Recorder::Impl {
   std::string failure;  // why nothing more is written; empty: nothing went wrong
   std::vector<haptics::TickRow> block;
   std::int64_t next_flush = 0;
-  int flushes = 0;
-  bool unflushed = false;
+  std::int64_t next_to_disk = 0;
+  std::size_t flush_rows;     // so many rows are flushed at once
+  std::size_t unflushed = 0;  // rows
   std::thread thread;
 
   Impl(std::filesystem::path target, const scene::Setup& setup, bool is_offline)
-      : file(std::move(target)), partial(partial_name(file)), offline(is_offline), ring(ring_rows(setup)) {
+      : file(std::move(target)),
+        partial(partial_name(file)),
+        offline(is_offline),
+        ring(rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, setup)),
+        flush_rows(rows_in(kSimulatedFlush, setup)) {
     block.reserve(RecordingWriter::kChunkRows);
   }
 
@@ -134,7 +145,12 @@ void Recorder::Impl::run() {
     if (!started && begun.load(std::memory_order_acquire)) start();
     const bool busy = drain();
     if (started) flush_when_due(last);
-    if (!last && !busy) std::this_thread::sleep_for(kPoll);
+    if (last || busy) continue;
+    if (offline) {
+      std::this_thread::sleep_for(kPollOffline);
+    } else {
+      std::this_thread::sleep_for(kPoll);
+    }
   }
 }
 
@@ -159,7 +175,8 @@ bool Recorder::Impl::drain() {
   haptics::TickRow row;
   while (started && ring.pop(row)) {
     block.push_back(row);
-    if (block.size() < RecordingWriter::kChunkRows) continue;
+    ++unflushed;
+    if (block.size() < RecordingWriter::kChunkRows && unflushed < flush_rows) continue;
     busy = true;
     write_block();
     flush_when_due(false);
@@ -169,18 +186,19 @@ bool Recorder::Impl::drain() {
 
 void Recorder::Impl::write_block() {
   guarded([this] { writer->append(block); });
-  unflushed = true;
   block.clear();
 }
 
 void Recorder::Impl::flush_when_due(bool now) {
   const std::int64_t time = monotonic_ns();
-  if (!now && time < next_flush) return;
+  if (!now && time < next_flush && unflushed < flush_rows) return;
   next_flush = time + kFlushEvery;
   if (!block.empty()) write_block();
-  if (!unflushed) return;
-  unflushed = false;
-  guarded([this] { writer->flush(++flushes % kFlushesToDisk == 0); });
+  if (unflushed == 0) return;
+  unflushed = 0;
+  const bool to_disk = time >= next_to_disk;
+  if (to_disk) next_to_disk = time + kToDiskEvery;
+  guarded([this, to_disk] { writer->flush(to_disk); });
 }
 
 void Recorder::Impl::stop_thread() {
@@ -245,7 +263,7 @@ void Recorder::put(const haptics::TickRow& row) noexcept {
       impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);
       return;
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    std::this_thread::sleep_for(kPollOffline / 5);
   }
 }
 

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -45,6 +44,15 @@ struct Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
 };
+
+bool copy_bytes(int from, int to, std::uint64_t count) {
+  while (count > 0) {
+    const ssize_t part = ::sendfile(to, from, nullptr, count);
+    if (part <= 0) return false;
+    count -= static_cast<std::uint64_t>(part);
+  }
+  return true;
+}
 
 Handle open_dataset(hid_t parent, const std::string& name, const std::string& path) {
   return Handle(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), "no " + path + "/" + name);
@@ -192,13 +200,6 @@ RecordingReader::RecordingReader(std::filesystem::path file) : path_(std::move(f
   }
 }
 
-RecordingReader::~RecordingReader() {
-  ticks_.close();
-  row_type_.close();
-  file_.close();
-  if (memory_file_ >= 0) ::close(memory_file_);
-}
-
 void RecordingReader::refuse(const std::string& why) const { throw InputError(path_.string() + ": " + why); }
 
 void RecordingReader::open() {
@@ -232,7 +233,7 @@ bool RecordingReader::open_as_is() {
   return id >= 0;
 }
 
-/// A file that was closed in good order, but of which the end is missing, is opened as a copy in memory in
+/// A file that was closed in good order, but of which the end is missing, is opened as a temporary copy in
 /// which zeros stand for what is missing.
 bool RecordingReader::open_filled_up() {
   const Descriptor in(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
@@ -243,17 +244,15 @@ bool RecordingReader::open_filled_up() {
   std::int64_t end = 0;
   std::memcpy(&end, superblock.data() + kEndOfFileOffset, sizeof(end));
   if (end <= 0 || static_cast<std::uint64_t>(end) <= file_bytes_) return false;
-  memory_file_ = ::memfd_create("palpate recording", MFD_CLOEXEC);
-  if (memory_file_ < 0) return false;
-  std::uint64_t copied = 0;
-  while (copied < file_bytes_) {
-    const ssize_t part = ::sendfile(memory_file_, in.fd, nullptr, file_bytes_ - copied);
-    if (part <= 0) return false;
-    copied += static_cast<std::uint64_t>(part);
+  std::error_code error;
+  std::string name = (std::filesystem::temp_directory_path(error) / "palpate-XXXXXX").string();
+  const Descriptor copy(::mkstemp(name.data()));
+  if (copy.fd < 0) return false;
+  hid_t id = H5I_INVALID_HID;
+  if (copy_bytes(in.fd, copy.fd, file_bytes_) && ::ftruncate(copy.fd, end) == 0) {
+    id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   }
-  if (::ftruncate(memory_file_, end) != 0) return false;
-  const std::string name = "/proc/self/fd/" + std::to_string(memory_file_);
-  const hid_t id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ::unlink(name.c_str());  // the open file stays
   if (id < 0) return false;
   file_ = Handle(id, "file");
   cut_off_ = true;
@@ -308,6 +307,19 @@ void RecordingReader::read_block(std::uint64_t start, std::span<haptics::TickRow
         "rows cannot be read");
 }
 
+/// Of `count` rows from `start` on, which begin a chunk, how many lie whole within the file's length.
+std::size_t RecordingReader::rows_within_file(std::uint64_t start, std::size_t count) const {
+  const hsize_t first = start;
+  unsigned filters = 0;
+  haddr_t address = HADDR_UNDEF;
+  hsize_t bytes = 0;
+  if (H5Dget_chunk_info_by_coord(ticks_.id(), &first, &filters, &address, &bytes) < 0) return count;
+  // Another layout than RecordingWriter's: compressed, or other chunks.
+  if (bytes != RecordingWriter::kChunkRows * sizeof(haptics::TickRow)) return count;
+  if (address == HADDR_UNDEF || address >= file_bytes_) return 0;
+  return std::min<std::uint64_t>(count, (file_bytes_ - address) / sizeof(haptics::TickRow));
+}
+
 std::uint64_t RecordingReader::for_each_block(
     bool strict, const std::function<void(std::span<const haptics::TickRow>)>& use) {
   strict = strict && facts_.complete;
@@ -325,6 +337,9 @@ std::uint64_t RecordingReader::for_each_block(
     try {
       read_block(start, block);
       good = first_out_of_order(block, start == 0 ? nullptr : &last, hands);
+      // Where a power failure left zeros, the row before them may have lost its end.
+      if (cut_off_ && good > 0 && good < count) --good;
+      if (cut_off_) good = std::min(good, rows_within_file(start, count));
     } catch (const hdf5::Error& error) {
       if (strict) refuse("rows from " + std::to_string(start) + " on cannot be read");
     }

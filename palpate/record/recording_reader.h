@@ -17,7 +17,7 @@ class RecordingReader final {
  public:
   /// [setup] Opens the file and reads all but the ticks.
   explicit RecordingReader(std::filesystem::path file);
-  ~RecordingReader();
+  ~RecordingReader() = default;
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
 
@@ -43,13 +43,13 @@ class RecordingReader final {
   bool open_filled_up();
   void read_all_but_ticks();
   void check_row_type();
+  [[nodiscard]] std::size_t rows_within_file(std::uint64_t start, std::size_t count) const;
   void read_block(std::uint64_t start, std::span<haptics::TickRow> rows);
   [[noreturn]] void refuse(const std::string& why) const;
 
   hdf5::Quiet quiet_;
   std::filesystem::path path_;
   std::uint64_t file_bytes_ = 0;
-  int memory_file_ = -1;
   hdf5::Handle file_;
   hdf5::Handle row_type_;
   hdf5::Handle ticks_;

@@ -79,6 +79,26 @@ TEST_P(Killed, RecordingIsReadAndLacksAtMostTheLastSecond) {
   EXPECT_LE(recording.rows.size() / hands, ticks);
 }
 
+TEST(Killed, OfflineRunLacksAtMostItsLastSimulatedSecond) {
+  const TemporaryFolder folder;
+  const SharedCount ticks;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    Recorder recorder(folder / "a.h5", sample_setup(1), true);
+    recorder.begin(kStarted);
+    for (std::uint64_t tick = 0;; ++tick) {
+      recorder.put(sample_row(tick, 0));
+      (*ticks).store(tick + 1);
+    }
+  }
+  while ((*ticks).load() < 20000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  const Recording recording = read_recording(folder / "a.h5");
+  expect_rows_from_the_start(recording, 1);
+  EXPECT_GE(recording.rows.size() + 1000, (*ticks).load());
+}
+
 INSTANTIATE_TEST_SUITE_P(Moments, Killed,
                          ::testing::Values(std::pair{150, 1}, std::pair{201, 2}, std::pair{403, 1},
                                            std::pair{777, 3}, std::pair{1234, 1}, std::pair{1999, 2}));
