@@ -1,8 +1,6 @@
 #include "palpate/scene/instrument.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/builtin.h"
@@ -14,23 +12,15 @@ namespace palpate::scene {
 namespace {
 
 constexpr std::string_view kSpherePrefix = "sphere:";
-constexpr double kLargestSphere = 1000.0;  // mm
 
 geometry::Tool make_sphere(const Stated& mesh) {
-  const std::string_view number = std::string_view(mesh.value).substr(kSpherePrefix.size());
-  double radius_mm = 0.0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), radius_mm);
-  const bool read = error == std::errc{} && end == number.data() + number.size();
-  if (!read || !std::isfinite(radius_mm) || radius_mm <= 0.0 || radius_mm > kLargestSphere) {
-    mesh.fail("must be sphere:R with R in mm, a number > 0 and <= 1000");
+  try {
+    geometry::Tool tool = geometry::make_tool(mesh.value);
+    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // every vertex lies on the sphere
+    return tool;
+  } catch (const InputError& error) {
+    throw InputError(mesh.where + ": " + error.what());
   }
-  geometry::Tool tool;
-  tool.tip_radius = radius_mm * kMillimetre;
-  geometry::ToolPart part;
-  part.name = "ball";
-  part.mesh = geometry::make_ball(*tool.tip_radius);
-  tool.parts.push_back(std::move(part));
-  return tool;
 }
 
 geometry::ToolPart read_part(const Stated& mesh, const std::optional<LengthUnit>& unit,

@@ -240,8 +240,8 @@ Setup load(const Request& request) {
   setup.safety = scene.safety;
   set_noise(scene, setup);
   setup.tissue = find_tissue(scene);
-  load_organ(scene, setup);
   load_hands(scene, setup);
+  load_organ(scene, setup);
   return setup;
 }
 

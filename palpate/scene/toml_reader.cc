@@ -38,6 +38,14 @@ std::optional<double> as_number(const toml::node& node) {
   return std::nullopt;
 }
 
+/// The known key meant: one that goes on after `word` (its unit was left out), else the nearest by spelling.
+std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
+  const std::string start = std::string(word) + "_";
+  const auto longer =
+      std::find_if(known.begin(), known.end(), [&](const auto& key) { return key.starts_with(start); });
+  return longer != known.end() ? *longer : nearest_word(word, known);
+}
+
 }  // namespace
 
 std::string Range::in_words() const {
@@ -202,7 +210,7 @@ void TomlTable::allow_only(std::initializer_list<const char*> keys) const {
   for (const auto& [key, node] : *table_) {
     const std::string_view name = key.str();
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const std::string near = nearest_word(name, known);
+    const std::string near = nearest_key(name, known);
     const std::string hint = near.empty() ? "known are " + alternatives(known) : "did you mean " + near + "?";
     throw InputError(file_ + ":" + std::to_string(key.source().begin.line) + ": " +
                      field(one_line(std::string(name))) + " = " + value_in_words(node) + ": unknown key, " +

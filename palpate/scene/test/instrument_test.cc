@@ -86,7 +86,7 @@ TEST(LoadInstrument, RefusesBallsWithoutAGoodRadius) {
     description.mesh = Stated{"sphere:" + bad, "s.toml:4: tool.mesh", {}};
     std::vector<std::string> remarks;
     EXPECT_THAT(error_of([&] { (void)load_instrument(description, remarks); }),
-                HasSubstr("s.toml:4: tool.mesh = \"sphere:" + bad + "\": must be sphere:R"));
+                HasSubstr("s.toml:4: tool.mesh: tool \"sphere:" + bad + "\": the radius"));
   }
 }
 

@@ -114,7 +114,7 @@ TEST(Load, FlagsOverrideTheScene) {
   EXPECT_EQ(setup.task, Task::kPull);
   EXPECT_EQ(setup.organ.triangles.size(), 12U);
   EXPECT_EQ(setup.tissue.name, "kidney");
-  EXPECT_EQ(setup.tools[0].tip_radius, 2e-3);
+  EXPECT_DOUBLE_EQ(*setup.tools[0].tip_radius, 2e-3);
   EXPECT_EQ(setup.devices[0].path, way.string());
   EXPECT_EQ(setup.devices[0].workspace_scale, 2.0);
   EXPECT_EQ(setup.rate_Hz, 2000.0);
