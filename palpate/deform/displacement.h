@@ -1,8 +1,10 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "palpate/deform/geodesic.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/model/tissue.h"
 
@@ -17,41 +19,65 @@ struct Indentation {
   double half_width = 0.0;        // of the tool there [m]: R_1 is never more; 0: no bound
 };
 
-/// The surface profile u(r) around one contact (model.md, section 3).
+/// The surface profile u(r) around one contact (model.md, section 3):
+/// u(r) = D sum_i w_i max(0, 1 - (r/R_i)^2), w_i proportional to g^(i-1), R_1 = c sqrt(R D),
+/// R_i = R_1 (1 + a (s^(i-1) - 1)/(s - 1)), i = 1..6.
 class SurfaceProfile final {
  public:
   static constexpr int kLayers = 6;
   /// [any] @param reach checked by model::validate
+  /// @param depth D [m]; <= 0 (or NaN): nothing moves
+  /// @param tip_radius R [m]; @param half_width bound of R_1 [m], 0: none
   SurfaceProfile(const model::ReachParameters& reach, double depth, double tip_radius,
                  double half_width = 0.0) noexcept;
-  /// [rt] Displacement [m] at distance r [m] along the surface.
+  /// [rt] Displacement [m] at distance r [m] along the surface. at(0) is D exactly.
   [[nodiscard]] double at(double r) const noexcept;
-  /// [rt] Beyond this distance [m] nothing moves.
-  [[nodiscard]] double reach() const noexcept;
+  /// [rt] The mean of u over r (1 - share) .. r (1 + share): the same depth at r = 0, but without the corners
+  /// that u has at each R_i, which a light would show as rings.
+  [[nodiscard]] double rounded_at(double r, double share) const noexcept;
+  /// [rt] Beyond this distance [m] nothing moves (R_6; 0 when D <= 0).
+  [[nodiscard]] double reach() const noexcept { return radius_[kLayers - 1]; }
+  /// [rt] Largest |du/dr|, without unit.
+  [[nodiscard]] double steepest() const noexcept;
+  /// [rt] The same depth with every R_i `factor` times as long.
+  [[nodiscard]] SurfaceProfile widened(double factor) const noexcept;
 
  private:
-  std::array<double, kLayers> inverse_radius_squared_{};
-  std::array<double, kLayers> weight_{};  // [m]
+  double depth_ = 0.0;                    // D [m]
+  std::array<double, kLayers> radius_{};  // R_i [m]
+  std::array<double, kLayers> weight_{};  // D w_i [m]
 };
 
-/// Moves a surface's vertices around contacts; r is measured along the surface.
+/// Moves a surface's vertices around contacts; r is measured along the surface, so the far side of a thin
+/// organ stays still.
+///
+/// A contact moves a vertex by u(r) along its direction. Three rules beyond model.md keep the picture whole:
+/// - The part of a displacement that lies in the surface (a pull to the side) is spread wide enough that its
+///   slope stays below 0.8: the surface ahead of the contact is crowded, never folded over.
+/// - Several contacts: the mean of their displacements, weighted by their eighth powers. So coincident
+///   contacts act as one, where they overlap the largest one rules to 3 %, and nothing jumps as they part.
+/// - A press deeper than 0.7 of the organ's thickness at the contact is drawn shallower, at most 0.9 of it:
+/// the
+///   entry side never comes out of the far side. Elsewhere u(0) = D.
 class SurfaceDeformer final {
  public:
-  /// [setup] Precomputes adjacency of the rest mesh (kept by copy).
+  /// [setup] Precomputes adjacency of the rest mesh (kept by copy). The mesh may be open.
   explicit SurfaceDeformer(const geometry::TriangleMesh& rest);
 
-  /// Displaced vertices under all indentations together; as many as the rest mesh has, organ frame. Not [rt]:
-  /// runs on the picture's thread. Only vertices in reach are touched.
+  /// [setup] Displaced vertices under all indentations together; as many as the rest mesh has, organ frame.
+  /// For the picture's thread. Only vertices in reach are touched: all others equal the rest bit for bit.
+  /// @param rounding 0: u(r) as it is; else the share of SurfaceProfile::rounded_at, below 1
   void deform(const model::ReachParameters& reach, std::span<const Indentation> indentations,
-              std::vector<Vec3>& vertices);
+              std::vector<Vec3>& vertices, double rounding = 0.0);
 
-  [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return rest_; }
+  [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return geodesic_.mesh(); }
 
  private:
-  geometry::TriangleMesh rest_;
-  std::vector<std::int32_t> neighbour_start_;
-  std::vector<std::int32_t> neighbours_;
-  std::vector<double> distance_;
+  void add(const model::ReachParameters& reach, const Indentation& indentation, double rounding);
+
+  GeodesicDistance geodesic_;
+  std::vector<Vec3> sum_;       // of weight x displacement, a vertex
+  std::vector<double> weight_;  // sum of weights
   std::vector<std::int32_t> touched_;
 };
 
