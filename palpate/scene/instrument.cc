@@ -1,6 +1,7 @@
 #include "palpate/scene/instrument.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/builtin.h"
@@ -27,7 +28,11 @@ geometry::ToolPart read_part(const Stated& mesh, const std::optional<LengthUnit>
                              std::vector<std::string>& remarks) {
   geometry::ToolPart part;
   part.name = std::filesystem::path(mesh.value).stem().string();
-  part.mesh = read_mesh_source(mesh, unit, remarks).mesh;
+  geometry::LoadedMesh loaded = read_mesh_source(mesh, unit, remarks);
+  if (!loaded.findings.closed) {
+    remarks.push_back(mesh.value + ": not closed, used as it is (a tool need not be closed)");
+  }
+  part.mesh = std::move(loaded.mesh);
   return part;
 }
 

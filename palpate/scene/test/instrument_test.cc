@@ -120,6 +120,16 @@ TEST(LoadInstrument, PlacesMeshesPivotsAndAxesByTheMount) {
   EXPECT_EQ(tool.tip_radius, 2e-3);
 }
 
+TEST(LoadInstrument, SaysOfAnOpenMeshThatItIsUsedAllTheSame) {
+  const TemporaryFolder folder;
+  ToolDescription description;
+  description.unit = LengthUnit::kMillimetre;
+  description.mesh = stated(folder.write("open.obj", kTetrahedron.substr(0, kTetrahedron.rfind("f 2 3 4"))));
+  std::vector<std::string> remarks;
+  EXPECT_EQ(load_instrument(description, remarks).parts[0].mesh.triangles.size(), 3U);
+  EXPECT_THAT(remarks, testing::Contains(HasSubstr("open.obj: not closed, used as it is")));
+}
+
 TEST(LoadInstrument, RefusesUnknownNamesMissingUnitsAndTooManyParts) {
   const TemporaryFolder folder;
   std::vector<std::string> remarks;
