@@ -37,8 +37,8 @@ void print_json(const record::Recording& recording, const record::ReplayResult& 
   json["rows_compared"] = result.rows_compared;
   json["rows_different"] = result.rows_different;
   json["identical"] = result.rows_different == 0;
-  json["first_difference"] =
-      result.first_difference.empty() ? nlohmann::ordered_json(nullptr) : result.first_difference;
+  json["first_difference"] = nullptr;
+  if (!result.first_difference.empty()) json["first_difference"] = result.first_difference;
   json["hash"] = hexadecimal(result.hash);
   std::cout << json.dump(2) << '\n';
 }
