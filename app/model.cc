@@ -1,0 +1,159 @@
+// `palpate model`: the force law alone, either way.
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/base/units.h"
+#include "palpate/model/layered_law.h"
+#include "palpate/scene/load.h"
+
+#include "app/commands.h"
+#include "app/numbers.h"
+
+namespace palpate::app {
+namespace {
+
+using model::LayeredSpringLaw;
+
+struct ModelFlags {
+  std::string tissue;
+  std::string direction = "press";
+  std::string rate = "1000";
+  std::string forces;
+  std::string depths;
+  bool as_json = false;
+};
+
+/// What was asked for and what the law answers.
+struct Answer {
+  double requested = 0.0;  // N or mm
+  LayeredSpringLaw::LayerState state;
+};
+
+struct Account {
+  model::TissueParameters tissue;
+  std::string direction;
+  double rate_Hz = 0.0;
+  bool by_force = false;
+  int layers_allowed = 0;
+  std::vector<Answer> answers;
+};
+
+Account compute(const ModelFlags& flags) {
+  Account account;
+  account.direction = flags.direction;
+  if (flags.direction != "press" && flags.direction != "pull") {
+    throw InputError("--direction " + flags.direction + ": must be press or pull");
+  }
+  account.rate_Hz = parse_positive("--rate-Hz", flags.rate);
+  const double period = 1.0 / account.rate_Hz;
+  if (period > 1e300) throw InputError("--rate-Hz " + flags.rate + ": must be > 1e-300");
+  account.by_force = !flags.forces.empty();
+  const std::vector<double> requested = account.by_force
+                                            ? parse_not_negative_list("--force-N", flags.forces)
+                                            : parse_not_negative_list("--depth-mm", flags.depths);
+  account.tissue = scene::load_tissue(flags.tissue);
+  const auto direction = flags.direction == "pull" ? model::Direction::kPull : model::Direction::kPress;
+  const LayeredSpringLaw law(account.tissue, direction, period);
+  account.layers_allowed = law.layers_allowed();
+  for (const double value : requested) {
+    account.answers.push_back(
+        {value, account.by_force ? law.deformation_under(value) : law.deformation_at(value * kMillimetre)});
+  }
+  return account;
+}
+
+std::vector<double> layer_deformation_mm(const LayeredSpringLaw::LayerState& state) {
+  std::vector<double> deformation;
+  for (int i = 0; i < state.cutoff_layer; ++i) {
+    deformation.push_back(state.deformation[static_cast<std::size_t>(i)] / kMillimetre);
+  }
+  return deformation;
+}
+
+void print_json(const Account& account) {
+  nlohmann::ordered_json json;
+  json["tissue"] = account.tissue.name;
+  json["law"] = "layered";
+  json["direction"] = account.direction;
+  json["rate_Hz"] = account.rate_Hz;
+  json["layers_allowed"] = account.layers_allowed;
+  json["results"] = nlohmann::ordered_json::array();
+  for (const Answer& answer : account.answers) {
+    nlohmann::ordered_json result;
+    result[account.by_force ? "requested_force_N" : "requested_depth_mm"] = answer.requested;
+    result["force_N"] = answer.state.force;
+    result["depth_mm"] = answer.state.depth / kMillimetre;
+    result["cutoff_layer"] = answer.state.cutoff_layer;
+    result["saturated"] = answer.state.saturated;
+    result["tangent_stiffness_N_per_m"] = answer.state.stiffness;
+    result["layer_deformation_mm"] = layer_deformation_mm(answer.state);
+    json["results"].push_back(result);
+  }
+  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+}
+
+void print_table(const Account& account) {
+  constexpr int kNumberWidth = 24;  // a sign, 17 digits, a point, an exponent and a space
+  constexpr int kLayerWidth = 7;
+  std::cout << account.tissue.name << ", layered law, " << account.direction << " at "
+            << shortest(account.rate_Hz) << " Hz: " << account.layers_allowed << " layers allowed\n";
+  const auto number = [](const std::string& text) -> std::ostream& {
+    return std::cout << std::setw(kNumberWidth) << text;
+  };
+  number(account.by_force ? "asked for N" : "asked for mm");
+  number("force N");
+  number("depth mm");
+  number("tangent N/m");
+  std::cout << std::setw(kLayerWidth) << "layer"
+            << "  deformation of a spring of each layer, mm\n";
+  for (const Answer& answer : account.answers) {
+    number(shortest(answer.requested));
+    number(shortest(answer.state.force));
+    number(shortest(answer.state.depth / kMillimetre));
+    number(shortest(answer.state.stiffness));
+    std::cout << std::setw(kLayerWidth) << answer.state.cutoff_layer << ' ';
+    for (const double deformation : layer_deformation_mm(answer.state))
+      std::cout << ' ' << shortest(deformation);
+    std::cout << (answer.state.saturated ? "  saturated: the layers hold at their largest\n" : "\n");
+  }
+}
+
+}  // namespace
+
+void add_model(CLI::App& program, int& exit_code) {
+  auto flags = std::make_shared<ModelFlags>();
+  CLI::App* command =
+      program.add_subcommand("model", "The force law of a tissue alone: force to depth or depth to force");
+  command
+      ->add_option("--tissue", flags->tissue,
+                   "a built-in tissue (gallbladder, heart, liver, kidney) or a tissue file")
+      ->required();
+  command->add_option("--direction", flags->direction, "press or pull (default press)");
+  command->add_option("--rate-Hz", flags->rate,
+                      "loop rate, which decides how many layers move (default 1000)");
+  CLI::Option_group* wanted = command->add_option_group("asked for", "exactly one of these");
+  wanted->add_option("--force-N", flags->forces, "forces between commas, newtons");
+  wanted->add_option("--depth-mm", flags->depths, "depths between commas, millimetres");
+  wanted->require_option(1);
+  command->add_flag("--json", flags->as_json, "one JSON document");
+  command->footer(
+      "Example:\n  palpate model --tissue gallbladder --direction press --rate-Hz 1000 --depth-mm 5,10,15");
+  command->callback([flags, &exit_code] {
+    const Account account = compute(*flags);
+    if (flags->as_json) {
+      print_json(account);
+    } else {
+      print_table(account);
+    }
+    exit_code = kDone;
+  });
+}
+
+}  // namespace palpate::app

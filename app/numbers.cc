@@ -1,0 +1,72 @@
+#include "app/numbers.h"
+
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include "palpate/base/error.h"
+
+namespace palpate::app {
+namespace {
+
+[[noreturn]] void refuse(const std::string& flag, const std::string& text, const std::string& want) {
+  throw InputError(flag + " " + (text.empty() ? "(empty)" : text) + ": must be " + want);
+}
+
+template <typename T>
+bool read_all(const std::string& text, T& value) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && stop == end;
+}
+
+double parse_finite(const std::string& flag, const std::string& text, const std::string& want) {
+  double value = 0.0;
+  if (!read_all(text, value) || !std::isfinite(value)) refuse(flag, text, want);
+  return value;
+}
+
+}  // namespace
+
+double parse_number(const std::string& flag, const std::string& text) {
+  return parse_finite(flag, text, "a finite number");
+}
+
+double parse_not_negative(const std::string& flag, const std::string& text) {
+  const std::string want = "a finite number >= 0";
+  const double value = parse_finite(flag, text, want);
+  if (value < 0.0) refuse(flag, text, want);
+  return value;
+}
+
+double parse_positive(const std::string& flag, const std::string& text) {
+  const std::string want = "a finite number > 0";
+  const double value = parse_finite(flag, text, want);
+  if (value <= 0.0) refuse(flag, text, want);
+  return value;
+}
+
+std::vector<double> parse_not_negative_list(const std::string& flag, const std::string& text) {
+  std::vector<double> values;
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t comma = text.find(',', begin);
+    const std::string entry = text.substr(begin, comma == std::string::npos ? comma : comma - begin);
+    double value = 0.0;
+    if (!read_all(entry, value) || !std::isfinite(value) || value < 0.0) {
+      const std::string shown = entry.empty() ? "an empty entry" : "'" + entry + "'";
+      refuse(flag, text, "finite numbers >= 0 between commas, as in 0.05,0.5 (not " + shown + ")");
+    }
+    values.push_back(value);
+    if (comma == std::string::npos) return values;
+    begin = comma + 1;
+  }
+}
+
+std::uint64_t parse_whole(const std::string& flag, const std::string& text) {
+  std::uint64_t value = 0;
+  if (!read_all(text, value)) refuse(flag, text, "a whole number >= 0 and < 2^64");
+  return value;
+}
+
+}  // namespace palpate::app
