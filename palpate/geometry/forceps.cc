@@ -177,7 +177,7 @@ class Shaft final {
       double z;
       double width;
     };
-    constexpr std::array<Level, 4> kLevels{{{-1.2, 1.0}, {0.6, 1.0}, {1.5, 0.8}, {2.1, 0.42}}};
+    constexpr std::array<Level, 4> kLevels{{{-1.4, 1.0}, {0.3, 1.0}, {1.05, 0.8}, {1.5, 0.42}}};
     std::array<std::int32_t, 6> low{rim_ + first,     rim_ + first + 1, rim_ + first + 2,
                                     rim_ + first + 3, rim_ + first + 4, feet_[first == 2 ? 0 : 1]};
     const std::array<std::int32_t, 6> base = low;
@@ -196,7 +196,7 @@ class Shaft final {
     }
     const double y = 0.5 * (mesh_.vertices[static_cast<std::size_t>(low[2])].y() +
                             mesh_.vertices[static_cast<std::size_t>(low[5])].y());
-    const std::int32_t top = add(0.0, y, 2.3);
+    const std::int32_t top = add(0.0, y, 1.65);
     for (std::size_t k = 0; k < low.size(); ++k) triangle(top, low[k], low[(k + 1) % low.size()]);
   }
 

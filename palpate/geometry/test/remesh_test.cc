@@ -1,0 +1,110 @@
+#include "palpate/geometry/remesh.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "palpate/base/error.h"
+#include "palpate/geometry/implicit.h"
+#include "palpate/geometry/loft.h"
+#include "palpate/geometry/test/shape_checks.h"
+
+namespace palpate::geometry {
+namespace {
+
+class Ball final : public ImplicitSolid {
+ public:
+  [[nodiscard]] FieldValue at(const Vec3& p) const noexcept override {
+    const double distance = p.norm();
+    return {distance - 0.03, distance > 0.0 ? Vec3(p / distance) : Vec3::UnitX()};
+  }
+};
+const Bounds kAroundBall{Vec3::Constant(-0.0401), Vec3::Constant(0.0399)};
+
+/// A field's gradient against central differences.
+template <typename Field>
+void expect_gradient_fits(const Field& field, const Vec3& p, double tolerance) {
+  constexpr double kStep = 1e-5;
+  const FieldValue here = field(p);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Vec3 step = kStep * Vec3::Unit(k);
+    const double slope = (field(p + step).value - field(p - step).value) / (2.0 * kStep);
+    EXPECT_NEAR(here.gradient[k], slope, tolerance) << "axis " << k << " at " << p.transpose();
+  }
+}
+
+TEST(Implicit, BlendsAreExactAwayFromTheSeamAndMeetInTheMiddle) {
+  const FieldValue a{1.0, Vec3::UnitX()};
+  const FieldValue b{2.0, Vec3::UnitY()};
+  EXPECT_DOUBLE_EQ(unite(a, b, 0.5).value, 1.0);
+  EXPECT_DOUBLE_EQ(unite(a, a, 0.8).value, 1.0 - 0.2);  // blend/4 lower on the seam
+  EXPECT_DOUBLE_EQ(unite(a, b, 2.0).value, 1.0 - 0.25 * 2.0 * 0.25);
+  EXPECT_DOUBLE_EQ(intersect(a, b, 0.5).value, 2.0);
+  EXPECT_DOUBLE_EQ(subtract(a, b, 0.5).value, 1.0);
+  EXPECT_DOUBLE_EQ(subtract(b, {-3.0, Vec3::UnitX()}, 0.5).value, 3.0);
+}
+
+TEST(Implicit, FurrowIsDeepestOnTheSeamAndGoneAtItsWidth) {
+  const FieldValue a{1.0, Vec3::UnitX()};
+  EXPECT_DOUBLE_EQ(unite_with_furrow(a, a, 2.0, 0.7).value, 1.0 - 0.25 + 0.7);
+  EXPECT_DOUBLE_EQ(unite_with_furrow(a, {3.0, Vec3::UnitY()}, 2.0, 0.7).value, 1.0);
+}
+
+TEST(Implicit, GradientsAreThoseOfTheValues) {
+  const Tube tube({{{0.0, 0.0, 0.0}, 2.0}, {{5.0, 1.0, 0.0}, 1.5}, {{9.0, 4.0, 2.0}, 1.0}}, 50.0);
+  const Tube other({{{4.0, -4.0, 0.0}, 1.2}, {{4.5, 0.0, 0.5}, 1.4}, {{5.0, 6.0, 1.0}, 1.4}}, 50.0);
+  for (const Vec3& p :
+       {Vec3(2.1, 2.3, 0.4), Vec3(4.9, -1.2, 0.9), Vec3(6.2, 2.9, 1.9), Vec3(3.3, 1.4, 1.2)}) {
+    expect_gradient_fits([&](const Vec3& q) { return tube.at(q); }, p, 1e-6);
+    expect_gradient_fits([&](const Vec3& q) { return unite(tube.at(q), other.at(q), 2.0); }, p, 1e-5);
+    expect_gradient_fits([&](const Vec3& q) { return unite_with_furrow(tube.at(q), other.at(q), 3.0, 0.4); },
+                         p, 1e-5);
+    expect_gradient_fits([&](const Vec3& q) { return subtract(tube.at(q), other.at(q), 2.0); }, p, 1e-5);
+  }
+}
+
+TEST(Implicit, TubeGivesALowerBoundFarAway) {
+  const std::vector<TubeKnot> knots{{{0.0, 0.0, 0.0}, 2.0}, {{5.0, 1.0, 0.0}, 1.5}, {{9.0, 4.0, 2.0}, 1.0}};
+  const Tube exact(knots, 1e6);
+  const Tube bounded(knots, 3.0);
+  const Vec3 p(20.0, 3.0, -15.0);
+  EXPECT_LE(bounded.at(p).value, exact.at(p).value);
+  EXPECT_GE(bounded.at(p).value, 3.0);
+}
+
+TEST(Polygonise, BallIsClosedAndHasItsVolume) {
+  const TriangleMesh mesh = polygonise(Ball(), kAroundBall, 0.003);
+  EXPECT_TRUE(testing::is_closed(mesh));
+  EXPECT_EQ(testing::shells(mesh), 1);
+  EXPECT_EQ(testing::euler(mesh), 2);
+  EXPECT_NEAR(signed_volume(mesh), 4.0 / 3.0 * 3.14159265 * 0.03 * 0.03 * 0.03, 2e-6);
+}
+
+TEST(Remesh, BallGetsTheExactCountOnTheSurfaceWithGoodTriangles) {
+  const TriangleMesh start = polygonise(Ball(), kAroundBall, 0.003);
+  for (const int vertices : {301, 1000}) {  // by collapses and by splits
+    const TriangleMesh mesh = remesh(Ball(), start, {.vertices = vertices});
+    EXPECT_EQ(mesh.vertices.size(), static_cast<std::size_t>(vertices));
+    EXPECT_EQ(mesh.triangles.size(), 2U * (static_cast<std::size_t>(vertices) - 2U));
+    EXPECT_TRUE(testing::is_closed(mesh));
+    EXPECT_GT(testing::smallest_angle(mesh), 30.0);
+    for (const Vec3& v : mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 1e-9);
+  }
+}
+
+TEST(Remesh, CountThatNoClosedSurfaceHasIsRefused) {
+  const TriangleMesh start = polygonise(Ball(), kAroundBall, 0.01);
+  EXPECT_THROW((void)remesh(Ball(), start, {.vertices = 3}), InputError);
+}
+
+TEST(Loft, PrismHasItsVolumeAndIsTurnedOutwards) {
+  std::vector<std::vector<Vec3>> rings;
+  for (const double z : {0.0, 1.0, 3.0}) rings.push_back({{0, 0, z}, {2, 0, z}, {2, 1, z}, {0, 1, z}});
+  const TriangleMesh mesh = loft(rings, {1.0, 0.5, 0.0}, {1.0, 0.5, 3.0});
+  EXPECT_TRUE(testing::is_closed(mesh));
+  EXPECT_EQ(testing::euler(mesh), 2);
+  EXPECT_NEAR(signed_volume(mesh), 6.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
