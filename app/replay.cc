@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "palpate/base/error.h"
 #include "palpate/record/recording.h"
 
 #include "app/commands.h"
@@ -55,12 +56,20 @@ void print_words(const record::Recording& recording, const record::ReplayResult&
             << " rows; first: " << result.first_difference << '\n';
 }
 
+record::ReplayResult run_again(const record::Recording& recording, const std::string& file, Progress& bar) {
+  try {
+    return record::replay(recording,
+                          [&](double share) { bar.update(0.2 + 0.8 * share, "running the ticks again"); });
+  } catch (const InputError& error) {
+    throw InputError(file + ": " + error.what());
+  }
+}
+
 int replay_file(const ReplayFlags& flags) {
   Progress bar("replay");
   const record::Recording recording = record::read_recording(
       flags.file, [&](double share) { bar.update(0.2 * share, "reading " + flags.file); });
-  const record::ReplayResult result = record::replay(
-      recording, [&](double share) { bar.update(0.2 + 0.8 * share, "running the ticks again"); });
+  const record::ReplayResult result = run_again(recording, flags.file, bar);
   const std::uint64_t ticks = result.rows_compared / recording.setup.tools.size();
   if (flags.json) {
     print_json(recording, result, ticks);
