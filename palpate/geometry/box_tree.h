@@ -56,7 +56,7 @@ class BoxTreeBuilder final {
 
  private:
   static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr std::int32_t kLeafSize = 4;
+  static constexpr std::int32_t kLeafSize = 2;
   static constexpr int kBins = 16;
   static constexpr int kSahDepth = 28;  // deeper nodes are halved by count, so depth <= 28 + 31
 

@@ -147,8 +147,7 @@ class ObjCheck final {
     vertices_ += 'v';
     for (const float x : point) {
       std::array<char, 32> digits{};
-      const auto written =
-          std::to_chars(digits.data(), digits.data() + digits.size(), x, std::chars_format::scientific);
+      const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), x);
       vertices_ += ' ';
       vertices_.append(digits.data(), written.ptr);
     }

@@ -23,11 +23,12 @@ constexpr double kSliver = 1e-7;
 constexpr int kFirstEdge = 3;
 constexpr int kFace = 6;
 
-/// A triangle with what the nearest-point query needs, 128 bytes.
+/// A triangle with what the nearest-point query needs.
 struct Prepared {
   std::array<Vec3, 3> corner;
-  Vec3 normal;                                   // not unit; zero for a sliver
-  double inverse_normal_squared;                 // 1 / normal^2, 0 for a sliver
+  std::array<Vec3, 3> inward;     // of edge e: in the plane, square to it, not unit; zero for a sliver
+  Vec3 normal;                    // not unit; zero for a sliver
+  double inverse_normal_squared;  // 1 / normal^2, 0 for a sliver
   std::array<double, 3> inverse_length_squared;  // of edge e, 0 for an edge without length
 };
 
@@ -38,7 +39,8 @@ struct OnTriangle {
 };
 
 Prepared prepare(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
-  Prepared triangle{{a, b, c}, Vec3::Zero(), 0.0, {0.0, 0.0, 0.0}};
+  Prepared triangle{{a, b, c}, {}, Vec3::Zero(), 0.0, {0.0, 0.0, 0.0}};
+  triangle.inward.fill(Vec3::Zero());
   double longest_squared = 0.0;
   std::size_t longest_edge = 0;
   for (std::size_t e = 0; e < 3; ++e) {
@@ -57,30 +59,31 @@ Prepared prepare(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
   if (normal_squared > kSliver * kSliver * longest_squared * longest_squared) {
     triangle.normal = normal;
     triangle.inverse_normal_squared = 1.0 / normal_squared;
+    for (std::size_t e = 0; e < 3; ++e) {
+      triangle.inward[e] = normal.cross(triangle.corner[(e + 1) % 3] - triangle.corner[e]);
+    }
   }
   return triangle;
 }
 
 /// Nearest point on edge e, kept in `best` if it is nearer.
 void try_edge(const Prepared& triangle, std::size_t e, const Vec3& p, OnTriangle& best) noexcept {
+  constexpr std::array<std::size_t, 3> kNext{1, 2, 0};
   const Vec3& a = triangle.corner[e];
-  const Vec3& b = triangle.corner[(e + 1) % 3];
+  const Vec3& b = triangle.corner[kNext[e]];
   const Vec3 ab = b - a;
   const double u = (p - a).dot(ab) * triangle.inverse_length_squared[e];
-  OnTriangle found;
-  if (u <= 0.0) {
-    found.point = a;
-    found.feature = static_cast<int>(e);
-  } else if (u >= 1.0) {
-    found.point = b;
-    found.feature = static_cast<int>((e + 1) % 3);
-  } else {
-    // From the nearer end, so that the two triangles of an edge agree closely.
-    found.point = u <= 0.5 ? Vec3(a + u * ab) : Vec3(b - (1.0 - u) * ab);
-    found.feature = kFirstEdge + static_cast<int>(e);
+  int feature = kFirstEdge + static_cast<int>(e);
+  // From the nearer end, so that the two triangles of an edge agree closely.
+  const Vec3& origin = u <= 0.5 ? a : b;
+  double along = u <= 0.5 ? u : u - 1.0;
+  if (u <= 0.0 || u >= 1.0) {
+    along = 0.0;
+    feature = static_cast<int>(u <= 0.0 ? e : kNext[e]);
   }
-  found.distance_squared = (p - found.point).squaredNorm();
-  if (found.distance_squared < best.distance_squared) best = found;
+  const Vec3 point = origin + along * ab;
+  const double distance_squared = (p - point).squaredNorm();
+  if (distance_squared < best.distance_squared) best = {point, distance_squared, feature};
 }
 
 /// The foot of p on the plane if it lies inside, otherwise on the edges that p lies outside of (all of a
@@ -88,27 +91,29 @@ void try_edge(const Prepared& triangle, std::size_t e, const Vec3& p, OnTriangle
 OnTriangle nearest_on(const Prepared& triangle, const Vec3& p) noexcept {
   OnTriangle best;
   const bool is_sliver = triangle.inverse_normal_squared == 0.0;
-  bool inside = !is_sliver;
-  for (std::size_t e = 0; e < 3; ++e) {
-    const Vec3 along = triangle.corner[(e + 1) % 3] - triangle.corner[e];
-    if (is_sliver || triangle.normal.cross(along).dot(p - triangle.corner[e]) < 0.0) {
-      inside = false;
-      try_edge(triangle, e, p, best);
-    }
-  }
-  if (inside) {
+  const std::array<double, 3> side{triangle.inward[0].dot(p - triangle.corner[0]),
+                                   triangle.inward[1].dot(p - triangle.corner[1]),
+                                   triangle.inward[2].dot(p - triangle.corner[2])};
+  if (!is_sliver && side[0] >= 0.0 && side[1] >= 0.0 && side[2] >= 0.0) {
     const double height = (p - triangle.corner[0]).dot(triangle.normal);
     best.point = p - (height * triangle.inverse_normal_squared) * triangle.normal;
     best.distance_squared = height * height * triangle.inverse_normal_squared;
     best.feature = kFace;
+    return best;
+  }
+  for (std::size_t e = 0; e < 3; ++e) {
+    if (is_sliver || side[e] < 0.0) try_edge(triangle, e, p, best);
   }
   return best;
 }
 
+/// By value, so that it is one instruction and no branch.
+double larger(double a, double b) noexcept { return a > b ? a : b; }
+
 double squared_distance_to_box(const Vec3& low, const Vec3& high, const Vec3& p) noexcept {
-  const double x = std::max(0.0, std::max(low.x() - p.x(), p.x() - high.x()));
-  const double y = std::max(0.0, std::max(low.y() - p.y(), p.y() - high.y()));
-  const double z = std::max(0.0, std::max(low.z() - p.z(), p.z() - high.z()));
+  const double x = larger(0.0, larger(low.x() - p.x(), p.x() - high.x()));
+  const double y = larger(0.0, larger(low.y() - p.y(), p.y() - high.y()));
+  const double z = larger(0.0, larger(low.z() - p.z(), p.z() - high.z()));
   return x * x + y * y + z * z;
 }
 
