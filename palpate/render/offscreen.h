@@ -13,6 +13,8 @@
 
 namespace palpate::render {
 
+class GlContext;
+
 /// 8-bit RGB, top row first.
 struct Image {
   int width = 0;
@@ -39,16 +41,22 @@ struct Camera {
   double vertical_view_deg = 30.0;
 };
 
-/// [setup] A camera that frames organ and tool tip from the side on which the contact is best seen.
+/// [setup] A camera that frames organ and tool tip from the side on which the contact is best seen, 33
+/// degrees above the tangent plane, the normal upright. The same for equal focus, normal, organ pose and
+/// direction of the tool's axis, so that pictures before, at and after contact compare: keep it for all of
+/// them.
 /// @param focus_W the contact (or nearest) point; @param normal_W outward there
 /// @param close_up true: the contact fills the picture; false: the whole organ is in it
 [[nodiscard]] Camera frame_contact(const Subject& subject, const haptics::Snapshot& snapshot,
                                    const Vec3& focus_W, const Vec3& normal_W, bool close_up);
 
 /// Draws snapshots without a display: SDL's offscreen video driver over Mesa EGL, OpenGL 3.3 core or later.
+/// Any thread may call it, one at a time.
 class OffscreenRenderer final {
  public:
-  /// [setup] @throws std::runtime_error saying what is missing when no OpenGL context can be had.
+  /// [setup] @param width, height of the pictures, 1 to 8192 pixels
+  /// @throws std::runtime_error naming the missing packages when no OpenGL context can be had, InputError for
+  /// a bad size.
   OffscreenRenderer(const Subject& subject, int width, int height);
   ~OffscreenRenderer();
 
@@ -61,6 +69,7 @@ class OffscreenRenderer final {
 
  private:
   struct Impl;
+  std::unique_ptr<GlContext> context_;  // goes last
   std::unique_ptr<Impl> impl_;
 };
 

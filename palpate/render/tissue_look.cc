@@ -1,0 +1,46 @@
+#include "palpate/render/tissue_look.h"
+
+namespace palpate::render {
+
+TissueLook tissue_look(const std::string& tissue_name) {
+  TissueLook look;
+  if (tissue_name == "gallbladder") {  // bile shows grey-green through a pale wall
+    look.base = {0.320F, 0.350F, 0.200F};
+    look.mottle = {0.185F, 0.265F, 0.215F};
+    look.vessel = {0.33F, 0.085F, 0.06F};
+    look.fat = {0.62F, 0.47F, 0.20F};
+    look.vessel_share = 0.50F;
+    look.fat_share = 0.12F;
+  } else if (tissue_name == "heart") {
+    look.base = {0.26F, 0.034F, 0.026F};
+    look.mottle = {0.34F, 0.072F, 0.052F};
+    look.vessel = {0.11F, 0.010F, 0.014F};
+    look.fat = {0.56F, 0.34F, 0.12F};
+    look.vessel_share = 0.6F;
+    look.fat_share = 0.32F;
+    look.mottle_per_m = 110.0F;
+    look.vessel_per_m = 32.0F;
+  } else if (tissue_name == "liver") {
+    look.base = {0.150F, 0.030F, 0.018F};
+    look.mottle = {0.200F, 0.050F, 0.030F};
+    look.vessel = {0.13F, 0.02F, 0.016F};
+    look.fat = {0.45F, 0.25F, 0.11F};
+    look.vessel_share = 0.12F;
+  } else if (tissue_name == "kidney") {
+    look.base = {0.230F, 0.052F, 0.034F};
+    look.mottle = {0.300F, 0.092F, 0.062F};
+    look.vessel = {0.17F, 0.02F, 0.016F};
+    look.fat = {0.6F, 0.42F, 0.19F};
+    look.vessel_share = 0.2F;
+    look.fat_share = 0.08F;
+  } else {
+    look.base = {0.50F, 0.185F, 0.145F};
+    look.mottle = {0.58F, 0.27F, 0.21F};
+    look.vessel = {0.32F, 0.05F, 0.045F};
+    look.fat = {0.66F, 0.46F, 0.22F};
+    look.vessel_share = 0.35F;
+  }
+  return look;
+}
+
+}  // namespace palpate::render
