@@ -13,8 +13,6 @@
 namespace palpate::report {
 namespace {
 
-constexpr double kLawFrom = 1e-3;  // m: below it damping and the start of contact outweigh the law
-
 bool touching(const haptics::TickRow& row) {
   return row.phase != static_cast<std::uint32_t>(contact::Phase::kApproach);
 }
@@ -48,13 +46,15 @@ Moments find_moments(const std::vector<haptics::TickRow>& rows, model::Direction
 
 LawDeparture departure(const std::vector<haptics::TickRow>& rows, const model::LayeredSpringLaw& law,
                        model::Direction direction) {
-  std::vector<double> relative;
+  std::vector<double> apart;
+  double peak = 0.0;
   for (const haptics::TickRow& row : rows) {
-    if (!in_contact(row, direction) || row.depth < kLawFrom) continue;
+    if (!in_contact(row, direction)) continue;
     const double wanted = law.force_at(row.depth).force;
-    relative.push_back(std::abs(normal_force(row) - wanted) / wanted);
+    apart.push_back(std::abs(normal_force(row) - wanted));
+    peak = std::max(peak, wanted);
   }
-  return {relative.size(), quantile(relative, 0.5), quantile(relative, 0.95)};
+  return {apart.size(), quantile(apart, 0.5), quantile(apart, 0.95), peak};
 }
 
 void collect_noise(HandAnalysis& analysis, const scene::Setup& setup) {

@@ -18,11 +18,12 @@ struct Moments {
   std::size_t after = 0;    // last row
 };
 
-/// How far the tissue force is from the law of one contact, where the depth is over 1 mm.
+/// How far the normal force in contact is from the law of one contact.
 struct LawDeparture {
   std::size_t rows = 0;
-  double median = 0.0;  // relative, of |force - law| / law
-  double p95 = 0.0;
+  double median = 0.0;  // N, of |force - law|
+  double p95 = 0.0;     // N
+  double peak = 0.0;    // N, largest force of the law in these rows
 };
 
 /// One hand of one recording, ready for figures and tables.

@@ -14,9 +14,7 @@
 namespace palpate::report {
 namespace {
 
-constexpr int kWidth = 960;
-constexpr int kHeight = 720;
-constexpr int kTimedDraws = 7;
+constexpr int kTimedDraws = 3;
 
 struct NamedMoment {
   const char* name;
@@ -58,9 +56,27 @@ double median_draw_ms(render::OffscreenRenderer& renderer, const haptics::Snapsh
   return quantile(times, 0.5);
 }
 
-Figure picture(render::OffscreenRenderer& renderer, const haptics::Snapshot& snapshot,
-               const render::Camera& camera, const std::filesystem::path& file, const std::string& what) {
-  render::write_png(renderer.draw(snapshot, camera), file);
+/// The mean of every two by two pixels.
+render::Image halved(const render::Image& image) {
+  render::Image small;
+  small.width = image.width / 2;
+  small.height = image.height / 2;
+  const auto at = [&image](int x, int y, int channel) {
+    return static_cast<unsigned>(image.rgb[static_cast<std::size_t>((y * image.width + x) * 3 + channel)]);
+  };
+  for (int y = 0; y < 2 * small.height; y += 2) {
+    for (int x = 0; x < 2 * small.width; x += 2) {
+      for (int c = 0; c < 3; ++c) {
+        const unsigned sum = at(x, y, c) + at(x + 1, y, c) + at(x, y + 1, c) + at(x + 1, y + 1, c);
+        small.rgb.push_back(static_cast<std::uint8_t>((sum + 2) / 4));
+      }
+    }
+  }
+  return small;
+}
+
+Figure written(const render::Image& image, const std::filesystem::path& file, const std::string& what) {
+  render::write_png(image, file);
   Figure figure;
   figure.file = file;
   figure.alternative = what;
@@ -68,14 +84,15 @@ Figure picture(render::OffscreenRenderer& renderer, const haptics::Snapshot& sna
 }
 
 void draw_all(const record::Recording& recording, const HandAnalysis& hand,
-              const std::filesystem::path& folder, const std::string& prefix, PictureSet& set) {
+              const std::filesystem::path& folder, const std::string& prefix, const ReportOptions& options,
+              PictureSet& set) {
   const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
   const scene::Setup& setup = recording.setup;
   const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
-  render::OffscreenRenderer renderer(subject, kWidth, kHeight);
+  render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
   set.driver = renderer.driver();
-  set.width = kWidth;
-  set.height = kHeight;
+  set.width = options.picture_width;
+  set.height = options.picture_height;
 
   // The same two places for all moments, chosen at depth, so that only organ and tool move between pictures.
   const haptics::Snapshot& deepest = snapshots[2];
@@ -92,10 +109,10 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
     MomentPictures pictures;
     pictures.name = moment.name;
     pictures.row = hand.rows[moment.row];
-    pictures.overview =
-        picture(renderer, snapshots[i], wide, folder / (prefix + moment.file + ".png"), what + ", overview");
-    pictures.close_up = picture(renderer, snapshots[i], near, folder / (prefix + moment.file + "-close.png"),
-                                what + ", close-up");
+    pictures.overview = written(halved(renderer.draw(snapshots[i], wide)),
+                                folder / (prefix + moment.file + ".png"), what + ", overview");
+    pictures.close_up = written(renderer.draw(snapshots[i], near),
+                                folder / (prefix + moment.file + "-close.png"), what + ", close-up");
     set.moments.push_back(std::move(pictures));
     ++i;
   }
@@ -105,10 +122,15 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
 }  // namespace
 
 PictureSet draw_pictures(const record::Recording& recording, const HandAnalysis& hand,
-                         const std::filesystem::path& folder, const std::string& prefix) {
+                         const std::filesystem::path& folder, const std::string& prefix,
+                         const ReportOptions& options) {
   PictureSet set;
+  if (!options.pictures) {
+    set.missing = "they were not asked for";
+    return set;
+  }
   try {
-    draw_all(recording, hand, folder, prefix, set);
+    draw_all(recording, hand, folder, prefix, options, set);
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {

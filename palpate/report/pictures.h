@@ -7,6 +7,7 @@
 #include "palpate/record/recording.h"
 #include "palpate/report/analysis.h"
 #include "palpate/report/figures.h"
+#include "palpate/report/report.h"
 
 namespace palpate::report {
 
@@ -31,9 +32,11 @@ struct PictureSet {
 
 /// [setup] Runs the recording again and draws organ and tool at rest, at contact, at depth and at the end,
 /// each as overview and close-up, all from the same two places, into PNG files in `folder` that begin with
-/// `prefix`. Without OpenGL there is no picture and `missing` says why. @throws InputError when a file cannot
+/// `prefix`. Overviews are halved, which smooths
+/// them. Without OpenGL there is no picture and `missing` says why. @throws InputError when a file cannot
 /// be written.
 [[nodiscard]] PictureSet draw_pictures(const record::Recording& recording, const HandAnalysis& hand,
-                                       const std::filesystem::path& folder, const std::string& prefix);
+                                       const std::filesystem::path& folder, const std::string& prefix,
+                                       const ReportOptions& options);
 
 }  // namespace palpate::report

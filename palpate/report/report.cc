@@ -14,14 +14,15 @@ namespace {
 using Progress = std::function<void(double, const std::string&)>;
 
 WorkedExperiment work_out(const Experiment& experiment, const std::filesystem::path& folder,
-                          std::size_t number, const Progress& progress) {
+                          std::size_t number, const ReportOptions& options, const Progress& progress) {
   const record::Recording& recording = *experiment.recording;
   const std::string prefix = std::to_string(number) + "-";
   WorkedExperiment worked;
   worked.experiment = &experiment;
   worked.analysis = analyse(recording);
   progress(0.1, "pictures of organ and tool");
-  worked.pictures = draw_pictures(recording, worked.analysis.hands.front(), folder, prefix + "picture-");
+  worked.pictures =
+      draw_pictures(recording, worked.analysis.hands.front(), folder, prefix + "picture-", options);
   progress(0.6, "figures");
   for (const HandAnalysis& hand : worked.analysis.hands) {
     const std::string start =
@@ -59,7 +60,8 @@ void make_folder(const std::filesystem::path& folder) {
 }  // namespace
 
 std::filesystem::path write_report(const std::vector<Experiment>& experiments,
-                                   const std::filesystem::path& folder, const Progress& progress) {
+                                   const std::filesystem::path& folder, const Progress& progress,
+                                   const ReportOptions& options) {
   make_folder(folder);
   const double share = 1.0 / (static_cast<double>(experiments.size()) + 0.1);
   std::vector<WorkedExperiment> all;
@@ -68,7 +70,7 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
     const Progress part = [&](double fraction, const std::string& what) {
       if (progress) progress(share * (done + fraction), experiment.title + ": " + what);
     };
-    all.push_back(work_out(experiment, folder, all.size() + 1, part));
+    all.push_back(work_out(experiment, folder, all.size() + 1, options, part));
   }
   const std::string title = experiments.size() == 1 ? experiments.front().title : "Palpate report";
   const std::string subtitle = std::to_string(experiments.size()) +

@@ -71,9 +71,10 @@ std::vector<std::string> marks_of(const WorkedExperiment& worked) {
                              fixed(kGoalDepth * kMilli, 0) + " mm."));
   if (hand.law.rows > 0) {
     marks.push_back(marked(Mark::kTold, "Normal force beside the law of one contact, over " +
-                                            grouped(hand.law.rows) + " ticks deeper than 1 mm: half within " +
-                                            fixed(hand.law.median * 100.0, 2) + " %, 95 % within " +
-                                            fixed(hand.law.p95 * 100.0, 2) + " %."));
+                                            grouped(hand.law.rows) + " ticks: half within " +
+                                            fixed(hand.law.median * kMilli, 2) + " mN, 95\u00a0% within " +
+                                            fixed(hand.law.p95 * kMilli, 2) + " mN; the law's largest is " +
+                                            fixed(hand.law.peak, 3) + " N."));
   }
   if (hand.noise_check.count > 1) marks.push_back(noise_mark(hand.noise_check));
   const bool fast = static_cast<double>(analysis.tick_time.p99) < kPaperForceNs;

@@ -30,7 +30,9 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-/// One report of two experiments, written once for all tests here.
+constexpr ReportOptions kNoPictures{false, 0, 0};
+
+/// One report of two experiments, without pictures of organ and tool, for all tests here.
 class Report : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -39,9 +41,9 @@ class Report : public ::testing::Test {
     const record::Recording quiet = SyntheticRecording::make(false, 1200);
     const std::vector<Experiment> experiments{{"A box pressed & held", &press, "palpate run --seed <1>"},
                                               {"A box touched", &quiet, "palpate run --no-noise"}};
-    const std::filesystem::path file =
-        write_report(experiments, folder_->path() / "new" / "out",
-                     [](double fraction, const std::string&) { progress_.push_back(fraction); });
+    const std::filesystem::path file = write_report(
+        experiments, folder_->path() / "new" / "out",
+        [](double fraction, const std::string&) { progress_.push_back(fraction); }, kNoPictures);
     EXPECT_EQ(file, folder_->path() / "new" / "out" / "report.html");
     html_ = read(file);
   }
@@ -116,12 +118,9 @@ TEST_F(Report, SaysWhyAFigureIsMissing) {
   EXPECT_EQ(count(html_, "The noise was off."), 2U);
 }
 
-TEST_F(Report, HasPicturesOrSaysWhyNot) {
-  const std::size_t pictures = count(html_, "data:image/png;base64,");
-  EXPECT_EQ(pictures + 8 * count(html_, "There are no pictures of organ and tool"), 16U);
-  if (pictures > 0) {
-    EXPECT_THAT(read(out() / "1-picture-3-depth-close.png"), HasSubstr("PNG"));
-  }
+TEST_F(Report, SaysWhyThereAreNoPictures) {
+  EXPECT_EQ(count(html_, "There are no pictures of organ and tool: they were not asked for"), 2U);
+  EXPECT_EQ(count(html_, "data:image/png;base64,"), 0U);
 }
 
 TEST_F(Report, ItsProgressRisesToOne) {
@@ -130,12 +129,30 @@ TEST_F(Report, ItsProgressRisesToOne) {
   EXPECT_DOUBLE_EQ(progress_.back(), 1.0);
 }
 
+TEST(ReportPictures, AreInThePageAndAsFilesOrItSaysWhyNot) {
+  const TemporaryFolder folder;
+  const record::Recording recording = SyntheticRecording::make(true, 1600);
+  const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, {true, 160, 120}));
+  const std::size_t pictures = count(html, "data:image/png;base64,");
+  EXPECT_EQ(pictures + 8 * count(html, "There are no pictures of organ and tool"), 8U);
+  if (pictures > 0) {
+    for (const char* name : {"1-before", "2-contact", "3-depth", "4-after"}) {
+      const std::string file = std::string("1-picture-") + name;
+      EXPECT_THAT(read(folder.path() / (file + ".png")), HasSubstr("PNG")) << file;
+      EXPECT_THAT(read(folder.path() / (file + "-close.png")), HasSubstr("PNG")) << file;
+    }
+    EXPECT_NE(read(folder.path() / "1-picture-1-before-close.png"),
+              read(folder.path() / "1-picture-3-depth-close.png"));
+  }
+}
+
 TEST(ReportFolder, ThatCannotBeMadeIsRefused) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "in the way";
   const record::Recording recording = SyntheticRecording::make(true, 100);
-  EXPECT_THROW(static_cast<void>(write_report({{"t", &recording, "c"}}, folder.path() / "file", {})),
-               InputError);
+  EXPECT_THROW(
+      static_cast<void>(write_report({{"t", &recording, "c"}}, folder.path() / "file", {}, kNoPictures)),
+      InputError);
 }
 
 TEST(ReportOffline, HasNoDeadlines) {
@@ -143,7 +160,7 @@ TEST(ReportOffline, HasNoDeadlines) {
   record::Recording recording = SyntheticRecording::make(true, 300);
   recording.facts.offline = true;
   for (haptics::TickRow& row : recording.rows) row.late_ns = 0;
-  const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}));
+  const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, kNoPictures));
   EXPECT_THAT(html, HasSubstr("there are no deadlines to miss"));
   EXPECT_THAT(html, Not(HasSubstr("Missed deadlines")));
 }
@@ -151,7 +168,8 @@ TEST(ReportOffline, HasNoDeadlines) {
 TEST(ReportWithoutTicks, IsRefused) {
   const TemporaryFolder folder;
   const record::Recording recording;
-  EXPECT_THROW(static_cast<void>(write_report({{"t", &recording, "c"}}, folder.path(), {})), InputError);
+  EXPECT_THROW(static_cast<void>(write_report({{"t", &recording, "c"}}, folder.path(), {}, kNoPictures)),
+               InputError);
 }
 
 }  // namespace
