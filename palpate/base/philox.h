@@ -17,17 +17,20 @@ using PhiloxKey = std::array<std::uint32_t, 2>;
   constexpr std::uint64_t kMultiplier1 = 0xcd9e'8d57;
   constexpr std::uint32_t kWeyl0 = 0x9e37'79b9;  // golden ratio
   constexpr std::uint32_t kWeyl1 = 0xbb67'ae85;  // sqrt(3) - 1
+  auto [c0, c1, c2, c3] = counter;
+  auto [k0, k1] = key;
+#pragma GCC unroll 10
   for (int round = 0; round < kRounds; ++round) {
-    const std::uint64_t product0 = kMultiplier0 * counter[0];
-    const std::uint64_t product1 = kMultiplier1 * counter[2];
-    counter = {static_cast<std::uint32_t>(product1 >> 32) ^ counter[1] ^ key[0],
-               static_cast<std::uint32_t>(product1),
-               static_cast<std::uint32_t>(product0 >> 32) ^ counter[3] ^ key[1],
-               static_cast<std::uint32_t>(product0)};
-    key[0] += kWeyl0;
-    key[1] += kWeyl1;
+    const std::uint64_t product0 = kMultiplier0 * c0;
+    const std::uint64_t product1 = kMultiplier1 * c2;
+    c0 = static_cast<std::uint32_t>(product1 >> 32) ^ c1 ^ k0;
+    c1 = static_cast<std::uint32_t>(product1);
+    c2 = static_cast<std::uint32_t>(product0 >> 32) ^ c3 ^ k1;
+    c3 = static_cast<std::uint32_t>(product0);
+    k0 += kWeyl0;
+    k1 += kWeyl1;
   }
-  return counter;
+  return {c0, c1, c2, c3};
 }
 
 }  // namespace palpate

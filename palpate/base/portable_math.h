@@ -2,7 +2,7 @@
 
 /// Elementary functions whose result does not depend on the C library's choice by processor: the same bits at
 /// -O0 and -O2 on any x86-64. Only +, -, *, / and sqrt of IEEE 754 are used. Each is within 2 units in the
-/// last place.
+/// last place unless said otherwise.
 namespace palpate::portable {
 
 inline constexpr double kPi = 3.14159265358979323846;
@@ -21,9 +21,10 @@ struct SinCos {
 /// [rt] Sine and cosine of x [rad], |x| <= 1e5 (larger arguments lose digits; NaN past 1e9).
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 
-/// [rt] Sine and cosine of 2 pi turns, |turns| <= 2^40 (NaN past it): for angles given as a share of the
-/// circle, where the quadrant costs nothing.
-[[nodiscard]] SinCos sin_cos_of_turns(double turns) noexcept;
+/// [rt] Cosine of 2 pi turns, |turns| <= 2^40 (NaN past it): half the work of sin_cos() for an angle given as
+/// a share of the circle. Exact in its argument for |turns| < 1 in steps of 2^-53; else the angle is rounded
+/// to 2^-53 turns or to its own last place, whichever is more.
+[[nodiscard]] double cos_of_turns(double turns) noexcept;
 
 /// [rt] Arc cosine [rad] of x, clamped to [-1, 1] first; NaN for NaN.
 [[nodiscard]] double acos(double x) noexcept;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
@@ -12,6 +13,10 @@ namespace palpate::model {
 namespace {
 
 constexpr double kSpringsPerBar = 4.0;
+
+// A depth or force this little past a joint is the joint: millimetres turned to metres and summed limits miss
+// it by rounding, and the joint belongs to the layer below.
+constexpr double kJointWidth = 1.0 + 8.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -35,6 +40,8 @@ LayeredSpringLaw::LayeredSpringLaw(const TissueParameters& tissue, Direction dir
     limit_[layer] = limit;
     start_depth_[layer + 1] = end_depth;
     start_force_[layer + 1] = end_force;
+    past_depth_[layer + 1] = end_depth * kJointWidth;
+    past_force_[layer + 1] = end_force * kJointWidth;
     springs *= kSpringsPerBar;
     limit *= tissue.q;  // eq. 4
   }
@@ -49,8 +56,8 @@ ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
   // 1-based number of the cut-off layer, which ends at start_depth_[end]; counted without a branch a layer,
   // which the next depth would mispredict
   std::size_t end = 1;
-  for (std::size_t i = 1; i < layers; ++i) end += depth > start_depth_[i] ? 1 : 0;
-  if (depth > start_depth_[end]) return {start_force_[end], 0.0, layers_, true};
+  for (std::size_t i = 1; i < layers; ++i) end += depth > past_depth_[i] ? 1 : 0;
+  if (depth > past_depth_[end]) return {start_force_[end], 0.0, layers_, true};
   const double force = start_force_[end - 1] + slope_[end - 1] * (depth - start_depth_[end - 1]);
   // never more than at the joint, so that the inverse finds the same layer; NaN stays NaN
   const double bounded = force > start_force_[end] ? start_force_[end] : force;
@@ -77,8 +84,8 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_under(double force) c
   const auto layers = static_cast<std::size_t>(layers_);
   if (force <= 0.0) return layer_state(1, 0.0);
   std::size_t end = 1;
-  for (std::size_t i = 1; i < layers; ++i) end += force > start_force_[i] ? 1 : 0;
-  if (force > start_force_[end]) {
+  for (std::size_t i = 1; i < layers; ++i) end += force > past_force_[i] ? 1 : 0;
+  if (force > past_force_[end]) {
     LayerState state = layer_state(end, limit_[end - 1]);
     state.depth = start_depth_[end];
     state.force = start_force_[end];
@@ -89,16 +96,15 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_under(double force) c
   const double in_cutoff = (force - start_force_[end - 1]) / slope_[end - 1];  // eq. 5, with k_M
   LayerState state = layer_state(end, in_cutoff);
   state.depth = std::min(start_depth_[end - 1] + in_cutoff, start_depth_[end]);
-  state.force = force;
+  state.force = std::min(force, start_force_[end]);
   return state;
 }
 
 LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_at(double depth) const noexcept {
   const ContactResponse response = force_at(depth);
   const auto cutoff = static_cast<std::size_t>(response.cutoff_layer);
-  const double reached = response.saturated ? start_depth_[cutoff] : std::max(depth, 0.0);
-  LayerState state =
-      layer_state(cutoff, response.saturated ? limit_[cutoff - 1] : reached - start_depth_[cutoff - 1]);
+  const double reached = std::clamp(depth, 0.0, start_depth_[cutoff]);
+  LayerState state = layer_state(cutoff, reached - start_depth_[cutoff - 1]);
   state.depth = reached;
   state.force = response.force;
   state.stiffness = response.stiffness;

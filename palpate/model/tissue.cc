@@ -78,7 +78,12 @@ constexpr std::array kPresets{
 }  // namespace
 
 double TissueParameters::first_limit(Direction direction) const noexcept {
-  return direction == Direction::kPull ? max_length - rest_length : rest_length - min_length;
+  const double limit = direction == Direction::kPull ? max_length - rest_length : rest_length - min_length;
+  // To a femtometre, so that 22 mm - 14 mm is 8 mm and not the 7.999999999999998 mm that the difference
+  // leaves.
+  constexpr double kPerMetre = 1e15;
+  const double rounded = std::floor(limit * kPerMetre + 0.5) / kPerMetre;
+  return rounded > 0.0 && std::isfinite(rounded) ? rounded : limit;
 }
 
 double TissueParameters::tangential_stiffness() const noexcept {

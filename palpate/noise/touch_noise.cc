@@ -65,7 +65,7 @@ double unit_sample(std::uint64_t seed, std::uint32_t hand, std::uint64_t n) noex
   const double u1 = uniform(bits[0], bits[1]);
   const double u2 = uniform(bits[2], bits[3]);
   const double radius = std::sqrt(-2.0 * portable::log(1.0 - u1));
-  return radius * portable::sin_cos_of_turns(u2).cosine;  // [Zhang 2011, eq. 1]
+  return radius * portable::cos_of_turns(u2);  // [Zhang 2011, eq. 1]
 }
 
 TouchNoise::TouchNoise(const NoiseSettings& settings, double loop_rate_Hz) : settings_(settings) {

@@ -215,11 +215,26 @@ TEST(LayeredSpringLaw, AJointBelongsToTheLayerBelow) {
       EXPECT_EQ(at.cutoff_layer, layer);
       EXPECT_FALSE(at.saturated);
       EXPECT_NEAR(at.stiffness / oracle.slope(layer), 1.0, 1e-14);
-      const auto past = law.force_at(std::nextafter(joint, 1e9));
+      const auto past = law.force_at(joint * (1.0 + 1e-14));
       EXPECT_EQ(past.saturated, layer == law.layers_allowed());
       EXPECT_EQ(past.cutoff_layer, std::min(layer + 1, law.layers_allowed()));
     }
   }
+}
+
+// Joints as a user types them, in millimetres: 8, 8 + 5.6, 8 + 5.6 + 3.92.
+TEST(LayeredSpringLaw, JointsTypedInMillimetresBelongToTheLayerBelow) {
+  for (const char* name : {"gallbladder", "heart", "liver"}) {
+    for (const Direction direction : {Direction::kPress, Direction::kPull}) {
+      const LayeredSpringLaw law(tissue_preset(name), direction, 1e-3);
+      EXPECT_EQ(law.force_at(8.0 * 1e-3).cutoff_layer, 1);
+      EXPECT_EQ(law.force_at(13.6 * 1e-3).cutoff_layer, 2);
+      EXPECT_EQ(law.force_at(17.52 * 1e-3).cutoff_layer, 3);
+    }
+  }
+  const LayeredSpringLaw heart(tissue_preset("heart"), Direction::kPull, 1e-3);
+  EXPECT_EQ(heart.deformation_under(0.12).cutoff_layer, 1);  // 15 N/m x 8 mm
+  EXPECT_EQ(heart.deformation_under(0.12).deformation[0], 8e-3);
 }
 
 TEST(LayeredSpringLaw, AgreesWithTheEquationsSummedLayerByLayer) {
