@@ -232,6 +232,10 @@ TEST(LayeredSpringLaw, JointsTypedInMillimetresBelongToTheLayerBelow) {
       EXPECT_EQ(law.force_at(17.52 * 1e-3).cutoff_layer, 3);
     }
   }
+  // 12.75 x 1e-3 and 16.425 x 1e-3 are a rounding more than the sums of the limits, 7.5 + 5.25 and 3.675 mm
+  const LayeredSpringLaw kidney(tissue_preset("kidney"), Direction::kPress, 1e-3);
+  EXPECT_EQ(kidney.force_at(12.75 * 1e-3).cutoff_layer, 2);
+  EXPECT_EQ(kidney.force_at(16.425 * 1e-3).cutoff_layer, 3);
   const LayeredSpringLaw heart(tissue_preset("heart"), Direction::kPull, 1e-3);
   EXPECT_EQ(heart.deformation_under(0.12).cutoff_layer, 1);  // 15 N/m x 8 mm
   EXPECT_EQ(heart.deformation_under(0.12).deformation[0], 8e-3);
