@@ -235,7 +235,7 @@ Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantit
   }
   const Bins bins = bin_logarithmic(values, 20);
   if (bins.counts.empty()) {
-    figure.missing = computing ? "The recording has no tick times."
+    figure.missing = computing ? "The rows of an offline run hold no tick times."
                                : "The run was offline: no tick has a due time, so none is late.";
     return figure;
   }

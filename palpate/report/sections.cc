@@ -16,6 +16,9 @@ constexpr double kPaperForceNs = 1e6;  // "under 1 ms a force" [Zhang 2011, sect
 
 std::string microseconds(std::int64_t ns) { return fixed(static_cast<double>(ns) * 1e-3, 1); }
 
+/// Whether the rows tell how long ticks took; those of an offline run do not.
+bool is_timed(const Analysis& analysis) { return analysis.tick_time.max > 0; }
+
 bool is_pull(const WorkedExperiment& worked) { return worked.analysis.direction == model::Direction::kPull; }
 
 /// The hand that went deepest.
@@ -77,10 +80,12 @@ std::vector<std::string> marks_of(const WorkedExperiment& worked) {
                                             fixed(hand.law.peak, 3) + " N."));
   }
   if (hand.noise_check.count > 1) marks.push_back(noise_mark(hand.noise_check));
-  const bool fast = static_cast<double>(analysis.tick_time.p99) < kPaperForceNs;
-  marks.push_back(marked(mark_of(fast), "A tick took " + microseconds(analysis.tick_time.p50) +
-                                            " µs (p50), " + microseconds(analysis.tick_time.p99) +
-                                            " µs (p99); the paper's force took under 1 ms."));
+  if (is_timed(analysis)) {
+    const bool fast = static_cast<double>(analysis.tick_time.p99) < kPaperForceNs;
+    marks.push_back(marked(mark_of(fast), "A tick took " + microseconds(analysis.tick_time.p50) +
+                                              " µs (p50), " + microseconds(analysis.tick_time.p99) +
+                                              " µs (p99); the paper's force took under 1 ms."));
+  }
   if (!recording.facts.offline) {
     marks.push_back(marked(mark_of(analysis.missed == 0), "Missed deadlines: " + grouped(analysis.missed) +
                                                               " of " + grouped(analysis.ticks) +
@@ -161,11 +166,12 @@ void write_timing(Page& page, const WorkedExperiment& worked) {
     return std::vector<std::string>{name, microseconds(p.p50), microseconds(p.p99), microseconds(p.p999),
                                     microseconds(p.max)};
   };
-  TableRows rows{{"µs", "p50", "p99", "p99.9", "max"}, row("computing time of a tick", analysis.tick_time)};
+  TableRows rows{{"µs", "p50", "p99", "p99.9", "max"}};
+  if (is_timed(analysis)) rows.push_back(row("computing time of a tick", analysis.tick_time));
   if (!offline) rows.push_back(row("lateness of a tick", analysis.lateness));
-  page.table(rows);
+  if (rows.size() > 1) page.table(rows);
   if (offline) {
-    page.paragraph("The run was offline: there are no deadlines to miss.");
+    page.paragraph("The run was offline: there are no deadlines to miss, and its rows hold no tick times.");
     return;
   }
   page.paragraph("Missed deadlines (a full period or more late): <strong>" + grouped(analysis.missed) +
@@ -205,8 +211,10 @@ TableRows comparison(const WorkedExperiment& worked) {
       {"k₁", pull ? "0.15 N/cm" : "0.18 N/cm", fixed(setup.tissue.k1 * kNewtonPerCentimetre, 4) + " N/cm"},
       {"β", pull ? "2.0" : "1.6", fixed(setup.tissue.beta, 3)},
       {"one force", pull ? "not given" : "under 1 ms",
-       microseconds(tick.p50) + " µs p50, " + microseconds(tick.p99) + " µs p99, " + microseconds(tick.max) +
-           " µs max (whole tick: contact, force, noise, gate)"},
+       is_timed(worked.analysis)
+           ? microseconds(tick.p50) + " µs p50, " + microseconds(tick.p99) + " µs p99, " +
+                 microseconds(tick.max) + " µs max (whole tick: contact, force, noise, gate)"
+           : "not recorded: the run was offline"},
       {"one picture", pull ? "not given" : "32 ms",
        worked.pictures.missing.empty()
            ? fixed(worked.pictures.draw_ms, 1) + " ms (" + escaped(worked.pictures.driver) + ")"
@@ -230,7 +238,9 @@ void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
     rows.push_back(
         {"<a href=\"#" + anchor(++number) + "\">" + escaped(worked.experiment->title) + "</a>",
          fixed(hand.peak_depth * kMilli, 2) + " mm", fixed(hand.peak_tissue_force, 3) + " N",
-         microseconds(analysis.tick_time.p50) + " / " + microseconds(analysis.tick_time.p99) + " µs",
+         is_timed(analysis) ? microseconds(analysis.tick_time.p50) + " / " +
+                                  microseconds(analysis.tick_time.p99) + "\u00a0µs"
+                            : "not recorded",
          offline ? "offline"
                  : microseconds(analysis.lateness.p50) + " / " + microseconds(analysis.lateness.p99) + " µs",
          offline ? "offline" : grouped(analysis.missed) + " of " + grouped(analysis.ticks)});

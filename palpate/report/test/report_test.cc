@@ -159,10 +159,12 @@ TEST(ReportOffline, HasNoDeadlines) {
   const TemporaryFolder folder;
   record::Recording recording = SyntheticRecording::make(true, 300);
   recording.facts.offline = true;
-  for (haptics::TickRow& row : recording.rows) row.late_ns = 0;
+  for (haptics::TickRow& row : recording.rows) row.tick_ns = row.late_ns = 0;
   const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, kNoPictures));
   EXPECT_THAT(html, HasSubstr("there are no deadlines to miss"));
   EXPECT_THAT(html, Not(HasSubstr("Missed deadlines")));
+  EXPECT_THAT(html, Not(HasSubstr("A tick took")));
+  EXPECT_THAT(html, HasSubstr("not recorded: the run was offline"));
 }
 
 TEST(ReportWithoutTicks, IsRefused) {
