@@ -1,6 +1,7 @@
 #include "palpate/geometry/editable_surface.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace palpate::geometry {
@@ -59,14 +60,24 @@ double EditableSurface::relative_length(const Edge& edge) const {
 }
 
 double EditableSurface::sharpest(const Vec3& a, const Vec3& b, const Vec3& c) const {
-  const Vec3 ab = b - a;
-  const Vec3 bc = c - b;
-  const Vec3 ca = a - c;
-  const double lab = ab.norm();
-  const double lbc = bc.norm();
-  const double lca = ca.norm();
-  if (lab * lbc * lca <= 0.0) return 1.0;
-  return std::max({-ab.dot(ca) / (lab * lca), -ab.dot(bc) / (lab * lbc), -bc.dot(ca) / (lbc * lca)});
+  // Plain numbers: called millions of times, and vector expressions make unoptimised builds crawl.
+  const double abx = b.x() - a.x();
+  const double aby = b.y() - a.y();
+  const double abz = b.z() - a.z();
+  const double bcx = c.x() - b.x();
+  const double bcy = c.y() - b.y();
+  const double bcz = c.z() - b.z();
+  const double cax = a.x() - c.x();
+  const double cay = a.y() - c.y();
+  const double caz = a.z() - c.z();
+  const double ab = std::sqrt(abx * abx + aby * aby + abz * abz);
+  const double bc = std::sqrt(bcx * bcx + bcy * bcy + bcz * bcz);
+  const double ca = std::sqrt(cax * cax + cay * cay + caz * caz);
+  if (ab * bc * ca <= 0.0) return 1.0;
+  const double at_a = -(abx * cax + aby * cay + abz * caz) / (ab * ca);
+  const double at_b = -(abx * bcx + aby * bcy + abz * bcz) / (ab * bc);
+  const double at_c = -(bcx * cax + bcy * cay + bcz * caz) / (bc * ca);
+  return std::max(at_a, std::max(at_b, at_c));
 }
 
 bool EditableSurface::faces_outward(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) const {

@@ -37,13 +37,24 @@ FieldValue subtract(const FieldValue& a, const FieldValue& b, double blend) noex
 }
 
 FieldValue Ellipsoid::at(const Vec3& p) const noexcept {
-  const Vec3 local = axes.transpose() * (p - middle);
-  const Vec3 once = local.cwiseQuotient(half_axes);
-  const Vec3 twice = once.cwiseQuotient(half_axes);
-  const double k = once.norm();
-  const double g = twice.norm();
-  if (g <= 0.0) return {-half_axes.minCoeff(), Vec3::UnitX()};
-  return {k * (k - 1.0) / g, axes * (twice / g)};
+  const double x = p.x() - middle.x();
+  const double y = p.y() - middle.y();
+  const double z = p.z() - middle.z();
+  double once2 = 0.0;
+  double twice2 = 0.0;
+  double gradient[3] = {0.0, 0.0, 0.0};
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double half = half_axes[k];
+    const double once = (x * axes(0, k) + y * axes(1, k) + z * axes(2, k)) / half;
+    const double twice = once / half;
+    once2 += once * once;
+    twice2 += twice * twice;
+    for (Eigen::Index i = 0; i < 3; ++i) gradient[i] += twice * axes(i, k);
+  }
+  if (twice2 <= 0.0) return {-half_axes.minCoeff(), Vec3::UnitX()};
+  const double k = std::sqrt(once2);
+  const double g = std::sqrt(twice2);
+  return {k * (k - 1.0) / g, Vec3(gradient[0] / g, gradient[1] / g, gradient[2] / g)};
 }
 
 namespace {
@@ -76,6 +87,15 @@ Tube::Tube(const std::vector<TubeKnot>& knots, double far) : far_(far) {
     }
   }
   line_.push_back(knots.back());
+  for (std::size_t i = 0; i + 1 < line_.size(); ++i) {
+    const Vec3& a = line_[i].middle;
+    const Vec3 along = line_[i + 1].middle - a;
+    pieces_.push_back({{a.x(), a.y(), a.z()},
+                       {along.x(), along.y(), along.z()},
+                       along.squaredNorm(),
+                       line_[i].radius,
+                       line_[i + 1].radius - line_[i].radius});
+  }
   box_ = {line_.front().middle, line_.front().middle};
   for (const TubeKnot& knot : line_) {
     const Vec3 around = Vec3::Constant(knot.radius);
@@ -85,27 +105,46 @@ Tube::Tube(const std::vector<TubeKnot>& knots, double far) : far_(far) {
 }
 
 FieldValue Tube::at(const Vec3& p) const noexcept {
-  const Vec3 off = p - p.cwiseMax(box_.low).cwiseMin(box_.high);
-  const double away2 = off.squaredNorm();
+  // Plain numbers in these innermost loops: vector expressions make unoptimised builds crawl.
+  double away2 = 0.0;
+  double off[3] = {0.0, 0.0, 0.0};
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double x = p[k];
+    if (x < box_.low[k]) off[k] = x - box_.low[k];
+    if (x > box_.high[k]) off[k] = x - box_.high[k];
+    away2 += off[k] * off[k];
+  }
   if (away2 > far_ * far_) {
     const double away = std::sqrt(away2);
-    return {away, off / away};
+    return {away, Vec3(off[0] / away, off[1] / away, off[2] / away)};
   }
-  FieldValue best{1e9, Vec3::UnitX()};
-  for (std::size_t i = 0; i + 1 < line_.size(); ++i) {
-    const Vec3 along = line_[i + 1].middle - line_[i].middle;
-    const double length2 = along.squaredNorm();
-    const double t = std::clamp((p - line_[i].middle).dot(along) / length2, 0.0, 1.0);
-    const Vec3 arm = p - line_[i].middle - t * along;
-    const double distance = arm.norm();
-    const double taper = line_[i + 1].radius - line_[i].radius;
-    const double value = distance - (line_[i].radius + t * taper);
-    if (value >= best.value) continue;
-    Vec3 gradient = distance > 0.0 ? Vec3(arm / distance) : Vec3::UnitX();
-    if (t > 0.0 && t < 1.0) gradient -= taper / length2 * along;
-    best = {value, gradient};
+  const double px = p.x();
+  const double py = p.y();
+  const double pz = p.z();
+  double least = 1e9;
+  const Piece* nearest = nullptr;
+  double nearest_t = 0.0;
+  for (const Piece& piece : pieces_) {
+    const double x = px - piece.start[0];
+    const double y = py - piece.start[1];
+    const double z = pz - piece.start[2];
+    double t = (x * piece.along[0] + y * piece.along[1] + z * piece.along[2]) / piece.length2;
+    t = t < 0.0 ? 0.0 : (t > 1.0 ? 1.0 : t);
+    const double dx = x - t * piece.along[0];
+    const double dy = y - t * piece.along[1];
+    const double dz = z - t * piece.along[2];
+    const double value = std::sqrt(dx * dx + dy * dy + dz * dz) - (piece.radius + t * piece.taper);
+    if (value >= least) continue;
+    least = value;
+    nearest = &piece;
+    nearest_t = t;
   }
-  return best;
+  const Vec3 along(nearest->along[0], nearest->along[1], nearest->along[2]);
+  const Vec3 arm = p - Vec3(nearest->start[0], nearest->start[1], nearest->start[2]) - nearest_t * along;
+  const double distance = arm.norm();
+  Vec3 gradient = distance > 0.0 ? Vec3(arm / distance) : Vec3::UnitX();
+  if (nearest_t > 0.0 && nearest_t < 1.0) gradient -= nearest->taper / nearest->length2 * along;
+  return {least, gradient};
 }
 
 namespace {
@@ -186,9 +225,16 @@ class Grid final {
     if (ins == 0 || outs == 0) return;
     const bool even = is_even(order);
     if (ins == 1) {
-      emit(cut(in[0], out[1]), cut(in[0], out[2]), cut(in[0], out[3]), even);
+      const std::int32_t a =
+          cut(in[0], out[1]);  // one by one: the order of arguments is the compiler's choice
+      const std::int32_t b = cut(in[0], out[2]);
+      const std::int32_t c = cut(in[0], out[3]);
+      emit(a, b, c, even);
     } else if (ins == 3) {
-      emit(cut(in[0], out[3]), cut(in[1], out[3]), cut(in[2], out[3]), even);
+      const std::int32_t a = cut(in[0], out[3]);
+      const std::int32_t b = cut(in[1], out[3]);
+      const std::int32_t c = cut(in[2], out[3]);
+      emit(a, b, c, even);
     } else {
       const std::int32_t a = cut(in[0], out[2]);
       const std::int32_t b = cut(in[0], out[3]);

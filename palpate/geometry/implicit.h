@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <vector>
 
 #include "palpate/geometry/mesh.h"
@@ -55,7 +56,16 @@ class Tube final {
   [[nodiscard]] const std::vector<TubeKnot>& line() const noexcept { return line_; }
 
  private:
+  struct Piece {  // of the centre line, straight
+    std::array<double, 3> start{};
+    std::array<double, 3> along{};
+    double length2 = 0.0;
+    double radius = 0.0;  // at its start
+    double taper = 0.0;   // what its end has more
+  };
+
   std::vector<TubeKnot> line_;
+  std::vector<Piece> pieces_;
   Bounds box_;  // around everything
   double far_;
 };
