@@ -113,7 +113,6 @@ void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult
   const GripState& grip = tool.grip;
   if (!pulls(grip)) return;
   const Vec3 carried = grip.anchor.point + grip.stretch;
-  const bool strongest = grip.held || grip.force.norm() >= sums.force.norm();
   sums.add(grip.force, carried, tool.pose_S.position);
   const double length = grip.stretch.norm();
   if (length > 0.0) {
@@ -121,7 +120,6 @@ void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult
         {grip.anchor.point, grip.stretch / length, length, grip.tip_radius, 0.0, grip.anchor.triangle, true},
         result);
   }
-  if (!strongest) return;
   result.phase = Phase::kPull;
   result.depth = length;
   result.cutoff_layer = grip.cutoff_layer;

@@ -188,6 +188,7 @@ class Analysis final {
       const double la = a.norm();
       const double lb = b.norm();
       const double lc = c.norm();
+      // not in a tick
       half_angles +=
           std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
     }
