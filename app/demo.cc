@@ -55,7 +55,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
 
   int exit_code = kDone;
   bool stopped = false;
-  nlohmann::json summaries = nlohmann::json::array();
+  nlohmann::ordered_json summaries = nlohmann::ordered_json::array();
   std::vector<OutputFiles> files;
   for (std::size_t i = 0; i < sessions.size() && !stopped; ++i) {
     files.push_back({flags.folder / kExperiments[i].file, {}, {}});
@@ -75,7 +75,8 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   }
   const fs::path page = write_demo_report(sessions, files, flags.folder, command_line);
   if (flags.json) {
-    std::cout << nlohmann::json{{"experiments", summaries}, {"report", page.string()}}.dump(2) << '\n';
+    std::cout << nlohmann::ordered_json{{"experiments", summaries}, {"report", page.string()}}.dump(2)
+              << '\n';
   } else {
     std::cout << "Report: " << page.string() << '\n';
   }

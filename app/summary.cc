@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "palpate/base/text.h"
 #include "palpate/haptics/gate.h"
 
 namespace palpate::app {
@@ -47,7 +48,7 @@ const char* fault_name(haptics::Fault fault) {
 
 double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
 
-nlohmann::json histogram_json(const haptics::Histogram& times) {
+nlohmann::ordered_json histogram_json(const haptics::Histogram& times) {
   return {{"p50", microseconds(times.percentile(0.5))},
           {"p99", microseconds(times.percentile(0.99))},
           {"p999", microseconds(times.percentile(0.999))},
@@ -168,11 +169,11 @@ std::vector<std::string> remarks(const RunAccount& run) {
   return all;
 }
 
-nlohmann::json summary_json(const RunAccount& run, const OutputFiles& files) {
+nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& files) {
   const auto path_or_null = [](const std::filesystem::path& path) {
-    return path.empty() ? nlohmann::json(nullptr) : nlohmann::json(path.string());
+    return path.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(path.string());
   };
-  nlohmann::json phases = nlohmann::json::array();
+  nlohmann::ordered_json phases = nlohmann::ordered_json::array();
   for (const PhaseSpan& span : run.highlights.phases) {
     phases.push_back(
         {{"hand", span.hand}, {"phase", phase_name(span.phase)}, {"from_s", span.from}, {"to_s", span.to}});
@@ -205,7 +206,7 @@ nlohmann::json summary_json(const RunAccount& run, const OutputFiles& files) {
 }
 
 void print_summary(std::ostream& out, const RunAccount& run, const OutputFiles& files) {
-  out << run.setup->name << ": " << run.loop.ticks << " ticks at " << run.setup->rate_Hz << " Hz, "
+  out << run.setup->name << ": " << run.loop.ticks << " ticks at " << shortest(run.setup->rate_Hz) << " Hz, "
       << (run.offline ? "offline" : "in real time") << '\n';
   print_phases(out, run.highlights, run.setup->tools.size() > 1);
   out << std::fixed << std::setprecision(3) << "Deepest: " << run.highlights.peak_depth * 1e3

@@ -81,7 +81,7 @@ struct RunAccount {
 [[nodiscard]] std::vector<std::string> remarks(const RunAccount& run);
 
 /// [setup] The document that `palpate run --json` prints (docs/file-formats.md).
-[[nodiscard]] nlohmann::json summary_json(const RunAccount& run, const OutputFiles& files);
+[[nodiscard]] nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& files);
 
 /// [setup] The same for people.
 void print_summary(std::ostream& out, const RunAccount& run, const OutputFiles& files);

@@ -205,9 +205,15 @@ TEST(Program, ARunTellsWhatItWasLikeAndRecordsExactlyItsTicks) {
   EXPECT_EQ(lines(text_of(folder / "r.csv")), 451u);
 }
 
-TEST(Program, MaxMissedExceededExitsFourAndOtherwiseNot) {
+TEST(Program, MaxMissedExceededExitsFourAndOtherwiseZero) {
   const Folder folder;
   EXPECT_EQ(run(folder, {"run", "--duration-s", "0.2", "--max-missed", "1000000"}).exit_code, 0);
+  Program halted(folder.path(), {"run", "--duration-s", "1.5", "--max-missed", "0", "--record", "r.h5"});
+  ASSERT_TRUE(appears(folder / "r.h5"));
+  halted.signal(SIGSTOP);
+  std::this_thread::sleep_for(100ms);
+  halted.signal(SIGCONT);
+  EXPECT_EQ(halted.wait().exit_code, 4) << "a tick came 100 ms late";
 }
 
 TEST(Program, CtrlCEndsTheRunInGoodOrderWithARecordingThatVerifies) {
