@@ -230,7 +230,7 @@ class PlyCheck final {
       refuse_as_truncated(element, n);
     }
     const bool names_vertices = property.name == "vertex_indices" || property.name == "vertex_index";
-    for (double k = 0.0; k < length; k += 1.0) {
+    for (auto left = static_cast<std::size_t>(length); left > 0; --left) {
       const double index = take(property.type, element, n);
       if (!names_vertices) continue;
       if (!(index >= 0.0 && index < static_cast<double>(points_.count)) || index != std::floor(index)) {
