@@ -15,7 +15,8 @@ std::string joined(int argc, char** argv) {
   std::string line = "palpate";
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
-    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;~#!") == word.npos;
+    const bool plain =
+        !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;~#!") == std::string_view::npos;
     line += ' ';
     if (plain) {
       line += word;

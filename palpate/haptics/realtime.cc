@@ -12,7 +12,7 @@ namespace palpate::haptics {
 namespace {
 
 constexpr int kPriority = 80;  // above interrupt threads (50), below the kernel's own (99)
-constexpr std::size_t kTouchedStack = 256 * 1024;  // bytes; a tick uses a few kilobytes
+constexpr std::size_t kTouchedStack = 256UL * 1024UL;  // bytes; a tick uses a few kilobytes
 constexpr std::size_t kPage = 4096;
 
 std::string words(int error) { return std::generic_category().message(error); }

@@ -85,6 +85,7 @@ class RowKeeper final : public TickSink {
 inline bool same_bits(TickRow a, TickRow b) {
   a.tick_ns = b.tick_ns = 0;
   a.late_ns = b.late_ns = 0;
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are what is compared, -0 and NaN too
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
