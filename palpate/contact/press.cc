@@ -103,7 +103,8 @@ void compute_force(const World::Data& world, const PartState& part, Contact& con
 
 void remove_contact(PartState& part, int index) noexcept {
   for (int i = index; i + 1 < part.contact_count; ++i) {
-    part.contacts[static_cast<std::size_t>(i)] = part.contacts[static_cast<std::size_t>(i + 1)];
+    const auto to = static_cast<std::size_t>(i);
+    part.contacts[to] = part.contacts[to + 1];
   }
   --part.contact_count;
 }

@@ -38,7 +38,7 @@ geometry::NearestPoint update_point(const OrganSurface& surface, const PartPoint
                                     bool placed_anew, PartState& part) noexcept {
   const bool was_inside = part.inside[i] != 0;
   const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
-  const geometry::NearestPoint now = ask_distance(surface, points, i, part);
+  geometry::NearestPoint now = ask_distance(surface, points, i, part);
   if (placed_anew || was_inside) return now;
   const bool went_in = now.distance < 0.0;
   const Vec3 end = part.pose_S * points.point(i);
@@ -72,7 +72,7 @@ void scan_points(const OrganSurface& surface, const PartPoints& points, bool pla
 
 geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoints& points, std::size_t point,
                                     PartState& part) noexcept {
-  const geometry::NearestPoint found =
+  geometry::NearestPoint found =
       surface.nearest(part.pose_S * points.point(point), part.nearest_triangle[point]);
   part.known[point] = found.distance;
   part.since[point] = part.travelled;

@@ -74,7 +74,7 @@ void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices)
 class Cells final {
  public:
   explicit Cells(const std::vector<Sample>& samples) : samples_(samples) {
-    for (std::uint32_t i = 0; i < samples.size(); ++i) cells_.push_back({key(samples[i].point), i});
+    for (std::uint32_t i = 0; i < samples.size(); ++i) cells_.emplace_back(key(samples[i].point), i);
     std::sort(cells_.begin(), cells_.end());
   }
 
