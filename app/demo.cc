@@ -11,6 +11,7 @@
 #include "palpate/report/report.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/progress.h"
 #include "app/session.h"
 
@@ -70,7 +71,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
     if (!flags.json) print_summary(std::cout, account, files[i]);
   }
   if (stopped) {
-    std::cerr << "palpate: stopped before the end of the demo; no report was written\n";
+    tell("stopped before the end of the demo; no report was written");
     return exit_code;
   }
   const fs::path page = write_demo_report(sessions, files, flags.folder, command_line);

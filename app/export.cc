@@ -1,11 +1,11 @@
 // `palpate export`: a recording's ticks as CSV.
-#include <iostream>
 #include <memory>
 #include <string>
 
 #include "palpate/record/recording.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/progress.h"
 
 namespace palpate::app {
@@ -25,8 +25,8 @@ int export_file(const ExportFlags& flags) {
     record::export_csv(recording, flags.csv,
                        [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + flags.csv); });
   }
-  std::cerr << flags.csv << ": " << recording.rows.size() << " rows"
-            << (recording.facts.complete ? "" : "; the recording was cut off after the last of them") << '\n';
+  tell(flags.csv + ": " + std::to_string(recording.rows.size()) + " rows" +
+       (recording.facts.complete ? "" : "; the recording was cut off after the last of them"));
   return kDone;
 }
 

@@ -15,6 +15,7 @@
 #include "palpate/geometry/read_mesh.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 
 namespace palpate::app {
 namespace {
@@ -121,7 +122,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
   command->callback([options, &exit_code] {
     const geometry::LoadedMesh loaded = load(*options);
     if (is_path(options->mesh) && options->unit.empty()) {
-      std::cerr << "palpate: " << options->mesh << ": no --unit given: its numbers are taken as mm\n";
+      tell(options->mesh + ": no --unit given: its numbers are taken as mm");
     }
     if (options->as_json) {
       print_json(loaded);

@@ -7,6 +7,7 @@
 #include "palpate/version.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 
 namespace {
 
@@ -56,10 +57,10 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
-    std::cerr << "palpate: " << error.what() << " (--help shows what there is)\n";
+    palpate::app::tell_error(std::string(error.what()) + " (--help shows what there is)");
     return kBadInput;
   } catch (const std::exception& error) {
-    std::cerr << "palpate: " << error.what() << '\n';
+    palpate::app::tell_error(error.what());
     return kBadInput;
   }
   return exit_code;
