@@ -1,0 +1,116 @@
+// The commands that print figures, and a fault through the whole program.
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "palpate/record/recorder.h"
+#include "palpate/scene/load.h"
+
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+using nlohmann::json;
+
+/// The tissue of docs/model.md that is worked by hand there.
+const char* const kHandWorked = R"([tissue]
+name = "hand"
+k1_N_per_m = 18.0
+beta = 1.6
+q = 0.7
+rest_length_mm = 10.0
+max_length_mm = 15.0
+min_length_mm = 5.0
+t1_us = 10.0
+)";
+
+json model(const Folder& folder, const std::string& rate, const std::string& flag,
+           const std::string& values) {
+  std::ofstream(folder / "hand.toml") << kHandWorked;
+  const Outcome outcome = run(folder, {"model", "--tissue", "hand.toml", "--direction", "press", "--rate-Hz",
+                                       rate, flag, values, "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return json::parse(outcome.out);
+}
+
+TEST(ModelCommand, GivesTheFiguresWorkedByHand) {
+  const Folder folder;
+  const json forces = model(folder, "1000", "--force-N", "0.05,0.5");
+  EXPECT_EQ(forces["layers_allowed"], 5);
+  EXPECT_NEAR(forces["results"][0]["depth_mm"], 2.777778, 1e-6);
+  EXPECT_EQ(forces["results"][0]["cutoff_layer"], 1);
+  EXPECT_NEAR(forces["results"][1]["depth_mm"], 8.048016, 1e-6);
+  EXPECT_EQ(forces["results"][1]["layer_deformation_mm"].size(), 2U);
+  EXPECT_EQ(model(folder, "4000", "--depth-mm", "1")["layers_allowed"], 4);
+}
+
+TEST(ModelCommand, RefusesWhatIsNoForceInOneLine) {
+  const Folder folder;
+  for (const char* value : {"-1", "nan", "inf", "1,,2", "1x", ""}) {
+    const Outcome outcome = run(folder, {"model", "--tissue", "heart", "--direction", "pull", "--rate-Hz",
+                                         "1000", "--force-N", value});
+    EXPECT_EQ(outcome.exit_code, 2) << value;
+    EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST(NoiseCommand, PrintsTheSameSamplesForTheSameSeedWithTheStatedSpread) {
+  const Folder folder;
+  const std::vector<std::string> words{"noise", "--gain-N-m", "5e-5",  "--threshold-mm", "5", "--distance-mm",
+                                       "5",     "--samples",  "20000", "--seed",         "7"};
+  const Outcome outcome = run(folder, words);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(lines(outcome.out), 20000U);
+  EXPECT_EQ(run(folder, words).out, outcome.out);
+  double sum_of_squares = 0.0;
+  std::istringstream values(outcome.out);
+  for (double value = 0.0; values >> value;) sum_of_squares += value * value;
+  EXPECT_NEAR(std::sqrt(sum_of_squares / 20000.0), 5e-3, 1e-4);  // K/(d + d0); four standard errors
+}
+
+/// A recording of a hand that holds still and reads NaN at one tick.
+void record_broken_hand(const std::string& file, std::uint64_t broken_tick) {
+  const scene::Setup setup = scene::load({});
+  record::Recorder recorder(file, setup, true);
+  recorder.begin(1);
+  for (std::uint64_t tick = 0; tick < 200; ++tick) {
+    haptics::TickRow row;
+    row.tick = tick;
+    row.time = 1e-3 * static_cast<double>(tick);
+    row.device = {0.0, 0.0, 0.2};
+    row.device_q = {1.0, 0.0, 0.0, 0.0};
+    if (tick == broken_tick) row.device[1] = std::numeric_limits<double>::quiet_NaN();
+    recorder.put(row);
+  }
+  recorder.finish({});
+}
+
+TEST(RunCommand, ABrokenSampleLatchesZeroForceAndExitsThreeWithTheCauseRecorded) {
+  const Folder folder;
+  record_broken_hand(folder / "broken.h5", 100);
+  const Outcome outcome =
+      run(folder, {"run", "--device", "replay:broken.h5", "--offline", "--headless", "--record", "run.h5"});
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  ASSERT_EQ(run(folder, {"export", "run.h5", "--csv", "run.csv"}).exit_code, 0);
+  const record::Recording recording = record::read_recording(folder / "run.h5");
+  ASSERT_EQ(recording.rows.size(), 200U);  // the run went on to its end
+  for (const haptics::TickRow& row : recording.rows) {
+    EXPECT_EQ(row.fault != 0, row.tick >= 100) << row.tick;
+    if (row.tick >= 110) {
+      EXPECT_EQ(row.force[0], 0.0);
+      EXPECT_EQ(row.force[1], 0.0);
+      EXPECT_EQ(row.force[2], 0.0);
+    }
+  }
+  EXPECT_NE(text_of(folder / "run.csv").find("not-finite"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::tests

@@ -1,0 +1,96 @@
+#pragma once
+// The program in a child process, for tests that see it as its users do. PALPATE_PROGRAM is its path.
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace palpate::tests {
+
+namespace fs = std::filesystem;
+
+inline std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// A folder of the test's own, gone at the end.
+class Folder final {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "palpate_program_XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& entry : fs::directory_iterator(path_)) all.push_back(entry.path().filename().string());
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Outcome {
+  int exit_code = -1;  // -1: ended by a signal
+  std::string out;
+  std::string err;
+};
+
+/// The program in a child process; output goes to files of a folder apart.
+class Program final {
+ public:
+  Program(const fs::path& working_folder, std::vector<std::string> words) {
+    words.insert(words.begin(), PALPATE_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    const std::string out = output_ / "out";
+    const std::string err = output_ / "err";
+    child_ = fork();
+    if (child_ != 0) return;
+    const int out_file = open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
+    const int err_file = open(err.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
+    if (chdir(working_folder.c_str()) == 0 && dup2(out_file, 1) == 1 && dup2(err_file, 2) == 2) {
+      execv(PALPATE_PROGRAM, argv.data());
+    }
+    _exit(127);
+  }
+  void signal(int number) const { kill(child_, number); }
+  Outcome wait() {
+    int status = 0;
+    waitpid(child_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(output_ / "out"), text_of(output_ / "err")};
+  }
+
+ private:
+  Folder output_;
+  pid_t child_ = -1;
+};
+
+inline Outcome run(const Folder& folder, std::vector<std::string> words) {
+  return Program(folder.path(), std::move(words)).wait();
+}
+
+inline std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace palpate::tests
