@@ -10,8 +10,8 @@ struct RemeshGoal {
   double bend_radius =
       0.015;            // [m] an edge is half as long where the surface bends by this radius as on a plane
   double finest = 0.3;  // shortest edge over the longest, at most this fine
-  int rounds = 9;      // of splitting, collapsing, flipping and smoothing before the count is fixed
-  int polish = 8;      // of flipping and smoothing after it
+  int rounds = 9;       // of splitting, collapsing, flipping and smoothing before the count is fixed
+  int polish = 8;       // of flipping and smoothing after it
 };
 
 /// [setup] Meshes a solid's surface anew: well-shaped triangles, smaller where the surface bends, every
