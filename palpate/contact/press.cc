@@ -163,7 +163,7 @@ class Starter final {
       if (part_.inside[i] == 0 || greatest_distance(part_, i) < -kShallow) continue;
       if (near_a_contact(radius(), part_, part_.pose_S * points_.point(i))) continue;
       const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, i, part_);
-      if (nearest.distance >= 0.0 || nearest.distance < -kShallow) continue;
+      if (nearest.distance >= kInside || nearest.distance < -kShallow) continue;
       try_at(i, {nearest.point, nearest.triangle}, 0);
     }
   }
@@ -189,7 +189,7 @@ class Starter final {
       if (redirections == 0) return;
       const std::size_t deepest = point_nearest_to(points_, part_.pose_S.inverse() * support.mean);
       const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, deepest, part_);
-      if (nearest.distance < 0.0) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
+      if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
       return;
     }
     Contact contact;
@@ -234,7 +234,7 @@ std::uint32_t update_press(const World::Data& world, const PartPoints& points, P
   if (part.armed) {
     Starter starter(world, points, part, scratch);
     starter.try_entries();
-    if (part.nearest.distance < 0.0) starter.try_shallow_points();
+    if (part.nearest.distance < kInside) starter.try_shallow_points();
     status = starter.status();
   } else {
     status = kStartedInside;

@@ -24,7 +24,7 @@ void forget(const OrganSurface& surface, const PartPoints& points, PartState& pa
     part.known[i] = middle;
     part.since[i] = part.travelled - points.from_centre[i];
     part.nearest_triangle[i] = -1;
-    part.inside[i] = middle < 0.0 ? 1 : 0;
+    part.inside[i] = middle < kInside ? 1 : 0;
   }
 }
 
@@ -40,11 +40,12 @@ geometry::NearestPoint update_point(const OrganSurface& surface, const PartPoint
   const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
   geometry::NearestPoint now = ask_distance(surface, points, i, part);
   if (placed_anew || was_inside) return now;
-  const bool went_in = now.distance < 0.0;
+  const bool went_in = now.distance < kInside;
   const Vec3 end = part.pose_S * points.point(i);
   const Vec3 start = part.previous_S * points.point(i);
-  if (!went_in && std::max(0.0, before) + now.distance > (end - start).norm())
-    return now;  // cannot have touched
+  // Out and out again: in between it was in only if the way is long enough.
+  const double way_in = std::max(0.0, before - kInside) + now.distance - kInside;
+  if (!went_in && way_in > (end - start).norm()) return now;
   if (const auto entry = surface.first_entry(start, end)) {
     add_entry(part, i, {entry->point, entry->triangle});
   } else if (went_in) {
@@ -59,7 +60,7 @@ void scan_points(const OrganSurface& surface, const PartPoints& points, bool pla
   part.nearest = update_point(surface, points, last_nearest, placed_anew, part);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double least = least_distance(part, i);
-    const bool may_have_crossed = least <= 0.0 && greatest_distance(part, i) >= 0.0;
+    const bool may_have_crossed = least <= kInside && greatest_distance(part, i) >= kInside;
     if ((least >= part.nearest.distance && !may_have_crossed) || i == last_nearest) continue;
     const geometry::NearestPoint found = update_point(surface, points, i, placed_anew, part);
     if (found.distance >= part.nearest.distance) continue;
@@ -77,7 +78,7 @@ geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoint
   part.known[point] = found.distance;
   part.since[point] = part.travelled;
   part.nearest_triangle[point] = found.triangle;
-  part.inside[point] = found.distance < 0.0 ? 1 : 0;
+  part.inside[point] = found.distance < kInside ? 1 : 0;
   return found;
 }
 

@@ -7,6 +7,9 @@ namespace palpate::contact {
 /// and came back elsewhere).
 inline constexpr double kFastestHand = 20.0;
 
+/// A point is inside from here on [m]: rounding must not make a tool that just touches come and go.
+inline constexpr double kInside = -1e-9;
+
 /// [rt] Brings a part to `pose_S`: its distance to the organ, exactly, and every point that went in on the
 /// way (also right through), exactly. Distances are asked only of points that may have become the nearest or
 /// may have crossed the surface; the rest are bounded by how far the part has moved since they were asked.

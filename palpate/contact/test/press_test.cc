@@ -107,6 +107,21 @@ TEST(Press, AtRestIsExactlyStill) {
   }
 }
 
+TEST(Press, RoundingDoesNotMakeATouchingToolComeAndGo) {
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), plain_tissue());
+  rig.tick(place(Vec3(0, 0, 4e-3)));
+  int changes = 0;
+  Phase last = Phase::kApproach;
+  for (int i = 0; i < 200; ++i) {
+    const double rounding = 1e-17 * ((i % 3) - 1);
+    const Phase now = rig.tick(place(Vec3(0, 0, -lowest_z(ball) + rounding))).phase;
+    changes += now != last ? 1 : 0;
+    last = now;
+  }
+  EXPECT_LE(changes, 1);
+}
+
 TEST(Press, IntoAThinPlateKeepsToItsOwnSide) {
   const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
   Rig rig(block(Vec3(60e-3, 60e-3, 10e-3), 0.1), one_part_tool(ball), plain_tissue());
