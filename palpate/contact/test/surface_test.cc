@@ -113,7 +113,7 @@ TEST(ToolPoints, KnowTheRadiusOfABallAndTheWidthOfABar) {
   EXPECT_EQ(sample_part(ball, 1e-3).tip_radius.front(), 1e-3);  // given by the user
 }
 
-TEST(ToolPoints, WithoutTrianglesAreRefused) { EXPECT_THROW(sample_part({}, 0.0), InputError); }
+TEST(ToolPoints, WithoutTrianglesAreRefused) { EXPECT_THROW((void)sample_part({}, 0.0), InputError); }
 
 TEST(Support, IsTheDeepestPointAndTheWeightedMeanOfTheBand) {
   geometry::ToolPart part;
