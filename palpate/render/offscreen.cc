@@ -4,6 +4,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/render/gl_context.h"
+#include "palpate/render/indentations.h"
 #include "palpate/render/organ_picture.h"
 #include "palpate/render/painter.h"
 #include "palpate/render/tool_picture.h"
@@ -18,7 +19,9 @@ constexpr int kLargestSide = 8192;  // pixels
 
 struct OffscreenRenderer::Impl {
   Impl(const Subject& subject, int width, int height)
-      : painter(tissue_look(subject.tissue_name), width, height), organ(subject.organ, subject.reach) {
+      : painter(tissue_look(subject.tissue_name), width, height),
+        organ(subject.organ, subject.reach),
+        instruments(subject.tools) {
     for (const geometry::Tool& tool : subject.tools) tools.emplace_back(tool);
     const geometry::Bounds box = geometry::bounds(subject.organ);
     region = {box.middle(), kLitShare * box.size().norm()};
@@ -35,7 +38,7 @@ struct OffscreenRenderer::Impl {
   }
 
   void upload_organ(const haptics::Snapshot& snapshot) {
-    if (organ.update(indentations_of(snapshot))) upload_organ_triangles();
+    if (organ.update(indentations_of(snapshot), imprints_of(snapshot, instruments))) upload_organ_triangles();
     vertices.clear();
     for (std::size_t i = 0; i < organ.vertices().size(); ++i) {
       vertices.push_back({(snapshot.organ_W * organ.vertices()[i]).cast<float>(),
@@ -57,6 +60,7 @@ struct OffscreenRenderer::Impl {
 
   Painter painter;
   OrganPicture organ;
+  std::vector<geometry::Tool> instruments;
   std::vector<ToolPicture> tools;
   LitRegion region;  // organ frame
   std::string driver;

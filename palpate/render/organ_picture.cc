@@ -22,20 +22,6 @@ constexpr double kRounding = 0.2;  // of the profile's corners; moves no vertex 
 
 }  // namespace
 
-std::vector<deform::Indentation> indentations_of(const haptics::Snapshot& snapshot) {
-  std::vector<deform::Indentation> indentations;
-  const std::size_t hands = std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
-  for (std::size_t hand = 0; hand < hands; ++hand) {
-    const contact::ToolResult& result = snapshot.results[hand];
-    for (int i = 0; i < std::min(result.view_count, contact::kMaxViews); ++i) {
-      const contact::ContactView& view = result.views[static_cast<std::size_t>(i)];
-      if (view.depth > 0.0)
-        indentations.push_back({view.point_S, view.direction_S, view.depth, view.tip_radius, 0.0});
-    }
-  }
-  return indentations;
-}
-
 OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::ReachParameters& reach)
     : reach_(reach) {
   const double edge =
@@ -66,10 +52,17 @@ bool OrganPicture::divide_around(std::span<const deform::Indentation> indentatio
   return true;
 }
 
-bool OrganPicture::update(std::span<const deform::Indentation> indentations) {
+bool OrganPicture::update(std::span<const deform::Indentation> indentations,
+                          std::span<const ToolImprint> imprints) {
   const bool changed = divide_around(indentations);
+  if (changed || rest_normals_.empty()) rest_normals_ = vertex_normals(rest().vertices, rest().triangles);
   deformer_->deform(reach_, indentations, vertices_, kRounding);
-  normals_ = vertex_normals(vertices_, deformer_->rest().triangles);
+  for (const ToolImprint& imprint : imprints) {
+    for (std::size_t v = 0; v < vertices_.size(); ++v)
+      vertices_[v] +=
+          imprint.lowering(vertices_[v], rest().vertices[v], rest_normals_[v]) * imprint.direction();
+  }
+  normals_ = vertex_normals(vertices_, rest().triangles);
   return changed;
 }
 

@@ -1,17 +1,12 @@
 #pragma once
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "palpate/deform/displacement.h"
-#include "palpate/haptics/loop.h"
-#include "palpate/render/offscreen.h"
+#include "palpate/render/tool_imprint.h"
 
 namespace palpate::render {
-
-/// [setup] The places where a snapshot's tools press or pull the organ, organ frame.
-[[nodiscard]] std::vector<deform::Indentation> indentations_of(const haptics::Snapshot& snapshot);
 
 /// The organ as it is drawn: smooth, finely divided, finest around the contacts, and deformed.
 class OrganPicture final {
@@ -20,7 +15,8 @@ class OrganPicture final {
   OrganPicture(const geometry::TriangleMesh& rest, const model::ReachParameters& reach);
 
   /// [setup] Takes new contacts. @return whether rest() and its triangles changed, too.
-  bool update(std::span<const deform::Indentation> indentations);
+  /// @param imprints of the tools: the surface is lowered onto them
+  bool update(std::span<const deform::Indentation> indentations, std::span<const ToolImprint> imprints = {});
 
   /// [any] The finely divided rest surface. Passes within a few hundredths of an edge of the given one.
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return deformer_->rest(); }
@@ -35,6 +31,7 @@ class OrganPicture final {
   geometry::TriangleMesh base_;
   std::vector<Vec3> centres_;  // where the surface is finely divided
   std::unique_ptr<deform::SurfaceDeformer> deformer_;
+  std::vector<Vec3> rest_normals_;
   std::vector<Vec3> vertices_;
   std::vector<Vec3> normals_;
 };

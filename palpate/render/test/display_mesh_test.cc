@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/geometry/builtin.h"
+#include "palpate/render/indentations.h"
 #include "palpate/render/organ_picture.h"
 
 namespace palpate::render {
@@ -101,17 +102,12 @@ haptics::Snapshot with_view(double depth) {
   haptics::Snapshot snapshot;
   snapshot.hands = 1;
   snapshot.results[0].view_count = 1;
-  snapshot.results[0].views[0] = {Vec3(0, 0, 0.03), -Vec3::UnitZ(), depth, 0.003, 0, false};
+  contact::ContactView& view = snapshot.results[0].views[0];
+  view.point_S = Vec3(0, 0, 0.03);
+  view.direction_S = -Vec3::UnitZ();
+  view.depth = depth;
+  view.tip_radius = 0.003;
   return snapshot;
-}
-
-TEST(OrganPicture, TakesTheContactsThatHaveDepth) {
-  EXPECT_TRUE(indentations_of(with_view(0.0)).empty());
-  EXPECT_TRUE(indentations_of({}).empty());
-  const auto indentations = indentations_of(with_view(0.004));
-  ASSERT_EQ(indentations.size(), 1U);
-  EXPECT_EQ(indentations[0].depth, 0.004);
-  EXPECT_EQ(indentations[0].tip_radius, 0.003);
 }
 
 TEST(OrganPicture, MovesTheSurfaceUnderTheContactByTheDepth) {
