@@ -17,14 +17,22 @@ double greatest_motion(const PartPoints& points, const Pose& from, const Pose& t
   return std::sqrt(squared);
 }
 
-/// Forgets what is known of every point but that distance changes by no more than the way gone.
+/// Knows nothing of the points any more but what the middles of their clusters tell: distance changes by no
+/// more than the way between.
 void forget(const OrganSurface& surface, const PartPoints& points, PartState& part) noexcept {
-  const double middle = surface.nearest(part.pose_S * points.centre, -1).distance;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    part.known[i] = middle;
-    part.since[i] = part.travelled - points.from_centre[i];
-    part.nearest_triangle[i] = -1;
-    part.inside[i] = middle < kInside ? 1 : 0;
+  std::int32_t guess = -1;
+  part.nearest_point = 0;
+  for (const PartPoints::Cluster& cluster : points.clusters) {
+    const geometry::NearestPoint middle = surface.nearest(part.pose_S * cluster.centre, guess);
+    guess = middle.triangle;
+    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+      part.known[i] = middle.distance;
+      part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
+      part.nearest_triangle[i] = middle.triangle;
+      part.inside[i] = middle.distance < kInside ? 1 : 0;
+      const bool nearer = least_distance(part, i) < least_distance(part, part.nearest_point);
+      if (nearer) part.nearest_point = static_cast<std::uint32_t>(i);  // the one to ask first
+    }
   }
 }
 

@@ -180,7 +180,6 @@ PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
   PartPoints points;
   points.joint = part;
   points.joint.mesh = {};
-  points.centre = box.middle();
   for (std::size_t c = 0; c < points.corners.size(); ++c) {
     points.corners[c] =
         Vec3((c & 1U) != 0 ? box.high.x() : box.low.x(), (c & 2U) != 0 ? box.high.y() : box.low.y(),
@@ -197,7 +196,6 @@ PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
     points.area.push_back(sample.area);
     points.tip_radius.push_back(given_radius > 0.0 ? given_radius : radius);
     points.half_width.push_back(half_width);
-    points.from_centre.push_back((sample.point - points.centre).norm());
   }
   make_clusters(points);
   return points;

@@ -19,13 +19,11 @@ struct PartPoints {
     std::uint32_t end = 0;
   };
 
-  std::vector<double> x, y, z;      // m
-  std::vector<double> area;         // m^2, of the surface that the point stands for, > 0
-  std::vector<double> tip_radius;   // R, radius of curvature there [m]
-  std::vector<double> half_width;   // of the part there [m]
-  std::vector<double> from_centre;  // distance to `centre` [m]
+  std::vector<double> x, y, z;     // m
+  std::vector<double> area;        // m^2, of the surface that the point stands for, > 0
+  std::vector<double> tip_radius;  // R, radius of curvature there [m]
+  std::vector<double> half_width;  // of the part there [m]
   std::vector<Cluster> clusters;
-  Vec3 centre = Vec3::Zero();
   std::array<Vec3, 8> corners;  // of the bounding box
   geometry::ToolPart joint;     // is_jaw, pivot, axis, open_angle; no mesh
 
