@@ -126,7 +126,7 @@ Camera frame_contact(const Subject& subject, const haptics::Snapshot& snapshot, 
   }
   std::vector<Vec3> points;
   for (const Vec3& p : subject.organ.vertices) points.push_back(snapshot.organ_W * p);
-  points.push_back(focus_W + kToolRoom * normal);
+  points.emplace_back(focus_W + kToolRoom * normal);
   camera.target = snapshot.organ_W * box.middle();
   fit(camera, to_eye, points);
   return camera;

@@ -1,5 +1,6 @@
 #include "palpate/render/gl_objects.h"
 
+#include <bit>
 #include <cstddef>
 #include <stdexcept>
 
@@ -27,7 +28,7 @@ GLuint compile(GLenum kind, const std::string& source) {
 }
 
 // OpenGL takes an offset into a buffer as a pointer.
-const void* offset(std::uintptr_t bytes) { return reinterpret_cast<const void*>(bytes); }
+const void* offset(std::uintptr_t bytes) { return std::bit_cast<const void*>(bytes); }
 
 }  // namespace
 

@@ -23,6 +23,10 @@ double ramp(double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+std::size_t place_of(int i, int j) {
+  return static_cast<std::size_t>(i) * static_cast<std::size_t>(kSide) + static_cast<std::size_t>(j);
+}
+
 }  // namespace
 
 ToolImprint::ToolImprint(std::span<const Vec3> triangles, const Vec3& point, const Vec3& direction,
@@ -32,7 +36,7 @@ ToolImprint::ToolImprint(std::span<const Vec3> triangles, const Vec3& point, con
       across_u_(direction.unitOrthogonal()),
       across_v_(direction.cross(across_u_)),
       depth_(depth),
-      map_(static_cast<std::size_t>(kSide * kSide), kNoTool) {
+      map_(place_of(kSide, 0), kNoTool) {
   for (std::size_t i = 0; i + 2 < triangles.size(); i += 3)
     rasterize(in_map(triangles[i]), in_map(triangles[i + 1]), in_map(triangles[i + 2]));
   skirt();
@@ -44,10 +48,8 @@ Vec3 ToolImprint::in_map(const Vec3& p) const noexcept {
           offset.dot(direction_)};
 }
 
-double& ToolImprint::cell(int i, int j) noexcept { return map_[static_cast<std::size_t>(i * kSide + j)]; }
-double ToolImprint::cell(int i, int j) const noexcept {
-  return map_[static_cast<std::size_t>(i * kSide + j)];
-}
+double& ToolImprint::cell(int i, int j) noexcept { return map_[place_of(i, j)]; }
+double ToolImprint::cell(int i, int j) const noexcept { return map_[place_of(i, j)]; }
 
 void ToolImprint::rasterize(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double low_x = std::min({a.x(), b.x(), c.x()});
@@ -103,7 +105,7 @@ void ToolImprint::blur() {
     for (int j = 1; j < kSide - 1; ++j) {
       double sum = 0.0;
       for (int di = -1; di <= 1; ++di)
-        for (int dj = -1; dj <= 1; ++dj) sum += before[static_cast<std::size_t>((i + di) * kSide + j + dj)];
+        for (int dj = -1; dj <= 1; ++dj) sum += before[place_of(i + di, j + dj)];
       cell(i, j) = sum / 9.0;
     }
   }

@@ -50,8 +50,10 @@ TEST(Profile, EqualsTheFormulaForManyParameters) {
       for (const double g : {0.2, 0.58, 0.9}) {
         const model::ReachParameters reach{c, 0.5, s, g};
         const SurfaceProfile profile(reach, 0.01, 0.003);
-        for (double r = 0.0; r < 0.1; r += 0.0017)
+        for (int i = 0; i < 59; ++i) {
+          const double r = 0.0017 * i;
           EXPECT_NEAR(profile.at(r), by_formula(reach, 0.01, c * std::sqrt(0.003 * 0.01), r), 1e-15);
+        }
       }
     }
   }
@@ -60,7 +62,8 @@ TEST(Profile, EqualsTheFormulaForManyParameters) {
 TEST(Profile, FallsAllTheWayAndIsZeroFromTheReachOn) {
   const SurfaceProfile profile(kReach, 0.012, 0.003);
   double last = profile.at(0.0);
-  for (double r = 1e-4; r < profile.reach(); r += 1e-4) {
+  for (int i = 1; 1e-4 * i < profile.reach(); ++i) {
+    const double r = 1e-4 * i;
     EXPECT_LT(profile.at(r), last);
     last = profile.at(r);
   }
@@ -97,8 +100,10 @@ TEST(Profile, SteepestIsTheLargestSlope) {
   const SurfaceProfile profile(kReach, 0.012, 0.003);
   double largest = 0.0;
   const double h = 1e-6;
-  for (double r = 0.0; r < profile.reach(); r += h)
+  for (int i = 0; h * i < profile.reach(); ++i) {
+    const double r = h * i;
     largest = std::max(largest, (profile.at(r) - profile.at(r + h)) / h);
+  }
   EXPECT_NEAR(profile.steepest(), largest, 1e-3 * largest);
 }
 
@@ -180,7 +185,8 @@ TEST(Deformer, TheFarSideOfAThinPlateStaysStill) {
 TEST(Deformer, AnEntrySideNeverComesOutOfTheFarSide) {
   const geometry::TriangleMesh plate = geometry::make_box(Vec3(0.1, 0.1, 0.01), 0.002);
   double last = 0.0;
-  for (double depth = 0.001; depth < 0.03; depth += 0.001) {
+  for (int mm = 1; mm < 30; ++mm) {
+    const double depth = 0.001 * mm;
     const Dent dent = dented(plate, {{Vec3(0, 0, 0.005), -Vec3::UnitZ(), depth, 0.003}});
     const double drawn = largest_move(dent);
     EXPECT_LT(drawn, 0.009);

@@ -83,7 +83,7 @@ TEST(FrameContact, DoesNotLookThroughTheOrgan) {
   geometry::TriangleMesh step = geometry::make_box(Vec3(0.1, 0.1, 0.02), 0.02);
   geometry::TriangleMesh wall = geometry::make_box(Vec3(0.1, 0.02, 0.06), 0.02);
   const auto offset = static_cast<std::int32_t>(step.vertices.size());
-  for (const Vec3& v : wall.vertices) step.vertices.push_back(v + Vec3(0, -0.03, 0.03));
+  for (const Vec3& v : wall.vertices) step.vertices.emplace_back(v + Vec3(0, -0.03, 0.03));
   for (const geometry::Triangle& t : wall.triangles)
     step.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   const Camera camera = frame_contact(subject_of(step), {}, Vec3(0, 0, 0.01), Vec3::UnitZ(), true);

@@ -15,7 +15,7 @@ constexpr double kDepth = 0.008;
 std::vector<Vec3> corners_of(const geometry::TriangleMesh& mesh, const Vec3& offset) {
   std::vector<Vec3> corners;
   for (const geometry::Triangle& t : mesh.triangles)
-    for (const std::int32_t v : t) corners.push_back(mesh.vertices[static_cast<std::size_t>(v)] + offset);
+    for (const std::int32_t v : t) corners.emplace_back(mesh.vertices[static_cast<std::size_t>(v)] + offset);
   return corners;
 }
 
@@ -38,7 +38,8 @@ TEST(ToolImprint, LowersTheSurfaceOntoABarToHalfAMillimetre) {
 
 TEST(ToolImprint, NeverLowersBelowTheTool) {
   const ToolImprint imprint = ball_imprint();
-  for (double x = 0.0; x < 0.8 * kRadius; x += 0.0001) {
+  for (int i = 0; i < 24; ++i) {
+    const double x = 0.0001 * i;
     const double ball = kDepth - kRadius + std::sqrt(kRadius * kRadius - x * x);
     EXPECT_LT(imprint.lowering(Vec3(x, 0, 0), Vec3(x, 0, 0), Vec3::UnitZ()), ball + 1e-4) << x;
   }
