@@ -99,7 +99,7 @@ model::TissueParameters read_tissue_file(const std::filesystem::path& file) {
   root.allow_only({"tissue"});
   const std::optional<TomlTable> table = root.table("tissue");
   if (!table) root.fail_missing("tissue", "a tissue file must have a table [tissue]");
-  const model::TissueParameters tissue = read_parameters(*table, file.stem().string());
+  model::TissueParameters tissue = read_parameters(*table, file.stem().string());
   try {
     model::validate(tissue);
   } catch (const ParameterError& error) {

@@ -399,7 +399,7 @@ LoadedMesh with_findings(TriangleMesh mesh) {
 TriangleMesh two_boxes(const Vec3& offset, bool second_is_turned) {
   TriangleMesh mesh = make_box({0.06, 0.06, 0.06}, 0.06);
   const TriangleMesh other = make_box({0.02, 0.02, 0.02}, 0.02);
-  for (const Vec3& vertex : other.vertices) mesh.vertices.push_back(vertex + offset);
+  for (const Vec3& vertex : other.vertices) mesh.vertices.emplace_back(vertex + offset);
   for (auto [a, b, c] : other.triangles) {
     if (second_is_turned) std::swap(b, c);
     mesh.triangles.push_back({a + 8, b + 8, c + 8});
@@ -447,7 +447,7 @@ TEST(Findings, ASurfaceTurnedInwards) {
 TEST(Findings, TwoBallsThatShareAVertex) {
   TriangleMesh mesh = make_ball(0.02, 20);
   TriangleMesh other = mesh;
-  for (const Vec3& vertex : other.vertices) mesh.vertices.push_back(2.0 * other.vertices[0] - vertex);
+  for (const Vec3& vertex : other.vertices) mesh.vertices.emplace_back(2.0 * other.vertices[0] - vertex);
   for (const auto& [a, b, c] : other.triangles) {
     const auto moved = [](std::int32_t v) { return v == 0 ? 0 : v + 12; };
     mesh.triangles.push_back({moved(a), moved(c), moved(b)});  // a point mirror turns triangles over

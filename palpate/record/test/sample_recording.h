@@ -117,7 +117,8 @@ inline haptics::TickRow sample_row(std::uint64_t tick, std::uint32_t hand) {
 }
 
 inline bool same_bits(const haptics::TickRow& a, const haptics::TickRow& b) {
-  return std::memcmp(&a, &b, sizeof(a)) == 0;
+  // The bits are what is compared: doubles too.
+  return std::memcmp(&a, &b, sizeof(a)) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
 }
 
 inline constexpr std::int64_t kStarted = 1'700'000'000'123'456'789;
