@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "palpate/base/test/temporary_folder.h"
+
 namespace palpate::tests {
 
 namespace fs = std::filesystem;
@@ -22,30 +24,16 @@ inline std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-/// A folder of the test's own, gone at the end.
-class Folder final {
+/// A folder of the test's own, gone at the end; its paths are words for the program.
+class Folder final : public test::TemporaryFolder {
  public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "palpate_program_XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path() / name).string(); }
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> all;
-    for (const auto& entry : fs::directory_iterator(path_)) all.push_back(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(path())) all.push_back(entry.path().filename().string());
     std::sort(all.begin(), all.end());
     return all;
   }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 struct Outcome {

@@ -9,11 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/test/temporary_folder.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/test/temporary_folder.h"
 
 namespace palpate::geometry {
 namespace {
+
+using test::TemporaryFolder;
 
 using testing::AllOf;
 using testing::Contains;

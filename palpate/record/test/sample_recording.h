@@ -10,33 +10,14 @@
 #include <hdf5.h>
 #include <unistd.h>
 
+#include "palpate/base/test/temporary_folder.h"
 #include "palpate/record/recorder.h"
 #include "palpate/record/recording.h"
 #include "palpate/scene/setup.h"
 
 namespace palpate::record {
 
-/// An empty folder, gone at the end.
-class TemporaryFolder final {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "palpate-record-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  [[nodiscard]] std::size_t entries() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
-  }
-
- private:
-  std::filesystem::path path_;
-};
+using test::TemporaryFolder;
 
 inline geometry::TriangleMesh tetrahedron(double size) {
   return {{{0, 0, 0}, {size, 0, 0}, {0, size / 3, 0}, {0, 0, size}},

@@ -1,17 +1,20 @@
 #pragma once
+// A folder for the files of one test; every module's tests may include it.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
-namespace palpate::geometry {
+namespace palpate::test {
 
-/// A folder of its own for a test's files, gone with it.
-class TemporaryFolder final {
+/// An empty folder of a test's own, gone with it.
+class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-mesh-XXXXXX").string();
+    // mkdtemp replaces the six letters.
+    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-test-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
     path_ = pattern;
   }
@@ -22,14 +25,18 @@ class TemporaryFolder final {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  [[nodiscard]] std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+  }
   [[nodiscard]] std::filesystem::path write(const std::string& name, const std::string& bytes) const {
     std::ofstream(path_ / name, std::ios::binary) << bytes;
     return path_ / name;
   }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
   std::filesystem::path path_;
 };
 
-}  // namespace palpate::geometry
+}  // namespace palpate::test
