@@ -9,6 +9,7 @@
 #include "palpate/scene/instrument.h"
 #include "palpate/scene/mesh_source.h"
 #include "palpate/scene/names.h"
+#include "palpate/scene/organ_motion_reader.h"
 #include "palpate/scene/scene_file.h"
 #include "palpate/scene/tool_path.h"
 
@@ -57,6 +58,7 @@ void override_meshes(const Request& request, SceneDescription& scene) {
     scene.organ_unit.reset();
   }
   if (request.organ_unit) scene.organ_unit = parse_unit(flag("--organ-unit", *request.organ_unit));
+  if (!request.organ_motion.empty()) scene.organ_motion = organ_motions_by_flags(request.organ_motion);
   if (request.tissue) scene.tissue = flag("--tissue", *request.tissue);
   if (!request.tools.empty()) {
     if (scene.tools.size() > 1) {
@@ -237,6 +239,7 @@ Setup load(const Request& request) {
   setup.rate_Hz = scene.rate_Hz;
   setup.seed = scene.seed;
   setup.organ_pose = scene.organ_pose;
+  setup.organ_motion = scene.organ_motion;
   setup.safety = scene.safety;
   set_noise(scene, setup);
   setup.tissue = find_tissue(scene);

@@ -7,6 +7,7 @@
 #include "palpate/base/pose.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/geometry/tool.h"
+#include "palpate/model/organ_motion.h"
 #include "palpate/model/tissue.h"
 #include "palpate/noise/touch_noise.h"
 
@@ -44,7 +45,9 @@ struct Setup {
   std::uint64_t seed = 1;
   std::string organ_name;        // built-in name or file, for people
   geometry::TriangleMesh organ;  // organ frame, m
-  Pose organ_pose;
+  Pose organ_pose;               // at rest
+  std::vector<model::OrganMotionParameters>
+      organ_motion;  // all at once, about the middle of its box; empty: it lies still
   model::TissueParameters tissue;
   std::vector<geometry::Tool> tools;  // one a hand
   std::vector<DeviceSetup> devices;   // one a hand
