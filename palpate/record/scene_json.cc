@@ -215,6 +215,7 @@ scene::Setup setup_from(const Json& json) {
   for (const Json& device : json.at("devices")) setup.devices.push_back(device_from(device));
   setup.noise = noise_from(json.at("noise"));
   setup.safety = safety_from(json.at("safety"));
+  if (json.contains("repairs")) setup.repairs = json.at("repairs").get<std::vector<std::string>>();
   setup.remarks = json.at("remarks").get<std::vector<std::string>>();
   return setup;
 }
@@ -238,6 +239,7 @@ std::string setup_to_json(const scene::Setup& setup) {
   for (const scene::DeviceSetup& device : setup.devices) json["devices"].push_back(device_json(device));
   json["noise"] = noise_json(setup.noise);
   json["safety"] = safety_json(setup.safety);
+  json["repairs"] = setup.repairs;
   json["remarks"] = setup.remarks;
   // File names need not be UTF-8; a byte that is not becomes a replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);

@@ -53,8 +53,9 @@ struct Setup {
   std::vector<DeviceSetup> devices;   // one a hand
   noise::NoiseSettings noise;
   SafetySetup safety;
-  std::vector<std::string>
-      remarks;  // repairs, defects left, warnings: told to the user, kept in the recording
+  // Told to the user, kept in the recording and shown in the report:
+  std::vector<std::string> repairs;  // what was done to meshes from files, each beginning with the file
+  std::vector<std::string> remarks;  // defects left, warnings
 };
 
 }  // namespace palpate::scene

@@ -84,6 +84,7 @@ std::vector<std::string> words(const scene::Setup& s) {
     for (const geometry::ToolPart& part : tool.parts) out.push_back(part.name + std::to_string(part.is_jaw));
   }
   for (const scene::DeviceSetup& device : s.devices) out.push_back(device.kind + device.path);
+  out.insert(out.end(), s.repairs.begin(), s.repairs.end());
   out.insert(out.end(), s.remarks.begin(), s.remarks.end());
   return out;
 }
