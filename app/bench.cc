@@ -72,7 +72,7 @@ struct Plan {
   std::size_t hands = 0;
   bool loop = false;
   int passes = 5;
-  double peer_seconds = 2.0;
+  double peer_seconds = 4.0;
 };
 
 Plan plan_of(const BenchFlags& flags) {

@@ -47,8 +47,8 @@ struct PeerQuestion {
 
 /// [setup] Processor time of a peer's answers along the way; ratios are left at 0.
 /// @throws std::runtime_error when it refuses the organ, or its distances are not palpate's within 20 um
-/// (single precision) while the tool is outside, or it never touches the organ: then it was asked another
-/// question.
+/// (single precision) while the tool is outside: then it was asked another question. No figures in contact
+/// when it never was in touch with the organ.
 [[nodiscard]] PeerAccount ask_peer(const PalpatePeer& peer, const PeerQuestion& question);
 
 }  // namespace palpate::bench

@@ -1,0 +1,101 @@
+// What tools/check_counts counts the instructions of, under callgrind: the law both ways, the noise, and a
+// tick in approach and in contact. Run alone it does the same and prints nothing.
+#include <cstdint>
+#include <cstdio>
+#include <vector>
+
+#include <valgrind/callgrind.h>
+
+#include "palpate/devices/scripted.h"
+#include "palpate/model/layered_law.h"
+#include "palpate/noise/touch_noise.h"
+#include "palpate/record/assemble.h"
+#include "palpate/scene/load.h"
+
+#include "bench/measure/one_hand.h"
+#include "bench/measure/subjects.h"
+
+namespace {
+
+using namespace palpate;
+
+constexpr std::uint64_t kCalls = 1000;
+constexpr std::uint64_t kTicks = 200;
+
+// A client request takes a text that stays; each dump says what and how many calls it counts.
+#define PALPATE_COUNTED(what, calls) CALLGRIND_DUMP_STATS_AT(what " calls=" #calls)
+
+/// Counts what `work` does, a thousand times.
+template <typename Work>
+double thousand(Work work) {
+  double sum = 0.0;
+  CALLGRIND_START_INSTRUMENTATION;
+  CALLGRIND_ZERO_STATS;
+  for (std::uint64_t i = 0; i < kCalls; ++i)
+    sum += work(static_cast<double>(i) / static_cast<double>(kCalls), i);
+  return sum;
+}
+
+void count_law_and_noise() {
+  const model::LayeredSpringLaw law(model::tissue_preset("gallbladder"), model::Direction::kPress, 1e-3);
+  constexpr double kDeepest = 20e-3;  // m
+  const double largest = law.force_at(kDeepest).force;
+  volatile double kept =
+      thousand([&](double share, std::uint64_t) { return law.force_at(kDeepest * share).force; });
+  PALPATE_COUNTED("force at a depth", 1000);
+  CALLGRIND_STOP_INSTRUMENTATION;
+  kept = thousand([&](double share, std::uint64_t) { return law.deformation_under(largest * share).depth; });
+  PALPATE_COUNTED("depth under a force", 1000);
+  CALLGRIND_STOP_INSTRUMENTATION;
+  kept = thousand([](double, std::uint64_t i) { return noise::unit_sample(1, 0, i); });
+  PALPATE_COUNTED("noise sample by number", 1000);
+  CALLGRIND_STOP_INSTRUMENTATION;
+  static_cast<void>(kept);
+}
+
+/// The next 200 ticks of the way.
+void count_ticks(bench::OneHand& hand, haptics::Device& device, std::uint64_t& next) {
+  CALLGRIND_START_INSTRUMENTATION;
+  CALLGRIND_ZERO_STATS;
+  for (const std::uint64_t end = next + kTicks; next < end; ++next) hand.tick(device, next);
+}
+
+/// Goes on until the phase is `wanted` and, in contact, a millimetre deep. @return false at the way's end
+bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted, std::uint64_t& next,
+           std::uint64_t last) {
+  constexpr double kDeep = 1e-3;  // m
+  constexpr double kNear = 5e-3;  // m
+  while (next < last) {
+    const haptics::TickRow& row = hand.tick(device, next++);
+    if (row.phase != static_cast<std::uint32_t>(wanted)) continue;
+    if (wanted == contact::Phase::kApproach ? row.distance < kNear : row.depth > kDeep) return true;
+  }
+  return false;
+}
+
+bool count_tick() {
+  const scene::Setup setup = bench::subject("press", 0, 0);
+  const haptics::SimulationWorld world = record::assemble(setup);
+  devices::ScriptedDevice device(bench::hand_path(setup));
+  const std::uint64_t last = device.last_tick(world.rate_Hz);
+  bench::OneHand hand(world);
+  std::uint64_t next = 0;
+  if (!go_to(hand, device, contact::Phase::kApproach, next, last)) return false;
+  count_ticks(hand, device, next);
+  PALPATE_COUNTED("tick in approach", 200);
+  CALLGRIND_STOP_INSTRUMENTATION;
+  if (!go_to(hand, device, contact::Phase::kPress, next, last)) return false;
+  count_ticks(hand, device, next);
+  PALPATE_COUNTED("tick in contact", 200);
+  CALLGRIND_STOP_INSTRUMENTATION;
+  return true;
+}
+
+}  // namespace
+
+int main() {
+  count_law_and_noise();
+  if (count_tick()) return 0;
+  std::fputs("palpate_counted: the way never came into contact\n", stderr);
+  return 1;
+}
