@@ -1,6 +1,8 @@
 // The commands that print figures, and a fault through the whole program.
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -110,6 +112,39 @@ TEST(RunCommand, ABrokenSampleLatchesZeroForceAndExitsThreeWithTheCauseRecorded)
     }
   }
   EXPECT_NE(text_of(folder / "run.csv").find("not-finite"), std::string::npos);
+}
+
+/// What a run says of the cache, and leaves there.
+struct CacheUse {
+  std::string words;
+  std::size_t files = 0;
+};
+
+CacheUse run_with_cache(const Folder& folder, const std::string& setting,
+                        std::vector<std::string> more = {}) {
+  std::vector<std::string> words = {"run",      "--organ",   "ball",         "--tool",
+                                    "sphere:3", "--offline", "--duration-s", "0.01"};
+  words.insert(words.end(), more.begin(), more.end());
+  const Outcome outcome =
+      run(folder, words,
+          {{"PALPATE_CACHE", setting}, {"XDG_CACHE_HOME", folder / "cache"}, {"PALPATE_LOG", "debug"}});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::error_code absent;
+  return {outcome.err, static_cast<std::size_t>(
+                           std::distance(fs::directory_iterator(folder / "cache/palpate", absent), {}))};
+}
+
+TEST(OrganCache, ServesTheSecondRunUnlessItIsTurnedOff) {
+  const Folder folder;
+  EXPECT_EQ(run_with_cache(folder, "off").files, 0U);
+  EXPECT_EQ(run_with_cache(folder, "on", {"--no-cache"}).files, 0U);
+  const CacheUse first = run_with_cache(folder, "on");
+  EXPECT_EQ(first.files, 1U);
+  EXPECT_NE(first.words.find("does not have this organ"), std::string::npos) << first.words;
+  const CacheUse second = run_with_cache(folder, "on");
+  EXPECT_EQ(second.files, 1U);
+  EXPECT_NE(second.words.find("taken from the cache"), std::string::npos) << second.words;
+  EXPECT_EQ(run_with_cache(folder, "on", {"--no-cache"}).words.find("cache"), std::string::npos);
 }
 
 }  // namespace
