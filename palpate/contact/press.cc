@@ -228,13 +228,16 @@ std::uint32_t update_press(const World::Data& world, const PartPoints& points, P
     }
   }
   merge_contacts(world.tissue.contact.reference_radius, part);
-  if (before > 0 && part.contact_count == 0 && part.nearest.distance < kDeepInside) part.armed = false;
+  if (before > 0 && part.contact_count == 0 && part.inside_count > 0) {
+    find_nearest(world.surface, points, part);
+    if (part.nearest.distance < kDeepInside) part.armed = false;
+  }
 
   std::uint32_t status = 0;
   if (part.armed) {
     Starter starter(world, points, part, scratch);
     starter.try_entries();
-    if (part.nearest.distance < kInside) starter.try_shallow_points();
+    if (part.inside_count > 0) starter.try_shallow_points();
     status = starter.status();
   } else {
     status = kStartedInside;

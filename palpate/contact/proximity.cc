@@ -8,13 +8,37 @@ namespace {
 
 constexpr double kOutside = -1e-6;  // m: a part that just touches counts as outside
 
-/// The most that any point of the part moves between two poses: reached at a corner of its box, since the
-/// motion is affine and its norm convex.
-double greatest_motion(const PartPoints& points, const Pose& from, const Pose& to) noexcept {
+// Bounds that pass over whole clusters are sums in another order than a point's own: nothing is passed over
+// within this of counting [m].
+constexpr double kBoundSlack = 1e-12;
+
+/// Moves the part's box; @return the most that any point of the part has moved: reached at a corner, since
+/// the motion is affine and its norm convex
+double move_box(const PartPoints& points, PartState& part) noexcept {
+  const Mat3 rotation = part.pose_S.rotation.toRotationMatrix();
   double squared = 0.0;
-  for (const Vec3& corner : points.corners)
-    squared = std::max(squared, (to * corner - from * corner).squaredNorm());
+  for (std::size_t i = 0; i < points.corners.size(); ++i) {
+    const Vec3 now = rotation * points.corners[i] + part.pose_S.position;
+    squared = std::max(squared, (now - part.corners_S[i]).squaredNorm());
+    part.corners_S[i] = now;
+  }
   return std::sqrt(squared);
+}
+
+/// Brings a cluster's bounds up to date with its points.
+void bound_cluster(const PartPoints& points, std::size_t cluster, PartState& part) noexcept {
+  ClusterBounds bounds{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  for (std::size_t i = points.clusters[cluster].begin; i < points.clusters[cluster].end; ++i) {
+    bounds.crosses = std::min(bounds.crosses, part.since[i] + std::abs(part.known[i] - kInside));
+    bounds.nearest = std::min(bounds.nearest, part.since[i] + part.known[i]);
+  }
+  part.clusters[cluster] = bounds;
+}
+
+void set_inside(PartState& part, std::size_t point, double distance) noexcept {
+  const bool inside = distance < kInside;
+  part.inside_count += static_cast<std::uint32_t>(inside) - part.inside[point];
+  part.inside[point] = inside ? 1 : 0;
 }
 
 /// Knows nothing of the points any more but what the middles of their clusters tell: distance changes by no
@@ -22,17 +46,19 @@ double greatest_motion(const PartPoints& points, const Pose& from, const Pose& t
 void forget(const OrganSurface& surface, const PartPoints& points, PartState& part) noexcept {
   std::int32_t guess = -1;
   part.nearest_point = 0;
-  for (const PartPoints::Cluster& cluster : points.clusters) {
+  for (std::size_t c = 0; c < points.clusters.size(); ++c) {
+    const PartPoints::Cluster& cluster = points.clusters[c];
     const geometry::NearestPoint middle = surface.nearest(part.pose_S * cluster.centre, guess);
     guess = middle.triangle;
     for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
       part.known[i] = middle.distance;
       part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
       part.nearest_triangle[i] = middle.triangle;
-      part.inside[i] = middle.distance < kInside ? 1 : 0;
+      set_inside(part, i, middle.distance);
       const bool nearer = least_distance(part, i) < least_distance(part, part.nearest_point);
       if (nearer) part.nearest_point = static_cast<std::uint32_t>(i);  // the one to ask first
     }
+    bound_cluster(points, c, part);
   }
 }
 
@@ -42,38 +68,38 @@ void add_entry(PartState& part, std::size_t point, const SurfacePoint& at) noexc
 }
 
 /// Asks one point, and notes an entry when it went in, or in and out again, during this tick.
-geometry::NearestPoint update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i,
-                                    bool placed_anew, PartState& part) noexcept {
+void update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i, bool placed_anew,
+                  PartState& part) noexcept {
   const bool was_inside = part.inside[i] != 0;
   const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
-  geometry::NearestPoint now = ask_distance(surface, points, i, part);
-  if (placed_anew || was_inside) return now;
+  const geometry::NearestPoint now = ask_distance(surface, points, i, part);
+  if (placed_anew || was_inside) return;
   const bool went_in = now.distance < kInside;
   const Vec3 end = part.pose_S * points.point(i);
   const Vec3 start = part.previous_S * points.point(i);
   // Out and out again: in between it was in only if the way is long enough.
   const double way_in = std::max(0.0, before - kInside) + now.distance - kInside;
-  if (!went_in && way_in > (end - start).norm()) return now;
+  if (!went_in && way_in > (end - start).norm()) return;
   if (const auto entry = surface.first_entry(start, end)) {
     add_entry(part, i, {entry->point, entry->triangle});
   } else if (went_in) {
     add_entry(part, i, {now.point, now.triangle});
   }
-  return now;
 }
 
-void scan_points(const OrganSurface& surface, const PartPoints& points, bool placed_anew,
-                 PartState& part) noexcept {
-  const std::size_t last_nearest = part.nearest_point;
-  part.nearest = update_point(surface, points, last_nearest, placed_anew, part);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double least = least_distance(part, i);
-    const bool may_have_crossed = least <= kInside && greatest_distance(part, i) >= kInside;
-    if ((least >= part.nearest.distance && !may_have_crossed) || i == last_nearest) continue;
-    const geometry::NearestPoint found = update_point(surface, points, i, placed_anew, part);
-    if (found.distance >= part.nearest.distance) continue;
-    part.nearest_point = static_cast<std::uint32_t>(i);
-    part.nearest = found;
+bool may_have_crossed(const PartState& part, std::size_t point) noexcept {
+  return least_distance(part, point) <= kInside && greatest_distance(part, point) >= kInside;
+}
+
+/// Asks all points that may have crossed the surface.
+void find_crossings(const OrganSurface& surface, const PartPoints& points, bool placed_anew,
+                    PartState& part) noexcept {
+  for (std::size_t c = 0; c < points.clusters.size(); ++c) {
+    if (part.clusters[c].crosses > part.travelled + kBoundSlack) continue;
+    for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+      if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
+    }
+    bound_cluster(points, c, part);
   }
 }
 
@@ -86,7 +112,7 @@ geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoint
   part.known[point] = found.distance;
   part.since[point] = part.travelled;
   part.nearest_triangle[point] = found.triangle;
-  part.inside[point] = found.distance < kInside ? 1 : 0;
+  set_inside(part, point, found.distance);
   return found;
 }
 
@@ -94,7 +120,8 @@ bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose
                PartState& part) noexcept {
   part.previous_S = part.seen ? part.pose_S : pose_S;
   part.pose_S = pose_S;
-  part.motion = greatest_motion(points, part.previous_S, pose_S);
+  const double moved = move_box(points, part);
+  part.motion = part.seen ? moved : 0.0;
   part.travelled += part.motion;
   part.entry_count = 0;
   const bool placed_anew = !part.seen || part.motion > kFastestHand * period;
@@ -105,9 +132,36 @@ bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose
     part.motion = 0.0;
     part.armed = false;
   }
-  scan_points(surface, points, placed_anew, part);
-  if (part.nearest.distance >= kOutside) part.armed = true;
+  find_crossings(surface, points, placed_anew, part);
+  if (!part.armed) {
+    find_nearest(surface, points, part);
+    part.armed = part.nearest.distance >= kOutside;
+  }
   return !placed_anew;
+}
+
+void find_nearest(const OrganSurface& surface, const PartPoints& points, PartState& part,
+                  double enough) noexcept {
+  double least = std::numeric_limits<double>::infinity();
+  for (const ClusterBounds& cluster : part.clusters) least = std::min(least, cluster.nearest);
+  if (least - part.travelled > enough + kBoundSlack) {
+    part.nearest.distance = std::numeric_limits<double>::infinity();
+    return;
+  }
+  const std::size_t last_nearest = part.nearest_point;
+  part.nearest = ask_distance(surface, points, last_nearest, part);
+  bound_cluster(points, last_nearest / PartPoints::kClusterSize, part);
+  for (std::size_t c = 0; c < points.clusters.size(); ++c) {
+    if (part.clusters[c].nearest - part.travelled > part.nearest.distance + kBoundSlack) continue;
+    for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+      if (i == last_nearest || least_distance(part, i) >= part.nearest.distance) continue;
+      const geometry::NearestPoint found = ask_distance(surface, points, i, part);
+      if (found.distance >= part.nearest.distance) continue;
+      part.nearest_point = static_cast<std::uint32_t>(i);
+      part.nearest = found;
+    }
+    bound_cluster(points, c, part);
+  }
 }
 
 }  // namespace palpate::contact

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "palpate/contact/proximity.h"
+
 namespace palpate::contact {
 namespace {
 
@@ -47,8 +49,9 @@ void take_hold(const World::Data& world, const ToolPoints& points, ToolState& to
   double count = 0.0;
   bool near = false;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
-    const PartState& part = tool.parts[i];
+    PartState& part = tool.parts[i];
     if (!holds(points, i) || !part.armed) continue;
+    find_nearest(world.surface, points.parts[i], part);
     middle += part.pose_S * points.parts[i].point(part.nearest_point);
     count += 1.0;
     if (part.nearest.distance > nearest) continue;

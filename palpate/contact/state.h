@@ -51,13 +51,20 @@ struct EntryEvent {
   SurfacePoint at;
 };
 
+/// How far a cluster's points may be from saying something new, as values of PartState::travelled.
+struct ClusterBounds {
+  double crosses = 0.0;  // before this none can have crossed the surface
+  double nearest = 0.0;  // less `travelled`: none is nearer to the organ than this [m]
+};
+
 /// One rigid part from tick to tick.
 struct PartState {
   static constexpr std::size_t kMostEntries = 64;
 
   // Where it is. A point's signed distance to the organ is known to be within `known +- (travelled - since)`.
-  Pose pose_S;      // of the part's frame in the organ's, this tick
-  Pose previous_S;  // last tick
+  Pose pose_S;                    // of the part's frame in the organ's, this tick
+  Pose previous_S;                // last tick
+  std::array<Vec3, 8> corners_S;  // of the part's box, this tick
   bool seen = false;
   double travelled = 0.0;     // most that any point has moved so far, summed [m]
   double motion = 0.0;        // of that, this tick
@@ -65,7 +72,9 @@ struct PartState {
   std::vector<double> since;  // `travelled` then
   std::vector<std::int32_t> nearest_triangle;
   std::vector<std::uint8_t> inside;
-  std::uint32_t nearest_point = 0;  // of the part to the organ
+  std::vector<ClusterBounds> clusters;
+  std::uint32_t inside_count = 0;
+  std::uint32_t nearest_point = 0;  // of the part to the organ, when that was last looked for
   geometry::NearestPoint nearest;   // its distance
   std::size_t entry_count = 0;
   std::array<EntryEvent, kMostEntries> entries{};
@@ -107,6 +116,7 @@ struct GripState {
 struct ToolState {
   Pose pose_S;  // of the handle in the organ's frame, this tick
   std::vector<PartState> parts;
+  std::size_t nearest_part = 0;  // to the organ, when that was last looked for
   GripState grip;
 };
 

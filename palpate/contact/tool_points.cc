@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSpacing = 2e-3;        // m, model.md section 4
 constexpr double kSmallestArea = 1e-12;  // m^2: a point on a triangle without area still has a say
-constexpr std::uint32_t kClusterSize = 32;
+constexpr std::uint32_t kClusterSize = PartPoints::kClusterSize;
 constexpr double kCurvatureReach = 2.5e-3;  // m, neighbourhood that the radius of curvature is fitted to
 constexpr double kWidthReach = 8e-3;        // m, neighbourhood and
 constexpr double kWidthDepth = 5e-3;        // m, depth that the half-width is measured in

@@ -11,7 +11,9 @@ namespace palpate::contact {
 /// Arrays by component; points that lie together are neighbours in the arrays, in clusters that can be passed
 /// over whole.
 struct PartPoints {
-  /// A run of points within a ball.
+  static constexpr std::uint32_t kClusterSize = 32;
+
+  /// A run of kClusterSize points (the last one shorter) within a ball.
   struct Cluster {
     Vec3 centre = Vec3::Zero();
     double radius = 0.0;
