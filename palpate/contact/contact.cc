@@ -211,7 +211,7 @@ State::State(const World& world) : data_(std::make_unique<Data>()) {
     }
     data_->tools.push_back(std::move(tool));
   }
-  data_->scratch.resize(most_points);
+  data_->scratch.reserve(most_points);
 }
 State::~State() = default;
 State::State(const State& other) : data_(std::make_unique<Data>(*other.data_)) {}

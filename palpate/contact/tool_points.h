@@ -21,11 +21,18 @@ struct PartPoints {
     std::uint32_t end = 0;
   };
 
+  /// A run of up to kGroupSize clusters within a ball.
+  static constexpr std::uint32_t kGroupSize = 16;
+
   std::vector<double> x, y, z;     // m
   std::vector<double> area;        // m^2, of the surface that the point stands for, > 0
   std::vector<double> tip_radius;  // R, radius of curvature there [m]
   std::vector<double> half_width;  // of the part there [m]
   std::vector<Cluster> clusters;
+  std::vector<Cluster> groups;  // of clusters: begin and end count those
+  std::vector<float> near_x, near_y,
+      near_z;                   // x, y, z rounded, whole clusters: the last one's gaps repeat its end
+  double rounding = 0.0;        // that near_* may be off by, and what is worked out of it [m]
   std::array<Vec3, 8> corners;  // of the bounding box
   geometry::ToolPart joint;     // is_jaw, pivot, axis, open_angle; no mesh
 

@@ -2,21 +2,12 @@
 #include <bit>
 #include <limits>
 
-#include <xsimd/xsimd.hpp>
-
+#include "palpate/base/lanes.h"
 #include "palpate/geometry/disc_tree.h"
 
 // The two walks through a DiscTree, four discs at a time in single precision. They only leave out what cannot
 // count; what counts is worked out in double precision by the caller, so that no answer depends on them.
 namespace palpate::geometry {
-
-/// Four lanes; the baseline of the processor family, so that one program runs everywhere.
-using Lanes = xsimd::batch<float, xsimd::sse2>;
-
-/// One bit a lane.
-inline std::uint32_t lanes_of(const xsimd::batch_bool<float, xsimd::sse2>& mask) noexcept {
-  return static_cast<std::uint32_t>(_mm_movemask_ps(mask));
-}
 
 /// A query point relative to the tree's origin, and what single precision may have lost of it.
 struct DiscQuery {

@@ -10,7 +10,7 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr std::int32_t kLanes = 4;
+constexpr std::int32_t kChildren = 4;
 constexpr float kNothing = -1e30F;  // radius of an empty lane: its squared distance is infinite
 
 std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
@@ -90,7 +90,7 @@ DiscTree::DiscTree(const TriangleMesh& mesh) {
   std::size_t nodes = 0;
   std::size_t lanes = at(count);
   do {
-    lanes = (lanes + kLanes - 1) / kLanes;
+    lanes = (lanes + kChildren - 1) / kChildren;
     start_[at(levels_++)] = static_cast<std::uint32_t>(nodes);
     nodes += lanes;
   } while (lanes > 1);
@@ -108,7 +108,7 @@ void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::
   };
   const auto halve = [&](Range range) -> std::int32_t {
     std::int32_t run = 1;
-    while (run * kLanes < range.end - range.begin) run *= kLanes;
+    while (run * kChildren < range.end - range.begin) run *= kChildren;
     if (range.end - range.begin <= 1) return range.end;
     const std::int32_t runs = (range.end - range.begin + run - 1) / run;
     const std::int32_t middle = range.begin + (runs / 2) * run;
@@ -135,7 +135,7 @@ void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::
     while (!open.empty()) {
       const Range range = open.back();
       open.pop_back();
-      if (range.end - range.begin <= kLanes) continue;
+      if (range.end - range.begin <= kChildren) continue;
       const std::int32_t middle = halve(range);
       open.push_back({range.begin, middle});
       open.push_back({middle, range.end});
@@ -147,7 +147,7 @@ void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::
   for (int level = 0; level < kParallelLevels; ++level) {
     std::vector<std::int32_t> middles(ranges.size());
     for_ranges(ranges.size(), 1, [&](std::size_t i, std::size_t) {
-      const bool small = ranges[i].end - ranges[i].begin <= kLanes;
+      const bool small = ranges[i].end - ranges[i].begin <= kChildren;
       middles[i] = small ? ranges[i].end : halve(ranges[i]);
     });
     std::vector<Range> halves;
@@ -163,7 +163,7 @@ void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::
 /// Every node's lanes are around runs of 4^level triangles.
 void DiscTree::bound_level(const TriangleMesh& mesh, int level) {
   std::size_t run = 1;
-  for (int i = 0; i < level; ++i) run *= kLanes;
+  for (int i = 0; i < level; ++i) run *= kChildren;
   const std::size_t first = start_[at(level)];
   const std::size_t count = start_[at(level + 1)] - first;
   constexpr std::size_t kTrianglesAtOnce = 4096;
@@ -171,8 +171,8 @@ void DiscTree::bound_level(const TriangleMesh& mesh, int level) {
       count, std::max<std::size_t>(1, kTrianglesAtOnce / run), [&](std::size_t begin, std::size_t end) {
         for (std::size_t node = begin; node < end; ++node) {
           DiscNode& kept = nodes_[first + node];
-          for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const std::size_t from = std::min(triangle_of_.size(), (node * kLanes + lane) * run);
+          for (std::size_t lane = 0; lane < kChildren; ++lane) {
+            const std::size_t from = std::min(triangle_of_.size(), (node * kChildren + lane) * run);
             const std::size_t to = std::min(triangle_of_.size(), from + run);
             const Disc disc =
                 from < to ? disc_around(mesh, std::span(triangle_of_).subspan(from, to - from), origin_)
