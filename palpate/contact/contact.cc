@@ -203,6 +203,7 @@ State::State(const World& world) : data_(std::make_unique<Data>()) {
       PartState part;
       part.known.assign(part_points.size(), 0.0);
       part.since.assign(part_points.size(), 0.0);
+      part.floor.assign(part_points.size(), 0.0);
       part.nearest_triangle.assign(part_points.size(), -1);
       part.inside.assign(part_points.size(), 0);
       part.clusters.assign(part_points.clusters.size(), {});

@@ -12,6 +12,9 @@ constexpr double kOutside = -1e-6;  // m: a part that just touches counts as out
 // within this of counting [m].
 constexpr double kBoundSlack = 1e-12;
 
+// With more points of a cluster in question than this, its middle is asked first.
+constexpr int kFewPoints = 4;
+
 /// Moves the part's box; @return the most that any point of the part has moved: reached at a corner, since
 /// the motion is affine and its norm convex
 double move_box(const PartPoints& points, PartState& part) noexcept {
@@ -30,7 +33,7 @@ void bound_cluster(const PartPoints& points, std::size_t cluster, PartState& par
   ClusterBounds bounds{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   for (std::size_t i = points.clusters[cluster].begin; i < points.clusters[cluster].end; ++i) {
     bounds.crosses = std::min(bounds.crosses, part.since[i] + std::abs(part.known[i] - kInside));
-    bounds.nearest = std::min(bounds.nearest, part.since[i] + part.known[i]);
+    bounds.floor = std::min(bounds.floor, part.floor[i]);
   }
   part.clusters[cluster] = bounds;
 }
@@ -53,10 +56,11 @@ void forget(const OrganSurface& surface, const PartPoints& points, PartState& pa
     for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
       part.known[i] = middle.distance;
       part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
+      part.floor[i] = part.known[i] + part.since[i];
       part.nearest_triangle[i] = middle.triangle;
       set_inside(part, i, middle.distance);
-      const bool nearer = least_distance(part, i) < least_distance(part, part.nearest_point);
-      if (nearer) part.nearest_point = static_cast<std::uint32_t>(i);  // the one to ask first
+      if (part.floor[i] < part.floor[part.nearest_point])
+        part.nearest_point = static_cast<std::uint32_t>(i);  // the one to ask first
     }
     bound_cluster(points, c, part);
   }
@@ -103,6 +107,27 @@ void find_crossings(const OrganSurface& surface, const PartPoints& points, bool 
   }
 }
 
+/// How many points of a cluster may be nearer than the nearest so far.
+int count_open(const PartPoints::Cluster& cluster, const PartState& part) noexcept {
+  int count = 0;
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    if (part.floor[i] - part.travelled < part.nearest.distance) ++count;
+  }
+  return count;
+}
+
+/// One question for all points of a cluster: none is nearer than its middle by more than the way between.
+void raise_floor(const OrganSurface& surface, const PartPoints& points, std::size_t c,
+                 PartState& part) noexcept {
+  const PartPoints::Cluster& cluster = points.clusters[c];
+  const geometry::NearestPoint middle =
+      surface.nearest(part.pose_S * cluster.centre, part.nearest_triangle[cluster.begin]);
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    const double floor = middle.distance - (points.point(i) - cluster.centre).norm() + part.travelled;
+    part.floor[i] = std::max(part.floor[i], floor);
+  }
+}
+
 }  // namespace
 
 geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoints& points, std::size_t point,
@@ -111,6 +136,7 @@ geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoint
       surface.nearest(part.pose_S * points.point(point), part.nearest_triangle[point]);
   part.known[point] = found.distance;
   part.since[point] = part.travelled;
+  part.floor[point] = found.distance + part.travelled;
   part.nearest_triangle[point] = found.triangle;
   set_inside(part, point, found.distance);
   return found;
@@ -143,7 +169,7 @@ bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose
 void find_nearest(const OrganSurface& surface, const PartPoints& points, PartState& part,
                   double enough) noexcept {
   double least = std::numeric_limits<double>::infinity();
-  for (const ClusterBounds& cluster : part.clusters) least = std::min(least, cluster.nearest);
+  for (const ClusterBounds& cluster : part.clusters) least = std::min(least, cluster.floor);
   if (least - part.travelled > enough + kBoundSlack) {
     part.nearest.distance = std::numeric_limits<double>::infinity();
     return;
@@ -152,9 +178,10 @@ void find_nearest(const OrganSurface& surface, const PartPoints& points, PartSta
   part.nearest = ask_distance(surface, points, last_nearest, part);
   bound_cluster(points, last_nearest / PartPoints::kClusterSize, part);
   for (std::size_t c = 0; c < points.clusters.size(); ++c) {
-    if (part.clusters[c].nearest - part.travelled > part.nearest.distance + kBoundSlack) continue;
+    if (part.clusters[c].floor - part.travelled > part.nearest.distance + kBoundSlack) continue;
+    if (count_open(points.clusters[c], part) > kFewPoints) raise_floor(surface, points, c, part);
     for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
-      if (i == last_nearest || least_distance(part, i) >= part.nearest.distance) continue;
+      if (i == last_nearest || part.floor[i] - part.travelled >= part.nearest.distance) continue;
       const geometry::NearestPoint found = ask_distance(surface, points, i, part);
       if (found.distance >= part.nearest.distance) continue;
       part.nearest_point = static_cast<std::uint32_t>(i);

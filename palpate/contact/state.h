@@ -54,7 +54,7 @@ struct EntryEvent {
 /// How far a cluster's points may be from saying something new, as values of PartState::travelled.
 struct ClusterBounds {
   double crosses = 0.0;  // before this none can have crossed the surface
-  double nearest = 0.0;  // less `travelled`: none is nearer to the organ than this [m]
+  double floor = 0.0;    // the least of PartState::floor
 };
 
 /// One rigid part from tick to tick.
@@ -70,6 +70,7 @@ struct PartState {
   double motion = 0.0;        // of that, this tick
   std::vector<double> known;  // a point's signed distance when last asked [m]
   std::vector<double> since;  // `travelled` then
+  std::vector<double> floor;  // less `travelled`: a point is not nearer to the organ than this [m]
   std::vector<std::int32_t> nearest_triangle;
   std::vector<std::uint8_t> inside;
   std::vector<ClusterBounds> clusters;
