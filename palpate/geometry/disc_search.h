@@ -34,7 +34,50 @@ struct DiscQuery {
     const Lanes above = xsimd::max(zero, xsimd::abs(along) - Lanes::load_aligned(node.height.data()) - slack);
     return beside * beside + above * above;
   }
+
+  /// Squared lower bounds of the distances to the four triangles; not a number where rounding cannot tell.
+  [[nodiscard]] Lanes squared_distances(const TriangleNode& node) const noexcept;
 };
+
+/// Vectors, four at once.
+struct LaneVector {
+  Lanes x, y, z;
+  [[nodiscard]] LaneVector operator-(const LaneVector& b) const noexcept {
+    return {x - b.x, y - b.y, z - b.z};
+  }
+  [[nodiscard]] Lanes dot(const LaneVector& b) const noexcept { return x * b.x + y * b.y + z * b.z; }
+  [[nodiscard]] LaneVector cross(const LaneVector& b) const noexcept {
+    return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
+  }
+  /// Squared distance of the vector's end to the segment from the origin to `edge`.
+  [[nodiscard]] Lanes squared_to_edge(const LaneVector& edge) const noexcept {
+    const Lanes length = edge.dot(edge) + Lanes(std::numeric_limits<float>::min());  // a point is an edge too
+    const Lanes along = xsimd::min(Lanes(1.0F), xsimd::max(Lanes(0.0F), dot(edge) / length));
+    const LaneVector off{x - along * edge.x, y - along * edge.y, z - along * edge.z};
+    return off.dot(off);
+  }
+};
+
+inline Lanes DiscQuery::squared_distances(const TriangleNode& node) const noexcept {
+  const auto load = [](const std::array<float, 4>& values) { return Lanes::load_aligned(values.data()); };
+  const LaneVector ab{load(node.ab_x), load(node.ab_y), load(node.ab_z)};
+  const LaneVector ac{load(node.ac_x), load(node.ac_y), load(node.ac_z)};
+  const LaneVector bc = ac - ab;
+  const LaneVector ap{x - load(node.corner_x), y - load(node.corner_y), z - load(node.corner_z)};
+  const LaneVector bp = ap - ab;
+  const LaneVector normal = ab.cross(ac);
+  const Lanes zero(0.0F);
+  const Lanes height = ap.dot(normal);
+  // Over the face when inside of all three edges; what a face's rounding says wrongly, an edge is as near.
+  const auto inside = normal.dot(ab.cross(ap)) >= zero && normal.dot(bc.cross(bp)) >= zero &&
+                      normal.dot(ap.cross(ac)) >= zero;
+  const Lanes to_plane = height * height / normal.dot(normal);
+  const Lanes to_edges =
+      xsimd::min(xsimd::min(ap.squared_to_edge(ab), ap.squared_to_edge(ac)), bp.squared_to_edge(bc));
+  const Lanes distance = xsimd::sqrt(xsimd::select(inside, xsimd::min(to_plane, to_edges), to_edges));
+  const Lanes least = xsimd::max(zero, distance - slack);
+  return least * least;
+}
 
 template <typename Visit, typename Reach>
 void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexcept {
@@ -52,25 +95,29 @@ void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexce
   };
   std::array<Wait, kMostVisits> waiting;
   std::size_t count = 0;
-  waiting[count++] = {0.0F, 0, levels_ - 1};
+  waiting[count++] = {0.0F, 0, levels_};
   float within = limit();
   while (count > 0) {
     const Wait here = waiting[--count];
     if (!(here.squared <= within)) continue;
-    const DiscNode& node = nodes_[start_[static_cast<std::size_t>(here.level)] + here.index];
     alignas(16) std::array<float, 4> squared;
-    query.squared_distances(node).store_aligned(squared.data());
+    if (here.level == 0) {
+      query.squared_distances(leaves_[here.index]).store_aligned(squared.data());
+    } else {
+      query.squared_distances(node_at(here.level, here.index)).store_aligned(squared.data());
+    }
     // The lanes in reach, nearest first.
     std::array<std::uint32_t, 4> lane;
     std::size_t lanes = 0;
     for (std::uint32_t k = 0; k < 4; ++k) {
-      if (!(squared[k] <= within)) continue;
+      if (squared[k] > within) continue;  // not a number counts
       std::size_t at = lanes++;
       for (; at > 0 && squared[lane[at - 1]] > squared[k]; --at) lane[at] = lane[at - 1];
       lane[at] = k;
     }
     if (here.level == 0) {
-      for (std::size_t i = 0; i < lanes && squared[lane[i]] <= within; ++i) {
+      for (std::size_t i = 0; i < lanes; ++i) {
+        if (squared[lane[i]] > within) continue;
         visit(static_cast<std::int32_t>(4 * here.index + lane[i]));
         within = limit();
       }
@@ -132,14 +179,14 @@ void DiscTree::each_along(const Vec3& a, const Vec3& b, double slack, Visit visi
   const DiscSegment segment(a - origin_, b - origin_, extent_, slack);
   std::array<Wait, kMostVisits> waiting;
   std::size_t count = 0;
-  waiting[count++] = {0, levels_ - 1};
+  waiting[count++] = {0, levels_};
   while (count > 0) {
     const Wait here = waiting[--count];
-    std::uint32_t lanes = segment.near(nodes_[start_[static_cast<std::size_t>(here.level)] + here.index]);
+    std::uint32_t lanes = segment.near(node_at(here.level, here.index));
     for (; lanes != 0; lanes &= lanes - 1) {
       const std::uint32_t child = 4 * here.index + static_cast<std::uint32_t>(std::countr_zero(lanes));
-      if (here.level == 0) {
-        visit(static_cast<std::int32_t>(child));
+      if (here.level == 1) {
+        visit_leaf(child, visit);
       } else {
         waiting[count++] = {child, here.level - 1};
       }

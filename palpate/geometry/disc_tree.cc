@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::int32_t kChildren = 4;
 constexpr float kNothing = -1e30F;  // radius of an empty lane: its squared distance is infinite
+constexpr double kNowhere = 1e30;   // m: the same of an empty lane's triangle
 
 std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
@@ -87,16 +88,43 @@ DiscTree::DiscTree(const TriangleMesh& mesh) {
   std::iota(triangle_of_.begin(), triangle_of_.end(), 0);
   order(centres, 0, count);
 
+  fill_leaves(mesh);
   std::size_t nodes = 0;
-  std::size_t lanes = at(count);
+  std::size_t below = leaves_.size();
   do {
-    lanes = (lanes + kChildren - 1) / kChildren;
     start_[at(levels_++)] = static_cast<std::uint32_t>(nodes);
-    nodes += lanes;
-  } while (lanes > 1);
+    below = (below + kChildren - 1) / kChildren;
+    nodes += below;
+  } while (below > 1);
   start_[at(levels_)] = static_cast<std::uint32_t>(nodes);
   nodes_.resize(nodes);
-  for (int level = 0; level < levels_; ++level) bound_level(mesh, level);
+  for (int level = 1; level <= levels_; ++level) bound_level(mesh, level);
+}
+
+void DiscTree::fill_leaves(const TriangleMesh& mesh) {
+  leaves_.resize((triangle_of_.size() + kChildren - 1) / kChildren);
+  for (std::size_t slot = 0; slot < leaves_.size() * kChildren; ++slot) {
+    TriangleNode& leaf = leaves_[slot / kChildren];
+    const std::size_t lane = slot % kChildren;
+    Vec3 a = Vec3::Constant(kNowhere);
+    Vec3 ab = Vec3::Zero();
+    Vec3 ac = Vec3::Zero();
+    if (slot < triangle_of_.size()) {
+      const Triangle& corners = mesh.triangles[at(triangle_of_[slot])];
+      a = mesh.vertices[at(corners[0])] - origin_;
+      ab = mesh.vertices[at(corners[1])] - mesh.vertices[at(corners[0])];
+      ac = mesh.vertices[at(corners[2])] - mesh.vertices[at(corners[0])];
+    }
+    leaf.corner_x[lane] = static_cast<float>(a.x());
+    leaf.corner_y[lane] = static_cast<float>(a.y());
+    leaf.corner_z[lane] = static_cast<float>(a.z());
+    leaf.ab_x[lane] = static_cast<float>(ab.x());
+    leaf.ab_y[lane] = static_cast<float>(ab.y());
+    leaf.ab_z[lane] = static_cast<float>(ab.z());
+    leaf.ac_x[lane] = static_cast<float>(ac.x());
+    leaf.ac_y[lane] = static_cast<float>(ac.y());
+    leaf.ac_z[lane] = static_cast<float>(ac.z());
+  }
 }
 
 /// Halves by the median across the longest side, at a multiple of the largest power of 4 below the count, so
@@ -164,8 +192,8 @@ void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::
 void DiscTree::bound_level(const TriangleMesh& mesh, int level) {
   std::size_t run = 1;
   for (int i = 0; i < level; ++i) run *= kChildren;
-  const std::size_t first = start_[at(level)];
-  const std::size_t count = start_[at(level + 1)] - first;
+  const std::size_t first = start_[at(level - 1)];
+  const std::size_t count = start_[at(level)] - first;
   constexpr std::size_t kTrianglesAtOnce = 4096;
   for_ranges(
       count, std::max<std::size_t>(1, kTrianglesAtOnce / run), [&](std::size_t begin, std::size_t end) {
