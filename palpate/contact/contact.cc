@@ -51,7 +51,11 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     PartState& part = tool.parts[i];
     const bool was_seen = part.seen;
-    const Pose pose_S = tool.pose_S * geometry::part_pose(points.parts[i].joint, input.gripper);
+    if (part.gripper != input.gripper) {
+      part.gripper = input.gripper;
+      part.joint_T = geometry::part_pose(points.parts[i].joint, input.gripper);
+    }
+    const Pose pose_S = tool.pose_S * part.joint_T;
     if (move_part(world.surface, points.parts[i], pose_S, world.period, part)) continue;
     part.contact_count = 0;
     GripState grip;
@@ -144,7 +148,7 @@ void add_nearest(const World::Data& world, const ToolPoints& points, const Pose&
   result.distance = part.nearest.distance;
   result.nearest_W = organ_W * part.nearest.point;
   const Vec3 to_tool =
-      part.pose_S * points.parts[tool.nearest_part].point(part.nearest_point) - part.nearest.point;
+      part.placed_S * points.parts[tool.nearest_part].point(part.nearest_point) - part.nearest.point;
   constexpr double kTouching =
       1e-9;  // m: nearer than this the line has no direction, the surface's normal serves
   Vec3 away = part.nearest.normal;

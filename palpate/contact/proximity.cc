@@ -15,17 +15,14 @@ constexpr double kBoundSlack = 1e-12;
 // With more points of a cluster in question than this, its middle is asked first.
 constexpr int kFewPoints = 4;
 
-/// Moves the part's box; @return the most that any point of the part has moved: reached at a corner, since
-/// the motion is affine and its norm convex
-double move_box(const PartPoints& points, PartState& part) noexcept {
-  const Mat3 rotation = part.pose_S.rotation.toRotationMatrix();
-  double squared = 0.0;
-  for (std::size_t i = 0; i < points.corners.size(); ++i) {
-    const Vec3 now = rotation * points.corners[i] + part.pose_S.position;
-    squared = std::max(squared, (now - part.corners_S[i]).squaredNorm());
-    part.corners_S[i] = now;
-  }
-  return std::sqrt(squared);
+/// No point of the part has moved more since the last tick: the motion of the middle of its box, and what
+/// turning adds on the way to a corner.
+double greatest_motion(const PartPoints& points, const PartState& part) noexcept {
+  const Mat3 turned = part.placed_S.rotation - part.previous_S.rotation;
+  const Vec3 moved = part.placed_S.position - part.previous_S.position;
+  double motion = (turned * points.box_middle + moved).norm();
+  for (int axis = 0; axis < 3; ++axis) motion += points.box_reach[axis] * turned.col(axis).norm();
+  return motion;
 }
 
 /// Brings a cluster's bounds up to date with its points.
@@ -51,7 +48,7 @@ void forget(const OrganSurface& surface, const PartPoints& points, PartState& pa
   part.nearest_point = 0;
   for (std::size_t c = 0; c < points.clusters.size(); ++c) {
     const PartPoints::Cluster& cluster = points.clusters[c];
-    const geometry::NearestPoint middle = surface.nearest(part.pose_S * cluster.centre, guess);
+    const geometry::NearestPoint middle = surface.nearest(part.placed_S * cluster.centre, guess);
     guess = middle.triangle;
     for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
       part.known[i] = middle.distance;
@@ -79,7 +76,7 @@ void update_point(const OrganSurface& surface, const PartPoints& points, std::si
   const geometry::NearestPoint now = ask_distance(surface, points, i, part);
   if (placed_anew || was_inside) return;
   const bool went_in = now.distance < kInside;
-  const Vec3 end = part.pose_S * points.point(i);
+  const Vec3 end = part.placed_S * points.point(i);
   const Vec3 start = part.previous_S * points.point(i);
   // Out and out again: in between it was in only if the way is long enough.
   const double way_in = std::max(0.0, before - kInside) + now.distance - kInside;
@@ -121,7 +118,7 @@ void raise_floor(const OrganSurface& surface, const PartPoints& points, std::siz
                  PartState& part) noexcept {
   const PartPoints::Cluster& cluster = points.clusters[c];
   const geometry::NearestPoint middle =
-      surface.nearest(part.pose_S * cluster.centre, part.nearest_triangle[cluster.begin]);
+      surface.nearest(part.placed_S * cluster.centre, part.nearest_triangle[cluster.begin]);
   for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
     const double floor = middle.distance - (points.point(i) - cluster.centre).norm() + part.travelled;
     part.floor[i] = std::max(part.floor[i], floor);
@@ -133,7 +130,7 @@ void raise_floor(const OrganSurface& surface, const PartPoints& points, std::siz
 geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoints& points, std::size_t point,
                                     PartState& part) noexcept {
   geometry::NearestPoint found =
-      surface.nearest(part.pose_S * points.point(point), part.nearest_triangle[point]);
+      surface.nearest(part.placed_S * points.point(point), part.nearest_triangle[point]);
   part.known[point] = found.distance;
   part.since[point] = part.travelled;
   part.floor[point] = found.distance + part.travelled;
@@ -144,17 +141,17 @@ geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoint
 
 bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S, double period,
                PartState& part) noexcept {
-  part.previous_S = part.seen ? part.pose_S : pose_S;
-  part.pose_S = pose_S;
-  const double moved = move_box(points, part);
-  part.motion = part.seen ? moved : 0.0;
+  const Placement before = part.placed_S;
+  part.placed_S = {pose_S.rotation.toRotationMatrix(), pose_S.position};
+  part.previous_S = part.seen ? before : part.placed_S;
+  part.motion = greatest_motion(points, part);
   part.travelled += part.motion;
   part.entry_count = 0;
   const bool placed_anew = !part.seen || part.motion > kFastestHand * period;
   part.seen = true;
   if (placed_anew) {
     forget(surface, points, part);
-    part.previous_S = pose_S;
+    part.previous_S = part.placed_S;
     part.motion = 0.0;
     part.armed = false;
   }

@@ -40,8 +40,8 @@ geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoint
 
 /// [rt] How far the part's material at `point_S` (where it is now) has moved in this tick [m].
 [[nodiscard]] inline Vec3 motion_at(const PartState& part, const Vec3& point_S) noexcept {
-  const Vec3 point_P = part.pose_S.inverse() * point_S;
-  return part.pose_S * point_P - part.previous_S * point_P;  // exactly 0 at rest
+  const Vec3 point_P = part.placed_S.bring_back(point_S);
+  return part.placed_S * point_P - part.previous_S * point_P;  // exactly 0 at rest
 }
 
 }  // namespace palpate::contact

@@ -51,6 +51,18 @@ struct EntryEvent {
   SurfacePoint at;
 };
 
+/// A pose as a matrix: the same map, cheaper for many points.
+struct Placement {
+  Mat3 rotation = Mat3::Identity();
+  Vec3 position = Vec3::Zero();
+
+  [[nodiscard]] Vec3 operator*(const Vec3& p) const noexcept { return rotation * p + position; }
+  [[nodiscard]] Vec3 turn_back(const Vec3& direction) const noexcept {
+    return rotation.transpose() * direction;
+  }
+  [[nodiscard]] Vec3 bring_back(const Vec3& p) const noexcept { return turn_back(p - position); }
+};
+
 /// How far a cluster's points may be from saying something new, as values of PartState::travelled.
 struct ClusterBounds {
   double crosses = 0.0;  // before this none can have crossed the surface
@@ -62,9 +74,10 @@ struct PartState {
   static constexpr std::size_t kMostEntries = 64;
 
   // Where it is. A point's signed distance to the organ is known to be within `known +- (travelled - since)`.
-  Pose pose_S;                    // of the part's frame in the organ's, this tick
-  Pose previous_S;                // last tick
-  std::array<Vec3, 8> corners_S;  // of the part's box, this tick
+  Placement placed_S;     // of the part's frame in the organ's, this tick
+  Placement previous_S;   // last tick
+  double gripper = -1.0;  // that `joint_T` belongs to
+  Pose joint_T;           // of the part's frame in the handle's
   bool seen = false;
   double travelled = 0.0;     // most that any point has moved so far, summed [m]
   double motion = 0.0;        // of that, this tick

@@ -211,11 +211,8 @@ PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
   PartPoints points;
   points.joint = part;
   points.joint.mesh = {};
-  for (std::size_t c = 0; c < points.corners.size(); ++c) {
-    points.corners[c] =
-        Vec3((c & 1U) != 0 ? box.high.x() : box.low.x(), (c & 2U) != 0 ? box.high.y() : box.low.y(),
-             (c & 4U) != 0 ? box.high.z() : box.low.z());
-  }
+  points.box_middle = box.middle();
+  points.box_reach = 0.5 * box.size();
   for (const std::uint32_t i : indices) {
     const Sample& sample = samples[i];
     double radius = 0.0;

@@ -31,10 +31,11 @@ struct PartPoints {
   std::vector<Cluster> clusters;
   std::vector<Cluster> groups;  // of clusters: begin and end count those
   std::vector<float> near_x, near_y,
-      near_z;                   // x, y, z rounded, whole clusters: the last one's gaps repeat its end
-  double rounding = 0.0;        // that near_* may be off by, and what is worked out of it [m]
-  std::array<Vec3, 8> corners;  // of the bounding box
-  geometry::ToolPart joint;     // is_jaw, pivot, axis, open_angle; no mesh
+      near_z;             // x, y, z rounded, whole clusters: the last one's gaps repeat its end
+  double rounding = 0.0;  // that near_* may be off by, and what is worked out of it [m]
+  Vec3 box_middle = Vec3::Zero();
+  Vec3 box_reach = Vec3::Zero();  // half the box's size
+  geometry::ToolPart joint;       // is_jaw, pivot, axis, open_angle; no mesh
 
   [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
   [[nodiscard]] Vec3 point(std::size_t i) const noexcept { return {x[i], y[i], z[i]}; }

@@ -95,36 +95,34 @@ void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexce
   };
   std::array<Wait, kMostVisits> waiting;
   std::size_t count = 0;
-  waiting[count++] = {0.0F, 0, levels_};
+  Wait here{0.0F, 0, levels_};
   float within = limit();
-  while (count > 0) {
-    const Wait here = waiting[--count];
-    if (!(here.squared <= within)) continue;
-    alignas(16) std::array<float, 4> squared;
-    if (here.level == 0) {
-      query.squared_distances(leaves_[here.index]).store_aligned(squared.data());
-    } else {
-      query.squared_distances(node_at(here.level, here.index)).store_aligned(squared.data());
+  alignas(16) std::array<float, 4> squared;
+  while (true) {
+    const bool leaf = here.level == 0;
+    const Lanes bounds = leaf ? query.squared_distances(leaves_[here.index])
+                              : query.squared_distances(node_at(here.level, here.index));
+    bounds.store_aligned(squared.data());
+    // The lanes in reach, the nearest of them on top.
+    const std::size_t below = count;
+    for (std::uint32_t lanes = lanes_of(!(bounds > Lanes(within))); lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+      std::size_t at = count++;
+      for (; at > below && waiting[at - 1].squared < squared[lane]; --at) waiting[at] = waiting[at - 1];
+      waiting[at] = {squared[lane], 4 * here.index + lane, here.level - 1};
     }
-    // The lanes in reach, nearest first.
-    std::array<std::uint32_t, 4> lane;
-    std::size_t lanes = 0;
-    for (std::uint32_t k = 0; k < 4; ++k) {
-      if (squared[k] > within) continue;  // not a number counts
-      std::size_t at = lanes++;
-      for (; at > 0 && squared[lane[at - 1]] > squared[k]; --at) lane[at] = lane[at - 1];
-      lane[at] = k;
-    }
-    if (here.level == 0) {
-      for (std::size_t i = 0; i < lanes; ++i) {
-        if (squared[lane[i]] > within) continue;
-        visit(static_cast<std::int32_t>(4 * here.index + lane[i]));
+    if (leaf) {
+      for (; count > below; --count) {
+        const std::uint32_t slot = waiting[count - 1].index;
+        if (waiting[count - 1].squared > within || slot >= triangle_of_.size()) continue;
+        visit(static_cast<std::int32_t>(slot));
         within = limit();
       }
-    } else {
-      while (lanes-- > 0)
-        waiting[count++] = {squared[lane[lanes]], 4 * here.index + lane[lanes], here.level - 1};
     }
+    do {
+      if (count == 0) return;
+      here = waiting[--count];
+    } while (here.squared > within);
   }
 }
 

@@ -32,7 +32,7 @@ struct alignas(16) TriangleNode {
 class DiscTree final {
  public:
   static constexpr int kMostLevels = 16;  // 4^16 triangles are more than 32 bits count
-  static constexpr int kMostVisits = 3 * kMostLevels + 1;
+  static constexpr int kMostVisits = 3 * kMostLevels + 4;
 
   /// [setup] `mesh` has at least one triangle and finite vertices.
   explicit DiscTree(const TriangleMesh& mesh);

@@ -281,6 +281,7 @@ NearestPoint SurfaceDistance::nearest(const Vec3& p) const noexcept { return nea
 
 NearestPoint SurfaceDistance::nearest(const Vec3& p, std::int32_t guess) const noexcept {
   Tree::Best best;
+  if (!p.allFinite()) return tree_->finish(p, best);
   if (guess >= 0 && at(guess) < tree_->slot_of.size()) tree_->consider(tree_->slot_of[at(guess)], p, best);
   tree_->discs.each_within(
       p, [&](std::int32_t slot) { tree_->consider(slot, p, best); },
