@@ -56,7 +56,9 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
       part.joint_T = geometry::part_pose(points.parts[i].joint, input.gripper);
     }
     const Pose pose_S = tool.pose_S * part.joint_T;
-    if (move_part(world.surface, points.parts[i], pose_S, world.period, part)) continue;
+    if (move_part(world.surface, points.parts[i], pose_S, world.tissue.contact.reference_radius, world.period,
+                  part))
+      continue;
     part.contact_count = 0;
     GripState grip;
     grip.open = tool.grip.open;

@@ -235,7 +235,7 @@ std::uint32_t update_press(const World::Data& world, const PartPoints& points, P
     }
   }
   merge_contacts(world.tissue.contact.reference_radius, part);
-  if (before > 0 && part.contact_count == 0 && part.inside_count > 0) {
+  if (before > 0 && part.contact_count == 0) {
     find_nearest(world.surface, points, part);
     if (part.nearest.distance < kDeepInside) part.armed = false;
   }

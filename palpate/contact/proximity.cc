@@ -15,6 +15,9 @@ constexpr double kBoundSlack = 1e-12;
 // With more points of a cluster in question than this, its middle is asked first.
 constexpr int kFewPoints = 4;
 
+constexpr double kContactDrift = 0.1;  // m/s: twice what a contact may gain on the tool
+constexpr int kMostTakenUp = 16;       // distances asked a tick for clusters that were left by contacts
+
 /// No point of the part has moved more since the last tick: the motion of the middle of its box, and what
 /// turning adds on the way to a corner.
 double greatest_motion(const PartPoints& points, const PartState& part) noexcept {
@@ -27,7 +30,9 @@ double greatest_motion(const PartPoints& points, const PartState& part) noexcept
 
 /// Brings a cluster's bounds up to date with its points.
 void bound_cluster(const PartPoints& points, std::size_t cluster, PartState& part) noexcept {
-  ClusterBounds bounds{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  ClusterBounds bounds;
+  bounds.crosses = std::numeric_limits<double>::infinity();
+  bounds.floor = std::numeric_limits<double>::infinity();
   for (std::size_t i = points.clusters[cluster].begin; i < points.clusters[cluster].end; ++i) {
     bounds.crosses = std::min(bounds.crosses, part.since[i] + std::abs(part.known[i] - kInside));
     bounds.floor = std::min(bounds.floor, part.floor[i]);
@@ -41,25 +46,33 @@ void set_inside(PartState& part, std::size_t point, double distance) noexcept {
   part.inside[point] = inside ? 1 : 0;
 }
 
-/// Knows nothing of the points any more but what the middles of their clusters tell: distance changes by no
-/// more than the way between.
+/// Knows no more of a cluster's points than what its middle tells: distance changes by no more than the way
+/// between.
+void forget_cluster(const OrganSurface& surface, const PartPoints& points, std::size_t c, PartState& part,
+                    std::int32_t& guess) noexcept {
+  const PartPoints::Cluster& cluster = points.clusters[c];
+  const geometry::NearestPoint middle = surface.nearest(part.placed_S * cluster.centre, guess);
+  guess = middle.triangle;
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    part.known[i] = middle.distance;
+    part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
+    part.floor[i] = part.known[i] + part.since[i];
+    part.nearest_triangle[i] = middle.triangle;
+    set_inside(part, i, middle.distance);
+  }
+}
+
 void forget(const OrganSurface& surface, const PartPoints& points, PartState& part) noexcept {
   std::int32_t guess = -1;
   part.nearest_point = 0;
   for (std::size_t c = 0; c < points.clusters.size(); ++c) {
-    const PartPoints::Cluster& cluster = points.clusters[c];
-    const geometry::NearestPoint middle = surface.nearest(part.placed_S * cluster.centre, guess);
-    guess = middle.triangle;
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-      part.known[i] = middle.distance;
-      part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
-      part.floor[i] = part.known[i] + part.since[i];
-      part.nearest_triangle[i] = middle.triangle;
-      set_inside(part, i, middle.distance);
-      if (part.floor[i] < part.floor[part.nearest_point])
-        part.nearest_point = static_cast<std::uint32_t>(i);  // the one to ask first
-    }
+    forget_cluster(surface, points, c, part, guess);
     bound_cluster(points, c, part);
+    for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+      if (part.floor[i] < part.floor[part.nearest_point]) {
+        part.nearest_point = static_cast<std::uint32_t>(i);  // the one to ask first
+      }
+    }
   }
 }
 
@@ -92,13 +105,50 @@ bool may_have_crossed(const PartState& part, std::size_t point) noexcept {
   return least_distance(part, point) <= kInside && greatest_distance(part, point) >= kInside;
 }
 
+/// Whether whatever a cluster's points cross this tick is so near to a contact that it starts no other.
+bool by_a_contact(const PartPoints::Cluster& cluster, double reference_radius, double period,
+                  PartState& part) noexcept {
+  // A contact walks no farther in a tick than the tool moves there and a little.
+  const double nearest = reference_radius - cluster.radius - 3.0 * part.motion - kContactDrift * period;
+  if (nearest <= 0.0 || part.contact_count == 0) return false;
+  const Vec3 centre = part.placed_S * cluster.centre;
+  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& contact) {
+    return (contact.at.point - centre).squaredNorm() <= nearest * nearest;
+  });
+}
+
+/// A cluster that was left looks where its points are now; what has crossed meanwhile starts nothing by it.
+/// @return distances asked
+int take_up(const OrganSurface& surface, const PartPoints& points, std::size_t c, PartState& part) noexcept {
+  std::int32_t guess = part.nearest_triangle[points.clusters[c].begin];
+  forget_cluster(surface, points, c, part, guess);
+  int asked = 1;
+  for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+    if (!may_have_crossed(part, i)) continue;
+    ask_distance(surface, points, i, part);
+    ++asked;
+  }
+  return asked;
+}
+
 /// Asks all points that may have crossed the surface.
-void find_crossings(const OrganSurface& surface, const PartPoints& points, bool placed_anew,
-                    PartState& part) noexcept {
+void find_crossings(const OrganSurface& surface, const PartPoints& points, double reference_radius,
+                    double period, bool placed_anew, PartState& part) noexcept {
+  int asked = 0;
   for (std::size_t c = 0; c < points.clusters.size(); ++c) {
-    if (part.clusters[c].crosses > part.travelled + kBoundSlack) continue;
-    for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
-      if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
+    ClusterBounds& bounds = part.clusters[c];
+    if (bounds.crosses > part.travelled + kBoundSlack) continue;
+    if (by_a_contact(points.clusters[c], reference_radius, period, part)) {
+      bounds.left = true;
+      continue;
+    }
+    if (bounds.left) {
+      if (asked >= kMostTakenUp) continue;  // in the next ticks
+      asked += take_up(surface, points, c, part);
+    } else {
+      for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+        if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
+      }
     }
     bound_cluster(points, c, part);
   }
@@ -139,8 +189,8 @@ geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoint
   return found;
 }
 
-bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S, double period,
-               PartState& part) noexcept {
+bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S,
+               double reference_radius, double period, PartState& part) noexcept {
   const Placement before = part.placed_S;
   part.placed_S = {pose_S.rotation.toRotationMatrix(), pose_S.position};
   part.previous_S = part.seen ? before : part.placed_S;
@@ -154,8 +204,9 @@ bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose
     part.previous_S = part.placed_S;
     part.motion = 0.0;
     part.armed = false;
+    part.contact_count = 0;
   }
-  find_crossings(surface, points, placed_anew, part);
+  find_crossings(surface, points, reference_radius, period, placed_anew, part);
   if (!part.armed) {
     find_nearest(surface, points, part);
     part.armed = part.nearest.distance >= kOutside;

@@ -14,11 +14,12 @@ inline constexpr double kInside = -1e-9;
 
 /// [rt] Brings a part to `pose_S` and finds, exactly, every point that went in on the way (also right
 /// through). Distances are asked only of points that may have crossed the surface; the rest are bounded by
-/// how far the part has moved since they were asked.
+/// how far the part has moved since they were asked. Where a contact is within R_ref none is looked for: it
+/// would start no other (model.md, section 4).
 /// @return false when the part was placed anew: no contact of before is valid, and it is off until it has
 /// been outside.
-bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S, double period,
-               PartState& part) noexcept;
+bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S,
+               double reference_radius, double period, PartState& part) noexcept;
 
 /// [rt] Finds the part's point nearest to the organ (the deepest, when some are inside), exactly:
 /// part.nearest and part.nearest_point. Again only points that may be it are asked.

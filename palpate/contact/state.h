@@ -67,6 +67,7 @@ struct Placement {
 struct ClusterBounds {
   double crosses = 0.0;  // before this none can have crossed the surface
   double floor = 0.0;    // the least of PartState::floor
+  bool left = false;     // not looked at lately: by a contact, where a crossing starts nothing
 };
 
 /// One rigid part from tick to tick.
