@@ -12,7 +12,9 @@
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/geometry/builtin.h"
+#include "palpate/geometry/crossings.h"
 #include "palpate/geometry/read_mesh.h"
+#include "palpate/geometry/repair.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
@@ -31,6 +33,13 @@ constexpr double kCubicMillimetresPerCubicMetre = 1e9;
 /// A path has a '/' or an ending; otherwise it is a built-in name.
 bool is_path(const std::string& mesh) { return mesh.find_first_of("/.") != std::string::npos; }
 
+/// The mesh as an organ would have it, or, where it cannot be one, as an instrument would.
+struct Inspected {
+  geometry::LoadedMesh loaded;
+  std::string refusal;  // as an organ; empty: it can be one
+  geometry::Crossings crossings;
+};
+
 geometry::LoadedMesh load(const InspectOptions& options) {
   if (is_path(options.mesh)) {
     const LengthUnit unit = options.unit.empty() ? LengthUnit::kMillimetre : parse_length_unit(options.unit);
@@ -44,12 +53,29 @@ geometry::LoadedMesh load(const InspectOptions& options) {
   return loaded;
 }
 
+std::string without_start(const std::string& text, const std::string& start) {
+  return text.starts_with(start) ? text.substr(start.size()) : text;
+}
+
+Inspected inspect(const InspectOptions& options) {
+  Inspected inspected{load(options), {}, {}};
+  try {
+    inspected.loaded = geometry::repair_organ(inspected.loaded, options.mesh);
+  } catch (const InputError& error) {
+    inspected.refusal =
+        without_start(without_start(error.what(), options.mesh + ": "), "cannot be an organ: ");
+  }
+  inspected.crossings = geometry::find_crossings(inspected.loaded.mesh);
+  return inspected;
+}
+
 std::optional<double> volume_mm3(const geometry::MeshFindings& findings) {
   if (!findings.closed) return std::nullopt;  // an open surface encloses nothing
   return findings.volume * kCubicMillimetresPerCubicMetre;
 }
 
-void print_json(const geometry::LoadedMesh& loaded) {
+void print_json(const Inspected& inspected) {
+  const geometry::LoadedMesh& loaded = inspected.loaded;
   const geometry::Bounds box = geometry::bounds(loaded.mesh);
   const auto in_mm = [](const Vec3& p) {
     return std::vector<double>{p.x() / kMillimetre, p.y() / kMillimetre, p.z() / kMillimetre};
@@ -65,12 +91,21 @@ void print_json(const geometry::LoadedMesh& loaded) {
   json["volume_mm3"] = volume ? nlohmann::ordered_json(*volume) : nlohmann::ordered_json(nullptr);
   json["repairs"] = loaded.findings.repairs;
   json["defects"] = loaded.findings.defects;
+  json["remarks"] = loaded.findings.remarks;
+  json["self_intersections"] = inspected.crossings.pairs.size();
+  json["organ"] = inspected.refusal.empty();
+  json["refused_as_organ"] =
+      inspected.refusal.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(inspected.refusal);
   std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
 }
 
+std::string padded(std::string label) {
+  label.resize(16, ' ');
+  return label;
+}
+
 void print_list(const char* name, const std::vector<std::string>& words) {
-  std::string label = name;
-  label.resize(14, ' ');
+  std::string label = padded(name);
   if (words.empty()) std::cout << "  " << label << "none\n";
   for (const std::string& word : words) {
     std::cout << "  " << label << word << '\n';
@@ -78,16 +113,15 @@ void print_list(const char* name, const std::vector<std::string>& words) {
   }
 }
 
-void print_table(const InspectOptions& options, const geometry::LoadedMesh& loaded) {
+void print_table(const InspectOptions& options, const Inspected& inspected) {
+  const geometry::LoadedMesh& loaded = inspected.loaded;
   const geometry::MeshFindings& findings = loaded.findings;
   const geometry::Bounds box = geometry::bounds(loaded.mesh);
   const auto side = [&](int k) {
     return shortest(box.low[k] / kMillimetre) + " .. " + shortest(box.high[k] / kMillimetre) + " mm";
   };
   const auto row = [](const std::string& name, const std::string& value) {
-    std::string label = name;
-    label.resize(14, ' ');
-    std::cout << "  " << label << value << '\n';
+    std::cout << "  " << padded(name) << value << '\n';
   };
   std::cout << options.mesh << '\n';
   row("vertices", std::to_string(loaded.mesh.vertices.size()));
@@ -100,8 +134,14 @@ void print_table(const InspectOptions& options, const geometry::LoadedMesh& load
   row("z", side(2));
   const std::optional<double> volume = volume_mm3(findings);
   row("volume", volume ? shortest(*volume) + " mm^3" : "none: not closed");
+  row("crossing pairs", std::string(inspected.crossings.all ? "" : "at least ") +
+                            std::to_string(inspected.crossings.pairs.size()) + " of triangles");
   print_list("repaired", findings.repairs);
-  print_list("left as it is", findings.defects);
+  std::vector<std::string> left = findings.defects;
+  left.insert(left.end(), findings.remarks.begin(), findings.remarks.end());
+  print_list("left as it is", left);
+  row("as an organ", inspected.refusal.empty() ? "yes" : "no: " + inspected.refusal);
+  row("as a tool", "yes");
 }
 
 }  // namespace
@@ -111,23 +151,23 @@ void add_inspect(CLI::App& program, int& exit_code) {
       program.add_subcommand("inspect", "What a mesh is, what was repaired and what could not be");
   auto options = std::make_shared<InspectOptions>();
   command
-      ->add_option(
-          "mesh", options->mesh,
-          "a file (.stl .obj .ply .off .3ds .gltf .glb) or a built-in organ (gallbladder, heart, ball, box)")
+      ->add_option("mesh", options->mesh,
+                   "a file (.stl .obj .ply .off .3ds .gltf .glb .vtk) or a built-in organ (gallbladder, "
+                   "heart, ball, box)")
       ->required();
   command->add_option("--unit", options->unit,
                       "unit of the file's numbers: mm, cm, m or in; without it mm is taken");
   command->add_flag("--json", options->as_json, "one JSON document");
   command->footer("Example: palpate inspect liver.stl --unit mm --json");
   command->callback([options, &exit_code] {
-    const geometry::LoadedMesh loaded = load(*options);
+    const Inspected inspected = inspect(*options);
     if (is_path(options->mesh) && options->unit.empty()) {
       tell(options->mesh + ": no --unit given: its numbers are taken as mm");
     }
     if (options->as_json) {
-      print_json(loaded);
+      print_json(inspected);
     } else {
-      print_table(*options, loaded);
+      print_table(*options, inspected);
     }
     exit_code = kDone;
   });

@@ -101,6 +101,11 @@ void add_scene_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--task", request.task, "press or pull");
   command.add_option("--organ", request.organ, "built-in organ or mesh file");
   command.add_option("--organ-unit", request.organ_unit, "unit of the organ's file: mm, cm, m or in");
+  command
+      .add_option("--organ-motion", request.organ_motion,
+                  "breathing, heartbeat or none; again for each, in place of the scene's")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--tissue", request.tissue, "built-in tissue or tissue file");
   command.add_option("--tool", request.tools, "built-in tool or mesh file; again for each jaw")
       ->expected(1)

@@ -140,7 +140,8 @@ void RowWatch::follow_phase(const haptics::TickRow& row) noexcept {
 }
 
 std::vector<std::string> remarks(const RunAccount& run) {
-  std::vector<std::string> all = run.setup->remarks;
+  std::vector<std::string> all = run.setup->repairs;
+  all.insert(all.end(), run.setup->remarks.begin(), run.setup->remarks.end());
   all.insert(all.end(), run.loop.remarks.begin(), run.loop.remarks.end());
   const std::uint32_t status = run.highlights.status;
   if ((status & contact::kStartedInside) != 0) {

@@ -76,8 +76,8 @@ struct RunAccount {
   Highlights highlights;
 };
 
-/// [setup] What is wrong or worth knowing, in words: the scene's remarks, the loop's, and what the status
-/// bits say.
+/// [setup] What is wrong or worth knowing, in words: the scene's repairs and remarks, the loop's, what the
+/// status bits say.
 [[nodiscard]] std::vector<std::string> remarks(const RunAccount& run);
 
 /// [setup] The document that `palpate run --json` prints (docs/file-formats.md).

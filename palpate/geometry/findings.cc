@@ -1,42 +1,17 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <vector>
 
 #include "palpate/geometry/read_mesh.h"
+#include "palpate/geometry/repair_slivers.h"
+#include "palpate/geometry/repair_surface.h"
 
 namespace palpate::geometry {
 namespace {
 
-// A triangle lower than this share of its longest edge has no area but the rounding of 32-bit coordinates.
-constexpr double kFlat = 2e-7;
-
 // With more shells than this their nesting is not looked into, only their turning.
 constexpr std::size_t kMostShellsNested = 100;
-
-class DisjointSets final {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::size_t find(std::size_t n) {
-    while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
-    return n;
-  }
-  void unite(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
-struct HalfEdge {
-  std::int32_t low, high;
-  std::size_t corner;  // 3 triangle + k: runs from corner k to the next
-  bool ascending;
-};
 
 struct Counts {
   std::size_t boundary_edges = 0;
@@ -46,15 +21,12 @@ struct Counts {
   std::size_t flat_triangles = 0;
 };
 
-std::size_t next_corner(std::size_t corner) { return corner - corner % 3 + (corner + 1) % 3; }
-
 class Analysis final {
  public:
   explicit Analysis(const TriangleMesh& mesh)
       : mesh_(mesh), shells_(mesh.triangles.size()), fans_(3 * mesh.triangles.size()) {}
 
   MeshFindings run() {
-    collect_half_edges();
     walk_edges();
     count_fans();
     count_flat();
@@ -65,7 +37,11 @@ class Analysis final {
     say(counts_.crowded_edges, "edge", " of more than two triangles");
     say(counts_.turned_edges, "edge", " whose two triangles are turned against each other");
     say(counts_.fan_vertices, "vertex", " where separate surfaces touch");
-    say(counts_.flat_triangles, "triangle", " without area");
+    if (counts_.flat_triangles > 0) {
+      findings_.remarks.push_back(std::to_string(counts_.flat_triangles) +
+                                  (counts_.flat_triangles == 1 ? " triangle" : " triangles") +
+                                  " without area");
+    }
     list_shells();
     if (findings_.closed && findings_.manifold && counts_.turned_edges == 0) judge_shells();
     return std::move(findings_);
@@ -78,53 +54,34 @@ class Analysis final {
     findings_.defects.push_back(std::to_string(count) + " " + (count == 1 ? what : plural) + more);
   }
 
-  void collect_half_edges() {
-    half_edges_.reserve(3 * mesh_.triangles.size());
-    for (std::size_t corner = 0; corner < 3 * mesh_.triangles.size(); ++corner) {
-      const std::int32_t from = vertex_at(corner);
-      const std::int32_t to = vertex_at(next_corner(corner));
-      if (from == to) {  // the other two edges of such a triangle are one
-        fans_.unite(corner, next_corner(corner));
-        continue;
+  void walk_edges() {
+    for_each_edge(sorted_sides(mesh_.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
+      const Corner corner = first->corner;
+      if (first->edge >> 32 ==
+          (first->edge & 0xffffffffU)) {  // the other two edges of such a triangle are one
+        for (const EdgeSide* side = first; side != last; ++side)
+          fans_.unite(side->corner, next_corner(side->corner));
+        return;
       }
-      half_edges_.push_back({std::min(from, to), std::max(from, to), corner, from < to});
-    }
-    std::sort(half_edges_.begin(), half_edges_.end(), [](const HalfEdge& a, const HalfEdge& b) {
-      if (a.low != b.low) return a.low < b.low;
-      return a.high != b.high ? a.high < b.high : a.corner < b.corner;
+      const auto triangles = last - first;
+      counts_.boundary_edges += triangles == 1 ? 1 : 0;
+      counts_.crowded_edges += triangles > 2 ? 1 : 0;
+      if (triangles == 2 && vertex_at(corner) == vertex_at(first[1].corner)) ++counts_.turned_edges;
+      for (const EdgeSide* side = first + 1; side != last; ++side) join(corner, side->corner);
     });
   }
 
-  void walk_edges() {
-    for (std::size_t first = 0; first < half_edges_.size();) {
-      std::size_t end = first + 1;
-      while (end < half_edges_.size() && half_edges_[end].low == half_edges_[first].low &&
-             half_edges_[end].high == half_edges_[first].high) {
-        ++end;
-      }
-      const std::size_t triangles = end - first;
-      counts_.boundary_edges += triangles == 1 ? 1 : 0;
-      counts_.crowded_edges += triangles > 2 ? 1 : 0;
-      if (triangles == 2 && half_edges_[first].ascending == half_edges_[first + 1].ascending)
-        ++counts_.turned_edges;
-      for (std::size_t other = first + 1; other < end; ++other) join(half_edges_[first], half_edges_[other]);
-      first = end;
-    }
-  }
-
   /// Two triangles at one edge are of one shell, and of one fan about each end.
-  void join(const HalfEdge& a, const HalfEdge& b) {
-    shells_.unite(a.corner / 3, b.corner / 3);
-    const auto at = [](const HalfEdge& edge, bool low_end) {
-      return edge.ascending == low_end ? edge.corner : next_corner(edge.corner);
-    };
-    fans_.unite(at(a, true), at(b, true));
-    fans_.unite(at(a, false), at(b, false));
+  void join(Corner a, Corner b) {
+    shells_.unite(a / 3, b / 3);
+    const bool runs_along = vertex_at(a) == vertex_at(b);
+    fans_.unite(a, runs_along ? b : next_corner(b));
+    fans_.unite(next_corner(a), runs_along ? next_corner(b) : b);
   }
 
   void count_fans() {
     std::vector<std::size_t> fans_at(mesh_.vertices.size(), 0);
-    for (std::size_t corner = 0; corner < 3 * mesh_.triangles.size(); ++corner) {
+    for (Corner corner = 0; corner < 3 * mesh_.triangles.size(); ++corner) {
       if (fans_.find(corner) == corner) ++fans_at[static_cast<std::size_t>(vertex_at(corner))];
     }
     counts_.fan_vertices = static_cast<std::size_t>(
@@ -132,21 +89,15 @@ class Analysis final {
   }
 
   void count_flat() {
-    for (const Triangle& triangle : mesh_.triangles) {
-      double longest_squared = 0.0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3& a = mesh_.vertices[static_cast<std::size_t>(triangle[k])];
-        const Vec3& b = mesh_.vertices[static_cast<std::size_t>(triangle[(k + 1) % 3])];
-        longest_squared = std::max(longest_squared, (b - a).squaredNorm());
-      }
-      if (area_vector_doubled(mesh_, triangle).norm() <= kFlat * longest_squared) ++counts_.flat_triangles;
-    }
+    counts_.flat_triangles = static_cast<std::size_t>(
+        std::count_if(mesh_.triangles.begin(), mesh_.triangles.end(),
+                      [&](const Triangle& triangle) { return is_flat(mesh_, triangle); }));
   }
 
   void list_shells() {
     shell_of_.resize(mesh_.triangles.size());
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      const std::size_t root = shells_.find(t);
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const std::uint32_t root = shells_.find(t);
       if (root == t) shell_roots_.push_back(t);
       shell_of_[t] = root;
     }
@@ -204,11 +155,10 @@ class Analysis final {
   }
 
   const TriangleMesh& mesh_;
-  std::vector<HalfEdge> half_edges_;
   DisjointSets shells_;
   DisjointSets fans_;  // of triangle corners
-  std::vector<std::size_t> shell_of_;
-  std::vector<std::size_t> shell_roots_;
+  std::vector<std::uint32_t> shell_of_;
+  std::vector<std::uint32_t> shell_roots_;
   Counts counts_;
   MeshFindings findings_;
 };

@@ -28,7 +28,8 @@ struct PlaceHash {
 
 struct Merged {
   TriangleMesh mesh;
-  std::size_t distinct = 0;  // places that had a vertex, used or not
+  std::size_t collapsed = 0;  // triangles dropped that name a vertex twice
+  std::size_t distinct = 0;   // places that had a vertex, used or not
 };
 
 /// One vertex for each place that a triangle uses, in the order of the input; only exactly equal places are
@@ -41,9 +42,18 @@ Merged merge_equal_vertices(const TriangleMesh& mesh) {
     const Vec3 p = mesh.vertices[v] + Vec3::Zero();  // -0 is 0
     place_of[v] = first_at.try_emplace({p.x(), p.y(), p.z()}, v).first->second;
   }
+  const auto places = [&](const Triangle& triangle) {
+    return std::array<std::size_t, 3>{place_of[static_cast<std::size_t>(triangle[0])],
+                                      place_of[static_cast<std::size_t>(triangle[1])],
+                                      place_of[static_cast<std::size_t>(triangle[2])]};
+  };
+  const auto is_collapsed = [](const std::array<std::size_t, 3>& p) {
+    return p[0] == p[1] || p[1] == p[2] || p[2] == p[0];
+  };
   std::vector<bool> is_used(mesh.vertices.size(), false);
   for (const Triangle& triangle : mesh.triangles) {
-    for (const std::int32_t corner : triangle) is_used[place_of[static_cast<std::size_t>(corner)]] = true;
+    if (is_collapsed(places(triangle))) continue;
+    for (const std::size_t place : places(triangle)) is_used[place] = true;
   }
   Merged merged;
   merged.distinct = first_at.size();
@@ -55,10 +65,12 @@ Merged merge_equal_vertices(const TriangleMesh& mesh) {
   }
   merged.mesh.triangles.reserve(mesh.triangles.size());
   for (const Triangle& triangle : mesh.triangles) {
-    Triangle renamed{};
-    for (std::size_t k = 0; k < 3; ++k)
-      renamed[k] = new_index[place_of[static_cast<std::size_t>(triangle[k])]];
-    merged.mesh.triangles.push_back(renamed);
+    const auto [a, b, c] = places(triangle);
+    if (is_collapsed({a, b, c})) {
+      ++merged.collapsed;
+    } else {
+      merged.mesh.triangles.push_back({new_index[a], new_index[b], new_index[c]});
+    }
   }
   return merged;
 }
@@ -72,13 +84,16 @@ void say_merged(const MeshFile& file, const FileFacts& facts, const TriangleMesh
   if (file.format == MeshFormat::kStl) {  // a list of triangles without a list of vertices
     repairs.push_back("joined " + std::to_string(vertices) + " triangle corners in " + std::to_string(kept) +
                       " vertices");
-    return;
-  }
-  if (vertices > distinct) {
+  } else if (vertices > distinct) {
     repairs.push_back("merged " + std::to_string(vertices - distinct) + " duplicate vertices");
   }
-  if (distinct > kept) {
+  if (file.format != MeshFormat::kStl && distinct > kept) {
     repairs.push_back("dropped " + std::to_string(distinct - kept) + " vertices that no triangle uses");
+  }
+  if (merged.collapsed > 0) {
+    repairs.push_back("dropped " + std::to_string(merged.collapsed) +
+                      (merged.collapsed == 1 ? " triangle" : " triangles") +
+                      " with two corners in one place");
   }
 }
 
@@ -118,6 +133,9 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
   }
   Merged merged = merge_equal_vertices(imported.mesh);
   say_merged(file, facts, imported.mesh, merged, imported.repairs);
+  if (merged.mesh.triangles.empty()) {
+    throw InputError(path.string() + ": no triangles (" + joined(imported.repairs) + ")");
+  }
   for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(*unit);
   LoadedMesh loaded{std::move(merged.mesh), {}};
   loaded.findings = findings_of(loaded.mesh);

@@ -16,7 +16,8 @@ struct MeshFindings {
   int shells = 0;
   double volume = 0.0;               // [m^3]
   std::vector<std::string> repairs;  // done, in words
-  std::vector<std::string> defects;  // left as they are, in words
+  std::vector<std::string> defects;  // left as they are, in words: an organ may not have them
+  std::vector<std::string> remarks;  // left as they are and harmless, in words
 };
 
 struct LoadedMesh {
@@ -39,8 +40,8 @@ struct LoadedMesh {
 /// that hang together by edges; triangles without area are those lower than 2e-7 of their longest edge.
 [[nodiscard]] MeshFindings findings_of(const TriangleMesh& mesh);
 
-/// [setup] Refuses what cannot be an organ: open, not manifold, turned inwards, degenerate triangles,
-/// bounding box outside 5 mm to 2 m. @param name file or built-in name, for the message. @throws InputError
+/// [setup] Refuses what cannot be an organ: open, not manifold, turned inwards, bounding box outside 5 mm to
+/// 2 m. @param name file or built-in name, for the message. @throws InputError
 /// in words.
 void require_organ(const LoadedMesh& loaded, const std::string& name);
 

@@ -32,9 +32,14 @@ std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
 class Refiner final {
  public:
   Refiner(const TriangleMesh& mesh, double longest) : mesh_(mesh), longest_squared_(longest * longest) {
-    edges_.reserve(2 * mesh.triangles.size());
+    // A triangle without a long edge stays as it is, and so do its edges: a mesh that is fine already costs
+    // one pass.
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const Triangle corners = mesh_.triangles[t];
+      if (!is_long(corners[0], corners[1]) && !is_long(corners[1], corners[2]) &&
+          !is_long(corners[2], corners[0])) {
+        continue;
+      }
       for (std::size_t e = 0; e < 3; ++e) {
         attach(corners[e], corners[(e + 1) % 3], static_cast<std::int32_t>(t), false);
       }
@@ -73,9 +78,7 @@ class Refiner final {
     Edge& edge = edges_[key];
     if (edge.triangles.empty()) {
       edge.is_inner = is_inner;
-      const double length_squared = squared_length(a, b);
-      if (length_squared > longest_squared_)
-        longest_first_.push({(is_inner ? 0.5 : 1.0) * length_squared, key});
+      if (is_long(a, b)) longest_first_.push({(is_inner ? 0.5 : 1.0) * squared_length(a, b), key});
     }
     edge.triangles.push_back(triangle);
   }
@@ -142,6 +145,10 @@ class Refiner final {
                            squared_length(triangle[1], triangle[2]) +
                            squared_length(triangle[2], triangle[0]);
     return area_vector_doubled(mesh_, triangle).dot(normal) / squares;
+  }
+
+  [[nodiscard]] bool is_long(std::int32_t a, std::int32_t b) const {
+    return squared_length(a, b) > longest_squared_;
   }
 
   /// The same bits whichever end is named first.

@@ -101,7 +101,7 @@ class Loop final {
     const std::size_t hands = std::min(devices_.size(), Snapshot::kMaxHands);
     snapshot.tick = number;
     snapshot.taken_ns = options_.offline ? 0 : last_begin_;
-    snapshot.organ_W = world_.organ_W;
+    snapshot.organ_W = state_.organ_W;
     snapshot.hands = static_cast<std::uint32_t>(hands);
     std::copy_n(state_.inputs.begin(), hands, snapshot.tools.begin());
     std::copy_n(state_.results.begin(), hands, snapshot.results.begin());

@@ -27,7 +27,7 @@ struct Snapshot {
   static constexpr std::size_t kMaxHands = 4;
   std::uint64_t tick = 0;
   std::int64_t taken_ns = 0;  // monotonic
-  Pose organ_W;
+  Pose organ_W;               // at that tick
   std::uint32_t hands = 0;
   std::array<contact::ToolInput, kMaxHands> tools{};
   std::array<contact::ToolResult, kMaxHands> results{};

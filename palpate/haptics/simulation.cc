@@ -102,6 +102,7 @@ SimulationState::SimulationState(const SimulationWorld& world)
       gates(world.hands()),
       inputs(world.hands()),
       results(world.hands()),
+      organ_W(world.organ_W),
       noise_enabled(world.noise.settings().enabled) {}
 
 void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
@@ -114,7 +115,8 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
     state.inputs[hand].pose_W = world.mappings[hand].apply(sample.position_D, sample.orientation_D);
     state.inputs[hand].gripper = std::clamp(sample.gripper, 0.0, 1.0);
   }
-  contact::advance(world.contact, world.organ_W, state.inputs, state.contact, state.results);
+  state.organ_W = world.organ_motion.pose_at(world.organ_W, tick_number, world.rate_Hz);
+  contact::advance(world.contact, state.organ_W, state.inputs, state.contact, state.results);
   for (std::size_t hand = 0; hand < hands; ++hand) {
     finish_hand(world, state, tick_number, hand, samples[hand], commands[hand], rows[hand]);
   }

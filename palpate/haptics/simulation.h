@@ -7,6 +7,7 @@
 #include "palpate/haptics/device.h"
 #include "palpate/haptics/gate.h"
 #include "palpate/haptics/tick_row.h"
+#include "palpate/model/organ_motion.h"
 #include "palpate/noise/touch_noise.h"
 
 namespace palpate::haptics {
@@ -22,14 +23,15 @@ struct WorkspaceMapping {
 /// A device position farther out [m] than this is no hand's: the sample is refused.
 inline constexpr double kFarthest = 100.0;
 
-/// Everything a tick needs that does not change: organ, tools, laws, noise, limits, rate.
+/// Everything a tick needs that does not change: organ and its motion, tools, laws, noise, limits, rate.
 struct SimulationWorld {
   contact::World contact;
   noise::TouchNoise noise;
   GateLimits limits;
   std::vector<WorkspaceMapping> mappings;  // one a hand
-  Pose organ_W;
+  Pose organ_W;                            // at rest
   double rate_Hz = 1000.0;
+  model::OrganMotion organ_motion{};  // breathing, heartbeat; by itself an organ lies still
   [[nodiscard]] std::size_t hands() const noexcept { return mappings.size(); }
 };
 
@@ -43,6 +45,7 @@ struct SimulationState {
   std::vector<GateState> gates;
   std::vector<contact::ToolInput> inputs;    // the last good pose and opening of every hand
   std::vector<contact::ToolResult> results;  // of the last tick, for the picture
+  Pose organ_W;                              // at the last tick
   bool noise_enabled = true;
 };
 

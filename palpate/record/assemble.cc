@@ -14,6 +14,10 @@ haptics::GateLimits gate_limits(const scene::SafetySetup& safety, double period)
 
 }  // namespace
 
+model::OrganMotion organ_motion_of(const scene::Setup& setup) {
+  return {setup.organ_motion, geometry::bounds(setup.organ).middle()};
+}
+
 haptics::SimulationWorld assemble(const scene::Setup& setup) {
   if (setup.tools.empty() || setup.tools.size() != setup.devices.size()) {
     throw InputError("scene: " + std::to_string(setup.tools.size()) + " tools and " +
@@ -29,6 +33,7 @@ haptics::SimulationWorld assemble(const scene::Setup& setup) {
       .mappings = {},
       .organ_W = setup.organ_pose,
       .rate_Hz = setup.rate_Hz,
+      .organ_motion = organ_motion_of(setup),
   };
   for (const scene::DeviceSetup& device : setup.devices) {
     world.mappings.push_back({device.workspace_scale, device.base});

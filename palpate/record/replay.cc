@@ -82,7 +82,7 @@ class Replay final {
     const std::size_t count = std::min(hands(), haptics::Snapshot::kMaxHands);
     snapshot.tick = number;
     snapshot.taken_ns = std::llround(static_cast<double>(number) / world_.rate_Hz * 1e9);
-    snapshot.organ_W = world_.organ_W;
+    snapshot.organ_W = state_.organ_W;
     snapshot.hands = static_cast<std::uint32_t>(count);
     std::copy_n(state_.inputs.begin(), count, snapshot.tools.begin());
     std::copy_n(state_.results.begin(), count, snapshot.results.begin());

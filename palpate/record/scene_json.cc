@@ -30,6 +30,33 @@ Pose pose_from(const Json& json) {
   return pose;
 }
 
+Json motion_json(const model::OrganMotionParameters& motion) {
+  return {{"kind", model::to_string(motion.kind)},
+          {"amplitude_m", motion.amplitude},
+          {"direction", vector_json(motion.direction_W)},
+          {"rotation_rad", motion.rotation},
+          {"axis", vector_json(motion.axis_W)},
+          {"period_s", motion.period},
+          {"phase", motion.phase}};
+}
+
+model::OrganMotionParameters motion_from(const Json& json) {
+  model::OrganMotionParameters motion;
+  const auto kind = json.at("kind").get<std::string>();
+  if (kind == model::to_string(model::OrganMotionKind::kHeartbeat)) {
+    motion.kind = model::OrganMotionKind::kHeartbeat;
+  } else if (kind != model::to_string(model::OrganMotionKind::kBreathing)) {
+    throw InputError("scene: motion of kind \"" + kind + "\", want breathing or heartbeat");
+  }
+  motion.amplitude = json.at("amplitude_m").get<double>();
+  motion.direction_W = vector_from(json.at("direction"));
+  motion.rotation = json.at("rotation_rad").get<double>();
+  motion.axis_W = vector_from(json.at("axis"));
+  motion.period = json.at("period_s").get<double>();
+  motion.phase = json.at("phase").get<double>();
+  return motion;
+}
+
 Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 std::optional<double> optional_from(const Json& json) {
@@ -179,11 +206,16 @@ scene::Setup setup_from(const Json& json) {
   setup.seed = json.at("seed").get<std::uint64_t>();
   setup.organ_name = json.at("organ").at("name").get<std::string>();
   setup.organ_pose = pose_from(json.at("organ").at("pose"));
+  // A recording from before organs moved has no motion.
+  for (const Json& motion : json.at("organ").value("motion", Json::array())) {
+    setup.organ_motion.push_back(motion_from(motion));
+  }
   setup.tissue = tissue_from(json.at("tissue"));
   for (const Json& tool : json.at("tools")) setup.tools.push_back(tool_from(tool));
   for (const Json& device : json.at("devices")) setup.devices.push_back(device_from(device));
   setup.noise = noise_from(json.at("noise"));
   setup.safety = safety_from(json.at("safety"));
+  if (json.contains("repairs")) setup.repairs = json.at("repairs").get<std::vector<std::string>>();
   setup.remarks = json.at("remarks").get<std::vector<std::string>>();
   return setup;
 }
@@ -197,12 +229,17 @@ std::string setup_to_json(const scene::Setup& setup) {
                {"seed", setup.seed},
                {"organ", {{"name", setup.organ_name}, {"pose", pose_json(setup.organ_pose)}}},
                {"tissue", tissue_json(setup.tissue)}};
+  json["organ"]["motion"] = Json::array();
+  for (const model::OrganMotionParameters& motion : setup.organ_motion) {
+    json["organ"]["motion"].push_back(motion_json(motion));
+  }
   json["tools"] = Json::array();
   for (const geometry::Tool& tool : setup.tools) json["tools"].push_back(tool_json(tool));
   json["devices"] = Json::array();
   for (const scene::DeviceSetup& device : setup.devices) json["devices"].push_back(device_json(device));
   json["noise"] = noise_json(setup.noise);
   json["safety"] = safety_json(setup.safety);
+  json["repairs"] = setup.repairs;
   json["remarks"] = setup.remarks;
   // File names need not be UTF-8; a byte that is not becomes a replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);

@@ -1,10 +1,14 @@
 #include "palpate/report/figures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "palpate/base/text.h"
+#include "palpate/geometry/mesh.h"
+#include "palpate/record/assemble.h"
 #include "palpate/report/gnuplot.h"
 #include "palpate/report/text_format.h"
 
@@ -71,41 +75,105 @@ PlotData steps(const Bins& bins, double scale, const std::string& name) {
   return data;
 }
 
+/// How far the organ is from its rest pose, for a plot.
+struct OrganWay {
+  PlotData data{"organ.dat", {}};  // s; x, y, z of its middle [mm]; turned [degrees]
+  std::vector<std::size_t> lines;  // columns of `data` in which something moves, from 1
+  double turned = 0.0;             // most [degrees]
+  bool turns = false;
+};
+
+constexpr std::size_t kTurnColumn = 4;
+
+OrganWay organ_way(const HandAnalysis& hand, const scene::Setup& setup, std::size_t stride) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  constexpr std::array<double, 5> kNothing = {0.0, 1e-3, 1e-3, 1e-3, 1e-2};  // mm, degrees
+  OrganWay way;
+  const model::OrganMotion motion = record::organ_motion_of(setup);
+  if (!motion.moves()) return way;
+  const Vec3 middle_S = geometry::bounds(setup.organ).middle();
+  std::array<double, 5> most{};
+  for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
+    const Pose pose = motion.pose_at(setup.organ_pose, hand.rows[i].tick, setup.rate_Hz);
+    const Vec3 moved = (pose * middle_S - setup.organ_pose * middle_S) * kMilli;
+    const double turned = pose.rotation.angularDistance(setup.organ_pose.rotation) * kDegrees;
+    const std::array<double, 5> row = {hand.rows[i].time, moved.x(), moved.y(), moved.z(), turned};
+    for (std::size_t c = 0; c < row.size(); ++c) most[c] = std::max(most[c], std::abs(row[c]));
+    way.data.rows.emplace_back(row.begin(), row.end());
+  }
+  for (std::size_t c = 1; c < most.size(); ++c) {
+    if (most[c] > kNothing[c]) way.lines.push_back(c);
+  }
+  way.turned = most[kTurnColumn];
+  way.turns = most[kTurnColumn] > kNothing[kTurnColumn];
+  return way;
+}
+
+std::string panel(const std::string& bottom, const std::string& top) {
+  return "set bmargin at screen " + bottom + "\nset tmargin at screen " + top + "\n";
+}
+
+/// Draws the organ's way and leaves no setting of its own behind.
+std::string organ_panel(const OrganWay& way) {
+  static constexpr std::array<const char*, 5> kTitles = {"", "x", "y", "z", "turned (°, right)"};
+  static constexpr std::array<const char*, 5> kColours = {"", kOrange, kBlue, kGreen, kGrey};
+  // Room above the lines for their names.
+  std::string script =
+      "set ylabel 'organ (mm)' offset 1\nset yrange [*:*]\nset offsets 0,0,graph 0.25,0\n"
+      "set key top right horizontal\n";
+  if (way.turns) script += "set y2tics\nset y2range [0:" + shortest(1.35 * way.turned) + "]\n";
+  std::string lines;
+  for (const std::size_t c : way.lines) {
+    lines += (lines.empty() ? "plot 'organ.dat'" : ", ''") + (" using 1:" + std::to_string(c + 1)) +
+             (c == kTurnColumn ? " axes x1y2" : "") + " with lines lw 2 lc " + quoted(kColours[c]) +
+             " title '" + kTitles[c] + "'";
+  }
+  script += lines + "\nunset offsets\nset key vertical\n";
+  if (way.turns) script += "unset y2tics\n";
+  return script;
+}
+
 }  // namespace
 
-Figure draw_over_time(const HandAnalysis& hand, const std::filesystem::path& file) {
+Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
+                      const std::filesystem::path& file) {
   PlotData data{"rows.dat", {}};
   const std::size_t stride = stride_for(hand.rows.size(), kMostPoints);
   for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
     const haptics::TickRow& row = hand.rows[i];
     data.rows.push_back({row.time, row.depth * kMilli, row.tissue_force, device_force(row)});
   }
+  const OrganWay way = organ_way(hand, setup, stride);
+  const bool moving = !way.lines.empty();
   const double end = std::max(hand.rows.back().time, 1e-3);
-  std::string script = preamble(860, 520);
-  script += "set multiplot\nset lmargin at screen 0.095\nset rmargin at screen 0.985\nset xrange [0:" +
-            shortest(end) + "]\n";
+  std::string script = preamble(860, moving ? 720 : 520);
+  script += "set multiplot\nset lmargin at screen 0.095\nset rmargin at screen " +
+            std::string(way.turns ? "0.925" : "0.985") + "\nset xrange [0:" + shortest(end) + "]\n";
   if (hand.moments.contact) {
     script += vertical(hand.rows[hand.moments.touch].time, "contact", "0.95");
     script += vertical(hand.rows[hand.moments.deepest].time, "deepest", "0.95");
   }
+  script += moving ? panel("0.71", "0.98") : panel("0.585", "0.975");
+  script += "set format x ''\nset ylabel 'depth (mm)' offset 1\nset yrange [0:1<*]\nset key off\n";
+  script += "plot 'rows.dat' using 1:2 with lines lw 2 lc " + quoted(kBlue) + "\nunset label\n";
+  if (moving) script += panel("0.40", "0.67") + organ_panel(way);
+  script += moving ? panel("0.09", "0.36") : panel("0.125", "0.535");
   script +=
-      "set bmargin at screen 0.585\nset tmargin at screen 0.975\nset format x ''\n"
-      "set ylabel 'depth (mm)' offset 1\nset yrange [0:1<*]\nset key off\n";
-  script += "plot 'rows.dat' using 1:2 with lines lw 2 lc " + quoted(kBlue) + "\n";
-  script +=
-      "unset label\nset bmargin at screen 0.125\nset tmargin at screen 0.535\nset format x '%g'\n"
-      "set xlabel 'time (s)' offset 0,0.4\nset ylabel 'force (N)' offset 1\nset yrange [0:0.05<*]\n"
-      "set key top right\n";
+      "set format x '%g'\nset xlabel 'time (s)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
+      "set yrange [0:0.05<*]\nset key top right\n";
   script += "plot 'rows.dat' using 1:4 with lines lw 1 lc " + quoted(kGrey) +
             " title 'to the hand, with noise', '' using 1:3 with lines lw 2 lc " + quoted(kOrange) +
             " title 'tissue'\nunset multiplot\n";
   Figure figure;
   figure.file = file;
-  figure.alternative = "Depth in millimetres and force in newtons over time in seconds";
+  figure.alternative = moving ? "Depth, the organ's way and force over time in seconds"
+                              : "Depth in millimetres and force in newtons over time in seconds";
   figure.caption =
-      "Depth of the contact with the largest force (above) and force (below) over time. Dashed: first "
-      "contact and deepest tick.";
-  return drawn(figure, script, {data});
+      moving ? "Depth of the contact with the largest force (above), how far the organ's middle is from its "
+               "place at rest (middle) and force (below) over time. Dashed: first contact and deepest tick."
+             : "Depth of the contact with the largest force (above) and force (below) over time. Dashed: "
+               "first contact and deepest tick.";
+  return drawn(figure, script, {data, way.data});
 }
 
 Figure draw_law(const HandAnalysis& hand, const scene::Setup& setup, model::Direction direction,

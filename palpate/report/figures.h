@@ -18,7 +18,9 @@ struct Figure {
 
 /// [setup] Each draws one figure with gnuplot to `file` (SVG). When gnuplot is missing or fails, the figure
 /// says so in `missing`. @throws InputError when `file` cannot be written.
-[[nodiscard]] Figure draw_over_time(const HandAnalysis& hand, const std::filesystem::path& file);
+/// Depth and force; where the organ moves, its way between them.
+[[nodiscard]] Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
+                                    const std::filesystem::path& file);
 [[nodiscard]] Figure draw_law(const HandAnalysis& hand, const scene::Setup& setup, model::Direction direction,
                               const std::filesystem::path& file);
 [[nodiscard]] Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,

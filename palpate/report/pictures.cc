@@ -75,6 +75,16 @@ render::Image halved(const render::Image& image) {
   return small;
 }
 
+/// The camera farther back, so that a moving organ stays in the picture.
+render::Camera with_room(render::Camera camera, const render::Subject& subject,
+                         const std::vector<model::OrganMotionParameters>& motions) {
+  double way = 0.0;
+  for (const model::OrganMotionParameters& motion : motions) way += motion.amplitude;
+  const double size = geometry::bounds(subject.organ).size().norm();
+  if (way > 0.0 && size > 0.0) camera.eye += (2.0 * way / size) * (camera.eye - camera.target);
+  return camera;
+}
+
 Figure written(const render::Image& image, const std::filesystem::path& file, const std::string& what) {
   render::write_png(image, file);
   Figure figure;
@@ -99,16 +109,19 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
   const contact::ToolResult& result = deepest.results[hand.hand];
   const Vec3 focus = hand.moments.contact ? result.contact_W : result.nearest_W;
   const Vec3 normal = hand.moments.contact ? result.normal_W : result.away_W;
-  const render::Camera wide = render::frame_contact(subject, deepest, focus, normal, false);
   const render::Camera near = render::frame_contact(subject, deepest, focus, normal, true);
+  const render::Camera wide =
+      with_room(render::frame_contact(subject, deepest, focus, normal, false), subject, setup.organ_motion);
   set.contacts_at_depth = result.view_count;
 
+  const Vec3 middle = geometry::bounds(setup.organ).middle();
   std::size_t i = 0;
   for (const NamedMoment& moment : named(hand.moments)) {
     const std::string what = setup.organ_name + " and tool " + moment.name;
     MomentPictures pictures;
     pictures.name = moment.name;
     pictures.row = hand.rows[moment.row];
+    pictures.organ_moved = (snapshots[i].organ_W * middle - setup.organ_pose * middle).norm();
     pictures.overview = written(halved(renderer.draw(snapshots[i], wide)),
                                 folder / (prefix + moment.file + ".png"), what + ", overview");
     pictures.close_up = written(renderer.draw(snapshots[i], near),

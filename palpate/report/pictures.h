@@ -15,6 +15,7 @@ namespace palpate::report {
 struct MomentPictures {
   std::string name;  // "before contact", "at contact", "at depth", "after"
   haptics::TickRow row;
+  double organ_moved = 0.0;  // m, of the organ's middle from its place at rest
   Figure overview;
   Figure close_up;
 };

@@ -101,6 +101,9 @@ std::string moment_caption(const MomentPictures& moment) {
   std::string text = moment.name;
   text[0] = static_cast<char>(text[0] - 'a' + 'A');
   text += ": " + fixed(moment.row.time, 3) + " s";
+  constexpr double kMoved = 0.05e-3;  // m: what is told to a tenth of a millimetre
+  if (moment.organ_moved > kMoved)
+    text += ", organ " + fixed(moment.organ_moved * kMilli, 1) + " mm from rest";
   if (moment.row.phase == 0) return text + ", " + fixed(moment.row.distance * kMilli, 1) + " mm away";
   return text + ", depth " + fixed(moment.row.depth * kMilli, 2) + " mm, tissue force " +
          fixed(moment.row.tissue_force, 3) + " N";

@@ -1,4 +1,5 @@
 // The part of the report that says what was run.
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,27 @@ std::string mesh_in_words(const geometry::TriangleMesh& mesh) {
          fixed(size.x(), 1) + " × " + fixed(size.y(), 1) + " × " + fixed(size.z(), 1) + " mm";
 }
 
+/// "breathing, 8 mm along 0, 0, 1, every 4 s".
+std::string motion_in_words(const std::vector<model::OrganMotionParameters>& motions) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  const auto vector = [](const Vec3& v) {
+    return fixed(v.x(), 2) + ", " + fixed(v.y(), 2) + ", " + fixed(v.z(), 2);
+  };
+  std::string text;
+  for (const model::OrganMotionParameters& motion : motions) {
+    text += (text.empty() ? "" : "; ") + std::string(model::to_string(motion.kind));
+    if (motion.amplitude > 0.0) {
+      text += ", " + millimetres(motion.amplitude) + " along (" + vector(motion.direction_W) + ")";
+    }
+    if (motion.rotation != 0.0) {
+      text += ", " + fixed(motion.rotation * kDegrees, 1) + "° about (" + vector(motion.axis_W) + ")";
+    }
+    text += ", every " + fixed(motion.period, 3) + " s";
+    if (motion.phase > 0.0) text += ", phase " + fixed(motion.phase, 3);
+  }
+  return text;
+}
+
 Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
   Facts facts{
       {"scene", setup.name},
@@ -48,6 +70,9 @@ Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
       {"organ", setup.organ_name + ": " + mesh_in_words(setup.organ)},
       {"organ's position", point_mm(setup.organ_pose.position)},
   };
+  if (!setup.organ_motion.empty()) {
+    facts.emplace_back("organ's motion", motion_in_words(setup.organ_motion));
+  }
   for (const geometry::Tool& tool : setup.tools) {
     std::string text = tool.name;
     for (const geometry::ToolPart& part : tool.parts) {
@@ -146,6 +171,12 @@ void write_what_was_run(Page& page, const WorkedExperiment& worked) {
   page.facts(other_facts(recording.setup));
   page.close_grid();
   page.close_grid();
+  std::vector<std::string> repairs;
+  for (const std::string& repair : recording.setup.repairs) repairs.push_back(escaped(repair));
+  if (!repairs.empty()) {
+    page.paragraph("<strong>Meshes: what was repaired</strong>");
+    page.list(repairs);
+  }
   std::vector<std::string> remarks;
   for (const std::string& remark : recording.setup.remarks) remarks.push_back(escaped(remark));
   for (const HandAnalysis& hand : worked.analysis.hands) {

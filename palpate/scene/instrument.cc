@@ -24,24 +24,23 @@ geometry::Tool make_sphere(const Stated& mesh) {
   }
 }
 
-geometry::ToolPart read_part(const Stated& mesh, const std::optional<LengthUnit>& unit,
-                             std::vector<std::string>& remarks) {
+geometry::ToolPart read_part(const Stated& mesh, const std::optional<LengthUnit>& unit, MeshNotes& notes) {
   geometry::ToolPart part;
   part.name = std::filesystem::path(mesh.value).stem().string();
-  geometry::LoadedMesh loaded = read_mesh_source(mesh, unit, remarks);
+  geometry::LoadedMesh loaded = read_part_source(mesh, unit, notes);
   if (!loaded.findings.closed) {
-    remarks.push_back(mesh.value + ": not closed, used as it is (a tool need not be closed)");
+    notes.remarks.push_back(mesh.value + ": not closed, used as it is (a tool need not be closed)");
   }
   part.mesh = std::move(loaded.mesh);
   return part;
 }
 
-geometry::Tool read_main_mesh(const ToolDescription& description, std::vector<std::string>& remarks) {
+geometry::Tool read_main_mesh(const ToolDescription& description, MeshNotes& notes) {
   const Stated& mesh = *description.mesh;
   if (mesh.value.starts_with(kSpherePrefix)) return make_sphere(mesh);
   geometry::Tool tool;
   if (means_file(mesh.value)) {
-    tool.parts.push_back(read_part(mesh, description.unit, remarks));
+    tool.parts.push_back(read_part(mesh, description.unit, notes));
     return tool;
   }
   const std::vector<std::string>& known = geometry::builtin_tool_names();
@@ -94,13 +93,13 @@ void open_apart(std::vector<geometry::ToolPart>& jaws) {
   }
 }
 
-geometry::Tool load_instrument(const ToolDescription& description, std::vector<std::string>& remarks) {
+geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& notes) {
   geometry::Tool tool;
-  if (description.mesh) tool = read_main_mesh(description, remarks);
+  if (description.mesh) tool = read_main_mesh(description, notes);
   std::vector<geometry::ToolPart> jaws;
   for (const JawDescription& jaw : description.jaws) {
     if (!means_file(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an ending such as .stl)");
-    geometry::ToolPart part = read_part(jaw.mesh, description.unit, remarks);
+    geometry::ToolPart part = read_part(jaw.mesh, description.unit, notes);
     part.is_jaw = true;
     part.pivot = jaw.pivot;
     part.axis = jaw.axis;

@@ -1,16 +1,15 @@
 #pragma once
-#include <string>
 #include <vector>
 
 #include "palpate/geometry/tool.h"
+#include "palpate/scene/mesh_source.h"
 #include "palpate/scene/scene_file.h"
 
 namespace palpate::scene {
 
-/// [setup] Reads the meshes of one tool and places them in the handle's frame. What was repaired or is wrong
-/// with them goes into `remarks`, a sentence each. @throws InputError naming the field or flag.
-[[nodiscard]] geometry::Tool load_instrument(const ToolDescription& description,
-                                             std::vector<std::string>& remarks);
+/// [setup] Reads the meshes of one tool and places them in the handle's frame; they need not be closed. What
+/// was repaired or is wrong with them goes into `notes`. @throws InputError naming the field or flag.
+[[nodiscard]] geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& notes);
 
 /// [setup] Turns the openings of several jaws, each about its own axis, so that they open apart: the axis is
 /// x or y, whichever is across the line between the jaws' middles, and the sign takes each jaw away from

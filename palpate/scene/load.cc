@@ -9,6 +9,7 @@
 #include "palpate/scene/instrument.h"
 #include "palpate/scene/mesh_source.h"
 #include "palpate/scene/names.h"
+#include "palpate/scene/organ_motion_reader.h"
 #include "palpate/scene/scene_file.h"
 #include "palpate/scene/tool_path.h"
 
@@ -57,6 +58,7 @@ void override_meshes(const Request& request, SceneDescription& scene) {
     scene.organ_unit.reset();
   }
   if (request.organ_unit) scene.organ_unit = parse_unit(flag("--organ-unit", *request.organ_unit));
+  if (!request.organ_motion.empty()) scene.organ_motion = organ_motions_by_flags(request.organ_motion);
   if (request.tissue) scene.tissue = flag("--tissue", *request.tissue);
   if (!request.tools.empty()) {
     if (scene.tools.size() > 1) {
@@ -125,17 +127,11 @@ SceneDescription describe(const Request& request) {
   return scene;
 }
 
-void load_organ(const SceneDescription& scene, Setup& setup) {
+void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   const Stated& organ = *scene.organ;
   setup.organ_name = organ.value;
   if (means_file(organ.value)) {
-    geometry::LoadedMesh loaded = read_mesh_source(organ, scene.organ_unit, setup.remarks);
-    try {
-      geometry::require_organ(loaded, organ.value);
-    } catch (const InputError& error) {
-      throw InputError(organ.where + ": " + error.what());
-    }
-    setup.organ = std::move(loaded.mesh);
+    setup.organ = read_organ_source(organ, scene.organ_unit, notes);
     return;
   }
   const std::vector<std::string>& known = geometry::builtin_organ_names();
@@ -195,7 +191,7 @@ void check_device_file(const DeviceDescription& device, Task task) {
   }
 }
 
-void load_hands(const SceneDescription& scene, Setup& setup) {
+void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   const std::size_t hands = scene.tools.size();
   if (hands > kMaxHands) {
     throw InputError(scene.tool_place + ": there are " + std::to_string(hands) + " tools, must be at most " +
@@ -213,7 +209,7 @@ void load_hands(const SceneDescription& scene, Setup& setup) {
     setup.devices.push_back({device.kind.value, device.path ? device.path->file().string() : "",
                              device.workspace_scale, device.base});
   }
-  for (const ToolDescription& tool : scene.tools) setup.tools.push_back(load_instrument(tool, setup.remarks));
+  for (const ToolDescription& tool : scene.tools) setup.tools.push_back(load_instrument(tool, notes));
 }
 
 void set_noise(const SceneDescription& scene, Setup& setup) {
@@ -237,11 +233,15 @@ Setup load(const Request& request) {
   setup.rate_Hz = scene.rate_Hz;
   setup.seed = scene.seed;
   setup.organ_pose = scene.organ_pose;
+  setup.organ_motion = scene.organ_motion;
   setup.safety = scene.safety;
   set_noise(scene, setup);
   setup.tissue = find_tissue(scene);
-  load_hands(scene, setup);
-  load_organ(scene, setup);
+  MeshNotes notes;
+  load_hands(scene, setup, notes);
+  load_organ(scene, setup, notes);
+  setup.repairs = std::move(notes.repairs);
+  setup.remarks = std::move(notes.remarks);
   return setup;
 }
 

@@ -15,8 +15,9 @@ struct Request {
   std::optional<std::string> task;             // press | pull
   std::optional<std::string> organ;            // built-in name or path
   std::optional<std::string> organ_unit;
-  std::optional<std::string> tissue;  // built-in name or tissue file
-  std::vector<std::string> tools;     // one: the tool; several: its jaws
+  std::vector<std::string> organ_motion;  // breathing, heartbeat, none; they replace all of the scene's
+  std::optional<std::string> tissue;      // built-in name or tissue file
+  std::vector<std::string> tools;         // one: the tool; several: its jaws
   std::optional<std::string> tool_unit;
   std::optional<std::string> device;  // KIND[:PATH]
   std::optional<double> rate_Hz;

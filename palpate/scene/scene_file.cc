@@ -2,6 +2,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/scene/organ_motion_reader.h"
 #include "palpate/scene/toml_reader.h"
 
 namespace palpate::scene {
@@ -76,11 +77,12 @@ class SceneReader final {
     scene.organ_place = root_.place("organ") + ": organ.mesh";
     const std::optional<TomlTable> table = root_.table("organ");
     if (!table) return;
-    table->allow_only({"mesh", "unit", "tissue", "pose"});
+    table->allow_only({"mesh", "unit", "tissue", "pose", "motion"});
     scene.organ = stated(*table, "mesh");
     scene.organ_unit = read_unit(*table);
     scene.tissue = stated(*table, "tissue");
     scene.organ_pose = read_pose(*table, "pose");
+    scene.organ_motion = read_organ_motions(*table);
   }
 
   JawDescription read_jaw(const TomlTable& table) const {

@@ -7,6 +7,7 @@
 
 #include "palpate/base/pose.h"
 #include "palpate/base/units.h"
+#include "palpate/model/organ_motion.h"
 #include "palpate/noise/touch_noise.h"
 #include "palpate/scene/setup.h"
 
@@ -58,6 +59,7 @@ struct SceneDescription {
   std::optional<LengthUnit> organ_unit;
   std::optional<Stated> tissue;
   Pose organ_pose;
+  std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ lies still
   std::vector<ToolDescription> tools;
   std::vector<DeviceDescription> devices;
   noise::NoiseSettings noise;    // its seed is not set yet

@@ -7,6 +7,7 @@
 #include "palpate/base/pose.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/geometry/tool.h"
+#include "palpate/model/organ_motion.h"
 #include "palpate/model/tissue.h"
 #include "palpate/noise/touch_noise.h"
 
@@ -44,14 +45,17 @@ struct Setup {
   std::uint64_t seed = 1;
   std::string organ_name;        // built-in name or file, for people
   geometry::TriangleMesh organ;  // organ frame, m
-  Pose organ_pose;
+  Pose organ_pose;               // at rest
+  std::vector<model::OrganMotionParameters>
+      organ_motion;  // all at once, about the middle of its box; empty: it lies still
   model::TissueParameters tissue;
   std::vector<geometry::Tool> tools;  // one a hand
   std::vector<DeviceSetup> devices;   // one a hand
   noise::NoiseSettings noise;
   SafetySetup safety;
-  std::vector<std::string>
-      remarks;  // repairs, defects left, warnings: told to the user, kept in the recording
+  // Told to the user, kept in the recording and shown in the report:
+  std::vector<std::string> repairs;  // what was done to meshes from files, each beginning with the file
+  std::vector<std::string> remarks;  // defects left, warnings
 };
 
 }  // namespace palpate::scene

@@ -282,7 +282,7 @@ TEST_F(ReadMesh, AnOpenMeshIsReadAndItsDefectsAreSaid) {
       read("a.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 4\nv 1 0 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 1 5 2\n");
   EXPECT_FALSE(loaded.findings.closed);
   EXPECT_EQ(loaded.mesh.triangles.size(), 4U);
-  EXPECT_THAT(loaded.findings.defects, Contains("1 triangle without area"));
+  EXPECT_THAT(loaded.findings.remarks, Contains("1 triangle without area"));
   EXPECT_THAT(loaded.findings.defects, Contains(HasSubstr("boundary edges")));
 }
 
@@ -475,9 +475,9 @@ TEST(Findings, TrianglesWithoutArea) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-8, 0}, {0.5, 1e-6, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 1, 1}};
-  EXPECT_THAT(findings_of(mesh).defects, Contains("2 triangles without area"));
+  EXPECT_THAT(findings_of(mesh).remarks, Contains("2 triangles without area"));
   mesh.triangles = {{0, 1, 3}};
-  EXPECT_THAT(findings_of(mesh).defects, testing::Not(Contains(HasSubstr("without area"))));
+  EXPECT_THAT(findings_of(mesh).remarks, IsEmpty());
 }
 
 TEST(Findings, ACavityIsNoDefectButAShellWithinAShellIs) {

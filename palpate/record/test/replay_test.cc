@@ -77,6 +77,36 @@ TEST(Replay, RecordedRunComesOutTheSameBitForBit) {
   EXPECT_EQ(result.hash, hash_rows(recording.rows));
 }
 
+/// The scene of block_and_balls() with an organ that breathes and beats.
+scene::Setup breathing_block() {
+  scene::Setup setup = block_and_balls(1);
+  setup.organ_motion = {model::organ_motion_preset(model::OrganMotionKind::kBreathing),
+                        model::organ_motion_preset(model::OrganMotionKind::kHeartbeat)};
+  setup.organ_motion[0].phase = 0.3;
+  setup.organ_motion[1].axis_W = Vec3(1, 2, 2) / 3.0;
+  return setup;
+}
+
+TEST(Replay, ARunOnAMovingOrganComesOutTheSameBitForBit) {
+  const Recording recording = run(breathing_block(), 1500);
+  const ReplayResult result = replay(recording);
+  EXPECT_EQ(result.rows_compared, 1500U);
+  EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
+  Recording still = recording;
+  still.setup.organ_motion.clear();
+  EXPECT_GT(replay(still).rows_different, 1000U) << "the motion is what was recorded";
+}
+
+TEST(SnapshotsAt, CarryTheOrgansPoseOfTheirTick) {
+  const scene::Setup setup = breathing_block();
+  const std::vector<haptics::Snapshot> snapshots = snapshots_at(run(setup, 1000), {0, 999});
+  EXPECT_EQ(snapshots[0].organ_W.position, setup.organ_pose.position);
+  const Pose moved = organ_motion_of(setup).pose_at(setup.organ_pose, 999, setup.rate_Hz);
+  EXPECT_EQ(snapshots[1].organ_W.position, moved.position);
+  EXPECT_EQ(snapshots[1].organ_W.rotation.coeffs(), moved.rotation.coeffs());
+  EXPECT_GT((moved.position - setup.organ_pose.position).norm(), 1e-3);
+}
+
 TEST(Replay, ChangedValueIsFoundAndNamed) {
   Recording recording = run(block_and_balls(1), 250);
   recording.rows[200].torque[1] = 0.125;

@@ -84,6 +84,7 @@ std::vector<std::string> words(const scene::Setup& s) {
     for (const geometry::ToolPart& part : tool.parts) out.push_back(part.name + std::to_string(part.is_jaw));
   }
   for (const scene::DeviceSetup& device : s.devices) out.push_back(device.kind + device.path);
+  out.insert(out.end(), s.repairs.begin(), s.repairs.end());
   out.insert(out.end(), s.remarks.begin(), s.remarks.end());
   return out;
 }
@@ -118,6 +119,45 @@ TEST(RoundTrip, OptionalValuesThatAreNotGivenStayNotGiven) {
   EXPECT_FALSE(got.tissue.source.has_value());
   EXPECT_FALSE(got.tissue.contact.tangential_stiffness.has_value());
   EXPECT_FALSE(got.tools[0].tip_radius.has_value());
+}
+
+TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {
+  scene::Setup setup = sample_setup(1);
+  model::OrganMotionParameters motion;
+  motion.kind = model::OrganMotionKind::kHeartbeat;
+  motion.amplitude = 0.1 / 3;
+  motion.direction_W = Vec3(1, 2, 3).normalized();
+  motion.rotation = -0.1 / 7;
+  motion.axis_W = Vec3(3, -2, 1).normalized();
+  motion.period = 60.0 / 70.0;
+  motion.phase = 1.0 / 3.0;
+  setup.organ_motion = {motion, model::OrganMotionParameters{}};
+  const scene::Setup got = setup_from_json(setup_to_json(setup));
+  ASSERT_EQ(got.organ_motion.size(), 2U);
+  EXPECT_EQ(got.organ_motion[0].kind, motion.kind);
+  EXPECT_EQ(got.organ_motion[0].amplitude, motion.amplitude);
+  EXPECT_EQ(got.organ_motion[0].direction_W, motion.direction_W);
+  EXPECT_EQ(got.organ_motion[0].rotation, motion.rotation);
+  EXPECT_EQ(got.organ_motion[0].axis_W, motion.axis_W);
+  EXPECT_EQ(got.organ_motion[0].period, motion.period);
+  EXPECT_EQ(got.organ_motion[0].phase, motion.phase);
+  EXPECT_EQ(got.organ_motion[1].kind, model::OrganMotionKind::kBreathing);
+}
+
+TEST(RoundTrip, ARecordingFromBeforeOrgansMovedHasAnOrganThatLiesStill) {
+  std::string text = setup_to_json(sample_setup(1));
+  const std::string motion = "\"motion\"";
+  ASSERT_NE(text.find(motion), std::string::npos);
+  text.replace(text.find(motion), motion.size(), "\"was_not\"");
+  EXPECT_TRUE(setup_from_json(text).organ_motion.empty());
+}
+
+TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {
+  scene::Setup setup = sample_setup(1);
+  setup.organ_motion.emplace_back();
+  std::string text = setup_to_json(setup);
+  text.replace(text.find("breathing"), 9, "digesting");
+  EXPECT_THROW((void)setup_from_json(text), InputError);
 }
 
 TEST(RoundTrip, SceneWithAMissingKeyIsRefusedWithItsName) {

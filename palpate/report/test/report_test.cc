@@ -67,6 +67,27 @@ TEST_F(Report, HasEverySection) {
   EXPECT_THAT(html_, HasSubstr("id=\"experiment-2\""));
 }
 
+TEST(ReportOfAMovingOrgan, SaysTheMotionAndPlotsTheOrgansWayBesideTheDepth) {
+  const TemporaryFolder folder;
+  record::Recording recording = SyntheticRecording::make(false, 1200);
+  recording.setup.organ_motion = {model::organ_motion_preset(model::OrganMotionKind::kHeartbeat)};
+  const std::filesystem::path file =
+      write_report({{"A box that beats", &recording, "palpate run"}}, folder.path(), {}, kNoPictures);
+  const std::string html = read(file);
+  EXPECT_THAT(html,
+              HasSubstr("heartbeat, 3 mm along (0.00, 0.00, 1.00), 4.0° about (0.00, 0.00, 1.00), every "
+                        "0.857 s"));
+  EXPECT_THAT(html, HasSubstr("how far the organ&#39;s middle is from its place at rest"));
+  const std::string figure = read(folder.path() / "1-over-time.svg");
+  EXPECT_THAT(figure, HasSubstr("organ (mm)"));
+  EXPECT_THAT(figure, HasSubstr("turned (°, right)"));
+}
+
+TEST_F(Report, SaysNothingOfMotionWhereTheOrganLiesStill) {
+  EXPECT_THAT(html_, Not(HasSubstr("organ&#39;s motion")));
+  EXPECT_THAT(read(out() / "1-over-time.svg"), Not(HasSubstr("organ (mm)")));
+}
+
 TEST_F(Report, NeedsNothingFromOutside) {
   EXPECT_FALSE(std::regex_search(html_, std::regex(R"re((src|href)="(?!data:|#))re")));
   EXPECT_THAT(html_, Not(HasSubstr("<script")));
@@ -80,6 +101,8 @@ TEST_F(Report, EscapesWhatTheUserNamed) {
   EXPECT_THAT(html_, HasSubstr("palpate run --seed &lt;1&gt;"));
   EXPECT_THAT(html_, HasSubstr("box &lt;60 x 60&gt;"));
   EXPECT_THAT(html_, HasSubstr("a remark with &lt;angle&gt; &amp; ampersand"));
+  EXPECT_THAT(html_, HasSubstr("Meshes: what was repaired"));
+  EXPECT_THAT(html_, HasSubstr("liver &lt;1&gt;.stl: turned 12 triangles outwards"));
 }
 
 TEST_F(Report, TellsTissueSeedRateAndMachine) {

@@ -42,6 +42,7 @@ class SyntheticRecording final {
     setup.noise.enabled = noise;
     setup.rate_Hz = kRate;
     setup.tissue = tissue();
+    setup.repairs = {"liver <1>.stl: turned 12 triangles outwards"};
     setup.remarks = {"a remark with <angle> & ampersand"};
     recording.facts.version = "0.1.0";
     recording.facts.compiler = "a compiler";

@@ -72,8 +72,8 @@ TEST(OpenApart, LeavesASingleJawAsItIs) {
 TEST(LoadInstrument, MakesABallOfTheRadiusInTheName) {
   ToolDescription description;
   description.mesh = Stated{"sphere:3.5", "s.toml:4: tool.mesh", {}};
-  std::vector<std::string> remarks;
-  const geometry::Tool tool = load_instrument(description, remarks);
+  MeshNotes notes;
+  const geometry::Tool tool = load_instrument(description, notes);
   ASSERT_EQ(tool.parts.size(), 1U);
   EXPECT_FALSE(tool.parts[0].is_jaw);
   EXPECT_DOUBLE_EQ(*tool.tip_radius, 3.5e-3);
@@ -84,8 +84,8 @@ TEST(LoadInstrument, RefusesBallsWithoutAGoodRadius) {
   for (const std::string bad : {"", "0", "-3", "nan", "inf", "3mm", "1e9"}) {
     ToolDescription description;
     description.mesh = Stated{"sphere:" + bad, "s.toml:4: tool.mesh", {}};
-    std::vector<std::string> remarks;
-    EXPECT_THAT(error_of([&] { (void)load_instrument(description, remarks); }),
+    MeshNotes notes;
+    EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
                 HasSubstr("s.toml:4: tool.mesh: tool \"sphere:" + bad + "\": the radius"));
   }
 }
@@ -103,8 +103,8 @@ TEST(LoadInstrument, PlacesMeshesPivotsAndAxesByTheMount) {
   jaw.axis = Vec3::UnitX();
   jaw.open_angle = -0.2;
   description.jaws = {jaw};
-  std::vector<std::string> remarks;
-  const geometry::Tool tool = load_instrument(description, remarks);
+  MeshNotes notes;
+  const geometry::Tool tool = load_instrument(description, notes);
   ASSERT_EQ(tool.parts.size(), 2U);
   EXPECT_FALSE(tool.parts[0].is_jaw);
   EXPECT_EQ(tool.parts[1].name, "jaw");
@@ -125,32 +125,32 @@ TEST(LoadInstrument, SaysOfAnOpenMeshThatItIsUsedAllTheSame) {
   ToolDescription description;
   description.unit = LengthUnit::kMillimetre;
   description.mesh = stated(folder.write("open.obj", kTetrahedron.substr(0, kTetrahedron.rfind("f 2 3 4"))));
-  std::vector<std::string> remarks;
-  EXPECT_EQ(load_instrument(description, remarks).parts[0].mesh.triangles.size(), 3U);
-  EXPECT_THAT(remarks, testing::Contains(HasSubstr("open.obj: not closed, used as it is")));
+  MeshNotes notes;
+  EXPECT_EQ(load_instrument(description, notes).parts[0].mesh.triangles.size(), 3U);
+  EXPECT_THAT(notes.remarks, testing::Contains(HasSubstr("open.obj: not closed, used as it is")));
 }
 
 TEST(LoadInstrument, RefusesUnknownNamesMissingUnitsAndTooManyParts) {
   const TemporaryFolder folder;
-  std::vector<std::string> remarks;
+  MeshNotes notes;
   ToolDescription description;
   description.mesh = Stated{"scissors", "s.toml:4: tool.mesh", {}};
-  EXPECT_THAT(error_of([&] { (void)load_instrument(description, remarks); }),
+  EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("s.toml:4: tool.mesh = \"scissors\": must be curved-forceps"));
   description.mesh = stated(folder.write("shaft.obj", kTetrahedron));
-  EXPECT_THAT(error_of([&] { (void)load_instrument(description, remarks); }),
+  EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("its unit is missing, give tool.unit: mm, cm, m or in"));
   description.mesh->where = "--tool";
-  EXPECT_THAT(error_of([&] { (void)load_instrument(description, remarks); }),
+  EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("its unit is missing, give --tool-unit: mm, cm, m or in"));
   description.unit = LengthUnit::kMillimetre;
   JawDescription jaw;
   jaw.mesh = *description.mesh;
   description.jaws = {jaw, jaw, jaw};
-  EXPECT_THAT(error_of([&] { (void)load_instrument(description, remarks); }),
+  EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("the tool has 4 parts, must be at most 3"));
   description.jaws[0].mesh.value = "left";
-  EXPECT_THAT(error_of([&] { (void)load_instrument(description, remarks); }),
+  EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("= \"left\": must be a file"));
 }
 
@@ -168,8 +168,8 @@ TEST(LoadInstrument, JawsOfRealInstrumentsGivenByFlagsOpenApart) {
       jaw.open_angle = kOpening;
       description.jaws.push_back(jaw);
     }
-    std::vector<std::string> remarks;
-    const geometry::Tool tool = load_instrument(description, remarks);
+    MeshNotes notes;
+    const geometry::Tool tool = load_instrument(description, notes);
     const auto gap = [&](double gripper) {
       Vec3 ends[2];
       for (std::size_t i = 0; i < 2; ++i) {

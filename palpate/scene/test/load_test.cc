@@ -242,16 +242,31 @@ TEST(Load, RefusesWhatAScenesFilesDoWrong) {
               HasSubstr("back.csv:3: time_s = 0: must be later"));
 }
 
-TEST(Load, RefusesOrgansThatAreTooSmallOrOpen) {
+TEST(Load, RepairsAnOrganAndKeepsWhatWasDone) {
+  const TemporaryFolder folder;
+  Request request;
+  const auto damaged = folder.write("box.obj", kBox + "f 1 2 3\nf 1 1 2\n");
+  request.organ = damaged.string();
+  request.organ_unit = "mm";
+  const scene::Setup setup = load(request);
+  EXPECT_EQ(setup.organ.triangles.size(), 12U);
+  EXPECT_THAT(setup.repairs,
+              testing::ElementsAre(damaged.string() + ": dropped 1 triangle with two corners in one place",
+                                   damaged.string() + ": dropped 1 duplicate triangle"));
+  EXPECT_THAT(setup.remarks, testing::IsEmpty());
+}
+
+TEST(Load, RefusesOrgansThatAreTooLargeOrCannotBeRepaired) {
   const TemporaryFolder folder;
   const auto box = folder.write("box.obj", kBox);
   Request request;
   request.organ = box.string();
   request.organ_unit = "m";  // 40 m
   EXPECT_THAT(error_in(request), HasSubstr("--organ: "));
-  request.organ = folder.write("open.obj", kBox.substr(0, kBox.rfind("f 4 5 8"))).string();
+  request.organ = folder.write("open.obj", kBox.substr(0, kBox.rfind("f 3 8 7"))).string();
   request.organ_unit = "mm";
-  EXPECT_THAT(error_in(request), HasSubstr("--organ: "));
+  EXPECT_THAT(error_in(request), testing::AllOf(HasSubstr("--organ: "),
+                                                HasSubstr("cannot be an organ: a hole of 7 edges, 69.3 mm")));
 }
 
 TEST(Load, RefusesHandsThatDoNotMatchUp) {

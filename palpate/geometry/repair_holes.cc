@@ -1,0 +1,133 @@
+#include "palpate/geometry/repair_holes.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+std::uint64_t edge_of(std::int32_t a, std::int32_t b) {
+  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
+}
+
+double area_of(const WorkSurface& surface, const Triangle& triangle) {
+  return 0.5 * area_vector_doubled(surface.mesh, triangle).norm();
+}
+
+}  // namespace
+
+std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates) {
+  // A patch runs against the boundary, so from each boundary edge's end to its start.
+  std::vector<std::int32_t> next(surface.mesh.vertices.size(), -1);
+  for (Corner c = 0; c < mates.size(); ++c) {
+    if (mates[c] != kNoMate) continue;
+    next[static_cast<std::size_t>(surface.vertex_at(next_corner(c)))] = surface.vertex_at(c);
+  }
+  std::vector<Hole> holes;
+  for (std::size_t start = 0; start < next.size(); ++start) {
+    if (next[start] < 0) continue;
+    Hole hole;
+    Vec3 low = Vec3::Constant(kFar);
+    Vec3 high = Vec3::Constant(-kFar);
+    for (auto v = static_cast<std::int32_t>(start); v >= 0;) {
+      hole.loop.push_back(v);
+      low = low.cwiseMin(surface.point(v));
+      high = high.cwiseMax(surface.point(v));
+      std::int32_t& after = next[static_cast<std::size_t>(v)];
+      v = after;
+      after = -1;
+      if (v == static_cast<std::int32_t>(start)) break;
+    }
+    hole.width = (high - low).norm();
+    hole.middle = 0.5 * (low + high);
+    holes.push_back(std::move(hole));
+  }
+  return holes;
+}
+
+std::uint64_t steps_to_close(const Hole& hole) {
+  const std::uint64_t n = hole.loop.size();
+  return n * n * n / 6 + 1;
+}
+
+HoleCloser::HoleCloser(WorkSurface& surface) : surface_(surface) {
+  for (const EdgeSide& side : sorted_sides(surface.mesh.triangles)) edges_.push_back(side.edge);
+}
+
+bool HoleCloser::has_edge(std::int32_t a, std::int32_t b) const {
+  return std::binary_search(edges_.begin(), edges_.end(), edge_of(a, b));
+}
+
+double HoleCloser::plan(const Hole& hole) {
+  loop_ = hole.loop;
+  planned_.clear();
+  const std::size_t n = loop_.size();
+  std::vector<double> least(n * n, 0.0);  // [i, j]: area that closes the loop from i to j
+  split_.assign(n * n, 0);
+  for (std::size_t span = 2; span < n; ++span) {
+    for (std::size_t i = 0; i + span < n; ++i) {
+      const std::size_t j = i + span;
+      double best = kFar;
+      const bool is_last = i == 0 && j + 1 == n;  // the edge from the last to the first is the loop's own
+      if (is_last || !has_edge(loop_[i], loop_[j])) {
+        for (std::size_t m = i + 1; m < j; ++m) {
+          const double rest = least[i * n + m] + least[m * n + j];
+          if (!(rest < best)) continue;
+          const double area = rest + area_of(surface_, {loop_[i], loop_[m], loop_[j]});
+          if (area < best) {
+            best = area;
+            split_[i * n + j] = m;
+          }
+        }
+      }
+      least[i * n + j] = best;
+    }
+  }
+  const double area = n < 3 ? kFar : least[n - 1];
+  needs_middle_ = !(area < kFar);
+  if (!needs_middle_) {
+    take(0, n - 1);
+    return area;
+  }
+  Vec3 middle = Vec3::Zero();
+  for (const std::int32_t v : loop_) middle += surface_.point(v) / static_cast<double>(n);
+  double fan = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 a = surface_.point(loop_[i]) - middle;
+    fan += 0.5 * a.cross(surface_.point(loop_[(i + 1) % n]) - middle).norm();
+  }
+  return fan;
+}
+
+void HoleCloser::take(std::size_t i, std::size_t j) {
+  std::vector<std::array<std::size_t, 2>> open{{i, j}};
+  while (!open.empty()) {
+    const auto [from, to] = open.back();
+    open.pop_back();
+    if (to < from + 2) continue;
+    const std::size_t middle = split_[from * loop_.size() + to];
+    planned_.push_back({loop_[from], loop_[middle], loop_[to]});
+    open.push_back({from, middle});
+    open.push_back({middle, to});
+  }
+}
+
+std::size_t HoleCloser::close() {
+  if (needs_middle_) {
+    Vec3 middle = Vec3::Zero();
+    for (const std::int32_t v : loop_) middle += surface_.point(v) / static_cast<double>(loop_.size());
+    const auto added = static_cast<std::int32_t>(surface_.mesh.vertices.size());
+    surface_.mesh.vertices.push_back(middle);
+    for (std::size_t i = 0; i < loop_.size(); ++i)
+      planned_.push_back({loop_[i], loop_[(i + 1) % loop_.size()], added});
+  }
+  for (const Triangle& triangle : planned_) {
+    surface_.mesh.triangles.push_back(triangle);
+    surface_.marks.push_back(kAdded);
+  }
+  return planned_.size();
+}
+
+}  // namespace palpate::geometry
