@@ -14,6 +14,8 @@ namespace {
 constexpr double kSpacing = 2e-3;        // m, model.md section 4
 constexpr double kSmallestArea = 1e-12;  // m^2: a point on a triangle without area still has a say
 constexpr std::uint32_t kClusterSize = PartPoints::kClusterSize;
+constexpr std::size_t kMostPoints = 2000;   // of a part: denser surfaces are thinned out
+constexpr double kNormalWeight = 2e-3;      // m: points whose normals differ by 1 are as far apart as this
 constexpr double kCurvatureReach = 2.5e-3;  // m, neighbourhood that the radius of curvature is fitted to
 constexpr double kWidthReach = 8e-3;        // m, neighbourhood and
 constexpr double kWidthDepth = 5e-3;        // m, depth that the half-width is measured in
@@ -68,6 +70,50 @@ void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices)
   });
   order(samples, indices.first(half));
   order(samples, indices.subspan(half));
+}
+
+/// Replaces a group of samples by the one that stands out farthest, with the area of all.
+Sample outermost(std::span<const Sample> group) {
+  Vec3 normal = Vec3::Zero();
+  double area = 0.0;
+  for (const Sample& sample : group) {
+    normal += sample.area * sample.normal;
+    area += sample.area;
+  }
+  const auto out = std::max_element(group.begin(), group.end(), [&](const Sample& a, const Sample& b) {
+    return a.point.dot(normal) < b.point.dot(normal);
+  });
+  Sample kept = *out;
+  kept.area = area;
+  return kept;
+}
+
+/// Halves a run by place and normal until `groups` groups are left, each turned into one sample.
+void thin_out(std::span<Sample> run, std::size_t groups, std::vector<Sample>& thinned) {
+  if (groups <= 1 || run.size() <= 1) {
+    thinned.push_back(outermost(run));
+    return;
+  }
+  using Key = Eigen::Matrix<double, 6, 1>;
+  const auto key = [](const Sample& sample) {
+    Key k;
+    k << sample.point, kNormalWeight * sample.normal;
+    return k;
+  };
+  Key low = key(run.front());
+  Key high = low;
+  for (const Sample& sample : run) {
+    low = low.cwiseMin(key(sample));
+    high = high.cwiseMax(key(sample));
+  }
+  Eigen::Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const std::size_t left_groups = groups / 2;
+  const std::size_t left = std::clamp<std::size_t>(run.size() * left_groups / groups, 1, run.size() - 1);
+  std::nth_element(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(left), run.end(),
+                   [&](const Sample& a, const Sample& b) { return key(a)[axis] < key(b)[axis]; });
+  thin_out(run.first(left), left_groups, thinned);
+  thin_out(run.subspan(left), groups - left_groups, thinned);
 }
 
 /// Points of a part by cubes of kWidthReach, for neighbourhood queries at set-up.
@@ -201,7 +247,12 @@ void round_points(PartPoints& points) {
 
 PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
   if (part.mesh.triangles.empty()) throw InputError("tool part \"" + part.name + "\" has no triangles");
-  const std::vector<Sample> samples = samples_of(part.mesh);
+  std::vector<Sample> samples = samples_of(part.mesh);
+  if (samples.size() > kMostPoints) {
+    std::vector<Sample> thinned;
+    thin_out(samples, kMostPoints, thinned);
+    samples = std::move(thinned);
+  }
   std::vector<std::uint32_t> indices(samples.size());
   std::iota(indices.begin(), indices.end(), 0U);
   order(samples, indices);
