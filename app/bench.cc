@@ -1,195 +1,260 @@
-// `palpate bench`: how fast a tick, the law both ways and the noise are on this machine.
+// `palpate bench`: how fast ticks, preparation, many hands and the parts of a tick are on this machine,
+// beside installed peers.
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <iomanip>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
-#include <stdexcept>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "palpate/base/clock.h"
-#include "palpate/base/text.h"
-#include "palpate/contact/contact.h"
-#include "palpate/devices/devices.h"
-#include "palpate/haptics/simulation.h"
+#include "palpate/base/error.h"
 #include "palpate/model/layered_law.h"
 #include "palpate/noise/touch_noise.h"
-#include "palpate/record/assemble.h"
 #include "palpate/record/machine.h"
 #include "palpate/scene/load.h"
 
 #include "app/commands.h"
+#include "app/numbers.h"
 #include "app/progress.h"
+#include "app/session.h"
+#include "bench/measure/account.h"
+#include "bench/measure/hands.h"
+#include "bench/measure/loop_contest.h"
+#include "bench/measure/peers.h"
+#include "bench/measure/preparation.h"
+#include "bench/measure/subjects.h"
+#include "bench/measure/ticks.h"
 
 namespace palpate::app {
 namespace {
 
-constexpr double kNanosecondsPerMicrosecond = 1e3;
-constexpr int kPasses = 5;  // over each scene's own path, so that p99.9 stands on some ten thousand ticks
+constexpr std::size_t kFine = 100'000;      // triangles
+constexpr std::size_t kFinest = 1'000'000;  // triangles
+constexpr double kLoopRate = 10'000.0;      // Hz
+constexpr std::uint64_t kMostHands = 100'000;
 
-/// Times of one scene's ticks in contact.
-struct TickTimes {
-  std::string scene;
-  std::string phase;
+/// What the user asked for.
+struct BenchFlags {
+  bool quick = false;
+  bool full = false;
+  bool ticks = false;
+  bool parts = false;
+  bool preparation = false;
+  bool peers = false;
+  bool loop = false;
+  std::optional<std::string> hands;
+  bool json = false;
+  std::filesystem::path csv;
+
+  [[nodiscard]] bool chosen() const {
+    return ticks || parts || preparation || peers || loop || hands.has_value();
+  }
+};
+
+/// A scene to measure; 0 triangles: as built in.
+struct Subject {
+  std::string task;
   std::size_t organ_triangles = 0;
   std::size_t tool_triangles = 0;
-  std::vector<double> sorted_us;
-
-  /// The smallest time that at least `share` of all do not exceed.
-  [[nodiscard]] double percentile(double share) const {
-    const double rank = std::ceil(share * static_cast<double>(sorted_us.size()));
-    return sorted_us[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-  }
 };
 
-struct Account {
-  std::vector<TickTimes> ticks;
-  double law_ns = 0.0;
-  double inverse_ns = 0.0;
-  double noise_ns = 0.0;
+/// What is measured, in order.
+struct Plan {
+  std::vector<Subject> subjects;
+  bool preparation = false;
+  bool ticks = false;
+  bool peers = false;
+  bool parts = false;
+  bool most_hands = false;
+  std::size_t hands = 0;
+  bool loop = false;
+  int passes = 5;
+  double peer_seconds = 2.0;
 };
 
-/// One pass along the path; appends the processor time of each tick in contact [us].
-void time_pass(const scene::Setup& setup, const haptics::SimulationWorld& world, contact::Phase wanted,
-               std::vector<double>& times_us) {
-  const auto device = devices::open_device(setup, 0);
-  haptics::SimulationState state(world);
-  std::vector<haptics::DeviceState> samples(1);
-  std::vector<haptics::ForceCommand> commands(1);
-  std::vector<haptics::TickRow> rows(1);
-  const std::uint64_t last = device->last_tick(setup.rate_Hz);
-  for (std::uint64_t tick = 0; tick < last; ++tick) {
-    samples[0] = device->read(tick, static_cast<double>(tick) / setup.rate_Hz);
-    const std::int64_t begun = thread_cpu_ns();
-    haptics::tick(world, state, tick, samples, commands, rows);
-    const std::int64_t ended = thread_cpu_ns();
-    if (rows[0].phase == static_cast<std::uint32_t>(wanted)) {
-      times_us.push_back(static_cast<double>(ended - begun) / kNanosecondsPerMicrosecond);
+Plan plan_of(const BenchFlags& flags) {
+  Plan plan;
+  const bool all = !flags.chosen();
+  plan.ticks = all || flags.ticks || flags.peers;
+  plan.preparation = all || flags.preparation;
+  plan.parts = all || flags.parts;
+  plan.peers = flags.peers || (all && !flags.quick);
+  plan.most_hands = (all && !flags.quick) || flags.hands.has_value();
+  if (flags.hands) {
+    plan.hands = parse_whole("--hands", *flags.hands);
+    if (plan.hands < 1 || plan.hands > kMostHands) {
+      throw ParameterError("--hands", static_cast<double>(plan.hands), "1 to " + std::to_string(kMostHands));
     }
   }
+  plan.loop = flags.loop || (all && flags.full);
+  plan.passes = flags.quick ? 1 : 5;
+  if (!plan.ticks && !plan.preparation) return plan;
+  plan.subjects = {{"press", 0, 0}, {"pull", 0, 0}};
+  if (flags.quick) return plan;
+  plan.subjects.push_back({"press", kFine, 0});
+  plan.subjects.push_back({"pull", kFine, 0});
+  if (flags.full) {
+    plan.subjects.push_back({"press", kFinest, 0});
+    plan.subjects.push_back({"pull", kFinest, 0});
+  }
+  if (plan.ticks) plan.subjects.push_back({"press", 0, kFine});
+  return plan;
 }
 
-TickTimes time_scene(const std::string& task, contact::Phase phase, Progress& bar, double share,
-                     double shares) {
-  scene::Request request;
-  request.task = task;
-  bar.update(share, "preparing the " + task + " scene");
-  const scene::Setup setup = scene::load(request);
-  const haptics::SimulationWorld world = record::assemble(setup);
-  TickTimes times;
-  times.scene = setup.name;
-  times.phase = task;
-  times.organ_triangles = setup.organ.triangles.size();
-  for (const geometry::ToolPart& part : setup.tools[0].parts)
-    times.tool_triangles += part.mesh.triangles.size();
-  for (int pass = 0; pass < kPasses; ++pass) {
-    bar.update(share + shares * pass / kPasses, "ticks of the " + task + " scene");
-    time_pass(setup, world, phase, times.sorted_us);
+/// Takes the measurements of a plan one after the other.
+class Bench final {
+ public:
+  Bench(Plan plan, std::string command_line) : plan_(std::move(plan)) {
+    account_.machine = record::machine_description();
+    account_.build = "palpate " + record::palpate_version() + ", " + record::compiler_version();
+    account_.command = std::move(command_line);
+    steps_ = static_cast<double>(plan_.subjects.size()) + (plan_.most_hands ? 2.0 : 0.0) +
+             (plan_.loop ? 2.0 : 0.0) + 1.0;
   }
-  if (times.sorted_us.empty())
-    throw std::runtime_error("bench: the " + task + " scene never came into contact");
-  std::sort(times.sorted_us.begin(), times.sorted_us.end());
-  return times;
+
+  bench::Account run() {
+    account_.clock_ns = bench::clock_cost_ns();
+    if (plan_.peers) {
+      peers_.emplace(bench::peers_library());
+      account_.remarks = peers_->missing();
+    }
+    for (const Subject& subject : plan_.subjects) measure(subject);
+    if (plan_.parts) measure_parts();
+    if (plan_.most_hands) measure_hands();
+    if (plan_.loop) {
+      for (const char* task : {"press", "pull"}) measure_loop(task);
+    }
+    return std::move(account_);
+  }
+
+ private:
+  /// Shows `share` of the step that is under way.
+  void show(double share, const std::string& what) { bar_.update((done_ + share) / steps_, what); }
+
+  void measure(const Subject& subject) {
+    show(0.0, "preparing the " + subject.task + " scene");
+    const scene::Setup setup = bench::subject(subject.task, subject.organ_triangles, subject.tool_triangles);
+    const bench::Prepared prepared = bench::prepare(setup);
+    const std::string name = setup.name + ", " + std::to_string(setup.organ.triangles.size()) + " triangles";
+    if (plan_.preparation && subject.tool_triangles == 0) account_.preparation.push_back(prepared.account);
+    if (plan_.ticks) {
+      const scene::ToolPath path = bench::hand_path(setup);
+      show(0.3, "ticks of " + name);
+      account_.ticks.push_back(bench::time_ticks(setup, prepared.world, path, plan_.passes));
+      if (subject.tool_triangles == 0) {
+        const std::vector<bench::WayPoint> way = bench::walk(setup, prepared.world, path);
+        account_.nearest.push_back(bench::time_nearest(setup, way));
+        if (plan_.peers) ask_peers(setup, way, name);
+      }
+    }
+    done_ += 1.0;
+  }
+
+  void ask_peers(const scene::Setup& setup, const std::vector<bench::WayPoint>& way,
+                 const std::string& name) {
+    const auto ratio = [](double theirs, double own) { return own > 0.0 ? theirs / own : 0.0; };
+    const bench::TickAccount& tick = account_.ticks.back();
+    const double nearest_us = account_.nearest.back().times.p50_us;
+    for (const PalpatePeer& peer : peers_->all()) {
+      show(0.6, std::string(peer.name) + " on " + name);
+      bench::PeerAccount theirs = bench::ask_peer(peer, {setup, way, plan_.peer_seconds});
+      const bool point = peer.one_point != 0;
+      theirs.ratio = ratio(theirs.contact.p50_us, point ? nearest_us : tick.contact.p50_us);
+      theirs.approach_ratio = ratio(theirs.approach.p50_us, point ? nearest_us : tick.approach.p50_us);
+      account_.peers.push_back(std::move(theirs));
+    }
+  }
+
+  void measure_parts() {
+    show(0.0, "law and noise");
+    const model::LayeredSpringLaw law(model::tissue_preset("gallbladder"), model::Direction::kPress, 1e-3);
+    constexpr double kDeepest = 20e-3;  // m, into the fourth layer
+    constexpr double kSpread = 1e-4;    // so that ten thousand calls cover all depths
+    const double largest = law.force_at(kDeepest).force;
+    account_.law_ns = bench::median_call_ns(
+        [&](std::uint64_t i) { return law.force_at(kDeepest * kSpread * static_cast<double>(i)).force; });
+    account_.inverse_ns = bench::median_call_ns([&](std::uint64_t i) {
+      return law.deformation_under(largest * kSpread * static_cast<double>(i)).depth;
+    });
+    account_.noise_ns = bench::median_call_ns([](std::uint64_t i) { return noise::unit_sample(1, 0, i); });
+    done_ += 1.0;
+  }
+
+  void measure_hands() {
+    const scene::Setup setup = bench::subject("press", 0, 0);
+    const bench::Prepared prepared = bench::prepare(setup);
+    const scene::ToolPath path = bench::hand_path(setup);
+    account_.hands =
+        bench::most_hands(setup, prepared.world, path,
+                          [this](double share, const std::string& what) { show(1.5 * share, what); });
+    if (plan_.hands > 0) {
+      show(1.5, std::to_string(plan_.hands) + " hands");
+      bench::run_hands(setup, prepared.world, path, plan_.hands, *account_.hands);
+    }
+    done_ += 2.0;
+  }
+
+  void measure_loop(const std::string& task) {
+    scene::Request request;
+    request.task = task;
+    request.rate_Hz = kLoopRate;
+    const scene::Setup setup = scene::load(request);
+    const bench::Prepared prepared = bench::prepare(setup);
+    account_.loops.push_back(
+        bench::against_empty_loop(setup, prepared.world, scene::default_path(setup, 0),
+                                  [this](double share, const std::string& what) { show(share, what); }));
+    done_ += 1.0;
+  }
+
+  Plan plan_;
+  bench::Account account_;
+  std::optional<bench::Peers> peers_;
+  Progress bar_{"bench"};
+  double steps_ = 1.0;
+  double done_ = 0.0;
+};
+
+void write_csv(const bench::Account& account, const std::filesystem::path& file) {
+  std::ofstream out(file, std::ios::binary);
+  out << bench::to_csv(account);
+  out.close();
+  if (!out) throw InputError("--csv " + file.string() + ": cannot be written");
 }
 
-/// Median over batches of the processor time of one call [ns]; `call(i)` returns a number that is kept.
-template <typename Call>
-double time_call(Call call) {
-  constexpr int kBatches = 101;
-  constexpr std::uint64_t kCalls = 10'000;
-  std::vector<double> batches;
-  double sum = 0.0;
-  for (int batch = 0; batch < kBatches; ++batch) {
-    const std::int64_t begun = thread_cpu_ns();
-    for (std::uint64_t i = 0; i < kCalls; ++i) sum += call(i);
-    batches.push_back(static_cast<double>(thread_cpu_ns() - begun) / static_cast<double>(kCalls));
-  }
-  volatile double kept = sum;  // so that no call can be left out
-  static_cast<void>(kept);
-  std::nth_element(batches.begin(), batches.begin() + kBatches / 2, batches.end());
-  return batches[kBatches / 2];
-}
-
-Account measure() {
-  Account account;
-  Progress bar("bench");
-  account.ticks.push_back(time_scene("press", contact::Phase::kPress, bar, 0.0, 0.45));
-  account.ticks.push_back(time_scene("pull", contact::Phase::kPull, bar, 0.45, 0.45));
-  bar.update(0.9, "law and noise");
-  const model::LayeredSpringLaw law(model::tissue_preset("gallbladder"), model::Direction::kPress, 1e-3);
-  constexpr double kDeepest = 20e-3;  // m, into the fourth layer
-  constexpr double kSpread = 1e-4;    // so that ten thousand calls cover all depths
-  const double largest = law.force_at(kDeepest).force;
-  account.law_ns = time_call(
-      [&](std::uint64_t i) { return law.force_at(kDeepest * kSpread * static_cast<double>(i)).force; });
-  account.inverse_ns = time_call([&](std::uint64_t i) {
-    return law.deformation_under(largest * kSpread * static_cast<double>(i)).depth;
-  });
-  account.noise_ns = time_call([](std::uint64_t i) { return noise::unit_sample(1, 0, i); });
-  return account;
-}
-
-void print_json(const Account& account) {
-  nlohmann::ordered_json json;
-  json["machine"] = record::machine_description();
-  json["tick"] = nlohmann::ordered_json::array();
-  for (const TickTimes& times : account.ticks) {
-    nlohmann::ordered_json row;
-    row["scene"] = times.scene;
-    row["phase"] = times.phase;
-    row["organ_triangles"] = times.organ_triangles;
-    row["tool_triangles"] = times.tool_triangles;
-    row["ticks"] = times.sorted_us.size();
-    row["p50_us"] = times.percentile(0.5);
-    row["p99_us"] = times.percentile(0.99);
-    row["p999_us"] = times.percentile(0.999);
-    row["max_us"] = times.sorted_us.back();
-    json["tick"].push_back(row);
-  }
-  json["law_ns"] = account.law_ns;
-  json["inverse_ns"] = account.inverse_ns;
-  json["noise_ns"] = account.noise_ns;
-  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
-}
-
-void print_table(const Account& account) {
-  std::cout << record::machine_description() << "\n\nOne tick in contact, processor time:\n";
-  std::cout << std::left << std::setw(20) << "scene" << std::right;
-  for (const char* title : {"organ triangles", "tool triangles", "p50 us", "p99 us", "p99.9 us", "max us"}) {
-    std::cout << std::setw(17) << title;
-  }
-  std::cout << '\n';
-  for (const TickTimes& times : account.ticks) {
-    std::cout << std::left << std::setw(20) << times.scene << std::right << std::setw(17)
-              << times.organ_triangles << std::setw(17) << times.tool_triangles;
-    for (const double share : {0.5, 0.99, 0.999, 1.0})
-      std::cout << std::setw(17) << shortest(times.percentile(share));
-    std::cout << '\n';
-  }
-  std::cout << "\nForce at a depth:         " << shortest(account.law_ns) << " ns\n"
-            << "Depth under a force:      " << shortest(account.inverse_ns) << " ns\n"
-            << "Noise sample by number:   " << shortest(account.noise_ns) << " ns\n";
+void add_flags(CLI::App& command, BenchFlags& flags) {
+  auto* quick = command.add_flag("--quick", flags.quick, "the built-in scenes and the parts only: seconds");
+  command.add_flag("--full", flags.full, "also organs of a million triangles and the 10 kHz loop: minutes")
+      ->excludes(quick);
+  command.add_flag("--ticks", flags.ticks, "only whole ticks (several of these options add up)");
+  command.add_flag("--parts", flags.parts, "only the law both ways and the noise");
+  command.add_flag("--preparation", flags.preparation, "only what is done before the first tick");
+  command.add_option("--hands", flags.hands, "only hands: how many fit a core, and N of them on all cores")
+      ->type_name("N");
+  command.add_flag("--peers", flags.peers, "only ticks beside other libraries: Bullet, FCL, Embree");
+  command.add_flag("--loop", flags.loop, "only the 10 kHz loop against an empty one");
+  command.add_flag("--json", flags.json, "one JSON document");
+  command.add_option("--csv", flags.csv, "also write every figure to this file");
+  command.footer(
+      "Example:\n  palpate bench --json > bench.json\n  palpate bench --hands 150\n"
+      "  palpate bench --full --csv bench.csv");
 }
 
 }  // namespace
 
-void add_bench(CLI::App& program, int& exit_code) {
-  auto as_json = std::make_shared<bool>(false);
+void add_bench(CLI::App& program, const std::string& command_line, int& exit_code) {
+  auto flags = std::make_shared<BenchFlags>();
   CLI::App* command = program.add_subcommand(
-      "bench", "How fast a tick, the force law and the touch noise are on this machine");
-  command->add_flag("--json", *as_json, "one JSON document");
-  command->footer("Example:\n  palpate bench --json > bench.json");
-  command->callback([as_json, &exit_code] {
-    const Account account = measure();
-    if (*as_json) {
-      print_json(account);
-    } else {
-      print_table(account);
-    }
+      "bench", "How fast a tick, its parts, many hands and preparation are here, beside other libraries");
+  add_flags(*command, *flags);
+  command->callback([flags, &command_line, &exit_code] {
+    Plan plan = plan_of(*flags);
+    if (!flags->csv.empty()) require_writable_file(flags->csv, "--csv");
+    const bench::Account account = Bench(std::move(plan), command_line).run();
+    if (!flags->csv.empty()) write_csv(account, flags->csv);
+    std::cout << (flags->json ? bench::to_json(account) : bench::to_text(account));
     exit_code = kDone;
   });
 }

@@ -12,6 +12,7 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/preparation.h"
 #include "app/progress.h"
 #include "app/session.h"
 
@@ -29,6 +30,7 @@ constexpr std::array<Experiment, 2> kExperiments{{{"press", "gallbladder.h5"}, {
 struct DemoFlags {
   fs::path folder = "out";
   bool json = false;
+  bool no_cache = false;
 };
 
 fs::path write_demo_report(const std::vector<Session>& sessions, const std::vector<OutputFiles>& files,
@@ -49,7 +51,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   for (const Experiment& experiment : kExperiments) {
     scene::Request request;
     request.task = experiment.task;
-    sessions.push_back(prepare(request, std::nullopt));
+    sessions.push_back(prepare(request, std::nullopt, flags.no_cache));
   }
   require_writable_folder(flags.folder, "--report");
   fs::create_directories(flags.folder);
@@ -92,6 +94,7 @@ void add_demo(CLI::App& program, const std::string& command_line, int& exit_code
   auto flags = std::make_shared<DemoFlags>();
   command->add_option("--report", flags->folder, "folder of the report and the recordings")
       ->capture_default_str();
+  command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
   command->add_flag("--json", flags->json, "summary as one JSON document");
   command->footer("Example: palpate demo --report out");
   command->callback([flags, &command_line, &exit_code] { exit_code = demo(*flags, command_line); });

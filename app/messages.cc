@@ -1,6 +1,8 @@
 #include "app/messages.h"
 
+#include <cstdlib>
 #include <memory>
+#include <string_view>
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -11,7 +13,9 @@ namespace {
 spdlog::logger& messages() {
   static const std::shared_ptr<spdlog::logger> logger = [] {
     auto made = spdlog::stderr_color_st("palpate");
-    made->set_pattern("%n: %^%v%$");  // the colour is the level's, and only a terminal sees it
+    made->set_pattern("%n: %^%v%$");                 // the colour is the level's, and only a terminal sees it
+    const char* level = std::getenv("PALPATE_LOG");  // NOLINT(concurrency-mt-unsafe): nothing writes it
+    if (level != nullptr && std::string_view(level) == "debug") made->set_level(spdlog::level::debug);
     return made;
   }();
   return *logger;
@@ -20,6 +24,8 @@ spdlog::logger& messages() {
 }  // namespace
 
 void tell(std::string_view message) { messages().info("{}", message); }
+
+void tell_detail(std::string_view message) { messages().debug("{}", message); }
 
 void tell_error(std::string_view message) { messages().error("{}", message); }
 

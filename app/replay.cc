@@ -13,6 +13,7 @@
 #include "palpate/record/recording.h"
 
 #include "app/commands.h"
+#include "app/preparation.h"
 #include "app/progress.h"
 
 namespace palpate::app {
@@ -22,6 +23,7 @@ struct ReplayFlags {
   std::string file;
   bool verify = false;
   bool json = false;
+  bool no_cache = false;
 };
 
 std::string hexadecimal(std::uint64_t value) {
@@ -56,10 +58,13 @@ void print_words(const record::Recording& recording, const record::ReplayResult&
             << " rows; first: " << result.first_difference << '\n';
 }
 
-record::ReplayResult run_again(const record::Recording& recording, const std::string& file, Progress& bar) {
+record::ReplayResult run_again(const record::Recording& recording, const std::string& file, Progress& bar,
+                               bool no_cache) {
   try {
-    return record::replay(recording,
-                          [&](double share) { bar.update(0.2 + 0.8 * share, "running the ticks again"); });
+    const OrganPreparation preparation(no_cache);
+    return record::replay(
+        recording, [&](double share) { bar.update(0.2 + 0.8 * share, "running the ticks again"); },
+        preparation.how());
   } catch (const InputError& error) {
     throw InputError(file + ": " + error.what());
   }
@@ -69,7 +74,7 @@ int replay_file(const ReplayFlags& flags) {
   Progress bar("replay");
   const record::Recording recording = record::read_recording(
       flags.file, [&](double share) { bar.update(0.2 * share, "reading " + flags.file); });
-  const record::ReplayResult result = run_again(recording, flags.file, bar);
+  const record::ReplayResult result = run_again(recording, flags.file, bar, flags.no_cache);
   const std::uint64_t ticks = result.rows_compared / recording.setup.tools.size();
   if (flags.json) {
     print_json(recording, result, ticks);
@@ -87,6 +92,7 @@ void add_replay(CLI::App& program, int& exit_code) {
       "replay", "Run a recording's ticks again from its own device samples, and compare every value");
   command->add_option("recording", flags->file, "The recording (.h5)")->required();
   command->add_flag("--verify", flags->verify, "Exit with 4 when any value differs in any bit");
+  command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
   command->add_flag("--json", flags->json, "Print one JSON document");
   command->footer("Examples:\n  palpate replay run.h5\n  palpate replay run.h5 --verify --json");
   command->callback([flags, &exit_code] { exit_code = replay_file(*flags); });

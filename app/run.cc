@@ -12,6 +12,7 @@
 #include "palpate/report/report.h"
 
 #include "app/commands.h"
+#include "app/preparation.h"
 #include "app/progress.h"
 #include "app/session.h"
 
@@ -25,6 +26,7 @@ struct RunFlags {
   bool offline = false;
   bool headless = false;  // there is no window yet: runs are headless either way
   bool json = false;
+  bool no_cache = false;
   std::optional<double> duration_s;
   std::optional<std::uint64_t> max_missed;
   std::optional<int> igtl_port;
@@ -58,7 +60,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
     throw InputError("--igtl " + std::to_string(*flags.igtl_port) +
                      ": OpenIGTLink is not in this version of palpate; run without --igtl");
   }
-  Session session = prepare(flags.request, flags.duration_s);
+  Session session = prepare(flags.request, flags.duration_s, flags.no_cache);
   OutputFiles files = flags.files;
   check_outputs(files);
 
@@ -79,7 +81,8 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
   if (draw) {
     const record::Recording recording = record::read_recording(recorded);
-    if (!files.screenshot.empty()) write_screenshot(recording, account.highlights, files.screenshot);
+    if (!files.screenshot.empty())
+      write_screenshot(recording, account.highlights, files.screenshot, flags.no_cache);
     if (!files.report.empty()) {
       Progress bar("report");
       files.report =
@@ -126,6 +129,7 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_flag("--headless", flags.headless, "no window");
   command.add_option("--max-missed", flags.max_missed, "exit 4 when more deadlines were missed");
   command.add_option("--igtl", flags.igtl_port, "OpenIGTLink port (not in this version)");
+  command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
   command.add_flag("--json", flags.json, "summary as one JSON document");
 }
 

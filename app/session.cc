@@ -22,6 +22,7 @@
 #include "palpate/record/replay.h"
 
 #include "app/commands.h"
+#include "app/preparation.h"
 #include "app/progress.h"
 
 namespace palpate::app {
@@ -103,9 +104,9 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
 
 }  // namespace
 
-Session prepare(const scene::Request& request, std::optional<double> duration_s) {
+Session prepare(const scene::Request& request, std::optional<double> duration_s, bool no_cache) {
   scene::Setup setup = scene::load(request);
-  haptics::SimulationWorld world = record::assemble(setup);
+  haptics::SimulationWorld world = record::assemble(setup, OrganPreparation(no_cache).how());
   Session session{std::move(setup), std::move(world), {}, 0};
   for (std::size_t hand = 0; hand < session.setup.devices.size(); ++hand) {
     session.devices.push_back(devices::open_device(session.setup, hand));
@@ -194,12 +195,13 @@ std::string title_of(const scene::Setup& setup) {
   return organ + (setup.task == scene::Task::kPull ? " pulled with " : " pressed with ") + tools;
 }
 
-void write_screenshot(const record::Recording& recording, const Highlights& highlights,
-                      const fs::path& file) {
+void write_screenshot(const record::Recording& recording, const Highlights& highlights, const fs::path& file,
+                      bool no_cache) {
   constexpr int kWidth = 1280;
   constexpr int kHeight = 960;
   if (recording.rows.empty()) throw InputError("--screenshot " + file.string() + ": no tick was run");
-  const std::vector<haptics::Snapshot> snapshots = record::snapshots_at(recording, {highlights.deepest_tick});
+  const std::vector<haptics::Snapshot> snapshots =
+      record::snapshots_at(recording, {highlights.deepest_tick}, OrganPreparation(no_cache).how());
   const haptics::Snapshot& deepest = snapshots.front();
   const contact::ToolResult& result = deepest.results[highlights.deepest_hand];
   const render::Subject subject{recording.setup.organ, recording.setup.tools, recording.setup.tissue.reach,

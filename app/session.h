@@ -25,8 +25,8 @@ struct Session {
 };
 
 /// [setup] Reads and checks all inputs. @param duration_s exactly round(duration x rate) ticks; none: until
-/// the devices have nothing more to say. @throws InputError.
-[[nodiscard]] Session prepare(const scene::Request& request, std::optional<double> duration_s);
+/// the devices have nothing more to say. @param no_cache the organ is prepared anew. @throws InputError.
+[[nodiscard]] Session prepare(const scene::Request& request, std::optional<double> duration_s, bool no_cache);
 
 /// [setup] Whether a file or folder could be written there, without touching anything. @throws InputError
 /// naming `flag` and the path.
@@ -56,8 +56,8 @@ class StopOnSignal final {
 [[nodiscard]] std::string title_of(const scene::Setup& setup);
 
 /// [setup] The picture of a recording's deepest moment as a PNG. @throws InputError when it cannot be
-/// written, std::runtime_error without OpenGL.
+/// written, std::runtime_error without OpenGL. @param no_cache as for prepare().
 void write_screenshot(const record::Recording& recording, const Highlights& highlights,
-                      const std::filesystem::path& file);
+                      const std::filesystem::path& file, bool no_cache);
 
 }  // namespace palpate::app

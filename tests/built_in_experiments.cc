@@ -31,6 +31,10 @@ haptics::LoopReport Rig::run(haptics::TickSink* sink, const haptics::LoopOptions
 Rig built_in(const std::string& task) {
   scene::Request request;
   request.task = task;
+  if (task == "moving") {
+    request.task = "press";
+    request.organ_motion = {"breathing", "heartbeat"};
+  }
   return Rig(scene::load(request));
 }
 

@@ -24,7 +24,8 @@ struct Rig {
   haptics::LoopReport run(haptics::TickSink* sink, const haptics::LoopOptions& options);
 };
 
-/// One of the paper's two experiments: task "press" (gallbladder) or "pull" (heart).
+/// One of the paper's two experiments: task "press" (gallbladder) or "pull" (heart); or "moving": the press
+/// on an organ that breathes and beats at once.
 Rig built_in(const std::string& task);
 
 /// Keeps all rows of a run.

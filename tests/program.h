@@ -2,8 +2,10 @@
 // The program in a child process, for tests that see it as its users do. PALPATE_PROGRAM is its path.
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -42,10 +44,12 @@ struct Outcome {
   std::string err;
 };
 
-/// The program in a child process; output goes to files of a folder apart.
+/// The program in a child process; output goes to files of a folder apart. The user's cache is off, unless a
+/// test names one of its own.
 class Program final {
  public:
-  Program(const fs::path& working_folder, std::vector<std::string> words) {
+  Program(const fs::path& working_folder, std::vector<std::string> words,
+          const std::map<std::string, std::string>& environment = {}) {
     words.insert(words.begin(), PALPATE_PROGRAM);
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
@@ -54,6 +58,8 @@ class Program final {
     const std::string err = output_ / "err";
     child_ = fork();
     if (child_ != 0) return;
+    setenv("PALPATE_CACHE", "off", 1);
+    for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
     const int out_file = open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
     const int err_file = open(err.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
     if (chdir(working_folder.c_str()) == 0 && dup2(out_file, 1) == 1 && dup2(err_file, 2) == 2) {
@@ -73,8 +79,9 @@ class Program final {
   pid_t child_ = -1;
 };
 
-inline Outcome run(const Folder& folder, std::vector<std::string> words) {
-  return Program(folder.path(), std::move(words)).wait();
+inline Outcome run(const Folder& folder, std::vector<std::string> words,
+                   const std::map<std::string, std::string>& environment = {}) {
+  return Program(folder.path(), std::move(words), environment).wait();
 }
 
 inline std::size_t lines(const std::string& text) {

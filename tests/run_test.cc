@@ -112,7 +112,7 @@ TEST_P(BuiltInExperiment, GoesAtLeastTenMillimetresDeepWithoutAFault) {
   EXPECT_GE(deepest, 0.010);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, BuiltInExperiment, testing::Values("press", "pull"),
+INSTANTIATE_TEST_SUITE_P(All, BuiltInExperiment, testing::Values("press", "pull", "moving"),
                          [](const auto& task) { return std::string(task.param); });
 
 }  // namespace

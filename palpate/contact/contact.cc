@@ -183,10 +183,10 @@ ToolResult summarize(const World::Data& world, const ToolPoints& points, const P
 }  // namespace
 
 World::World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
-             const model::TissueParameters& tissue, double loop_period) {
+             const model::TissueParameters& tissue, double loop_period, const Preparation& how) {
   model::validate(tissue);
   data_ = std::make_unique<const Data>(
-      Data{tissue, OrganSurface(organ, tissue.contact.reference_radius), sample_tools(tools),
+      Data{tissue, OrganSurface(organ, tissue.contact.reference_radius, how), sample_tools(tools),
            model::LayeredSpringLaw(tissue, model::Direction::kPress, loop_period),
            model::LayeredSpringLaw(tissue, model::Direction::kPull, loop_period), loop_period});
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "palpate/base/pose.h"
+#include "palpate/contact/preparation.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/geometry/tool.h"
 #include "palpate/model/layered_law.h"
@@ -65,12 +66,14 @@ struct ToolResult {
 class World final {
  public:
   /// [setup] Refines the organ's rest surface, computes its normals and distance tree, resamples the tools.
+  /// Works on all processors; no thread of it is left at the end.
   /// @param organ closed, outward-oriented, metres, organ frame S
+  /// @param how whether a cache may serve, and whom to tell how far it is
   /// @throws ParameterError for bad tissue values, InputError for a mesh that is not closed or a tool without
   /// points
   ///         or with more than kMaxParts parts.
   World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
-        const model::TissueParameters& tissue, double loop_period);
+        const model::TissueParameters& tissue, double loop_period, const Preparation& how = {});
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "palpate/contact/organ_arrays.h"
+#include "palpate/contact/preparation.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/geometry/surface_distance.h"
 
@@ -19,11 +21,13 @@ struct SurfacePoint {
 /// walk on it. Everything is in the organ's frame S, metres.
 class OrganSurface final {
  public:
-  /// [setup] Refines `organ` until edges are at most R_ref/4 and averages its normals within R_ref/2.
+  /// [setup] Refines `organ` until edges are at most R_ref/4 and averages its normals within R_ref/2, on all
+  /// processors; the same bits on any number of them, and from the cache. No thread of it is left at the end.
   /// @throws InputError as geometry::SurfaceDistance.
-  OrganSurface(const geometry::TriangleMesh& organ, double reference_radius);
+  OrganSurface(const geometry::TriangleMesh& organ, double reference_radius, const Preparation& how = {});
 
-  [[nodiscard]] const geometry::TriangleMesh& mesh() const noexcept { return mesh_; }
+  [[nodiscard]] const geometry::TriangleMesh& mesh() const noexcept { return arrays_.mesh; }
+  [[nodiscard]] const OrganArrays& arrays() const noexcept { return arrays_; }
 
   /// [rt] Nearest surface point to p, signed; `guess` as geometry::SurfaceDistance::nearest.
   [[nodiscard]] geometry::NearestPoint nearest(const Vec3& p, std::int32_t guess) const noexcept {
@@ -48,32 +52,23 @@ class OrganSurface final {
 
   /// [rt] Unit normal of a triangle's plane.
   [[nodiscard]] const Vec3& face_normal(std::int32_t triangle) const noexcept {
-    return face_normals_[static_cast<std::size_t>(triangle)];
+    return arrays_.face_normals[static_cast<std::size_t>(triangle)];
   }
 
  private:
-  struct SharpEdge {
-    std::int32_t triangle[2];
-    std::int32_t edge[2];  // which edge of each triangle
+  struct Prepared {
+    OrganArrays arrays;
+    geometry::SurfaceDistance distance;
   };
+  [[nodiscard]] static Prepared prepare(const geometry::TriangleMesh& organ, double reference_radius,
+                                        const Preparation& how);
+  explicit OrganSurface(Prepared&& prepared);
 
   [[nodiscard]] Vec3 smooth_normal(std::int32_t triangle, const Vec3& point) const noexcept;
   [[nodiscard]] std::array<double, 3> barycentric(std::int32_t triangle, const Vec3& point) const noexcept;
-  void average_normals(double support_radius);
-  [[nodiscard]] Vec3 averaged_normal(std::int32_t vertex, std::span<const std::int32_t> seeds,
-                                     const Vec3& reference, double support_radius,
-                                     std::vector<std::int32_t>& visited_by, std::int32_t visit,
-                                     std::vector<std::int32_t>& queue) const;
-  void list_sharp_edges();
 
-  geometry::TriangleMesh mesh_;
+  OrganArrays arrays_;
   geometry::SurfaceDistance distance_;
-  std::vector<std::array<std::int32_t, 3>> neighbours_;
-  std::vector<Vec3> face_normals_;
-  std::vector<std::array<Vec3, 3>> corner_normals_;  // averaged, of each triangle's corners
-  std::vector<SharpEdge> sharp_edges_;
-  std::vector<std::int32_t> sharp_start_;  // of each triangle, into sharp_near_
-  std::vector<std::int32_t> sharp_near_;   // sharp edges within 1 mm of the triangle
 };
 
 }  // namespace palpate::contact

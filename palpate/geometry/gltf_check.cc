@@ -19,6 +19,7 @@ using nlohmann::json;
 constexpr int kDeepestJson = 100;
 constexpr int kDeepestNode = 200;
 constexpr std::size_t kMostNodes = 100'000;
+constexpr std::uint64_t kMostElements = 20'000'000;       // indices and vertices of all parts
 constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // numbers that only a count stands for
 
 std::uint32_t little_endian_32(std::string_view bytes, std::size_t at) {
@@ -55,6 +56,7 @@ class GltfCheck final {
     if (!root_.is_object()) refuse("not a JSON document");
     check_nodes();
     check_accessors();
+    check_parts();
   }
 
  private:
@@ -121,6 +123,33 @@ class GltfCheck final {
       if (without_buffer > kMostWithoutBuffer) {
         refuse("accessors without a buffer declare more than " + std::to_string(kMostWithoutBuffer) +
                " elements");
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint64_t count_of(const json& accessor_index) const {
+    const json& accessors = list(root_, "accessors");
+    if (!accessor_index.is_number_unsigned() || accessor_index.get<std::uint64_t>() >= accessors.size())
+      return 0;
+    const json& accessor = accessors[accessor_index.get<std::size_t>()];
+    const auto count = accessor.is_object() ? accessor.find("count") : accessor.end();
+    if (count == accessor.end() || !count->is_number_unsigned()) return 0;
+    return std::min(count->get<std::uint64_t>(), kMostElements + 1);
+  }
+
+  /// The importer copies indices and vertices for each part, also where parts share them.
+  void check_parts() const {
+    std::uint64_t elements = 0;
+    for (const json& mesh : list(root_, "meshes")) {
+      for (const json& part : list(mesh, "primitives")) {
+        if (!part.is_object()) continue;
+        if (const auto indices = part.find("indices"); indices != part.end()) elements += count_of(*indices);
+        const auto attributes = part.find("attributes");
+        if (attributes == part.end() || !attributes->is_object()) continue;
+        for (const json& attribute : *attributes) elements += count_of(attribute);
+        if (elements > kMostElements) {
+          refuse("its parts declare more than " + std::to_string(kMostElements) + " indices and vertices");
+        }
       }
     }
   }

@@ -22,13 +22,14 @@ namespace {
 
 constexpr std::uintmax_t kLargestFile = 512ULL << 20;  // bytes
 
-constexpr std::array<std::pair<std::string_view, MeshFormat>, 7> kEndings{{{".stl", MeshFormat::kStl},
+constexpr std::array<std::pair<std::string_view, MeshFormat>, 8> kEndings{{{".stl", MeshFormat::kStl},
                                                                            {".obj", MeshFormat::kObj},
                                                                            {".ply", MeshFormat::kPly},
                                                                            {".off", MeshFormat::kOff},
                                                                            {".3ds", MeshFormat::k3ds},
                                                                            {".gltf", MeshFormat::kGltf},
-                                                                           {".glb", MeshFormat::kGlb}}};
+                                                                           {".glb", MeshFormat::kGlb},
+                                                                           {".vtk", MeshFormat::kVtk}}};
 
 MeshFormat format_of(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
@@ -38,7 +39,7 @@ MeshFormat format_of(const std::filesystem::path& path) {
     if (ending == known) return format;
   }
   throw InputError(path.string() + ": unknown ending \"" + ending +
-                   "\": must be .stl, .obj, .ply, .off, .3ds, .gltf or .glb");
+                   "\": must be .stl, .obj, .ply, .off, .3ds, .gltf, .glb or .vtk");
 }
 
 std::uint32_t little_endian_32(const std::string& bytes, std::size_t at) {
@@ -157,7 +158,7 @@ class ObjCheck final {
   /// Indices count from 1, or backwards from the last vertex when negative; later vertices may be named too.
   void take_face(std::string_view rest) {
     std::string face = "f";
-    int corners = 0;
+    std::size_t corners = 0;
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
       if (word.front() == '#') break;
       const std::string_view index_word = word.substr(0, word.find('/'));
@@ -173,6 +174,7 @@ class ObjCheck final {
       face += ' ' + std::to_string(absolute);
       ++corners;
     }
+    polygons_.take(corners, where());
     if (corners < 3) {
       ++left_out_;
     } else {
@@ -182,6 +184,7 @@ class ObjCheck final {
 
   const MeshFile& file_;
   PointSet points_;
+  PolygonBudget polygons_;
   std::string vertices_;
   std::string faces_;
   std::size_t line_ = 0;
@@ -247,6 +250,7 @@ class OffCheck final {
     std::string_view rest = next_content();
     const std::optional<std::int64_t> corners = whole_number(next_word(rest));
     if (!corners || *corners < 0) refuse("a face must start with its number of corners");
+    polygons_.take(static_cast<std::size_t>(*corners), where());
     for (std::int64_t k = 0; k < *corners; ++k) {
       const std::string_view word = next_word(rest);
       const std::optional<std::int64_t> index = whole_number(word);
@@ -264,6 +268,7 @@ class OffCheck final {
   const MeshFile& file_;
   LineReader lines_;
   PointSet points_;
+  PolygonBudget polygons_;
 };
 
 void check_3ds(const MeshFile& file) {
@@ -317,6 +322,8 @@ FileFacts check_mesh_file(const MeshFile& file) {
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
       check_gltf(file);
+      return {};
+    case MeshFormat::kVtk:  // its own reader checks as it goes
       return {};
   }
   return {};

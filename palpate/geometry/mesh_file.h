@@ -6,7 +6,7 @@
 // What is checked in a mesh file before any importer sees it, for read_mesh.cc.
 namespace palpate::geometry {
 
-enum class MeshFormat { kStl, kObj, kPly, kOff, k3ds, kGltf, kGlb };
+enum class MeshFormat { kStl, kObj, kPly, kOff, k3ds, kGltf, kGlb, kVtk };
 
 struct MeshFile {
   std::filesystem::path path;

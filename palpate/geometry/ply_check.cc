@@ -230,6 +230,10 @@ class PlyCheck final {
       refuse_as_truncated(element, n);
     }
     const bool names_vertices = property.name == "vertex_indices" || property.name == "vertex_index";
+    if (names_vertices) {
+      polygons_.take(static_cast<std::size_t>(length),
+                     file_.path.string() + ": " + element.name + " " + std::to_string(n + 1));
+    }
     for (auto left = static_cast<std::size_t>(length); left > 0; --left) {
       const double index = take(property.type, element, n);
       if (!names_vertices) continue;
@@ -247,6 +251,7 @@ class PlyCheck final {
   std::string_view body_;
   std::vector<Element> elements_;
   PointSet points_;
+  PolygonBudget polygons_;
 };
 
 }  // namespace

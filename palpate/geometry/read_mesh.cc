@@ -11,6 +11,7 @@
 #include "palpate/base/text.h"
 #include "palpate/geometry/import_mesh.h"
 #include "palpate/geometry/mesh_file.h"
+#include "palpate/geometry/vtk_file.h"
 
 namespace palpate::geometry {
 namespace {
@@ -122,7 +123,7 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
   const MeshFile file = open_mesh_file(path);
   if (!unit) throw InputError(path.string() + ": its unit is missing: must be mm, cm, m or in");
   const FileFacts facts = check_mesh_file(file);
-  ImportedMesh imported = import_mesh(file, facts);
+  ImportedMesh imported = file.format == MeshFormat::kVtk ? read_vtk(file) : import_mesh(file, facts);
   if (imported.mesh.triangles.empty()) {
     throw InputError(path.string() + ": no triangles" +
                      (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));

@@ -25,11 +25,10 @@ struct LoadedMesh {
   MeshFindings findings;
 };
 
-/// [setup] Reads a triangle mesh (STL, OBJ, PLY, OFF, 3DS, glTF, told by the file's ending), merges duplicate
-/// vertices, drops unreferenced ones and says so. Node transforms are applied, an importer's axis change
-/// undone.
-/// Vertices at exactly equal places are one; the triangles' order and turning stay. Assimp keeps coordinates
-/// as 32-bit floats. Not to be called from two threads at once.
+/// [setup] Reads a triangle mesh (STL, OBJ, PLY, OFF, 3DS, glTF, legacy VTK, told by the file's ending),
+/// merges duplicate vertices, drops unreferenced ones and says so. Node transforms are applied, an importer's
+/// axis change undone. Vertices at exactly equal places are one; the triangles' order and turning stay.
+/// Coordinates are kept as 32-bit floats, of VTK as they are. Not to be called from two threads at once.
 /// @param unit of the file's numbers; never guessed: none is an error
 /// @throws InputError naming the file and what is wrong: missing, unknown ending, empty, truncated, NaN,
 /// index out of range, no triangles, ...

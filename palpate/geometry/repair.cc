@@ -1,6 +1,8 @@
 #include "palpate/geometry/repair.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -35,11 +37,11 @@ std::string triangles(std::size_t count) { return counted(count, "triangle", "tr
 
 /// With three digits that count.
 std::string millimetres(double metres) {
-  const double mm = metres / kMillimetre;
-  double unit = 1e-6;
-  while (std::abs(mm) >= 1000.0 * unit) unit *= 10.0;
-  const double rounded =
-      unit < 1.0 ? std::round(mm / unit) / std::round(1.0 / unit) : std::round(mm / unit) * unit;
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), metres / kMillimetre,
+                                 std::chars_format::general, 3);
+  double rounded = 0.0;
+  (void)std::from_chars(digits.data(), end.ptr, rounded);
   return shortest(rounded);
 }
 

@@ -12,8 +12,14 @@ std::uint64_t edge_of(std::int32_t a, std::int32_t b) {
   return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
 }
 
-double area_of(const WorkSurface& surface, const Triangle& triangle) {
-  return 0.5 * area_vector_doubled(surface.mesh, triangle).norm();
+double area_of(const TriangleMesh& mesh, const Triangle& triangle) {
+  return 0.5 * area_vector_doubled(mesh, triangle).norm();
+}
+
+double area_of(const TriangleMesh& mesh, const std::vector<Triangle>& triangles) {
+  double sum = 0.0;
+  for (const Triangle& triangle : triangles) sum += area_of(mesh, triangle);
+  return sum;
 }
 
 }  // namespace
@@ -56,73 +62,68 @@ HoleCloser::HoleCloser(WorkSurface& surface) : surface_(surface) {
   for (const EdgeSide& side : sorted_sides(surface.mesh.triangles)) edges_.push_back(side.edge);
 }
 
-bool HoleCloser::has_edge(std::int32_t a, std::int32_t b) const {
-  return std::binary_search(edges_.begin(), edges_.end(), edge_of(a, b));
-}
-
-double HoleCloser::plan(const Hole& hole) {
-  loop_ = hole.loop;
-  planned_.clear();
-  const std::size_t n = loop_.size();
+std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
+                                       const std::function<bool(std::int32_t, std::int32_t)>& may_join) {
+  const std::size_t n = loop.size();
+  if (n < 3) return {};
   std::vector<double> least(n * n, 0.0);  // [i, j]: area that closes the loop from i to j
-  split_.assign(n * n, 0);
+  std::vector<std::size_t> split(n * n, 0);
   for (std::size_t span = 2; span < n; ++span) {
     for (std::size_t i = 0; i + span < n; ++i) {
       const std::size_t j = i + span;
       double best = kFar;
-      const bool is_last = i == 0 && j + 1 == n;  // the edge from the last to the first is the loop's own
-      if (is_last || !has_edge(loop_[i], loop_[j])) {
+      const bool is_own = i == 0 && j + 1 == n;  // the edge from the last to the first is the loop's own
+      if (is_own || may_join(loop[i], loop[j])) {
         for (std::size_t m = i + 1; m < j; ++m) {
           const double rest = least[i * n + m] + least[m * n + j];
           if (!(rest < best)) continue;
-          const double area = rest + area_of(surface_, {loop_[i], loop_[m], loop_[j]});
+          const double area = rest + area_of(mesh, Triangle{loop[i], loop[m], loop[j]});
           if (area < best) {
             best = area;
-            split_[i * n + j] = m;
+            split[i * n + j] = m;
           }
         }
       }
       least[i * n + j] = best;
     }
   }
-  const double area = n < 3 ? kFar : least[n - 1];
-  needs_middle_ = !(area < kFar);
-  if (!needs_middle_) {
-    take(0, n - 1);
-    return area;
-  }
-  Vec3 middle = Vec3::Zero();
-  for (const std::int32_t v : loop_) middle += surface_.point(v) / static_cast<double>(n);
-  double fan = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 a = surface_.point(loop_[i]) - middle;
-    fan += 0.5 * a.cross(surface_.point(loop_[(i + 1) % n]) - middle).norm();
-  }
-  return fan;
-}
-
-void HoleCloser::take(std::size_t i, std::size_t j) {
-  std::vector<std::array<std::size_t, 2>> open{{i, j}};
+  if (!(least[n - 1] < kFar)) return {};
+  std::vector<Triangle> patch;
+  std::vector<std::array<std::size_t, 2>> open{{0, n - 1}};
   while (!open.empty()) {
     const auto [from, to] = open.back();
     open.pop_back();
     if (to < from + 2) continue;
-    const std::size_t middle = split_[from * loop_.size() + to];
-    planned_.push_back({loop_[from], loop_[middle], loop_[to]});
+    const std::size_t middle = split[from * n + to];
+    patch.push_back({loop[from], loop[middle], loop[to]});
     open.push_back({from, middle});
     open.push_back({middle, to});
   }
+  return patch;
+}
+
+double HoleCloser::plan(const Hole& hole) {
+  planned_ = least_area_patch(surface_.mesh, hole.loop, [&](std::int32_t a, std::int32_t b) {
+    return !std::binary_search(edges_.begin(), edges_.end(), edge_of(a, b));
+  });
+  needs_middle_ = planned_.empty();
+  if (!needs_middle_) return area_of(surface_.mesh, planned_);
+  const std::size_t n = hole.loop.size();
+  middle_ = Vec3::Zero();
+  for (const std::int32_t v : hole.loop) middle_ += surface_.point(v) / static_cast<double>(n);
+  double fan = 0.0;
+  const auto added = static_cast<std::int32_t>(surface_.mesh.vertices.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t a = hole.loop[i];
+    const std::int32_t b = hole.loop[(i + 1) % n];
+    fan += 0.5 * (surface_.point(a) - middle_).cross(surface_.point(b) - middle_).norm();
+    planned_.push_back({a, b, added});
+  }
+  return fan;
 }
 
 std::size_t HoleCloser::close() {
-  if (needs_middle_) {
-    Vec3 middle = Vec3::Zero();
-    for (const std::int32_t v : loop_) middle += surface_.point(v) / static_cast<double>(loop_.size());
-    const auto added = static_cast<std::int32_t>(surface_.mesh.vertices.size());
-    surface_.mesh.vertices.push_back(middle);
-    for (std::size_t i = 0; i < loop_.size(); ++i)
-      planned_.push_back({loop_[i], loop_[(i + 1) % loop_.size()], added});
-  }
+  if (needs_middle_) surface_.mesh.vertices.push_back(middle_);
   for (const Triangle& triangle : planned_) {
     surface_.mesh.triangles.push_back(triangle);
     surface_.marks.push_back(kAdded);

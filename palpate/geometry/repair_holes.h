@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "palpate/geometry/repair_surface.h"
@@ -20,8 +21,16 @@ struct Hole {
 /// How much one hole's patch costs to find, in steps: with n edges about n^3 / 6.
 [[nodiscard]] std::uint64_t steps_to_close(const Hole& hole);
 
-/// Triangles that close a hole, of the smallest area there is without an edge that the surface has already;
-/// where there is none, a fan about a new vertex in the middle. [Barequet and Sharir 1995]
+/// The triangles over a loop of vertices that have the least area together; for a polygon in a plane that is
+/// one way to cut it up, whatever its shape. [Barequet and Sharir 1995] n^3 / 6 steps.
+/// @param may_join whether an edge may be made between two vertices that are not next to each other
+/// @return empty where there is no way
+[[nodiscard]] std::vector<Triangle> least_area_patch(
+    const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
+    const std::function<bool(std::int32_t, std::int32_t)>& may_join);
+
+/// Closes holes by patches of the least area that has no edge that the surface has already; where there is
+/// none, by a fan about a new vertex in the middle.
 class HoleCloser final {
  public:
   explicit HoleCloser(WorkSurface& surface);
@@ -32,14 +41,10 @@ class HoleCloser final {
   std::size_t close();
 
  private:
-  [[nodiscard]] bool has_edge(std::int32_t a, std::int32_t b) const;
-  void take(std::size_t i, std::size_t j);
-
   WorkSurface& surface_;
   std::vector<std::uint64_t> edges_;  // sorted, before any patch: two holes share no vertex, so no edge
   std::vector<Triangle> planned_;
-  std::vector<std::int32_t> loop_;
-  std::vector<std::size_t> split_;
+  Vec3 middle_ = Vec3::Zero();
   bool needs_middle_ = false;
 };
 

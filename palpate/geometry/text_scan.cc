@@ -109,6 +109,21 @@ Point read_point(std::string_view rest, const std::string& where, std::size_t ve
   return point;
 }
 
+void PolygonBudget::take(std::size_t corners, const std::string& where) {
+  constexpr std::size_t kMostCorners = 512;
+  constexpr std::uint64_t kMostSteps = 120'000'000;  // about 4 s
+  if (corners <= 3) return;
+  if (corners > kMostCorners) {
+    throw InputError(where + ": a polygon of " + std::to_string(corners) + " corners: at most " +
+                     std::to_string(kMostCorners) + " are cut into triangles");
+  }
+  steps_ += static_cast<std::uint64_t>(corners) * corners * corners / 6;
+  if (steps_ > kMostSteps) {
+    throw InputError(where + ": too many polygons as large as this one of " + std::to_string(corners) +
+                     " corners: cut them into triangles first");
+  }
+}
+
 void PointSet::add(const Point& point) {
   distinct_.insert({point[0] + 0.0F, point[1] + 0.0F, point[2] + 0.0F});  // -0 is 0
 }

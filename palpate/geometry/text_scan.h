@@ -54,6 +54,18 @@ using Point = std::array<float, 3>;  // as the importer keeps it
 /// @throws InputError when a coordinate is not finite.
 void require_finite(const Point& point, const std::string& where, std::size_t vertex);
 
+/// Bounds the work of cutting a file's polygons into triangles, which grows with the third power of their
+/// corners.
+class PolygonBudget final {
+ public:
+  /// @throws InputError starting with `where` when the polygon has too many corners, or the file too many
+  /// such.
+  void take(std::size_t corners, const std::string& where);
+
+ private:
+  std::uint64_t steps_ = 0;
+};
+
 /// Counts the places at which a file has vertices.
 class PointSet final {
  public:

@@ -18,7 +18,7 @@ model::OrganMotion organ_motion_of(const scene::Setup& setup) {
   return {setup.organ_motion, geometry::bounds(setup.organ).middle()};
 }
 
-haptics::SimulationWorld assemble(const scene::Setup& setup) {
+haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Preparation& how) {
   if (setup.tools.empty() || setup.tools.size() != setup.devices.size()) {
     throw InputError("scene: " + std::to_string(setup.tools.size()) + " tools and " +
                      std::to_string(setup.devices.size()) + " devices; there must be one of each a hand");
@@ -27,7 +27,7 @@ haptics::SimulationWorld assemble(const scene::Setup& setup) {
   noise::NoiseSettings noise = setup.noise;
   noise.seed = setup.seed;
   haptics::SimulationWorld world{
-      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period),
+      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how),
       .noise = noise::TouchNoise(noise, setup.rate_Hz),
       .limits = gate_limits(setup.safety, period),
       .mappings = {},

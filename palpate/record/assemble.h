@@ -4,8 +4,10 @@
 
 namespace palpate::record {
 
-/// [setup] Builds what a tick needs from a resolved scene. @throws InputError, ParameterError.
-[[nodiscard]] haptics::SimulationWorld assemble(const scene::Setup& setup);
+/// [setup] Builds what a tick needs from a resolved scene. @param how as for contact::World.
+/// @throws InputError, ParameterError.
+[[nodiscard]] haptics::SimulationWorld assemble(const scene::Setup& setup,
+                                                const contact::Preparation& how = {});
 
 /// [setup] The organ's motion, with rotations about the middle of its bounding box. @throws ParameterError.
 [[nodiscard]] model::OrganMotion organ_motion_of(const scene::Setup& setup);

@@ -45,9 +45,9 @@ std::string text_of(const TickRow& row, const Column& column) {
 class Replay final {
  public:
   /// [setup] @throws InputError when ticks or hands are missing, or the scene is bad.
-  explicit Replay(const Recording& recording)
+  explicit Replay(const Recording& recording, const contact::Preparation& how)
       : recording_(recording),
-        world_(assemble(recording.setup)),
+        world_(assemble(recording.setup, how)),
         state_(world_),
         samples_(world_.hands()),
         commands_(world_.hands()),
@@ -128,9 +128,9 @@ std::uint64_t hash_rows(std::span<const TickRow> rows, std::uint64_t hash) noexc
   return hash;
 }
 
-ReplayResult replay(const Recording& recording, const Progress& progress) {
+ReplayResult replay(const Recording& recording, const Progress& progress, const contact::Preparation& how) {
   constexpr std::uint64_t kProgressEvery = 1024;  // ticks
-  Replay again(recording);
+  Replay again(recording, how);
   ReplayResult result;
   result.hash = kHashStart;
   const std::uint64_t ticks = again.ticks();
@@ -152,8 +152,9 @@ ReplayResult replay(const Recording& recording, const Progress& progress) {
 }
 
 std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
-                                            const std::vector<std::uint64_t>& ticks) {
-  Replay again(recording);
+                                            const std::vector<std::uint64_t>& ticks,
+                                            const contact::Preparation& how) {
+  Replay again(recording, how);
   std::vector<haptics::Snapshot> snapshots;
   std::uint64_t next = 0;
   for (const std::uint64_t wanted : ticks) {

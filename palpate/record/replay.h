@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/contact/preparation.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/record/recording.h"
 
@@ -29,13 +30,15 @@ inline constexpr std::uint64_t kHashStart = 14695981039346656037ULL;
 
 /// [setup] Feeds the recorded device samples through the tick again and compares every row bit for bit (all
 /// columns but tick_ns and late_ns). @throws InputError when rows are missing in the middle or the scene is
-/// bad.
-[[nodiscard]] ReplayResult replay(const Recording& recording, const Progress& progress = {});
+/// bad. @param how as for contact::World
+[[nodiscard]] ReplayResult replay(const Recording& recording, const Progress& progress = {},
+                                  const contact::Preparation& how = {});
 
 /// [setup] Runs the recording again and returns the snapshots at `ticks` (ascending), for pictures; their
 /// taken_ns is the time since tick 0. @throws InputError as replay(), or when a tick is past the end or out
 /// of order.
 [[nodiscard]] std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
-                                                          const std::vector<std::uint64_t>& ticks);
+                                                          const std::vector<std::uint64_t>& ticks,
+                                                          const contact::Preparation& how = {});
 
 }  // namespace palpate::record

@@ -370,6 +370,30 @@ TEST_F(ReadMesh, RefusesCountsThatTheFileCannotHold) {
   expect_refused("a.ply", ply, "declares 999999999 x vertex");
 }
 
+TEST_F(ReadMesh, RefusesPolygonsThatWouldTakeTooLong) {
+  std::string points;
+  std::string corners;
+  for (int n = 0; n < 513; ++n) {
+    points += std::to_string(n) + " " + std::to_string(n * n) + " 0\n";
+    corners += " " + std::to_string(n);
+  }
+  const std::string words = "a polygon of 513 corners: at most 512 are cut into triangles";
+  expect_refused("a.off", "OFF\n513 1 0\n" + points + "513" + corners + "\n", words);
+  expect_refused("a.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 513\nproperty float x\nproperty float y\n"
+                 "property float z\nelement face 1\nproperty list int int vertex_indices\nend_header\n" +
+                     points + "513" + corners + "\n",
+                 words);
+  const std::string corner = "v 0 0 0\nv 2 0 0\nv 0 3 0\n";
+  std::string face = "f";
+  for (int n = 0; n < 171; ++n) face += " 1 2 3";
+  expect_refused("a.obj", corner + face + "\n", "line 4: " + words);
+  std::string many = corner;
+  for (int n = 0; n < 6; ++n)
+    many += face.substr(0, face.size() - 2) + "\n";  // 512 corners, 22 million steps
+  expect_refused("b.obj", many, "line 9: too many polygons as large as this one of 512 corners");
+}
+
 TEST_F(ReadMesh, RefusesBadPlyHeaders) {
   expect_refused("a.ply", "plx\n", "must start with \"ply\"");
   expect_refused("b.ply", "ply\nformat binary 1.0\nend_header\n", "must be ascii, binary_little_endian");
@@ -390,6 +414,9 @@ TEST_F(ReadMesh, RefusesGltfThatWouldTakeTheStackOrTheMemory) {
   sparse.replace(sparse.find(R"("bufferView":0,"componentType":5126,"count":4)"), 45,
                  R"("componentType":5126,"count":1000000000)");
   expect_refused("d.gltf", sparse, "without a buffer");
+  std::string repeated = gltf_json(R"([{"mesh":0}])", R"({"byteLength":72})");
+  repeated.replace(repeated.find(R"("count":12)"), 10, R"("count":19999999)");
+  expect_refused("e.gltf", repeated, "declare more than 20000000 indices and vertices");
 }
 
 LoadedMesh with_findings(TriangleMesh mesh) {

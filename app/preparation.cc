@@ -1,0 +1,24 @@
+#include "app/preparation.h"
+
+#include "palpate/base/cache_folder.h"
+#include "palpate/base/clock.h"
+
+#include "app/messages.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr std::int64_t kSilent_ns = 300'000'000;  // no bar flashes up for a small organ
+
+}  // namespace
+
+OrganPreparation::OrganPreparation(bool no_cache)
+    : bar_("preparing the organ"), show_from_ns_(monotonic_ns() + kSilent_ns) {
+  if (!no_cache) how_.cache = user_cache_folder();
+  how_.progress = [this](double share, const std::string& what) {
+    if (monotonic_ns() >= show_from_ns_) bar_.update(share, what);
+  };
+  how_.remark = [](const std::string& words) { tell_detail(words); };
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,102 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/measure/times.h"
+
+namespace palpate::bench {
+
+/// How far a measurement is (0..1) and what is being measured.
+using Watch = std::function<void(double share, const std::string& what)>;
+
+/// One whole tick: pose in, force and torque out after the gate, the row in the recorder's ring.
+struct TickAccount {
+  std::string scene;
+  std::string phase;  // press | pull: what the task does in contact
+  std::size_t organ_triangles = 0;
+  std::size_t tool_triangles = 0;
+  TimeFigures contact;
+  TimeFigures approach;  // within 20 mm
+};
+
+/// One exact nearest point of the organ, asked along the way of the tool's tip.
+struct NearestAccount {
+  std::size_t organ_triangles = 0;
+  TimeFigures times;
+};
+
+/// All that is made of an organ before its first tick: refined surface, normals, tree.
+struct PreparationAccount {
+  std::string organ;
+  std::size_t organ_triangles = 0;
+  double seconds = 0.0;   // wall time
+  std::size_t bytes = 0;  // that stay
+};
+
+/// Independent hands on one organ in one process.
+struct HandsAccount {
+  std::size_t hands_per_core = 0;  // inside 80 % of the period at p99.9
+  double bytes_per_hand = 0.0;     // beyond the shared organ
+  std::size_t hands = 0;           // as asked for, run at 1 kHz on `threads`; 0: not asked
+  std::size_t threads = 0;
+  TimeFigures round;          // of one thread's hands in one period
+  std::uint64_t missed = 0;   // periods that began a full one late
+  std::uint64_t periods = 0;  // of all threads
+};
+
+/// One of the paper's scenes in real time against a loop that does nothing, taken in turns.
+struct LoopAccount {
+  std::string scene;
+  double rate_Hz = 0.0;
+  std::uint64_t ticks = 0;  // of each
+  std::uint64_t missed = 0;
+  std::uint64_t missed_empty = 0;
+  TimeFigures late;
+  TimeFigures late_empty;
+};
+
+/// What another library takes for its own answer on the same organ and the same way.
+struct PeerAccount {
+  std::string name;
+  std::string does;  // in a few words
+  std::string scene;
+  std::size_t organ_triangles = 0;
+  std::size_t tool_triangles = 0;  // 0: one point
+  TimeFigures contact;
+  TimeFigures approach;
+  double ratio = 0.0;           // of p50 in contact to palpate's own
+  double approach_ratio = 0.0;  // of p50 in approach
+};
+
+/// All that was measured; what was not is empty.
+struct Account {
+  std::string machine;
+  std::string build;    // version and compiler
+  std::string command;  // as typed
+  double clock_ns = 0.0;
+  std::vector<TickAccount> ticks;
+  std::vector<NearestAccount> nearest;
+  std::optional<double> law_ns;
+  std::optional<double> inverse_ns;
+  std::optional<double> noise_ns;
+  std::vector<PreparationAccount> preparation;
+  std::optional<HandsAccount> hands;
+  std::vector<LoopAccount> loops;
+  std::vector<PeerAccount> peers;
+  std::vector<std::string> remarks;  // what could not be measured, and why
+};
+
+/// [setup] The document of `palpate bench --json` (docs/file-formats.md), indented.
+[[nodiscard]] std::string to_json(const Account& account);
+
+/// [setup] One line a figure, with what made them as comment lines (docs/file-formats.md).
+[[nodiscard]] std::string to_csv(const Account& account);
+
+/// [setup] Tables for people.
+[[nodiscard]] std::string to_text(const Account& account);
+
+}  // namespace palpate::bench

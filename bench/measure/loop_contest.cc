@@ -1,0 +1,80 @@
+#include "bench/measure/loop_contest.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "palpate/base/clock.h"
+#include "palpate/devices/scripted.h"
+#include "palpate/haptics/realtime.h"
+#include "palpate/haptics/schedule.h"
+
+#include "bench/measure/one_hand.h"
+
+namespace palpate::bench {
+namespace {
+
+constexpr double kTurn = 0.25;  // s
+
+/// How one of the two loops went so far.
+struct Side {
+  std::vector<double> late_us;
+  std::uint64_t missed = 0;
+};
+
+/// `ticks` periods in real time, each calling `work()`.
+template <typename Work>
+void take_turn(double rate_Hz, std::uint64_t ticks, Side& side, Work work) {
+  const auto period = static_cast<std::int64_t>(1e9 / rate_Hz);
+  haptics::Schedule schedule(rate_Hz, monotonic_ns() + period);
+  for (std::uint64_t i = 0; i < ticks; ++i) {
+    sleep_until_ns(schedule.due());
+    const haptics::Schedule::Begin begin = schedule.begin(monotonic_ns());
+    side.late_us.push_back(static_cast<double>(begin.late_ns) / kNanosecondsPerMicrosecond);
+    if (begin.missed) ++side.missed;
+    work();
+  }
+}
+
+}  // namespace
+
+LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::SimulationWorld& world,
+                               const scene::ToolPath& path, const Watch& watch) {
+  devices::ScriptedDevice device(path);
+  const std::uint64_t last = device.last_tick(world.rate_Hz);
+  const auto turn = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kTurn * world.rate_Hz));
+  Side with;
+  Side empty;
+  with.late_us.reserve(last);
+  empty.late_us.reserve(last);
+  OneHand hand(world);
+  ScratchRecorder recorder(setup);
+  std::vector<std::string> remarks;
+  const haptics::MemoryLock memory(remarks);
+  std::thread thread([&] {
+    haptics::ask_for_priority(remarks);
+    haptics::touch_stack();
+    for (std::uint64_t number = 0; number < last;) {
+      watch(static_cast<double>(number) / static_cast<double>(last),
+            "loop of the " + setup.name + " scene against an empty one");
+      const std::uint64_t ticks = std::min(turn, last - number);
+      take_turn(world.rate_Hz, ticks, empty, [] {});
+      take_turn(world.rate_Hz, ticks, with, [&] { recorder.put(hand.tick(device, number++)); });
+    }
+  });
+  thread.join();
+  LoopAccount account;
+  account.scene = setup.name;
+  account.rate_Hz = world.rate_Hz;
+  account.ticks = last;
+  account.missed = with.missed;
+  account.missed_empty = empty.missed;
+  account.late = figures_of(std::move(with.late_us));
+  account.late_empty = figures_of(std::move(empty.late_us));
+  return account;
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,16 @@
+#pragma once
+#include "palpate/haptics/simulation.h"
+#include "palpate/scene/setup.h"
+#include "palpate/scene/tool_path.h"
+
+#include "bench/measure/account.h"
+
+namespace palpate::bench {
+
+/// [setup] The scene in real time at its own rate, recorded, against an empty loop on the same thread, in
+/// turns of a quarter of a second, to the end of the path. Missed: begun a full period or more late.
+/// @throws InputError when no temporary file can be made.
+[[nodiscard]] LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::SimulationWorld& world,
+                                             const scene::ToolPath& path, const Watch& watch);
+
+}  // namespace palpate::bench

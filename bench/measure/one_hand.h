@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+
+#include "palpate/haptics/simulation.h"
+#include "palpate/record/recorder.h"
+#include "palpate/scene/setup.h"
+
+namespace palpate::bench {
+
+/// One hand in a world of one hand, tick by tick, without a loop around it.
+class OneHand final {
+ public:
+  /// [setup] @param world outlives it
+  explicit OneHand(const haptics::SimulationWorld& world) : world_(&world), state_(world) {}
+
+  /// [rt] The next tick, from the device's sample at tick `way` of its path. @return its row
+  haptics::TickRow& tick(haptics::Device& device, std::uint64_t way) noexcept {
+    samples_[0] = device.read(way, static_cast<double>(way) / world_->rate_Hz);
+    haptics::tick(*world_, state_, number_++, samples_, commands_, rows_);
+    return rows_[0];
+  }
+
+  [[nodiscard]] const haptics::DeviceState& sample() const noexcept { return samples_[0]; }
+
+ private:
+  const haptics::SimulationWorld* world_;
+  haptics::SimulationState state_;
+  std::uint64_t number_ = 0;
+  std::array<haptics::DeviceState, 1> samples_{};
+  std::array<haptics::ForceCommand, 1> commands_{};
+  std::array<haptics::TickRow, 1> rows_{};
+};
+
+/// A recorder, as a run in real time has one, on a temporary file that is gone at the end.
+class ScratchRecorder final {
+ public:
+  /// [setup] @throws InputError when the file cannot be made.
+  explicit ScratchRecorder(const scene::Setup& setup);
+  ~ScratchRecorder();
+  ScratchRecorder(const ScratchRecorder&) = delete;
+  ScratchRecorder& operator=(const ScratchRecorder&) = delete;
+
+  /// [rt]
+  void put(const haptics::TickRow& row) noexcept { recorder_.put(row); }
+
+ private:
+  std::filesystem::path file_;
+  record::Recorder recorder_;
+};
+
+}  // namespace palpate::bench

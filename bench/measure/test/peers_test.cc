@@ -1,0 +1,84 @@
+#include "bench/measure/peers.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "bench/measure/subjects.h"
+#include "bench/measure/test/sample_scene.h"
+
+namespace palpate::bench {
+namespace {
+
+const scene::Setup& setup() {
+  static const scene::Setup setup = sample_scene();
+  return setup;
+}
+
+const std::vector<WayPoint>& way() {
+  static const std::vector<WayPoint> way = walk(setup(), record::assemble(setup()), hand_path(setup()));
+  return way;
+}
+
+int opened = 0;
+
+void* open_none(const PalpatePeerMesh*, const PalpatePeerMesh*, size_t) { return nullptr; }
+void* open_one(const PalpatePeerMesh*, const PalpatePeerMesh*, size_t) { return &++opened; }
+double say_a_metre(void*, const double*, const double*) { return 1.0; }
+double say_nothing(void*, const double*, const double*) { return std::nan(""); }
+double say_touch(void*, const double*, const double*) { return 0.0; }
+void close_one(void*) { --opened; }
+
+TEST(Peers, WithoutTheLibraryAllAreMissingByNameAndPackage) {
+  const Peers none("/nonexistent/libpalpate_peers.so");
+  EXPECT_TRUE(none.all().empty());
+  const std::vector<std::string> missing = none.missing();
+  ASSERT_EQ(missing.size(), known_peers().size());
+  EXPECT_NE(missing[1].find("FCL"), std::string::npos);
+  EXPECT_NE(missing[1].find("libfcl-dev"), std::string::npos);
+}
+
+TEST(Peers, EveryKnownOneIsBuiltInOrSaidToBeMissing) {
+  const Peers built(PALPATE_PEERS);
+  EXPECT_EQ(built.all().size() + built.missing().size(), known_peers().size());
+}
+
+TEST(Peers, ThoseBuiltInAgreeWithPalpateOnEveryDistance) {
+  const Peers built(PALPATE_PEERS);
+  for (const PalpatePeer& peer : built.all()) {
+    const PeerAccount account = ask_peer(peer, {setup(), way(), 1.0});
+    EXPECT_EQ(account.name, peer.name);
+    EXPECT_GT(account.contact.samples, 0U) << peer.name;
+    EXPECT_GT(account.approach.samples, 0U) << peer.name;
+    EXPECT_EQ(account.tool_triangles > 0, peer.one_point == 0) << peer.name;
+  }
+}
+
+TEST(Peers, OneThatRefusesTheOrganThrows) {
+  const PalpatePeer peer{"none", "nothing", 0, 0, open_none, say_touch, close_one};
+  EXPECT_THROW(static_cast<void>(ask_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
+}
+
+TEST(Peers, OneThatAnswersAnotherQuestionThrowsAndIsClosed) {
+  const PalpatePeer peer{"far", "nothing", 0, 0, open_one, say_a_metre, close_one};
+  EXPECT_THROW(static_cast<void>(ask_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
+  EXPECT_EQ(opened, 0);
+}
+
+TEST(Peers, OneThatNeverTouchesThrows) {
+  const PalpatePeer peer{"ghost", "nothing", 0, 1, open_one, say_nothing, close_one};
+  EXPECT_THROW(static_cast<void>(ask_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
+}
+
+TEST(Peers, AllTicksAreAskedWhereThereIsTime) {
+  const PalpatePeer peer{"quick", "nothing", 0, 1, open_one, say_touch, close_one};
+  std::size_t contact = 0;
+  for (const WayPoint& at : way()) contact += at.phase != contact::Phase::kApproach ? 1 : 0;
+  const PeerAccount account = ask_peer(peer, {setup(), way(), 1e6});
+  EXPECT_EQ(account.contact.samples, contact);
+  EXPECT_EQ(opened, 0);
+}
+
+}  // namespace
+}  // namespace palpate::bench

@@ -1,0 +1,27 @@
+#pragma once
+#include "palpate/record/assemble.h"
+#include "palpate/scene/load.h"
+#include "palpate/scene/tool_path.h"
+
+namespace palpate::bench {
+
+/// A ball pressed with a ball: quick to prepare.
+inline scene::Setup sample_scene() {
+  scene::Request request;
+  request.organ = "ball";
+  request.tissue = "liver";
+  request.tools = {"sphere:5"};
+  return scene::load(request);
+}
+
+/// The tool stays where it is, `height` [m] above the organ's middle, for 20 ms and the device's last half
+/// second.
+inline scene::ToolPath still_path(double height) {
+  scene::PathRow from;
+  from.position = Vec3(0.0, 0.0, height);
+  scene::PathRow to = from;
+  to.time = 20e-3;
+  return scene::ToolPath({from, to});
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,122 @@
+#include "bench/measure/ticks.h"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "bench/measure/hands.h"
+#include "bench/measure/loop_contest.h"
+#include "bench/measure/preparation.h"
+#include "bench/measure/subjects.h"
+#include "bench/measure/test/sample_scene.h"
+
+// What is counted, never how long it took.
+namespace palpate::bench {
+namespace {
+
+const scene::Setup& setup() {
+  static const scene::Setup setup = sample_scene();
+  return setup;
+}
+
+const haptics::SimulationWorld& world() {
+  static const haptics::SimulationWorld world = record::assemble(setup());
+  return world;
+}
+
+TEST(Ticks, EveryTickOfTheWayIsContactOrApproachOrFar) {
+  const scene::ToolPath path = hand_path(setup());
+  const std::vector<WayPoint> way = walk(setup(), world(), path);
+  std::size_t contact = 0;
+  std::size_t approach = 0;
+  for (const WayPoint& at : way) {
+    if (at.phase != contact::Phase::kApproach) {
+      ++contact;
+    } else if (at.distance <= kNear) {
+      ++approach;
+    }
+  }
+  EXPECT_GT(contact, 1000U);
+  EXPECT_GT(approach, 1000U);
+  const TickAccount account = time_ticks(setup(), world(), path, 2);
+  EXPECT_EQ(account.contact.samples, 2 * contact);
+  EXPECT_EQ(account.approach.samples, 2 * approach);
+  EXPECT_EQ(account.phase, "press");
+  EXPECT_EQ(account.organ_triangles, setup().organ.triangles.size());
+  EXPECT_EQ(account.tool_triangles, triangle_count(setup().tools[0]));
+}
+
+TEST(Ticks, TheScratchRecordingIsGone) {
+  static_cast<void>(time_ticks(setup(), world(), hand_path(setup()), 1));
+  const std::string own = "palpate-bench-" + std::to_string(getpid());
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path()))
+    EXPECT_EQ(entry.path().filename().string().find(own), std::string::npos) << entry.path();
+}
+
+TEST(Ticks, AWayWithoutContactThrows) {
+  EXPECT_THROW(static_cast<void>(time_ticks(setup(), world(), still_path(0.2), 1)), std::runtime_error);
+}
+
+TEST(Ticks, TheTipIsTheFarthestVertexAlongTheTool) {
+  const std::vector<WayPoint> way = walk(setup(), world(), still_path(0.2));
+  const std::vector<Vec3> tips = tip_points(setup(), way);
+  ASSERT_EQ(tips.size(), way.size());
+  double top = -1.0;
+  for (const Vec3& v : setup().tools[0].parts[0].mesh.vertices) top = std::max(top, v.z());
+  EXPECT_NEAR(tips.front().z(), 0.2 + top, 1e-12);
+}
+
+TEST(Ticks, NearestPointsAreAskedSixteenAtATime) {
+  const std::vector<WayPoint> way = walk(setup(), world(), still_path(0.05));
+  const NearestAccount account = time_nearest(setup(), way);
+  EXPECT_EQ(account.times.samples, way.size() / kPointsAtOnce);
+}
+
+TEST(Preparation, MemoryInUseCountsWhatIsHeld) {
+  const std::size_t before = bytes_in_use();
+  std::vector<std::vector<char>> held;
+  for (int i = 0; i < 100; ++i) held.emplace_back(10'000);
+  const std::size_t during = bytes_in_use();
+  held.clear();
+  held.shrink_to_fit();
+  const std::size_t after = bytes_in_use();
+  EXPECT_GE(during, before + 1'000'000);
+  EXPECT_LE(during, before + 1'200'000);
+  EXPECT_LT(after, before + 100'000);
+}
+
+TEST(Preparation, AWorldKeepsMemoryAndIsReady) {
+  const Prepared prepared = prepare(setup());
+  EXPECT_EQ(prepared.account.organ_triangles, setup().organ.triangles.size());
+  EXPECT_GT(prepared.account.bytes, 24 * setup().organ.vertices.size());
+  EXPECT_EQ(prepared.world.hands(), 1U);
+}
+
+TEST(Hands, TheNextTryIsInProportionAndAlwaysAnother) {
+  EXPECT_EQ(next_hands(20, 200.0, 800.0), 80U);
+  EXPECT_EQ(next_hands(20, 1600.0, 800.0), 10U);
+  EXPECT_EQ(next_hands(20, 799.0, 800.0), 21U);
+  EXPECT_EQ(next_hands(20, 801.0, 800.0), 19U);
+  EXPECT_EQ(next_hands(1, 5000.0, 800.0), 1U);
+}
+
+TEST(Hands, HandsThatNeverTouchThrow) {
+  HandsAccount account;
+  EXPECT_THROW(run_hands(setup(), world(), still_path(0.2), 2, account), std::runtime_error);
+}
+
+TEST(LoopContest, BothLoopsRunEveryTickOfThePath) {
+  const scene::ToolPath path = still_path(0.05);
+  std::size_t said = 0;
+  const LoopAccount account =
+      against_empty_loop(setup(), world(), path, [&](double, const std::string&) { ++said; });
+  EXPECT_EQ(account.ticks, 520U);  // 20 ms and half a second at 1 kHz
+  EXPECT_EQ(account.late.samples, 520U);
+  EXPECT_EQ(account.late_empty.samples, 520U);
+  EXPECT_EQ(account.rate_Hz, 1000.0);
+  EXPECT_EQ(said, 3U);  // turns of a quarter of a second
+}
+
+}  // namespace
+}  // namespace palpate::bench

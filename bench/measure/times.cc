@@ -1,0 +1,37 @@
+#include "bench/measure/times.h"
+
+#include <cmath>
+
+namespace palpate::bench {
+
+double nearest_rank(std::span<const double> sorted, double share) noexcept {
+  if (sorted.empty()) return 0.0;
+  const double rank = std::ceil(share * static_cast<double>(sorted.size()));
+  const auto place = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
+  return sorted[std::min(place, sorted.size() - 1)];
+}
+
+TimeFigures figures_of(std::vector<double> times_us) {
+  std::sort(times_us.begin(), times_us.end());
+  TimeFigures figures;
+  figures.samples = times_us.size();
+  figures.p50_us = nearest_rank(times_us, 0.5);
+  figures.p99_us = nearest_rank(times_us, 0.99);
+  figures.p999_us = nearest_rank(times_us, 0.999);
+  figures.max_us = nearest_rank(times_us, 1.0);
+  return figures;
+}
+
+double clock_cost_ns() {
+  constexpr std::size_t kReadings = 20'001;
+  std::vector<double> costs;
+  costs.reserve(kReadings);
+  for (std::size_t i = 0; i < kReadings; ++i) {
+    const std::int64_t begun = thread_cpu_ns();
+    costs.push_back(static_cast<double>(thread_cpu_ns() - begun));
+  }
+  std::sort(costs.begin(), costs.end());
+  return nearest_rank(costs, 0.5);
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,52 @@
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "palpate/base/clock.h"
+
+namespace palpate::bench {
+
+inline constexpr double kNanosecondsPerMicrosecond = 1e3;
+
+/// What is said of many times of one thing; zero without any.
+struct TimeFigures {
+  std::size_t samples = 0;
+  double p50_us = 0.0;
+  double p99_us = 0.0;
+  double p999_us = 0.0;
+  double max_us = 0.0;
+};
+
+/// [any] The smallest value that at least `share` (0..1) of all do not exceed (nearest rank); 0 without any.
+/// @param sorted ascending
+[[nodiscard]] double nearest_rank(std::span<const double> sorted, double share) noexcept;
+
+/// [setup] Figures of times [us] in any order.
+[[nodiscard]] TimeFigures figures_of(std::vector<double> times_us);
+
+/// [setup] Median over batches of the processor time of one call [ns]. @param call call(i), i = 0 .. calls-1,
+/// gives a number, which is kept so that no call can be left out
+template <typename Call>
+[[nodiscard]] double median_call_ns(Call call) {
+  constexpr std::size_t kBatches = 101;
+  constexpr std::uint64_t kCalls = 10'000;
+  std::vector<double> batches;
+  double sum = 0.0;
+  for (std::size_t batch = 0; batch < kBatches; ++batch) {
+    const std::int64_t begun = thread_cpu_ns();
+    for (std::uint64_t i = 0; i < kCalls; ++i) sum += call(i);
+    batches.push_back(static_cast<double>(thread_cpu_ns() - begun) / static_cast<double>(kCalls));
+  }
+  volatile double kept = sum;
+  static_cast<void>(kept);
+  std::sort(batches.begin(), batches.end());
+  return nearest_rank(batches, 0.5);
+}
+
+/// [setup] What reading the clock twice costs [ns], median: it is in every single time of this library.
+[[nodiscard]] double clock_cost_ns();
+
+}  // namespace palpate::bench

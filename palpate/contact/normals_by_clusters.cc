@@ -1,0 +1,557 @@
+// normals_by_clusters(): the averaged normals of fine meshes.
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+
+#include <xmmintrin.h>
+
+#include "palpate/base/parallel.h"
+#include "palpate/contact/averaged_normals.h"
+#include "palpate/contact/normal_clusters.h"
+
+namespace palpate::contact {
+namespace {
+
+constexpr float kWithin = 0.99999F;        // of the radius: room for float's rounding
+constexpr float kSlack = 1.00001F;         // the same
+constexpr double kClustersInRadius = 4.0;  // a cluster's cell is at most this part of it
+// Of the radius. A cluster this small that borders on what the surface leads to counts as led to, wherever
+// the border is: else a fold whose rim passes just outside the reach would have to be asked about point by
+// point.
+constexpr float kSmall = 0.125F;
+// Of the radius. A triangle of no longer edges has one weight instead of one for each edge's middle; the
+// difference is in triangles that cross the end of the reach, below 0.001 degrees.
+constexpr double kShortEdge = 1.0 / 32.0;
+
+std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
+
+/// One point whose normal is wanted.
+struct Target {
+  Vec3 point;
+  std::array<float, 3> reference;  // unit
+  Vec3 sum = Vec3::Zero();
+};
+
+std::array<float, 3> from_centre(const Patch& patch, const Vec3& point) noexcept {
+  return {static_cast<float>(point.x() - static_cast<double>(patch.centre[0])),
+          static_cast<float>(point.y() - static_cast<double>(patch.centre[1])),
+          static_cast<float>(point.z() - static_cast<double>(patch.centre[2]))};
+}
+
+float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) noexcept {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+float squared_distance(const std::array<float, 3>& a, const std::array<float, 3>& b) noexcept {
+  const std::array<float, 3> apart{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return dot(apart, apart);
+}
+
+std::array<float, 3> rounded(const Vec3& v) noexcept {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+Vec3 exact(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+
+enum class Reach { kOut, kPartly, kWhole };
+
+Reach reach_of(const Patch& patch, const std::array<float, 3>& u, float radius) noexcept {
+  const float squared = dot(u, u);
+  const float farthest = radius + patch.reach;
+  if (squared >= farthest * farthest) return Reach::kOut;
+  const float nearest = kWithin * radius - patch.reach;
+  return nearest > 0.0F && squared <= nearest * nearest ? Reach::kWhole : Reach::kPartly;
+}
+
+enum class Turn { kAway, kPartly, kTowards };
+
+Turn turn_of(const std::array<float, 3>& axis, float spread, const std::array<float, 3>& reference) noexcept {
+  const float cosine = dot(axis, reference);
+  const float slack = spread + 1e-5F;
+  if (cosine + slack <= static_cast<float>(kSharpCosine)) return Turn::kAway;
+  return cosine - slack >= static_cast<float>(kFullCosine) ? Turn::kTowards : Turn::kPartly;
+}
+
+/// The sum over a patch all of which is in reach and turned towards the reference.
+void add_whole(const Patch& patch, const std::array<float, 3>& u, float inverse_squared, Vec3& sum) noexcept {
+  const float own = 3.0F - 3.0F * dot(u, u) * inverse_squared;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float moment =
+        patch.sum_Am[3 * i] * u[0] + patch.sum_Am[3 * i + 1] * u[1] + patch.sum_Am[3 * i + 2] * u[2];
+    sum[static_cast<Eigen::Index>(i)] +=
+        static_cast<double>(own * patch.sum_A[i] + (2.0F * moment - patch.sum_Aq[i]) * inverse_squared);
+  }
+}
+
+/// Four triangles of a block at a time.
+struct Four {
+  __m128 x, y, z;
+
+  [[nodiscard]] __m128 dot(const Four& other) const noexcept {
+    return _mm_add_ps(_mm_add_ps(_mm_mul_ps(x, other.x), _mm_mul_ps(y, other.y)), _mm_mul_ps(z, other.z));
+  }
+  [[nodiscard]] Four minus(const Four& other) const noexcept {
+    return {_mm_sub_ps(x, other.x), _mm_sub_ps(y, other.y), _mm_sub_ps(z, other.z)};
+  }
+};
+
+Four four_of(const std::array<float, 3>& v) noexcept {
+  return {_mm_set1_ps(v[0]), _mm_set1_ps(v[1]), _mm_set1_ps(v[2])};
+}
+
+Four load(const Block::Row* rows, std::size_t from) noexcept {
+  return {_mm_loadu_ps(&rows[0][from]), _mm_loadu_ps(&rows[1][from]), _mm_loadu_ps(&rows[2][from])};
+}
+
+double sum_of(__m128 four) noexcept {
+  alignas(16) std::array<float, 4> lane;
+  _mm_store_ps(lane.data(), four);
+  return static_cast<double>((lane[0] + lane[1]) + (lane[2] + lane[3]));
+}
+
+/// Weights of four triangles with short edges: the sum over the middles of the edges, which is zero or more
+/// for all three together and not for each.
+__m128 weights(const Block& block, std::size_t from, const Four& u, __m128 inverse) noexcept {
+  const Four apart = load(block.middle.data(), from).minus(u);
+  const __m128 three = _mm_set1_ps(3.0F);
+  const __m128 squares = _mm_add_ps(_mm_mul_ps(three, apart.dot(apart)), _mm_loadu_ps(&block.size[from]));
+  return _mm_max_ps(_mm_setzero_ps(), _mm_sub_ps(three, _mm_mul_ps(squares, inverse)));
+}
+
+/// Weights by the rule itself: of each edge's middle, and none for a triangle without a corner in reach.
+__m128 weights(const EdgeMiddles& edges, std::size_t from, const Four& u, __m128 inverse) noexcept {
+  const __m128 one = _mm_set1_ps(1.0F);
+  const std::array<Four, 3> middle{load(&edges.middle[0], from).minus(u),
+                                   load(&edges.middle[3], from).minus(u),
+                                   load(&edges.middle[6], from).minus(u)};
+  const Four all{_mm_add_ps(_mm_add_ps(middle[0].x, middle[1].x), middle[2].x),
+                 _mm_add_ps(_mm_add_ps(middle[0].y, middle[1].y), middle[2].y),
+                 _mm_add_ps(_mm_add_ps(middle[0].z, middle[1].z), middle[2].z)};
+  __m128 weight = _mm_setzero_ps();
+  __m128 nearest = _mm_set1_ps(1e30F);
+  for (const Four& m : middle) {
+    const __m128 share = _mm_sub_ps(one, _mm_mul_ps(m.dot(m), inverse));
+    weight = _mm_add_ps(weight, _mm_max_ps(_mm_setzero_ps(), share));
+    const Four corner = all.minus(m).minus(m);  // the one across from this edge
+    nearest = _mm_min_ps(nearest, corner.dot(corner));
+  }
+  return _mm_and_ps(weight, _mm_cmplt_ps(_mm_mul_ps(nearest, inverse), one));
+}
+
+/// The sum over a block's triangles one by one, each with its own weight and turn.
+void add_singly(const NormalClusters& clusters, const Block& block, const std::array<float, 3>& u,
+                float radius, Target& target) noexcept {
+  const __m128 inverse = _mm_set1_ps(1.0F / (radius * radius));
+  const __m128 sharp = _mm_set1_ps(static_cast<float>(kSharpCosine));
+  const __m128 steepness = _mm_set1_ps(static_cast<float>(1.0 / (kFullCosine - kSharpCosine)));
+  const Four to = four_of(u);
+  const Four reference = four_of(target.reference);
+  Four sum = four_of({0.0F, 0.0F, 0.0F});
+  for (std::size_t from = 0; from < Block::kSize; from += 4) {
+    const __m128 weight = block.edges < 0
+                              ? weights(block, from, to, inverse)
+                              : weights(clusters.edge_middles()[at(block.edges)], from, to, inverse);
+    const Four normal = load(block.normal.data(), from);
+    const __m128 turn = _mm_mul_ps(_mm_sub_ps(normal.dot(reference), sharp), steepness);
+    const __m128 clamped = _mm_min_ps(_mm_set1_ps(1.0F), _mm_max_ps(_mm_setzero_ps(), turn));
+    const __m128 counts = _mm_mul_ps(_mm_mul_ps(weight, clamped), _mm_loadu_ps(&block.area[from]));
+    sum = {_mm_add_ps(sum.x, _mm_mul_ps(counts, normal.x)), _mm_add_ps(sum.y, _mm_mul_ps(counts, normal.y)),
+           _mm_add_ps(sum.z, _mm_mul_ps(counts, normal.z))};
+  }
+  target.sum += Vec3(sum_of(sum.x), sum_of(sum.y), sum_of(sum.z));
+}
+
+/// Adds what a cluster's triangles within reach of the target count.
+void add_cluster(const NormalClusters& clusters, std::int32_t index, const std::array<float, 3>& u,
+                 Reach reach, float radius, Target& target) noexcept {
+  const NormalClusters::Cluster& cluster = clusters.cluster(at(index));
+  const Turn turn = turn_of(cluster.patch.axis, cluster.patch.spread, target.reference);
+  if (turn == Turn::kAway) return;
+  const float inverse = 1.0F / (radius * radius);
+  if (reach == Reach::kWhole && turn == Turn::kTowards) {
+    add_whole(cluster.patch, u, inverse, target.sum);
+    return;
+  }
+  const std::size_t end = at(clusters.cluster(at(index) + 1).first_block);
+  for (std::size_t i = at(cluster.first_block); i < end; ++i) {
+    const Block& block = clusters.blocks()[i];
+    const std::array<float, 3> v = from_centre(block.patch, target.point);
+    const Reach block_reach = reach == Reach::kWhole ? reach : reach_of(block.patch, v, radius);
+    if (block_reach == Reach::kOut) continue;
+    const Turn block_turn =
+        turn == Turn::kTowards ? turn : turn_of(block.patch.axis, block.patch.spread, target.reference);
+    if (block_turn == Turn::kAway) continue;
+    if (block_reach == Reach::kWhole && block_turn == Turn::kTowards) {
+      add_whole(block.patch, v, inverse, target.sum);
+    } else {
+      add_singly(clusters, block, v, radius, target);
+    }
+  }
+}
+
+/// Sums of patches all of which count in full, about one centre.
+class SharedSum final {
+ public:
+  explicit SharedSum(const Vec3& centre) : centre_(centre) {}
+
+  void add(const Patch& patch) noexcept {
+    const Vec3 shift = exact(patch.centre) - centre_;
+    const Vec3 sum_A = exact(patch.sum_A);
+    for (int i = 0; i < 3; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      const Vec3 moment =
+          exact({patch.sum_Am[3 * row], patch.sum_Am[3 * row + 1], patch.sum_Am[3 * row + 2]});
+      sum_Am_.row(i) += (moment + 3.0 * sum_A[i] * shift).transpose();
+      sum_Aq_[i] += static_cast<double>(patch.sum_Aq[row]) + 2.0 * moment.dot(shift) +
+                    3.0 * sum_A[i] * shift.squaredNorm();
+    }
+    sum_A_ += sum_A;
+  }
+
+  [[nodiscard]] Vec3 at(const Vec3& point, double radius) const noexcept {
+    const Vec3 u = point - centre_;
+    return sum_A_ * (3.0 - 3.0 * u.squaredNorm() / (radius * radius)) +
+           (2.0 * (sum_Am_ * u) - sum_Aq_) / (radius * radius);
+  }
+
+ private:
+  Vec3 centre_;
+  Vec3 sum_A_ = Vec3::Zero();
+  Eigen::Matrix3d sum_Am_ = Eigen::Matrix3d::Zero();
+  Vec3 sum_Aq_ = Vec3::Zero();
+};
+
+/// Averages at all sides that begin in one cluster, "home", after another; one a thread. Clusters are taken
+/// in three lists: those that lie within reach of every point of home; those beside them, some triangles of
+/// which are in reach of every point; and the rest, about which each point is asked.
+class ClusterFlood final {
+ public:
+  ClusterFlood(const SurfaceView& surface, const Sides& sides, const NormalClusters& clusters, double radius)
+      : surface_(surface),
+        sides_(sides),
+        clusters_(clusters),
+        radius_(radius),
+        reach_(static_cast<float>(radius)),
+        state_(clusters.size(), 0) {}
+
+  void average(std::int32_t home, std::vector<Vec3>& normals) {
+    collect_targets(home);
+    if (targets_.empty()) return;
+    spread(home);
+    for (std::size_t first = 0; first < targets_.size(); first += kTogether) {
+      const std::span<const Wanted> group =
+          std::span(targets_).subspan(first, std::min(kTogether, targets_.size() - first));
+      const Crowd crowd = crowd_of(group);
+      SharedSum sum = *shared_;
+      sift(doubtful_, crowd, sum, still_doubtful_);
+      for (const Wanted& wanted : group) {
+        Target target{wanted.point, wanted.reference_rounded, sum.at(wanted.point, radius_)};
+        add_doubtful(target);
+        ask_for_the_rest(target);
+        const double length = target.sum.norm();
+        normals[at(wanted.side)] = length > 0.0 ? Vec3(target.sum / length) : wanted.reference;
+      }
+    }
+    for (const std::vector<std::int32_t>* list : {&within_, &beside_, &rest_}) {
+      for (const std::int32_t cluster : *list) state_[at(cluster)] = 0;
+    }
+  }
+
+ private:
+  struct Wanted {
+    std::int32_t side;
+    Vec3 point;
+    Vec3 reference;
+    std::array<float, 3> reference_rounded;
+  };
+  /// Several points and where they look, as one thing.
+  struct Crowd {
+    Vec3 centre;
+    std::array<float, 3> reference;  // mean
+    float size;                      // no point is farther from `centre`
+    float turned;                    // no reference is farther from `reference`
+  };
+  /// A block that some points must look at for themselves; `centre` from home's.
+  struct Doubtful {
+    std::array<float, 3> centre;
+    float reach;
+    std::array<float, 3> axis;
+    float spread;
+    std::int32_t block;
+  };
+  static constexpr std::size_t kTogether = 6;  // points that sift the blocks together
+  static constexpr std::uint8_t kCertain = 1;  // some triangles are in reach of every point, or this one
+  static constexpr std::uint8_t kListed = 2;   // in rest_, not known to be in reach
+
+  void collect_targets(std::int32_t home) {
+    targets_.clear();
+    const std::size_t end = at(clusters_.cluster(at(home) + 1).first_triangle);
+    for (std::size_t i = at(clusters_.cluster(at(home)).first_triangle); i < end; ++i) {
+      for (std::int32_t c = 0; c < 3; ++c) {
+        const std::int32_t triangle = clusters_.triangles()[i];
+        const std::int32_t side = sides_.of_corner[at(3 * triangle + c)];
+        if (sides_.first_corner[at(side)] != 3 * triangle + c) continue;
+        fan_.collect(surface_, 3 * triangle + c);
+        const Vec3& reference = fan_.reference();
+        targets_.push_back({side, surface_.mesh.vertices[at(surface_.mesh.triangles[at(triangle)][at(c)])],
+                            reference, rounded(reference)});
+      }
+    }
+  }
+
+  [[nodiscard]] static Crowd crowd_of(std::span<const Wanted> group) {
+    Vec3 low = group.front().point;
+    Vec3 high = low;
+    Vec3 reference = Vec3::Zero();
+    for (const Wanted& wanted : group) {
+      low = low.cwiseMin(wanted.point);
+      high = high.cwiseMax(wanted.point);
+      reference += wanted.reference;
+    }
+    reference /= static_cast<double>(group.size());
+    double size = 0.0;
+    double turned = 0.0;
+    Crowd crowd{0.5 * (low + high), rounded(reference), 0.0F, 0.0F};
+    for (const Wanted& wanted : group) {
+      size = std::max(size, (wanted.point - crowd.centre).norm());
+      turned = std::max(turned, (wanted.reference - reference).norm());
+    }
+    crowd.size = static_cast<float>(size) * kSlack;
+    crowd.turned = static_cast<float>(turned) * kSlack;
+    return crowd;
+  }
+
+  /// Splits blocks into those that count in full for every point of a crowd (added to `sum`), those that
+  /// count for none, and those that remain doubtful.
+  void sift(std::span<const Doubtful> blocks, const Crowd& crowd, SharedSum& sum,
+            std::vector<Doubtful>& doubtful) const {
+    doubtful.clear();
+    const std::array<float, 3> centre = rounded(crowd.centre - centre_);
+    const float near = std::max(0.0F, kWithin * reach_ - crowd.size);
+    const float far = reach_ + crowd.size;
+    for (const Doubtful& block : blocks) {
+      const float squared = squared_distance(block.centre, centre);
+      if (squared >= (far + block.reach) * (far + block.reach)) continue;
+      const Turn turn = turn_of(block.axis, block.spread + crowd.turned, crowd.reference);
+      if (turn == Turn::kAway) continue;
+      const float inner = near - block.reach;
+      if (turn == Turn::kTowards && inner > 0.0F && squared <= inner * inner) {
+        sum.add(clusters_.blocks()[at(block.block)].patch);
+      } else {
+        doubtful.push_back(block);
+      }
+    }
+  }
+
+  void add_doubtful(Target& target) const {
+    const std::array<float, 3> point = rounded(target.point - centre_);
+    const float inverse = 1.0F / (reach_ * reach_);
+    for (const Doubtful& near : still_doubtful_) {
+      const std::array<float, 3> u{point[0] - near.centre[0], point[1] - near.centre[1],
+                                   point[2] - near.centre[2]};
+      const float squared = dot(u, u);
+      if (squared >= (reach_ + near.reach) * (reach_ + near.reach)) continue;
+      const Turn turn = turn_of(near.axis, near.spread, target.reference);
+      if (turn == Turn::kAway) continue;
+      const Block& block = clusters_.blocks()[at(near.block)];
+      const float inner = kWithin * reach_ - near.reach;
+      if (turn == Turn::kTowards && inner > 0.0F && squared <= inner * inner) {
+        add_whole(block.patch, u, inverse, target.sum);
+      } else {
+        add_singly(clusters_, block, u, reach_, target);
+      }
+    }
+  }
+
+  /// Fills the lists and adds up what counts in full for every point of home.
+  void spread(std::int32_t home) {
+    const Patch& patch = clusters_.cluster(at(home)).patch;
+    centre_ = exact(patch.centre);
+    const float near = reach_ - patch.reach;  // within this of home's centre: in reach of every point
+    const float far = reach_ + patch.reach;   // beyond it: of none
+    Crowd crowd = crowd_of(targets_);
+    crowd.centre = centre_;
+    crowd.size = patch.reach;
+    shared_.emplace(centre_);
+    within_.clear();
+    beside_.clear();
+    rest_.clear();
+    all_blocks_.clear();
+    take(home, near, crowd);
+    for (std::size_t i = 0; i < within_.size(); ++i) {
+      for_neighbours(within_[i], [&](const NormalClusters::Neighbour& next) {
+        if (state_[at(next.cluster)] == 0) take(next.cluster, near, crowd);
+      });
+    }
+    const auto go_on_from = [&](std::int32_t cluster) {
+      for_neighbours(cluster, [&](const NormalClusters::Neighbour& next) {
+        const Patch& other = clusters_.cluster(at(next.cluster)).patch;
+        if (state_[at(next.cluster)] != 0 ||
+            reach_of(other, from_centre(other, centre_), far) == Reach::kOut) {
+          return;
+        }
+        const bool is_small = other.reach <= kSmall * reach_ && patch.reach <= kSmall * reach_;
+        const bool is_certain =
+            state_[at(cluster)] == kCertain && (is_small || has_border_within(next, near));
+        state_[at(next.cluster)] = is_certain ? kCertain : kListed;
+        (is_certain ? beside_ : rest_).push_back(next.cluster);
+      });
+    };
+    for (std::size_t i = 0; i < beside_.size(); ++i) go_on_from(beside_[i]);
+    for (std::size_t i = 0; i < rest_.size(); ++i) go_on_from(rest_[i]);
+    for (const std::int32_t cluster : beside_) list_blocks(cluster);
+    sift(all_blocks_, crowd, *shared_, doubtful_);
+  }
+
+  void list_blocks(std::int32_t cluster) {
+    const std::size_t end = at(clusters_.cluster(at(cluster) + 1).first_block);
+    for (std::size_t i = at(clusters_.cluster(at(cluster)).first_block); i < end; ++i) {
+      const Patch& patch = clusters_.blocks()[i].patch;
+      all_blocks_.push_back({rounded(exact(patch.centre) - centre_), patch.reach, patch.axis, patch.spread,
+                             static_cast<std::int32_t>(i)});
+    }
+  }
+
+  /// Whether an end of an edge between the two clusters is nearer to home's centre than `near`.
+  [[nodiscard]] bool has_border_within(const NormalClusters::Neighbour& next, float near) const {
+    if (near <= 0.0F) return false;
+    const double squared = static_cast<double>(near) * static_cast<double>(near);
+    for (std::size_t i = at(next.first_link); i < at(next.last_link); ++i) {
+      const geometry::Triangle& from = surface_.mesh.triangles[at(clusters_.links()[i].from)];
+      const geometry::Triangle& to = surface_.mesh.triangles[at(clusters_.links()[i].to)];
+      for (const std::int32_t corner : from) {
+        if ((surface_.mesh.vertices[at(corner)] - centre_).squaredNorm() >= squared) continue;
+        if (std::find(to.begin(), to.end(), corner) != to.end()) return true;
+      }
+    }
+    return false;
+  }
+
+  void take(std::int32_t index, float near, const Crowd& crowd) {
+    const Patch& patch = clusters_.cluster(at(index)).patch;
+    state_[at(index)] = kCertain;
+    if (near <= 0.0F || reach_of(patch, from_centre(patch, centre_), near) != Reach::kWhole) {
+      beside_.push_back(index);
+      return;
+    }
+    within_.push_back(index);
+    switch (turn_of(patch.axis, patch.spread + crowd.turned, crowd.reference)) {
+      case Turn::kAway:
+        break;
+      case Turn::kTowards:
+        shared_->add(patch);
+        break;
+      case Turn::kPartly:
+        list_blocks(index);
+        break;
+    }
+  }
+
+  /// Of the rest, what the surface leads to within reach of this point.
+  void ask_for_the_rest(Target& target) {
+    waiting_.clear();
+    for (const std::int32_t cluster : rest_) {
+      const Patch& patch = clusters_.cluster(at(cluster)).patch;
+      if (reach_of(patch, from_centre(patch, target.point), reach_) != Reach::kOut)
+        waiting_.push_back(cluster);
+    }
+    found_.clear();
+    for (bool more = true; more;) {
+      more = false;
+      for (std::int32_t& cluster : waiting_) {
+        if (cluster < 0 || !led_to(cluster, target.point)) continue;
+        state_[at(cluster)] = kCertain;
+        found_.push_back(cluster);
+        const std::array<float, 3> u = from_centre(clusters_.cluster(at(cluster)).patch, target.point);
+        add_cluster(clusters_, cluster, u, reach_of(clusters_.cluster(at(cluster)).patch, u, reach_), reach_,
+                    target);
+        cluster = -1;
+        more = true;
+      }
+    }
+    for (const std::int32_t cluster : found_) state_[at(cluster)] = kListed;
+  }
+
+  /// Whether triangles on either side of a border with what is certain are both in reach.
+  [[nodiscard]] bool led_to(std::int32_t cluster, const Vec3& point) const {
+    bool found = false;
+    for_neighbours(cluster, [&](const NormalClusters::Neighbour& next) {
+      if (found || state_[at(next.cluster)] != kCertain) return;
+      for (std::size_t i = at(next.first_link); i < at(next.last_link) && !found; ++i) {
+        const NormalClusters::Link& link = clusters_.links()[i];
+        found = in_reach(link.from, point) && in_reach(link.to, point);
+      }
+    });
+    return found;
+  }
+
+  template <typename Do>
+  void for_neighbours(std::int32_t cluster, const Do& act) const {
+    const std::size_t end = at(clusters_.cluster(at(cluster) + 1).first_neighbour);
+    for (std::size_t i = at(clusters_.cluster(at(cluster)).first_neighbour); i < end; ++i) {
+      act(clusters_.neighbours()[i]);
+    }
+  }
+
+  [[nodiscard]] bool in_reach(std::int32_t triangle, const Vec3& point) const {
+    const geometry::Triangle& corners = surface_.mesh.triangles[at(triangle)];
+    return std::any_of(corners.begin(), corners.end(), [&](std::int32_t corner) {
+      return (surface_.mesh.vertices[at(corner)] - point).squaredNorm() < radius_ * radius_;
+    });
+  }
+
+  const SurfaceView& surface_;
+  const Sides& sides_;
+  const NormalClusters& clusters_;
+  double radius_;
+  float reach_;
+  SideFan fan_;
+  std::vector<Wanted> targets_;
+  std::optional<SharedSum> shared_;
+  std::vector<std::uint8_t> state_;       // of each cluster; 0: not met
+  Vec3 centre_ = Vec3::Zero();            // of home
+  std::vector<Doubtful> all_blocks_;      // of clusters that are neither in full for all points nor for none
+  std::vector<Doubtful> doubtful_;        // of these, for home
+  std::vector<Doubtful> still_doubtful_;  // of these, for the points that are together
+  std::vector<std::int32_t> within_;
+  std::vector<std::int32_t> beside_;
+  std::vector<std::int32_t> rest_;
+  std::vector<std::int32_t> waiting_;  // of the rest, in reach of the point that is asked about
+  std::vector<std::int32_t> found_;
+};
+
+}  // namespace
+
+std::vector<Vec3> normals_by_clusters(const SurfaceView& surface, const Sides& sides, double radius,
+                                      const Share& share) {
+  constexpr std::size_t kBatch = 1024;  // clusters between two words on how far it is
+  constexpr std::size_t kGrain = 32;
+  const NormalClusters clusters(surface, radius / kClustersInRadius, radius * kShortEdge);
+  std::vector<Vec3> normals(sides.first_corner.size(), Vec3::Zero());
+  std::mutex mutex;
+  std::vector<std::unique_ptr<ClusterFlood>> idle;
+  for (std::size_t from = 0; from < clusters.size(); from += kBatch) {
+    if (share) share(static_cast<double>(from) / static_cast<double>(clusters.size()));
+    for_ranges(std::min(kBatch, clusters.size() - from), kGrain, [&](std::size_t begin, std::size_t end) {
+      std::unique_ptr<ClusterFlood> flood;
+      {
+        const std::lock_guard lock(mutex);
+        if (!idle.empty()) {
+          flood = std::move(idle.back());
+          idle.pop_back();
+        }
+      }
+      if (!flood) flood = std::make_unique<ClusterFlood>(surface, sides, clusters, radius);
+      for (std::size_t home = from + begin; home < from + end; ++home) {
+        flood->average(static_cast<std::int32_t>(home), normals);
+      }
+      const std::lock_guard lock(mutex);
+      idle.push_back(std::move(flood));
+    });
+  }
+  return normals;
+}
+
+}  // namespace palpate::contact

@@ -1,0 +1,150 @@
+#include "palpate/contact/organ_arrays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "palpate/base/parallel.h"
+#include "palpate/contact/averaged_normals.h"
+
+namespace palpate::contact {
+namespace {
+
+// Raise it whenever the arrays of any mesh change: files of an older version are then not taken for new ones.
+// A test holds a hash of them against it.
+constexpr std::uint64_t kArraysVersion = 1;
+
+constexpr std::size_t kMostTriangles =
+    2'000'000;  // of the refined surface: a 2 m organ is refined less finely
+
+std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
+
+double total_area(const geometry::TriangleMesh& mesh) {
+  double doubled = 0.0;
+  for (const geometry::Triangle& triangle : mesh.triangles) {
+    doubled += geometry::area_vector_doubled(mesh, triangle).norm();
+  }
+  return 0.5 * doubled;
+}
+
+/// Keeps the sides of corners only where a triangle has one that is not its vertex's first.
+void store_sides(const Sides& sides, OrganArrays& arrays) {
+  const std::vector<geometry::Triangle>& triangles = arrays.mesh.triangles;
+  arrays.row_of.assign(triangles.size(), -1);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const std::array<std::int32_t, 3> row{sides.of_corner[3 * t], sides.of_corner[3 * t + 1],
+                                          sides.of_corner[3 * t + 2]};
+    if (row == triangles[t]) continue;
+    arrays.row_of[t] = static_cast<std::int32_t>(arrays.side_rows.size());
+    arrays.side_rows.push_back(row);
+  }
+}
+
+bool all_within(const std::vector<std::array<std::int32_t, 3>>& rows, std::int32_t lowest, std::size_t end) {
+  return std::all_of(rows.begin(), rows.end(), [&](const std::array<std::int32_t, 3>& row) {
+    return std::all_of(row.begin(), row.end(),
+                       [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
+  });
+}
+
+bool all_within(const std::vector<std::int32_t>& list, std::int32_t lowest, std::size_t end) {
+  return std::all_of(list.begin(), list.end(),
+                     [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
+}
+
+/// Whether every index leads somewhere: a file may be whole and yet not be what this code wrote.
+bool hangs_together(const OrganArrays& arrays) {
+  const std::size_t triangles = arrays.mesh.triangles.size();
+  const std::vector<std::int32_t>& start = arrays.sharp_start;
+  return arrays.neighbours.size() == triangles && arrays.row_of.size() == triangles &&
+         start.size() == triangles + 1 && start.front() == 0 &&
+         at(start.back()) == arrays.sharp_near.size() && std::is_sorted(start.begin(), start.end()) &&
+         arrays.normals.size() >= arrays.mesh.vertices.size() &&
+         all_within(arrays.mesh.triangles, 0, arrays.mesh.vertices.size()) &&
+         all_within(arrays.neighbours, -1, triangles) &&
+         all_within(arrays.row_of, -1, arrays.side_rows.size()) &&
+         all_within(arrays.side_rows, 0, arrays.normals.size()) &&
+         all_within(arrays.sharp_near, 0, arrays.sharp_edges.size()) &&
+         std::all_of(arrays.sharp_edges.begin(), arrays.sharp_edges.end(), [&](const SharpEdge& sharp) {
+           return std::all_of(sharp.triangle.begin(), sharp.triangle.end(),
+                              [&](std::int32_t i) { return i >= 0 && at(i) < triangles; }) &&
+                  std::all_of(sharp.edge.begin(), sharp.edge.end(),
+                              [](std::int32_t i) { return i >= 0 && i < 3; });
+         });
+}
+
+}  // namespace
+
+void OrganArrays::put(ArrayFileWriter& file) const {
+  file.put("vertices", mesh.vertices);
+  file.put("triangles", mesh.triangles);
+  file.put("neighbours", neighbours);
+  file.put("normals", normals);
+  file.put("row_of", row_of);
+  file.put("side_rows", side_rows);
+  file.put("sharp_edges", sharp_edges);
+  file.put("sharp_start", sharp_start);
+  file.put("sharp_near", sharp_near);
+}
+
+std::optional<OrganArrays> OrganArrays::get(const ArrayFileReader& file) {
+  OrganArrays arrays;
+  const bool whole = file.get("vertices", arrays.mesh.vertices) &&
+                     file.get("triangles", arrays.mesh.triangles) &&
+                     file.get("neighbours", arrays.neighbours) && file.get("normals", arrays.normals) &&
+                     file.get("row_of", arrays.row_of) && file.get("side_rows", arrays.side_rows) &&
+                     file.get("sharp_edges", arrays.sharp_edges) &&
+                     file.get("sharp_start", arrays.sharp_start) && file.get("sharp_near", arrays.sharp_near);
+  if (!whole || !hangs_together(arrays)) return std::nullopt;
+  arrays.face_normals = face_normals_of(arrays.mesh);
+  return arrays;
+}
+
+ContentHash organ_key(const geometry::TriangleMesh& organ, double reference_radius) {
+  return ContentHasher()
+      .add(kArraysVersion)
+      .add(reference_radius)
+      .add(std::span<const Vec3>(organ.vertices))
+      .add(std::span<const geometry::Triangle>(organ.triangles))
+      .hash();
+}
+
+std::vector<Vec3> face_normals_of(const geometry::TriangleMesh& mesh) {
+  std::vector<Vec3> normals(mesh.triangles.size());
+  for_ranges(normals.size(), 16384, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      normals[t] = geometry::area_vector_doubled(mesh, mesh.triangles[t]).normalized();
+    }
+  });
+  return normals;
+}
+
+geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius) {
+  // Longest-edge splitting leaves triangles of about a quarter of longest^2.
+  const double affordable = std::sqrt(4.0 * total_area(organ) / static_cast<double>(kMostTriangles));
+  return geometry::refine(organ, std::max(reference_radius / 4.0, affordable));
+}
+
+OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
+                         const std::function<void(double, const std::string&)>& share) {
+  constexpr double kNormalsFrom = 0.08;  // of the whole time, for a fine mesh
+  constexpr double kNormalsTo = 0.95;
+  OrganArrays arrays;
+  arrays.mesh = std::move(mesh);
+  share(0.0, "neighbours");
+  arrays.neighbours = geometry::edge_neighbours(arrays.mesh);
+  arrays.face_normals = face_normals_of(arrays.mesh);
+  {
+    const SurfaceView view{arrays.mesh, arrays.neighbours, arrays.face_normals};
+    const Sides sides = find_sides(view);
+    arrays.normals = averaged_normals(view, sides, reference_radius / 2.0, [&](double done) {
+      share(kNormalsFrom + (kNormalsTo - kNormalsFrom) * done, "normals");
+    });
+    store_sides(sides, arrays);
+  }
+  share(kNormalsTo, "edges");
+  list_sharp_edges(arrays);
+  return arrays;
+}
+
+}  // namespace palpate::contact

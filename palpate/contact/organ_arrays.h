@@ -1,0 +1,60 @@
+#pragma once
+// What an organ's surface consists of once it is prepared, and its file in the cache.
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/base/array_file.h"
+#include "palpate/contact/preparation.h"
+#include "palpate/geometry/mesh.h"
+
+namespace palpate::contact {
+
+/// An edge at which two triangles meet at more than 60 degrees.
+struct SharpEdge {
+  std::array<std::int32_t, 2> triangle;
+  std::array<std::int32_t, 2> edge;  // which edge of each triangle
+};
+
+inline constexpr double kBlendWidth = 1e-3;  // m, over which the two sides of a sharp edge blend
+
+/// The refined surface and all that contact looks up on it, in the organ's frame, metres.
+struct OrganArrays {
+  geometry::TriangleMesh mesh;
+  std::vector<std::array<std::int32_t, 3>> neighbours;  // geometry::edge_neighbours
+  std::vector<Vec3> face_normals;                       // unit
+  std::vector<Vec3> normals;  // averaged: of the vertices, then of vertices' further sides
+  std::vector<std::int32_t>
+      row_of;  // of each triangle, in side_rows; -1: its corners have their vertices' normals
+  std::vector<std::array<std::int32_t, 3>>
+      side_rows;  // the corners' normals, of triangles where that is not so
+  std::vector<SharpEdge> sharp_edges;
+  std::vector<std::int32_t> sharp_start;  // of each triangle, and the end, in sharp_near
+  std::vector<std::int32_t> sharp_near;   // sharp edges within kBlendWidth of the triangle
+
+  /// [setup] Everything but face_normals, which are quicker worked out than read.
+  void put(ArrayFileWriter& file) const;
+  /// [setup] What put() wrote; nothing if anything is missing or an index leads outside.
+  [[nodiscard]] static std::optional<OrganArrays> get(const ArrayFileReader& file);
+};
+
+/// [setup] Hash of all that the arrays depend on: the mesh's bits, the radius [m] and this code's version.
+[[nodiscard]] ContentHash organ_key(const geometry::TriangleMesh& organ, double reference_radius);
+
+/// [setup] Unit normals of all triangles' planes.
+[[nodiscard]] std::vector<Vec3> face_normals_of(const geometry::TriangleMesh& mesh);
+
+/// [setup] Refines `organ` until its edges are at most R_ref/4 (a very large organ less finely).
+[[nodiscard]] geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius);
+
+/// [setup] Works out all arrays for a mesh that is refined already. @param share told how far it is, 0..1
+[[nodiscard]] OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
+                                       const std::function<void(double, const std::string&)>& share);
+
+/// [setup] Fills sharp_edges, sharp_start and sharp_near from mesh, neighbours and face_normals.
+void list_sharp_edges(OrganArrays& arrays);
+
+}  // namespace palpate::contact
