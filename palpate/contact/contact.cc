@@ -51,8 +51,14 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     PartState& part = tool.parts[i];
     const bool was_seen = part.seen;
-    const Pose pose_S = tool.pose_S * geometry::part_pose(points.parts[i].joint, input.gripper);
-    if (move_part(world.surface, points.parts[i], pose_S, world.period, part)) continue;
+    if (part.gripper != input.gripper) {
+      part.gripper = input.gripper;
+      part.joint_T = geometry::part_pose(points.parts[i].joint, input.gripper);
+    }
+    const Pose pose_S = tool.pose_S * part.joint_T;
+    if (move_part(world.surface, points.parts[i], pose_S, world.tissue.contact.reference_radius, world.period,
+                  part))
+      continue;
     part.contact_count = 0;
     GripState grip;
     grip.open = tool.grip.open;
@@ -128,17 +134,23 @@ void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult
   result.normal_W = organ_W.rotation * grip.normal;
 }
 
-/// Distance of the whole tool, and the way from the tissue to it.
-void add_nearest(const ToolPoints& points, const Pose& organ_W, const ToolState& tool,
+/// Exact distance of the whole tool, and the way from the tissue to it.
+void add_nearest(const World::Data& world, const ToolPoints& points, const Pose& organ_W, ToolState& tool,
                  ToolResult& result) noexcept {
-  std::size_t nearest = 0;
-  for (std::size_t i = 1; i < tool.parts.size(); ++i) {
-    if (tool.parts[i].nearest.distance < tool.parts[nearest].nearest.distance) nearest = i;
+  // The part that was nearest last time first: with its distance known, the others are seldom asked.
+  const std::size_t first = tool.nearest_part;
+  find_nearest(world.surface, points.parts[first], tool.parts[first]);
+  for (std::size_t i = 0; i < tool.parts.size(); ++i) {
+    const double best = tool.parts[tool.nearest_part].nearest.distance;
+    if (i == first) continue;
+    find_nearest(world.surface, points.parts[i], tool.parts[i], best);
+    if (tool.parts[i].nearest.distance < best) tool.nearest_part = i;
   }
-  const PartState& part = tool.parts[nearest];
+  const PartState& part = tool.parts[tool.nearest_part];
   result.distance = part.nearest.distance;
   result.nearest_W = organ_W * part.nearest.point;
-  const Vec3 to_tool = part.pose_S * points.parts[nearest].point(part.nearest_point) - part.nearest.point;
+  const Vec3 to_tool =
+      part.placed_S * points.parts[tool.nearest_part].point(part.nearest_point) - part.nearest.point;
   constexpr double kTouching =
       1e-9;  // m: nearer than this the line has no direction, the surface's normal serves
   Vec3 away = part.nearest.normal;
@@ -153,10 +165,15 @@ ToolResult summarize(const World::Data& world, const ToolPoints& points, const P
   ToolResult result;
   Sums sums;
   result.status = status;
-  add_nearest(points, organ_W, tool, result);
   add_press(world, organ_W, tool, sums, result);
   add_pull(organ_W, tool, sums, result);
-  if (result.phase != Phase::kApproach) result.away_W = result.normal_W;
+  if (result.phase == Phase::kApproach) {
+    add_nearest(world, points, organ_W, tool, result);
+  } else {  // in contact the depth says where the tool is
+    result.distance = result.phase == Phase::kPress ? -result.depth : 0.0;
+    result.nearest_W = result.contact_W;
+    result.away_W = result.normal_W;
+  }
   result.force_W = organ_W.rotation * sums.force;
   result.torque_W = organ_W.rotation * sums.torque;
   result.friction = sums.friction.norm();
@@ -192,14 +209,16 @@ State::State(const World& world) : data_(std::make_unique<Data>()) {
       PartState part;
       part.known.assign(part_points.size(), 0.0);
       part.since.assign(part_points.size(), 0.0);
+      part.floor.assign(part_points.size(), 0.0);
       part.nearest_triangle.assign(part_points.size(), -1);
       part.inside.assign(part_points.size(), 0);
+      part.clusters.assign(part_points.clusters.size(), {});
       most_points = std::max(most_points, part_points.size());
       tool.parts.push_back(std::move(part));
     }
     data_->tools.push_back(std::move(tool));
   }
-  data_->scratch.assign(most_points, 0.0);
+  data_->scratch.reserve(most_points);
 }
 State::~State() = default;
 State::State(const State& other) : data_(std::make_unique<Data>(*other.data_)) {}

@@ -45,8 +45,8 @@ struct ToolInput {
 /// What the tissue does to one tool at one tick. World frame, SI.
 struct ToolResult {
   Phase phase = Phase::kApproach;
-  double distance = 0.0;          // tool to organ [m], negative inside
-  Vec3 nearest_W = Vec3::Zero();  // organ's point nearest to the tool
+  double distance = 0.0;          // approach: tool to organ [m], negative inside; pressed: -depth; held: 0
+  Vec3 nearest_W = Vec3::Zero();  // approach: organ's point nearest to the tool; else contact_W
   Vec3 away_W = Vec3::UnitZ();    // unit: from the tissue to the tool; in contact the contact normal
   Vec3 force_W = Vec3::Zero();    // on the hand, tissue and friction, before the gate [N]
   Vec3 torque_W = Vec3::Zero();   // about the handle's origin [N m]

@@ -24,10 +24,10 @@ constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, 
 
 Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
                      const Vec3& point_S, const Vec3& normal_S, DepthScratch& scratch) noexcept {
-  const Pose to_part = part.pose_S.inverse();
-  Support support = support_of(points, to_part * point_S, to_part.rotation * normal_S,
+  const Placement& placed = part.placed_S;
+  Support support = support_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
                                world.tissue.contact.reference_radius, scratch);
-  support.mean = part.pose_S * support.mean;
+  support.mean = placed * support.mean;
   return support;
 }
 
@@ -49,7 +49,7 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
 }
 
 /// Up to three steps along the surface towards the middle of the support; the normal turns along, so that a
-/// step too far shows in the next one.
+/// step too far shows in the next one. Leaves the support of where the contact ends.
 void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part, Contact& contact,
                   DepthScratch& scratch) noexcept {
   const double own_motion = motion_at(part, contact.at.point).norm();
@@ -58,10 +58,14 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   double left = limit;
   double turn_left = limit / reference_radius;
   contact.step = std::max(contact.step, own_motion / kRestartShare);
+  Vec3 goal = world.surface.normal_at(contact.at);
+  const auto find_support = [&] {
+    contact.support = support_in_S(world, points, part, contact.at.point, contact.normal, scratch);
+  };
+  find_support();
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
-    const Support support = support_in_S(world, points, part, contact.at.point, contact.normal, scratch);
-    if (support.depth <= 0.0) break;
-    Vec3 away = support.mean - contact.at.point;
+    if (contact.support.depth <= 0.0) break;
+    Vec3 away = contact.support.mean - contact.at.point;
     away -= away.dot(contact.normal) * contact.normal;
     const double distance = away.norm();
     if (distance < kStillStep) break;
@@ -73,10 +77,14 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
     contact.at = world.surface.walk(contact.at, length * direction, contact.normal);
     contact.last_direction = direction;
     left -= length;
-    turn_left -= turn_towards(contact.normal, world.surface.normal_at(contact.at), turn_left);
+    goal = world.surface.normal_at(contact.at);
+    turn_left -= turn_towards(contact.normal, goal, turn_left);
+    find_support();
   }
-  const double turned = turn_towards(contact.normal, world.surface.normal_at(contact.at), turn_left);
+  const Vec3 before = contact.normal;
+  const double turned = turn_towards(contact.normal, goal, turn_left);
   contact.step = std::max(contact.step, turned * reference_radius / kRestartShare);
+  if (contact.normal != before) find_support();
 }
 
 /// Depth, force along the normal with damping, and friction of a contact whose support is known.
@@ -161,7 +169,7 @@ class Starter final {
       part_.cursor = (part_.cursor + 1) % count;
       const std::size_t i = part_.cursor;
       if (part_.inside[i] == 0 || greatest_distance(part_, i) < -kShallow) continue;
-      if (near_a_contact(radius(), part_, part_.pose_S * points_.point(i))) continue;
+      if (near_a_contact(radius(), part_, part_.placed_S * points_.point(i))) continue;
       const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, i, part_);
       if (nearest.distance >= kInside || nearest.distance < -kShallow) continue;
       try_at(i, {nearest.point, nearest.triangle}, 0);
@@ -184,10 +192,10 @@ class Starter final {
     const Vec3 normal = world_.surface.normal_at(at);
     const Support support = support_in_S(world_, points_, part_, at.point, normal, scratch_);
     if (support.depth <= 0.0 || (part_.contact_count > 0 && support.depth > kDeepestSecond)) return;
-    const Vec3 here = part_.pose_S * points_.point(point);
+    const Vec3 here = part_.placed_S * points_.point(point);
     if ((support.mean - here).norm() > radius() / 5.0) {
       if (redirections == 0) return;
-      const std::size_t deepest = point_nearest_to(points_, part_.pose_S.inverse() * support.mean);
+      const std::size_t deepest = point_nearest_to(points_, part_.placed_S.bring_back(support.mean));
       const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, deepest, part_);
       if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
       return;
@@ -220,7 +228,6 @@ std::uint32_t update_press(const World::Data& world, const PartPoints& points, P
   for (int i = 0; i < part.contact_count;) {
     Contact& contact = part.contacts[static_cast<std::size_t>(i)];
     walk_contact(world, points, part, contact, scratch);
-    contact.support = support_in_S(world, points, part, contact.at.point, contact.normal, scratch);
     if (contact.support.depth > 0.0) {
       ++i;
     } else {
@@ -228,13 +235,16 @@ std::uint32_t update_press(const World::Data& world, const PartPoints& points, P
     }
   }
   merge_contacts(world.tissue.contact.reference_radius, part);
-  if (before > 0 && part.contact_count == 0 && part.nearest.distance < kDeepInside) part.armed = false;
+  if (before > 0 && part.contact_count == 0) {
+    find_nearest(world.surface, points, part);
+    if (part.nearest.distance < kDeepInside) part.armed = false;
+  }
 
   std::uint32_t status = 0;
   if (part.armed) {
     Starter starter(world, points, part, scratch);
     starter.try_entries();
-    if (part.nearest.distance < kInside) starter.try_shallow_points();
+    if (part.inside_count > 0) starter.try_shallow_points();
     status = starter.status();
   } else {
     status = kStartedInside;

@@ -8,30 +8,70 @@ namespace {
 
 constexpr double kOutside = -1e-6;  // m: a part that just touches counts as outside
 
-/// The most that any point of the part moves between two poses: reached at a corner of its box, since the
-/// motion is affine and its norm convex.
-double greatest_motion(const PartPoints& points, const Pose& from, const Pose& to) noexcept {
-  double squared = 0.0;
-  for (const Vec3& corner : points.corners)
-    squared = std::max(squared, (to * corner - from * corner).squaredNorm());
-  return std::sqrt(squared);
+// Bounds that pass over whole clusters are sums in another order than a point's own: nothing is passed over
+// within this of counting [m].
+constexpr double kBoundSlack = 1e-12;
+
+// With more points of a cluster in question than this, its middle is asked first.
+constexpr int kFewPoints = 4;
+
+constexpr double kContactDrift = 0.1;  // m/s: twice what a contact may gain on the tool
+constexpr int kMostTakenUp = 16;       // distances asked a tick for clusters that were left by contacts
+
+/// No point of the part has moved more since the last tick: the motion of the middle of its box, and what
+/// turning adds on the way to a corner.
+double greatest_motion(const PartPoints& points, const PartState& part) noexcept {
+  const Mat3 turned = part.placed_S.rotation - part.previous_S.rotation;
+  const Vec3 moved = part.placed_S.position - part.previous_S.position;
+  double motion = (turned * points.box_middle + moved).norm();
+  for (int axis = 0; axis < 3; ++axis) motion += points.box_reach[axis] * turned.col(axis).norm();
+  return motion;
 }
 
-/// Knows nothing of the points any more but what the middles of their clusters tell: distance changes by no
-/// more than the way between.
+/// Brings a cluster's bounds up to date with its points.
+void bound_cluster(const PartPoints& points, std::size_t cluster, PartState& part) noexcept {
+  ClusterBounds bounds;
+  bounds.crosses = std::numeric_limits<double>::infinity();
+  bounds.floor = std::numeric_limits<double>::infinity();
+  for (std::size_t i = points.clusters[cluster].begin; i < points.clusters[cluster].end; ++i) {
+    bounds.crosses = std::min(bounds.crosses, part.since[i] + std::abs(part.known[i] - kInside));
+    bounds.floor = std::min(bounds.floor, part.floor[i]);
+  }
+  part.clusters[cluster] = bounds;
+}
+
+void set_inside(PartState& part, std::size_t point, double distance) noexcept {
+  const bool inside = distance < kInside;
+  part.inside_count += static_cast<std::uint32_t>(inside) - part.inside[point];
+  part.inside[point] = inside ? 1 : 0;
+}
+
+/// Knows no more of a cluster's points than what its middle tells: distance changes by no more than the way
+/// between.
+void forget_cluster(const OrganSurface& surface, const PartPoints& points, std::size_t c, PartState& part,
+                    std::int32_t& guess) noexcept {
+  const PartPoints::Cluster& cluster = points.clusters[c];
+  const geometry::NearestPoint middle = surface.nearest(part.placed_S * cluster.centre, guess);
+  guess = middle.triangle;
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    part.known[i] = middle.distance;
+    part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
+    part.floor[i] = part.known[i] + part.since[i];
+    part.nearest_triangle[i] = middle.triangle;
+    set_inside(part, i, middle.distance);
+  }
+}
+
 void forget(const OrganSurface& surface, const PartPoints& points, PartState& part) noexcept {
   std::int32_t guess = -1;
   part.nearest_point = 0;
-  for (const PartPoints::Cluster& cluster : points.clusters) {
-    const geometry::NearestPoint middle = surface.nearest(part.pose_S * cluster.centre, guess);
-    guess = middle.triangle;
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-      part.known[i] = middle.distance;
-      part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
-      part.nearest_triangle[i] = middle.triangle;
-      part.inside[i] = middle.distance < kInside ? 1 : 0;
-      const bool nearer = least_distance(part, i) < least_distance(part, part.nearest_point);
-      if (nearer) part.nearest_point = static_cast<std::uint32_t>(i);  // the one to ask first
+  for (std::size_t c = 0; c < points.clusters.size(); ++c) {
+    forget_cluster(surface, points, c, part, guess);
+    bound_cluster(points, c, part);
+    for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+      if (part.floor[i] < part.floor[part.nearest_point]) {
+        part.nearest_point = static_cast<std::uint32_t>(i);  // the one to ask first
+      }
     }
   }
 }
@@ -42,38 +82,96 @@ void add_entry(PartState& part, std::size_t point, const SurfacePoint& at) noexc
 }
 
 /// Asks one point, and notes an entry when it went in, or in and out again, during this tick.
-geometry::NearestPoint update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i,
-                                    bool placed_anew, PartState& part) noexcept {
+void update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i, bool placed_anew,
+                  PartState& part) noexcept {
   const bool was_inside = part.inside[i] != 0;
   const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
-  geometry::NearestPoint now = ask_distance(surface, points, i, part);
-  if (placed_anew || was_inside) return now;
+  const geometry::NearestPoint now = ask_distance(surface, points, i, part);
+  if (placed_anew || was_inside) return;
   const bool went_in = now.distance < kInside;
-  const Vec3 end = part.pose_S * points.point(i);
+  const Vec3 end = part.placed_S * points.point(i);
   const Vec3 start = part.previous_S * points.point(i);
   // Out and out again: in between it was in only if the way is long enough.
   const double way_in = std::max(0.0, before - kInside) + now.distance - kInside;
-  if (!went_in && way_in > (end - start).norm()) return now;
+  if (!went_in && way_in > (end - start).norm()) return;
   if (const auto entry = surface.first_entry(start, end)) {
     add_entry(part, i, {entry->point, entry->triangle});
   } else if (went_in) {
     add_entry(part, i, {now.point, now.triangle});
   }
-  return now;
 }
 
-void scan_points(const OrganSurface& surface, const PartPoints& points, bool placed_anew,
+bool may_have_crossed(const PartState& part, std::size_t point) noexcept {
+  return least_distance(part, point) <= kInside && greatest_distance(part, point) >= kInside;
+}
+
+/// Whether whatever a cluster's points cross this tick is so near to a contact that it starts no other.
+bool by_a_contact(const PartPoints::Cluster& cluster, double reference_radius, double period,
+                  PartState& part) noexcept {
+  // A contact walks no farther in a tick than the tool moves there and a little.
+  const double nearest = reference_radius - cluster.radius - 3.0 * part.motion - kContactDrift * period;
+  if (nearest <= 0.0 || part.contact_count == 0) return false;
+  const Vec3 centre = part.placed_S * cluster.centre;
+  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& contact) {
+    return (contact.at.point - centre).squaredNorm() <= nearest * nearest;
+  });
+}
+
+/// A cluster that was left looks where its points are now; what has crossed meanwhile starts nothing by it.
+/// @return distances asked
+int take_up(const OrganSurface& surface, const PartPoints& points, std::size_t c, PartState& part) noexcept {
+  std::int32_t guess = part.nearest_triangle[points.clusters[c].begin];
+  forget_cluster(surface, points, c, part, guess);
+  int asked = 1;
+  for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+    if (!may_have_crossed(part, i)) continue;
+    ask_distance(surface, points, i, part);
+    ++asked;
+  }
+  return asked;
+}
+
+/// Asks all points that may have crossed the surface.
+void find_crossings(const OrganSurface& surface, const PartPoints& points, double reference_radius,
+                    double period, bool placed_anew, PartState& part) noexcept {
+  int asked = 0;
+  for (std::size_t c = 0; c < points.clusters.size(); ++c) {
+    ClusterBounds& bounds = part.clusters[c];
+    if (bounds.crosses > part.travelled + kBoundSlack) continue;
+    if (by_a_contact(points.clusters[c], reference_radius, period, part)) {
+      bounds.left = true;
+      continue;
+    }
+    if (bounds.left) {
+      if (asked >= kMostTakenUp) continue;  // in the next ticks
+      asked += take_up(surface, points, c, part);
+    } else {
+      for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+        if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
+      }
+    }
+    bound_cluster(points, c, part);
+  }
+}
+
+/// How many points of a cluster may be nearer than the nearest so far.
+int count_open(const PartPoints::Cluster& cluster, const PartState& part) noexcept {
+  int count = 0;
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    if (part.floor[i] - part.travelled < part.nearest.distance) ++count;
+  }
+  return count;
+}
+
+/// One question for all points of a cluster: none is nearer than its middle by more than the way between.
+void raise_floor(const OrganSurface& surface, const PartPoints& points, std::size_t c,
                  PartState& part) noexcept {
-  const std::size_t last_nearest = part.nearest_point;
-  part.nearest = update_point(surface, points, last_nearest, placed_anew, part);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double least = least_distance(part, i);
-    const bool may_have_crossed = least <= kInside && greatest_distance(part, i) >= kInside;
-    if ((least >= part.nearest.distance && !may_have_crossed) || i == last_nearest) continue;
-    const geometry::NearestPoint found = update_point(surface, points, i, placed_anew, part);
-    if (found.distance >= part.nearest.distance) continue;
-    part.nearest_point = static_cast<std::uint32_t>(i);
-    part.nearest = found;
+  const PartPoints::Cluster& cluster = points.clusters[c];
+  const geometry::NearestPoint middle =
+      surface.nearest(part.placed_S * cluster.centre, part.nearest_triangle[cluster.begin]);
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    const double floor = middle.distance - (points.point(i) - cluster.centre).norm() + part.travelled;
+    part.floor[i] = std::max(part.floor[i], floor);
   }
 }
 
@@ -82,32 +180,63 @@ void scan_points(const OrganSurface& surface, const PartPoints& points, bool pla
 geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoints& points, std::size_t point,
                                     PartState& part) noexcept {
   geometry::NearestPoint found =
-      surface.nearest(part.pose_S * points.point(point), part.nearest_triangle[point]);
+      surface.nearest(part.placed_S * points.point(point), part.nearest_triangle[point]);
   part.known[point] = found.distance;
   part.since[point] = part.travelled;
+  part.floor[point] = found.distance + part.travelled;
   part.nearest_triangle[point] = found.triangle;
-  part.inside[point] = found.distance < kInside ? 1 : 0;
+  set_inside(part, point, found.distance);
   return found;
 }
 
-bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S, double period,
-               PartState& part) noexcept {
-  part.previous_S = part.seen ? part.pose_S : pose_S;
-  part.pose_S = pose_S;
-  part.motion = greatest_motion(points, part.previous_S, pose_S);
+bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S,
+               double reference_radius, double period, PartState& part) noexcept {
+  const Placement before = part.placed_S;
+  part.placed_S = {pose_S.rotation.toRotationMatrix(), pose_S.position};
+  part.previous_S = part.seen ? before : part.placed_S;
+  part.motion = greatest_motion(points, part);
   part.travelled += part.motion;
   part.entry_count = 0;
   const bool placed_anew = !part.seen || part.motion > kFastestHand * period;
   part.seen = true;
   if (placed_anew) {
     forget(surface, points, part);
-    part.previous_S = pose_S;
+    part.previous_S = part.placed_S;
     part.motion = 0.0;
     part.armed = false;
+    part.contact_count = 0;
   }
-  scan_points(surface, points, placed_anew, part);
-  if (part.nearest.distance >= kOutside) part.armed = true;
+  find_crossings(surface, points, reference_radius, period, placed_anew, part);
+  if (!part.armed) {
+    find_nearest(surface, points, part);
+    part.armed = part.nearest.distance >= kOutside;
+  }
   return !placed_anew;
+}
+
+void find_nearest(const OrganSurface& surface, const PartPoints& points, PartState& part,
+                  double enough) noexcept {
+  double least = std::numeric_limits<double>::infinity();
+  for (const ClusterBounds& cluster : part.clusters) least = std::min(least, cluster.floor);
+  if (least - part.travelled > enough + kBoundSlack) {
+    part.nearest.distance = std::numeric_limits<double>::infinity();
+    return;
+  }
+  const std::size_t last_nearest = part.nearest_point;
+  part.nearest = ask_distance(surface, points, last_nearest, part);
+  bound_cluster(points, last_nearest / PartPoints::kClusterSize, part);
+  for (std::size_t c = 0; c < points.clusters.size(); ++c) {
+    if (part.clusters[c].floor - part.travelled > part.nearest.distance + kBoundSlack) continue;
+    if (count_open(points.clusters[c], part) > kFewPoints) raise_floor(surface, points, c, part);
+    for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+      if (i == last_nearest || part.floor[i] - part.travelled >= part.nearest.distance) continue;
+      const geometry::NearestPoint found = ask_distance(surface, points, i, part);
+      if (found.distance >= part.nearest.distance) continue;
+      part.nearest_point = static_cast<std::uint32_t>(i);
+      part.nearest = found;
+    }
+    bound_cluster(points, c, part);
+  }
 }
 
 }  // namespace palpate::contact

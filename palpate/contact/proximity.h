@@ -1,4 +1,6 @@
 #pragma once
+#include <limits>
+
 #include "palpate/contact/state.h"
 
 namespace palpate::contact {
@@ -10,13 +12,20 @@ inline constexpr double kFastestHand = 20.0;
 /// A point is inside from here on [m]: rounding must not make a tool that just touches come and go.
 inline constexpr double kInside = -1e-9;
 
-/// [rt] Brings a part to `pose_S`: its distance to the organ, exactly, and every point that went in on the
-/// way (also right through), exactly. Distances are asked only of points that may have become the nearest or
-/// may have crossed the surface; the rest are bounded by how far the part has moved since they were asked.
+/// [rt] Brings a part to `pose_S` and finds, exactly, every point that went in on the way (also right
+/// through). Distances are asked only of points that may have crossed the surface; the rest are bounded by
+/// how far the part has moved since they were asked. Where a contact is within R_ref none is looked for: it
+/// would start no other (model.md, section 4).
 /// @return false when the part was placed anew: no contact of before is valid, and it is off until it has
 /// been outside.
-bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S, double period,
-               PartState& part) noexcept;
+bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose& pose_S,
+               double reference_radius, double period, PartState& part) noexcept;
+
+/// [rt] Finds the part's point nearest to the organ (the deepest, when some are inside), exactly:
+/// part.nearest and part.nearest_point. Again only points that may be it are asked.
+/// @param enough a part that is surely not nearer than this [m] may be left as it was
+void find_nearest(const OrganSurface& surface, const PartPoints& points, PartState& part,
+                  double enough = std::numeric_limits<double>::infinity()) noexcept;
 
 /// [rt] Bounds of a point's signed distance [m].
 [[nodiscard]] inline double least_distance(const PartState& part, std::size_t point) noexcept {
@@ -32,8 +41,8 @@ geometry::NearestPoint ask_distance(const OrganSurface& surface, const PartPoint
 
 /// [rt] How far the part's material at `point_S` (where it is now) has moved in this tick [m].
 [[nodiscard]] inline Vec3 motion_at(const PartState& part, const Vec3& point_S) noexcept {
-  const Vec3 point_P = part.pose_S.inverse() * point_S;
-  return part.pose_S * point_P - part.previous_S * point_P;  // exactly 0 at rest
+  const Vec3 point_P = part.placed_S.bring_back(point_S);
+  return part.placed_S * point_P - part.previous_S * point_P;  // exactly 0 at rest
 }
 
 }  // namespace palpate::contact

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "palpate/contact/proximity.h"
+
 namespace palpate::contact {
 namespace {
 
@@ -40,6 +42,23 @@ void let_go(GripState& grip) noexcept {
   grip.fade = 1.0;
 }
 
+/// Where a jaw meets the tissue: the mean of its points as near as the nearest, weighted as in a support, so
+/// that neither the mesh nor rounding decides between points that are equally near.
+Vec3 meeting_point(const World::Data& world, const PartPoints& points, PartState& part) noexcept {
+  find_nearest(world.surface, points, part);
+  const double nearest = part.nearest.distance;
+  Vec3 sum = Vec3::Zero();
+  double total = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (part.floor[i] - part.travelled >= nearest + kSupportBand) continue;
+    const double distance = ask_distance(world.surface, points, i, part).distance;
+    const double weight = points.area[i] * std::max(0.0, 1.0 - (distance - nearest) / kSupportBand);
+    sum += weight * points.point(i);
+    total += weight;
+  }
+  return part.placed_S * (total > 0.0 ? Vec3(sum / total) : points.point(part.nearest_point));
+}
+
 /// Takes hold of the rest point nearest to the middle of the jaws, if a jaw that has been outside is near.
 void take_hold(const World::Data& world, const ToolPoints& points, ToolState& tool) noexcept {
   Vec3 middle = Vec3::Zero();
@@ -47,9 +66,9 @@ void take_hold(const World::Data& world, const ToolPoints& points, ToolState& to
   double count = 0.0;
   bool near = false;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
-    const PartState& part = tool.parts[i];
+    PartState& part = tool.parts[i];
     if (!holds(points, i) || !part.armed) continue;
-    middle += part.pose_S * points.parts[i].point(part.nearest_point);
+    middle += meeting_point(world, points.parts[i], part);
     count += 1.0;
     if (part.nearest.distance > nearest) continue;
     near = true;

@@ -51,21 +51,45 @@ struct EntryEvent {
   SurfacePoint at;
 };
 
+/// A pose as a matrix: the same map, cheaper for many points.
+struct Placement {
+  Mat3 rotation = Mat3::Identity();
+  Vec3 position = Vec3::Zero();
+
+  [[nodiscard]] Vec3 operator*(const Vec3& p) const noexcept { return rotation * p + position; }
+  [[nodiscard]] Vec3 turn_back(const Vec3& direction) const noexcept {
+    return rotation.transpose() * direction;
+  }
+  [[nodiscard]] Vec3 bring_back(const Vec3& p) const noexcept { return turn_back(p - position); }
+};
+
+/// How far a cluster's points may be from saying something new, as values of PartState::travelled.
+struct ClusterBounds {
+  double crosses = 0.0;  // before this none can have crossed the surface
+  double floor = 0.0;    // the least of PartState::floor
+  bool left = false;     // not looked at lately: by a contact, where a crossing starts nothing
+};
+
 /// One rigid part from tick to tick.
 struct PartState {
   static constexpr std::size_t kMostEntries = 64;
 
   // Where it is. A point's signed distance to the organ is known to be within `known +- (travelled - since)`.
-  Pose pose_S;      // of the part's frame in the organ's, this tick
-  Pose previous_S;  // last tick
+  Placement placed_S;     // of the part's frame in the organ's, this tick
+  Placement previous_S;   // last tick
+  double gripper = -1.0;  // that `joint_T` belongs to
+  Pose joint_T;           // of the part's frame in the handle's
   bool seen = false;
   double travelled = 0.0;     // most that any point has moved so far, summed [m]
   double motion = 0.0;        // of that, this tick
   std::vector<double> known;  // a point's signed distance when last asked [m]
   std::vector<double> since;  // `travelled` then
+  std::vector<double> floor;  // less `travelled`: a point is not nearer to the organ than this [m]
   std::vector<std::int32_t> nearest_triangle;
   std::vector<std::uint8_t> inside;
-  std::uint32_t nearest_point = 0;  // of the part to the organ
+  std::vector<ClusterBounds> clusters;
+  std::uint32_t inside_count = 0;
+  std::uint32_t nearest_point = 0;  // of the part to the organ, when that was last looked for
   geometry::NearestPoint nearest;   // its distance
   std::size_t entry_count = 0;
   std::array<EntryEvent, kMostEntries> entries{};
@@ -107,6 +131,7 @@ struct GripState {
 struct ToolState {
   Pose pose_S;  // of the handle in the organ's frame, this tick
   std::vector<PartState> parts;
+  std::size_t nearest_part = 0;  // to the organ, when that was last looked for
   GripState grip;
 };
 

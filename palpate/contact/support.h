@@ -14,8 +14,31 @@ struct Support {
   double half_width = 0.0;   // of the part there [m]
 };
 
-/// Working memory of support_of: one depth a point.
-using DepthScratch = std::vector<double>;
+/// Working memory of support_of, for parts of up to so many points.
+class DepthScratch final {
+ public:
+  /// [setup]
+  explicit DepthScratch(std::size_t points = 0) { reserve(points); }
+  /// [setup]
+  void reserve(std::size_t points);
+
+ private:
+  friend Support support_of(const PartPoints&, const Vec3&, const Vec3&, double, DepthScratch&) noexcept;
+
+  /// A cluster that may hold deep points.
+  struct Reached {
+    std::uint32_t cluster;
+    float most;  // no point is deeper [m]; once looked at, the depth of its deepest point
+    bool looked_at;
+  };
+  struct Deep {
+    std::uint32_t point;
+    double depth;  // m
+  };
+  std::vector<Reached> reached_;
+  std::vector<float> depths_;  // a point, of the clusters looked at [m]
+  std::vector<Deep> deep_;
+};
 
 /// [rt] The support of a contact at `point` with unit outward `normal`, both in the part's frame P: D is the
 /// greatest depth behind the plane, each point's depth tapered from 1 to nothing between R_ref/2 and R_ref

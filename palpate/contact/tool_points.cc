@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kSpacing = 2e-3;        // m, model.md section 4
 constexpr double kSmallestArea = 1e-12;  // m^2: a point on a triangle without area still has a say
-constexpr std::uint32_t kClusterSize = 32;
+constexpr std::uint32_t kClusterSize = PartPoints::kClusterSize;
+constexpr std::size_t kMostPoints = 2000;   // of a part: denser surfaces are thinned out
+constexpr double kNormalWeight = 2e-3;      // m: points whose normals differ by 1 are as far apart as this
 constexpr double kCurvatureReach = 2.5e-3;  // m, neighbourhood that the radius of curvature is fitted to
 constexpr double kWidthReach = 8e-3;        // m, neighbourhood and
 constexpr double kWidthDepth = 5e-3;        // m, depth that the half-width is measured in
@@ -68,6 +70,50 @@ void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices)
   });
   order(samples, indices.first(half));
   order(samples, indices.subspan(half));
+}
+
+/// Replaces a group of samples by the one that stands out farthest, with the area of all.
+Sample outermost(std::span<const Sample> group) {
+  Vec3 normal = Vec3::Zero();
+  double area = 0.0;
+  for (const Sample& sample : group) {
+    normal += sample.area * sample.normal;
+    area += sample.area;
+  }
+  const auto out = std::max_element(group.begin(), group.end(), [&](const Sample& a, const Sample& b) {
+    return a.point.dot(normal) < b.point.dot(normal);
+  });
+  Sample kept = *out;
+  kept.area = area;
+  return kept;
+}
+
+/// Halves a run by place and normal until `groups` groups are left, each turned into one sample.
+void thin_out(std::span<Sample> run, std::size_t groups, std::vector<Sample>& thinned) {
+  if (groups <= 1 || run.size() <= 1) {
+    thinned.push_back(outermost(run));
+    return;
+  }
+  using Key = Eigen::Matrix<double, 6, 1>;
+  const auto key = [](const Sample& sample) {
+    Key k;
+    k << sample.point, kNormalWeight * sample.normal;
+    return k;
+  };
+  Key low = key(run.front());
+  Key high = low;
+  for (const Sample& sample : run) {
+    low = low.cwiseMin(key(sample));
+    high = high.cwiseMax(key(sample));
+  }
+  Eigen::Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const std::size_t left_groups = groups / 2;
+  const std::size_t left = std::clamp<std::size_t>(run.size() * left_groups / groups, 1, run.size() - 1);
+  std::nth_element(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(left), run.end(),
+                   [&](const Sample& a, const Sample& b) { return key(a)[axis] < key(b)[axis]; });
+  thin_out(run.first(left), left_groups, thinned);
+  thin_out(run.subspan(left), groups - left_groups, thinned);
 }
 
 /// Points of a part by cubes of kWidthReach, for neighbourhood queries at set-up.
@@ -146,31 +192,67 @@ void shape_at(const Sample& sample, const Cells& cells, double& radius, double& 
   half_width = std::max(half_width, kSmallestRadius);
 }
 
+/// The ball around the middle of the box of some balls.
+PartPoints::Cluster ball_around(std::span<const PartPoints::Cluster> balls) {
+  PartPoints::Cluster around;
+  Vec3 low = balls.front().centre;
+  Vec3 high = low;
+  for (const PartPoints::Cluster& ball : balls) {
+    low = low.cwiseMin(ball.centre);
+    high = high.cwiseMax(ball.centre);
+  }
+  around.centre = 0.5 * (low + high);
+  for (const PartPoints::Cluster& ball : balls) {
+    around.radius = std::max(around.radius, (ball.centre - around.centre).norm() + ball.radius);
+  }
+  return around;
+}
+
 void make_clusters(PartPoints& points) {
   const auto count = static_cast<std::uint32_t>(points.size());
+  std::vector<PartPoints::Cluster> single;
   for (std::uint32_t begin = 0; begin < count; begin += kClusterSize) {
-    PartPoints::Cluster cluster;
-    cluster.begin = begin;
-    cluster.end = std::min(count, begin + kClusterSize);
-    Vec3 low = points.point(begin);
-    Vec3 high = low;
-    for (std::uint32_t i = begin; i < cluster.end; ++i) {
-      low = low.cwiseMin(points.point(i));
-      high = high.cwiseMax(points.point(i));
-    }
-    cluster.centre = 0.5 * (low + high);
-    for (std::uint32_t i = begin; i < cluster.end; ++i) {
-      cluster.radius = std::max(cluster.radius, (points.point(i) - cluster.centre).norm());
-    }
-    points.clusters.push_back(cluster);
+    const std::uint32_t end = std::min(count, begin + kClusterSize);
+    single.clear();
+    for (std::uint32_t i = begin; i < end; ++i) single.push_back({points.point(i), 0.0, i, i + 1});
+    points.clusters.push_back(ball_around(single));
+    points.clusters.back().begin = begin;
+    points.clusters.back().end = end;
   }
+  const auto clusters = static_cast<std::uint32_t>(points.clusters.size());
+  for (std::uint32_t begin = 0; begin < clusters; begin += PartPoints::kGroupSize) {
+    const std::uint32_t end = std::min(clusters, begin + PartPoints::kGroupSize);
+    points.groups.push_back(ball_around(std::span(points.clusters).subspan(begin, end - begin)));
+    points.groups.back().begin = begin;
+    points.groups.back().end = end;
+  }
+}
+
+/// The points in single precision, for passing over what is not deep.
+void round_points(PartPoints& points) {
+  double largest = 0.0;
+  const std::size_t padded = points.clusters.size() * kClusterSize;
+  for (std::size_t i = 0; i < padded; ++i) {
+    const Vec3 p = points.point(std::min(i, points.size() - 1));
+    points.near_x.push_back(static_cast<float>(p.x()));
+    points.near_y.push_back(static_cast<float>(p.y()));
+    points.near_z.push_back(static_cast<float>(p.z()));
+    largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  }
+  constexpr double kRoundings = 64.0;
+  points.rounding = kRoundings * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest;
 }
 
 }  // namespace
 
 PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
   if (part.mesh.triangles.empty()) throw InputError("tool part \"" + part.name + "\" has no triangles");
-  const std::vector<Sample> samples = samples_of(part.mesh);
+  std::vector<Sample> samples = samples_of(part.mesh);
+  if (samples.size() > kMostPoints) {
+    std::vector<Sample> thinned;
+    thin_out(samples, kMostPoints, thinned);
+    samples = std::move(thinned);
+  }
   std::vector<std::uint32_t> indices(samples.size());
   std::iota(indices.begin(), indices.end(), 0U);
   order(samples, indices);
@@ -180,11 +262,8 @@ PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
   PartPoints points;
   points.joint = part;
   points.joint.mesh = {};
-  for (std::size_t c = 0; c < points.corners.size(); ++c) {
-    points.corners[c] =
-        Vec3((c & 1U) != 0 ? box.high.x() : box.low.x(), (c & 2U) != 0 ? box.high.y() : box.low.y(),
-             (c & 4U) != 0 ? box.high.z() : box.low.z());
-  }
+  points.box_middle = box.middle();
+  points.box_reach = 0.5 * box.size();
   for (const std::uint32_t i : indices) {
     const Sample& sample = samples[i];
     double radius = 0.0;
@@ -198,6 +277,7 @@ PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
     points.half_width.push_back(half_width);
   }
   make_clusters(points);
+  round_points(points);
   return points;
 }
 

@@ -11,7 +11,9 @@ namespace palpate::contact {
 /// Arrays by component; points that lie together are neighbours in the arrays, in clusters that can be passed
 /// over whole.
 struct PartPoints {
-  /// A run of points within a ball.
+  static constexpr std::uint32_t kClusterSize = 32;
+
+  /// A run of kClusterSize points (the last one shorter) within a ball.
   struct Cluster {
     Vec3 centre = Vec3::Zero();
     double radius = 0.0;
@@ -19,20 +21,29 @@ struct PartPoints {
     std::uint32_t end = 0;
   };
 
+  /// A run of up to kGroupSize clusters within a ball.
+  static constexpr std::uint32_t kGroupSize = 16;
+
   std::vector<double> x, y, z;     // m
   std::vector<double> area;        // m^2, of the surface that the point stands for, > 0
   std::vector<double> tip_radius;  // R, radius of curvature there [m]
   std::vector<double> half_width;  // of the part there [m]
   std::vector<Cluster> clusters;
-  std::array<Vec3, 8> corners;  // of the bounding box
-  geometry::ToolPart joint;     // is_jaw, pivot, axis, open_angle; no mesh
+  std::vector<Cluster> groups;  // of clusters: begin and end count those
+  std::vector<float> near_x, near_y,
+      near_z;             // x, y, z rounded, whole clusters: the last one's gaps repeat its end
+  double rounding = 0.0;  // that near_* may be off by, and what is worked out of it [m]
+  Vec3 box_middle = Vec3::Zero();
+  Vec3 box_reach = Vec3::Zero();  // half the box's size
+  geometry::ToolPart joint;       // is_jaw, pivot, axis, open_angle; no mesh
 
   [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
   [[nodiscard]] Vec3 point(std::size_t i) const noexcept { return {x[i], y[i], z[i]}; }
 };
 
 /// [setup] Resamples a part's surface: spacing at most 2 mm, the mesh's own vertices among the points, area
-/// weights.
+/// weights. Of a part with more than 2,000 points those that stand out are kept, spread over place and
+/// direction, so that a mesh of any number of triangles costs the same in a tick.
 /// @param given_radius the user's tip_radius [m], used instead of the estimate when > 0
 /// @throws InputError when the part has no triangles.
 [[nodiscard]] PartPoints sample_part(const geometry::ToolPart& part, double given_radius);

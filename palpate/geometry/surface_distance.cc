@@ -8,7 +8,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
-#include "palpate/geometry/box_tree.h"
+#include "palpate/geometry/disc_search.h"
 
 namespace palpate::geometry {
 namespace {
@@ -23,14 +23,11 @@ constexpr double kSliver = 1e-7;
 constexpr int kFirstEdge = 3;
 constexpr int kFace = 6;
 
-/// A triangle with what the nearest-point query needs.
-struct Prepared {
-  std::array<Vec3, 3> corner;
-  std::array<Vec3, 3> inward;     // of edge e: in the plane, square to it, not unit; zero for a sliver
-  Vec3 normal;                    // not unit; zero for a sliver
-  double inverse_normal_squared;  // 1 / normal^2, 0 for a sliver
-  std::array<double, 3> inverse_length_squared;  // of edge e, 0 for an edge without length
-};
+std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
+
+using Corners = std::array<Vec3, 3>;
+
+constexpr std::array<std::size_t, 3> kNext{1, 2, 0};
 
 struct OnTriangle {
   Vec3 point;
@@ -38,41 +35,31 @@ struct OnTriangle {
   int feature = 0;
 };
 
-Prepared prepare(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
-  Prepared triangle{{a, b, c}, {}, Vec3::Zero(), 0.0, {0.0, 0.0, 0.0}};
-  triangle.inward.fill(Vec3::Zero());
+/// Normal of a triangle, not unit; zero for a sliver.
+Vec3 plane_normal(const Corners& corner) noexcept {
   double longest_squared = 0.0;
   std::size_t longest_edge = 0;
   for (std::size_t e = 0; e < 3; ++e) {
-    const double length_squared = (triangle.corner[(e + 1) % 3] - triangle.corner[e]).squaredNorm();
-    if (length_squared > 0.0) triangle.inverse_length_squared[e] = 1.0 / length_squared;
+    const double length_squared = (corner[kNext[e]] - corner[e]).squaredNorm();
     if (length_squared > longest_squared) {
       longest_squared = length_squared;
       longest_edge = e;
     }
   }
   // From the corner across the longest edge, whose two edges are the shorter ones, the product is most exact.
-  const Vec3& apex = triangle.corner[(longest_edge + 2) % 3];
-  const Vec3 normal =
-      (triangle.corner[longest_edge] - apex).cross(triangle.corner[(longest_edge + 1) % 3] - apex);
-  const double normal_squared = normal.squaredNorm();
-  if (normal_squared > kSliver * kSliver * longest_squared * longest_squared) {
-    triangle.normal = normal;
-    triangle.inverse_normal_squared = 1.0 / normal_squared;
-    for (std::size_t e = 0; e < 3; ++e) {
-      triangle.inward[e] = normal.cross(triangle.corner[(e + 1) % 3] - triangle.corner[e]);
-    }
-  }
-  return triangle;
+  const Vec3& apex = corner[kNext[kNext[longest_edge]]];
+  const Vec3 normal = (corner[longest_edge] - apex).cross(corner[kNext[longest_edge]] - apex);
+  if (normal.squaredNorm() > kSliver * kSliver * longest_squared * longest_squared) return normal;
+  return Vec3::Zero();
 }
 
 /// Nearest point on edge e, kept in `best` if it is nearer.
-void try_edge(const Prepared& triangle, std::size_t e, const Vec3& p, OnTriangle& best) noexcept {
-  constexpr std::array<std::size_t, 3> kNext{1, 2, 0};
-  const Vec3& a = triangle.corner[e];
-  const Vec3& b = triangle.corner[kNext[e]];
+void try_edge(const Corners& corner, std::size_t e, const Vec3& p, OnTriangle& best) noexcept {
+  const Vec3& a = corner[e];
+  const Vec3& b = corner[kNext[e]];
   const Vec3 ab = b - a;
-  const double u = (p - a).dot(ab) * triangle.inverse_length_squared[e];
+  const double length_squared = ab.squaredNorm();
+  const double u = length_squared > 0.0 ? (p - a).dot(ab) * (1.0 / length_squared) : 0.0;
   int feature = kFirstEdge + static_cast<int>(e);
   // From the nearer end, so that the two triangles of an edge agree closely.
   const Vec3& origin = u <= 0.5 ? a : b;
@@ -88,33 +75,27 @@ void try_edge(const Prepared& triangle, std::size_t e, const Vec3& p, OnTriangle
 
 /// The foot of p on the plane if it lies inside, otherwise on the edges that p lies outside of (all of a
 /// sliver's): with one such edge the nearest point is on it, with two on one of them.
-OnTriangle nearest_on(const Prepared& triangle, const Vec3& p) noexcept {
+OnTriangle nearest_on(const Corners& corner, const Vec3& p) noexcept {
   OnTriangle best;
-  const bool is_sliver = triangle.inverse_normal_squared == 0.0;
-  const std::array<double, 3> side{triangle.inward[0].dot(p - triangle.corner[0]),
-                                   triangle.inward[1].dot(p - triangle.corner[1]),
-                                   triangle.inward[2].dot(p - triangle.corner[2])};
+  const Vec3 normal = plane_normal(corner);
+  const double normal_squared = normal.squaredNorm();
+  const bool is_sliver = normal_squared == 0.0;
+  std::array<double, 3> side;
+  for (std::size_t e = 0; e < 3; ++e) {
+    side[e] = normal.cross(corner[kNext[e]] - corner[e]).dot(p - corner[e]);
+  }
   if (!is_sliver && side[0] >= 0.0 && side[1] >= 0.0 && side[2] >= 0.0) {
-    const double height = (p - triangle.corner[0]).dot(triangle.normal);
-    best.point = p - (height * triangle.inverse_normal_squared) * triangle.normal;
-    best.distance_squared = height * height * triangle.inverse_normal_squared;
+    const double height = (p - corner[0]).dot(normal);
+    const double inverse = 1.0 / normal_squared;
+    best.point = p - (height * inverse) * normal;
+    best.distance_squared = height * height * inverse;
     best.feature = kFace;
     return best;
   }
   for (std::size_t e = 0; e < 3; ++e) {
-    if (is_sliver || side[e] < 0.0) try_edge(triangle, e, p, best);
+    if (is_sliver || side[e] < 0.0) try_edge(corner, e, p, best);
   }
   return best;
-}
-
-/// By value, so that it is one instruction and no branch.
-double larger(double a, double b) noexcept { return a > b ? a : b; }
-
-double squared_distance_to_box(const Vec3& low, const Vec3& high, const Vec3& p) noexcept {
-  const double x = larger(0.0, larger(low.x() - p.x(), p.x() - high.x()));
-  const double y = larger(0.0, larger(low.y() - p.y(), p.y() - high.y()));
-  const double z = larger(0.0, larger(low.z() - p.z(), p.z() - high.z()));
-  return x * x + y * y + z * z;
 }
 
 /// A segment in the coordinates in which it is the z axis from 0 to 1: a shear, so that a shared edge looks
@@ -142,10 +123,10 @@ struct ShearedSegment {
 
   /// Fraction at which the segment's line goes in through the triangle, or infinity. Rounding is monotonic,
   /// so an edge function is never of the wrong sign, only zero; zero counts as inside.
-  [[nodiscard]] double entry_fraction(const Prepared& triangle) const noexcept {
-    const Vec3 a = sheared(triangle.corner[0]);
-    const Vec3 b = sheared(triangle.corner[1]);
-    const Vec3 c = sheared(triangle.corner[2]);
+  [[nodiscard]] double entry_fraction(const Corners& corner) const noexcept {
+    const Vec3 a = sheared(corner[0]);
+    const Vec3 b = sheared(corner[1]);
+    const Vec3 c = sheared(corner[2]);
     const double u = c.x() * b.y() - c.y() * b.x();
     const double v = a.x() * c.y() - a.y() * c.x();
     const double w = b.x() * a.y() - b.y() * a.x();
@@ -157,44 +138,42 @@ struct ShearedSegment {
       return std::clamp((u * a.z() + v * b.z() + w * c.z()) / determinant, low, high);
     }
     // Seen so nearly from its side that its area rounds to nothing.
-    const double approach = triangle.normal.dot(direction);
+    const Vec3 normal = plane_normal(corner);
+    const double approach = normal.dot(direction);
     if (!(approach < 0.0)) return kInfinity;
-    return std::clamp(triangle.normal.dot(triangle.corner[0] - start) / approach, low, high);
+    return std::clamp(normal.dot(corner[0] - start) / approach, low, high);
   }
 };
 
 }  // namespace
 
 struct SurfaceDistance::Tree {
-  struct Normals {
-    Vec3 face;
-    std::array<Vec3, 3> edge;
-    std::array<std::int32_t, 3> vertex;
-  };
   struct Best {
     OnTriangle on;
     std::int32_t slot = -1;
     std::int32_t triangle = -1;
   };
 
-  std::vector<BoxNode> nodes;
-  std::vector<Prepared> prepared;         // by slot, in the order of the leaves
-  std::vector<Normals> normals;           // by slot
-  std::vector<std::int32_t> triangle_of;  // by slot
-  std::vector<std::int32_t> slot_of;      // by triangle
+  explicit Tree(const TriangleMesh& mesh) : discs(mesh) {}
+
+  DiscTree discs;
+  std::vector<Corners> corners;                         // by slot, in the order of the leaves
+  std::vector<std::int32_t> slot_of;                    // by triangle
+  std::vector<Triangle> triangles;                      // vertex indices, by triangle
+  std::vector<std::array<std::int32_t, 3>> neighbours;  // across its edges, by triangle
   std::vector<Vec3> vertex_normals;
   double scale = 0.0;  // largest coordinate [m], for rounding bounds
 
   void consider(std::int32_t slot, const Vec3& p, Best& best) const noexcept {
-    const OnTriangle on = nearest_on(prepared[static_cast<std::size_t>(slot)], p);
-    const std::int32_t triangle = triangle_of[static_cast<std::size_t>(slot)];
+    const OnTriangle on = nearest_on(corners[at(slot)], p);
+    const std::int32_t triangle = discs.triangle_of()[at(slot)];
     const bool is_nearer = on.distance_squared < best.on.distance_squared ||
                            (on.distance_squared == best.on.distance_squared && triangle < best.triangle);
     if (is_nearer) best = {on, slot, triangle};
   }
 
-  void search(const Vec3& p, Best& best) const noexcept;
   [[nodiscard]] NearestPoint finish(const Vec3& p, const Best& best) const noexcept;
+  [[nodiscard]] Vec3 face_normal(std::int32_t triangle) const noexcept;
   [[nodiscard]] Vec3 pseudonormal(const Best& best) const noexcept;
 };
 
@@ -238,39 +217,26 @@ std::vector<Vec3> angle_weighted_normals(const TriangleMesh& mesh, const std::ve
 }  // namespace
 
 SurfaceDistance::SurfaceDistance(const TriangleMesh& mesh) {
-  const auto neighbours = neighbours_of_closed(mesh);
-  auto tree = std::make_unique<Tree>();
+  auto neighbours = neighbours_of_closed(mesh);
+  auto tree = std::make_unique<Tree>(mesh);
   const std::size_t count = mesh.triangles.size();
-  std::vector<Box> boxes(count);
   std::vector<Vec3> face_normals(count);
   for (std::size_t t = 0; t < count; ++t) {
-    for (const std::int32_t corner : mesh.triangles[t]) {
-      const Vec3& vertex = mesh.vertices[static_cast<std::size_t>(corner)];
-      boxes[t].add({vertex, vertex});
-      tree->scale = std::max(tree->scale, vertex.cwiseAbs().maxCoeff());
-    }
     face_normals[t] = unit_or_zero(area_vector_doubled(mesh, mesh.triangles[t]));
   }
-  // Wider than the rounding of a distance, so that no order of visits can change the answer.
-  const double padding = 64.0 * kEpsilon * tree->scale;
-  tree->triangle_of = BoxTreeBuilder(boxes, padding, tree->nodes).build();
+  for (const Vec3& vertex : mesh.vertices) {
+    tree->scale = std::max(tree->scale, vertex.cwiseAbs().maxCoeff());
+  }
   tree->vertex_normals = angle_weighted_normals(mesh, face_normals);
+  tree->triangles = mesh.triangles;
+  tree->neighbours = std::move(neighbours);
   tree->slot_of.resize(count);
-  tree->prepared.reserve(count);
-  tree->normals.reserve(count);
+  tree->corners.resize(count);
   for (std::size_t slot = 0; slot < count; ++slot) {
-    const auto t = static_cast<std::size_t>(tree->triangle_of[slot]);
-    tree->slot_of[t] = static_cast<std::int32_t>(slot);
-    const Triangle& triangle = mesh.triangles[t];
-    tree->prepared.push_back(prepare(mesh.vertices[static_cast<std::size_t>(triangle[0])],
-                                     mesh.vertices[static_cast<std::size_t>(triangle[1])],
-                                     mesh.vertices[static_cast<std::size_t>(triangle[2])]));
-    Tree::Normals normals{face_normals[t], {}, triangle};
-    for (std::size_t e = 0; e < 3; ++e) {
-      normals.edge[e] =
-          unit_or_zero(face_normals[t] + face_normals[static_cast<std::size_t>(neighbours[t][e])]);
-    }
-    tree->normals.push_back(normals);
+    const std::int32_t t = tree->discs.triangle_of()[slot];
+    tree->slot_of[at(t)] = static_cast<std::int32_t>(slot);
+    const Triangle& triangle = mesh.triangles[at(t)];
+    for (std::size_t k = 0; k < 3; ++k) tree->corners[slot][k] = mesh.vertices[at(triangle[k])];
   }
   tree_ = std::move(tree);
 }
@@ -279,48 +245,18 @@ SurfaceDistance::~SurfaceDistance() = default;
 SurfaceDistance::SurfaceDistance(SurfaceDistance&&) noexcept = default;
 SurfaceDistance& SurfaceDistance::operator=(SurfaceDistance&&) noexcept = default;
 
-void SurfaceDistance::Tree::search(const Vec3& p, Best& best) const noexcept {
-  struct Visit {
-    std::int32_t node;
-    double distance_squared;
-  };
-  // A box's distance carries a relative rounding of its own, besides the padding.
-  constexpr double kBelow = 1.0 - 32.0 * kEpsilon;
-  std::array<Visit, kBoxTreeStack> stack;
-  std::size_t depth = 0;
-  stack[depth++] = {0, 0.0};
-  while (depth > 0) {
-    const Visit visit = stack[--depth];
-    if (visit.distance_squared > best.on.distance_squared) continue;
-    const BoxNode& node = nodes[static_cast<std::size_t>(visit.node)];
-    std::array<double, 2> to_child{};
-    for (std::size_t side = 0; side < 2; ++side) {
-      to_child[side] = kBelow * squared_distance_to_box(node.low[side], node.high[side], p);
-    }
-    const std::size_t near = to_child[1] < to_child[0] ? 1 : 0;
-    std::array<Visit, 2> inner{};
-    std::size_t inner_count = 0;
-    for (const std::size_t side : {near, 1 - near}) {
-      if (to_child[side] > best.on.distance_squared) continue;
-      if (node.child[side] >= 0) {
-        inner[inner_count++] = {node.child[side], to_child[side]};
-        continue;
-      }
-      const std::int32_t first = -1 - node.child[side];
-      for (std::int32_t slot = first; slot < first + node.count[side]; ++slot) consider(slot, p, best);
-    }
-    while (inner_count > 0) stack[depth++] = inner[--inner_count];  // the nearer one on top
-  }
+Vec3 SurfaceDistance::Tree::face_normal(std::int32_t triangle) const noexcept {
+  const Corners& corner = corners[at(slot_of[at(triangle)])];
+  return unit_or_zero((corner[1] - corner[0]).cross(corner[2] - corner[0]));
 }
 
 Vec3 SurfaceDistance::Tree::pseudonormal(const Best& best) const noexcept {
-  const Normals& around = normals[static_cast<std::size_t>(best.slot)];
-  if (best.on.feature == kFace) return around.face;
   if (best.on.feature < kFirstEdge) {
-    const auto corner = static_cast<std::size_t>(best.on.feature);
-    return vertex_normals[static_cast<std::size_t>(around.vertex[corner])];
+    return vertex_normals[at(triangles[at(best.triangle)][at(best.on.feature)])];
   }
-  return around.edge[static_cast<std::size_t>(best.on.feature - kFirstEdge)];
+  const Vec3 own = face_normal(best.triangle);
+  if (best.on.feature == kFace) return own;
+  return unit_or_zero(own + face_normal(neighbours[at(best.triangle)][at(best.on.feature - kFirstEdge)]));
 }
 
 NearestPoint SurfaceDistance::Tree::finish(const Vec3& p, const Best& best) const noexcept {
@@ -332,9 +268,9 @@ NearestPoint SurfaceDistance::Tree::finish(const Vec3& p, const Best& best) cons
   found.point = best.on.point;
   found.normal = pseudonormal(best);
   found.triangle = best.triangle;
-  const Prepared& triangle = prepared[static_cast<std::size_t>(best.slot)];
+  const Corners& corner = corners[at(best.slot)];
   // On a face the height over its plane has the sign even where the foot rounds onto p.
-  const double side = best.on.feature == kFace ? (p - triangle.corner[0]).dot(triangle.normal)
+  const double side = best.on.feature == kFace ? (p - corner[0]).dot(plane_normal(corner))
                                                : (p - found.point).dot(found.normal);
   const double distance = std::sqrt(best.on.distance_squared);
   found.distance = side < 0.0 ? -distance : distance;
@@ -345,10 +281,11 @@ NearestPoint SurfaceDistance::nearest(const Vec3& p) const noexcept { return nea
 
 NearestPoint SurfaceDistance::nearest(const Vec3& p, std::int32_t guess) const noexcept {
   Tree::Best best;
-  if (guess >= 0 && static_cast<std::size_t>(guess) < tree_->slot_of.size()) {
-    tree_->consider(tree_->slot_of[static_cast<std::size_t>(guess)], p, best);
-  }
-  tree_->search(p, best);
+  if (!p.allFinite()) return tree_->finish(p, best);
+  if (guess >= 0 && at(guess) < tree_->slot_of.size()) tree_->consider(tree_->slot_of[at(guess)], p, best);
+  tree_->discs.each_within(
+      p, [&](std::int32_t slot) { tree_->consider(slot, p, best); },
+      [&best] { return best.on.distance_squared; });
   return tree_->finish(p, best);
 }
 
@@ -360,55 +297,24 @@ std::optional<Entry> SurfaceDistance::first_entry(const Vec3& a, const Vec3& b) 
   // Rounding [m] of positions along the segment; an end that lies on the surface counts as having crossed it.
   const double slack = 32.0 * kEpsilon * (tree.scale + a.cwiseAbs().maxCoeff() + b.cwiseAbs().maxCoeff());
   const double slack_fraction = slack / length;
-  const Vec3 half = 0.5 * segment.direction;
-  const Vec3 reach = half.cwiseAbs();
-  const Vec3 middle = a + half;
   double fraction = 1.0 + slack_fraction;
   std::int32_t triangle = -1;
-  const auto is_apart = [&](const Vec3& low, const Vec3& high) {
-    const Vec3 extent = (0.5 * (high - low)).array() + slack;
-    const Vec3 offset = middle - 0.5 * (low + high);
-    for (int k = 0; k < 3; ++k) {
-      if (std::abs(offset[k]) > extent[k] + reach[k]) return true;
+  tree.discs.each_along(a, b, slack, [&](std::int32_t slot) {
+    const double where = segment.entry_fraction(tree.corners[at(slot)]);
+    const std::int32_t index = tree.discs.triangle_of()[at(slot)];
+    if (where < -slack_fraction) return;
+    if (where < fraction || (where == fraction && index < triangle)) {
+      fraction = where;
+      triangle = index;
     }
-    for (int k = 0; k < 3; ++k) {  // the axes across the segment and each edge of the box
-      const int u = (k + 1) % 3;
-      const int v = (k + 2) % 3;
-      if (std::abs(offset[u] * half[v] - offset[v] * half[u]) > extent[u] * reach[v] + extent[v] * reach[u])
-        return true;
-    }
-    return false;
-  };
-  std::array<std::int32_t, kBoxTreeStack> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const BoxNode& node = tree.nodes[static_cast<std::size_t>(stack[--depth])];
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (is_apart(node.low[side], node.high[side])) continue;
-      if (node.child[side] >= 0) {
-        stack[depth++] = node.child[side];
-        continue;
-      }
-      const std::int32_t first = -1 - node.child[side];
-      for (std::int32_t slot = first; slot < first + node.count[side]; ++slot) {
-        const double at = segment.entry_fraction(tree.prepared[static_cast<std::size_t>(slot)]);
-        const std::int32_t index = tree.triangle_of[static_cast<std::size_t>(slot)];
-        if (at < -slack_fraction) continue;
-        if (at < fraction || (at == fraction && index < triangle)) {
-          fraction = at;
-          triangle = index;
-        }
-      }
-    }
-  }
+  });
   if (triangle < 0) return std::nullopt;
   fraction = std::clamp(fraction, 0.0, 1.0);
   return Entry{fraction, a + fraction * segment.direction, triangle};
 }
 
 Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
-  return nearest_on(prepare(a, b, c), p).point;
+  return nearest_on({a, b, c}, p).point;
 }
 
 }  // namespace palpate::geometry

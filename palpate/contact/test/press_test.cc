@@ -35,7 +35,7 @@ TEST(Press, BallGivesTheLawsForceAtItsDeepestPointWhateverTheTriangles) {
             << triangles << " triangles at " << depth;
         EXPECT_LT(result.force_W.head<2>().norm(), 0.01 * law(rig, depth));
         EXPECT_EQ(result.phase, Phase::kPress);
-        EXPECT_NEAR(result.depth, depth, 1e-6);
+        EXPECT_NEAR(result.depth, depth, 3e-6);  // the finest ball's points are thinned out
       }
     }
   }

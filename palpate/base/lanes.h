@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+
+#include <xsimd/xsimd.hpp>
+
+// Four numbers at once, in single precision: to pass over quickly what cannot count. Whatever counts is then
+// worked out in double precision, so that no result depends on these.
+namespace palpate {
+
+/// Four lanes, the baseline of the processor family, so that one program runs everywhere.
+using Lanes = xsimd::batch<float, xsimd::sse2>;
+using LaneMask = xsimd::batch_bool<float, xsimd::sse2>;
+inline constexpr std::size_t kLanes = 4;
+
+/// [any] One bit a lane, the first lowest.
+[[nodiscard]] inline std::uint32_t lanes_of(const LaneMask& mask) noexcept {
+  return static_cast<std::uint32_t>(_mm_movemask_ps(mask));
+}
+
+/// [any] The largest of the lanes.
+[[nodiscard]] inline float largest_of(const Lanes& lanes) noexcept {
+  alignas(16) float values[kLanes];
+  lanes.store_aligned(values);
+  const float a = values[0] > values[1] ? values[0] : values[1];
+  const float b = values[2] > values[3] ? values[2] : values[3];
+  return a > b ? a : b;
+}
+
+}  // namespace palpate
