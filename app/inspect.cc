@@ -36,8 +36,8 @@ bool is_path(const std::string& mesh) { return mesh.find_first_of("/.") != std::
 /// The mesh as an organ would have it, or, where it cannot be one, as an instrument would.
 struct Inspected {
   geometry::LoadedMesh loaded;
-  std::string refusal;  // as an organ; empty: it can be one
-  geometry::Crossings crossings;
+  std::string refusal;        // as an organ; empty: it can be one
+  bool all_crossings = true;  // were looked at
 };
 
 geometry::LoadedMesh load(const InspectOptions& options) {
@@ -58,14 +58,18 @@ std::string without_start(const std::string& text, const std::string& start) {
 }
 
 Inspected inspect(const InspectOptions& options) {
-  Inspected inspected{load(options), {}, {}};
+  Inspected inspected{load(options), {}, true};
   try {
     inspected.loaded = geometry::repair_organ(inspected.loaded, options.mesh);
   } catch (const InputError& error) {
     inspected.refusal =
         without_start(without_start(error.what(), options.mesh + ": "), "cannot be an organ: ");
   }
-  inspected.crossings = geometry::find_crossings(inspected.loaded.mesh);
+  if (!inspected.loaded.findings.crossing_pairs) {
+    const geometry::Crossings crossings = geometry::find_crossings(inspected.loaded.mesh);
+    inspected.loaded.findings.crossing_pairs = crossings.pairs.size();
+    inspected.all_crossings = crossings.all;
+  }
   return inspected;
 }
 
@@ -92,7 +96,7 @@ void print_json(const Inspected& inspected) {
   json["repairs"] = loaded.findings.repairs;
   json["defects"] = loaded.findings.defects;
   json["remarks"] = loaded.findings.remarks;
-  json["self_intersections"] = inspected.crossings.pairs.size();
+  json["self_intersections"] = *loaded.findings.crossing_pairs;
   json["organ"] = inspected.refusal.empty();
   json["refused_as_organ"] =
       inspected.refusal.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(inspected.refusal);
@@ -134,8 +138,8 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
   row("z", side(2));
   const std::optional<double> volume = volume_mm3(findings);
   row("volume", volume ? shortest(*volume) + " mm^3" : "none: not closed");
-  row("crossing pairs", std::string(inspected.crossings.all ? "" : "at least ") +
-                            std::to_string(inspected.crossings.pairs.size()) + " of triangles");
+  row("crossing pairs", std::string(inspected.all_crossings ? "" : "at least ") +
+                            std::to_string(*findings.crossing_pairs) + " of triangles");
   print_list("repaired", findings.repairs);
   std::vector<std::string> left = findings.defects;
   left.insert(left.end(), findings.remarks.begin(), findings.remarks.end());

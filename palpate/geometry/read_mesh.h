@@ -14,7 +14,9 @@ struct MeshFindings {
   bool closed = false;
   bool manifold = false;
   int shells = 0;
-  double volume = 0.0;               // [m^3]
+  double volume = 0.0;  // [m^3]
+  std::optional<std::size_t>
+      crossing_pairs;                // of triangles that go through each other, once they were looked for
   std::vector<std::string> repairs;  // done, in words
   std::vector<std::string> defects;  // left as they are, in words: an organ may not have them
   std::vector<std::string> remarks;  // left as they are and harmless, in words

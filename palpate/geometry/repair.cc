@@ -195,6 +195,7 @@ class Repair final {
           triangles(pieces.inner.triangles) + "): an organ is solid");
     }
     if (!pieces.refusal.empty()) return refuse(pieces.refusal);
+    repaired_.crossing_pairs = pieces.crossing_pairs;
     if (pieces.crossing_pairs > 0) {
       repaired_.remarks.push_back(counted(pieces.crossing_pairs, "pair", "pairs") +
                                   " of triangles that go through each other (" +
@@ -218,6 +219,7 @@ LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
   }
   LoadedMesh organ{std::move(repaired.mesh), {}};
   organ.findings = findings_of(organ.mesh);
+  organ.findings.crossing_pairs = repaired.crossing_pairs;
   const auto append = [](std::vector<std::string>& all, const std::vector<std::string>& more) {
     all.insert(all.end(), more.begin(), more.end());
   };

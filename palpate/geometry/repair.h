@@ -12,6 +12,7 @@ struct RepairedSurface {
   TriangleMesh mesh;
   std::vector<std::string> repairs;  // what was done, in words with counts
   std::vector<std::string> remarks;  // what is left and does no harm
+  std::size_t crossing_pairs = 0;    // of triangles left that go through each other
   std::string refusal;               // why it cannot be an organ; empty: it can
 };
 
