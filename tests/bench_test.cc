@@ -1,0 +1,60 @@
+// `palpate bench` as its users meet it: what it refuses, and the form of what it says; never how long it
+// took.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+TEST(Bench, BadOptionsExitTwoInOneLineAndWriteNothing) {
+  const Folder folder;
+  for (const auto& wrong : std::vector<std::vector<std::string>>{{"--nonsense"},
+                                                                 {"--quick", "--full"},
+                                                                 {"--hands", "0"},
+                                                                 {"--hands", "-3"},
+                                                                 {"--hands", "many"},
+                                                                 {"--hands", "1000000000"},
+                                                                 {"--csv", "no/such/folder.csv"},
+                                                                 {"--csv", "."}}) {
+    std::vector<std::string> words = {"bench"};
+    words.insert(words.end(), wrong.begin(), wrong.end());
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2) << wrong.front();
+    EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(folder.names().empty()) << wrong.front();
+  }
+}
+
+TEST(Bench, PartsAloneAreMeasuredAloneAndWrittenAsCsvToo) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {"bench", "--parts", "--json", "--csv", "b.csv"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_TRUE(json["law_ns"].is_number());
+  EXPECT_TRUE(json["tick"].empty());
+  EXPECT_TRUE(json["hands_per_core"].is_null());
+  EXPECT_EQ(json["command"], "palpate bench --parts --json --csv b.csv");
+  EXPECT_NE(text_of(folder / "b.csv").find("part,noise sample by number"), std::string::npos);
+}
+
+TEST(Bench, QuickSaysTheContractsKeys) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {"bench", "--quick", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  ASSERT_EQ(json["tick"].size(), 2U);
+  for (const auto& tick : json["tick"]) {
+    for (const char* key : {"organ_triangles", "tool_triangles", "p50_us", "p99_us", "p999_us", "max_us"})
+      EXPECT_TRUE(tick.at(key).is_number()) << key;
+    EXPECT_GT(tick["ticks"], 1000);
+    EXPECT_GT(tick["approach_ticks"], 1000);
+  }
+  for (const char* key : {"machine", "law_ns", "inverse_ns", "noise_ns", "preparation", "peers"})
+    EXPECT_TRUE(json.contains(key)) << key;
+}
+
+}  // namespace
+}  // namespace palpate::tests
