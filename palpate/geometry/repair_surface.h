@@ -102,8 +102,8 @@ Done drop_fins(WorkSurface& surface);
 Done drop_walls(WorkSurface& surface);
 /// Gives each fan of triangles about a vertex a vertex of its own. @return how many vertices came
 std::size_t split_fans(WorkSurface& surface, const Mates& mates);
-/// Where an edge is still of more than two triangles after that, cuts the triangles of each two mates in half at
-/// a middle of their own. @return how many middles came
+/// Where an edge is still of more than two triangles after that, cuts the triangles of each two mates in half
+/// at a middle of their own. @return how many middles came
 std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates);
 /// Turns triangles so that all of one piece agree, the fewer to the more. @return false for one-sided
 /// surfaces
