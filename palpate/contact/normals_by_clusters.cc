@@ -162,7 +162,7 @@ class ClusterFlood final {
       if (turn == Turn::kTowards && inner > 0.0F && squared <= inner * inner) {
         add_whole(block.patch, u, inverse, target.sum);
       } else {
-        add_singly(clusters_, block, u, reach_, target);
+        add_singly(clusters_, block, u, reach_, turn == Turn::kTowards, target);
       }
     }
   }

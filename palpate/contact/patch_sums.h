@@ -128,9 +128,10 @@ inline __m128 weights(const EdgeMiddles& edges, std::size_t from, const Four& u,
   return _mm_and_ps(weight, _mm_cmplt_ps(_mm_mul_ps(nearest, inverse), one));
 }
 
-/// The sum over a block's triangles one by one, each with its own weight and turn.
+/// The sum over a block's triangles one by one, each with its own weight and turn. @param towards whether all
+/// are turned towards the reference
 inline void add_singly(const NormalClusters& clusters, const Block& block, const std::array<float, 3>& u,
-                       float radius, Target& target) noexcept {
+                       float radius, bool towards, Target& target) noexcept {
   const __m128 inverse = _mm_set1_ps(1.0F / (radius * radius));
   const __m128 sharp = _mm_set1_ps(static_cast<float>(kSharpCosine));
   const __m128 steepness = _mm_set1_ps(static_cast<float>(1.0 / (kFullCosine - kSharpCosine)));
@@ -143,9 +144,11 @@ inline void add_singly(const NormalClusters& clusters, const Block& block, const
             ? weights(block, from, to, inverse)
             : weights(clusters.edge_middles()[static_cast<std::size_t>(block.edges)], from, to, inverse);
     const Four normal = load(block.normal.data(), from);
-    const __m128 turn = _mm_mul_ps(_mm_sub_ps(normal.dot(reference), sharp), steepness);
-    const __m128 clamped = _mm_min_ps(_mm_set1_ps(1.0F), _mm_max_ps(_mm_setzero_ps(), turn));
-    const __m128 counts = _mm_mul_ps(_mm_mul_ps(weight, clamped), _mm_loadu_ps(&block.area[from]));
+    __m128 counts = _mm_mul_ps(weight, _mm_loadu_ps(&block.area[from]));
+    if (!towards) {
+      const __m128 turn = _mm_mul_ps(_mm_sub_ps(normal.dot(reference), sharp), steepness);
+      counts = _mm_mul_ps(counts, _mm_min_ps(_mm_set1_ps(1.0F), _mm_max_ps(_mm_setzero_ps(), turn)));
+    }
     sum = {_mm_add_ps(sum.x, _mm_mul_ps(counts, normal.x)), _mm_add_ps(sum.y, _mm_mul_ps(counts, normal.y)),
            _mm_add_ps(sum.z, _mm_mul_ps(counts, normal.z))};
   }
@@ -176,7 +179,7 @@ inline void add_cluster(const NormalClusters& clusters, std::int32_t index, cons
     if (block_reach == Reach::kWhole && block_turn == Turn::kTowards) {
       add_whole(block.patch, v, inverse, target.sum);
     } else {
-      add_singly(clusters, block, v, radius, target);
+      add_singly(clusters, block, v, radius, block_turn == Turn::kTowards, target);
     }
   }
 }
