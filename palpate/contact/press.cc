@@ -10,16 +10,16 @@ namespace palpate::contact {
 namespace {
 
 // The rules' own figures (model.md, section 4).
-constexpr double kWalkSpeed = 0.05;      // m/s, that c may gain on the tool
-constexpr double kStillStep = 0.1e-6;    // m, where the walk stops
-constexpr int kWalkSteps = 3;            // a tick
-constexpr double kRestartShare = 8.0;    // a walk that has stopped starts again with this part of the motion
-constexpr double kLetIn = 50e-3;         // s, over which a start's excess depth counts
-constexpr double kShallow = 0.5e-3;      // m, an inside point this deep may start a contact
-constexpr double kDeepestSecond = 1e-3;  // m, D with which a part that has a contact may start another
-constexpr double kDampingDepth = 1e-3;   // m, where the damping counts in full
-constexpr double kDeepInside = -1e-3;    // m, a part that loses its last contact here is off until outside
-constexpr int kMostEvaluations = 8;      // supports looked at for starts, a tick and part
+constexpr double kWalkSpeed = 0.05;    // m/s, that c may gain on the tool
+constexpr double kStillStep = 0.1e-6;  // m, where the walk stops
+constexpr int kWalkSteps = 3;          // a tick
+constexpr double kRestartShare = 8.0;  // a walk that has stopped starts again with this part of the motion
+constexpr double kLetIn = 50e-3;     // s, over which a start's excess depth counts, and a merged contact goes
+constexpr double kShallow = 0.5e-3;  // m, an inside point this deep may start a contact
+constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
+constexpr double kDampingDepth = 1e-3;      // m, where the damping counts in full
+constexpr double kDeepInside = -1e-3;       // m, a part that loses its last contact here is off until outside
+constexpr int kMostEvaluations = 8;         // supports looked at for starts, a tick and part
 constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
 
 Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
@@ -117,17 +117,26 @@ void remove_contact(PartState& part, int index) noexcept {
   --part.contact_count;
 }
 
-/// Contacts closer than R_ref/10 are one: the stronger stays.
-void merge_contacts(double reference_radius, PartState& part) noexcept {
+/// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves within kLetIn, so that what
+/// they and their neighbours share does not jump.
+void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
   const double closest = reference_radius / 10.0;
   for (int i = 0; i < part.contact_count; ++i) {
     for (int j = i + 1; j < part.contact_count; ++j) {
-      const Contact& a = part.contacts[static_cast<std::size_t>(i)];
-      const Contact& b = part.contacts[static_cast<std::size_t>(j)];
+      Contact& a = part.contacts[static_cast<std::size_t>(i)];
+      Contact& b = part.contacts[static_cast<std::size_t>(j)];
+      if (a.leaving || b.leaving) continue;
       if ((a.at.point - b.at.point).squaredNorm() >= closest * closest) continue;
-      remove_contact(part, a.depth >= b.depth ? j : i);
-      i = -1;  // look at all pairs again
-      break;
+      (a.depth >= b.depth ? b : a).leaving = true;
+    }
+  }
+  for (int i = 0; i < part.contact_count;) {
+    Contact& contact = part.contacts[static_cast<std::size_t>(i)];
+    if (contact.leaving) contact.presence -= period / kLetIn;
+    if (contact.presence > 0.0) {
+      ++i;
+    } else {
+      remove_contact(part, i);
     }
   }
 }
@@ -234,7 +243,7 @@ std::uint32_t update_press(const World::Data& world, const PartPoints& points, P
       remove_contact(part, i);
     }
   }
-  merge_contacts(world.tissue.contact.reference_radius, part);
+  merge_contacts(world.tissue.contact.reference_radius, world.period, part);
   if (before > 0 && part.contact_count == 0) {
     find_nearest(world.surface, points, part);
     if (part.nearest.distance < kDeepInside) part.armed = false;

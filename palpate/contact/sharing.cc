@@ -31,15 +31,18 @@ double eighth_power(double x) noexcept {
 void share_tissue(double reference_radius, std::span<Contact* const> contacts) noexcept {
   for (Contact* const one : contacts) {
     double greatest = 0.0;  // C_i
-    double crowd = 0.0;     // sum over the others of c_ij (F_j/F_i)^8
+    double crowd = 0.0;     // sum over the others of c_ij (F_j/F_i)^8, as far as they are present
     for (const Contact* const other : contacts) {
       if (other == one) continue;
       const double close = closeness(*one, *other, reference_radius);
       if (close <= 0.0) continue;
       greatest = std::max(greatest, close);
-      if (one->elastic_force > 0.0) crowd += close * eighth_power(other->elastic_force / one->elastic_force);
+      if (one->elastic_force > 0.0) {
+        crowd += close * other->presence * eighth_power(other->elastic_force / one->elastic_force);
+      }
     }
-    one->share = 1.0 - greatest + greatest / (1.0 + crowd);
+    // Whole contacts: 1 - C + C / (1 + crowd).
+    one->share = one->presence * (1.0 - greatest) + greatest * one->presence / (one->presence + crowd);
   }
 }
 

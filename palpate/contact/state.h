@@ -37,12 +37,14 @@ struct Contact {
   double offset_step = 0.0;            // let in a tick [m]
   double depth = 0.0;                  // D that counts, last tick [m]
   Vec3 slip = Vec3::Zero();            // of the tangential spring [m]
+  bool leaving = false;                // another contact has come to the same place
+  double presence = 1.0;               // 1 .. 0 while it leaves
   // Of this tick:
   Support support;               // in S
   double elastic_force = 0.0;    // F(D) [N]
   double normal_force = 0.0;     // with damping [N]
   Vec3 friction = Vec3::Zero();  // [N]
-  double share = 1.0;            // of several contacts on one tissue
+  double share = 1.0;            // of several contacts on one tissue, presence counted in
 };
 
 /// A point that has gone in, and where.
