@@ -273,8 +273,8 @@ TEST(BuiltinTool, SphereWithoutAGoodRadiusIsRefused) {
 
 TEST(BuiltinTool, UnknownNameIsRefusedWithTheKnownOnes) {
   EXPECT_THAT([] { (void)make_tool("curved-forcep"); },
-              ThrowsMessage<InputError>(
-                  AllOf(HasSubstr("did you mean curved-forceps"), HasSubstr("straight-forceps-300k, sphere:R"))));
+              ThrowsMessage<InputError>(AllOf(HasSubstr("did you mean curved-forceps"),
+                                              HasSubstr("straight-forceps-300k, sphere:R"))));
 }
 
 }  // namespace
