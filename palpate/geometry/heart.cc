@@ -222,7 +222,8 @@ class Coronaries final {
          {30.0, 4.0, -28.0},
          {16.0, -2.0, -36.0}},
         1.8, 1.2, at_atria);
-    if (branches) lay_branches(anterior, right, vessels_.back());
+    const Tube circumflex = vessels_.back();  // a copy: laying more moves the list
+    if (branches) lay_branches(anterior, right, circumflex);
   }
 
   [[nodiscard]] FieldValue on(FieldValue solid, const Vec3& p) const noexcept {
