@@ -9,6 +9,7 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
+#include "palpate/geometry/detail.h"
 #include "palpate/geometry/forceps.h"
 #include "palpate/geometry/gallbladder.h"
 #include "palpate/geometry/heart.h"
@@ -27,6 +28,19 @@ TriangleMesh centred(TriangleMesh mesh) {
   const Vec3 middle = bounds(mesh).middle();
   for (Vec3& v : mesh.vertices) v -= middle;
   return mesh;
+}
+
+/// A shape's name without its ending, and what the ending says.
+struct Name {
+  std::string_view stem;
+  Detail detail = Detail::kPaper;
+};
+Name split(std::string_view name) {
+  constexpr std::string_view k30k = "-30k";
+  constexpr std::string_view k300k = "-300k";
+  if (name.ends_with(k30k)) return {name.substr(0, name.size() - k30k.size()), Detail::k30k};
+  if (name.ends_with(k300k)) return {name.substr(0, name.size() - k300k.size()), Detail::k300k};
+  return {name, Detail::kPaper};
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -62,26 +76,32 @@ Tool sphere(const std::string& name) {
 }  // namespace
 
 const std::vector<std::string>& builtin_organ_names() {
-  static const std::vector<std::string> names{"gallbladder", "heart", "ball", "box"};
+  static const std::vector<std::string> names{
+      "gallbladder",      "heart",     "ball", "box", "gallbladder-30k", "heart-30k",
+      "gallbladder-300k", "heart-300k"};
   return names;
 }
 
 TriangleMesh make_organ(const std::string& name) {
-  if (name == "gallbladder") return centred(make_gallbladder());
-  if (name == "heart") return centred(make_heart());
+  const auto [stem, detail] = split(name);
+  if (stem == "gallbladder") return centred(make_gallbladder(detail));
+  if (stem == "heart") return centred(make_heart(detail));
   if (name == "ball") return centred(make_ball(kBallRadius));
   if (name == "box") return centred(make_box(kBoxSize, kBoxEdge));
   unknown("organ", name, builtin_organ_names(), "");
 }
 
 const std::vector<std::string>& builtin_tool_names() {
-  static const std::vector<std::string> names{"curved-forceps", "straight-forceps"};
+  static const std::vector<std::string> names{"curved-forceps",      "straight-forceps",
+                                              "curved-forceps-30k",  "straight-forceps-30k",
+                                              "curved-forceps-300k", "straight-forceps-300k"};
   return names;
 }
 
 Tool make_tool(const std::string& name) {
-  if (name == "curved-forceps") return make_curved_forceps();
-  if (name == "straight-forceps") return make_straight_forceps();
+  const auto [stem, detail] = split(name);
+  if (stem == "curved-forceps") return make_curved_forceps(detail);
+  if (stem == "straight-forceps") return make_straight_forceps(detail);
   if (std::string_view(name).starts_with(kSphere)) return sphere(name);
   unknown("tool", name, builtin_tool_names(), ", sphere:R with R in mm");
 }

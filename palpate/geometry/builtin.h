@@ -15,15 +15,16 @@ namespace palpate::geometry {
 /// into two triangles; closed.
 [[nodiscard]] TriangleMesh make_box(const Vec3& size, double longest);
 
-/// [setup] Names of the built-in organs: "gallbladder", "heart", "ball", "box".
+/// [setup] Names of the built-in organs: "gallbladder", "heart", "ball", "box"; the first two also with
+/// "-30k" or "-300k" behind them, that many triangles.
 [[nodiscard]] const std::vector<std::string>& builtin_organ_names();
 
-/// [setup] A built-in organ, metres, middle of its bounding box at the origin. @throws InputError listing the
-/// names.
+/// [setup] A built-in organ, metres, middle of its bounding box at the origin; 300,000 triangles take some
+/// seconds. @throws InputError listing the names.
 [[nodiscard]] TriangleMesh make_organ(const std::string& name);
 
 /// [setup] Names of the built-in instruments: "curved-forceps", "straight-forceps" (two jaws each);
-/// "sphere:R" (mm) is one too.
+/// also with "-30k" or "-300k" behind; "sphere:R" (mm) is one too.
 [[nodiscard]] const std::vector<std::string>& builtin_tool_names();
 
 /// [setup] A built-in instrument in its handle frame (origin at the jaw pivot, +z towards the tips).

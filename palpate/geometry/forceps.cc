@@ -8,6 +8,7 @@
 
 #include "palpate/base/portable_math.h"
 #include "palpate/base/units.h"
+#include "palpate/geometry/haemostat.h"
 #include "palpate/geometry/loft.h"
 
 namespace palpate::geometry {
@@ -214,7 +215,17 @@ Tool assemble(const char* name, const std::vector<Section>& sections, const Cent
 
 }  // namespace
 
-Tool make_curved_forceps() {
+Tool make_curved_forceps(Detail detail) {
+  if (detail != Detail::kPaper) {
+    const HaemostatShape shape{.straight = 5.5,
+                               .bend = 0.033,
+                               .jaw_length = 21.8,
+                               .base_radius = 2.4,
+                               .tip_radius = 1.7,
+                               .open_angle = kOpenAngle};
+    return make_haemostat(detail == Detail::k30k ? "curved-forceps-30k" : "curved-forceps-300k", shape,
+                          detail);
+  }
   std::vector<Section> sections = hinge_sections();
   constexpr std::array<double, 5> kAlong{8.0, 11.5, 15.0, 18.5, 21.8};
   for (std::size_t k = 0; k < kAlong.size(); ++k) {
@@ -225,7 +236,13 @@ Tool make_curved_forceps() {
   return assemble("curved-forceps", sections, {.straight = 5.5, .bend = 0.033});
 }
 
-Tool make_straight_forceps() {
+Tool make_straight_forceps(Detail detail) {
+  if (detail != Detail::kPaper) {
+    const HaemostatShape shape{
+        .jaw_length = 17.5, .base_radius = 2.4, .tip_radius = 2.0, .open_angle = kOpenAngle};
+    return make_haemostat(detail == Detail::k30k ? "straight-forceps-30k" : "straight-forceps-300k", shape,
+                          detail);
+  }
   std::vector<Section> sections = hinge_sections();
   constexpr int kTeeth = 11;
   for (int k = 0; k < kTeeth; ++k) {

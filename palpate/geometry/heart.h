@@ -1,11 +1,13 @@
 #pragma once
+#include "palpate/geometry/detail.h"
 #include "palpate/geometry/mesh.h"
 
 namespace palpate::geometry {
 
-/// [setup] A human heart with its great vessels cut off: 3,208 vertices, 6,412 triangles, closed, metres.
+/// [setup] A human heart with its great vessels cut off: 3,208 vertices and 6,412 triangles, or 30,000 or
+/// 300,000 triangles with the coronary vessels in full; closed, metres.
 /// Seen as in an anterior view from +z with +y up: the ventricles' front wall faces
 /// +z, the apex points to +x and -y (the patient's left), the vessels leave towards +y.
-[[nodiscard]] TriangleMesh make_heart();
+[[nodiscard]] TriangleMesh make_heart(Detail detail);
 
 }  // namespace palpate::geometry

@@ -14,7 +14,8 @@ FieldValue unite(const FieldValue& a, const FieldValue& b, double blend) noexcep
   const double gap = high.value - low.value;
   if (gap >= blend) return low;
   const double h = (blend - gap) / blend;
-  return {low.value - 0.25 * blend * h * h, (1.0 - 0.5 * h) * low.gradient + 0.5 * h * high.gradient};
+  const double share = 0.5 * h * h;  // of the higher one
+  return {low.value - blend * h * h * h / 6.0, (1.0 - share) * low.gradient + share * high.gradient};
 }
 
 FieldValue unite_with_furrow(const FieldValue& a, const FieldValue& b, double width, double depth) noexcept {
@@ -55,96 +56,6 @@ FieldValue Ellipsoid::at(const Vec3& p) const noexcept {
   const double k = std::sqrt(once2);
   const double g = std::sqrt(twice2);
   return {k * (k - 1.0) / g, Vec3(gradient[0] / g, gradient[1] / g, gradient[2] / g)};
-}
-
-namespace {
-
-TubeKnot catmull_rom(const TubeKnot& a, const TubeKnot& b, const TubeKnot& c, const TubeKnot& d, double u) {
-  const double u2 = u * u;
-  const double u3 = u2 * u;
-  const double wa = 0.5 * (2.0 * u2 - u3 - u);
-  const double wb = 0.5 * (2.0 - 5.0 * u2 + 3.0 * u3);
-  const double wc = 0.5 * (u + 4.0 * u2 - 3.0 * u3);
-  const double wd = 0.5 * (u3 - u2);
-  return {wa * a.middle + wb * b.middle + wc * c.middle + wd * d.middle,
-          wa * a.radius + wb * b.radius + wc * c.radius + wd * d.radius};
-}
-
-TubeKnot beyond(const TubeKnot& end, const TubeKnot& before) {
-  return {2.0 * end.middle - before.middle, 2.0 * end.radius - before.radius};
-}
-
-}  // namespace
-
-Tube::Tube(const std::vector<TubeKnot>& knots, double far) : far_(far) {
-  constexpr int kPieces = 5;  // a span
-  const std::size_t count = knots.size();
-  for (std::size_t i = 0; i + 1 < count; ++i) {
-    const TubeKnot before = i > 0 ? knots[i - 1] : beyond(knots[0], knots[1]);
-    const TubeKnot after = i + 2 < count ? knots[i + 2] : beyond(knots[count - 1], knots[count - 2]);
-    for (int k = 0; k < kPieces; ++k) {
-      line_.push_back(catmull_rom(before, knots[i], knots[i + 1], after, static_cast<double>(k) / kPieces));
-    }
-  }
-  line_.push_back(knots.back());
-  for (std::size_t i = 0; i + 1 < line_.size(); ++i) {
-    const Vec3& a = line_[i].middle;
-    const Vec3 along = line_[i + 1].middle - a;
-    pieces_.push_back({{a.x(), a.y(), a.z()},
-                       {along.x(), along.y(), along.z()},
-                       along.squaredNorm(),
-                       line_[i].radius,
-                       line_[i + 1].radius - line_[i].radius});
-  }
-  box_ = {line_.front().middle, line_.front().middle};
-  for (const TubeKnot& knot : line_) {
-    const Vec3 around = Vec3::Constant(knot.radius);
-    box_.low = box_.low.cwiseMin(knot.middle - around);
-    box_.high = box_.high.cwiseMax(knot.middle + around);
-  }
-}
-
-FieldValue Tube::at(const Vec3& p) const noexcept {
-  // Plain numbers in these innermost loops: vector expressions make unoptimised builds crawl.
-  double away2 = 0.0;
-  double off[3] = {0.0, 0.0, 0.0};
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const double x = p[k];
-    if (x < box_.low[k]) off[k] = x - box_.low[k];
-    if (x > box_.high[k]) off[k] = x - box_.high[k];
-    away2 += off[k] * off[k];
-  }
-  if (away2 > far_ * far_) {
-    const double away = std::sqrt(away2);
-    return {away, Vec3(off[0] / away, off[1] / away, off[2] / away)};
-  }
-  const double px = p.x();
-  const double py = p.y();
-  const double pz = p.z();
-  double least = 1e9;
-  const Piece* nearest = nullptr;
-  double nearest_t = 0.0;
-  for (const Piece& piece : pieces_) {
-    const double x = px - piece.start[0];
-    const double y = py - piece.start[1];
-    const double z = pz - piece.start[2];
-    double t = (x * piece.along[0] + y * piece.along[1] + z * piece.along[2]) / piece.length2;
-    t = t < 0.0 ? 0.0 : (t > 1.0 ? 1.0 : t);
-    const double dx = x - t * piece.along[0];
-    const double dy = y - t * piece.along[1];
-    const double dz = z - t * piece.along[2];
-    const double value = std::sqrt(dx * dx + dy * dy + dz * dz) - (piece.radius + t * piece.taper);
-    if (value >= least) continue;
-    least = value;
-    nearest = &piece;
-    nearest_t = t;
-  }
-  const Vec3 along(nearest->along[0], nearest->along[1], nearest->along[2]);
-  const Vec3 arm = p - Vec3(nearest->start[0], nearest->start[1], nearest->start[2]) - nearest_t * along;
-  const double distance = arm.norm();
-  Vec3 gradient = distance > 0.0 ? Vec3(arm / distance) : Vec3::UnitX();
-  if (nearest_t > 0.0 && nearest_t < 1.0) gradient -= nearest->taper / nearest->length2 * along;
-  return {least, gradient};
 }
 
 namespace {

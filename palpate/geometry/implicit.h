@@ -14,8 +14,8 @@ struct FieldValue {
 };
 
 /// [setup] Union of two solids, rounded where they meet over a width `blend` [m] (0: a sharp crease). The
-/// polynomial smooth minimum: differs from the plain union only where both values differ by less than
-/// `blend`.
+/// cubic smooth minimum: differs from the plain union only where both values differ by less than `blend`, by
+/// blend / 6 on the seam; the surface's curvature has no step where the blend begins.
 [[nodiscard]] FieldValue unite(const FieldValue& a, const FieldValue& b, double blend) noexcept;
 
 /// [setup] Union with a furrow of `depth` [m] along the seam, over a `width` [m] measured by how much nearer
@@ -36,38 +36,6 @@ struct Ellipsoid {
   Mat3 axes = Mat3::Identity();   // columns: unit directions of the half axes
 
   [[nodiscard]] FieldValue at(const Vec3& p) const noexcept;
-};
-
-/// A point of a tube's centre line and the tube's radius there.
-struct TubeKnot {
-  Vec3 middle = Vec3::Zero();  // [m]
-  double radius = 0.0;         // [m]
-};
-
-/// A round tube along a smooth curve through its knots, ends rounded.
-class Tube final {
- public:
-  /// [setup] Catmull-Rom curve through at least two knots, each span in straight tapering pieces. Farther
-  /// than `far` from the box around the tube at() gives a lower bound only: `far` [m] must be at least the
-  /// widest blend with other solids.
-  Tube(const std::vector<TubeKnot>& knots, double far);
-
-  [[nodiscard]] FieldValue at(const Vec3& p) const noexcept;
-  [[nodiscard]] const std::vector<TubeKnot>& line() const noexcept { return line_; }
-
- private:
-  struct Piece {  // of the centre line, straight
-    std::array<double, 3> start{};
-    std::array<double, 3> along{};
-    double length2 = 0.0;
-    double radius = 0.0;  // at its start
-    double taper = 0.0;   // what its end has more
-  };
-
-  std::vector<TubeKnot> line_;
-  std::vector<Piece> pieces_;
-  Bounds box_;  // around everything
-  double far_;
 };
 
 /// A solid given by its field; sampled many times, always in the same order.

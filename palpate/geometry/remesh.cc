@@ -39,6 +39,7 @@ class Remesher final {
     }
     reach_count();
     for (int round = 0; round < goal_.polish; ++round) relax();
+    for (int level = 0; level < goal_.quadruplings; ++level) divide();
     for (int step = 0; step < 3; ++step) project();
     return surface_.mesh();
   }
@@ -94,6 +95,14 @@ class Remesher final {
     }
     const double triangles = 2.0 * (goal_.vertices - 2);
     return std::sqrt(4.0 / std::sqrt(3.0) * area / triangles);
+  }
+
+  /// Every triangle into four, with the wanted sizes in between, and as many relaxations as `touch` says.
+  void divide() {
+    surface_ = EditableSurface(quadruple(surface_.mesh()));
+    for (int step = 0; step < 3; ++step) project();
+    measure_sizes();
+    for (int round = 0; round < goal_.touch; ++round) relax();
   }
 
   void split_long(double longest) {

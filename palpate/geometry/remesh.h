@@ -6,12 +6,14 @@ namespace palpate::geometry {
 
 /// What remesh() shall make.
 struct RemeshGoal {
-  int vertices = 0;  // exactly so many
+  int vertices = 0;      // exactly so many, before `quadruplings`
+  int quadruplings = 0;  // how often every triangle is then divided into four (and relaxed): V -> 4 V - 6
   double bend_radius =
       0.015;            // [m] an edge is half as long where the surface bends by this radius as on a plane
   double finest = 0.3;  // shortest edge over the longest, at most this fine
   int rounds = 9;       // of splitting, collapsing, flipping and smoothing before the count is fixed
   int polish = 8;       // of flipping and smoothing after it
+  int touch = 3;        // the same after each quadrupling
 };
 
 /// [setup] Meshes a solid's surface anew: well-shaped triangles, smaller where the surface bends, every

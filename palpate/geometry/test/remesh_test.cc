@@ -1,13 +1,17 @@
 #include "palpate/geometry/remesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/geometry/field_arithmetic.h"
 #include "palpate/geometry/implicit.h"
 #include "palpate/geometry/loft.h"
 #include "palpate/geometry/test/shape_checks.h"
+#include "palpate/geometry/tube.h"
 
 namespace palpate::geometry {
 namespace {
@@ -37,8 +41,8 @@ TEST(Implicit, BlendsAreExactAwayFromTheSeamAndMeetInTheMiddle) {
   const FieldValue a{1.0, Vec3::UnitX()};
   const FieldValue b{2.0, Vec3::UnitY()};
   EXPECT_DOUBLE_EQ(unite(a, b, 0.5).value, 1.0);
-  EXPECT_DOUBLE_EQ(unite(a, a, 0.8).value, 1.0 - 0.2);  // blend/4 lower on the seam
-  EXPECT_DOUBLE_EQ(unite(a, b, 2.0).value, 1.0 - 0.25 * 2.0 * 0.25);
+  EXPECT_DOUBLE_EQ(unite(a, a, 0.8).value, 1.0 - 0.8 / 6.0);  // blend/6 lower on the seam
+  EXPECT_DOUBLE_EQ(unite(a, b, 2.0).value, 1.0 - 2.0 * 0.125 / 6.0);
   EXPECT_DOUBLE_EQ(intersect(a, b, 0.5).value, 2.0);
   EXPECT_DOUBLE_EQ(subtract(a, b, 0.5).value, 1.0);
   EXPECT_DOUBLE_EQ(subtract(b, {-3.0, Vec3::UnitX()}, 0.5).value, 3.0);
@@ -46,7 +50,7 @@ TEST(Implicit, BlendsAreExactAwayFromTheSeamAndMeetInTheMiddle) {
 
 TEST(Implicit, FurrowIsDeepestOnTheSeamAndGoneAtItsWidth) {
   const FieldValue a{1.0, Vec3::UnitX()};
-  EXPECT_DOUBLE_EQ(unite_with_furrow(a, a, 2.0, 0.7).value, 1.0 - 0.25 + 0.7);
+  EXPECT_DOUBLE_EQ(unite_with_furrow(a, a, 2.0, 0.7).value, 1.0 - 1.0 / 6.0 + 0.7);
   EXPECT_DOUBLE_EQ(unite_with_furrow(a, {3.0, Vec3::UnitY()}, 2.0, 0.7).value, 1.0);
 }
 
@@ -89,6 +93,66 @@ TEST(Remesh, BallGetsTheExactCountOnTheSurfaceWithGoodTriangles) {
     EXPECT_TRUE(testing::is_closed(mesh));
     EXPECT_GT(testing::smallest_angle(mesh), 30.0);
     for (const Vec3& v : mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 1e-9);
+  }
+}
+
+TEST(Remesh, QuadruplingsMultiplyTheTrianglesByFourOnTheSurface) {
+  const TriangleMesh start = polygonise(Ball(), kAroundBall, 0.003);
+  const TriangleMesh mesh = remesh(Ball(), start, {.vertices = 301, .quadruplings = 2});
+  EXPECT_EQ(mesh.triangles.size(), 16U * 598U);
+  EXPECT_TRUE(testing::is_closed(mesh));
+  EXPECT_GT(testing::smallest_angle(mesh), 30.0);
+  for (const Vec3& v : mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 1e-9);
+}
+
+TEST(Implicit, BlendHasNoStepInCurvatureWhereItBegins) {
+  // Along a the higher solid's share of the gradient starts as the square of what is left of the gap.
+  const FieldValue b{2.0, Vec3::UnitY()};
+  const auto share = [&](double a) { return unite({a, Vec3::UnitX()}, b, 1.0).gradient.y(); };
+  EXPECT_DOUBLE_EQ(share(1.0), 0.0);
+  EXPECT_NEAR(share(1.01) / share(1.02), 0.25, 1e-9);
+}
+
+TEST(Implicit, TubeGoesThroughItsKnotsWithoutStepsInDirection) {
+  const std::vector<TubeKnot> knots{
+      {{0.0, 0.0, 0.0}, 2.0}, {{5.0, 1.0, 0.0}, 1.5}, {{9.0, 4.0, 2.0}, 1.0}, {{9.0, 9.0, 2.0}, 1.0}};
+  const Tube tube(knots, 1e6);
+  for (std::size_t k = 0; k < knots.size(); ++k) {
+    const TubeKnot at = tube.knot_at(static_cast<double>(k) / 3.0);
+    EXPECT_LT((at.middle - knots[k].middle).norm(), 1e-12);
+    EXPECT_NEAR(at.radius, knots[k].radius, 1e-12);
+  }
+  constexpr double kStep = 1e-6;
+  for (const double knot : {1.0 / 3.0, 2.0 / 3.0}) {
+    const Vec3 before = tube.knot_at(knot).middle - tube.knot_at(knot - kStep).middle;
+    const Vec3 after = tube.knot_at(knot + kStep).middle - tube.knot_at(knot).middle;
+    EXPECT_LT((after - before).norm(), 1e-4 * before.norm());
+  }
+}
+
+TEST(Implicit, TubesValueIsTheLeastOverItsBalls) {
+  const Tube tube({{{0.0, 0.0, 0.0}, 2.0}, {{5.0, 1.0, 0.0}, 1.5}, {{9.0, 4.0, 2.0}, 1.0}}, 1e6);
+  for (const Vec3& p :
+       {Vec3(2.1, 3.3, 0.4), Vec3(-3.0, 0.2, 0.9), Vec3(6.2, -1.0, 1.9), Vec3(12.0, 6.0, 2.0)}) {
+    double least = 1e9;
+    for (int i = 0; i <= 20000; ++i) {
+      const TubeKnot ball = tube.knot_at(i / 20000.0);
+      least = std::min(least, (p - ball.middle).norm() - ball.radius);
+    }
+    EXPECT_NEAR(tube.at(p).value, least, 1e-6);
+  }
+}
+
+TEST(FieldArithmetic, GradientsAreThoseOfTheValues) {
+  const auto field = [](const Vec3& p) {
+    const FieldValue x = coordinate(p, Vec3::UnitX());
+    const FieldValue y = coordinate(p, Vec3::UnitY());
+    const FieldValue z = coordinate(p, Vec3(0.6, 0.0, 0.8));
+    const FieldValue wave = rise(x, 0.0, 4.0) * sin_cos_of(1.3 * z).sine - sin_cos_of(y).cosine;
+    return 2.0 * wave + magnitude(y - x) * length_of(x, z) + angle_of(z, x + 3.0) + 0.5;
+  };
+  for (const Vec3& p : {Vec3(1.1, 0.3, 0.4), Vec3(2.9, -1.2, 0.9), Vec3(3.3, 1.4, -2.2)}) {
+    expect_gradient_fits(field, p, 1e-6);
   }
 }
 
