@@ -35,11 +35,12 @@ Quat random_turn(std::mt19937& random) {
   return Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
-/// A smooth random way of a hand near the organ: through it, along it and off it again.
-Pose wander(double time, const Quat& turn) {
+/// A smooth way of a hand: the point `tip` of the part goes through the organ, along it and off it again.
+Pose wander(double time, const Quat& turn, const Vec3& tip) {
   const Vec3 place(30e-3 * std::sin(2.1 * time), 25e-3 * std::sin(1.7 * time + 1.0),
-                   22e-3 * std::sin(3.1 * time + 0.5));
-  return {rotation_about(Vec3(0.6, 0.0, 0.8), 0.8 * std::sin(1.3 * time)) * turn, place};
+                   22e-3 * std::sin(3.1 * time + 1.5));
+  const Quat rotation = rotation_about(Vec3(0.6, 0.0, 0.8), 0.8 * std::sin(1.3 * time)) * turn;
+  return {rotation, place - rotation * tip};
 }
 
 TEST(Proximity, NearestIsThatOfAllPointsAlongAnyWay) {
@@ -50,7 +51,7 @@ TEST(Proximity, NearestIsThatOfAllPointsAlongAnyWay) {
     PartState part = state_for(points);
     const Quat turn = random_turn(random);
     for (int tick = 0; tick < 1500; ++tick) {
-      move_part(surface, points, wander(tick * kPeriod, turn), kReference, kPeriod, part);
+      move_part(surface, points, wander(tick * kPeriod, turn, points.point(0)), kReference, kPeriod, part);
       if (tick % 7 != 0) continue;  // and after ticks in which nobody asked
       find_nearest(surface, points, part);
       double nearest = std::numeric_limits<double>::infinity();
@@ -71,7 +72,7 @@ TEST(Proximity, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
   std::vector<bool> was_inside(points.size(), false);
   int entered = 0;
   for (int tick = 0; tick < 1500; ++tick) {
-    move_part(surface, points, wander(tick * kPeriod, turn), kReference, kPeriod, part);
+    move_part(surface, points, wander(tick * kPeriod, turn, points.point(0)), kReference, kPeriod, part);
     std::uint32_t inside = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const bool now = surface.nearest(part.placed_S * points.point(i), -1).distance < kInside;
@@ -145,7 +146,7 @@ TEST(ToolPoints, OfADensePartAreThinnedOutAndStandOutAsFar) {
   geometry::ToolPart dense = coarse;
   for (int i = 0; i < 4; ++i) dense.mesh = geometry::quadruple(dense.mesh);
   const PartPoints points = sample_part(dense, 0.0);
-  ASSERT_GT(dense.mesh.vertices.size(), 50'000U);
+  ASSERT_GT(dense.mesh.vertices.size(), 40'000U);
   EXPECT_LE(points.size(), 2000U);
   double area = 0.0;
   double dense_area = 0.0;
@@ -172,6 +173,7 @@ TEST(Sharing, DoesNotJumpWhenOneOfTwoCoincidentContactsHasLeft) {
   for (Contact& contact : contacts) contact.elastic_force = 0.1;
   contacts[2].at.point = Vec3(4e-3, 0, 0);
   std::array<Contact*, 3> three{&contacts[0], &contacts[1], &contacts[2]};
+  contacts[1].leaving = true;
   contacts[1].presence = 1e-9;
   share_tissue(kReference, three);
   const double with_first = contacts[0].share;
@@ -187,6 +189,7 @@ TEST(Sharing, CoincidentContactsWeighAsOneWhileOneLeaves) {
   std::array<Contact, 2> contacts;
   for (Contact& contact : contacts) contact.elastic_force = 0.3;
   std::array<Contact*, 2> both{&contacts[0], &contacts[1]};
+  contacts[1].leaving = true;
   for (const double presence : {1.0, 0.7, 0.3, 0.01}) {
     contacts[1].presence = presence;
     share_tissue(kReference, both);
