@@ -60,9 +60,8 @@ TEST_P(TickPurity, NoHeapUseAndNoLockInTenThousandTicks) {
 }
 
 TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {
-  const std::string task = GetParam();
+  Rig rig = built_in(GetParam());  // before the fork, which threads at work do not survive
   const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
-    Rig rig = built_in(task);
     SnapshotCell<haptics::Snapshot> snapshots;
     Bracket sink(
         kTicks, nullptr, [&] { part.start(); }, [&] { part.done(); });
@@ -73,12 +72,11 @@ TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {
 }
 
 TEST_P(TickPurity, NoSystemCallButTheClockInRealTimeWithARecorder) {
-  const std::string task = GetParam();
+  Rig rig = built_in(GetParam());
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("palpate_purity_" + std::to_string(getpid()) + ".h5");
   const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
     constexpr std::uint64_t kRealTicks = 1500;
-    Rig rig = built_in(task);
     record::Recorder recorder(file, rig.setup, false);
     Bracket sink(
         kRealTicks, &recorder, [&] { part.start(); }, [&] { part.done(); });

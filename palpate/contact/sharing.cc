@@ -26,23 +26,36 @@ double eighth_power(double x) noexcept {
   return x4 * x4;
 }
 
+/// 1 - C + C / (1 + crowd), C = max c_ij, crowd = sum over the others of c_ij (F_j/F_i)^8.
+double share_among(const Contact& one, std::span<Contact* const> contacts, double reference_radius,
+                   bool with_leaving) noexcept {
+  double greatest = 0.0;
+  double crowd = 0.0;
+  for (const Contact* const other : contacts) {
+    if (other == &one || (other->leaving && !with_leaving)) continue;
+    const double close = closeness(one, *other, reference_radius);
+    if (close <= 0.0) continue;
+    greatest = std::max(greatest, close);
+    if (one.elastic_force > 0.0) crowd += close * eighth_power(other->elastic_force / one.elastic_force);
+  }
+  return 1.0 - greatest + greatest / (1.0 + crowd);
+}
+
 }  // namespace
 
 void share_tissue(double reference_radius, std::span<Contact* const> contacts) noexcept {
+  double presence = 0.0;  // of what is leaving
+  for (const Contact* const contact : contacts) {
+    if (contact->leaving) presence = std::max(presence, contact->presence);
+  }
   for (Contact* const one : contacts) {
-    double greatest = 0.0;  // C_i
-    double crowd = 0.0;     // sum over the others of c_ij (F_j/F_i)^8, as far as they are present
-    for (const Contact* const other : contacts) {
-      if (other == one) continue;
-      const double close = closeness(*one, *other, reference_radius);
-      if (close <= 0.0) continue;
-      greatest = std::max(greatest, close);
-      if (one->elastic_force > 0.0) {
-        crowd += close * other->presence * eighth_power(other->elastic_force / one->elastic_force);
-      }
+    one->share = share_among(*one, contacts, reference_radius, true);
+    if (one->leaving) {
+      one->share *= one->presence;
+    } else if (presence > 0.0) {  // from the shares beside it to those without it
+      one->share =
+          presence * one->share + (1.0 - presence) * share_among(*one, contacts, reference_radius, false);
     }
-    // Whole contacts: 1 - C + C / (1 + crowd).
-    one->share = one->presence * (1.0 - greatest) + greatest * one->presence / (one->presence + crowd);
   }
 }
 

@@ -103,28 +103,33 @@ DiscTree::DiscTree(const TriangleMesh& mesh) {
 
 void DiscTree::fill_leaves(const TriangleMesh& mesh) {
   leaves_.resize((triangle_of_.size() + kChildren - 1) / kChildren);
-  for (std::size_t slot = 0; slot < leaves_.size() * kChildren; ++slot) {
-    TriangleNode& leaf = leaves_[slot / kChildren];
-    const std::size_t lane = slot % kChildren;
-    Vec3 a = Vec3::Constant(kNowhere);
-    Vec3 ab = Vec3::Zero();
-    Vec3 ac = Vec3::Zero();
-    if (slot < triangle_of_.size()) {
-      const Triangle& corners = mesh.triangles[at(triangle_of_[slot])];
-      a = mesh.vertices[at(corners[0])] - origin_;
-      ab = mesh.vertices[at(corners[1])] - mesh.vertices[at(corners[0])];
-      ac = mesh.vertices[at(corners[2])] - mesh.vertices[at(corners[0])];
-    }
-    leaf.corner_x[lane] = static_cast<float>(a.x());
-    leaf.corner_y[lane] = static_cast<float>(a.y());
-    leaf.corner_z[lane] = static_cast<float>(a.z());
-    leaf.ab_x[lane] = static_cast<float>(ab.x());
-    leaf.ab_y[lane] = static_cast<float>(ab.y());
-    leaf.ab_z[lane] = static_cast<float>(ab.z());
-    leaf.ac_x[lane] = static_cast<float>(ac.x());
-    leaf.ac_y[lane] = static_cast<float>(ac.y());
-    leaf.ac_z[lane] = static_cast<float>(ac.z());
+  constexpr std::size_t kAtOnce = 8192;
+  for_ranges(leaves_.size() * kChildren, kAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t slot = begin; slot < end; ++slot) fill_lane(mesh, slot);
+  });
+}
+
+void DiscTree::fill_lane(const TriangleMesh& mesh, std::size_t slot) {
+  TriangleNode& leaf = leaves_[slot / kChildren];
+  const std::size_t lane = slot % kChildren;
+  Vec3 a = Vec3::Constant(kNowhere);
+  Vec3 ab = Vec3::Zero();
+  Vec3 ac = Vec3::Zero();
+  if (slot < triangle_of_.size()) {
+    const Triangle& corners = mesh.triangles[at(triangle_of_[slot])];
+    a = mesh.vertices[at(corners[0])] - origin_;
+    ab = mesh.vertices[at(corners[1])] - mesh.vertices[at(corners[0])];
+    ac = mesh.vertices[at(corners[2])] - mesh.vertices[at(corners[0])];
   }
+  leaf.corner_x[lane] = static_cast<float>(a.x());
+  leaf.corner_y[lane] = static_cast<float>(a.y());
+  leaf.corner_z[lane] = static_cast<float>(a.z());
+  leaf.ab_x[lane] = static_cast<float>(ab.x());
+  leaf.ab_y[lane] = static_cast<float>(ab.y());
+  leaf.ab_z[lane] = static_cast<float>(ab.z());
+  leaf.ac_x[lane] = static_cast<float>(ac.x());
+  leaf.ac_y[lane] = static_cast<float>(ac.y());
+  leaf.ac_z[lane] = static_cast<float>(ac.z());
 }
 
 /// Halves by the median across the longest side, at a multiple of the largest power of 4 below the count, so

@@ -68,6 +68,7 @@ class DiscTree final {
 
   void order(const std::vector<Vec3>& centres, std::int32_t begin, std::int32_t end);
   void fill_leaves(const TriangleMesh& mesh);
+  void fill_lane(const TriangleMesh& mesh, std::size_t slot);
   void bound_level(const TriangleMesh& mesh, int level);
 
   std::vector<TriangleNode> leaves_;                    // level 0

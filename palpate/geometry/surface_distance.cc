@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "palpate/base/error.h"
+#include "palpate/base/parallel.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/geometry/disc_search.h"
 
@@ -221,9 +222,12 @@ SurfaceDistance::SurfaceDistance(const TriangleMesh& mesh) {
   auto tree = std::make_unique<Tree>(mesh);
   const std::size_t count = mesh.triangles.size();
   std::vector<Vec3> face_normals(count);
-  for (std::size_t t = 0; t < count; ++t) {
-    face_normals[t] = unit_or_zero(area_vector_doubled(mesh, mesh.triangles[t]));
-  }
+  constexpr std::size_t kAtOnce = 8192;
+  for_ranges(count, kAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      face_normals[t] = unit_or_zero(area_vector_doubled(mesh, mesh.triangles[t]));
+    }
+  });
   for (const Vec3& vertex : mesh.vertices) {
     tree->scale = std::max(tree->scale, vertex.cwiseAbs().maxCoeff());
   }
@@ -232,12 +236,14 @@ SurfaceDistance::SurfaceDistance(const TriangleMesh& mesh) {
   tree->neighbours = std::move(neighbours);
   tree->slot_of.resize(count);
   tree->corners.resize(count);
-  for (std::size_t slot = 0; slot < count; ++slot) {
-    const std::int32_t t = tree->discs.triangle_of()[slot];
-    tree->slot_of[at(t)] = static_cast<std::int32_t>(slot);
-    const Triangle& triangle = mesh.triangles[at(t)];
-    for (std::size_t k = 0; k < 3; ++k) tree->corners[slot][k] = mesh.vertices[at(triangle[k])];
-  }
+  for_ranges(count, kAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t slot = begin; slot < end; ++slot) {
+      const std::int32_t t = tree->discs.triangle_of()[slot];
+      tree->slot_of[at(t)] = static_cast<std::int32_t>(slot);
+      const Triangle& triangle = mesh.triangles[at(t)];
+      for (std::size_t k = 0; k < 3; ++k) tree->corners[slot][k] = mesh.vertices[at(triangle[k])];
+    }
+  });
   tree_ = std::move(tree);
 }
 

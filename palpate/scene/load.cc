@@ -141,7 +141,7 @@ void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   setup.organ = geometry::make_organ(organ.value);
 }
 
-/// The tissue asked for; else the built-in one of the organ's name; else the task's.
+/// The tissue asked for; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
 model::TissueParameters find_tissue(const SceneDescription& scene) {
   if (scene.tissue) {
     try {
@@ -153,7 +153,7 @@ model::TissueParameters find_tissue(const SceneDescription& scene) {
   }
   if (!means_file(scene.organ->value)) {
     try {
-      return model::tissue_preset(scene.organ->value);
+      return model::tissue_preset(scene.organ->value.substr(0, scene.organ->value.find('-')));
     } catch (const InputError&) {  // an organ without a tissue of its own, such as the box
     }
   }
