@@ -127,6 +127,9 @@ class PlyCheck final {
   void add_element(std::string_view rest) {
     Element element;
     element.name = next_word(rest);
+    for (const Element& other : elements_) {  // of which the importer spoils its memory
+      if (other.name == element.name) refuse("the header declares element " + element.name + " twice");
+    }
     const std::string_view word = next_word(rest);
     const std::optional<std::int64_t> count = whole_number(word);
     if (!count || *count < 0) refuse("\"" + std::string(word) + "\" is not a number of " + element.name);

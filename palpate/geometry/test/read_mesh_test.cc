@@ -401,6 +401,11 @@ TEST_F(ReadMesh, RefusesBadPlyHeaders) {
   expect_refused("d.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty quux x\nend_header\n",
                  "not a PLY type");
   expect_refused("e.ply", "ply\nelement vertex 1\nproperty float x\nend_header\n1", "no format");
+  expect_refused(
+      "twice.ply",
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nelement vertex 1\nproperty float x\n"
+      "end_header\n0\n0\n",
+      "the header declares element vertex twice");
 }
 
 TEST_F(ReadMesh, RefusesGltfThatWouldTakeTheStackOrTheMemory) {

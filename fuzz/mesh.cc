@@ -1,0 +1,38 @@
+// Mesh files of the format PALPATE_FUZZ_ENDING: read, repaired to an organ, or refused in words.
+#include <utility>
+
+#include "palpate/geometry/read_mesh.h"
+#include "palpate/geometry/repair.h"
+
+#include "fuzz/input.h"
+
+namespace {
+
+using namespace palpate;
+
+void require_sound(const geometry::TriangleMesh& mesh) {
+  for (const Vec3& vertex : mesh.vertices) fuzz::require(vertex.allFinite(), "vertices are finite");
+  for (const geometry::Triangle& triangle : mesh.triangles) {
+    for (const std::int32_t v : triangle) {
+      fuzz::require(v >= 0 && static_cast<std::size_t>(v) < mesh.vertices.size(), "indices are in range");
+    }
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const fuzz::InputFile input(PALPATE_FUZZ_ENDING);
+  const std::filesystem::path& file = input.hold({data, size});
+  fuzz::read_or_refuse(file.string(), [&] {
+    geometry::LoadedMesh loaded = geometry::read_mesh(file, LengthUnit::kMillimetre);
+    require_sound(loaded.mesh);
+    // Whatever its size, which repair_organ() judges too.
+    const geometry::RepairedSurface repaired = geometry::repair_surface(loaded.mesh);
+    require_sound(repaired.mesh);
+    loaded = geometry::repair_organ(std::move(loaded), file.string());
+    require_sound(loaded.mesh);
+    fuzz::require(loaded.findings.closed && loaded.findings.manifold, "an organ is closed and manifold");
+  });
+  return 0;
+}

@@ -1,0 +1,11 @@
+// Scene files, without the files that they name.
+#include "palpate/scene/scene_file.h"
+
+#include "fuzz/input.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const palpate::fuzz::InputFile input(".toml");
+  const std::filesystem::path& file = input.hold({data, size});
+  palpate::fuzz::read_or_refuse(file.string(), [&] { (void)palpate::scene::read_scene_file(file); });
+  return 0;
+}

@@ -1,0 +1,363 @@
+// Small valid files for every fuzz target to start from: FOLDER/TARGET/NAME. Usage: palpate_fuzz_seeds FOLDER
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "palpate/base/array_file.h"
+#include "palpate/base/error.h"
+#include "palpate/model/tissue.h"
+#include "palpate/record/scene_json.h"
+#include "palpate/record/test/sample_recording.h"
+#include "palpate/scene/tissue_file.h"
+
+namespace {
+
+using namespace palpate;
+
+using Face = std::vector<int>;
+
+struct Shape {
+  std::string name;
+  std::vector<std::array<float, 3>> vertices;  // mm
+  std::vector<Face> faces;
+};
+
+const std::vector<Shape> kShapes{
+    {"tetrahedron",
+     {{0, 0, 0}, {20, 0, 0}, {0, 30, 0}, {0, 0, 40}},
+     {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}},
+    {"open", {{0, 0, 0}, {20, 0, 0}, {0, 30, 0}, {0, 0, 40}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}}},
+    {"two",  // that touch in a vertex, one of them turned inwards
+     {{0, 0, 0}, {20, 0, 0}, {0, 30, 0}, {0, 0, 40}, {-20, 0, 0}, {0, -30, 0}, {0, 0, -40}},
+     {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 5, 4}, {0, 4, 6}, {4, 5, 6}, {0, 6, 5}}},
+    {"cube",
+     {{0, 0, 0}, {20, 0, 0}, {20, 20, 0}, {0, 20, 0}, {0, 0, 20}, {20, 0, 20}, {20, 20, 20}, {0, 20, 20}},
+     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}}};
+
+template <typename T>
+std::string little_endian(T value) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  return bytes;
+}
+
+template <typename T>
+std::string big_endian(T value) {
+  const std::string bytes = little_endian(value);
+  return {bytes.rbegin(), bytes.rend()};
+}
+
+std::uint32_t count_of(const std::string& bytes) { return static_cast<std::uint32_t>(bytes.size()); }
+
+std::string numbers(const std::array<float, 3>& vertex) {
+  return std::to_string(vertex[0]) + ' ' + std::to_string(vertex[1]) + ' ' + std::to_string(vertex[2]);
+}
+
+/// All faces cut into fans of triangles.
+std::vector<Face> triangles(const Shape& shape) {
+  std::vector<Face> cut;
+  for (const Face& face : shape.faces) {
+    for (std::size_t k = 2; k < face.size(); ++k) cut.push_back({face[0], face[k - 1], face[k]});
+  }
+  return cut;
+}
+
+std::string text_stl(const Shape& shape) {
+  std::string text = "solid a\n";
+  for (const Face& face : triangles(shape)) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const int v : face) text += "vertex " + numbers(shape.vertices[static_cast<std::size_t>(v)]) + '\n';
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid a\n";
+}
+
+std::string binary_stl(const Shape& shape) {
+  const std::vector<Face> cut = triangles(shape);
+  std::string bytes(80, ' ');
+  bytes += little_endian(static_cast<std::uint32_t>(cut.size()));
+  for (const Face& face : cut) {
+    bytes += std::string(12, '\0');
+    for (const int v : face) {
+      for (const float x : shape.vertices[static_cast<std::size_t>(v)]) bytes += little_endian(x);
+    }
+    bytes += std::string(2, '\0');
+  }
+  return bytes;
+}
+
+std::string obj(const Shape& shape) {
+  std::string text = "# a comment\no a\n";
+  for (const auto& vertex : shape.vertices) text += "v " + numbers(vertex) + '\n';
+  for (const Face& face : shape.faces) {
+    text += 'f';
+    for (const int v : face) text += ' ' + std::to_string(v + 1);
+    text += '\n';
+  }
+  return text + "f -1/1/1 -2//1 -3/1\nl 1 2\n";
+}
+
+/// One line a face, its number of corners first.
+std::string face_lines(const Shape& shape) {
+  std::string text;
+  for (const Face& face : shape.faces) {
+    text += std::to_string(face.size());
+    for (const int v : face) text += ' ' + std::to_string(v);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string vertex_lines(const Shape& shape) {
+  std::string text;
+  for (const auto& vertex : shape.vertices) text += numbers(vertex) + '\n';
+  return text;
+}
+
+std::string off(const Shape& shape) {
+  return "OFF\n" + std::to_string(shape.vertices.size()) + ' ' + std::to_string(shape.faces.size()) + " 0\n" +
+         vertex_lines(shape) + face_lines(shape);
+}
+
+std::string ply_header(const Shape& shape, const std::string& form) {
+  return "ply\nformat " + form + " 1.0\ncomment a\nelement vertex " + std::to_string(shape.vertices.size()) +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+         std::to_string(shape.faces.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string text_ply(const Shape& shape) {
+  return ply_header(shape, "ascii") + vertex_lines(shape) + face_lines(shape);
+}
+
+std::string binary_ply(const Shape& shape) {
+  std::string bytes = ply_header(shape, "binary_little_endian");
+  for (const auto& vertex : shape.vertices) {
+    for (const float x : vertex) bytes += little_endian(x);
+  }
+  for (const Face& face : shape.faces) {
+    bytes += static_cast<char>(face.size());
+    for (const int v : face) bytes += little_endian(v);
+  }
+  return bytes;
+}
+
+std::string chunk_3ds(std::uint16_t id, const std::string& content) {
+  return little_endian(id) + little_endian(count_of(content) + 6) + content;
+}
+
+std::string three_ds(const Shape& shape) {
+  const std::vector<Face> cut = triangles(shape);
+  std::string vertices = little_endian(static_cast<std::uint16_t>(shape.vertices.size()));
+  for (const auto& vertex : shape.vertices) {
+    for (const float x : vertex) vertices += little_endian(x);
+  }
+  std::string faces = little_endian(static_cast<std::uint16_t>(cut.size()));
+  for (const Face& face : cut) {
+    for (const int v : face) faces += little_endian(static_cast<std::uint16_t>(v));
+    faces += little_endian(std::uint16_t{7});
+  }
+  const std::string part =
+      std::string("a") + '\0' + chunk_3ds(0x4100, chunk_3ds(0x4110, vertices) + chunk_3ds(0x4120, faces));
+  return chunk_3ds(0x4d4d, chunk_3ds(0x3d3d, chunk_3ds(0x4000, part)));
+}
+
+/// Vertices, then triangles, as the buffer of a glTF.
+std::string gltf_buffer(const Shape& shape) {
+  std::string bytes;
+  for (const auto& vertex : shape.vertices) {
+    for (const float x : vertex) bytes += little_endian(x);
+  }
+  for (const Face& face : triangles(shape)) {
+    for (const int v : face) bytes += little_endian(static_cast<std::uint16_t>(v));
+  }
+  return bytes;
+}
+
+std::string gltf_json(const Shape& shape, const std::string& uri) {
+  const std::size_t places = 12 * shape.vertices.size();
+  const std::size_t corners = 3 * triangles(shape).size();
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1]},)"
+         R"({"mesh":0,"scale":[1,1,-1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+         R"("buffers":[{)" +
+         uri + R"("byteLength":)" + std::to_string(places + 2 * corners) +
+         R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + std::to_string(places) +
+         R"(},{"buffer":0,"byteOffset":)" + std::to_string(places) + R"(,"byteLength":)" +
+         std::to_string(2 * corners) +
+         R"(}],"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":)" +
+         std::to_string(shape.vertices.size()) +
+         R"(},{"bufferView":1,"componentType":5123,"type":"SCALAR","count":)" + std::to_string(corners) +
+         "}]}";
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += i + k > bytes.size() ? '=' : kDigits[bits >> (18 - 6 * k) & 63U];
+    }
+  }
+  return text;
+}
+
+std::string gltf(const Shape& shape) {
+  return gltf_json(shape,
+                   R"("uri":"data:application/octet-stream;base64,)" + base64(gltf_buffer(shape)) + "\",");
+}
+
+std::string glb(const Shape& shape) {
+  std::string json = gltf_json(shape, "");
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const std::string buffer = gltf_buffer(shape);
+  const std::string body = little_endian(count_of(json)) + "JSON" + json + little_endian(count_of(buffer)) +
+                           std::string("BIN\0", 4) + buffer;
+  return "glTF" + little_endian(std::uint32_t{2}) + little_endian(12 + count_of(body)) + body;
+}
+
+std::string vtk_numbers(const Shape& shape) {
+  std::size_t numbers = 0;
+  for (const Face& face : shape.faces) numbers += face.size() + 1;
+  return std::to_string(shape.faces.size()) + ' ' + std::to_string(numbers) + '\n';
+}
+
+std::string text_vtk(const Shape& shape) {
+  return "# vtk DataFile Version 3.0\na\nASCII\nDATASET POLYDATA\nPOINTS " +
+         std::to_string(shape.vertices.size()) + " float\n" + vertex_lines(shape) + "POLYGONS " +
+         vtk_numbers(shape) + face_lines(shape) + "TRIANGLE_STRIPS 1 5\n4 0 1 2 3\n";
+}
+
+std::string binary_vtk(const Shape& shape) {
+  std::string bytes = "# vtk DataFile Version 3.0\na\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS " +
+                      std::to_string(shape.vertices.size()) + " double\n";
+  for (const auto& vertex : shape.vertices) {
+    for (const float x : vertex) bytes += big_endian(static_cast<double>(x));
+  }
+  bytes += "\nCELLS " + vtk_numbers(shape);
+  for (const Face& face : shape.faces) {
+    bytes += big_endian(static_cast<std::int32_t>(face.size()));
+    for (const int v : face) bytes += big_endian(v);
+  }
+  bytes += "\nCELL_TYPES " + std::to_string(shape.faces.size()) + '\n';
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) bytes += big_endian(std::int32_t{7});  // polygon
+  return bytes;
+}
+
+class Seeds final {
+ public:
+  explicit Seeds(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  [[nodiscard]] std::filesystem::path place(const std::string& target, const std::string& name) const {
+    std::filesystem::create_directories(folder_ / target);
+    return folder_ / target / name;
+  }
+  void add(const std::string& target, const std::string& name, const std::string& bytes) const {
+    std::ofstream out(place(target, name), std::ios::binary);
+    if (!out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush()) {
+      throw InputError(place(target, name).string() + ": cannot be written");
+    }
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+void add_meshes(const Seeds& seeds) {
+  for (const Shape& shape : kShapes) {
+    seeds.add("mesh_stl", shape.name + "_text", text_stl(shape));
+    seeds.add("mesh_stl", shape.name, binary_stl(shape));
+    seeds.add("mesh_obj", shape.name, obj(shape));
+    seeds.add("mesh_ply", shape.name + "_text", text_ply(shape));
+    seeds.add("mesh_ply", shape.name, binary_ply(shape));
+    seeds.add("mesh_off", shape.name, off(shape));
+    seeds.add("mesh_3ds", shape.name, three_ds(shape));
+    seeds.add("mesh_gltf", shape.name, gltf(shape));
+    seeds.add("mesh_glb", shape.name, glb(shape));
+    seeds.add("mesh_vtk", shape.name + "_text", text_vtk(shape));
+    seeds.add("mesh_vtk", shape.name, binary_vtk(shape));
+  }
+}
+
+constexpr const char* kScene = R"([scene]
+name = "a"
+task = "pull"
+rate_Hz = 1000
+seed = 1
+[organ]
+mesh = "organ.stl"
+unit = "mm"
+tissue = "heart"
+pose = { position_mm = [1, 2, 3], rotation_deg = [0, 90, 0] }
+[[organ.motion]]
+kind = "breathing"
+amplitude_mm = 5.0
+[[tool]]
+mesh = "sphere:3"
+tip_radius_mm = 3.0
+mount = { position_mm = [0, 0, 0], rotation_deg = [0, 0, 0] }
+[[tool.jaw]]
+mesh = "jaw.stl"
+pivot_mm = [0, 0, 0]
+axis = [0, 1, 0]
+open_deg = 15
+[[device]]
+kind = "scripted"
+path = "press.csv"
+workspace_scale = 1.0
+base = { position_mm = [0, 0, 0], rotation_deg = [0, 0, 0] }
+[noise]
+enabled = true
+threshold_mm = 5.0
+user_threshold_N = 0.02
+share_of_threshold = 0.6
+[safety]
+max_force_N = 20.0
+max_slew_N_per_ms = 5.0
+max_torque_N_m = 0.2
+max_slew_N_m_per_ms = 0.05
+)";
+
+void add_the_rest(const Seeds& seeds) {
+  seeds.add("scene", "scene", kScene);
+  seeds.add("tissue", "heart", scene::to_toml(model::tissue_preset("heart")));
+  model::TissueParameters fitted = model::tissue_preset("liver");
+  fitted.source = model::SourceParameters{"ball", 3e-3};
+  seeds.add("tissue", "fitted", scene::to_toml(fitted));
+  seeds.add("tool_path", "places", "time_s,x_m,y_m,z_m\n0,0,0,0.1\n0.5,0,1e-3,-0.1\n");
+  seeds.add("tool_path", "all",
+            "time_s,x_m,y_m,z_m,qw,qx,qy,qz,gripper\n0,0,0,1,1,0,0,0,1\n1,0,0,0,0,1,0,0,0\n");
+  seeds.add("scene_json", "scene", record::setup_to_json(record::sample_setup(2)));
+  record::record_sample(seeds.place("recording", "no_tick"), 0, 1);
+  record::record_sample(seeds.place("recording", "some"), 20, 2);
+  ArrayFileWriter writer(seeds.place("array_file", "arrays"), ContentHash{});
+  writer.put("numbers", std::vector<double>{1.0, 2.0});
+  writer.put("bytes", std::vector<std::uint8_t>{1, 2, 3});
+  if (!writer.commit()) throw InputError("array_file: cannot be written");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: palpate_fuzz_seeds FOLDER\n", stderr);
+    return 2;
+  }
+  try {
+    const Seeds seeds(argv[1]);
+    add_meshes(seeds);
+    add_the_rest(seeds);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "palpate_fuzz_seeds: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
