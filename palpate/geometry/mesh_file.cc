@@ -271,6 +271,44 @@ class OffCheck final {
   PolygonBudget polygons_;
 };
 
+/// Calls visit(id, begin, end) for each chunk between two bytes of a 3DS file; a chunk that does not fit ends
+/// it.
+template <typename Visit>
+void each_3ds_chunk(const std::string& bytes, std::size_t begin, std::size_t end, const Visit& visit) {
+  constexpr std::size_t kHead = 6;
+  while (begin + kHead <= end) {
+    const std::size_t length = little_endian_32(bytes, begin + 2);
+    if (length < kHead || length > end - begin) return;
+    const auto low = static_cast<unsigned char>(bytes[begin]);
+    const auto high = static_cast<unsigned char>(bytes[begin + 1]);
+    visit(256U * high + low, begin + kHead, begin + length);
+    begin += length;
+  }
+}
+
+/// The importer believes how many keys a track of the key frames declares.
+void check_3ds_tracks(const MeshFile& file, std::size_t begin, std::size_t end) {
+  constexpr unsigned kFirstTrack = 0xB020;
+  constexpr unsigned kLastTrack = 0xB029;
+  constexpr std::size_t kBeforeCount = 10;  // flags and what is not used
+  constexpr std::size_t kLeastKey = 6;      // bytes
+  each_3ds_chunk(file.bytes, begin, end, [&](unsigned, std::size_t node, std::size_t node_end) {
+    each_3ds_chunk(file.bytes, node, node_end, [&](unsigned id, std::size_t track, std::size_t track_end) {
+      if (id < kFirstTrack || id > kLastTrack) return;
+      if (track_end - track < kBeforeCount + 4) {
+        throw InputError(file.path.string() + ", byte " + std::to_string(track) +
+                         ": a track of key frames is too short");
+      }
+      const std::size_t keys = little_endian_32(file.bytes, track + kBeforeCount);
+      if (keys > (track_end - track) / kLeastKey) {
+        throw InputError(file.path.string() + ", byte " + std::to_string(track) +
+                         ": a track of key frames declares " + std::to_string(keys) + " keys in " +
+                         std::to_string(track_end - track) + " bytes");
+      }
+    });
+  });
+}
+
 void check_3ds(const MeshFile& file) {
   const std::string& bytes = file.bytes;
   if (bytes.size() < 6 || bytes.compare(0, 2, "MM") != 0) {
@@ -281,6 +319,11 @@ void check_3ds(const MeshFile& file) {
     throw InputError(file.path.string() + ": truncated: declares " + std::to_string(declared) +
                      " bytes, has " + std::to_string(bytes.size()));
   }
+  constexpr unsigned kKeyFrames = 0xB000;
+  constexpr std::size_t kHead = 6;
+  each_3ds_chunk(bytes, kHead, bytes.size(), [&](unsigned id, std::size_t begin, std::size_t end) {
+    if (id == kKeyFrames) check_3ds_tracks(file, begin, end);
+  });
 }
 
 }  // namespace

@@ -80,6 +80,7 @@ class PlyCheck final {
   FileFacts run() {
     read_header();
     for (const Element& element : elements_) {
+      check_face(element);
       check_count(element);
       for (std::size_t n = 0; n < element.count; ++n) check_one(element, n);
     }
@@ -88,7 +89,7 @@ class PlyCheck final {
 
  private:
   [[noreturn]] void refuse(const std::string& words) const {
-    throw InputError(file_.path.string() + ": " + words);
+    throw InputError(file_.path.string() + ": " + without_controls(words));
   }
 
   Scalar scalar_of(std::string_view word) const {
@@ -148,7 +149,17 @@ class PlyCheck final {
     }
     property.type = scalar_of(word);
     property.name = next_word(rest);
+    if (property.name.empty()) refuse("a property of element " + elements_.back().name + " has no name");
     elements_.back().properties.push_back(std::move(property));
+  }
+
+  /// The importer takes any other list for the vertices of a face, and does not look at its numbers.
+  void check_face(const Element& element) const {
+    const bool has_vertices =
+        std::any_of(element.properties.begin(), element.properties.end(), [](const Property& p) {
+          return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+        });
+    if (element.name == "face" && !has_vertices) refuse("element face has no list vertex_indices");
   }
 
   void check_count(const Element& element) const {

@@ -134,4 +134,13 @@ std::size_t PointSet::Hash::operator()(const Point& point) const noexcept {
   return static_cast<std::size_t>(hash ^ (hash >> 32));
 }
 
+std::string without_controls(std::string words) {
+  constexpr char kFirstPrinted = 0x20;
+  constexpr char kDelete = 0x7f;
+  for (char& c : words) {
+    if ((c >= 0 && c < kFirstPrinted) || c == kDelete) c = '?';
+  }
+  return words;
+}
+
 }  // namespace palpate::geometry

@@ -80,4 +80,8 @@ class PointSet final {
   std::unordered_set<Point, Hash> distinct_;
 };
 
+/// [setup] `words` without control characters, each turned into '?': what a file says may stand in a message
+/// of one line.
+[[nodiscard]] std::string without_controls(std::string words);
+
 }  // namespace palpate::geometry

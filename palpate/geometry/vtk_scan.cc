@@ -65,7 +65,7 @@ void VtkScan::refuse(const std::string& words) const {
     const auto end = bytes_.begin() + static_cast<std::ptrdiff_t>(std::min(last_, bytes_.size()));
     place = ", line " + std::to_string(1 + std::count(bytes_.begin(), end, '\n'));
   }
-  throw InputError(file_.path.string() + place + ": " + words);
+  throw InputError(file_.path.string() + place + ": " + without_controls(words));
 }
 
 void VtkScan::refuse_as_truncated(const std::string& of) const { refuse("truncated: ends in " + of); }

@@ -406,6 +406,30 @@ TEST_F(ReadMesh, RefusesBadPlyHeaders) {
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nelement vertex 1\nproperty float x\n"
       "end_header\n0\n0\n",
       "the header declares element vertex twice");
+  expect_refused("noname.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float\nend_header\n0\n",
+                 "a property of element vertex has no name");
+  expect_refused("nolist.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nelement face 1\n"
+                 "property list uchar int v\nend_header\n0\n3 0 7 9\n",
+                 "element face has no list vertex_indices");
+}
+
+TEST_F(ReadMesh, Refuses3dsTracksOfMoreKeysThanTheyHoldBytes) {
+  const auto chunk = [](unsigned id, const std::string& body) {
+    const auto length = static_cast<std::uint32_t>(body.size() + 6);
+    std::string bytes{static_cast<char>(id & 255U), static_cast<char>(id >> 8U)};
+    for (unsigned k = 0; k < 4; ++k) bytes += static_cast<char>((length >> (8 * k)) & 255U);
+    return bytes + body;
+  };
+  const std::string track = chunk(0xB020, std::string(10, '\0') + "\xff\xff\xff\xff" + std::string(20, '\0'));
+  expect_refused("keys.3ds", chunk(0x4D4D, chunk(0xB000, chunk(0xB002, track))),
+                 "declares 4294967295 keys in 34 bytes");
+  expect_refused("short.3ds", chunk(0x4D4D, chunk(0xB000, chunk(0xB002, chunk(0xB020, "abc")))),
+                 "a track of key frames is too short");
+}
+
+TEST_F(ReadMesh, SaysControlCharactersOfAFileAsQuestionMarks) {
+  expect_refused("a.vtk", "# vtk DataFile Version 3\r\r.0\na\nASCII\n", "version \"3??.0\"");
 }
 
 TEST_F(ReadMesh, RefusesGltfThatWouldTakeTheStackOrTheMemory) {
