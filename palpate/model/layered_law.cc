@@ -1,9 +1,7 @@
 #include "palpate/model/layered_law.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
 #include "palpate/base/error.h"
@@ -48,6 +46,10 @@ LayeredSpringLaw::LayeredSpringLaw(const TissueParameters& tissue, Direction dir
   if (layer == 0)
     throw ParameterError("k1_N_per_m", tissue.k1, "small enough that k1 x L_1 is a finite force");
   layers_ = static_cast<int>(layer);
+  for (std::size_t below = 1; below < layer; ++below) {
+    filled_[below] = filled_[below - 1];
+    filled_[below][below - 1] = limit_[below - 1];
+  }
 }
 
 ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
@@ -69,13 +71,7 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::layer_state(std::size_t cutoff,
   LayerState state;
   state.cutoff_layer = static_cast<int>(cutoff);
   state.stiffness = slope_[cutoff - 1];
-  state.deformation.fill(0.0);  // all of it: a number of stores that is known beats a call for the rest
-  // A mask instead of a branch a layer, which the next force would mispredict.
-  const auto layers = static_cast<std::size_t>(layers_);
-  for (std::size_t i = 0; i < layers; ++i) {
-    const std::uint64_t mask = 0 - static_cast<std::uint64_t>(i + 1 < cutoff);
-    state.deformation[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(limit_[i]) & mask);
-  }
+  state.deformation = filled_[cutoff - 1];  // a copy of known size: no branch that the next force mispredicts
   state.deformation[cutoff - 1] = std::min(in_cutoff, limit_[cutoff - 1]);
   return state;
 }

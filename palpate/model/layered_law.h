@@ -67,9 +67,10 @@ class LayeredSpringLaw final {
   std::array<double, kMaxLayers + 1> start_force_{};  // force at which layer i+1 starts [N]
   std::array<double, kMaxLayers + 1>
       past_depth_{};  // past it layer i is over: its end and a few roundings [m]
-  std::array<double, kMaxLayers + 1> past_force_{};  // the same [N]
-  std::array<double, kMaxLayers> slope_{};           // P_i k_i [N/m]
-  std::array<double, kMaxLayers> limit_{};           // L_i [m]
+  std::array<double, kMaxLayers + 1> past_force_{};                  // the same [N]
+  std::array<double, kMaxLayers> slope_{};                           // P_i k_i [N/m]
+  std::array<double, kMaxLayers> limit_{};                           // L_i [m]
+  std::array<std::array<double, kMaxLayers>, kMaxLayers> filled_{};  // deformations while layer i+1 fills [m]
 };
 
 }  // namespace palpate::model
