@@ -49,9 +49,9 @@ Vec3 plane_normal(const Corners& corner) noexcept {
   }
   // From the corner across the longest edge, whose two edges are the shorter ones, the product is most exact.
   const Vec3& apex = corner[kNext[kNext[longest_edge]]];
-  const Vec3 normal = (corner[longest_edge] - apex).cross(corner[kNext[longest_edge]] - apex);
-  if (normal.squaredNorm() > kSliver * kSliver * longest_squared * longest_squared) return normal;
-  return Vec3::Zero();
+  Vec3 normal = (corner[longest_edge] - apex).cross(corner[kNext[longest_edge]] - apex);
+  if (!(normal.squaredNorm() > kSliver * kSliver * longest_squared * longest_squared)) normal.setZero();
+  return normal;
 }
 
 /// Nearest point on edge e, kept in `best` if it is nearer.
@@ -260,7 +260,7 @@ Vec3 SurfaceDistance::Tree::pseudonormal(const Best& best) const noexcept {
   if (best.on.feature < kFirstEdge) {
     return vertex_normals[at(triangles[at(best.triangle)][at(best.on.feature)])];
   }
-  const Vec3 own = face_normal(best.triangle);
+  Vec3 own = face_normal(best.triangle);
   if (best.on.feature == kFace) return own;
   return unit_or_zero(own + face_normal(neighbours[at(best.triangle)][at(best.on.feature - kFirstEdge)]));
 }
