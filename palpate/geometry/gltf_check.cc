@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/error.h"
+#include "palpate/geometry/text_scan.h"
 
 namespace palpate::geometry {
 namespace {
@@ -55,6 +58,7 @@ class GltfCheck final {
     root_ = json::parse(text_.begin(), text_.end(), nullptr, /*allow_exceptions=*/false);
     if (!root_.is_object()) refuse("not a JSON document");
     check_nodes();
+    check_buffers();
     check_accessors();
     check_parts();
   }
@@ -110,6 +114,33 @@ class GltfCheck final {
       if (++visited > kMostNodes)
         refuse("its nodes are used more than " + std::to_string(kMostNodes) + " times");
       add(list(nodes[node], "children"), depth + 1);
+    }
+  }
+
+  /// Dots and slashes written as codes.
+  static bool hides_a_path(const std::string& name) {
+    for (std::size_t at = name.find("%2"); at != std::string::npos; at = name.find("%2", at + 1)) {
+      if (at + 2 < name.size() && std::string_view("eEfF").find(name[at + 2]) != std::string_view::npos)
+        return true;
+    }
+    return false;
+  }
+
+  /// A buffer of a file of its own lies beside or below the mesh file: no other file is opened for it.
+  void check_buffers() const {
+    for (const json& buffer : list(root_, "buffers")) {
+      if (!buffer.is_object()) continue;
+      const auto uri = buffer.find("uri");
+      if (uri == buffer.end() || !uri->is_string()) continue;
+      const std::string name = uri->get<std::string>();
+      if (name.starts_with("data:")) continue;
+      const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+      const bool leaves = path.is_absolute() || path.empty() || *path.begin() == ".." ||
+                          name.find(':') != std::string::npos || hides_a_path(name);
+      if (leaves) {
+        refuse(without_controls("buffer \"" + name.substr(0, 60) +
+                                "\": must be a file in the folder of the mesh"));
+      }
     }
   }
 

@@ -428,6 +428,15 @@ TEST_F(ReadMesh, Refuses3dsTracksOfMoreKeysThanTheyHoldBytes) {
                  "a track of key frames is too short");
 }
 
+TEST_F(ReadMesh, RefusesGltfBuffersOutsideItsFolder) {
+  for (const std::string uri :
+       {"/dev/zero", "../secret.bin", "a/../../b.bin", "file:///etc/passwd", "%2e%2e/b.bin"}) {
+    expect_refused("out.gltf",
+                   R"({"asset":{"version":"2.0"},"buffers":[{"uri":")" + uri + R"(","byteLength":36}]})",
+                   "must be a file in the folder of the mesh");
+  }
+}
+
 TEST_F(ReadMesh, SaysControlCharactersOfAFileAsQuestionMarks) {
   expect_refused("a.vtk", "# vtk DataFile Version 3\r\r.0\na\nASCII\n", "version \"3??.0\"");
 }
