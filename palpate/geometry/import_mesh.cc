@@ -166,7 +166,8 @@ ImportedMesh import_mesh(const MeshFile& file, const FileFacts& facts) {
   FaceCounts counts;
   counts.lines = facts.lines;
   ImportedMesh imported;
-  const bool is_cleaned = file.format == MeshFormat::kObj;
+  const bool is_cleaned =
+      file.format == MeshFormat::kObj || file.format == MeshFormat::kPly || file.format == MeshFormat::kOff;
   if (!is_cleaned || facts.cleaned.find("\nf ") != std::string::npos) {
     const LogCapture log;
     Assimp::Importer importer;

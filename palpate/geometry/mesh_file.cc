@@ -212,11 +212,15 @@ class OffCheck final {
     const std::size_t faces = count_of(rest, "faces");
     for (std::size_t v = 1; v <= vertices; ++v) {
       const std::string_view content = next_content();
-      points_.add(read_point(content, where(), v));
+      const Point point = read_point(content, where(), v);
+      points_.add(point);
+      text_.add_point(point);
     }
     points_.count = vertices;
     for (std::size_t f = 0; f < faces; ++f) check_face(vertices);
-    return points_.facts();
+    FileFacts facts = points_.facts();
+    facts.cleaned = text_.take();
+    return facts;
   }
 
  private:
@@ -262,12 +266,15 @@ class OffCheck final {
         refuse("vertex index " + std::to_string(*index) + " is out of range: the file has " +
                std::to_string(vertices) + " vertices, the first is 0");
       }
+      text_.add_corner(static_cast<std::uint64_t>(*index));
     }
+    text_.end_face();
   }
 
   const MeshFile& file_;
   LineReader lines_;
   PointSet points_;
+  ObjText text_;
   PolygonBudget polygons_;
 };
 

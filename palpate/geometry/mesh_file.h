@@ -19,7 +19,7 @@ struct FileFacts {
   bool has_vertex_list = false;  // the format has one: OBJ, PLY, OFF
   std::size_t vertices = 0;
   std::size_t distinct_vertices = 0;
-  std::string cleaned;    // OBJ: vertices and faces alone, for the importer; otherwise empty
+  std::string cleaned;    // OBJ, PLY, OFF: vertices and faces alone, as OBJ, for the importer
   std::size_t lines = 0;  // OBJ: lines, points and curves that `cleaned` leaves out
 };
 

@@ -84,7 +84,9 @@ class PlyCheck final {
       check_count(element);
       for (std::size_t n = 0; n < element.count; ++n) check_one(element, n);
     }
-    return points_.facts();
+    FileFacts facts = points_.facts();
+    facts.cleaned = text_.take();
+    return facts;
   }
 
  private:
@@ -236,6 +238,7 @@ class PlyCheck final {
     if (!is_vertex) return;
     require_finite(point, file_.path.string(), n + 1);
     points_.add(point);
+    text_.add_point(point);
   }
 
   void check_list(const Element& element, const Property& property, std::size_t n) {
@@ -256,7 +259,9 @@ class PlyCheck final {
                ": a vertex index is out of range: the file has " + std::to_string(points_.count) +
                " vertices, the first is 0");
       }
+      if (element.name == "face") text_.add_corner(static_cast<std::uint64_t>(index));
     }
+    text_.end_face();
   }
 
   const MeshFile& file_;
@@ -265,6 +270,7 @@ class PlyCheck final {
   std::string_view body_;
   std::vector<Element> elements_;
   PointSet points_;
+  ObjText text_;
   PolygonBudget polygons_;
 };
 

@@ -1,6 +1,7 @@
 #include "palpate/geometry/text_scan.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -132,6 +133,28 @@ std::size_t PointSet::Hash::operator()(const Point& point) const noexcept {
   std::uint64_t hash = 0;
   for (const float x : point) hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 0x9e3779b97f4a7c15ULL;
   return static_cast<std::size_t>(hash ^ (hash >> 32));
+}
+
+void ObjText::add_point(const Point& point) {
+  vertices_ += 'v';
+  for (const float value : point) {
+    std::array<char, 32> digits;
+    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+    vertices_ += ' ';
+    if (error == std::errc()) vertices_.append(digits.data(), end);
+  }
+  vertices_ += '\n';
+}
+
+void ObjText::add_corner(std::uint64_t vertex) {
+  if (!in_face_) faces_ += 'f';
+  in_face_ = true;
+  faces_ += ' ' + std::to_string(vertex + 1);
+}
+
+void ObjText::end_face() {
+  if (in_face_) faces_ += '\n';
+  in_face_ = false;
 }
 
 std::string without_controls(std::string words) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 
 #include "palpate/geometry/mesh_file.h"
 
@@ -78,6 +79,22 @@ class PointSet final {
     std::size_t operator()(const Point& point) const noexcept;
   };
   std::unordered_set<Point, Hash> distinct_;
+};
+
+/// [setup] A surface that has been checked, as OBJ text: what the importer is given instead of the file, so
+/// that it meets nothing that was not looked at.
+class ObjText final {
+ public:
+  void add_point(const Point& point);
+  /// The next corner of the face; index from 0.
+  void add_corner(std::uint64_t vertex);
+  void end_face();
+  [[nodiscard]] std::string take() { return std::move(vertices_) + faces_; }
+
+ private:
+  std::string vertices_;
+  std::string faces_;
+  bool in_face_ = false;
 };
 
 /// [setup] `words` without control characters, each turned into '?': what a file says may stand in a message
