@@ -34,18 +34,6 @@ const char* phase_name(std::uint32_t phase) {
   return "approach";
 }
 
-const char* fault_name(haptics::Fault fault) {
-  switch (fault) {
-    case haptics::Fault::kNotFinite:
-      return "not finite";
-    case haptics::Fault::kDevice:
-      return "device";
-    case haptics::Fault::kNone:
-      break;
-  }
-  return "none";
-}
-
 double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
 
 nlohmann::ordered_json histogram_json(const haptics::Histogram& times) {
@@ -163,7 +151,7 @@ std::vector<std::string> remarks(const RunAccount& run) {
                      std::to_string(run.highlights.limited_ticks) + " ticks");
   }
   if (run.loop.fault != haptics::Fault::kNone) {
-    all.emplace_back(std::string("a fault was latched (") + fault_name(run.loop.fault) +
+    all.emplace_back(std::string("a fault was latched (") + haptics::name_of(run.loop.fault) +
                      "): zero force from there on");
   }
   if (run.loop.stopped_early) all.emplace_back("stopped before its end");
@@ -199,7 +187,7 @@ nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& fi
           {"contact_ticks", run.highlights.contact_ticks},
           {"limited_ticks", run.highlights.limited_ticks},
           {"phases", phases},
-          {"fault", fault_name(run.loop.fault)},
+          {"fault", haptics::name_of(run.loop.fault)},
           {"recording", path_or_null(files.recording)},
           {"report", path_or_null(files.report)},
           {"screenshot", path_or_null(files.screenshot)},

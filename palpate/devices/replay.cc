@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "palpate/base/error.h"
+#include "palpate/haptics/simulation.h"
 
 namespace palpate::devices {
 
@@ -20,15 +21,7 @@ std::vector<haptics::DeviceState> samples_of_hand(const std::vector<haptics::Tic
                                                   std::size_t hand) {
   std::vector<haptics::DeviceState> samples;
   for (const haptics::TickRow& row : rows) {
-    if (row.hand != hand) continue;
-    haptics::DeviceState state;
-    state.position_D = {row.device[0], row.device[1], row.device[2]};
-    state.orientation_D = Quat(row.device_q[0], row.device_q[1], row.device_q[2], row.device_q[3]);
-    state.velocity_D = {row.device_velocity[0], row.device_velocity[1], row.device_velocity[2]};
-    state.gripper = row.device_gripper;
-    state.buttons = row.buttons;
-    state.valid = row.device_valid != 0;
-    samples.push_back(state);
+    if (row.hand == hand) samples.push_back(haptics::sample_of(row));
   }
   return samples;
 }

@@ -1,9 +1,14 @@
 #pragma once
 #include <cstdint>
+#include <string>
 
 #include "palpate/base/pose.h"
+#include "palpate/haptics/fault.h"
 
 namespace palpate::haptics {
+
+/// What a user asks of one hand with a tick; bits of DeviceState::events.
+inline constexpr std::uint32_t kResetFault = 1U << 0;  // clear a latched fault
 
 /// One reading of a device, taken as ONE sample, in the device's frame D. SI.
 struct DeviceState {
@@ -11,11 +16,13 @@ struct DeviceState {
   Quat orientation_D = Quat::Identity();
   Vec3 velocity_D = Vec3::Zero();  // m/s
   double gripper = 0.0;            // 0 closed .. 1 open
+  double age = 0.0;                // s since the device took this sample; 0: for this tick
   std::uint32_t buttons = 0;       // a bit a button
-  bool valid = true;               // false: the device could not be read
+  Fault fault = Fault::kNone;      // kDevice: could not be read; kForceOff; kStalled (set by the loop)
+  std::uint32_t events = 0;        // kResetFault; set by the loop, not by devices
 };
 
-/// What goes to the hand, world frame. SI.
+/// What goes to the hand. SI. World frame from the tick; the loop turns it into the device's frame.
 struct ForceCommand {
   Vec3 force = Vec3::Zero();   // N
   Vec3 torque = Vec3::Zero();  // N m
@@ -28,12 +35,16 @@ class Device {
   virtual ~Device() = default;
   /// [rt] One sample. Scripted and replayed devices sample at `time` = tick / rate [s], never at wall time.
   virtual DeviceState read(std::uint64_t tick, double time) noexcept = 0;
-  /// [rt] Called by the gate only. @return false when the device refused it.
-  virtual bool write(const ForceCommand& command) noexcept = 0;
+  /// [rt] Called by the loop with what the gate let through, in the device's frame. @return false when the
+  /// device refused it.
+  virtual bool write(const ForceCommand& command_D) noexcept = 0;
   /// [any] Zero force; idempotent, from any thread.
   virtual void stop() noexcept = 0;
   /// [any] Tick number at which the device has nothing more to say (a path's end + 0.5 s), or 2^64-1.
   [[nodiscard]] virtual std::uint64_t last_tick(double rate_Hz) const noexcept = 0;
+  /// [any] What was last wrong with the device, in words for its user; empty: nothing. Not for the tick: may
+  /// allocate.
+  [[nodiscard]] virtual std::string trouble() const { return {}; }
 };
 
 }  // namespace palpate::haptics

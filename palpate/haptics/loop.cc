@@ -72,7 +72,7 @@ class Loop final {
     const std::int64_t before = thread_cpu_ns();
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
       samples_[hand] = devices_[hand]->read(number, time);
-      if (refused_[hand] != 0) samples_[hand].valid = false;
+      if (refused_[hand] != 0) samples_[hand].fault = Fault::kDevice;
     }
     tick(world_, state_, number, samples_, commands_, rows_);
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {

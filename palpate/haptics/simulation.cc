@@ -11,7 +11,7 @@ constexpr double kQuaternionSlack =
 
 /// What is wrong with a sample, if anything.
 Fault judge(const DeviceState& sample) noexcept {
-  if (!sample.valid) return Fault::kDevice;
+  if (sample.fault != Fault::kNone) return sample.fault;
   const double norm = sample.orientation_D.norm();
   if (!sample.position_D.allFinite() || !sample.velocity_D.allFinite() || !std::isfinite(sample.gripper) ||
       !std::isfinite(norm)) {
@@ -55,7 +55,10 @@ void keep_sample(const DeviceState& sample, TickRow& row) noexcept {
   row.device_velocity = plain(sample.velocity_D);
   row.device_gripper = sample.gripper;
   row.buttons = sample.buttons;
-  row.device_valid = sample.valid ? 1 : 0;
+  row.device_age = sample.age;
+  row.device_valid = sample.fault == Fault::kDevice ? 0 : 1;
+  row.device_fault = static_cast<std::uint32_t>(sample.fault);
+  row.events = sample.events;
 }
 
 /// Noise, gate and row of one hand, once contact is known.
@@ -104,6 +107,19 @@ SimulationState::SimulationState(const SimulationWorld& world)
       results(world.hands()),
       organ_W(world.organ_W),
       noise_enabled(world.noise.settings().enabled) {}
+
+DeviceState sample_of(const TickRow& row) noexcept {
+  DeviceState sample;
+  sample.position_D = Vec3(row.device[0], row.device[1], row.device[2]);
+  sample.orientation_D = Quat(row.device_q[0], row.device_q[1], row.device_q[2], row.device_q[3]);
+  sample.velocity_D = Vec3(row.device_velocity[0], row.device_velocity[1], row.device_velocity[2]);
+  sample.gripper = row.device_gripper;
+  sample.age = row.device_age;
+  sample.buttons = row.buttons;
+  sample.fault = static_cast<Fault>(row.device_fault);
+  sample.events = row.events;
+  return sample;
+}
 
 void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,

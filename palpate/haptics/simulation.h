@@ -49,6 +49,9 @@ struct SimulationState {
   bool noise_enabled = true;
 };
 
+/// [any] The device's sample that a row was made from, bit for bit.
+[[nodiscard]] DeviceState sample_of(const TickRow& row) noexcept;
+
 /// [rt] One haptic tick (docs/model.md, section 4): samples in, rows and commands out. A pure function of its
 /// arguments; it reads no clock, so tick_ns and late_ns stay 0.
 ///

@@ -2,10 +2,9 @@
 #include <array>
 #include <cstdint>
 
-namespace palpate::haptics {
+#include "palpate/haptics/fault.h"
 
-/// Why a fault was latched.
-enum class Fault : std::uint8_t { kNone = 0, kNotFinite = 1, kDevice = 2 };
+namespace palpate::haptics {
 
 /// One row of a recording: one hand at one tick. Plain data, SI, world frame unless said.
 struct TickRow {
@@ -31,14 +30,19 @@ struct TickRow {
   std::int64_t tick_ns = 0;  // the tick's own computing time
   std::int64_t late_ns = 0;  // how late it began
   std::uint32_t status = 0;  // contact status bits, and the gate's (gate.h)
-  std::uint32_t fault = 0;   // Fault
+  std::uint32_t fault = 0;   // Fault that is latched
+  double energy = 0.0;       // J that the hand has put into the tissue's force so far and not got back
+  double engagement = 1.0;   // share of force and noise that is let through, 0 to 1
   // The device's own sample, so that the tick can be run again:
   std::array<double, 3> device{};           // m, device frame
   std::array<double, 4> device_q{};         // w x y z
   std::array<double, 3> device_velocity{};  // m/s
   double device_gripper = 0.0;
+  double device_age = 0.0;  // s
   std::uint32_t buttons = 0;
-  std::uint32_t device_valid = 1;
+  std::uint32_t device_valid = 1;  // 0: it could not be read
+  std::uint32_t device_fault = 0;  // Fault that came with the sample
+  std::uint32_t events = 0;        // what the user asked (device.h)
 };
 
 }  // namespace palpate::haptics

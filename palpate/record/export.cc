@@ -41,8 +41,9 @@ char* append_phase(char* at, std::uint32_t phase) {
 }
 
 char* append_fault(char* at, std::uint32_t fault) {
-  static constexpr std::string_view kWords[] = {"0", "not-finite", "device"};
-  return fault < 3 ? append(at, kWords[fault]) : append_number(at, fault);
+  if (fault == 0) return append(at, "0");
+  if (fault > static_cast<std::uint32_t>(haptics::Fault::kForceOff)) return append_number(at, fault);
+  return append(at, haptics::name_of(static_cast<haptics::Fault>(fault)));
 }
 
 char* append_value(char* at, const haptics::TickRow& row, const Column& column) {

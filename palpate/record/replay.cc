@@ -16,17 +16,6 @@ namespace {
 
 using haptics::TickRow;
 
-haptics::DeviceState sample_of(const TickRow& row) noexcept {
-  haptics::DeviceState sample;
-  sample.position_D = Vec3(row.device[0], row.device[1], row.device[2]);
-  sample.orientation_D = Quat(row.device_q[0], row.device_q[1], row.device_q[2], row.device_q[3]);
-  sample.velocity_D = Vec3(row.device_velocity[0], row.device_velocity[1], row.device_velocity[2]);
-  sample.gripper = row.device_gripper;
-  sample.buttons = row.buttons;
-  sample.valid = row.device_valid != 0;
-  return sample;
-}
-
 const char* value_of(const TickRow& row, const Column& column) noexcept {
   return reinterpret_cast<const char*>(&row) + column.offset;
 }
@@ -67,7 +56,7 @@ class Replay final {
   /// The next tick, from 0 on.
   void run_tick(std::uint64_t number) noexcept {
     const std::span<const TickRow> recorded = recorded_rows(number);
-    for (std::size_t hand = 0; hand < hands(); ++hand) samples_[hand] = sample_of(recorded[hand]);
+    for (std::size_t hand = 0; hand < hands(); ++hand) samples_[hand] = haptics::sample_of(recorded[hand]);
     haptics::tick(world_, state_, number, samples_, commands_, rows_);
   }
 

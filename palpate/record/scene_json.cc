@@ -146,7 +146,11 @@ Json device_json(const scene::DeviceSetup& device) {
   return {{"kind", device.kind},
           {"path", device.path},
           {"workspace_scale", device.workspace_scale},
-          {"base", pose_json(device.base)}};
+          {"base", pose_json(device.base)},
+          {"damping_N_s_per_m", optional_json(device.dynamics.damping)},
+          {"friction_N", optional_json(device.dynamics.friction)},
+          {"resolution_m", optional_json(device.dynamics.resolution)},
+          {"clutch_button", device.clutch_button ? Json(*device.clutch_button) : Json(nullptr)}};
 }
 
 scene::DeviceSetup device_from(const Json& json) {
@@ -155,6 +159,12 @@ scene::DeviceSetup device_from(const Json& json) {
   device.path = json.at("path").get<std::string>();
   device.workspace_scale = json.at("workspace_scale").get<double>();
   device.base = pose_from(json.at("base"));
+  device.dynamics.damping = optional_from(json.at("damping_N_s_per_m"));
+  device.dynamics.friction = optional_from(json.at("friction_N"));
+  device.dynamics.resolution = optional_from(json.at("resolution_m"));
+  if (const Json& button = json.at("clutch_button"); !button.is_null()) {
+    device.clutch_button = button.get<std::uint32_t>();
+  }
   return device;
 }
 

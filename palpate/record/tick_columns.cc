@@ -55,6 +55,8 @@ constexpr Column kColumns[] = {
     one("late_ns", ColumnType::kI64, offsetof(TickRow, late_ns)),
     one("status", ColumnType::kU32, offsetof(TickRow, status)),
     one("fault", ColumnType::kU32, offsetof(TickRow, fault)),
+    one("energy_J", ColumnType::kF64, offsetof(TickRow, energy)),
+    one("engagement", ColumnType::kF64, offsetof(TickRow, engagement)),
     entry("device_x_m", offsetof(TickRow, device), 0),
     entry("device_y_m", offsetof(TickRow, device), 1),
     entry("device_z_m", offsetof(TickRow, device), 2),
@@ -66,8 +68,11 @@ constexpr Column kColumns[] = {
     entry("device_vy_m_per_s", offsetof(TickRow, device_velocity), 1),
     entry("device_vz_m_per_s", offsetof(TickRow, device_velocity), 2),
     one("device_gripper", ColumnType::kF64, offsetof(TickRow, device_gripper)),
+    one("device_age_s", ColumnType::kF64, offsetof(TickRow, device_age)),
     one("device_buttons", ColumnType::kU32, offsetof(TickRow, buttons)),
     one("device_valid", ColumnType::kU32, offsetof(TickRow, device_valid)),
+    one("device_fault", ColumnType::kU32, offsetof(TickRow, device_fault)),
+    one("events", ColumnType::kU32, offsetof(TickRow, events)),
 };
 
 constexpr bool columns_cover_a_row() {

@@ -6,6 +6,7 @@
 #include "palpate/base/portable_math.h"
 #include "palpate/base/text.h"
 #include "palpate/geometry/builtin.h"
+#include "palpate/scene/device_kinds.h"
 #include "palpate/scene/instrument.h"
 #include "palpate/scene/mesh_source.h"
 #include "palpate/scene/names.h"
@@ -160,35 +161,37 @@ model::TissueParameters find_tissue(const SceneDescription& scene) {
   return model::tissue_preset(scene.task == Task::kPull ? "heart" : "gallbladder");
 }
 
-void check_device_kind(const Stated& kind) {
-  static const std::vector<std::string> kHere = {"scripted", "replay"};
-  static const std::vector<std::string> kLater = {"emulated", "mouse", "forcedimension", "haply"};
-  if (std::find(kHere.begin(), kHere.end(), kind.value) != kHere.end()) return;
-  if (std::find(kLater.begin(), kLater.end(), kind.value) != kLater.end()) {
-    kind.fail("this version has no such device yet, must be scripted or replay");
-  }
-  kind.fail("must be scripted or replay");
+const DeviceKind& check_device_kind(const Stated& kind) {
+  if (const DeviceKind* found = find_device_kind(kind.value)) return *found;
+  std::vector<std::string> names;
+  for (const DeviceKind& known : device_kinds()) names.emplace_back(known.name);
+  kind.fail("must be " + alternatives(names));
 }
 
-/// Checks what a device would read at its opening.
-void check_device_file(const DeviceDescription& device, Task task) {
-  if (!device.path) {
-    if (device.kind.value == "replay") device.kind.fail("needs the path of a recording beside it");
-    return;
+void check_tool_path(const Stated& path, const std::filesystem::path& file, Task task) {
+  try {
+    const ToolPath read = read_tool_path(file);
+    if (task == Task::kPull && !read.has_gripper()) {
+      throw InputError(file.string() + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
+    }
+  } catch (const InputError& error) {
+    throw InputError(path.where + ": " + error.what());
   }
+}
+
+/// Checks what a device would read at its opening. @return its path, resolved; empty: none given.
+std::string check_device_path(const DeviceDescription& device, const DeviceKind& kind, Task task) {
+  if (!device.path) {
+    if (kind.path == DevicePath::kRecording) device.kind.fail("needs the path of a recording beside it");
+    return {};
+  }
+  if (kind.path == DevicePath::kAddress) return device.path->value;  // checked by the device itself
   const std::filesystem::path file = device.path->file();
   std::error_code status;
   if (!std::filesystem::exists(file, status)) device.path->fail("there is no such file");
   if (std::filesystem::is_directory(file, status)) device.path->fail("is a folder, must be a file");
-  if (device.kind.value != "scripted") return;
-  try {
-    const ToolPath path = read_tool_path(file);
-    if (task == Task::kPull && !path.has_gripper()) {
-      throw InputError(file.string() + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
-    }
-  } catch (const InputError& error) {
-    throw InputError(device.path->where + ": " + error.what());
-  }
+  if (kind.path == DevicePath::kToolPath) check_tool_path(*device.path, file, task);
+  return file.string();
 }
 
 void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
@@ -204,10 +207,10 @@ void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
                      " devices for " + std::to_string(hands) + " tools, must be one a tool");
   }
   for (const DeviceDescription& device : devices) {
-    check_device_kind(device.kind);
-    check_device_file(device, scene.task);
-    setup.devices.push_back({device.kind.value, device.path ? device.path->file().string() : "",
-                             device.workspace_scale, device.base});
+    const DeviceKind& kind = check_device_kind(device.kind);
+    DeviceSetup& made = setup.devices.emplace_back(device.setup);
+    made.kind = kind.name;
+    made.path = check_device_path(device, kind, scene.task);
   }
   for (const ToolDescription& tool : scene.tools) setup.tools.push_back(load_instrument(tool, notes));
 }

@@ -17,6 +17,7 @@ constexpr Range kOpening{-180.0, 180.0};     // deg
 constexpr Range kLoopRate{kSlowestRate, kFastestRate};
 constexpr Range kNoiseRate{1e-3, kFastestRate};
 constexpr Range kWorkspaceScale{0.0, 1000.0, true};
+constexpr std::uint64_t kLastButton = 31;       // of DeviceState::buttons
 constexpr Range kTipRadius{0.0, 1000.0, true};  // mm
 
 /// Reads one scene file; holds what every part of it needs.
@@ -118,13 +119,25 @@ class SceneReader final {
 
   DeviceDescription read_device(const TomlTable& table) const {
     DeviceDescription device;
-    table.allow_only({"kind", "path", "workspace_scale", "base"});
+    table.allow_only({"kind", "path", "workspace_scale", "base", "damping_N_s_per_m", "friction_N",
+                      "resolution_mm", "clutch_button"});
     if (const auto kind = stated(table, "kind")) device.kind = *kind;
     if (device.kind.where.empty()) device.kind.where = table.place("kind") + ": " + table.field("kind");
     device.path = stated(table, "path");
-    device.workspace_scale =
-        table.number("workspace_scale", kWorkspaceScale).value_or(device.workspace_scale);
-    device.base = read_pose(table, "base");
+    DeviceSetup& setup = device.setup;
+    setup.workspace_scale = table.number("workspace_scale", kWorkspaceScale).value_or(setup.workspace_scale);
+    setup.base = read_pose(table, "base");
+    setup.dynamics.damping = table.number("damping_N_s_per_m", kNotNegative);
+    setup.dynamics.friction = table.number("friction_N", kNotNegative);
+    if (const auto resolution = table.number("resolution_mm", kNotNegative)) {
+      setup.dynamics.resolution = *resolution * kMillimetre;
+    }
+    if (const auto button = table.whole_number("clutch_button")) {
+      if (*button > kLastButton) {
+        table.fail("clutch_button", "must be a button's number from 0 to " + std::to_string(kLastButton));
+      }
+      setup.clutch_button = static_cast<std::uint32_t>(*button);
+    }
     return device;
   }
 

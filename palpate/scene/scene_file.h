@@ -45,8 +45,7 @@ struct ToolDescription {
 struct DeviceDescription {
   Stated kind = {"scripted", "", {}};
   std::optional<Stated> path;
-  double workspace_scale = 1.0;
-  Pose base;
+  DeviceSetup setup;  // all but kind and path
 };
 
 /// What a scene file says, checked as far as it goes without the files it names. SI.

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,12 +22,22 @@ inline constexpr std::size_t kMaxToolParts = 3;  // rigid parts of one tool that
 inline constexpr double kSlowestRate = 100.0;  // Hz, of the loop
 inline constexpr double kFastestRate = 20000.0;
 
+/// Mechanics of a device by itself, for the stability check (docs/safety.md) and the emulated hand.
+/// Empty: not known.
+struct DeviceDynamics {
+  std::optional<double> damping;     // N s/m, viscous
+  std::optional<double> friction;    // N, Coulomb
+  std::optional<double> resolution;  // m, of its position sensors
+};
+
 /// How the device's sample becomes the tool's pose: translation scaled, then placed by `base`.
 struct DeviceSetup {
-  std::string kind = "scripted";  // scripted | replay | ...
-  std::string path;               // resolved; empty: none given
+  std::string kind = "scripted";  // a name of device_kinds.h
+  std::string path;               // file or address, resolved; empty: none given
   double workspace_scale = 1.0;   // > 0
   Pose base;
+  DeviceDynamics dynamics{};
+  std::optional<std::uint32_t> clutch_button{};  // bit of DeviceState::buttons; while held the tool stays
 };
 
 /// Limits of the gate; SI (slew per second).

@@ -29,6 +29,7 @@ struct Range {
 };
 
 inline constexpr Range kAnyNumber{};
+inline constexpr Range kNotNegative{0.0, std::numeric_limits<double>::infinity(), false};
 inline constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), true};
 
 /// A TOML file in memory, with its name for messages.

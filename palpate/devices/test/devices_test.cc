@@ -35,7 +35,7 @@ haptics::TickRow recorded(std::uint64_t tick, std::uint32_t hand, double x) {
   r.device_velocity = {0.1, 0.2, 0.3};
   r.device_gripper = 0.25;
   r.buttons = 5;
-  r.device_valid = tick == 1 ? 0 : 1;
+  r.device_fault = tick == 1 ? 2 : 0;
   return r;
 }
 
@@ -46,7 +46,7 @@ TEST(ScriptedDevice, SamplesItsPathAtTheTicksTime) {
   EXPECT_EQ(state.velocity_D, Vec3(0.0, 2.0, 0.0));
   EXPECT_EQ(state.gripper, 0.75);
   EXPECT_EQ(state.buttons, 0U);
-  EXPECT_TRUE(state.valid);
+  EXPECT_EQ(state.fault, haptics::Fault::kNone);
   EXPECT_EQ(device.read(1, 9.0).position_D, Vec3(0.0, 4.0, 0.0));
 }
 
@@ -84,8 +84,8 @@ TEST(ReplayDevice, GivesTheSamplesOfItsHandAndHoldsTheLast) {
   EXPECT_EQ(first.velocity_D, Vec3(0.1, 0.2, 0.3));
   EXPECT_EQ(first.gripper, 0.25);
   EXPECT_EQ(first.buttons, 5U);
-  EXPECT_TRUE(first.valid);
-  EXPECT_FALSE(device.read(1, 0.0).valid);
+  EXPECT_EQ(first.fault, haptics::Fault::kNone);
+  EXPECT_EQ(device.read(1, 0.0).fault, haptics::Fault::kDevice);
   EXPECT_EQ(device.read(2, 0.0).position_D.x(), 22.0);
   EXPECT_EQ(device.read(1000, 0.0).position_D.x(), 22.0);
   EXPECT_TRUE(device.write({}));

@@ -125,7 +125,7 @@ TEST(Tick, EveryKindOfBadSampleLatchesItsFaultAndLeavesFiniteRows) {
     void (*spoil)(DeviceState&);
   };
   const Case cases[] = {
-      {"not valid", Fault::kDevice, [](DeviceState& s) { s.valid = false; }},
+      {"not valid", Fault::kDevice, [](DeviceState& s) { s.fault = Fault::kDevice; }},
       {"position NaN", Fault::kNotFinite, [](DeviceState& s) { s.position_D.y() = kNaN; }},
       {"position infinite", Fault::kNotFinite, [](DeviceState& s) { s.position_D.z() = -kInf; }},
       {"position far", Fault::kDevice, [](DeviceState& s) { s.position_D.x() = 1e9; }},
@@ -171,7 +171,7 @@ TEST(Tick, AFaultOnOneHandLeavesTheOtherAlone) {
     bench->samples[1].position_D = Vec3(0.02, 0.02, 0.05);
     bench->press(450);
   }
-  both.samples[1].valid = false;
+  both.samples[1].fault = Fault::kDevice;
   both.press(100);
   lone.press(100);
   EXPECT_EQ(both.rows[1].fault, static_cast<std::uint32_t>(Fault::kDevice));
@@ -210,7 +210,7 @@ DeviceState adversarial(std::mt19937_64& random) {
   double* places[] = {&sample.position_D.x(),    &sample.position_D.z(), &sample.velocity_D.y(),
                       &sample.orientation_D.w(), &sample.gripper,        &sample.orientation_D.x()};
   *places[(dice >> 16) % std::size(places)] = odd;
-  sample.valid = (dice >> 24) % 16 != 0;
+  sample.fault = (dice >> 24) % 16 != 0 ? Fault::kNone : Fault::kDevice;
   return sample;
 }
 

@@ -37,9 +37,10 @@ TEST(Export, ColumnsAreThoseOfTheContractInItsOrderThenTheDevices) {
             "tick,time_s,hand,phase,distance_m,depth_m,cutoff_layer,saturated,tissue_force_N,noise_force_N,"
             "friction_N,force_x_N,force_y_N,force_z_N,torque_x_N_m,torque_y_N_m,torque_z_N_m,gripper_force_N,"
             "tool_x_m,tool_y_m,tool_z_m,tool_qw,tool_qx,tool_qy,tool_qz,gripper,contact_x_m,contact_y_m,"
-            "contact_z_m,normal_x,normal_y,normal_z,tick_ns,late_ns,status,fault,"
+            "contact_z_m,normal_x,normal_y,normal_z,tick_ns,late_ns,status,fault,energy_J,engagement,"
             "device_x_m,device_y_m,device_z_m,device_qw,device_qx,device_qy,device_qz,device_vx_m_per_s,"
-            "device_vy_m_per_s,device_vz_m_per_s,device_gripper,device_buttons,device_valid\n");
+            "device_vy_m_per_s,device_vz_m_per_s,device_gripper,device_age_s,device_buttons,device_valid,"
+            "device_fault,events\n");
 }
 
 TEST(Export, EveryValueStandsInItsColumnInShortestForm) {
@@ -66,19 +67,21 @@ TEST(Export, EveryValueStandsInItsColumnInShortestForm) {
   for (const double v : row.contact) want.push_back(shortest(v));
   for (const double v : row.normal) want.push_back(shortest(v));
   for (const char* text : {"1004", "-4", "4", "device"}) want.emplace_back(text);
+  want.push_back(shortest(row.energy));
+  want.push_back(shortest(row.engagement));
   for (const double v : row.device) want.push_back(shortest(v));
   for (const double v : row.device_q) want.push_back(shortest(v));
   for (const double v : row.device_velocity) want.push_back(shortest(v));
   want.push_back(shortest(row.device_gripper));
-  want.emplace_back("12");
-  want.emplace_back("1");
+  want.push_back(shortest(row.device_age));
+  for (const char* text : {"12", "1", "2", "1"}) want.emplace_back(text);
   EXPECT_EQ(lines[1], want);
 }
 
 TEST(Export, PhaseAndFaultAreWords) {
-  std::vector<haptics::TickRow> rows(3);
-  for (std::uint32_t i = 0; i < 3; ++i) {
-    rows[i].phase = i;
+  std::vector<haptics::TickRow> rows(6);
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    rows[i].phase = i % 3;
     rows[i].fault = i;
   }
   const auto lines = exported(rows);
@@ -88,6 +91,9 @@ TEST(Export, PhaseAndFaultAreWords) {
   EXPECT_EQ(lines[1][35], "0");
   EXPECT_EQ(lines[2][35], "not-finite");
   EXPECT_EQ(lines[3][35], "device");
+  EXPECT_EQ(lines[4][35], "stale-sample");
+  EXPECT_EQ(lines[5][35], "stalled-loop");
+  EXPECT_EQ(lines[6][35], "force-off");
 }
 
 TEST(Export, ManyRowsAllArriveAndNotANumberIsAWord) {

@@ -59,7 +59,8 @@ inline scene::Setup sample_setup(std::size_t hands) {
     tool.parts[1].name = "shaft";
     tool.parts[1].mesh = tetrahedron(0.2);
     setup.tools.push_back(tool);
-    setup.devices.push_back({"replay", "a/path.h5", 2.5, {Quat(0.6, 0.8, 0, 0), Vec3(1, 2, 3.1)}});
+    setup.devices.push_back(
+        {"replay", "a/path.h5", 2.5, {Quat(0.6, 0.8, 0, 0), Vec3(1, 2, 3.1)}, {1.5, {}, 1e-5}, 3U});
   }
   setup.noise = {false, 5e-5 / 7, 4e-3, 500.0, 77};
   setup.safety = {19.0, 4000.0, 0.1, 40.0};
@@ -76,8 +77,9 @@ inline haptics::TickRow sample_row(std::uint64_t tick, std::uint32_t hand) {
   row.hand = hand;
   row.phase = static_cast<std::uint32_t>(tick % 3);
   double value = static_cast<double>(tick) / 7.0 + static_cast<double>(hand) / 3.0;
-  for (double* member : {&row.distance, &row.depth, &row.tissue_force, &row.noise_force, &row.friction,
-                         &row.gripper_force, &row.gripper, &row.device_gripper}) {
+  for (double* member :
+       {&row.distance, &row.depth, &row.tissue_force, &row.noise_force, &row.friction, &row.gripper_force,
+        &row.gripper, &row.device_gripper, &row.device_age, &row.energy, &row.engagement}) {
     *member = value += 0.1;
   }
   for (auto* triple :
@@ -95,6 +97,8 @@ inline haptics::TickRow sample_row(std::uint64_t tick, std::uint32_t hand) {
   row.fault = static_cast<std::uint32_t>((tick + 1) % 3);
   row.buttons = static_cast<std::uint32_t>(tick * 3);
   row.device_valid = 1;
+  row.device_fault = static_cast<std::uint32_t>((tick + 1) % 3);
+  row.events = static_cast<std::uint32_t>((tick + 1) % 2);
   return row;
 }
 

@@ -1,0 +1,24 @@
+#include "palpate/scene/device_kinds.h"
+
+#include <algorithm>
+
+namespace palpate::scene {
+namespace {
+
+constexpr DeviceKind kKinds[] = {
+    {"scripted", DevicePath::kToolPath, false}, {"replay", DevicePath::kRecording, false},
+    {"emulated", DevicePath::kToolPath, true},  {"forcedimension", DevicePath::kLibrary, true},
+    {"haply", DevicePath::kAddress, true},
+};
+
+}  // namespace
+
+std::span<const DeviceKind> device_kinds() noexcept { return kKinds; }
+
+const DeviceKind* find_device_kind(std::string_view name) noexcept {
+  const auto* found = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                   [name](const DeviceKind& kind) { return kind.name == name; });
+  return found == std::end(kKinds) ? nullptr : found;
+}
+
+}  // namespace palpate::scene
