@@ -41,7 +41,8 @@ bool finite(const ForceCommand& tissue, const Vec3& wanted) noexcept {
 
 void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
   constexpr double kMostTicks = 1e6;
-  const double ticks = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMostTicks);
+  const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMostTicks);
+  const double ticks = fault == Fault::kStalled ? 1.0 : whole;  // the hand feels nothing any more
   state.fault = fault;
   state.fault_ticks_left = static_cast<int>(ticks);
   state.fault_step = {state.force / ticks, state.torque / ticks, state.gripper_force / ticks};
@@ -57,29 +58,41 @@ void fall(GateState& state) noexcept {
   state.gripper_force = state.fault_step.gripper_force * left;
 }
 
+/// Clamp and slew towards what is wanted. @return status bits
+std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
+                              const Vec3& noise) noexcept {
+  const Limited force = limit(tissue.force + noise, state.force, limits.max_force, limits.force_step);
+  const Limited torque = limit(tissue.torque, state.torque, limits.max_torque, limits.torque_step);
+  const double grip = std::clamp(tissue.gripper_force, -limits.max_force, limits.max_force);
+  state.force = force.value;
+  state.torque = torque.value;
+  state.gripper_force =
+      std::clamp(grip, state.gripper_force - limits.force_step, state.gripper_force + limits.force_step);
+  return (force.clamped ? kForceClamped : 0U) | (force.slewed ? kForceSlewed : 0U) |
+         (torque.clamped ? kTorqueClamped : 0U) | (torque.slewed ? kTorqueSlewed : 0U);
+}
+
 }  // namespace
 
-GateOutput pass_gate(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
-                     const Vec3& noise, Fault fault_now) noexcept {
-  const Vec3 wanted = tissue.force + noise;
-  const Fault fault = fault_now == Fault::kNone && !finite(tissue, wanted) ? Fault::kNotFinite : fault_now;
+GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput& input) noexcept {
+  book(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, input.motion);
+  if (input.outside) forgive_surplus(state.energy);
+
+  ForceCommand tissue = input.tissue;
+  const bool usable = finite(tissue, tissue.force + input.noise);
+  const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
   if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);
 
   GateOutput output;
   if (state.fault != Fault::kNone) {
     fall(state);
+    state.noise = Vec3::Zero();
   } else {
-    const Limited force = limit(wanted, state.force, limits.max_force, limits.force_step);
-    const Limited torque = limit(tissue.torque, state.torque, limits.max_torque, limits.torque_step);
-    const double grip = std::clamp(tissue.gripper_force, -limits.max_force, limits.max_force);
-    state.force = force.value;
-    state.torque = torque.value;
-    state.gripper_force =
-        std::clamp(grip, state.gripper_force - limits.force_step, state.gripper_force + limits.force_step);
-    if (force.clamped) output.status |= kForceClamped;
-    if (force.slewed) output.status |= kForceSlewed;
-    if (torque.clamped) output.status |= kTorqueClamped;
-    if (torque.slewed) output.status |= kTorqueSlewed;
+    if (input.controlled && damp_deficit(state.energy, input.motion, limits.period, tissue)) {
+      output.status |= kEnergyDamped;
+    }
+    output.status |= approach_limits(limits, state, tissue, input.noise);
+    state.noise = input.noise;
   }
   output.command = {state.force, state.torque, state.gripper_force};
   return output;

@@ -14,9 +14,10 @@ Fault judge(const DeviceState& sample) noexcept {
   if (sample.fault != Fault::kNone) return sample.fault;
   const double norm = sample.orientation_D.norm();
   if (!sample.position_D.allFinite() || !sample.velocity_D.allFinite() || !std::isfinite(sample.gripper) ||
-      !std::isfinite(norm)) {
+      !std::isfinite(norm) || !std::isfinite(sample.age)) {
     return Fault::kNotFinite;
   }
+  if (sample.age > kStaleAfter) return Fault::kStale;
   if (std::abs(norm - 1.0) > kQuaternionSlack) return Fault::kDevice;
   if (sample.position_D.cwiseAbs().maxCoeff() > kFarthest) return Fault::kDevice;
   return Fault::kNone;
@@ -61,9 +62,34 @@ void keep_sample(const DeviceState& sample, TickRow& row) noexcept {
   row.events = sample.events;
 }
 
+/// Takes a hand's sample: the tool's pose and the device's motion. A sample that cannot be used leaves the
+/// last good pose.
+DeviceMotion take_sample(const SimulationWorld& world, SimulationState& state, std::size_t hand,
+                         const DeviceState& sample) noexcept {
+  if ((sample.events & kResetFault) != 0) reset_fault(state.gates[hand]);
+  if (judge(sample) != Fault::kNone) return {};
+  const WorkspaceMapping& mapping = world.mappings[hand];
+  DeviceTrack& track = state.tracks[hand];
+  const DeviceMotion motion = follow(mapping, track, sample, 1.0 / world.rate_Hz);
+  state.inputs[hand].pose_W = mapping.apply(sample.position_D, sample.orientation_D, track.index_D);
+  state.inputs[hand].gripper = std::clamp(sample.gripper, 0.0, 1.0);
+  return motion;
+}
+
+/// How much of the force a hand gets: all, on a device that nobody holds.
+double engagement_of(const SimulationWorld& world, SimulationState& state, std::size_t hand, Fault fault,
+                     bool outside) noexcept {
+  if (!world.mappings[hand].held) return 1.0;
+  const DeviceTrack& track = state.tracks[hand];
+  const bool usable = fault == Fault::kNone && state.gates[hand].fault == Fault::kNone;
+  return advance_engagement(state.engagements[hand], {track.position_D, usable, outside, track.clutched},
+                            1.0 / world.rate_Hz);
+}
+
 /// Noise, gate and row of one hand, once contact is known.
 void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
-                 std::size_t hand, const DeviceState& sample, ForceCommand& command, TickRow& row) noexcept {
+                 std::size_t hand, const DeviceState& sample, const DeviceMotion& motion,
+                 ForceCommand& command, TickRow& row) noexcept {
   contact::ToolResult& result = state.results[hand];
   GateState& gate = state.gates[hand];
   Fault fault = judge(sample);
@@ -75,8 +101,15 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   const double noise =
       world.noise.force(state.noise[hand], state.noise_enabled, static_cast<std::uint32_t>(hand), tick_number,
                         touching ? 0.0 : result.distance);
-  const GateOutput out = pass_gate(world.limits, gate, {result.force_W, result.torque_W, 0.0},
-                                   noise * result.away_W, fault);  // [Zhang 2011, eq. 2]
+  const bool outside = !touching && result.distance > 0.0;
+  const double share = engagement_of(world, state, hand, fault, outside);
+  const GateOutput out = pass_gate(world.limits, gate,
+                                   {.tissue = {share * result.force_W, share * result.torque_W, 0.0},
+                                    .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
+                                    .motion = motion,
+                                    .outside = outside,
+                                    .controlled = world.mappings[hand].held,
+                                    .fault = fault});
   command = out.command;
 
   row = TickRow{};
@@ -84,25 +117,26 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   row.time = static_cast<double>(tick_number) / world.rate_Hz;
   row.hand = static_cast<std::uint32_t>(hand);
   describe_contact(state.inputs[hand], result, row);
-  row.noise_force = gate.fault == Fault::kNone ? noise : 0.0;
+  row.noise_force = gate.fault == Fault::kNone ? share * noise : 0.0;
   row.force = plain(command.force);
   row.torque = plain(command.torque);
   row.gripper_force = command.gripper_force;
   row.status = result.status | out.status;
   row.fault = static_cast<std::uint32_t>(gate.fault);
+  row.energy = gate.energy.tissue;
+  row.engagement = share;
   keep_sample(sample, row);
 }
 
 }  // namespace
 
-Pose WorkspaceMapping::apply(const Vec3& position_D, const Quat& orientation_D) const noexcept {
-  return base * Pose{orientation_D.normalized(), scale * position_D};
-}
-
 SimulationState::SimulationState(const SimulationWorld& world)
     : contact(world.contact),
       noise(world.hands()),
       gates(world.hands()),
+      tracks(world.hands()),
+      engagements(world.hands()),
+      motions(world.hands()),
       inputs(world.hands()),
       results(world.hands()),
       organ_W(world.organ_W),
@@ -126,15 +160,13 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
           std::span<TickRow> rows) noexcept {
   const std::size_t hands = world.hands();
   for (std::size_t hand = 0; hand < hands; ++hand) {
-    const DeviceState& sample = samples[hand];
-    if (judge(sample) != Fault::kNone) continue;  // the last good pose stays; finish_hand latches the fault
-    state.inputs[hand].pose_W = world.mappings[hand].apply(sample.position_D, sample.orientation_D);
-    state.inputs[hand].gripper = std::clamp(sample.gripper, 0.0, 1.0);
+    state.motions[hand] = take_sample(world, state, hand, samples[hand]);
   }
   state.organ_W = world.organ_motion.pose_at(world.organ_W, tick_number, world.rate_Hz);
   contact::advance(world.contact, state.organ_W, state.inputs, state.contact, state.results);
   for (std::size_t hand = 0; hand < hands; ++hand) {
-    finish_hand(world, state, tick_number, hand, samples[hand], commands[hand], rows[hand]);
+    finish_hand(world, state, tick_number, hand, samples[hand], state.motions[hand], commands[hand],
+                rows[hand]);
   }
 }
 

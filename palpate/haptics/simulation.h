@@ -5,20 +5,14 @@
 
 #include "palpate/contact/contact.h"
 #include "palpate/haptics/device.h"
+#include "palpate/haptics/engagement.h"
 #include "palpate/haptics/gate.h"
 #include "palpate/haptics/tick_row.h"
+#include "palpate/haptics/workspace.h"
 #include "palpate/model/organ_motion.h"
 #include "palpate/noise/touch_noise.h"
 
 namespace palpate::haptics {
-
-/// How a device's sample becomes the tool's pose: translation scaled, then placed by `base`.
-struct WorkspaceMapping {
-  double scale = 1.0;
-  Pose base;
-  /// [rt] Pose of the handle in the world.
-  [[nodiscard]] Pose apply(const Vec3& position_D, const Quat& orientation_D) const noexcept;
-};
 
 /// A device position farther out [m] than this is no hand's: the sample is refused.
 inline constexpr double kFarthest = 100.0;
@@ -43,6 +37,9 @@ struct SimulationState {
   contact::State contact;
   std::vector<noise::TouchNoise::State> noise;
   std::vector<GateState> gates;
+  std::vector<DeviceTrack> tracks;
+  std::vector<Engagement> engagements;       // of held devices
+  std::vector<DeviceMotion> motions;         // of the devices since the last tick
   std::vector<contact::ToolInput> inputs;    // the last good pose and opening of every hand
   std::vector<contact::ToolResult> results;  // of the last tick, for the picture
   Pose organ_W;                              // at the last tick
@@ -55,11 +52,11 @@ struct SimulationState {
 /// [rt] One haptic tick (docs/model.md, section 4): samples in, rows and commands out. A pure function of its
 /// arguments; it reads no clock, so tick_ns and late_ns stay 0.
 ///
-/// A sample that cannot be used (not valid, not finite, a quaternion that is none, farther than kFarthest)
-/// latches a fault on its hand; contact then goes on with the hand's last good pose, so that the other hands
-/// and the picture stay as they were. Rows hold finite numbers only, but for `device`, `device_q`,
-/// `device_velocity` and `device_gripper`: they are the sample as it came, so that a replay meets the same
-/// fault.
+/// A sample that cannot be used (it says so, is not finite, older than kStaleAfter, a quaternion that is
+/// none, farther than kFarthest) latches a fault on its hand; contact then goes on with the hand's last good
+/// pose, so that the other hands and the picture stay as they were. Rows hold finite numbers only, but for
+/// `device`, `device_q`, `device_velocity` and `device_gripper`: they are the sample as it came, so that a
+/// replay meets the same fault.
 /// @param samples, commands, rows one entry a hand
 void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,

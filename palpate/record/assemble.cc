@@ -3,6 +3,7 @@
 #include <string>
 
 #include "palpate/base/error.h"
+#include "palpate/scene/device_kinds.h"
 
 namespace palpate::record {
 namespace {
@@ -36,7 +37,11 @@ haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Prep
       .organ_motion = organ_motion_of(setup),
   };
   for (const scene::DeviceSetup& device : setup.devices) {
-    world.mappings.push_back({device.workspace_scale, device.base});
+    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+    world.mappings.push_back({.scale = device.workspace_scale,
+                              .base = device.base,
+                              .clutch = device.clutch_button ? 1U << *device.clutch_button : 0U,
+                              .held = kind != nullptr && kind->held});
   }
   return world;
 }

@@ -14,10 +14,16 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 ForceCommand force_only(const Vec3& force) { return {force, Vec3::Zero(), 0.0}; }
 
+/// The gate as most tests use it: a device that does not move.
+GateOutput pass(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
+                const Vec3& noise = Vec3::Zero(), Fault fault = Fault::kNone) {
+  return pass_gate(limits, state, {.tissue = tissue, .noise = noise, .fault = fault});
+}
+
 /// The force that a hand feels before a fault.
 GateState holding(const GateLimits& limits, const ForceCommand& command) {
   GateState state;
-  for (int i = 0; i < 100; ++i) (void)pass_gate(limits, state, command, Vec3::Zero(), Fault::kNone);
+  for (int i = 0; i < 100; ++i) (void)pass(limits, state, command, Vec3::Zero(), Fault::kNone);
   return state;
 }
 
@@ -25,7 +31,7 @@ TEST(Gate, WithinTheLimitsTissueForcePlusNoiseGoesThroughUnchanged) {
   GateState state;
   const ForceCommand tissue{Vec3(0.5, -1.0, 2.0), Vec3(0.01, 0.0, -0.02), 0.3};
   const Vec3 noise(0.01, 0.02, -0.03);
-  const GateOutput out = pass_gate({}, state, tissue, noise, Fault::kNone);
+  const GateOutput out = pass({}, state, tissue, noise, Fault::kNone);
   EXPECT_EQ(out.command.force, Vec3(tissue.force + noise));
   EXPECT_EQ(out.command.torque, tissue.torque);
   EXPECT_EQ(out.command.gripper_force, 0.3);
@@ -38,7 +44,7 @@ TEST(Gate, ClampKeepsTheDirectionAndTakesTheNormToTheLimit) {
   limits.torque_step = 100.0;
   GateState state;
   const GateOutput out =
-      pass_gate(limits, state, {Vec3(0, 30, 40), Vec3(0.6, 0, 0.8), 0.0}, Vec3::Zero(), Fault::kNone);
+      pass(limits, state, {Vec3(0, 30, 40), Vec3(0.6, 0, 0.8), 0.0}, Vec3::Zero(), Fault::kNone);
   EXPECT_TRUE(out.command.force.isApprox(Vec3(0, 12, 16), 1e-12));
   EXPECT_TRUE(out.command.torque.isApprox(Vec3(0.12, 0, 0.16), 1e-12));
   EXPECT_EQ(out.status, kForceClamped | kTorqueClamped);
@@ -47,7 +53,7 @@ TEST(Gate, ClampKeepsTheDirectionAndTakesTheNormToTheLimit) {
 TEST(Gate, SlewMovesStraightTowardsTheWantedForceByOneStep) {
   GateLimits limits;
   GateState state = holding(limits, force_only(Vec3(3, 0, 0)));
-  const GateOutput out = pass_gate(limits, state, force_only(Vec3(3, 10, 0)), Vec3::Zero(), Fault::kNone);
+  const GateOutput out = pass(limits, state, force_only(Vec3(3, 10, 0)), Vec3::Zero(), Fault::kNone);
   EXPECT_TRUE(out.command.force.isApprox(Vec3(3, 5, 0), 1e-12));
   EXPECT_EQ(out.status, kForceSlewed);
 }
@@ -56,8 +62,7 @@ TEST(Gate, NoiseIsAddedBeforeTheClamp) {
   GateLimits limits;
   limits.force_step = 100.0;
   GateState state;
-  const GateOutput out =
-      pass_gate(limits, state, force_only(Vec3(0, 0, 19.99)), Vec3(0, 0, 0.1), Fault::kNone);
+  const GateOutput out = pass(limits, state, force_only(Vec3(0, 0, 19.99)), Vec3(0, 0, 0.1), Fault::kNone);
   EXPECT_NEAR(out.command.force.z(), 20.0, 1e-12);
   EXPECT_EQ(out.status, kForceClamped);
 }
@@ -73,7 +78,7 @@ TEST(Gate, NeverAboveTheLimitsWhateverComesIn) {
     const ForceCommand tissue{size * Vec3(unit(random), unit(random), unit(random)),
                               size * Vec3(unit(random), unit(random), unit(random)), size * unit(random)};
     const GateState before = state;
-    const GateOutput out = pass_gate(limits, state, tissue, Vec3(unit(random), 0, 0), Fault::kNone);
+    const GateOutput out = pass(limits, state, tissue, Vec3(unit(random), 0, 0), Fault::kNone);
     ASSERT_LE(out.command.force.norm(), limits.max_force);
     ASSERT_LE(out.command.torque.norm(), limits.max_torque);
     ASSERT_LE(std::abs(out.command.gripper_force), limits.max_force);
@@ -93,7 +98,7 @@ TEST(Gate, AForceThatIsNotFiniteLatchesAFaultAndNeverReachesTheHand) {
       if (place == 1) tissue.torque.y() = bad;
       if (place == 2) noise.z() = bad;
       if (place == 3) tissue.gripper_force = std::isfinite(bad) ? kNaN : bad;
-      const GateOutput out = pass_gate({}, state, tissue, noise, Fault::kNone);
+      const GateOutput out = pass({}, state, tissue, noise, Fault::kNone);
       EXPECT_TRUE(out.command.force.allFinite());
       EXPECT_TRUE(out.command.torque.allFinite());
       EXPECT_TRUE(std::isfinite(out.command.gripper_force));
@@ -114,7 +119,7 @@ TEST(Gate, AFaultBringsTheForceLinearlyToZeroWithinTenMillisecondsAtAnyRate) {
     int ticks = 0;
     for (; last > 0.0; ++ticks) {
       const GateOutput out =
-          pass_gate(limits, state, steady, Vec3::Zero(), ticks == 0 ? Fault::kDevice : Fault::kNone);
+          pass(limits, state, steady, Vec3::Zero(), ticks == 0 ? Fault::kDevice : Fault::kNone);
       const double now = out.command.force.norm();
       if (drop < 0.0) drop = last - now;
       EXPECT_NEAR(last - now, drop, 1e-12) << rate;
@@ -125,7 +130,7 @@ TEST(Gate, AFaultBringsTheForceLinearlyToZeroWithinTenMillisecondsAtAnyRate) {
     EXPECT_LE((ticks - 1) * limits.period, kFaultFall) << rate;
     EXPECT_GE(ticks * limits.period, kFaultFall - limits.period) << rate;
     for (int i = 0; i < 1000; ++i) {
-      const GateOutput out = pass_gate(limits, state, steady, Vec3(0.01, 0, 0), Fault::kNone);
+      const GateOutput out = pass(limits, state, steady, Vec3(0.01, 0, 0), Fault::kNone);
       ASSERT_EQ(out.command.force, Vec3::Zero().eval());
       ASSERT_EQ(out.command.torque, Vec3::Zero().eval());
       ASSERT_EQ(out.command.gripper_force, 0.0);
@@ -136,20 +141,18 @@ TEST(Gate, AFaultBringsTheForceLinearlyToZeroWithinTenMillisecondsAtAnyRate) {
 
 TEST(Gate, ASecondFaultDoesNotStartTheFallAgain) {
   GateState state = holding({}, force_only(Vec3(0, 0, 5)));
-  for (int i = 0; i < 10; ++i)
-    (void)pass_gate({}, state, force_only(Vec3(0, 0, 5)), Vec3::Zero(), Fault::kDevice);
+  for (int i = 0; i < 10; ++i) (void)pass({}, state, force_only(Vec3(0, 0, 5)), Vec3::Zero(), Fault::kDevice);
   EXPECT_EQ(state.force, Vec3::Zero().eval());
-  (void)pass_gate({}, state, force_only(Vec3(0, 0, kNaN)), Vec3::Zero(), Fault::kNone);
+  (void)pass({}, state, force_only(Vec3(0, 0, kNaN)), Vec3::Zero(), Fault::kNone);
   EXPECT_EQ(state.fault, Fault::kDevice) << "the first fault is the one that is told";
 }
 
 TEST(Gate, AfterResetTheForceRisesAgainByTheSlewLimit) {
   GateState state = holding({}, force_only(Vec3(0, 0, 8)));
-  for (int i = 0; i < 20; ++i)
-    (void)pass_gate({}, state, force_only(Vec3(0, 0, 8)), Vec3::Zero(), Fault::kDevice);
+  for (int i = 0; i < 20; ++i) (void)pass({}, state, force_only(Vec3(0, 0, 8)), Vec3::Zero(), Fault::kDevice);
   reset_fault(state);
   EXPECT_EQ(state.fault, Fault::kNone);
-  const GateOutput out = pass_gate({}, state, force_only(Vec3(0, 0, 8)), Vec3::Zero(), Fault::kNone);
+  const GateOutput out = pass({}, state, force_only(Vec3(0, 0, 8)), Vec3::Zero(), Fault::kNone);
   EXPECT_NEAR(out.command.force.z(), 5.0, 1e-12);
 }
 
