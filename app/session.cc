@@ -113,6 +113,9 @@ Session prepare(const scene::Request& request, std::optional<double> duration_s,
   }
   session.ticks = ticks_to_run(session, duration_s);
   compare_radii(session);
+  for (std::string& remark : record::stability_remarks(session.setup)) {
+    session.setup.remarks.push_back(std::move(remark));
+  }
   return session;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "palpate/base/error.h"
+#include "palpate/haptics/stability.h"
 #include "palpate/scene/device_kinds.h"
 
 namespace palpate::record {
@@ -44,6 +45,32 @@ haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Prep
                               .held = kind != nullptr && kind->held});
   }
   return world;
+}
+
+std::vector<std::string> stability_remarks(const scene::Setup& setup) {
+  const auto direction =
+      setup.task == scene::Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+  std::vector<std::string> remarks;
+  for (const scene::DeviceSetup& device : setup.devices) {
+    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+    if (kind == nullptr || !kind->held) continue;
+    const std::string who = "device " + device.kind + ": ";
+    const scene::DeviceDynamics& known = device.dynamics;
+    if (!known.damping || !known.friction || !known.resolution) {
+      remarks.push_back(who +
+                        "its stability with this tissue was not checked: give damping_N_s_per_m, "
+                        "friction_N and resolution_mm under [device]");
+      continue;
+    }
+    const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution};
+    const haptics::StabilityCheck check =
+        haptics::check_stability(setup.tissue, direction, 1.0 / setup.rate_Hz, setup.safety.max_force,
+                                 device.workspace_scale, mechanics);
+    for (const std::string& warning : haptics::stability_warnings(check, mechanics)) {
+      remarks.push_back(who + warning);
+    }
+  }
+  return remarks;
 }
 
 }  // namespace palpate::record

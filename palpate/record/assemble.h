@@ -1,4 +1,7 @@
 #pragma once
+#include <string>
+#include <vector>
+
 #include "palpate/haptics/simulation.h"
 #include "palpate/scene/setup.h"
 
@@ -11,5 +14,10 @@ namespace palpate::record {
 
 /// [setup] The organ's motion, with rotations about the middle of its bounding box. @throws ParameterError.
 [[nodiscard]] model::OrganMotion organ_motion_of(const scene::Setup& setup);
+
+/// [setup] What the stability check (haptics/stability.h) says of every held device of a scene, in words:
+/// what is short, or that the device's mechanics are not known. Empty: nothing to say. @throws
+/// ParameterError.
+[[nodiscard]] std::vector<std::string> stability_remarks(const scene::Setup& setup);
 
 }  // namespace palpate::record

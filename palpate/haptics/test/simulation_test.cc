@@ -57,13 +57,6 @@ bool all_finite(const TickRow& row) {
 
 double norm(const std::array<double, 3>& v) { return Vec3(v[0], v[1], v[2]).norm(); }
 
-TEST(WorkspaceMapping, ScalesTheTranslationOnlyThenPlacesByTheBase) {
-  const WorkspaceMapping mapping{2.0, {rotation_from_degrees(Vec3(0, 0, 90)), Vec3(1, 0, 0)}};
-  const Pose pose = mapping.apply(Vec3(0.1, 0, 0.2), rotation_from_degrees(Vec3(0, 0, -90)));
-  EXPECT_TRUE(pose.position.isApprox(Vec3(1, 0.2, 0.4), 1e-12));
-  EXPECT_NEAR(pose.rotation.angularDistance(Quat::Identity()), 0.0, 1e-12);
-}
-
 TEST(Tick, InApproachThereIsNothingButNoiseAlongTheLineAwayFromTheTissue) {
   Bench bench(1);
   bench.samples[0].position_D = Vec3(0, 0, 0.003 + test::kBallRadius);
