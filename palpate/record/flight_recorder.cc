@@ -1,0 +1,58 @@
+#include "palpate/record/flight_recorder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/record/recorder.h"
+
+namespace palpate::record {
+namespace {
+
+std::size_t rows_in(double seconds, const scene::Setup& setup) {
+  return static_cast<std::size_t>(std::ceil(seconds * setup.rate_Hz)) * setup.tools.size();
+}
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(haptics::TickSink* next, const scene::Setup& setup)
+    : next_(next),
+      setup_(setup),
+      hands_(setup.tools.size()),
+      rows_after_fault_(rows_in(kAfter, setup)),
+      ring_(rows_in(kKept, setup) + rows_in(kAfter, setup)) {}
+
+void FlightRecorder::begin(std::int64_t started_unix_ns) noexcept {
+  started_unix_ns_ = started_unix_ns;
+  if (next_ != nullptr) next_->begin(started_unix_ns);
+}
+
+void FlightRecorder::put(const haptics::TickRow& row) noexcept {
+  if (next_ != nullptr) next_->put(row);
+  if (row.fault != 0) fault_met_ = true;
+  if (fault_met_) {
+    if (rows_after_fault_ == 0) return;
+    --rows_after_fault_;
+  }
+  ring_[seen_ % ring_.size()] = row;
+  ++seen_;
+}
+
+std::vector<haptics::TickRow> FlightRecorder::rows() const {
+  const std::uint64_t kept = std::min<std::uint64_t>(seen_, ring_.size());
+  std::vector<haptics::TickRow> rows;
+  rows.reserve(kept);
+  for (std::uint64_t i = seen_ - kept; i < seen_; ++i) rows.push_back(ring_[i % ring_.size()]);
+  // A fault of the second hand may have cut the last tick in two, or the ring the first.
+  while (!rows.empty() && rows.front().hand != 0) rows.erase(rows.begin());
+  while (!rows.empty() && rows.back().hand + 1 != hands_) rows.pop_back();
+  return rows;
+}
+
+void FlightRecorder::write(const std::filesystem::path& file, const haptics::LoopReport& report) const {
+  Recorder recorder(file, setup_, true);
+  recorder.begin(started_unix_ns_);
+  for (const haptics::TickRow& row : rows()) recorder.put(row);
+  recorder.finish(report);
+}
+
+}  // namespace palpate::record

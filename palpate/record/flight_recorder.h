@@ -1,0 +1,43 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "palpate/haptics/loop.h"
+#include "palpate/scene/setup.h"
+
+namespace palpate::record {
+
+/// Keeps the last ticks of a run that nobody records, and stops keeping shortly after the first fault, so
+/// that what led to it can be looked at. Rows go on to the next sink as they come.
+class FlightRecorder final : public haptics::TickSink {
+ public:
+  static constexpr double kKept = 2.0;    // s before the fault
+  static constexpr double kAfter = 0.25;  // s from the fault on
+
+  /// [setup] @param next where rows go on to; may be null
+  FlightRecorder(haptics::TickSink* next, const scene::Setup& setup);
+
+  void begin(std::int64_t started_unix_ns) noexcept override;
+  void put(const haptics::TickRow& row) noexcept override;
+
+  /// [setup] After the run: whether a fault was met.
+  [[nodiscard]] bool fault_met() const noexcept { return fault_met_; }
+  /// [setup] After the run: the rows kept, oldest first, whole ticks.
+  [[nodiscard]] std::vector<haptics::TickRow> rows() const;
+  /// [setup] After the run: writes them as a recording whose first tick is not 0 (it can be looked at and
+  /// exported, not run again). @throws InputError naming the file.
+  void write(const std::filesystem::path& file, const haptics::LoopReport& report) const;
+
+ private:
+  haptics::TickSink* next_;
+  const scene::Setup& setup_;
+  std::size_t hands_;
+  std::size_t rows_after_fault_;
+  std::vector<haptics::TickRow> ring_;
+  std::uint64_t seen_ = 0;  // rows that went into the ring
+  std::int64_t started_unix_ns_ = 0;
+  bool fault_met_ = false;
+};
+
+}  // namespace palpate::record

@@ -1,0 +1,102 @@
+#include "palpate/record/flight_recorder.h"
+
+#include <gtest/gtest.h>
+
+#include "palpate/base/error.h"
+#include "palpate/base/test/temporary_folder.h"
+#include "palpate/record/test/sample_recording.h"
+
+namespace palpate::record {
+namespace {
+
+/// Counts what is handed on.
+class Counter final : public haptics::TickSink {
+ public:
+  void begin(std::int64_t) noexcept override { ++begins; }
+  void put(const haptics::TickRow&) noexcept override { ++rows; }
+  int begins = 0;
+  int rows = 0;
+};
+
+haptics::TickRow row_of(std::uint64_t tick, std::uint32_t hand,
+                        haptics::Fault fault = haptics::Fault::kNone) {
+  haptics::TickRow row = sample_row(tick, hand);
+  row.tick = tick;
+  row.hand = hand;
+  row.fault = static_cast<std::uint32_t>(fault);
+  return row;
+}
+
+scene::Setup two_hands() {
+  scene::Setup setup = sample_setup(2);
+  setup.rate_Hz = 1000.0;
+  return setup;
+}
+
+TEST(FlightRecorder, KeepsTwoSecondsBeforeTheFirstFaultAndAQuarterFromItOn) {
+  const scene::Setup setup = two_hands();
+  FlightRecorder recorder(nullptr, setup);
+  for (std::uint64_t tick = 0; tick < 20'000; ++tick) {
+    for (std::uint32_t hand = 0; hand < 2; ++hand) {
+      const bool faulty = hand == 1 && tick >= 9000;
+      recorder.put(row_of(tick, hand, faulty ? haptics::Fault::kStale : haptics::Fault::kNone));
+    }
+  }
+  EXPECT_TRUE(recorder.fault_met());
+  const auto rows = recorder.rows();
+  ASSERT_FALSE(rows.empty());
+  EXPECT_LE(rows.front().tick, 7001U);
+  EXPECT_GE(rows.back().tick, 9248U);
+  EXPECT_LE(rows.back().tick, 9250U);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    ASSERT_EQ(rows[i].hand, i % 2) << "whole ticks";
+    ASSERT_EQ(rows[i].tick, rows.front().tick + i / 2) << "in order";
+  }
+}
+
+TEST(FlightRecorder, HandsEverythingOn) {
+  const scene::Setup setup = two_hands();
+  Counter counter;
+  FlightRecorder recorder(&counter, setup);
+  recorder.begin(5);
+  for (std::uint64_t tick = 0; tick < 3000; ++tick) recorder.put(row_of(tick, 0, haptics::Fault::kDevice));
+  EXPECT_EQ(counter.begins, 1);
+  EXPECT_EQ(counter.rows, 3000);
+}
+
+TEST(FlightRecorder, AShortRunIsKeptWhole) {
+  const scene::Setup setup = two_hands();
+  FlightRecorder recorder(nullptr, setup);
+  for (std::uint64_t tick = 0; tick < 10; ++tick) {
+    recorder.put(row_of(tick, 0));
+    recorder.put(row_of(tick, 1));
+  }
+  EXPECT_FALSE(recorder.fault_met());
+  EXPECT_EQ(recorder.rows().size(), 20U);
+}
+
+TEST(FlightRecorder, WritesARecordingThatOpens) {
+  const TemporaryFolder folder;
+  const scene::Setup setup = two_hands();
+  FlightRecorder recorder(nullptr, setup);
+  recorder.begin(kStarted);
+  for (std::uint64_t tick = 0; tick < 5000; ++tick) {
+    recorder.put(row_of(tick, 0));
+    recorder.put(row_of(tick, 1, tick < 4000 ? haptics::Fault::kNone : haptics::Fault::kForceOff));
+  }
+  recorder.write(folder / "fault.h5", {});
+  const Recording recording = read_recording(folder / "fault.h5");
+  EXPECT_EQ(recording.rows.size(), recorder.rows().size());
+  EXPECT_TRUE(same_bits(recording.rows.front(), recorder.rows().front()));
+  EXPECT_TRUE(same_bits(recording.rows.back(), recorder.rows().back()));
+  EXPECT_EQ(recording.facts.started_unix_ns, kStarted);
+}
+
+TEST(FlightRecorder, AFolderThatIsNotThereIsNamed) {
+  const scene::Setup setup = two_hands();
+  const FlightRecorder recorder(nullptr, setup);
+  EXPECT_THROW(recorder.write("/none/fault.h5", {}), InputError);
+}
+
+}  // namespace
+}  // namespace palpate::record
