@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include <gtest/gtest.h>
 
@@ -187,59 +186,6 @@ TEST(Tick, TheNoiseCanBeSwitchedOff) {
   Bench bench(1, no_noise());
   bench.press(600);
   EXPECT_EQ(bench.rows[0].noise_force, 0.0);
-}
-
-/// A sample that no hand gives: jumps in and out of the block, and now and then something that is no number.
-DeviceState adversarial(std::mt19937_64& random) {
-  static constexpr double kOdd[] = {kNaN, kInf, -kInf, 1e308, -1e308, 5e-324, 0.0};
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  DeviceState sample;
-  sample.position_D = 0.03 * Vec3(unit(random), unit(random), unit(random));
-  sample.orientation_D = Quat(unit(random), unit(random), unit(random), unit(random)).normalized();
-  sample.gripper = unit(random);
-  const std::uint64_t dice = random();
-  if (dice % 64 != 0) return sample;
-  const double odd = kOdd[(dice >> 8) % std::size(kOdd)];
-  double* places[] = {&sample.position_D.x(),    &sample.position_D.z(), &sample.velocity_D.y(),
-                      &sample.orientation_D.w(), &sample.gripper,        &sample.orientation_D.x()};
-  *places[(dice >> 16) % std::size(places)] = odd;
-  sample.fault = (dice >> 24) % 16 != 0 ? Fault::kNone : Fault::kDevice;
-  return sample;
-}
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kAdversarialSamples = 100'000;  // a sanitizer makes each several times as slow
-#else
-constexpr int kAdversarialSamples = 1'000'000;
-#endif
-
-TEST(Tick, AMillionAdversarialSamplesNeverBreakTheGate) {
-  Bench bench(1);
-  std::mt19937_64 random(3);
-  Vec3 last = Vec3::Zero();
-  Vec3 last_torque = Vec3::Zero();
-  DeviceState slow;
-  for (int i = 0; i < kAdversarialSamples; ++i) {
-    // A run of hand-like motion, so that contacts form and last, then a burst of what no hand does.
-    if (i % 200 < 160) {
-      slow.position_D = Vec3(0.0, 0.0, 0.003 + 0.008 * std::sin(0.05 * i));
-      bench.samples[0] = slow;
-    } else {
-      bench.samples[0] = adversarial(random);
-    }
-    if (i % 400 == 0) reset_fault(bench.state.gates[0]);
-    bench.step();
-    const Vec3 force = bench.commands[0].force;
-    const Vec3 torque = bench.commands[0].torque;
-    ASSERT_TRUE(all_finite(bench.rows[0])) << i;
-    ASSERT_TRUE(force.allFinite() && torque.allFinite()) << i;
-    ASSERT_LE(force.norm(), bench.world.limits.max_force) << i;
-    ASSERT_LE(torque.norm(), bench.world.limits.max_torque) << i;
-    ASSERT_LE((force - last).norm(), bench.world.limits.force_step * (1 + 1e-12)) << i;
-    ASSERT_LE((torque - last_torque).norm(), bench.world.limits.torque_step * (1 + 1e-12)) << i;
-    last = force;
-    last_torque = torque;
-  }
 }
 
 }  // namespace
