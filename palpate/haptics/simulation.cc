@@ -103,8 +103,9 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
                         touching ? 0.0 : result.distance);
   const bool outside = !touching && result.distance > 0.0;
   const double share = engagement_of(world, state, hand, fault, outside);
+  const double torque_share = world.mappings[hand].torque ? share : 0.0;
   const GateOutput out = pass_gate(world.limits, gate,
-                                   {.tissue = {share * result.force_W, share * result.torque_W, 0.0},
+                                   {.tissue = {share * result.force_W, torque_share * result.torque_W, 0.0},
                                     .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
                                     .motion = motion,
                                     .outside = outside,

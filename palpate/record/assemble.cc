@@ -42,7 +42,8 @@ haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Prep
     world.mappings.push_back({.scale = device.workspace_scale,
                               .base = device.base,
                               .clutch = device.clutch_button ? 1U << *device.clutch_button : 0U,
-                              .held = kind != nullptr && kind->held});
+                              .held = kind != nullptr && kind->held,
+                              .torque = kind == nullptr || kind->torque});
   }
   return world;
 }

@@ -6,9 +6,9 @@ namespace palpate::scene {
 namespace {
 
 constexpr DeviceKind kKinds[] = {
-    {"scripted", DevicePath::kToolPath, false}, {"replay", DevicePath::kRecording, false},
-    {"emulated", DevicePath::kToolPath, true},  {"forcedimension", DevicePath::kLibrary, true},
-    {"haply", DevicePath::kAddress, true},
+    {"scripted", DevicePath::kToolPath, false, true}, {"replay", DevicePath::kRecording, false, true},
+    {"emulated", DevicePath::kToolPath, true, true},  {"forcedimension", DevicePath::kLibrary, true, true},
+    {"haply", DevicePath::kAddress, true, false},
 };
 
 }  // namespace

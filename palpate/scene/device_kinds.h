@@ -16,8 +16,9 @@ enum class DevicePath {
 struct DeviceKind {
   std::string_view name;
   DevicePath path;
-  bool held;  // a hand, or an emulated one, holds it and moves by its force: the force waits until the hand
-              // is ready, and the passivity controller acts
+  bool held;    // a hand, or an emulated one, holds it and moves by its force: the force waits until the hand
+                // is ready, and the passivity controller acts
+  bool torque;  // it can give torque
 };
 
 /// [any] All kinds, in the order in which they are listed to people.

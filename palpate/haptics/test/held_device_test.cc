@@ -230,6 +230,20 @@ TEST(HeldDevice, ItsRowsRunAgainBitForBitThroughFaultsResetsAndTheClutch) {
   }
 }
 
+TEST(HeldDevice, ADeviceWithoutTorqueIsAskedForNone) {
+  HeldBench with;
+  HeldBench without;
+  without.world.mappings[0].torque = false;
+  for (HeldBench* bench : {&with, &without}) {
+    bench->wait(1.0);
+    bench->sample.orientation_D = rotation_from_degrees(Vec3(0, 30, 0));
+    bench->go_to(-0.005);
+  }
+  EXPECT_GT(with.command.torque.norm(), 1e-6) << "friction on the ball";
+  EXPECT_EQ(without.command.torque, Vec3::Zero().eval());
+  EXPECT_EQ(without.command.force, with.command.force);
+}
+
 TEST(HeldDevice, TheRowSaysWhatTheHandHasPutIn) {
   HeldBench bench;
   bench.world.mappings[0].base.rotation = rotation_from_degrees(Vec3(0, 0, 90));
