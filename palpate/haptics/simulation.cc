@@ -70,7 +70,7 @@ DeviceMotion take_sample(const SimulationWorld& world, SimulationState& state, s
   if (judge(sample) != Fault::kNone) return {};
   const WorkspaceMapping& mapping = world.mappings[hand];
   DeviceTrack& track = state.tracks[hand];
-  const DeviceMotion motion = follow(mapping, track, sample, 1.0 / world.rate_Hz);
+  DeviceMotion motion = follow(mapping, track, sample, 1.0 / world.rate_Hz);
   state.inputs[hand].pose_W = mapping.apply(sample.position_D, sample.orientation_D, track.index_D);
   state.inputs[hand].gripper = std::clamp(sample.gripper, 0.0, 1.0);
   return motion;
