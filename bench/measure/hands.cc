@@ -116,8 +116,7 @@ Rounds run_rounds(std::vector<Hand>& hands, const scene::ToolPath& path) {
   devices::ScriptedDevice device(path);
   for (Hand& hand : hands) hand.approach(device);
   RowTaker taker(hands.size());
-  std::vector<std::string> remarks;
-  haptics::ask_for_priority(remarks);
+  (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
   Rounds rounds;
   rounds.times_us.reserve(kPeriods);
   haptics::Schedule schedule(kHandsRate, monotonic_ns() + 1'000'000);

@@ -55,7 +55,7 @@ LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::Simulat
   std::vector<std::string> remarks;
   const haptics::MemoryLock memory(remarks);
   std::thread thread([&] {
-    haptics::ask_for_priority(remarks);
+    (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
     haptics::touch_stack();
     for (std::uint64_t number = 0; number < last;) {
       watch(static_cast<double>(number) / static_cast<double>(last),

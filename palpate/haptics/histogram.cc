@@ -32,11 +32,24 @@ std::int64_t Histogram::percentile(double share) const noexcept {
   for (int bucket = 0; bucket < kBuckets; ++bucket) {
     seen += counts_[static_cast<std::size_t>(bucket)];
     if (seen < rank) continue;
-    const int shift = std::max(0, (bucket >> kSubBits) - 1);
-    const std::int64_t lead = bucket - (static_cast<std::int64_t>(shift) << kSubBits);
-    return std::min(max_, ((lead + 1) << shift) - 1);  // the largest value that falls into this bucket
+    return std::min(max_, upper_of(bucket));
   }
   return max_;
+}
+
+std::vector<Histogram::Bucket> Histogram::buckets() const {
+  std::vector<Bucket> filled;
+  for (int bucket = 0; bucket < kBuckets; ++bucket) {
+    const std::uint32_t count = counts_[static_cast<std::size_t>(bucket)];
+    if (count > 0) filled.push_back({upper_of(bucket), count});
+  }
+  return filled;
+}
+
+std::int64_t Histogram::upper_of(int bucket) noexcept {
+  const int shift = std::max(0, (bucket >> kSubBits) - 1);
+  const std::int64_t lead = bucket - (static_cast<std::int64_t>(shift) << kSubBits);
+  return ((lead + 1) << shift) - 1;
 }
 
 }  // namespace palpate::haptics

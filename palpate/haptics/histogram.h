@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <vector>
 
 namespace palpate::haptics {
 
@@ -18,7 +19,17 @@ class Histogram final {
   /// most 0.1 %; 0 when empty.
   [[nodiscard]] std::int64_t percentile(double share) const noexcept;
 
+  struct Bucket {
+    std::int64_t upper = 0;  // ns, the largest value that falls into it
+    std::uint64_t count = 0;
+  };
+  /// [setup] The buckets that are not empty, ascending.
+  [[nodiscard]] std::vector<Bucket> buckets() const;
+
  private:
+  /// The largest value that falls into a bucket.
+  [[nodiscard]] static std::int64_t upper_of(int bucket) noexcept;
+
   static constexpr int kSubBits = 10;  // 2^10 buckets an octave
   static constexpr int kBuckets = (41 - kSubBits) << kSubBits;
   std::array<std::uint32_t, kBuckets> counts_{};

@@ -1,17 +1,36 @@
 #include "palpate/haptics/loop.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include "palpate/base/clock.h"
+#include "palpate/base/text.h"
 #include "palpate/haptics/realtime.h"
 #include "palpate/haptics/schedule.h"
 
 namespace palpate::haptics {
 namespace {
+
+/// A command in the world's frame, turned into the device's; torque turns like force. A base only turns and
+/// moves: the workspace's scale is of lengths, not of forces.
+ForceCommand to_device(const WorkspaceMapping& mapping, const ForceCommand& command_W) noexcept {
+  const Quat to_D = mapping.base.rotation.conjugate();
+  return {to_D * command_W.force, to_D * command_W.torque, command_W.gripper_force};
+}
+
+bool is_zero(const ForceCommand& command) noexcept {
+  return command.force.isZero(0.0) && command.torque.isZero(0.0) && command.gripper_force == 0.0;
+}
+
+/// When a gap between two ticks counts as a stall [ns]; 0: never.
+std::int64_t stalled_after_ns(const LoopOptions& options, double rate_Hz) noexcept {
+  if (options.offline || options.stalled_after_ns <= 0) return 0;
+  return std::max(options.stalled_after_ns, static_cast<std::int64_t>(kStalledPeriods * 1e9 / rate_Hz));
+}
 
 /// Zero force on every device when a run ends, however it ends.
 struct StopAtEnd {
@@ -23,18 +42,22 @@ struct StopAtEnd {
 
 class Loop final {
  public:
+  /// @param watchdog null: nobody watches
   Loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices, TickSink* sink,
-       const LoopOptions& options, LoopReport& report)
+       const LoopOptions& options, Watchdog* watchdog, LoopReport& report)
       : world_(world),
         state_(state),
         devices_(devices),
         sink_(sink),
         options_(options),
+        watchdog_(watchdog),
+        stalled_after_ns_(stalled_after_ns(options, world.rate_Hz)),
         report_(report),
         samples_(devices.size()),
         commands_(devices.size()),
         rows_(devices.size()),
-        refused_(devices.size(), 0) {}
+        refused_(devices.size(), 0),
+        latched_(devices.size()) {}
 
   /// All ticks, on the calling thread; nothing is allocated from here on.
   void run() noexcept {
@@ -48,39 +71,82 @@ class Loop final {
       const std::int64_t late = options_.offline ? 0 : begin_in_time(schedule, number);
       run_tick(number, late);
     }
+    if (watchdog_ != nullptr) watchdog_->rest();
     report_.stopped_early = report_.ticks < options_.ticks;
   }
 
  private:
+  /// What is latched on a hand, from its rows.
+  struct Latched {
+    Fault fault = Fault::kNone;
+    std::size_t entry = LoopReport::kMostFaults;  // in report_.faults
+  };
+
   [[nodiscard]] bool stop_wanted() const noexcept {
     return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
   }
 
-  /// Accounts for when a tick begins. @return how late it is [ns].
+  /// Accounts for when a tick begins, and sees whether the loop had stood still. @return how late it is [ns].
   std::int64_t begin_in_time(Schedule& schedule, std::uint64_t number) noexcept {
     const std::int64_t now = monotonic_ns();
+    if (watchdog_ != nullptr) watchdog_->beat(number, now);
     const Schedule::Begin begin = schedule.begin(now);
     report_.lateness.add(begin.late_ns);
     if (begin.missed) ++report_.missed_deadlines;
-    if (number > 0) report_.longest_gap_ns = std::max(report_.longest_gap_ns, now - last_begin_);
+    const std::int64_t gap = number > 0 ? now - last_begin_ : 0;
+    report_.longest_gap_ns = std::max(report_.longest_gap_ns, gap);
     last_begin_ = now;
+    const bool stopped = stopped_meanwhile();
+    stalled_ = stopped || (watchdog_ != nullptr && gap > stalled_after_ns_);
+    if (stopped) {
+      stops_known_ = watchdog_->stops();
+      held_at_zero_ = true;
+    }
     return begin.late_ns;
   }
 
+  /// Whether the watchdog stopped the devices since this was last dealt with.
+  [[nodiscard]] bool stopped_meanwhile() const noexcept {
+    return watchdog_ != nullptr && watchdog_->stops() != stops_known_;
+  }
+
   void run_tick(std::uint64_t number, std::int64_t late) noexcept {
-    const double time = static_cast<double>(number) / world_.rate_Hz;
     const std::int64_t before = thread_cpu_ns();
-    for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
-      samples_[hand] = devices_[hand]->read(number, time);
-      if (refused_[hand] != 0) samples_[hand].fault = Fault::kDevice;
-    }
+    read_samples(number);
     tick(world_, state_, number, samples_, commands_, rows_);
-    for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
-      refused_[hand] = devices_[hand]->write(commands_[hand]) ? 0 : 1;
-    }
+    write_commands();
     const std::int64_t spent = thread_cpu_ns() - before;
     report_.tick_time.add(spent);
     hand_over(number, options_.offline ? 0 : spent, late);
+  }
+
+  /// One sample a hand, with what the loop knows and the user asks. It stands in the row, so that a replay
+  /// meets the same.
+  void read_samples(std::uint64_t number) noexcept {
+    const double time = static_cast<double>(number) / world_.rate_Hz;
+    const std::uint32_t resets =
+        options_.resets == nullptr ? 0 : options_.resets->exchange(0, std::memory_order_relaxed);
+    for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
+      DeviceState& sample = samples_[hand];
+      sample = devices_[hand]->read(number, time);
+      if (refused_[hand] != 0) sample.fault = Fault::kDevice;
+      if (stalled_ && sample.fault == Fault::kNone) sample.fault = Fault::kStalled;
+      if (((resets >> hand) & 1U) != 0) sample.events |= kResetFault;
+    }
+  }
+
+  void write_commands() noexcept {
+    const bool zero = held_at_zero_ || stopped_meanwhile();
+    for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
+      const ForceCommand command_D =
+          zero ? ForceCommand{} : to_device(world_.mappings[hand], commands_[hand]);
+      refused_[hand] = devices_[hand]->write(command_D) ? 0 : 1;
+    }
+    if (held_at_zero_ && std::all_of(commands_.begin(), commands_.end(), is_zero)) held_at_zero_ = false;
+    // A stop that came while these were written must have the last word; the next tick latches the fault.
+    if (!zero && stopped_meanwhile()) {
+      for (Device* device : devices_) device->stop();
+    }
   }
 
   /// Rows to the sink, the newest state to the picture, the count to whoever shows progress.
@@ -88,12 +154,32 @@ class Loop final {
     for (TickRow& row : rows_) {
       row.tick_ns = spent;
       row.late_ns = late;
-      if (report_.fault == Fault::kNone) report_.fault = static_cast<Fault>(row.fault);
+      follow_fault(row);
       if (sink_ != nullptr) sink_->put(row);
     }
     report_.ticks = number + 1;
     if (options_.snapshots != nullptr) publish(number);
     if (options_.progress != nullptr) options_.progress->store(number + 1, std::memory_order_relaxed);
+  }
+
+  /// Notes when a fault is latched, also anew in the tick of its reset, and when it is cleared.
+  void follow_fault(const TickRow& row) noexcept {
+    Latched& latched = latched_[row.hand];
+    const auto fault = static_cast<Fault>(row.fault);
+    const bool reset = (row.events & kResetFault) != 0;
+    if (fault == latched.fault && (fault == Fault::kNone || !reset)) return;
+    if (latched.entry < report_.faults.size()) report_.faults[latched.entry].reset_tick = row.tick;
+    latched = {fault, LoopReport::kMostFaults};
+    if (fault == Fault::kNone) return;
+    if (report_.fault == Fault::kNone) report_.fault = fault;
+    const FaultSeen seen{row.tick, row.hand, fault};
+    if (options_.fault_news != nullptr) (void)options_.fault_news->push(seen);
+    if (report_.faults.size() == LoopReport::kMostFaults) {
+      ++report_.further_faults;
+      return;
+    }
+    latched.entry = report_.faults.size();
+    report_.faults.push_back(seen);  // within what was reserved
   }
 
   void publish(std::uint64_t number) noexcept {
@@ -114,13 +200,55 @@ class Loop final {
   std::span<Device* const> devices_;
   TickSink* sink_;
   const LoopOptions& options_;
+  Watchdog* watchdog_;
+  std::int64_t stalled_after_ns_;
   LoopReport& report_;
   std::vector<DeviceState> samples_;
   std::vector<ForceCommand> commands_;
   std::vector<TickRow> rows_;
-  std::vector<char> refused_;  // a hand's last command was
+  std::vector<char> refused_;     // a hand's last command was
+  std::vector<Latched> latched_;  // of each hand
   std::int64_t last_begin_ = 0;
+  std::uint64_t stops_known_ = 0;  // of the watchdog, dealt with
+  bool stalled_ = false;           // this tick began after a stall
+  bool held_at_zero_ = false;      // since a stop by the watchdog, until the gate's own commands are zero
 };
+
+void check_core(const LoopOptions& options) {
+  if (!options.core) return;
+  const std::vector<int> cores = usable_cores();
+  if (std::find(cores.begin(), cores.end(), *options.core) == cores.end()) {
+    throw std::invalid_argument("run_loop: core " + std::to_string(*options.core) + " cannot be used");
+  }
+}
+
+/// What the loop's thread asks of the system before its first tick.
+void prepare_thread(const LoopOptions& options, LoopReport& report) {
+  if (options.core && !pin_to_core(*options.core)) {
+    report.remarks.push_back("the loop was not pinned to core " + std::to_string(*options.core));
+  }
+  if (options.offline) return;
+  const std::optional<std::string> refusal = ask_for_priority(Urgency::kLoop);
+  report.realtime_priority = !refusal;
+  if (refusal) report.remarks.push_back(*refusal);
+  touch_stack();
+}
+
+std::string milliseconds(std::int64_t ns) { return shortest(std::round(static_cast<double>(ns) * 1e-6)); }
+
+/// "the watchdog stopped the devices 2 times, as no tick had begun for 20 ms: after tick 12, after tick 90".
+std::string told(std::uint64_t number, const std::vector<WatchdogStop>& stops, std::int64_t stalled_after) {
+  constexpr std::size_t kMostTold = 5;
+  std::string text = "the watchdog stopped the devices " +
+                     (number == 1 ? std::string("once") : std::to_string(number) + " times") +
+                     ", as no tick had begun for " + milliseconds(stalled_after) + " ms:";
+  for (std::size_t i = 0; i < std::min(kMostTold, stops.size()); ++i) {
+    text += std::string(i == 0 ? "" : ",") + " after tick " + std::to_string(stops[i].tick) + " (" +
+            shortest(static_cast<double>(stops[i].after_ns / 1'000'000) * 1e-3) + " s)";
+  }
+  if (number > kMostTold) text += " and " + std::to_string(number - kMostTold) + " more";
+  return text;
+}
 
 }  // namespace
 
@@ -131,19 +259,21 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
     throw std::invalid_argument("run_loop: " + std::to_string(devices.size()) + " devices for " +
                                 std::to_string(world.hands()) + " hands");
   }
+  check_core(options);
   LoopReport report;
-  Loop loop(world, state, devices, sink, options, report);
+  report.faults.reserve(LoopReport::kMostFaults);
   std::optional<MemoryLock> memory;
+  std::optional<Watchdog> watchdog;
   if (!options.offline) report.memory_locked = memory.emplace(report.remarks).granted();
+  const std::int64_t stalled_after = stalled_after_ns(options, world.rate_Hz);
+  if (stalled_after > 0) watchdog.emplace(devices, stalled_after);
+  Loop loop(world, state, devices, sink, options, watchdog ? &*watchdog : nullptr, report);
 
   std::exception_ptr failure;
   std::optional<SignalsHeld> signals(std::in_place);
   std::thread thread([&] {
     try {
-      if (!options.offline) {
-        report.realtime_priority = ask_for_priority(report.remarks);
-        touch_stack();
-      }
+      prepare_thread(options, report);
       loop.run();
     } catch (...) {
       failure = std::current_exception();
@@ -152,6 +282,13 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
   signals.reset();
   thread.join();
   if (failure) std::rethrow_exception(failure);
+  if (watchdog) {
+    report.stops = watchdog->finish();
+    report.watchdog_stops = watchdog->stops();
+  }
+  if (report.watchdog_stops > 0) {
+    report.remarks.push_back(told(report.watchdog_stops, report.stops, stalled_after));
+  }
   return report;
 }
 

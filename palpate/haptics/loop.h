@@ -2,13 +2,17 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "palpate/base/ring.h"
 #include "palpate/base/snapshot_cell.h"
 #include "palpate/haptics/histogram.h"
 #include "palpate/haptics/simulation.h"
+#include "palpate/haptics/watchdog.h"
 
 namespace palpate::haptics {
 
@@ -34,33 +38,62 @@ struct Snapshot {
   std::array<ForceCommand, kMaxHands> commands{};
 };
 
+/// A fault that was latched on one hand.
+struct FaultSeen {
+  static constexpr std::uint64_t kNotReset = std::numeric_limits<std::uint64_t>::max();
+
+  std::uint64_t tick = 0;
+  std::uint32_t hand = 0;
+  Fault fault = Fault::kNone;
+  std::uint64_t reset_tick = kNotReset;  // the first tick without it
+};
+
 struct LoopOptions {
   std::uint64_t ticks = 0;                  // how many to run
   bool offline = false;                     // as fast as possible; tick_ns and late_ns of the rows are 0
   const std::atomic<bool>* stop = nullptr;  // Ctrl-C
   SnapshotCell<Snapshot>* snapshots = nullptr;
   std::atomic<std::uint64_t>* progress = nullptr;  // ticks done
+  // A bit a hand, set by any thread: the hand's latched fault is to be cleared. The next tick takes them all.
+  std::atomic<std::uint32_t>* resets = nullptr;
+  Ring<FaultSeen>* fault_news = nullptr;   // each fault when it is latched, for who tells it; full: left out
+  std::optional<int> core = std::nullopt;  // the one core that the loop's thread runs on
+  // In real time: when no tick began for so long the watchdog stops the devices, and the tick that begins
+  // then latches Fault::kStalled on every hand. At low rates it is at least kStalledPeriods periods. 0:
+  // nobody watches, for runs whose devices no hand holds: there a gap is a late tick, and rows are those of
+  // an offline run.
+  std::int64_t stalled_after_ns = static_cast<std::int64_t>(kStalledAfter * 1e9);
 };
+
+inline constexpr double kStalledPeriods = 4.0;
 
 /// How a run went.
 struct LoopReport {
+  static constexpr std::size_t kMostFaults = 64;
+
   std::uint64_t ticks = 0;
   bool stopped_early = false;
-  Fault fault = Fault::kNone;
+  Fault fault = Fault::kNone;          // the first
+  std::vector<FaultSeen> faults;       // the first kMostFaults
+  std::uint64_t further_faults = 0;    // beyond those
   Histogram tick_time;                 // ns; also measured offline
   Histogram lateness;                  // ns; empty offline
   std::uint64_t missed_deadlines = 0;  // ticks that began a full period or more late
   std::int64_t longest_gap_ns = 0;     // between two tick starts
   bool realtime_priority = false;      // SCHED_FIFO granted
   bool memory_locked = false;          // mlockall granted
-  std::vector<std::string> remarks;    // what was not granted, in words
+  std::uint64_t watchdog_stops = 0;    // how often the watchdog stopped the devices
+  std::vector<WatchdogStop> stops;     // the first Watchdog::kMostKept
+  std::vector<std::string> remarks;    // what was not granted, what the watchdog did, in words
 };
 
 /// [setup] Runs the loop on a thread of its own and waits for its end: absolute deadlines, SCHED_FIFO and
-/// mlockall where allowed (not offline). A device that refuses a command counts as not readable at the next
-/// tick. Device::stop() is called at the end whatever happened.
+/// mlockall where allowed, and a watchdog (not offline). Commands are turned into each device's frame before
+/// they are written. A device that refuses a command counts as not readable at the next tick. After a stop by
+/// the watchdog zero force is written until the gate's own commands are zero: no jump when the loop wakes.
+/// Device::stop() is called at the end whatever happened.
 /// @param devices one a hand; @param sink may be null
-/// @throws std::invalid_argument when there is not one device a hand.
+/// @throws std::invalid_argument when there is not one device a hand, or options.core cannot be used.
 [[nodiscard]] LoopReport run_loop(const SimulationWorld& world, SimulationState& state,
                                   std::span<Device* const> devices, TickSink* sink,
                                   const LoopOptions& options);

@@ -7,11 +7,14 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 
 namespace palpate::haptics {
 namespace {
 
-constexpr int kPriority = 80;  // above interrupt threads (50), below the kernel's own (99)
+constexpr int kLoopPriority = 80;         // above interrupt threads (50), below the kernel's own (99)
+constexpr int kWatchdogPriority = 85;     // it must get through when the loop spins
+constexpr unsigned long kTimerSlack = 1;  // ns, the smallest; without priority the system's own is 50 us
 constexpr std::size_t kTouchedStack = 256UL * 1024UL;  // bytes; a tick uses a few kilobytes
 constexpr std::size_t kPage = 4096;
 
@@ -19,14 +22,33 @@ std::string words(int error) { return std::generic_category().message(error); }
 
 }  // namespace
 
-bool ask_for_priority(std::vector<std::string>& remarks) {
+std::optional<std::string> ask_for_priority(Urgency urgency) {
+  (void)prctl(PR_SET_TIMERSLACK, kTimerSlack, 0, 0, 0);
   sched_param wanted{};
-  wanted.sched_priority = kPriority;
+  wanted.sched_priority = urgency == Urgency::kLoop ? kLoopPriority : kWatchdogPriority;
   const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
-  if (error == 0) return true;
-  remarks.push_back("real-time priority (SCHED_FIFO) was not granted: " + words(error) +
-                    "; ticks may begin late (run as root, or allow it with CAP_SYS_NICE or an rtprio limit)");
-  return false;
+  if (error == 0) return std::nullopt;
+  return "real-time priority (SCHED_FIFO) was not granted: " + words(error) +
+         "; ticks may begin late (palpate doctor says how to grant it)";
+}
+
+std::vector<int> usable_cores() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> cores;
+  if (sched_getaffinity(0, sizeof(set), &set) != 0) return cores;
+  for (int core = 0; core < CPU_SETSIZE; ++core) {
+    if (CPU_ISSET(core, &set)) cores.push_back(core);
+  }
+  return cores;
+}
+
+bool pin_to_core(int core) noexcept {
+  if (core < 0 || core >= CPU_SETSIZE) return false;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(core, &set);
+  return pthread_setaffinity_np(pthread_self(), sizeof(set), &set) == 0;
 }
 
 [[gnu::noinline]] void touch_stack() noexcept {
@@ -37,9 +59,8 @@ bool ask_for_priority(std::vector<std::string>& remarks) {
 MemoryLock::MemoryLock(std::vector<std::string>& remarks)
     : granted_(mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
   if (granted_) return;
-  remarks.push_back(
-      "memory was not locked (mlockall): " + words(errno) +
-      "; a page fault may delay a tick (run as root, or allow it with CAP_IPC_LOCK or a memlock limit)");
+  remarks.push_back("memory was not locked (mlockall): " + words(errno) +
+                    "; a page fault may delay a tick (palpate doctor says how to grant it)");
 }
 
 MemoryLock::~MemoryLock() {

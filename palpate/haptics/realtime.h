@@ -1,13 +1,23 @@
 #pragma once
 #include <csignal>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace palpate::haptics {
 
-/// [setup] Asks for SCHED_FIFO for the calling thread. @return whether it was granted; if not, `remarks` says
-/// so in words.
-bool ask_for_priority(std::vector<std::string>& remarks);
+/// Which of a run's threads goes first when several want a processor.
+enum class Urgency { kLoop, kWatchdog };
+
+/// [setup] Asks for SCHED_FIFO for the calling thread, and for wake-ups that are never put off to be taken
+/// together with others (timer slack). @return why the priority was not granted, in words; none: it was.
+[[nodiscard]] std::optional<std::string> ask_for_priority(Urgency urgency);
+
+/// [setup] Numbers of the cores that this program may use, ascending.
+[[nodiscard]] std::vector<int> usable_cores();
+
+/// [setup] Lets the calling thread run on one core only. @return whether that was granted.
+[[nodiscard]] bool pin_to_core(int core) noexcept;
 
 /// [setup] Touches the calling thread's stack, so that no tick meets a page of it for the first time.
 void touch_stack() noexcept;

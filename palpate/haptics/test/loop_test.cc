@@ -1,11 +1,15 @@
 #include "palpate/haptics/loop.h"
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include "palpate/base/clock.h"
+#include "palpate/haptics/realtime.h"
 #include "palpate/haptics/test/test_world.h"
 
 namespace palpate::haptics {
@@ -31,6 +35,14 @@ Outcome run_with(FakeDevice& device, const LoopOptions& options, double rate_Hz 
   return outcome;
 }
 
+constexpr std::int64_t kStallAfter = 300'000'000;  // ns: such gaps a busy machine hardly makes by itself
+
+/// On a busy machine a tick may begin seconds late; what is no test of stalls has none.
+LoopOptions calm(LoopOptions options) {
+  options.stalled_after_ns = 0;
+  return options;
+}
+
 FakeDevice presser() {
   return FakeDevice([](std::uint64_t, double time) { return pressing(time); });
 }
@@ -39,7 +51,7 @@ TEST(Loop, OfflineAndInRealTimeGiveTheSameRows) {
   FakeDevice first = presser();
   FakeDevice second = presser();
   const Outcome offline = run_with(first, {.ticks = 600, .offline = true});
-  const Outcome real = run_with(second, {.ticks = 600, .offline = false});
+  const Outcome real = run_with(second, calm({.ticks = 600, .offline = false}));
   ASSERT_EQ(offline.rows.size(), 600u);
   ASSERT_EQ(real.rows.size(), 600u);
   for (std::size_t i = 0; i < 600; ++i) {
@@ -130,6 +142,183 @@ TEST(Loop, AfterASlowTickTheScheduleShiftsWithoutABurstOrASkippedNumber) {
   }
 }
 
+// From outside: were the missed time made up for, the run would be shorter than this. A busy machine only
+// makes it longer.
+TEST(Loop, ASlowDeviceMakesTheRunLongerByItsDelayAtAnyRate) {
+  for (const double rate : {1000.0, 2000.0, 4000.0, 10000.0}) {
+    constexpr std::int64_t kDelay = 12'000'000;  // ns
+    constexpr std::uint64_t kTicks = 100;
+    const auto period = static_cast<std::int64_t>(1e9 / rate);
+    FakeDevice device([&](std::uint64_t tick, double time) {
+      if (tick == 30) sleep_until_ns(monotonic_ns() + kDelay);
+      return pressing(time);
+    });
+    const std::int64_t before = monotonic_ns();
+    const Outcome outcome = run_with(device, calm({.ticks = kTicks}), rate);
+    EXPECT_GE(monotonic_ns() - before, static_cast<std::int64_t>(kTicks - 2) * period + kDelay) << rate;
+    EXPECT_GE(outcome.report.missed_deadlines, 1u) << rate;
+    ASSERT_EQ(outcome.rows.size(), kTicks);
+    for (std::size_t i = 0; i < kTicks; ++i) ASSERT_EQ(outcome.rows[i].tick, i) << rate;
+  }
+}
+
+TEST(Loop, AStallIsAFaultThatLatchesInTheTickThatBeginsAfterIt) {
+  FakeDevice device([](std::uint64_t tick, double time) {
+    if (tick == 449) sleep_until_ns(monotonic_ns() + 2 * kStallAfter);
+    return pressing(time);
+  });
+  LoopOptions options{.ticks = 500};
+  options.stalled_after_ns = kStallAfter;
+  const Outcome outcome = run_with(device, options);
+  const auto stalled = static_cast<std::uint32_t>(Fault::kStalled);
+  EXPECT_EQ(outcome.rows[449].fault, 0u);
+  EXPECT_EQ(outcome.rows[450].fault, stalled);
+  EXPECT_EQ(outcome.rows[450].device_fault, stalled) << "so that a replay meets the same fault";
+  EXPECT_EQ(outcome.rows[450].device_valid, 1u);
+  EXPECT_EQ(outcome.rows[499].fault, stalled);
+  EXPECT_EQ(outcome.rows[499].force, (std::array<double, 3>{}));
+  EXPECT_EQ(outcome.report.fault, Fault::kStalled);
+  ASSERT_GE(outcome.report.faults.size(), 1u);
+  EXPECT_EQ(outcome.report.faults[0].tick, 450u);
+  EXPECT_EQ(outcome.report.faults[0].reset_tick, FaultSeen::kNotReset);
+}
+
+TEST(Loop, AfterAStopByTheWatchdogNoForceIsWrittenUntilTheGatesOwnIsZero) {
+  std::vector<double> written;
+  FakeDevice device([&](std::uint64_t tick, double time) {
+    if (tick == 449) sleep_until_ns(monotonic_ns() + 2 * kStallAfter);
+    return pressing(time);
+  });
+  device.heard = [&](const ForceCommand& command) { written.push_back(command.force.norm()); };
+  LoopOptions options{.ticks = 500};
+  options.stalled_after_ns = kStallAfter;
+  const Outcome outcome = run_with(device, options);
+  ASSERT_EQ(written.size(), 500u);
+  EXPECT_GT(written[448], 0.0);
+  for (std::size_t tick = 449; tick < 500; ++tick) EXPECT_EQ(written[tick], 0.0) << tick;
+  EXPECT_GE(outcome.report.watchdog_stops, 1u);
+  EXPECT_GE(device.stops, 2) << "the watchdog's and the run's last";
+  ASSERT_GE(outcome.report.stops.size(), 1u);
+  EXPECT_EQ(outcome.report.stops[0].tick, 449u);
+  ASSERT_FALSE(outcome.report.remarks.empty());
+  EXPECT_NE(outcome.report.remarks.back().find("the watchdog stopped the devices"), std::string::npos);
+  EXPECT_NE(outcome.report.remarks.back().find("after tick 449"), std::string::npos);
+}
+
+TEST(Loop, WhereNobodyWatchesAStallIsALateTick) {
+  FakeDevice device([](std::uint64_t tick, double time) {
+    if (tick == 5) sleep_until_ns(monotonic_ns() + 30'000'000);
+    return pressing(time);
+  });
+  LoopOptions options{.ticks = 20};
+  options.stalled_after_ns = 0;
+  const Outcome outcome = run_with(device, options);
+  EXPECT_EQ(outcome.report.fault, Fault::kNone);
+  EXPECT_GE(outcome.report.longest_gap_ns, 30'000'000);
+  EXPECT_EQ(outcome.report.watchdog_stops, 0u);
+}
+
+TEST(Loop, OfflineNothingIsAStall) {
+  FakeDevice device([](std::uint64_t tick, double time) {
+    if (tick == 5) sleep_until_ns(monotonic_ns() + 30'000'000);
+    return pressing(time);
+  });
+  const Outcome outcome = run_with(device, {.ticks = 20, .offline = true});
+  EXPECT_EQ(outcome.report.fault, Fault::kNone);
+  EXPECT_EQ(outcome.report.watchdog_stops, 0u);
+}
+
+TEST(Loop, AResetReachesItsHandsOnceInTheNextTick) {
+  const SimulationWorld world = block_and_balls(2, 1000.0);
+  SimulationState state(world);
+  std::atomic<std::uint32_t> resets{0};
+  FakeDevice first = presser();
+  FakeDevice second([&](std::uint64_t tick, double time) {
+    if (tick == 10) resets = 0b10;
+    return pressing(time);
+  });
+  Device* devices[] = {&first, &second};
+  RowKeeper rows(40);
+  LoopOptions options{.ticks = 20, .offline = true};
+  options.resets = &resets;
+  (void)run_loop(world, state, devices, &rows, options);
+  for (const TickRow& row : rows.rows) {
+    EXPECT_EQ(row.events, row.tick == 11 && row.hand == 1 ? kResetFault : 0u) << row.tick << ' ' << row.hand;
+  }
+  EXPECT_EQ(resets.load(), 0u);
+}
+
+TEST(Loop, EachFaultIsInTheReportAndInTheNewsOfItsHand) {
+  const SimulationWorld world = block_and_balls(2, 1000.0);
+  SimulationState state(world);
+  FakeDevice first([](std::uint64_t tick, double time) {
+    DeviceState sample = pressing(time);
+    if (tick == 30) sample.position_D.x() = std::numeric_limits<double>::quiet_NaN();
+    return sample;
+  });
+  FakeDevice second([](std::uint64_t tick, double time) {
+    DeviceState sample = pressing(time);
+    if (tick == 20) sample.fault = Fault::kForceOff;
+    return sample;
+  });
+  Device* devices[] = {&first, &second};
+  Ring<FaultSeen> news(8);
+  LoopOptions options{.ticks = 50, .offline = true};
+  options.fault_news = &news;
+  const LoopReport report = run_loop(world, state, devices, nullptr, options);
+  ASSERT_EQ(report.faults.size(), 2u);
+  EXPECT_EQ(report.faults[0].tick, 20u);
+  EXPECT_EQ(report.faults[0].hand, 1u);
+  EXPECT_EQ(report.faults[0].fault, Fault::kForceOff);
+  EXPECT_EQ(report.faults[1].tick, 30u);
+  EXPECT_EQ(report.faults[1].hand, 0u);
+  EXPECT_EQ(report.fault, Fault::kForceOff) << "the first";
+  FaultSeen seen;
+  ASSERT_TRUE(news.pop(seen));
+  EXPECT_EQ(seen.tick, 20u);
+  ASSERT_TRUE(news.pop(seen));
+  EXPECT_EQ(seen.tick, 30u);
+  EXPECT_FALSE(news.pop(seen));
+}
+
+TEST(Loop, ADeviceHearsItsCommandInItsOwnFrame) {
+  // Turned a quarter about x: the device's z is the world's -y, so a push up in the world is along its y.
+  SimulationWorld world = block_and_balls(1, 1000.0);
+  const Quat quarter(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
+  world.mappings[0].base.rotation = quarter;
+  SimulationState state(world);
+  FakeDevice device([&](std::uint64_t, double time) {
+    DeviceState sample = pressing(time);
+    sample.position_D = quarter.conjugate() * sample.position_D;
+    return sample;
+  });
+  Device* devices[] = {&device};
+  RowKeeper rows(450);
+  (void)run_loop(world, state, devices, &rows, {.ticks = 450, .offline = true});
+  const TickRow& last = rows.rows.back();
+  ASSERT_GT(last.force[2], 0.05);
+  EXPECT_NEAR(device.last.force.x(), last.force[0], 1e-12);
+  EXPECT_NEAR(device.last.force.y(), last.force[2], 1e-12);
+  EXPECT_NEAR(device.last.force.z(), -last.force[1], 1e-12);
+  EXPECT_NEAR(device.last.torque.x(), last.torque[0], 1e-12);
+  EXPECT_NEAR(device.last.torque.y(), last.torque[2], 1e-12);
+  EXPECT_NEAR(device.last.torque.z(), -last.torque[1], 1e-12);
+}
+
+TEST(Loop, RunsOnTheCoreThatIsAskedForAndRefusesOneThatIsNotThere) {
+  const int core = usable_cores().back();
+  std::vector<int> seen;
+  FakeDevice device([&](std::uint64_t, double time) {
+    seen.push_back(sched_getcpu());
+    return pressing(time);
+  });
+  (void)run_with(device, {.ticks = 50, .offline = true, .core = core});
+  EXPECT_EQ(seen, std::vector<int>(50, core));
+  EXPECT_THROW((void)run_with(device, {.ticks = 1, .offline = true, .core = 1'000'000}),
+               std::invalid_argument);
+  EXPECT_THROW((void)run_with(device, {.ticks = 1, .offline = true, .core = -1}), std::invalid_argument);
+}
+
 TEST(Loop, ARefusedCommandIsADeviceFaultAtTheNextTick) {
   FakeDevice device = presser();
   device.refuse_write = 450;
@@ -177,7 +366,8 @@ TEST(Loop, WhatWasNotGrantedIsSaidInWords) {
   FakeDevice device = presser();
   const Outcome outcome = run_with(device, {.ticks = 2, .offline = false});
   const int refused = (outcome.report.realtime_priority ? 0 : 1) + (outcome.report.memory_locked ? 0 : 1);
-  EXPECT_EQ(outcome.report.remarks.size(), static_cast<std::size_t>(refused));
+  const int stopped = outcome.report.watchdog_stops > 0 ? 1 : 0;
+  EXPECT_EQ(outcome.report.remarks.size(), static_cast<std::size_t>(refused + stopped));
   FakeDevice again = presser();
   EXPECT_TRUE(run_with(again, {.ticks = 2, .offline = true}).report.remarks.empty()) << "not asked offline";
 }

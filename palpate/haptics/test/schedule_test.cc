@@ -1,5 +1,8 @@
 #include "palpate/haptics/schedule.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace palpate::haptics {
@@ -36,6 +39,30 @@ TEST(Schedule, ATickAFullPeriodLateShiftsAllThatFollow) {
 TEST(Schedule, AnEarlyBeginIsNotNegativelyLate) {
   Schedule schedule(1000.0, 10);
   EXPECT_EQ(schedule.begin(5).late_ns, 0);
+}
+
+// A tick that takes 7.3 periods, then ticks that take no time: each begins when it is due or, where it is
+// overdue, at once. Whatever is made up for, it is less than one period in all.
+TEST(Schedule, ASlowTickIsNeverMadeUpForAtAnyRate) {
+  for (const double rate : {1000.0, 2000.0, 4000.0, 10000.0}) {
+    const double period = 1e9 / rate;
+    Schedule schedule(rate, 1'000'000);
+    std::vector<std::int64_t> begins;
+    std::int64_t now = 0;
+    int missed = 0;
+    for (int tick = 0; tick < 200; ++tick) {
+      now = std::max(now, schedule.due());
+      begins.push_back(now);
+      if (schedule.begin(now).missed) ++missed;
+      if (tick == 20) now += static_cast<std::int64_t>(7.3 * period);
+    }
+    EXPECT_EQ(missed, 1) << rate;
+    for (std::size_t i = 21; i + 1 < begins.size(); ++i) {
+      EXPECT_NEAR(static_cast<double>(begins[i + 1] - begins[i]), period, 1.0) << rate << ' ' << i;
+    }
+    const auto whole = static_cast<double>(begins.back() - begins.front());
+    EXPECT_NEAR(whole, (199 + 6.3) * period, 2.0) << rate << ": the slow tick's own period counts once";
+  }
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <cstring>
 #include <functional>
 #include <utility>
@@ -49,6 +50,7 @@ class FakeDevice final : public Device {
   DeviceState read(std::uint64_t tick, double time) noexcept override { return sample_(tick, time); }
   bool write(const ForceCommand& command) noexcept override {
     last = command;
+    if (heard) heard(command);
     ++writes;
     return writes != refuse_write;
   }
@@ -56,9 +58,10 @@ class FakeDevice final : public Device {
   [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return ~std::uint64_t{0}; }
 
   ForceCommand last;
+  std::function<void(const ForceCommand&)> heard;  // each command
   std::uint64_t writes = 0;
   std::uint64_t refuse_write = 0;  // number of the command that is refused; 0: none
-  int stops = 0;
+  std::atomic<int> stops{0};       // from any thread
 
  private:
   std::function<DeviceState(std::uint64_t, double)> sample_;
