@@ -22,5 +22,6 @@ void add_replay(CLI::App& program, int& exit_code);
 void add_export(CLI::App& program, int& exit_code);
 void add_repair(CLI::App& program, int& exit_code);
 void add_bench(CLI::App& program, const std::string& command_line, int& exit_code);
+void add_doctor(CLI::App& program, int& exit_code);
 
 }  // namespace palpate::app

@@ -1,0 +1,139 @@
+// `palpate doctor`: what this machine lacks for real time, and how to grant it.
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/haptics/machine_checks.h"
+
+#include "app/commands.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr double kRate = 1000.0;         // Hz, of the measurement
+constexpr std::uint64_t kTicks = 1000;   // 1 s
+constexpr double kGoodLateness = 100e3;  // ns, p99.9: a tenth of a period at 1 kHz
+
+double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
+
+haptics::MachineCheck judged(const haptics::WakeUps& wake_ups) {
+  haptics::MachineCheck check{"wake-ups at 1 kHz", haptics::Verdict::kGood, {}, {}};
+  const std::int64_t late = wake_ups.late.percentile(0.999);
+  check.found = "999 of 1000 at most " + std::to_string(late / 1000) + " us late, " +
+                std::to_string(wake_ups.missed) + " a full period or more (" +
+                (wake_ups.realtime_priority ? "with" : "without") + " real-time priority, " +
+                (wake_ups.memory_locked ? "with" : "without") + " locked memory)";
+  if (static_cast<double>(late) <= kGoodLateness) return check;
+  check.verdict = haptics::Verdict::kBad;
+  check.advice = wake_ups.realtime_priority
+                     ? "close other programs, use a kernel with PREEMPT_RT, and palpate run --core N"
+                     : "grant real-time priority (above), then measure again";
+  return check;
+}
+
+const char* word(haptics::Verdict verdict) {
+  switch (verdict) {
+    case haptics::Verdict::kGood:
+      return "good";
+    case haptics::Verdict::kBad:
+      return "bad";
+    case haptics::Verdict::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+/// Wake-ups by how late they were, a line for each doubling.
+void print_histogram(std::ostream& out, const haptics::Histogram& late) {
+  std::vector<std::uint64_t> octaves;
+  for (const haptics::Histogram::Bucket& bucket : late.buckets()) {
+    const auto octave =
+        static_cast<std::size_t>(std::max(0.0, std::floor(std::log2(microseconds(bucket.upper)))));
+    if (octaves.size() <= octave) octaves.resize(octave + 1, 0);
+    octaves[octave] += bucket.count;
+  }
+  constexpr double kWidest = 50.0;  // letters
+  std::uint64_t most = 1;
+  for (const std::uint64_t count : octaves) most = std::max(most, count);
+  for (std::size_t i = 0; i < octaves.size(); ++i) {
+    const double share = static_cast<double>(octaves[i]) / static_cast<double>(most);
+    out << "  under " << std::setw(8) << (std::uint64_t{2} << i) << " us " << std::setw(6) << octaves[i]
+        << "  " << std::string(static_cast<std::size_t>(std::ceil(kWidest * share)), '#') << '\n';
+  }
+}
+
+void print_words(const std::vector<haptics::MachineCheck>& checks, const haptics::WakeUps& wake_ups) {
+  for (const haptics::MachineCheck& check : checks) {
+    std::cout << std::left << std::setw(8) << word(check.verdict) << std::setw(24) << check.name
+              << check.found << '\n'
+              << std::right;
+    if (!check.advice.empty()) std::cout << std::string(8, ' ') << "-> " << check.advice << '\n';
+  }
+  std::cout << "\nHow late a thread woke [us]: p50 " << microseconds(wake_ups.late.percentile(0.5))
+            << ", p99 " << microseconds(wake_ups.late.percentile(0.99)) << ", p99.9 "
+            << microseconds(wake_ups.late.percentile(0.999)) << ", max " << microseconds(wake_ups.late.max())
+            << '\n';
+  print_histogram(std::cout, wake_ups.late);
+}
+
+void print_json(const std::vector<haptics::MachineCheck>& checks, const haptics::WakeUps& wake_ups) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const haptics::MachineCheck& check : checks) {
+    list.push_back({{"name", check.name},
+                    {"verdict", word(check.verdict)},
+                    {"found", check.found},
+                    {"advice", check.advice.empty() ? nlohmann::ordered_json(nullptr)
+                                                    : nlohmann::ordered_json(check.advice)}});
+  }
+  nlohmann::ordered_json histogram = nlohmann::ordered_json::array();
+  for (const haptics::Histogram::Bucket& bucket : wake_ups.late.buckets()) {
+    histogram.push_back({microseconds(bucket.upper), bucket.count});
+  }
+  const nlohmann::ordered_json json{{"checks", list},
+                                    {"wake_ups",
+                                     {{"rate_Hz", kRate},
+                                      {"samples", wake_ups.late.count()},
+                                      {"realtime_priority", wake_ups.realtime_priority},
+                                      {"memory_locked", wake_ups.memory_locked},
+                                      {"missed_deadlines", wake_ups.missed},
+                                      {"late_us",
+                                       {{"p50", microseconds(wake_ups.late.percentile(0.5))},
+                                        {"p99", microseconds(wake_ups.late.percentile(0.99))},
+                                        {"p999", microseconds(wake_ups.late.percentile(0.999))},
+                                        {"max", microseconds(wake_ups.late.max())}}},
+                                      {"histogram_us", histogram}}}};
+  std::cout << json.dump(2) << '\n';
+}
+
+void doctor(bool json) {
+  std::vector<haptics::MachineCheck> checks = haptics::check_machine();
+  const haptics::WakeUps wake_ups = haptics::measure_wake_ups(kRate, kTicks);
+  checks.push_back(judged(wake_ups));
+  if (json) {
+    print_json(checks, wake_ups);
+  } else {
+    print_words(checks, wake_ups);
+  }
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& program, int& exit_code) {
+  CLI::App* command = program.add_subcommand(
+      "doctor", "What this machine lacks for real time, and how to grant it (takes a second)");
+  auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "print one JSON document");
+  command->footer("Example: palpate doctor\nExit: 0 whatever it finds");
+  command->callback([json, &exit_code] {
+    doctor(*json);
+    exit_code = kDone;
+  });
+}
+
+}  // namespace palpate::app
