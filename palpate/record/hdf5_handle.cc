@@ -141,6 +141,44 @@ std::string read_text(hid_t parent, const std::string& name, std::size_t longest
   return without_padding(std::move(text));
 }
 
+Handle create_growing_pairs(hid_t parent, const std::string& name) {
+  constexpr hsize_t kNone[2] = {0, 2};
+  constexpr hsize_t kMost[2] = {H5S_UNLIMITED, 2};
+  constexpr hsize_t kChunk[2] = {512, 2};
+  constexpr unsigned kLevel = 4;
+  const Handle space(H5Screate_simple(2, kNone, kMost), "space of " + name);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), name);
+  check(H5Pset_chunk(properties.id(), 2, kChunk), "chunks of " + name);
+  check(H5Pset_deflate(properties.id(), kLevel), "compression of " + name);
+  return Handle(H5Dcreate2(parent, name.c_str(), H5T_NATIVE_INT64, space.id(), H5P_DEFAULT, properties.id(),
+                           H5P_DEFAULT),
+                name);
+}
+
+void fill_pairs(hid_t dataset, const std::string& name, const std::vector<std::int64_t>& values) {
+  if (values.empty()) return;
+  const hsize_t shape[2] = {values.size() / 2, 2};
+  check(H5Dset_extent(dataset, shape), name + " cannot be written");
+  check(H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+        name + " cannot be written");
+}
+
+std::vector<std::int64_t> read_pairs(hid_t parent, const std::string& name, std::size_t longest) {
+  const Handle dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), "no " + name);
+  const Handle space(H5Dget_space(dataset.id()), name);
+  hsize_t shape[2] = {0, 0};
+  if (H5Sget_simple_extent_ndims(space.id()) != 2 ||
+      H5Sget_simple_extent_dims(space.id(), shape, nullptr) < 0 || shape[1] != 2) {
+    throw Error(name + " is not N x 2");
+  }
+  if (shape[0] > longest) throw Error(name + " is too long");
+  std::vector<std::int64_t> values(2 * shape[0]);
+  if (values.empty()) return values;
+  check(H5Dread(dataset.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+        name + " cannot be read");
+  return values;
+}
+
 std::size_t rows_of_three(hid_t dataset, const std::string& name, std::size_t value_bytes,
                           std::uint64_t file_bytes) {
   constexpr std::uint64_t kBestCompression = 1100;  // of deflate, which another tool may have put on

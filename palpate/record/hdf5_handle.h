@@ -79,6 +79,15 @@ void write_text(hid_t dataset, const std::string& text);
 /// @throws Error when there is none, or it is longer than `longest`.
 [[nodiscard]] std::string read_text(hid_t parent, const std::string& name, std::size_t longest);
 
+/// An N x 2 dataset of 64-bit integers that is still empty, compressed; takes no space until it is filled.
+[[nodiscard]] Handle create_growing_pairs(hid_t parent, const std::string& name);
+/// Fills such a dataset, once. @param values first and second of each pair in turn
+void fill_pairs(hid_t dataset, const std::string& name, const std::vector<std::int64_t>& values);
+/// What fill_pairs() wrote; at most `longest` pairs. @throws Error when there is no such dataset, it has
+/// another shape or more pairs.
+[[nodiscard]] std::vector<std::int64_t> read_pairs(hid_t parent, const std::string& name,
+                                                   std::size_t longest);
+
 /// Number of rows of an N x 3 dataset. @throws Error when there is none, it has another shape, or it claims
 /// more than a file of `file_bytes` bytes can hold.
 [[nodiscard]] std::size_t rows_of_three(hid_t dataset, const std::string& name, std::size_t value_bytes,

@@ -63,6 +63,9 @@ RunFacts facts_after(const haptics::LoopReport& report, bool complete) {
   facts.memory_locked = report.memory_locked;
   facts.tick_time = figures(report.tick_time);
   facts.lateness = figures(report.lateness);
+  facts.tick_histogram = report.tick_time.buckets();
+  facts.late_histogram = report.lateness.buckets();
+  facts.watchdog_stops = report.watchdog_stops;
   facts.remarks = report.remarks;
   return facts;
 }

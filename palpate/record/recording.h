@@ -19,6 +19,9 @@ struct TimeFigures {
   std::int64_t max_ns = 0;
 };
 
+/// Counts of a measured time: buckets at most 0.1 % wide, those that are not empty, ascending.
+using TimeHistogram = std::vector<haptics::Histogram::Bucket>;
+
 /// How far a long operation is, 0..1; may be empty.
 using Progress = std::function<void(double)>;
 
@@ -35,9 +38,12 @@ struct RunFacts {
   std::int64_t longest_gap_ns = 0;
   bool realtime_priority = false;
   bool memory_locked = false;
-  TimeFigures tick_time;             // the tick's own computing time
-  TimeFigures lateness;              // how late ticks began
-  std::vector<std::string> remarks;  // what the loop was not granted, in words
+  TimeFigures tick_time;         // the tick's own computing time
+  TimeFigures lateness;          // how late ticks began
+  TimeHistogram tick_histogram;  // of the same; also of offline runs, whose rows hold no times
+  TimeHistogram late_histogram;
+  std::uint64_t watchdog_stops = 0;
+  std::vector<std::string> remarks;  // what the loop was not granted and what the watchdog did, in words
 };
 
 /// A whole recording in memory.

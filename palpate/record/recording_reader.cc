@@ -29,6 +29,7 @@ using hdf5::Handle;
 constexpr std::size_t kLongestScene = std::size_t{64} << 20;   // bytes
 constexpr std::size_t kLongestRemarks = std::size_t{1} << 20;  // bytes
 constexpr std::size_t kMostHands = 16;
+constexpr std::size_t kMostBuckets = std::size_t{1} << 17;  // of a histogram
 constexpr std::array<unsigned char, 8> kHdf5Signature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
 // Superblock of versions 2 and 3: signature, version, two sizes, flags, base, extension, end of file.
 constexpr std::size_t kEndOfFileOffset = 28;
@@ -114,6 +115,23 @@ TimeFigures run_figures(hid_t file, const char* name) {
   return {values[0], values[1], values[2], values[3]};
 }
 
+/// A histogram of /run; empty when it cannot be read (cut off, or written before there was one), or is none:
+/// edges rise, counts are above 0.
+TimeHistogram run_histogram(hid_t file, const char* name) {
+  TimeHistogram histogram;
+  try {
+    const std::vector<std::int64_t> pairs = hdf5::read_pairs(file, std::string("run/") + name, kMostBuckets);
+    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
+      const std::int64_t before = histogram.empty() ? -1 : histogram.back().upper;
+      if (pairs[i] <= before || pairs[i + 1] <= 0) return {};
+      histogram.push_back({pairs[i], static_cast<std::uint64_t>(pairs[i + 1])});
+    }
+  } catch (const hdf5::Error&) {
+    histogram.clear();
+  }
+  return histogram;
+}
+
 std::vector<std::string> run_remarks(hid_t file) {
   std::vector<std::string> remarks;
   try {
@@ -140,6 +158,9 @@ RunFacts read_facts(hid_t file) {
   facts.memory_locked = run_value(file, run_names::kMemoryLocked) != 0;
   facts.tick_time = run_figures(file, run_names::kTickTime);
   facts.lateness = run_figures(file, run_names::kLateness);
+  facts.tick_histogram = run_histogram(file, run_names::kTickHistogram);
+  facts.late_histogram = run_histogram(file, run_names::kLateHistogram);
+  facts.watchdog_stops = static_cast<std::uint64_t>(run_value(file, run_names::kWatchdogStops));
   facts.remarks = run_remarks(file);
   return facts;
 }

@@ -119,13 +119,18 @@ void write_facts(hid_t file, const scene::Setup& setup, const RunFacts& facts) {
 void create_summary(hid_t file) {
   using namespace run_names;
   const Handle run = hdf5::create_group(file, "run");
-  for (const char* name :
-       {kComplete, kMissedDeadlines, kLongestGap, kRealtimePriority, kMemoryLocked, kRowsLost}) {
+  for (const char* name : {kComplete, kMissedDeadlines, kLongestGap, kRealtimePriority, kMemoryLocked,
+                           kRowsLost, kWatchdogStops}) {
     (void)hdf5::create_dataset(run.id(), name, H5T_NATIVE_INT64, {});
   }
   for (const char* name : {kTickTime, kLateness}) {
     const Handle figures = hdf5::create_dataset(run.id(), name, H5T_NATIVE_INT64, {4});
     hdf5::write_attribute(figures.id(), "order", std::string("p50, p99, p99.9, max"));
+  }
+  for (const char* name : {kTickHistogram, kLateHistogram}) {
+    const Handle histogram = hdf5::create_growing_pairs(run.id(), name);
+    hdf5::write_attribute(histogram.id(), "columns",
+                          std::string("largest value of the bucket [ns], count; empty buckets left out"));
   }
   (void)hdf5::create_text(run.id(), kRemarks, kRemarkBytes);
 }
@@ -140,7 +145,9 @@ Handle create_ticks(hid_t file, hid_t row_type) {
   Handle ticks(H5Dcreate2(file, "ticks", row_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
                "/ticks");
   hdf5::write_attribute(ticks.id(), "phase", std::string("0 approach, 1 press, 2 pull"));
-  hdf5::write_attribute(ticks.id(), "fault", std::string("0 none, 1 not finite, 2 device"));
+  hdf5::write_attribute(
+      ticks.id(), "fault",
+      std::string("0 none, 1 not finite, 2 device, 3 stale sample, 4 stalled loop, 5 force off"));
   return ticks;
 }
 
@@ -165,6 +172,15 @@ void fill(hid_t run, const char* name, const TimeFigures& figures) {
 
 void fill(hid_t run, const char* name, std::int64_t value) {
   fill(run, name, static_cast<const void*>(&value));
+}
+
+void fill(hid_t run, const char* name, const TimeHistogram& histogram) {
+  std::vector<std::int64_t> pairs;
+  for (const haptics::Histogram::Bucket& bucket : histogram) {
+    pairs.insert(pairs.end(), {bucket.upper, static_cast<std::int64_t>(bucket.count)});
+  }
+  const Handle dataset(H5Dopen2(run, name, H5P_DEFAULT), name);
+  hdf5::fill_pairs(dataset.id(), name, pairs);
 }
 
 }  // namespace
@@ -262,6 +278,9 @@ void RecordingWriter::write_summary(const RunFacts& facts, std::uint64_t rows_lo
   fill(run.id(), kRowsLost, static_cast<std::int64_t>(rows_lost));
   fill(run.id(), kTickTime, facts.tick_time);
   fill(run.id(), kLateness, facts.lateness);
+  fill(run.id(), kTickHistogram, facts.tick_histogram);
+  fill(run.id(), kLateHistogram, facts.late_histogram);
+  fill(run.id(), kWatchdogStops, static_cast<std::int64_t>(facts.watchdog_stops));
   std::string remarks;
   for (const std::string& remark : facts.remarks) remarks += remark + "\n";
   const Handle text(H5Dopen2(run.id(), kRemarks, H5P_DEFAULT), "/run/remarks");

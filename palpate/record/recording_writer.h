@@ -79,6 +79,9 @@ inline constexpr const char* kMemoryLocked = "memory_locked";
 inline constexpr const char* kRowsLost = "rows_lost";
 inline constexpr const char* kTickTime = "tick_ns";
 inline constexpr const char* kLateness = "late_ns";
+inline constexpr const char* kTickHistogram = "tick_histogram_ns";
+inline constexpr const char* kLateHistogram = "late_histogram_ns";
+inline constexpr const char* kWatchdogStops = "watchdog_stops";
 inline constexpr const char* kRemarks = "remarks";
 }  // namespace run_names
 

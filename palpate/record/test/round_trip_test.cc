@@ -212,6 +212,12 @@ TEST(RoundTrip, FactsComeBack) {
   EXPECT_TRUE(facts.memory_locked);
   EXPECT_EQ(facts.tick_time.p50_ns, 500);
   EXPECT_EQ(facts.lateness.max_ns, 900);
+  ASSERT_EQ(facts.tick_histogram.size(), 1U);
+  EXPECT_EQ(facts.tick_histogram[0].upper, 500);
+  EXPECT_EQ(facts.tick_histogram[0].count, 1U);
+  ASSERT_EQ(facts.late_histogram.size(), 1U);
+  EXPECT_EQ(facts.late_histogram[0].upper, 900);
+  EXPECT_EQ(facts.watchdog_stops, 3U);
   EXPECT_EQ(facts.remarks, (std::vector<std::string>{"no priority: not allowed", "second remark"}));
   EXPECT_FALSE(facts.version.empty());
   EXPECT_FALSE(facts.compiler.empty());

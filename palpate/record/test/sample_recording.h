@@ -124,6 +124,7 @@ inline void record_sample(const std::filesystem::path& file, std::uint64_t ticks
   report.memory_locked = true;
   report.tick_time.add(500);
   report.lateness.add(900);
+  report.watchdog_stops = 3;
   report.remarks = {"no priority: not allowed", "second remark"};
   recorder.finish(report);
 }
