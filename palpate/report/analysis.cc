@@ -9,6 +9,7 @@
 #include "palpate/contact/contact.h"
 #include "palpate/haptics/gate.h"
 #include "palpate/noise/touch_noise.h"
+#include "palpate/report/text_format.h"
 
 namespace palpate::report {
 namespace {
@@ -100,6 +101,27 @@ HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand
   return result;
 }
 
+/// What the loop counted, which also offline runs have and no lost row lacks; where a recording was cut off,
+/// or is older than those counts, the rows.
+TimeAnalysis time_analysis(const record::TimeHistogram& counted, const record::TimeFigures& figures,
+                           std::vector<std::int64_t> of_rows) {
+  if (!counted.empty()) {
+    std::uint64_t number = 0;
+    for (const haptics::Histogram::Bucket& bucket : counted) number += bucket.count;
+    return {{number, figures.p50_ns, figures.p99_ns, figures.p999_ns, figures.max_ns}, counted};
+  }
+  TimeAnalysis analysis;
+  haptics::Histogram histogram;
+  for (const std::int64_t value : of_rows) histogram.add(value);
+  analysis.counts = histogram.buckets();
+  analysis.figures = percentiles(std::move(of_rows));
+  return analysis;
+}
+
+std::string moment(const haptics::TickRow& row) {
+  return "tick " + std::to_string(row.tick) + " (" + fixed(row.time, 3) + " s)";
+}
+
 }  // namespace
 
 model::LayeredSpringLaw law_of(const scene::Setup& setup, model::Direction direction) {
@@ -135,12 +157,29 @@ Analysis analyse(const record::Recording& recording) {
   }
   analysis.ticks = tick_time.size();
   analysis.missed = recording.facts.complete ? recording.facts.missed_deadlines : late_rows;
-  analysis.tick_time = percentiles(std::move(tick_time));
-  analysis.lateness = percentiles(std::move(lateness));
+  const record::RunFacts& facts = recording.facts;
+  analysis.tick_time = time_analysis(facts.tick_histogram, facts.tick_time, std::move(tick_time));
+  analysis.lateness = time_analysis(facts.late_histogram, facts.lateness, std::move(lateness));
   for (std::uint32_t hand = 0; hand < hands; ++hand) {
     analysis.hands.push_back(analyse_hand(recording, hand, analysis.direction));
   }
   return analysis;
+}
+
+std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& rows) {
+  std::vector<std::string> words;
+  std::uint32_t latched = 0;
+  for (const haptics::TickRow& row : rows) {
+    const bool reset = (row.events & haptics::kResetFault) != 0;
+    if (row.fault == latched && (row.fault == 0 || !reset)) continue;
+    if (latched != 0) words.back() += ", until it was reset at " + moment(row);
+    latched = row.fault;
+    if (latched == 0) continue;
+    const auto fault = static_cast<haptics::Fault>(latched);
+    words.push_back("fault at " + moment(row) + ": " + haptics::words_of(fault) + " (" +
+                    haptics::name_of(fault) + "); zero force from there on");
+  }
+  return words;
 }
 
 std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& rows) {

@@ -43,11 +43,17 @@ struct HandAnalysis {
   NormalCheck noise_check;            // of unit_noise
 };
 
+/// A measured time: its figures, and how often which value was met.
+struct TimeAnalysis {
+  Percentiles figures;           // ns
+  record::TimeHistogram counts;  // ns
+};
+
 /// One recording, ready for figures and tables.
 struct Analysis {
   std::vector<HandAnalysis> hands;
-  Percentiles tick_time;  // ns, a tick of all hands
-  Percentiles lateness;   // ns
+  TimeAnalysis tick_time;  // a tick of all hands
+  TimeAnalysis lateness;
   std::uint64_t missed = 0;
   std::uint64_t ticks = 0;
   model::Direction direction = model::Direction::kPress;  // of the scene's task
@@ -64,6 +70,9 @@ struct Analysis {
 
 /// [setup] Whether a row's phase is contact in that direction.
 [[nodiscard]] bool in_contact(const haptics::TickRow& row, model::Direction direction);
+
+/// [setup] Each fault that a hand's rows hold, in words: when it was latched, why, when it was reset.
+[[nodiscard]] std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& rows);
 
 /// [setup] What the status bits and faults of a run say, in words, with the number of ticks of each.
 [[nodiscard]] std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& rows);

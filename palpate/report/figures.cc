@@ -297,18 +297,21 @@ Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantit
   figure.file = file;
   figure.alternative =
       computing ? "Histogram of the computing time of a tick" : "Histogram of how late a tick began";
+  const TimeAnalysis& time = computing ? analysis.tick_time : analysis.lateness;
   std::vector<double> values;
-  for (const haptics::TickRow& row : analysis.hands.front().rows) {
-    values.push_back(static_cast<double>(computing ? row.tick_ns : row.late_ns) * 1e-3);
+  std::vector<std::uint64_t> counts;
+  for (const haptics::Histogram::Bucket& bucket : time.counts) {
+    values.push_back(static_cast<double>(bucket.upper) * 1e-3);
+    counts.push_back(bucket.count);
   }
-  const Bins bins = bin_logarithmic(values, 20);
+  const Bins bins = bin_logarithmic(values, 20, counts);
   if (bins.counts.empty()) {
-    figure.missing = computing ? "The rows of an offline run hold no tick times."
+    figure.missing = computing ? "The recording holds no tick times."
                                : "The run was offline: no tick has a due time, so none is late.";
     return figure;
   }
   const auto most = static_cast<double>(*std::max_element(bins.counts.begin(), bins.counts.end()));
-  const Percentiles& marks = computing ? analysis.tick_time : analysis.lateness;
+  const Percentiles& marks = time.figures;
   std::string script = preamble(640, 420);
   script += "set logscale x\nset logscale y\nset yrange [0.5:" + shortest(4.0 * most) +
             "]\nset key off\nset xlabel '" +

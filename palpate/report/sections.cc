@@ -16,8 +16,8 @@ constexpr double kPaperForceNs = 1e6;  // "under 1 ms a force" [Zhang 2011, sect
 
 std::string microseconds(std::int64_t ns) { return fixed(static_cast<double>(ns) * 1e-3, 1); }
 
-/// Whether the rows tell how long ticks took; those of an offline run do not.
-bool is_timed(const Analysis& analysis) { return analysis.tick_time.max > 0; }
+/// Whether the recording tells how long ticks took; an offline one does when it was closed in good order.
+bool is_timed(const Analysis& analysis) { return analysis.tick_time.figures.max > 0; }
 
 bool is_pull(const WorkedExperiment& worked) { return worked.analysis.direction == model::Direction::kPull; }
 
@@ -62,6 +62,21 @@ std::string noise_mark(const NormalCheck& check) {
                                   " (bound " + fixed(ks_bound, 4) + ").");
 }
 
+/// The faults of all hands in one paragraph; empty: none.
+std::string all_faults(const Analysis& analysis) {
+  constexpr std::size_t kMostTold = 8;
+  std::string text;
+  std::size_t told = 0;
+  for (const HandAnalysis& hand : analysis.hands) {
+    for (const std::string& words : faults_in_words(hand.rows)) {
+      if (++told > kMostTold) continue;
+      text += (text.empty() ? "Hand " : "; hand ") + std::to_string(hand.hand) + ": " + words;
+    }
+  }
+  if (told > kMostTold) text += "; and " + std::to_string(told - kMostTold) + " more";
+  return text.empty() ? text : escaped(text + ".");
+}
+
 /// What came out, in words, each with its mark.
 std::vector<std::string> marks_of(const WorkedExperiment& worked) {
   const Analysis& analysis = worked.analysis;
@@ -81,9 +96,9 @@ std::vector<std::string> marks_of(const WorkedExperiment& worked) {
   }
   if (hand.noise_check.count > 1) marks.push_back(noise_mark(hand.noise_check));
   if (is_timed(analysis)) {
-    const bool fast = static_cast<double>(analysis.tick_time.p99) < kPaperForceNs;
-    marks.push_back(marked(mark_of(fast), "A tick took " + microseconds(analysis.tick_time.p50) +
-                                              " µs (p50), " + microseconds(analysis.tick_time.p99) +
+    const bool fast = static_cast<double>(analysis.tick_time.figures.p99) < kPaperForceNs;
+    marks.push_back(marked(mark_of(fast), "A tick took " + microseconds(analysis.tick_time.figures.p50) +
+                                              " µs (p50), " + microseconds(analysis.tick_time.figures.p99) +
                                               " µs (p99); the paper's force took under 1 ms."));
   }
   if (!recording.facts.offline) {
@@ -91,9 +106,13 @@ std::vector<std::string> marks_of(const WorkedExperiment& worked) {
                                                               " of " + grouped(analysis.ticks) +
                                                               " ticks began a full period or more late."));
   }
-  const bool fault = std::any_of(recording.rows.begin(), recording.rows.end(),
-                                 [](const haptics::TickRow& row) { return row.fault != 0; });
-  marks.push_back(marked(mark_of(!fault), fault ? "A fault was latched." : "No fault was latched."));
+  const std::string faults = all_faults(analysis);
+  marks.push_back(marked(mark_of(faults.empty()), faults.empty() ? "No fault was latched." : faults));
+  if (recording.facts.watchdog_stops > 0) {
+    marks.push_back(
+        marked(Mark::kMissed, "The watchdog stopped the devices, as no tick began for too long: " +
+                                  grouped(recording.facts.watchdog_stops) + " times."));
+  }
   return marks;
 }
 
@@ -170,11 +189,11 @@ void write_timing(Page& page, const WorkedExperiment& worked) {
                                     microseconds(p.max)};
   };
   TableRows rows{{"µs", "p50", "p99", "p99.9", "max"}};
-  if (is_timed(analysis)) rows.push_back(row("computing time of a tick", analysis.tick_time));
-  if (!offline) rows.push_back(row("lateness of a tick", analysis.lateness));
+  if (is_timed(analysis)) rows.push_back(row("computing time of a tick", analysis.tick_time.figures));
+  if (!offline) rows.push_back(row("lateness of a tick", analysis.lateness.figures));
   if (rows.size() > 1) page.table(rows);
   if (offline) {
-    page.paragraph("The run was offline: there are no deadlines to miss, and its rows hold no tick times.");
+    page.paragraph("The run was offline: there are no deadlines to miss.");
     return;
   }
   page.paragraph("Missed deadlines (a full period or more late): <strong>" + grouped(analysis.missed) +
@@ -202,7 +221,7 @@ std::string tool_count(const std::vector<geometry::Tool>& tools) {
 TableRows comparison(const WorkedExperiment& worked) {
   const bool pull = is_pull(worked);
   const scene::Setup& setup = worked.experiment->recording->setup;
-  const Percentiles& tick = worked.analysis.tick_time;
+  const Percentiles& tick = worked.analysis.tick_time.figures;
   constexpr double kNewtonPerCentimetre = 1e-2;  // in 1 N/m
   return {
       {"", pull ? "paper: heart pulled, straight clamp" : "paper: gallbladder pressed, curved clamp",
@@ -238,15 +257,15 @@ void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
     const bool offline = worked.experiment->recording->facts.offline;
     const HandAnalysis& hand = main_hand(worked);
     const Analysis& analysis = worked.analysis;
-    rows.push_back(
-        {"<a href=\"#" + anchor(++number) + "\">" + escaped(worked.experiment->title) + "</a>",
-         fixed(hand.peak_depth * kMilli, 2) + " mm", fixed(hand.peak_tissue_force, 3) + " N",
-         is_timed(analysis) ? microseconds(analysis.tick_time.p50) + " / " +
-                                  microseconds(analysis.tick_time.p99) + "\u00a0µs"
-                            : "not recorded",
-         offline ? "offline"
-                 : microseconds(analysis.lateness.p50) + " / " + microseconds(analysis.lateness.p99) + " µs",
-         offline ? "offline" : grouped(analysis.missed) + " of " + grouped(analysis.ticks)});
+    rows.push_back({"<a href=\"#" + anchor(++number) + "\">" + escaped(worked.experiment->title) + "</a>",
+                    fixed(hand.peak_depth * kMilli, 2) + " mm", fixed(hand.peak_tissue_force, 3) + " N",
+                    is_timed(analysis) ? microseconds(analysis.tick_time.figures.p50) + " / " +
+                                             microseconds(analysis.tick_time.figures.p99) + "\u00a0µs"
+                                       : "not recorded",
+                    offline ? "offline"
+                            : microseconds(analysis.lateness.figures.p50) + " / " +
+                                  microseconds(analysis.lateness.figures.p99) + " µs",
+                    offline ? "offline" : grouped(analysis.missed) + " of " + grouped(analysis.ticks)});
   }
   page.table(rows);
   for (const WorkedExperiment& worked : all) {

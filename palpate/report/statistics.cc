@@ -19,12 +19,14 @@ std::size_t rank_of(double share, std::size_t count) {
   return std::min(rank, count) - 1;
 }
 
-void count_into(Bins& bins, std::span<const double> values) {
-  for (const double value : values) {
+/// @param times how often each value was met; empty: once each
+void count_into(Bins& bins, std::span<const double> values, std::span<const std::uint64_t> times = {}) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double value = values[i];
     if (!(value >= bins.edges.front() && value <= bins.edges.back())) continue;
     const auto above = std::upper_bound(bins.edges.begin(), bins.edges.end(), value);
     const auto index = static_cast<std::size_t>(above - bins.edges.begin());
-    ++bins.counts[std::min(index, bins.counts.size()) - 1];
+    bins.counts[std::min(index, bins.counts.size()) - 1] += times.empty() ? 1 : times[i];
   }
 }
 
@@ -51,8 +53,12 @@ Bins bin_linear(std::span<const double> values, double low, double high, int num
   return bins;
 }
 
-Bins bin_logarithmic(std::span<const double> values, int per_decade) {
+Bins bin_logarithmic(std::span<const double> values, int per_decade, std::span<const std::uint64_t> times) {
   if (per_decade <= 0) throw InputError("histogram: want at least one bin a decade");
+  if (!times.empty() && times.size() != values.size()) {
+    throw InputError("histogram: want one count a value, " + std::to_string(times.size()) + " for " +
+                     std::to_string(values.size()));
+  }
   double low = 0.0;
   double high = 0.0;
   for (const double value : values) {
@@ -67,7 +73,7 @@ Bins bin_logarithmic(std::span<const double> values, int per_decade) {
   bins.counts.assign(static_cast<std::size_t>(last - first) * static_cast<std::size_t>(per_decade), 0);
   for (int i = 0; i <= (last - first) * per_decade; ++i)
     bins.edges.push_back(std::pow(10.0, first + static_cast<double>(i) / per_decade));
-  count_into(bins, values);
+  count_into(bins, values, times);
   return bins;
 }
 

@@ -30,9 +30,11 @@ struct Bins {
 [[nodiscard]] Bins bin_linear(std::span<const double> values, double low, double high, int number);
 
 /// [setup] Bins of equal ratio, `per_decade` to a factor of ten, from the decade of the smallest to that of
-/// the largest value; values <= 0 are left out. Empty when none is left. @throws InputError unless per_decade
-/// > 0.
-[[nodiscard]] Bins bin_logarithmic(std::span<const double> values, int per_decade);
+/// the largest value; values <= 0 are left out. Empty when none is left. @param times how often each value
+/// was met; empty: once each. @throws InputError unless per_decade > 0, and when there is not one count a
+/// value.
+[[nodiscard]] Bins bin_logarithmic(std::span<const double> values, int per_decade,
+                                   std::span<const std::uint64_t> times = {});
 
 /// One-sided power spectral density.
 struct Spectrum {

@@ -179,6 +179,7 @@ void write_what_was_run(Page& page, const WorkedExperiment& worked) {
   }
   std::vector<std::string> remarks;
   for (const std::string& remark : recording.setup.remarks) remarks.push_back(escaped(remark));
+  for (const std::string& remark : recording.facts.remarks) remarks.push_back(escaped(remark));
   for (const HandAnalysis& hand : worked.analysis.hands) {
     for (const std::string& words : status_in_words(hand.rows)) remarks.push_back(escaped(words));
   }

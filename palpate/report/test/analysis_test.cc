@@ -120,5 +120,46 @@ TEST(Analysis, SaysStatusBitsAndFaultsInWords) {
   EXPECT_EQ(words[2], "a fault was latched (1 ticks)");
 }
 
+TEST(Analysis, SaysOfEachFaultWhenItWasLatchedWhyAndWhenItWasReset) {
+  std::vector<haptics::TickRow> rows(10);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].tick = i;
+    rows[i].time = static_cast<double>(i) * 1e-3;
+  }
+  for (const std::size_t i : {3U, 4U}) rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStalled);
+  for (const std::size_t i : {7U, 8U, 9U}) rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStale);
+  rows[9].events = haptics::kResetFault;  // and at once latched anew
+  const std::vector<std::string> words = faults_in_words(rows);
+  ASSERT_EQ(words.size(), 3U);
+  EXPECT_EQ(words[0],
+            "fault at tick 3 (0.003 s): the loop stood still for 20 ms (stalled-loop); zero force from there "
+            "on, until it was reset at tick 5 (0.005 s)");
+  EXPECT_EQ(
+      words[1],
+      "fault at tick 7 (0.007 s): the device gave no new sample for 5 ms (stale-sample); zero force from "
+      "there on, until it was reset at tick 9 (0.009 s)");
+  EXPECT_EQ(
+      words[2],
+      "fault at tick 9 (0.009 s): the device gave no new sample for 5 ms (stale-sample); zero force from "
+      "there on");
+  EXPECT_TRUE(faults_in_words(std::vector<haptics::TickRow>(3)).empty());
+}
+
+TEST(Analysis, TakesTheLoopsOwnCountsOfTimesWhereThereAreSomeAndElseTheRows) {
+  record::Recording recording = SyntheticRecording::make(false, 100);
+  const Analysis from_rows = analyse(recording);
+  EXPECT_EQ(from_rows.tick_time.figures.count, 100U);
+  std::uint64_t counted = 0;
+  for (const haptics::Histogram::Bucket& bucket : from_rows.tick_time.counts) counted += bucket.count;
+  EXPECT_EQ(counted, 100U);
+  recording.facts.tick_histogram = {{1000, 3}, {2000, 1}};
+  recording.facts.tick_time = {1000, 1999, 1999, 1999};
+  const Analysis from_loop = analyse(recording);
+  EXPECT_EQ(from_loop.tick_time.figures.count, 4U);
+  EXPECT_EQ(from_loop.tick_time.figures.max, 1999);
+  EXPECT_EQ(from_loop.tick_time.counts.size(), 2U);
+  EXPECT_EQ(from_loop.lateness.figures.count, 100U);
+}
+
 }  // namespace
 }  // namespace palpate::report

@@ -190,6 +190,31 @@ TEST(ReportOffline, HasNoDeadlines) {
   EXPECT_THAT(html, HasSubstr("not recorded: the run was offline"));
 }
 
+TEST(ReportOffline, ShowsHowLongTicksTookWhenTheLoopCountedIt) {
+  const TemporaryFolder folder;
+  record::Recording recording = SyntheticRecording::make(true, 300);
+  recording.facts.offline = true;
+  for (haptics::TickRow& row : recording.rows) row.tick_ns = row.late_ns = 0;
+  recording.facts.tick_histogram = {{4096, 299}, {90'000, 1}};
+  recording.facts.tick_time = {4096, 4096, 90'000, 90'000};
+  const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, kNoPictures));
+  EXPECT_THAT(html, HasSubstr("A tick took 4.1 µs (p50)"));
+}
+
+TEST(ReportOfAFault, SaysWhichTickAndWhyAndWhatTheWatchdogDid) {
+  const TemporaryFolder folder;
+  record::Recording recording = SyntheticRecording::make(true, 300);
+  for (std::size_t i = 200; i < 300; ++i) {
+    recording.rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStalled);
+  }
+  recording.facts.watchdog_stops = 2;
+  recording.facts.remarks = {"the watchdog stopped the devices 2 times"};
+  const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, kNoPictures));
+  EXPECT_THAT(html, HasSubstr("Hand 0: fault at tick 200 (0.200 s): the loop stood still for 20 ms"));
+  EXPECT_THAT(html, HasSubstr("The watchdog stopped the devices"));
+  EXPECT_THAT(html, HasSubstr("the watchdog stopped the devices 2 times"));
+}
+
 TEST(ReportWithoutTicks, IsRefused) {
   const TemporaryFolder folder;
   const record::Recording recording;

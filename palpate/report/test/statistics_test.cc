@@ -59,6 +59,13 @@ TEST(Bins, LogarithmicBinsGoFromDecadeToDecade) {
   EXPECT_EQ(bins.counts, (std::vector<std::size_t>{1, 1, 0, 2}));
 }
 
+TEST(Bins, AValueThatWasMetSeveralTimesCountsSoOften) {
+  const std::vector<double> values{2.0, 5.0, 50.0};
+  const std::vector<std::uint64_t> times{10, 1, 4};
+  EXPECT_EQ(bin_logarithmic(values, 2, times).counts, (std::vector<std::size_t>{10, 1, 0, 4}));
+  EXPECT_THROW(static_cast<void>(bin_logarithmic(values, 2, std::span(times).first(2))), InputError);
+}
+
 TEST(Bins, LogarithmicBinsOfNothingPositiveAreEmpty) {
   const std::vector<double> values{0.0, 0.0};
   EXPECT_TRUE(bin_logarithmic(values, 10).counts.empty());
