@@ -19,8 +19,14 @@ constexpr const char* kClearLine = "\r\033[K";
 
 Progress::Progress(std::string title) : title_(std::move(title)), terminal_(isatty(STDERR_FILENO) == 1) {}
 
-Progress::~Progress() {
-  if (drawn_) std::fputs(kClearLine, stderr);
+Progress::~Progress() { clear(); }
+
+void Progress::clear() {
+  if (!drawn_) return;
+  std::fputs(kClearLine, stderr);
+  std::fflush(stderr);
+  drawn_ = false;
+  next_draw_ns_ = 0;
 }
 
 void Progress::update(double share, const std::string& what) {

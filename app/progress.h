@@ -19,6 +19,9 @@ class Progress final {
   /// @param what a few words on what is being done now
   void update(double share, const std::string& what);
 
+  /// [setup] Makes room for a message: the bar is away until the next update().
+  void clear();
+
  private:
   std::string title_;
   bool terminal_;

@@ -30,6 +30,7 @@ struct RunFlags {
   std::optional<double> duration_s;
   std::optional<std::uint64_t> max_missed;
   std::optional<int> igtl_port;
+  std::optional<int> core;
   OutputFiles files;
 };
 
@@ -60,6 +61,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
     throw InputError("--igtl " + std::to_string(*flags.igtl_port) +
                      ": OpenIGTLink is not in this version of palpate; run without --igtl");
   }
+  require_usable_core(flags.core);
   Session session = prepare(flags.request, flags.duration_s, flags.no_cache);
   OutputFiles files = flags.files;
   check_outputs(files);
@@ -76,7 +78,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   RunAccount account;
   {
     const StopOnSignal signals;
-    account = play(session, recorded, flags.offline, signals.flag(), session.setup.name);
+    account = play(session, {recorded, flags.offline, flags.core}, signals.flag());
   }
   const bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
   if (draw) {
@@ -128,6 +130,7 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--screenshot", flags.files.screenshot, "write a PNG of the deepest moment");
   command.add_flag("--headless", flags.headless, "no window");
   command.add_option("--max-missed", flags.max_missed, "exit 4 when more deadlines were missed");
+  command.add_option("--core", flags.core, kCoreHelp);
   command.add_option("--igtl", flags.igtl_port, "OpenIGTLink port (not in this version)");
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
   command.add_flag("--json", flags.json, "summary as one JSON document");
@@ -144,7 +147,9 @@ void add_run(CLI::App& program, const std::string& command_line, int& exit_code)
   command->footer(
       "Example: palpate run --organ liver.stl --organ-unit mm --tissue liver --tool sphere:3 \\\n"
       "           --record liver.h5 --report out\n"
-      "Exit: 0 done, 2 bad input, 3 a fault was latched, 4 more than --max-missed deadlines missed");
+      "A fault brings the force to zero and keeps it there; kill -USR1 PID resets the faults of all hands.\n"
+      "Exit: 0 done, 2 bad input, 3 a fault was latched (also when it was reset),\n"
+      "      4 more than --max-missed deadlines missed");
   command->callback([flags, &command_line, &exit_code] { exit_code = run(*flags, command_line); });
 }
 

@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <csignal>
-#include <mutex>
-#include <stop_token>
+#include <limits>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 #include <unistd.h>
@@ -17,13 +13,15 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/devices/devices.h"
+#include "palpate/haptics/realtime.h"
 #include "palpate/record/assemble.h"
 #include "palpate/record/recorder.h"
 #include "palpate/record/replay.h"
+#include "palpate/scene/device_kinds.h"
 
 #include "app/commands.h"
 #include "app/preparation.h"
-#include "app/progress.h"
+#include "app/run_companion.h"
 
 namespace palpate::app {
 namespace {
@@ -37,6 +35,31 @@ std::atomic<bool> stop_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 extern "C" void ask_to_stop(int) { stop_asked.store(true, std::memory_order_relaxed); }
+
+/// The same for the reset of faults, a bit a hand.
+std::atomic<std::uint32_t> resets_asked{0};
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+
+extern "C" void ask_for_resets(int) {
+  resets_asked.store(std::numeric_limits<std::uint32_t>::max(), std::memory_order_relaxed);
+}
+
+/// SIGUSR1 resets the faults of all hands while this lives, and does nothing afterwards: a reset that comes
+/// too late must not end the program before its report is written.
+class ResetOnSignal final {
+ public:
+  ResetOnSignal() {
+    resets_asked.store(0);
+    struct sigaction action {};
+    action.sa_handler = ask_for_resets;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGUSR1, &action, nullptr);
+  }
+  ~ResetOnSignal() { std::signal(SIGUSR1, SIG_IGN); }
+  ResetOnSignal(const ResetOnSignal&) = delete;
+  ResetOnSignal& operator=(const ResetOnSignal&) = delete;
+};
 
 std::uint64_t ticks_to_run(const Session& session, std::optional<double> duration_s) {
   const double rate = session.setup.rate_Hz;
@@ -67,30 +90,6 @@ void compare_radii(Session& session) {
   }
 }
 
-/// Shows how far a run is, from a thread of its own; the loop's only counts.
-class RunProgress final {
- public:
-  RunProgress(const std::string& title, const std::atomic<std::uint64_t>& done, std::uint64_t all,
-              double rate_Hz)
-      : thread_([=, &done](const std::stop_token& stop) {
-          Progress bar(title);
-          std::mutex mutex;
-          std::condition_variable_any wake;
-          std::unique_lock lock(mutex);
-          while (!wake.wait_for(lock, stop, kRedraw, [&stop] { return stop.stop_requested(); })) {
-            const auto ticks = static_cast<double>(done.load(std::memory_order_relaxed));
-            bar.update(ticks / static_cast<double>(all), seconds(ticks / rate_Hz));
-          }
-        }) {}
-
- private:
-  static constexpr std::chrono::milliseconds kRedraw{100};
-
-  static std::string seconds(double time) { return shortest(std::round(time * 10.0) / 10.0) + " s"; }
-
-  std::jthread thread_;
-};
-
 void require_writable_parent(const fs::path& path, const std::string& flag) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   std::error_code error;
@@ -100,6 +99,15 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
   if (access(folder.c_str(), W_OK) != 0) {
     throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " is not writable");
   }
+}
+
+/// Whether a hand, or an emulated one, holds one of the devices. Where none does, a loop that stood still
+/// harms nobody: it is a late tick, and rows stay those of an offline run.
+bool any_held(const scene::Setup& setup) {
+  return std::any_of(setup.devices.begin(), setup.devices.end(), [](const scene::DeviceSetup& device) {
+    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+    return kind == nullptr || kind->held;
+  });
 }
 
 }  // namespace
@@ -159,10 +167,18 @@ StopOnSignal::~StopOnSignal() {
 
 const std::atomic<bool>& StopOnSignal::flag() const noexcept { return stop_asked; }
 
-RunAccount play(Session& session, const fs::path& recording, bool offline, const std::atomic<bool>& stop,
-                const std::string& title) {
+void require_usable_core(std::optional<int> core) {
+  if (!core) return;
+  const std::vector<int> cores = haptics::usable_cores();
+  if (std::find(cores.begin(), cores.end(), *core) != cores.end()) return;
+  std::string list;
+  for (const int usable : cores) list += (list.empty() ? "" : ", ") + std::to_string(usable);
+  throw ParameterError("--core", *core, "a core that this program may use: " + list);
+}
+
+RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool>& stop) {
   std::optional<record::Recorder> recorder;
-  if (!recording.empty()) recorder.emplace(recording, session.setup, offline);
+  if (!how.recording.empty()) recorder.emplace(how.recording, session.setup, how.offline);
   RowWatch watch(recorder ? &*recorder : nullptr, session.setup);
   haptics::SimulationState state(session.world);
   std::vector<haptics::Device*> devices;
@@ -170,13 +186,20 @@ RunAccount play(Session& session, const fs::path& recording, bool offline, const
 
   RunAccount account;
   account.setup = &session.setup;
-  account.offline = offline;
-  std::atomic<std::uint64_t> done{0};
+  account.offline = how.offline;
   {
-    const RunProgress progress(title, done, session.ticks, session.setup.rate_Hz);
+    const ResetOnSignal signals;
+    RunCompanion companion(session.setup.name, session.ticks, session.setup.rate_Hz, devices);
     account.loop = haptics::run_loop(
         session.world, state, devices, &watch,
-        {.ticks = session.ticks, .offline = offline, .stop = &stop, .snapshots = nullptr, .progress = &done});
+        {.ticks = session.ticks,
+         .offline = how.offline,
+         .stop = &stop,
+         .progress = &companion.done(),
+         .resets = &resets_asked,
+         .fault_news = &companion.fault_news(),
+         .core = how.core,
+         .stalled_after_ns = any_held(session.setup) ? haptics::LoopOptions{}.stalled_after_ns : 0});
   }
   if (recorder) recorder->finish(account.loop);
   account.highlights = watch.highlights();

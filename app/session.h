@@ -44,12 +44,26 @@ class StopOnSignal final {
   [[nodiscard]] const std::atomic<bool>& flag() const noexcept;
 };
 
-/// [setup] Runs a session to its end, with a progress bar named `title` on a terminal.
-/// @param recording file to write; empty: none. @throws InputError when the recording cannot be written.
-[[nodiscard]] RunAccount play(Session& session, const std::filesystem::path& recording, bool offline,
-                              const std::atomic<bool>& stop, const std::string& title);
+/// What --core says of itself.
+inline constexpr const char* kCoreHelp = "run the haptic loop on this core only (0 is the first)";
 
-/// [setup] Exit code of a run: 3 with a fault, 4 past the missed deadlines allowed, else 0.
+/// How a session is played.
+struct PlayOptions {
+  std::filesystem::path recording;  // file to write; empty: none
+  bool offline = false;
+  std::optional<int> core = std::nullopt;  // the one core that the loop runs on
+};
+
+/// [setup] Refuses a core that this program may not use. @throws ParameterError naming --core and the cores.
+void require_usable_core(std::optional<int> core);
+
+/// [setup] Runs a session to its end, with a progress bar on a terminal. A fault that is latched is told on
+/// standard error while the run goes on at zero force; SIGUSR1 clears the faults of all hands.
+/// @throws InputError when the recording cannot be written.
+[[nodiscard]] RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool>& stop);
+
+/// [setup] Exit code of a run: 3 with a fault, also one that was reset, 4 past the missed deadlines allowed,
+/// else 0.
 [[nodiscard]] int exit_code_of(const RunAccount& run, std::optional<std::uint64_t> max_missed);
 
 /// [setup] "Gallbladder pressed with curved-forceps".

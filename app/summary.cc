@@ -75,6 +75,35 @@ void print_timing(std::ostream& out, const RunAccount& run) {
       << std::defaultfloat;
 }
 
+std::string moment(std::uint64_t tick, double rate_Hz) {
+  return "tick " + std::to_string(tick) + " (" + shortest(static_cast<double>(tick) / rate_Hz) + " s)";
+}
+
+/// "a fault was latched (stalled-loop) at tick 12 (0.012 s), hand 0: the loop stood still for 20 ms; zero
+/// force from there on".
+std::string fault_in_words(const RunAccount& run, const haptics::FaultSeen& seen) {
+  const double rate = run.setup->rate_Hz;
+  const bool reset = seen.reset_tick != haptics::FaultSeen::kNotReset;
+  return std::string("a fault was latched (") + haptics::name_of(seen.fault) + ") at " +
+         moment(seen.tick, rate) + ", hand " + std::to_string(seen.hand) + ": " +
+         haptics::words_of(seen.fault) + "; zero force " +
+         (reset ? "until it was reset at " + moment(seen.reset_tick, rate) : "from there on");
+}
+
+nlohmann::ordered_json faults_json(const RunAccount& run) {
+  nlohmann::ordered_json faults = nlohmann::ordered_json::array();
+  for (const haptics::FaultSeen& seen : run.loop.faults) {
+    nlohmann::ordered_json fault{{"tick", seen.tick},
+                                 {"time_s", static_cast<double>(seen.tick) / run.setup->rate_Hz},
+                                 {"hand", seen.hand},
+                                 {"fault", haptics::name_of(seen.fault)},
+                                 {"reset_tick", nullptr}};
+    if (seen.reset_tick != haptics::FaultSeen::kNotReset) fault["reset_tick"] = seen.reset_tick;
+    faults.push_back(fault);
+  }
+  return faults;
+}
+
 }  // namespace
 
 RowWatch::RowWatch(haptics::TickSink* next, const scene::Setup& setup)
@@ -150,9 +179,9 @@ std::vector<std::string> remarks(const RunAccount& run) {
     all.emplace_back("force or torque was held back by the limits under [safety] in " +
                      std::to_string(run.highlights.limited_ticks) + " ticks");
   }
-  if (run.loop.fault != haptics::Fault::kNone) {
-    all.emplace_back(std::string("a fault was latched (") + haptics::name_of(run.loop.fault) +
-                     "): zero force from there on");
+  for (const haptics::FaultSeen& seen : run.loop.faults) all.push_back(fault_in_words(run, seen));
+  if (run.loop.further_faults > 0) {
+    all.emplace_back("and " + std::to_string(run.loop.further_faults) + " more faults");
   }
   if (run.loop.stopped_early) all.emplace_back("stopped before its end");
   return all;
@@ -188,6 +217,9 @@ nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& fi
           {"limited_ticks", run.highlights.limited_ticks},
           {"phases", phases},
           {"fault", haptics::name_of(run.loop.fault)},
+          {"faults", faults_json(run)},
+          {"further_faults", run.loop.further_faults},
+          {"watchdog_stops", run.loop.watchdog_stops},
           {"recording", path_or_null(files.recording)},
           {"report", path_or_null(files.report)},
           {"screenshot", path_or_null(files.screenshot)},
