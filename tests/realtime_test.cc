@@ -1,0 +1,110 @@
+// What users see of real time: faults told while the run goes on, resets by a signal, the core, the doctor.
+#include <chrono>
+#include <csignal>
+#include <limits>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "palpate/record/recorder.h"
+#include "palpate/record/recording.h"
+#include "palpate/scene/load.h"
+
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A hand at rest over the gallbladder for `ticks` ticks, whose sample `broken_tick` is no number.
+void record_broken_hand(const std::string& file, std::uint64_t ticks, std::uint64_t broken_tick) {
+  record::Recorder recorder(file, scene::load(scene::Request{}), true);
+  recorder.begin(1);
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    haptics::TickRow row;
+    row.tick = tick;
+    row.time = 1e-3 * static_cast<double>(tick);
+    row.device = {0.0, 0.0, 0.2};
+    row.device_q = {1.0, 0.0, 0.0, 0.0};
+    if (tick == broken_tick) row.device[1] = std::numeric_limits<double>::quiet_NaN();
+    recorder.put(row);
+  }
+  recorder.finish({});
+}
+
+TEST(RealTime, AFaultIsToldWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick) {
+  const Folder folder;
+  record_broken_hand(folder / "hand.h5", 20'000, 100);
+  Program program(folder.path(), {"run", "--device", "replay:hand.h5", "--headless", "--record", "run.h5",
+                                  "--json", "--duration-s", "3"});
+  for (int i = 0; i < 6000 && !fs::exists(folder / "run.h5"); ++i) std::this_thread::sleep_for(10ms);
+  std::this_thread::sleep_for(1s);
+  program.signal(SIGUSR1);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 3) << "also when it was reset: " << outcome.err;
+  EXPECT_NE(outcome.err.find("fault at tick 100 (0.1 s), hand 0: a sample of the device"), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.err.find("kill -USR1 "), std::string::npos) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["ticks"], 3000);
+  EXPECT_EQ(summary["fault"], "not-finite");
+  ASSERT_GE(summary["faults"].size(), 1u);
+  EXPECT_EQ(summary["faults"][0]["tick"], 100);
+  EXPECT_EQ(summary["faults"][0]["hand"], 0);
+  EXPECT_EQ(summary["watchdog_stops"], 0) << "no hand holds a replayed device";
+  const record::Recording recording = record::read_recording(folder / "run.h5");
+  std::uint64_t resets = 0;
+  for (const haptics::TickRow& row : recording.rows) resets += row.events & haptics::kResetFault;
+  EXPECT_EQ(resets, 1u);
+  EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0) << "a replay meets the same reset";
+}
+
+TEST(RealTime, ACoreThatCannotBeUsedIsRefusedInOneLineAndNothingIsWritten) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {"run", "--core", "4096", "--record", "r.h5"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(lines(outcome.err), 1u) << outcome.err;
+  EXPECT_NE(outcome.err.find("--core = 4096"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(RealTime, TheRecordingHoldsTheHistogramsThatTheSummaryIsFrom) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {"run", "--duration-s", "0.3", "--record", "r.h5", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  const record::RunFacts facts = record::read_recording(folder / "r.h5").facts;
+  std::uint64_t ticks = 0;
+  std::uint64_t late = 0;
+  for (const auto& bucket : facts.tick_histogram) ticks += bucket.count;
+  for (const auto& bucket : facts.late_histogram) late += bucket.count;
+  EXPECT_EQ(ticks, 300u);
+  EXPECT_EQ(late, 300u);
+  EXPECT_DOUBLE_EQ(static_cast<double>(facts.lateness.max_ns) / 1e3, summary["late_us"]["max"]);
+  EXPECT_GE(facts.late_histogram.back().upper, facts.lateness.max_ns);
+}
+
+TEST(Doctor, SaysInWordsAndAsJsonWhatThisMachineLacks) {
+  const Folder folder;
+  const Outcome words = run(folder, {"doctor"});
+  EXPECT_EQ(words.exit_code, 0);
+  EXPECT_NE(words.out.find("real-time priority"), std::string::npos);
+  EXPECT_NE(words.out.find("p99.9"), std::string::npos);
+  const Outcome outcome = run(folder, {"doctor", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  const auto found = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(found["checks"].size(), 10u);
+  for (const auto& check : found["checks"]) {
+    EXPECT_TRUE(check["verdict"] == "good" || check["verdict"] == "bad" || check["verdict"] == "unknown");
+    EXPECT_EQ(check["verdict"] == "bad" && check["advice"].is_null(), false) << check;
+  }
+  EXPECT_EQ(found["wake_ups"]["samples"], 1000);
+  EXPECT_TRUE(found["wake_ups"]["late_us"].contains("p999"));
+  EXPECT_EQ(run(folder, {"doctor", "--help"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace palpate::tests
