@@ -17,7 +17,6 @@
 #include "palpate/record/assemble.h"
 #include "palpate/record/recorder.h"
 #include "palpate/record/replay.h"
-#include "palpate/scene/device_kinds.h"
 
 #include "app/commands.h"
 #include "app/preparation.h"
@@ -101,13 +100,12 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
   }
 }
 
-/// Whether a hand, or an emulated one, holds one of the devices. Where none does, a loop that stood still
-/// harms nobody: it is a late tick, and rows stay those of an offline run.
-bool any_held(const scene::Setup& setup) {
-  return std::any_of(setup.devices.begin(), setup.devices.end(), [](const scene::DeviceSetup& device) {
-    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
-    return kind == nullptr || kind->held;
-  });
+/// When a loop that stands still is a fault [ns]; 0, never, where no hand holds a device: there it harms
+/// nobody, a gap is a late tick, and rows stay those of an offline run.
+std::int64_t stalled_after_ns(const haptics::SimulationWorld& world) {
+  const bool held = std::any_of(world.mappings.begin(), world.mappings.end(),
+                                [](const haptics::WorkspaceMapping& mapping) { return mapping.held; });
+  return held ? haptics::LoopOptions{}.stalled_after_ns : 0;
 }
 
 }  // namespace
@@ -190,16 +188,15 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
   {
     const ResetOnSignal signals;
     RunCompanion companion(session.setup.name, session.ticks, session.setup.rate_Hz, devices);
-    account.loop = haptics::run_loop(
-        session.world, state, devices, &watch,
-        {.ticks = session.ticks,
-         .offline = how.offline,
-         .stop = &stop,
-         .progress = &companion.done(),
-         .resets = &resets_asked,
-         .fault_news = &companion.fault_news(),
-         .core = how.core,
-         .stalled_after_ns = any_held(session.setup) ? haptics::LoopOptions{}.stalled_after_ns : 0});
+    account.loop = haptics::run_loop(session.world, state, devices, &watch,
+                                     {.ticks = session.ticks,
+                                      .offline = how.offline,
+                                      .stop = &stop,
+                                      .progress = &companion.done(),
+                                      .resets = &resets_asked,
+                                      .fault_news = &companion.fault_news(),
+                                      .core = how.core,
+                                      .stalled_after_ns = stalled_after_ns(session.world)});
   }
   if (recorder) recorder->finish(account.loop);
   account.highlights = watch.highlights();

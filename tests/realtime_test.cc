@@ -54,11 +54,13 @@ TEST(RealTime, AFaultIsToldWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick)
   ASSERT_GE(summary["faults"].size(), 1u);
   EXPECT_EQ(summary["faults"][0]["tick"], 100);
   EXPECT_EQ(summary["faults"][0]["hand"], 0);
+  EXPECT_TRUE(summary["faults"][0]["reset_tick"].is_number()) << summary["faults"];
   EXPECT_EQ(summary["watchdog_stops"], 0) << "no hand holds a replayed device";
   const record::Recording recording = record::read_recording(folder / "run.h5");
   std::uint64_t resets = 0;
   for (const haptics::TickRow& row : recording.rows) resets += row.events & haptics::kResetFault;
   EXPECT_EQ(resets, 1u);
+  EXPECT_EQ(recording.rows.back().fault, 0u) << "clear after the reset";
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0) << "a replay meets the same reset";
 }
 

@@ -15,13 +15,6 @@
 namespace palpate::haptics {
 namespace {
 
-/// A command in the world's frame, turned into the device's; torque turns like force. A base only turns and
-/// moves: the workspace's scale is of lengths, not of forces.
-ForceCommand to_device(const WorkspaceMapping& mapping, const ForceCommand& command_W) noexcept {
-  const Quat to_D = mapping.base.rotation.conjugate();
-  return {to_D * command_W.force, to_D * command_W.torque, command_W.gripper_force};
-}
-
 bool is_zero(const ForceCommand& command) noexcept {
   return command.force.isZero(0.0) && command.torque.isZero(0.0) && command.gripper_force == 0.0;
 }
@@ -138,8 +131,7 @@ class Loop final {
   void write_commands() noexcept {
     const bool zero = held_at_zero_ || stopped_meanwhile();
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
-      const ForceCommand command_D =
-          zero ? ForceCommand{} : to_device(world_.mappings[hand], commands_[hand]);
+      const ForceCommand command_D = zero ? ForceCommand{} : world_.mappings[hand].to_device(commands_[hand]);
       refused_[hand] = devices_[hand]->write(command_D) ? 0 : 1;
     }
     if (held_at_zero_ && std::all_of(commands_.begin(), commands_.end(), is_zero)) held_at_zero_ = false;

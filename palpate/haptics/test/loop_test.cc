@@ -281,6 +281,25 @@ TEST(Loop, EachFaultIsInTheReportAndInTheNewsOfItsHand) {
   EXPECT_FALSE(news.pop(seen));
 }
 
+TEST(Loop, AFaultThatWasResetSaysWhenAndOneThatIsLatchedAnewIsAnotherOne) {
+  std::atomic<std::uint32_t> resets{0};
+  FakeDevice device([&](std::uint64_t tick, double time) {
+    DeviceState sample = pressing(time);
+    if (tick >= 20 && tick < 30) sample.fault = Fault::kForceOff;
+    if (tick == 24 || tick == 34) resets = 1;  // for the tick after
+    return sample;
+  });
+  LoopOptions options{.ticks = 50, .offline = true};
+  options.resets = &resets;
+  const LoopReport report = run_with(device, options).report;
+  ASSERT_EQ(report.faults.size(), 2u);
+  EXPECT_EQ(report.faults[0].tick, 20u);
+  EXPECT_EQ(report.faults[0].reset_tick, 25u);
+  EXPECT_EQ(report.faults[1].tick, 25u) << "the cause was still there";
+  EXPECT_EQ(report.faults[1].reset_tick, 35u);
+  EXPECT_EQ(report.fault, Fault::kForceOff) << "also after the reset";
+}
+
 TEST(Loop, ADeviceHearsItsCommandInItsOwnFrame) {
   // Turned a quarter about x: the device's z is the world's -y, so a push up in the world is along its y.
   SimulationWorld world = block_and_balls(1, 1000.0);

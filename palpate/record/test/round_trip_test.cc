@@ -224,6 +224,37 @@ TEST(RoundTrip, FactsComeBack) {
   EXPECT_FALSE(facts.machine.empty());
 }
 
+TEST(RoundTrip, ARecordingFromBeforeThereWereHistogramsIsReadWithoutThem) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 10, 1);
+  const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  EXPECT_GE(H5Ldelete(file, "run/tick_histogram_ns", H5P_DEFAULT), 0);
+  EXPECT_GE(H5Ldelete(file, "run/watchdog_stops", H5P_DEFAULT), 0);
+  H5Fclose(file);
+  const Recording recording = read_recording(folder / "a.h5");
+  EXPECT_EQ(recording.rows.size(), 10U);
+  EXPECT_TRUE(recording.facts.tick_histogram.empty());
+  EXPECT_EQ(recording.facts.late_histogram.size(), 1U);
+  EXPECT_EQ(recording.facts.watchdog_stops, 0U);
+  EXPECT_EQ(recording.facts.tick_time.p50_ns, 500);
+}
+
+TEST(RoundTrip, AHistogramThatIsNoneIsLeftOut) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 10, 1);
+  const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  const hid_t dataset = H5Dopen2(file, "run/late_histogram_ns", H5P_DEFAULT);
+  const hsize_t shape[2] = {2, 2};
+  const std::int64_t falling[4] = {900, 1, 800, 1};
+  EXPECT_GE(H5Dset_extent(dataset, shape), 0);
+  EXPECT_GE(H5Dwrite(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, falling), 0);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  EXPECT_TRUE(read_recording(folder / "a.h5").facts.late_histogram.empty());
+}
+
 TEST(Recorder, FileAppearsOnlyWhenTheRunBegins) {
   const TemporaryFolder folder;
   Recorder recorder(folder / "a.h5", sample_setup(1), false);
