@@ -16,6 +16,7 @@ using nlohmann::json;
 constexpr double kQuaternionSlack = 0.05;    // as the tick allows
 constexpr std::size_t kLongestId = 64;       // characters; the service's own have four to five
 constexpr std::size_t kLongestExcerpt = 40;  // characters of a value in an error
+constexpr int kDeepest = 32;                 // levels of a message; the service's own have six
 constexpr std::size_t kMostDevices = 64;     // of one kind in a message
 constexpr std::string_view kArms = "inverse3";
 constexpr std::string_view kGrips[] = {"wireless_verse_grip", "verse_grip"};
@@ -100,7 +101,29 @@ class Field final {
   std::string name_;
 };
 
+/// The library writes values by recursion, so that one nested a million deep would end the program.
+void check_depth(std::string_view text) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (!quoted && (c == '[' || c == '{')) {
+      if (++depth > kDeepest) {
+        throw InputError("message: is nested deeper than " + std::to_string(kDeepest) + " levels at byte " +
+                         std::to_string(i + 1));
+      }
+    } else if (!quoted && (c == ']' || c == '}')) {
+      --depth;
+    }
+  }
+}
+
 json parse(std::string_view text) {
+  check_depth(text);
   try {
     json message = json::parse(text);
     if (!message.is_object()) refuse("it", &message, "a JSON object");

@@ -129,6 +129,15 @@ TEST(HaplyMessages, TextThatIsNoJsonIsRefusedWithItsLineAndByte) {
   EXPECT_EQ(refusal_of(json("{\"a\": 1e999}")), "message: has a number that no double holds, must be finite");
 }
 
+TEST(HaplyMessages, DeepNestingIsRefusedSinceItWouldEndTheProgram) {
+  const std::string deep = std::string(500'000, '[') + std::string(500'000, ']');
+  EXPECT_EQ(refusal_of(json("{\"inverse3\": " + deep + "}")),
+            "message: is nested deeper than 32 levels at byte 45");
+  json brackets = message();
+  brackets["inverse3"][0]["config"]["name"] = "\\\"" + std::string(100, '[');  // in a text they nest nothing
+  EXPECT_EQ(read_haply_state(brackets.dump(), "049D", "").state.position_D, Vec3(0.01, -0.12, 0.15));
+}
+
 TEST(HaplyMessages, LongAndUnprintableValuesAreCutInErrors) {
   json wrong = message();
   wrong["inverse3"][0]["state"]["cursor_position"]["x"] = std::string(1000, 'x') + "\n";
