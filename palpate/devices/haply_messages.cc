@@ -64,7 +64,7 @@ class Field final {
                        " elements, must have at most " + std::to_string(kMostDevices));
     }
     for (std::size_t i = 0; i < value_->size(); ++i) {
-      all.push_back(Field(&(*value_)[i], name_ + "[" + std::to_string(i) + "]"));
+      all.emplace_back(&(*value_)[i], name_ + "[" + std::to_string(i) + "]");
     }
     return all;
   }
