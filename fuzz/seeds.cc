@@ -326,6 +326,15 @@ max_torque_N_m = 0.2
 max_slew_N_m_per_ms = 0.05
 )";
 
+constexpr const char* kHaplyMessage =
+    R"({"session_id":7,"inverse3":[{"device_id":"049D","config":{"preset":"a"},
+"state":{"cursor_position":{"x":0.0,"y":-0.12,"z":1.5e-1},"cursor_velocity":{"x":0,"y":0,"z":0},
+"control_mode":"idle"},"status":{"calibrated":true,"power_supply":true,"ready":true}}],
+"verse_grip":[{"device_id":"61548","state":{"button":false,"orientation":{"w":1,"x":0,"y":0,"z":0}}}],
+"wireless_verse_grip":[{"device_id":"77","state":{"buttons":{"a":true,"b":false,"c":false},
+"orientation":{"w":0.5,"x":-0.5,"y":0.5,"z":-0.5}}}]}
+)";
+
 void add_the_rest(const Seeds& seeds) {
   seeds.add("scene", "scene", kScene);
   seeds.add("tissue", "heart", scene::to_toml(model::tissue_preset("heart")));
@@ -336,6 +345,8 @@ void add_the_rest(const Seeds& seeds) {
   seeds.add("tool_path", "all",
             "time_s,x_m,y_m,z_m,qw,qx,qy,qz,gripper\n0,0,0,1,1,0,0,0,1\n1,0,0,0,0,1,0,0,0\n");
   seeds.add("scene_json", "scene", record::setup_to_json(record::sample_setup(2)));
+  seeds.add("haply_message", "all", kHaplyMessage);
+  seeds.add("haply_message", "none", R"({"inverse3":[],"wireless_verse_grip":null})");
   record::record_sample(seeds.place("recording", "no_tick"), 0, 1);
   record::record_sample(seeds.place("recording", "some"), 20, 2);
   ArrayFileWriter writer(seeds.place("array_file", "arrays"), ContentHash{});

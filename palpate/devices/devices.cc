@@ -2,6 +2,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
+#include "palpate/devices/haply.h"
 #include "palpate/devices/replay.h"
 #include "palpate/devices/scripted.h"
 #include "palpate/record/recording.h"
@@ -36,6 +37,18 @@ std::unique_ptr<haptics::Device> open_replay(const scene::Setup& setup, std::siz
   return std::make_unique<ReplayDevice>(std::move(samples));
 }
 
+/// Hands that name the same service take its arms in order.
+std::unique_ptr<haptics::Device> open_haply(const scene::Setup& setup, std::size_t hand) {
+  const std::string& address = setup.devices[hand].path;
+  std::size_t place = 0;
+  for (std::size_t other = 0; other < hand; ++other) {
+    const scene::DeviceSetup& device = setup.devices[other];
+    if (device.kind != "haply") continue;
+    if (parse_haply_address(device.path).text() == parse_haply_address(address).text()) ++place;
+  }
+  return std::make_unique<HaplyDevice>(address, place);
+}
+
 }  // namespace
 
 std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand) {
@@ -46,7 +59,8 @@ std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::siz
   const std::string& kind = setup.devices[hand].kind;
   if (kind == "scripted") return open_scripted(setup, hand);
   if (kind == "replay") return open_replay(setup, hand);
-  throw InputError("device kind = \"" + kind + "\": must be scripted or replay");
+  if (kind == "haply") return open_haply(setup, hand);
+  throw InputError("device kind = \"" + kind + "\": must be scripted, replay or haply");
 }
 
 }  // namespace palpate::devices
