@@ -1,11 +1,16 @@
 #include "palpate/devices/devices.h"
 
+#include <algorithm>
+#include <string_view>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
+#include "palpate/devices/forcedimension.h"
 #include "palpate/devices/haply.h"
 #include "palpate/devices/replay.h"
 #include "palpate/devices/scripted.h"
 #include "palpate/record/recording.h"
+#include "palpate/scene/device_kinds.h"
 #include "palpate/scene/tool_path.h"
 
 namespace palpate::devices {
@@ -49,6 +54,69 @@ std::unique_ptr<haptics::Device> open_haply(const scene::Setup& setup, std::size
   return std::make_unique<HaplyDevice>(address, place);
 }
 
+Probe probe_scripted(const std::string& /*path*/) {
+  return {"scripted", true, "follows a path from a CSV file, or one of its own onto the organ"};
+}
+
+Probe probe_replay(const std::string& /*path*/) {
+  return {"replay", true, "follows the hand of a recording (replay:run.h5)"};
+}
+
+std::unique_ptr<haptics::Device> open_forcedimension(const scene::Setup& setup, std::size_t hand) {
+  std::size_t ordinal = 0;
+  for (std::size_t other = 0; other < hand; ++other) {
+    if (setup.devices[other].kind == "forcedimension") ++ordinal;
+  }
+  return std::make_unique<ForceDimensionDevice>(setup.devices[hand].path, ordinal);
+}
+
+Opened connect_forcedimension(const std::string& path) {
+  auto device = std::make_unique<ForceDimensionDevice>(path, 0);
+  std::string name = device->description();
+  return {std::move(device), std::move(name)};
+}
+
+Opened connect_haply(const std::string& path) {
+  auto device = std::make_unique<HaplyDevice>(path, 0);
+  std::string name = device->description();
+  return {std::move(device), std::move(name)};
+}
+
+/// What can be done with one kind of device.
+struct Kind {
+  std::string_view name;
+  std::unique_ptr<haptics::Device> (*open)(const scene::Setup& setup, std::size_t hand);
+  Probe (*probe)(const std::string& path);
+  Opened (*connect)(const std::string& path);  // null: nothing that could be connected to a computer
+};
+
+constexpr Kind kKinds[] = {
+    {"scripted", open_scripted, probe_scripted, nullptr},
+    {"replay", open_replay, probe_replay, nullptr},
+    {"forcedimension", open_forcedimension, probe_forcedimension, connect_forcedimension},
+    {"haply", open_haply, probe_haply, connect_haply},
+};
+
+const Kind* find_kind(std::string_view name) noexcept {
+  const Kind* found = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                   [name](const Kind& kind) { return kind.name == name; });
+  return found == std::end(kKinds) ? nullptr : found;
+}
+
+/// The kinds for people, "scripted, replay or haply"; @param connected only those that can be.
+std::string names_of_kinds(bool connected) {
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) {
+    if (!connected || kind.connect != nullptr) names.emplace_back(kind.name);
+  }
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
+    text += names[i];
+  }
+  return text;
+}
+
 }  // namespace
 
 std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand) {
@@ -56,11 +124,28 @@ std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::siz
     throw InputError("hand " + std::to_string(hand) + ": the scene has only " +
                      std::to_string(setup.devices.size()) + " devices");
   }
-  const std::string& kind = setup.devices[hand].kind;
-  if (kind == "scripted") return open_scripted(setup, hand);
-  if (kind == "replay") return open_replay(setup, hand);
-  if (kind == "haply") return open_haply(setup, hand);
-  throw InputError("device kind = \"" + kind + "\": must be scripted, replay or haply");
+  const std::string& name = setup.devices[hand].kind;
+  if (const Kind* kind = find_kind(name)) return kind->open(setup, hand);
+  throw InputError("device kind = \"" + name + "\": must be " + names_of_kinds(false));
+}
+
+std::vector<Probe> probe_devices() {
+  std::vector<Probe> probes;
+  for (const scene::DeviceKind& known : scene::device_kinds()) {
+    Probe probe{std::string(known.name), false, "this version of palpate cannot open it"};
+    if (const Kind* kind = find_kind(known.name)) probe = kind->probe({});
+    probes.push_back(std::move(probe));
+  }
+  return probes;
+}
+
+Opened open_connected(const std::string& what) {
+  const std::size_t colon = what.find(':');
+  const Kind* kind = find_kind(what.substr(0, colon));
+  if (kind == nullptr || kind->connect == nullptr) {
+    throw InputError("device \"" + what + "\": must be " + names_of_kinds(true) + ", alone or with :PATH");
+  }
+  return kind->connect(colon == std::string::npos ? std::string() : what.substr(colon + 1));
 }
 
 }  // namespace palpate::devices

@@ -1,0 +1,80 @@
+#pragma once
+#include <array>
+#include <string>
+
+namespace palpate::devices {
+
+// What the vendor documents of the interface's numbers; the names are ours.
+inline constexpr int kDhdTimeGuarded = 1;  // returned instead of 0: the sample is the last one again
+inline constexpr int kDhdStatusSize = 32;  // 16 entries are documented; the rest is room for later ones
+inline constexpr int kDhdStatusPower = 0;
+inline constexpr int kDhdStatusReset = 3;  // it waits to be calibrated
+inline constexpr int kDhdStatusForce = 5;
+inline constexpr int kDhdStatusForceOffCause = 14;
+inline constexpr int kDhdButtons = 16;
+
+/// Force Dimension's library, loaded at run time by its documented C interface; the functions' names are the
+/// vendor's without "dhd". Every device is told by its identity, the last argument.
+struct DhdFunctions {
+  // Required.
+  int (*GetDeviceCount)();
+  int (*Close)(char id);
+  int (*Stop)(char id);  // force off, brakes on
+  void (*GetSDKVersion)(int* major, int* minor, int* release, int* revision);
+  const char* (*GetSystemName)(char id);
+  int (*GetStatus)(int* status, char id);
+  int (*EnableForce)(unsigned char on, char id);
+  int (*SetBrakes)(int on, char id);
+  int (*GetPositionAndOrientationFrame)(double* x, double* y, double* z, double (*rotation)[3], char id);
+  int (*GetLinearVelocity)(double* x, double* y, double* z, char id);
+  int (*GetButton)(int index, char id);
+  int (*SetForceAndTorqueAndGripperForce)(double fx, double fy, double fz, double tx, double ty, double tz,
+                                          double gripper, char id);
+  int (*ErrorGetLast)();
+  const char* (*ErrorGetLastStr)();
+  // Null where the library has none.
+  int (*Open)();
+  int (*OpenID)(char index);
+  unsigned (*GetButtonMask)(char id);
+  bool (*HasWrist)(char id);
+  bool (*HasGripper)(char id);
+  int (*GetPosition)(double* x, double* y, double* z, char id);
+  int (*GetGripperAngleRad)(double* angle, char id);
+  const char* (*ErrorGetStr)(int error);
+  int (*EnableExpertMode)();
+  int (*DisableExpertMode)();
+  int (*SetWatchdog)(unsigned char steps, char id);
+};
+
+/// The library, open as long as this lives. Several of the same file share one in memory; the last closes it.
+class DhdLibrary final {
+ public:
+  /// [setup] @param path the library's file; empty: libdhd.so.3, else libdhd.so, where the system's loader
+  /// finds it. @throws InputError in one line: not installed, no library, a function missing, a wrong
+  /// version.
+  explicit DhdLibrary(const std::string& path);
+  ~DhdLibrary();
+  DhdLibrary(const DhdLibrary&) = delete;
+  DhdLibrary& operator=(const DhdLibrary&) = delete;
+
+  /// [any]
+  [[nodiscard]] const DhdFunctions& call() const noexcept { return functions_; }
+  /// [setup] As the library tells it: "3.17.1.0".
+  [[nodiscard]] std::string version() const;
+  /// [setup] As the user named it, or the name it was found by.
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// [setup] What the calling thread's last failed call says was wrong.
+  [[nodiscard]] std::string last_error() const;
+
+ private:
+  void open(const std::string& path);
+  void load();
+  void check_version() const;
+  [[nodiscard]] std::array<int, 4> version_numbers() const;
+
+  std::string name_;
+  void* handle_ = nullptr;
+  DhdFunctions functions_{};
+};
+
+}  // namespace palpate::devices

@@ -1,0 +1,64 @@
+// `palpate devices`, and a run on a device whose library is the stand-in of palpate/devices/test/stand_in.
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+using nlohmann::json;
+
+const std::string kStandIn = std::string("forcedimension:") + PALPATE_DHD_STAND_IN;
+
+TEST(DevicesCommand, HasALineForEveryKind) {
+  const Folder folder;
+  const Outcome text = run(folder, {"devices"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  const Outcome outcome = run(folder, {"devices", "--json"});
+  const json devices = json::parse(outcome.out)["devices"];
+  EXPECT_EQ(lines(text.out), devices.size());
+  bool seen = false;
+  for (const json& device : devices) {
+    EXPECT_TRUE(device["available"].is_boolean());
+    EXPECT_NE(device["words"], "");
+    seen = seen || device["kind"] == "forcedimension";
+  }
+  EXPECT_TRUE(seen);
+}
+
+TEST(DevicesCommand, OpensOneAndSaysWhatItReads) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {"devices", "--try", kStandIn, "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json look = json::parse(outcome.out);
+  EXPECT_EQ(look["name"], std::string("stand-in.7 (") + PALPATE_DHD_STAND_IN + ", 3.17.1.0)");
+  EXPECT_EQ(look["new_samples"], 200);
+  EXPECT_EQ(look["position_mm"], json({0.0, 0.0, 0.0}));
+  EXPECT_EQ(look["orientation_wxyz"], json({1.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(look["fault"], "none");
+  EXPECT_NE(run(folder, {"devices", "--try", kStandIn}).out.find("in order"), std::string::npos);
+}
+
+TEST(DevicesCommand, SaysInOneLineWhyOneCannotBeOpened) {
+  const Folder folder;
+  for (const char* what : {"scripted", "mouse", "forcedimension:none.so"}) {
+    const Outcome outcome = run(folder, {"devices", "--try", what});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST(ForceDimensionRun, GoesThroughTheWholeProgram) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {"run", "--device", kStandIn, "--duration-s", "0.5", "--record",
+                                       "run.h5", "--offline", "--headless"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace palpate::tests
