@@ -10,11 +10,14 @@
 
 #include <unistd.h>
 
+#include "palpate/base/cache_folder.h"
+#include "palpate/base/clock.h"
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/devices/devices.h"
 #include "palpate/haptics/realtime.h"
 #include "palpate/record/assemble.h"
+#include "palpate/record/flight_recorder.h"
 #include "palpate/record/recorder.h"
 #include "palpate/record/replay.h"
 
@@ -108,6 +111,25 @@ std::int64_t stalled_after_ns(const haptics::SimulationWorld& world) {
   return held ? haptics::LoopOptions{}.stalled_after_ns : 0;
 }
 
+/// Writes what led to a fault to the user's state folder; that it could not be is a remark, not a failure.
+void keep_flight(const record::FlightRecorder& flight, scene::Setup& setup, RunAccount& account) {
+  constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files together; the oldest go first
+  const fs::path folder = user_state_folder() / "faults";
+  if (!folder.is_absolute()) return;
+  const std::int64_t now_ns = unix_ns();
+  const fs::path file =
+      folder / (std::to_string(now_ns / 1'000'000) + "-" + std::to_string(getpid()) + ".h5");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  trim_cache(folder, ".h5", kMostBytes);
+  try {
+    flight.write(file, account.loop);
+    account.fault_recording = file;
+  } catch (const InputError& failure) {
+    setup.remarks.push_back(std::string("the ticks before the fault were not kept: ") + failure.what());
+  }
+}
+
 }  // namespace
 
 Session prepare(const scene::Request& request, std::optional<double> duration_s, bool no_cache) {
@@ -176,8 +198,13 @@ void require_usable_core(std::optional<int> core) {
 
 RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool>& stop) {
   std::optional<record::Recorder> recorder;
-  if (!how.recording.empty()) recorder.emplace(how.recording, session.setup, how.offline);
-  RowWatch watch(recorder ? &*recorder : nullptr, session.setup);
+  std::optional<record::FlightRecorder> flight;
+  if (how.recording.empty()) {
+    flight.emplace(nullptr, session.setup);
+  } else {
+    recorder.emplace(how.recording, session.setup, how.offline);
+  }
+  RowWatch watch(recorder ? static_cast<haptics::TickSink*>(&*recorder) : &*flight, session.setup);
   haptics::SimulationState state(session.world);
   std::vector<haptics::Device*> devices;
   for (const auto& device : session.devices) devices.push_back(device.get());
@@ -199,6 +226,7 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
                                       .stalled_after_ns = stalled_after_ns(session.world)});
   }
   if (recorder) recorder->finish(account.loop);
+  if (flight && flight->fault_met()) keep_flight(*flight, session.setup, account);
   account.highlights = watch.highlights();
   return account;
 }

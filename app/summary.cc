@@ -223,6 +223,7 @@ nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& fi
           {"recording", path_or_null(files.recording)},
           {"report", path_or_null(files.report)},
           {"screenshot", path_or_null(files.screenshot)},
+          {"fault_recording", path_or_null(run.fault_recording)},
           {"remarks", remarks(run)}};
 }
 
@@ -237,6 +238,9 @@ void print_summary(std::ostream& out, const RunAccount& run, const OutputFiles& 
   print_timing(out, run);
   for (const std::string& remark : remarks(run)) out << "Note: " << remark << '\n';
   if (!files.recording.empty()) out << "Recording: " << files.recording.string() << '\n';
+  if (!run.fault_recording.empty()) {
+    out << "The last seconds before the fault: " << run.fault_recording.string() << '\n';
+  }
   if (!files.screenshot.empty()) out << "Picture: " << files.screenshot.string() << '\n';
   if (!files.report.empty()) out << "Report: " << files.report.string() << '\n';
 }

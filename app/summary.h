@@ -74,6 +74,7 @@ struct RunAccount {
   bool offline = false;
   haptics::LoopReport loop;
   Highlights highlights;
+  std::filesystem::path fault_recording;  // the last ticks before a fault of an unrecorded run; empty: none
 };
 
 /// [setup] What is wrong or worth knowing, in words: the scene's repairs and remarks, the loop's, what the

@@ -20,6 +20,14 @@ std::string environment(const char* name) {
   return value == nullptr ? std::string() : std::string(value);
 }
 
+/// The folder named by `variable`, else `in_home` of the home folder; empty without either.
+fs::path user_folder(const char* variable, const char* in_home) {
+  const fs::path given = environment(variable);
+  if (given.is_absolute()) return given / "palpate";
+  const fs::path home = environment("HOME");
+  return home.is_absolute() ? home / in_home / "palpate" : fs::path();
+}
+
 struct CachedFile {
   fs::path path;
   std::uint64_t size = 0;
@@ -30,11 +38,10 @@ struct CachedFile {
 
 fs::path user_cache_folder() {
   if (environment("PALPATE_CACHE") == "off") return {};
-  const fs::path given = environment("XDG_CACHE_HOME");
-  if (given.is_absolute()) return given / "palpate";
-  const fs::path home = environment("HOME");
-  return home.is_absolute() ? home / ".cache" / "palpate" : fs::path();
+  return user_folder("XDG_CACHE_HOME", ".cache");
 }
+
+fs::path user_state_folder() { return user_folder("XDG_STATE_HOME", ".local/state"); }
 
 void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t most_bytes) {
   std::error_code error;

@@ -10,6 +10,10 @@ namespace palpate {
 /// The folder need not be there yet.
 [[nodiscard]] std::filesystem::path user_cache_folder();
 
+/// [setup] Where palpate keeps what a user may want to look at later: $XDG_STATE_HOME/palpate if that is an
+/// absolute path, else $HOME/.local/state/palpate; empty without either. The folder need not be there yet.
+[[nodiscard]] std::filesystem::path user_state_folder();
+
 /// [setup] Removes the files of `folder` whose names end in `ending`, those longest not written or touched
 /// first, until the rest takes at most `most_bytes`; and what writers left that were killed over an hour ago
 /// (`ending` and six more letters). What cannot be removed stays; no error.

@@ -44,6 +44,19 @@ fs::path folder_of(const char* cache, const char* xdg, const char* home) {
   return user_cache_folder();
 }
 
+TEST(StateFolder, IsTheUsersOwnByTheEnvironmentOrUnderHome) {
+  const Variable off("PALPATE_CACHE", "off");
+  const Variable home("HOME", "/home/ada");
+  {
+    const Variable given("XDG_STATE_HOME", "/var/state");
+    EXPECT_EQ(user_state_folder(), "/var/state/palpate") << "the cache being off is no matter";
+  }
+  const Variable relative("XDG_STATE_HOME", "state");
+  EXPECT_EQ(user_state_folder(), "/home/ada/.local/state/palpate");
+  const Variable homeless("HOME", nullptr);
+  EXPECT_EQ(user_state_folder(), "");
+}
+
 TEST(CacheFolder, IsTheUsersByTheXdgRule) {
   EXPECT_EQ(folder_of(nullptr, "/x/cache", "/h"), "/x/cache/palpate");
   EXPECT_EQ(folder_of(nullptr, nullptr, "/h"), "/h/.cache/palpate");
