@@ -6,7 +6,7 @@ namespace palpate::devices {
 /// What moves and what holds it.
 struct HandMassParameters {
   double mass = 0.25;           // kg, of device and hand
-  double damping = 1.0;         // N s/m, of the device, against its base
+  double damping = 1.5;         // N s/m, of the device, against its base
   double friction = 0.05;       // N, Coulomb, of the device; static and sliding alike
   double grip_stiffness = 0.0;  // N/m, from the hand's target
   double grip_damping = 0.0;    // N s/m

@@ -56,7 +56,7 @@ inline constexpr HandGrip kLightGrip{50.0, 1.0};
 inline constexpr HandGrip kFirmGrip{500.0, 5.0};
 
 // A calm device of the desk-top kind, unless a scene says otherwise.
-inline constexpr double kEmulatedDamping = 1.0;      // N s/m
+inline constexpr double kEmulatedDamping = 1.5;      // N s/m: enough for every built-in tissue at 1 kHz
 inline constexpr double kEmulatedFriction = 0.05;    // N
 inline constexpr double kEmulatedResolution = 1e-5;  // m
 

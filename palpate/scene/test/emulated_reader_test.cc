@@ -124,7 +124,7 @@ TEST(EmulatedReader, AnEmulatedDevicesDynamicsAreAlwaysKnownAndAnothersOnlyWhenG
   Request request;
   request.scene = folder.write("press.toml", kShort + "kind = \"emulated\"\nfriction_N = 0.2\n");
   const DeviceDynamics emulated = load(request).devices.front().dynamics;
-  EXPECT_EQ(emulated.damping, 1.0);
+  EXPECT_EQ(emulated.damping, 1.5);
   EXPECT_EQ(emulated.friction, 0.2);
   EXPECT_EQ(emulated.resolution, 1e-5);
   request.device = "scripted";
