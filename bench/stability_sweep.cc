@@ -1,0 +1,75 @@
+// Runs the emulated hand over devices, grips, tissues and rates and writes what every case did as CSV;
+// tools/plot_stability draws docs/pictures/stability.png of it. Minutes on one core; the same figures
+// everywhere, since nothing in it depends on the clock.
+// Usage: palpate_stability_sweep FILE.csv
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <optional>
+
+#include "palpate/base/text.h"
+
+#include "bench/measure/stability.h"
+
+namespace {
+
+using palpate::bench::StabilityBlock;
+using palpate::bench::StabilityCase;
+using palpate::bench::StabilityResult;
+
+constexpr double kMillimetres = 1e3;
+constexpr double kMicrojoules = 1e6;
+
+const char* verdict_of(const StabilityResult& result) {
+  if (result.faulted) return "fault";
+  return result.peak_to_peak <= palpate::bench::kStillHold ? "still" : "trembles";
+}
+
+void write_row(std::ostream& out, const StabilityCase& c, const StabilityResult& r) {
+  const auto text = [](double value) { return palpate::shortest(value); };
+  out << c.tissue << ',' << text(c.rate_Hz) << ',' << text(c.grip.stiffness) << ',' << text(c.grip.damping)
+      << ',' << text(c.device.damping) << ',' << text(c.device.friction) << ','
+      << text(c.device.resolution * kMillimetres) << ',' << text(r.depth * kMillimetres) << ','
+      << text(r.force) << ',' << text(r.peak_to_peak * kMillimetres) << ','
+      << text(r.given_beyond_taken * kMicrojoules) << ',' << (r.controlled ? 1 : 0) << ','
+      << (r.warned ? 1 : 0) << ',' << verdict_of(r) << '\n';
+}
+
+void sweep(std::ostream& out) {
+  out << "tissue,rate_Hz,grip_N_per_m,grip_N_s_per_m,damping_N_s_per_m,friction_N,resolution_mm,depth_mm,"
+         "force_N,"
+         "peak_to_peak_mm,given_beyond_taken_uJ,controller_acted,warned,verdict\n";
+  const std::vector<StabilityCase> cases = palpate::bench::stability_cases();
+  std::optional<StabilityBlock> block;
+  std::size_t done = 0;
+  for (const StabilityCase& c : cases) {
+    const bool same = done > 0 && cases[done - 1].tissue == c.tissue && cases[done - 1].rate_Hz == c.rate_Hz;
+    if (!same) {
+      std::cerr << "stability_sweep: " << done << " of " << cases.size() << " cases; " << c.tissue << " at "
+                << c.rate_Hz << " Hz\n";
+      block.emplace(c.tissue, c.rate_Hz);
+    }
+    write_row(out, c, block->run(c));
+    ++done;
+  }
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fputs("usage: palpate_stability_sweep FILE.csv\n", stderr);
+    return 2;
+  }
+  try {
+    std::ofstream out(arguments[1]);
+    sweep(out);
+    out.flush();
+    if (out) return 0;
+    std::cerr << "stability_sweep: " << arguments[1] << ": cannot be written\n";
+  } catch (const std::exception& error) {
+    std::cerr << "stability_sweep: " << error.what() << '\n';
+  }
+  return 1;
+}
