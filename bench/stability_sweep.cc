@@ -28,26 +28,33 @@ const char* verdict_of(const StabilityResult& result) {
 
 void write_row(std::ostream& out, const StabilityCase& c, const StabilityResult& r) {
   const auto text = [](double value) { return palpate::shortest(value); };
-  out << c.tissue << ',' << text(c.rate_Hz) << ',' << text(c.grip.stiffness) << ',' << text(c.grip.damping)
-      << ',' << text(c.device.damping) << ',' << text(c.device.friction) << ','
+  out << c.tissue.name << ',' << text(r.stiffness) << ',' << text(c.rate_Hz) << ',' << text(c.grip.stiffness)
+      << ',' << text(c.grip.damping) << ',' << text(c.device.damping) << ',' << text(c.device.friction) << ','
       << text(c.device.resolution * kMillimetres) << ',' << text(r.depth * kMillimetres) << ','
       << text(r.force) << ',' << text(r.peak_to_peak * kMillimetres) << ','
-      << text(r.given_beyond_taken * kMicrojoules) << ',' << (r.controlled ? 1 : 0) << ','
+      << text(r.given_beyond_taken * kMicrojoules) << ','
+      << text(palpate::bench::energy_bound(r) * kMicrojoules) << ',' << (r.controlled ? 1 : 0) << ','
       << (r.warned ? 1 : 0) << ',' << verdict_of(r) << '\n';
 }
 
+bool same_block(const StabilityCase& a, const StabilityCase& b) {
+  return a.tissue.name == b.tissue.name && a.tissue.k1 == b.tissue.k1 && a.rate_Hz == b.rate_Hz;
+}
+
 void sweep(std::ostream& out) {
-  out << "tissue,rate_Hz,grip_N_per_m,grip_N_s_per_m,damping_N_s_per_m,friction_N,resolution_mm,depth_mm,"
+  out << "tissue,stiffness_N_per_m,rate_Hz,grip_N_per_m,grip_N_s_per_m,damping_N_s_per_m,friction_N,"
+         "resolution_mm,depth_mm,"
          "force_N,"
-         "peak_to_peak_mm,given_beyond_taken_uJ,controller_acted,warned,verdict\n";
-  const std::vector<StabilityCase> cases = palpate::bench::stability_cases();
+         "peak_to_peak_mm,given_beyond_taken_uJ,bound_uJ,controller_acted,warned,verdict\n";
+  std::vector<StabilityCase> cases = palpate::bench::tissue_cases();
+  const std::vector<StabilityCase> walls = palpate::bench::wall_cases();
+  cases.insert(cases.end(), walls.begin(), walls.end());
   std::optional<StabilityBlock> block;
   std::size_t done = 0;
   for (const StabilityCase& c : cases) {
-    const bool same = done > 0 && cases[done - 1].tissue == c.tissue && cases[done - 1].rate_Hz == c.rate_Hz;
-    if (!same) {
-      std::cerr << "stability_sweep: " << done << " of " << cases.size() << " cases; " << c.tissue << " at "
-                << c.rate_Hz << " Hz\n";
+    if (done == 0 || !same_block(cases[done - 1], c)) {
+      std::cerr << "stability_sweep: " << done << " of " << cases.size() << " cases; " << c.tissue.name
+                << " at " << c.rate_Hz << " Hz\n";
       block.emplace(c.tissue, c.rate_Hz);
     }
     write_row(out, c, block->run(c));

@@ -7,6 +7,7 @@
 #include "palpate/devices/emulated.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/haptics/loop.h"
+#include "palpate/haptics/passivity.h"
 #include "palpate/model/layered_law.h"
 #include "palpate/record/assemble.h"
 
@@ -21,6 +22,7 @@ constexpr double kHoldBegin = 2.0;
 constexpr double kMeasureBegin = 3.0;
 constexpr double kHoldEnd = 4.0;
 constexpr double kUpEnd = 5.0;
+constexpr double kEncoder = 1e-5;  // m
 constexpr double kRowSpacing = 5e-3;
 
 /// Minimum-jerk way from 0 to 1 (Flash and Hogan 1985).
@@ -40,14 +42,14 @@ scene::ToolPath press_and_let_go(double lowest) {
   return scene::ToolPath(std::move(rows));
 }
 
-scene::Setup block_of(const std::string& tissue, double rate_Hz) {
+scene::Setup block_of(const model::TissueParameters& tissue, double rate_Hz) {
   scene::Setup setup;
   setup.name = "stability";
   setup.rate_Hz = rate_Hz;
   setup.organ_name = "box";
   setup.organ = geometry::make_box(Vec3(0.08, 0.08, 0.06), 0.02);
   setup.organ_pose.position = Vec3(0, 0, -0.03);
-  setup.tissue = model::tissue_preset(tissue);
+  setup.tissue = tissue;
   setup.tools.push_back(
       {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 320)}}, kBallRadius});
   setup.devices.emplace_back().kind = "emulated";
@@ -61,9 +63,12 @@ class Watch final : public haptics::TickSink {
   explicit Watch(const devices::EmulatedDevice& device) : device_(device) {}
   void begin(std::int64_t /*unix_ns*/) noexcept override {}
   void put(const haptics::TickRow& row) noexcept override {
-    result_.given_beyond_taken = std::max(result_.given_beyond_taken, device_.hand().work_of_force());
+    const double work = device_.hand().work_of_force();
+    result_.given_beyond_taken = std::max(result_.given_beyond_taken, work);
+    result_.most_in_a_tick = std::max(result_.most_in_a_tick, std::abs(work - work_));
+    work_ = work;
     if (row.fault != 0) result_.faulted = true;
-    if ((row.status & haptics::kPassivityActed) != 0) result_.controlled = true;
+    if ((row.status & haptics::kEnergyDamped) != 0) result_.controlled = true;
     if (row.time < kMeasureBegin || row.time >= kHoldEnd) return;
     const Vec3& place = device_.hand().position();
     low_ = low_.cwiseMin(place);
@@ -87,22 +92,40 @@ class Watch final : public haptics::TickSink {
   Vec3 low_ = Vec3::Constant(1e9);
   Vec3 high_ = Vec3::Constant(-1e9);
   std::uint64_t ticks_ = 0;
+  double work_ = 0.0;
 };
 
 }  // namespace
 
-StabilityBlock::StabilityBlock(const std::string& tissue, double rate_Hz)
-    : setup_(block_of(tissue, rate_Hz)),
-      world_(record::assemble(setup_)),
-      force_at_hold_(model::LayeredSpringLaw(setup_.tissue, model::Direction::kPress, 1.0 / rate_Hz)
-                         .force_at(haptics::kDepthWithinReach)
-                         .force) {}
+double energy_bound(const StabilityResult& result) noexcept {
+  return haptics::kEnergyLeeway + 2.0 * result.most_in_a_tick;
+}
+
+model::TissueParameters linear_tissue(double stiffness) {
+  model::TissueParameters tissue = model::tissue_preset("gallbladder");
+  tissue.name = "linear";
+  tissue.k1 = stiffness;
+  tissue.rest_length = 50e-3;
+  tissue.min_length = 20e-3;  // the first spring gives way by 30 mm, so no other layer is reached
+  tissue.max_length = 80e-3;
+  tissue.contact.friction = 0.0;
+  return tissue;
+}
+
+StabilityBlock::StabilityBlock(const model::TissueParameters& tissue, double rate_Hz)
+    : setup_(block_of(tissue, rate_Hz)), world_(record::assemble(setup_)) {
+  const model::LayeredSpringLaw law(tissue, model::Direction::kPress, 1.0 / rate_Hz);
+  depth_at_hold_ = std::min(haptics::kDepthWithinReach, law.deformation_under(kMostHoldForce).depth);
+  const model::ContactResponse there = law.force_at(depth_at_hold_);
+  force_at_hold_ = there.force;
+  stiffness_at_hold_ = there.stiffness;
+}
 
 StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
   scene::DeviceSetup device_setup = setup_.devices.front();
   device_setup.dynamics = {the_case.device.damping, the_case.device.friction, the_case.device.resolution};
   device_setup.emulated.grip = the_case.grip;
-  const double lowest = haptics::kDepthWithinReach + force_at_hold_ / the_case.grip.stiffness;
+  const double lowest = depth_at_hold_ + force_at_hold_ / the_case.grip.stiffness;
   devices::EmulatedDevice device(press_and_let_go(lowest), device_setup, world_.rate_Hz);
   haptics::SimulationState state(world_);
   Watch watch(device);
@@ -112,22 +135,39 @@ StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
   std::array<haptics::Device*, 1> devices = {&device};
   static_cast<void>(haptics::run_loop(world_, state, devices, &watch, options));
   StabilityResult result = watch.result();
+  result.stiffness = stiffness_at_hold_;
   result.warned = haptics::check_stability(setup_.tissue, model::Direction::kPress, 1.0 / world_.rate_Hz,
                                            setup_.safety.max_force, 1.0, the_case.device)
                       .warns();
   return result;
 }
 
-std::vector<StabilityCase> stability_cases() {
-  constexpr double kEncoder = 1e-5;  // m
+std::vector<StabilityCase> tissue_cases() {
   constexpr scene::HandGrip kMiddleGrip{150.0, 2.0};
   std::vector<StabilityCase> cases;
-  for (const char* tissue : {"gallbladder", "heart", "liver", "kidney"}) {
+  for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) {
+    const model::TissueParameters tissue = model::tissue_preset(name);
     for (const double rate : {1000.0, 4000.0}) {
       for (const double damping : {0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0}) {
         for (const double friction : {0.0, 0.002, 0.005, 0.01, 0.05, 0.1, 0.2}) {
           for (const scene::HandGrip& grip : {scene::kLightGrip, kMiddleGrip, scene::kFirmGrip}) {
             cases.push_back({tissue, rate, {damping, friction, kEncoder}, grip});
+          }
+        }
+      }
+    }
+  }
+  return cases;
+}
+
+std::vector<StabilityCase> wall_cases() {
+  std::vector<StabilityCase> cases;
+  for (const double rate : {1000.0, 4000.0}) {
+    for (const double stiffness : {250.0, 500.0, 1e3, 2e3, 4e3, 8e3, 16e3, 32e3}) {
+      for (const double damping : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0}) {
+        for (const double friction : {0.0, 0.01, 0.1}) {
+          for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
+            cases.push_back({linear_tissue(stiffness), rate, {damping, friction, kEncoder}, grip});
           }
         }
       }
