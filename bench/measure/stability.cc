@@ -67,6 +67,7 @@ class Watch final : public haptics::TickSink {
     result_.given_beyond_taken = std::max(result_.given_beyond_taken, work);
     result_.most_in_a_tick = std::max(result_.most_in_a_tick, std::abs(work - work_));
     work_ = work;
+    result_.observed_deficit = std::max(result_.observed_deficit, -row.energy);
     if (row.fault != 0) result_.faulted = true;
     if ((row.status & haptics::kEnergyDamped) != 0) result_.controlled = true;
     if (row.time < kMeasureBegin || row.time >= kHoldEnd) return;
@@ -136,9 +137,8 @@ StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
   static_cast<void>(haptics::run_loop(world_, state, devices, &watch, options));
   StabilityResult result = watch.result();
   result.stiffness = stiffness_at_hold_;
-  result.warned = haptics::check_stability(setup_.tissue, model::Direction::kPress, 1.0 / world_.rate_Hz,
-                                           setup_.safety.max_force, 1.0, the_case.device)
-                      .warns();
+  result.check = haptics::check_stability(setup_.tissue, model::Direction::kPress, 1.0 / world_.rate_Hz,
+                                          setup_.safety.max_force, 1.0, the_case.device);
   return result;
 }
 

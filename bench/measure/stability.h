@@ -30,10 +30,11 @@ struct StabilityResult {
   /// J, over the whole way in and out again: the most that the device had given to the hand beyond what it
   /// had taken, at any time. Integrated by the hand itself, in its own steps.
   double given_beyond_taken = 0.0;
-  double most_in_a_tick = 0.0;  // J, the most that device and hand exchanged in one tick
-  bool controlled = false;      // the passivity controller acted at some tick
-  bool warned = false;          // haptics::check_stability warns
-  bool faulted = false;         // a fault was latched: nothing of the above counts
+  double observed_deficit = 0.0;  // J, the same as the loop's energy observer saw it, by the encoder
+  double most_in_a_tick = 0.0;    // J, the most that device and hand exchanged in one tick
+  bool controlled = false;        // the passivity controller acted at some tick
+  haptics::StabilityCheck check;  // what is told before such a run
+  bool faulted = false;           // a fault was latched: nothing of the above counts
 };
 
 /// What docs/safety.md promises that given_beyond_taken stays within [J].
