@@ -58,9 +58,8 @@ TEST(EmulatedRun, RealTimeAndOfflineGiveTheSameRows) {
   const std::vector<TickRow> live = rows_of(false);
   ASSERT_EQ(live.size(), offline.size());
   for (std::size_t i = 0; i < live.size(); ++i) {
-    if (live[i].fault == static_cast<std::uint32_t>(haptics::Fault::kStalled)) {
-      GTEST_SKIP() << "this machine stood still for 20 ms, which is a fault of its own";
-    }
+    // A machine that stands still for 20 ms makes a fault of its own, from which on the runs differ.
+    if (live[i].fault == static_cast<std::uint32_t>(haptics::Fault::kStalled)) break;
     ASSERT_EQ(record::row_difference(offline[i], live[i]), "") << i;
   }
 }
