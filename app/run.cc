@@ -117,7 +117,7 @@ void add_scene_flags(CLI::App& command, RunFlags& flags) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--tool-unit", request.tool_unit, "unit of the tool's files");
   command.add_option("--device", request.device,
-                     "KIND[:PATH]: scripted, scripted:path.csv, replay:rec.h5, "
+                     "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
                      "forcedimension, haply (`palpate devices` says what is there)");
   command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks a second");
   command.add_option("--seed", request.seed, "of the touch noise");

@@ -5,6 +5,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
+#include "palpate/devices/emulated.h"
 #include "palpate/devices/forcedimension.h"
 #include "palpate/devices/haply.h"
 #include "palpate/devices/replay.h"
@@ -16,14 +17,34 @@
 namespace palpate::devices {
 namespace {
 
+/// The path from a file, checked for the task. @param kind for messages
+scene::ToolPath path_from(const std::string& kind, const std::string& file, scene::Task task) {
+  scene::ToolPath path = scene::read_tool_path(file);
+  if (task == scene::Task::kPull && !path.has_gripper()) {
+    throw InputError("device " + kind + ": " + file + ": gripper: missing, a pull needs this column");
+  }
+  return path;
+}
+
 std::unique_ptr<haptics::Device> open_scripted(const scene::Setup& setup, std::size_t hand) {
   const std::string& file = setup.devices[hand].path;
   if (file.empty()) return std::make_unique<ScriptedDevice>(scene::default_path(setup, hand));
-  scene::ToolPath path = scene::read_tool_path(file);
-  if (setup.task == scene::Task::kPull && !path.has_gripper()) {
-    throw InputError("device scripted: " + file + ": gripper: missing, a pull needs this column");
-  }
-  return std::make_unique<ScriptedDevice>(std::move(path));
+  return std::make_unique<ScriptedDevice>(path_from("scripted", file, setup.task));
+}
+
+/// The default path begun a second later: a held device gets no force before it has been still for a while.
+scene::ToolPath default_path_of_a_hand(const scene::Setup& setup, std::size_t hand) {
+  constexpr double kSettle = 1.0;  // s: 0.25 s still and 0.5 s of ramp, and some more
+  std::vector<scene::PathRow> rows = scene::default_path(setup, hand).rows();
+  for (scene::PathRow& row : rows) row.time += kSettle;
+  return scene::ToolPath(std::move(rows));
+}
+
+std::unique_ptr<haptics::Device> open_emulated(const scene::Setup& setup, std::size_t hand) {
+  const scene::DeviceSetup& device = setup.devices[hand];
+  scene::ToolPath path = device.path.empty() ? default_path_of_a_hand(setup, hand)
+                                             : path_from("emulated", device.path, setup.task);
+  return std::make_unique<EmulatedDevice>(std::move(path), device, setup.rate_Hz);
 }
 
 std::unique_ptr<haptics::Device> open_replay(const scene::Setup& setup, std::size_t hand) {
@@ -56,6 +77,11 @@ std::unique_ptr<haptics::Device> open_haply(const scene::Setup& setup, std::size
 
 Probe probe_scripted(const std::string& /*path*/) {
   return {"scripted", true, "follows a path from a CSV file, or one of its own onto the organ"};
+}
+
+Probe probe_emulated(const std::string& /*path*/) {
+  return {"emulated", true,
+          "a hand that the force moves, computed: it wants to follow a path as scripted does"};
 }
 
 Probe probe_replay(const std::string& /*path*/) {
@@ -93,6 +119,7 @@ struct Kind {
 constexpr Kind kKinds[] = {
     {"scripted", open_scripted, probe_scripted, nullptr},
     {"replay", open_replay, probe_replay, nullptr},
+    {"emulated", open_emulated, probe_emulated, nullptr},
     {"forcedimension", open_forcedimension, probe_forcedimension, connect_forcedimension},
     {"haply", open_haply, probe_haply, connect_haply},
 };

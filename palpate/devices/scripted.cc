@@ -1,6 +1,6 @@
 #include "palpate/devices/scripted.h"
 
-#include <cmath>
+#include "palpate/devices/path_end.h"
 
 namespace palpate::devices {
 
@@ -15,10 +15,7 @@ haptics::DeviceState ScriptedDevice::read(std::uint64_t /*tick*/, double time) n
 }
 
 std::uint64_t ScriptedDevice::last_tick(double rate_Hz) const noexcept {
-  constexpr double kLargest = 9e18;  // below 2^63
-  const double ticks = std::floor((path_.end_time() + kRest) * rate_Hz + 0.5);
-  if (!(ticks > 0.0)) return 0;
-  return ticks < kLargest ? static_cast<std::uint64_t>(ticks) : ~std::uint64_t{0};
+  return last_tick_of(path_, rate_Hz);
 }
 
 }  // namespace palpate::devices

@@ -9,8 +9,6 @@ namespace palpate::devices {
 /// A hand that follows a path in time: its sample depends on the tick's time alone. Forces go nowhere.
 class ScriptedDevice final : public haptics::Device {
  public:
-  static constexpr double kRest = 0.5;  // s, from the path's last row to the run's end
-
   /// [setup]
   explicit ScriptedDevice(scene::ToolPath path) : path_(std::move(path)) {}
 

@@ -142,15 +142,44 @@ geometry::Tool tool_from(const Json& json) {
   return tool;
 }
 
+Json emulated_json(const scene::EmulatedHand& hand) {
+  Json json = {
+      {"mass_kg", hand.mass}, {"grip_N_per_m", hand.grip.stiffness}, {"grip_N_s_per_m", hand.grip.damping}};
+  json["faults"] = Json::array();
+  for (const scene::EmulatedFault& fault : hand.faults) {
+    json["faults"].push_back({{"kind", scene::name_of(fault.kind)},
+                              {"time_s", fault.time},
+                              {"duration_s", fault.duration},
+                              {"age_s", fault.age}});
+  }
+  return json;
+}
+
+scene::EmulatedHand emulated_from(const Json& json) {
+  scene::EmulatedHand hand;
+  hand.mass = json.at("mass_kg").get<double>();
+  hand.grip = {json.at("grip_N_per_m").get<double>(), json.at("grip_N_s_per_m").get<double>()};
+  for (const Json& entry : json.at("faults")) {
+    const auto word = entry.at("kind").get<std::string>();
+    const std::optional<scene::EmulatedFaultKind> kind = scene::find_emulated_fault(word);
+    if (!kind) throw InputError("scene: fault of kind \"" + word + "\" is not known");
+    hand.faults.push_back({*kind, entry.at("time_s").get<double>(), entry.at("duration_s").get<double>(),
+                           entry.at("age_s").get<double>()});
+  }
+  return hand;
+}
+
 Json device_json(const scene::DeviceSetup& device) {
-  return {{"kind", device.kind},
-          {"path", device.path},
-          {"workspace_scale", device.workspace_scale},
-          {"base", pose_json(device.base)},
-          {"damping_N_s_per_m", optional_json(device.dynamics.damping)},
-          {"friction_N", optional_json(device.dynamics.friction)},
-          {"resolution_m", optional_json(device.dynamics.resolution)},
-          {"clutch_button", device.clutch_button ? Json(*device.clutch_button) : Json(nullptr)}};
+  Json json = {{"kind", device.kind},
+               {"path", device.path},
+               {"workspace_scale", device.workspace_scale},
+               {"base", pose_json(device.base)},
+               {"damping_N_s_per_m", optional_json(device.dynamics.damping)},
+               {"friction_N", optional_json(device.dynamics.friction)},
+               {"resolution_m", optional_json(device.dynamics.resolution)},
+               {"clutch_button", device.clutch_button ? Json(*device.clutch_button) : Json(nullptr)}};
+  if (device.kind == "emulated") json["emulated"] = emulated_json(device.emulated);
+  return json;
 }
 
 scene::DeviceSetup device_from(const Json& json) {
@@ -165,6 +194,7 @@ scene::DeviceSetup device_from(const Json& json) {
   if (const Json& button = json.at("clutch_button"); !button.is_null()) {
     device.clutch_button = button.get<std::uint32_t>();
   }
+  if (json.contains("emulated")) device.emulated = emulated_from(json.at("emulated"));
   return device;
 }
 

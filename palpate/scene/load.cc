@@ -7,6 +7,7 @@
 #include "palpate/base/text.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/scene/device_kinds.h"
+#include "palpate/scene/emulated_reader.h"
 #include "palpate/scene/instrument.h"
 #include "palpate/scene/mesh_source.h"
 #include "palpate/scene/names.h"
@@ -210,6 +211,7 @@ void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
     const DeviceKind& kind = check_device_kind(device.kind);
     DeviceSetup& made = setup.devices.emplace_back(device.setup);
     made.kind = kind.name;
+    if (made.kind == "emulated") made.dynamics = with_emulated_defaults(made.dynamics);
     made.path = check_device_path(device, kind, scene.task);
   }
   for (const ToolDescription& tool : scene.tools) setup.tools.push_back(load_instrument(tool, notes));

@@ -11,6 +11,7 @@
 #include "palpate/model/organ_motion.h"
 #include "palpate/model/tissue.h"
 #include "palpate/noise/touch_noise.h"
+#include "palpate/scene/emulated_hand.h"
 
 namespace palpate::scene {
 
@@ -37,6 +38,7 @@ struct DeviceSetup {
   double workspace_scale = 1.0;   // > 0
   Pose base;
   DeviceDynamics dynamics{};
+  EmulatedHand emulated{};                       // of kind "emulated" only
   std::optional<std::uint32_t> clutch_button{};  // bit of DeviceState::buttons; while held the tool stays
 };
 

@@ -54,6 +54,8 @@ class TomlTable final {
   /// one.
   void allow_only(std::initializer_list<const char*> keys) const;
 
+  /// Whether the key stands there, with whatever value.
+  [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
   /// A finite number (an integer will do).
   [[nodiscard]] std::optional<double> number(std::string_view key, const Range& range = kAnyNumber) const;
   [[nodiscard]] double required_number(std::string_view key, const Range& range = kAnyNumber) const;

@@ -152,6 +152,39 @@ TEST(RoundTrip, ARecordingFromBeforeOrgansMovedHasAnOrganThatLiesStill) {
   EXPECT_TRUE(setup_from_json(text).organ_motion.empty());
 }
 
+TEST(RoundTrip, AnEmulatedHandComesBackWithItsFaults) {
+  scene::Setup setup = sample_setup(2);
+  scene::DeviceSetup& device = setup.devices[1];
+  device.kind = "emulated";
+  device.emulated.mass = 0.1 / 3;
+  device.emulated.grip = {123.4, 5.6 / 7};
+  for (const scene::EmulatedFaultName& known : scene::emulated_fault_names()) {
+    device.emulated.faults.push_back({known.kind, 1.0 / 3, 0.1, 7e-3});
+  }
+  const scene::Setup got = setup_from_json(setup_to_json(setup));
+  const scene::EmulatedHand& hand = got.devices[1].emulated;
+  EXPECT_EQ(hand.mass, 0.1 / 3);
+  EXPECT_EQ(hand.grip.stiffness, 123.4);
+  EXPECT_EQ(hand.grip.damping, 5.6 / 7);
+  ASSERT_EQ(hand.faults.size(), scene::emulated_fault_names().size());
+  for (std::size_t i = 0; i < hand.faults.size(); ++i) {
+    EXPECT_EQ(hand.faults[i].kind, scene::emulated_fault_names()[i].kind);
+    EXPECT_EQ(hand.faults[i].time, 1.0 / 3);
+    EXPECT_EQ(hand.faults[i].duration, 0.1);
+    EXPECT_EQ(hand.faults[i].age, 7e-3);
+  }
+  EXPECT_TRUE(got.devices[0].emulated.faults.empty()) << "an old recording, or another device, has none";
+}
+
+TEST(RoundTrip, AFaultOfAnUnknownKindIsRefused) {
+  scene::Setup setup = sample_setup(1);
+  setup.devices[0].kind = "emulated";
+  setup.devices[0].emulated.faults.push_back({});
+  std::string text = setup_to_json(setup);
+  text.replace(text.find("\"freeze\""), 8, "\"flood!\"");
+  EXPECT_THROW((void)setup_from_json(text), InputError);
+}
+
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {
   scene::Setup setup = sample_setup(1);
   setup.organ_motion.emplace_back();

@@ -1,0 +1,179 @@
+#include "bench/measure/stability.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "palpate/devices/emulated.h"
+#include "palpate/geometry/builtin.h"
+#include "palpate/haptics/loop.h"
+#include "palpate/haptics/passivity.h"
+#include "palpate/model/layered_law.h"
+#include "palpate/record/assemble.h"
+
+namespace palpate::bench {
+namespace {
+
+constexpr double kBallRadius = 5e-3;  // m
+constexpr double kClear = 5e-3;       // m, above the block at begin and end
+// The way of the hand [s]: still, so that the force is let through; down, hold for 2 s, up.
+constexpr double kDown = 1.0;
+constexpr double kHoldBegin = 2.0;
+constexpr double kMeasureBegin = 3.0;
+constexpr double kHoldEnd = 4.0;
+constexpr double kUpEnd = 5.0;
+constexpr double kEncoder = 1e-5;  // m
+constexpr double kRowSpacing = 5e-3;
+
+/// Minimum-jerk way from 0 to 1 (Flash and Hogan 1985).
+double minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + u * 6.0)); }
+
+/// Where the hand wants to be: from kClear above the block to `lowest` [m] below its top and back.
+scene::ToolPath press_and_let_go(double lowest) {
+  std::vector<scene::PathRow> rows;
+  const auto steps = static_cast<int>(std::lround(kUpEnd / kRowSpacing));
+  for (int i = 0; i <= steps; ++i) {
+    const double time = i * kRowSpacing;
+    const double in = minimum_jerk(std::clamp((time - kDown) / (kHoldBegin - kDown), 0.0, 1.0));
+    const double out = minimum_jerk(std::clamp((time - kHoldEnd) / (kUpEnd - kHoldEnd), 0.0, 1.0));
+    const double height = kClear - (in - out) * (kClear + lowest);
+    rows.push_back({time, Vec3(0.0, 0.0, kBallRadius + height), Quat::Identity(), 0.0});
+  }
+  return scene::ToolPath(std::move(rows));
+}
+
+scene::Setup block_of(const model::TissueParameters& tissue, double rate_Hz) {
+  scene::Setup setup;
+  setup.name = "stability";
+  setup.rate_Hz = rate_Hz;
+  setup.organ_name = "box";
+  setup.organ = geometry::make_box(Vec3(0.08, 0.08, 0.06), 0.02);
+  setup.organ_pose.position = Vec3(0, 0, -0.03);
+  setup.tissue = tissue;
+  setup.tools.push_back(
+      {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 320)}}, kBallRadius});
+  setup.devices.emplace_back().kind = "emulated";
+  setup.noise.enabled = false;
+  return setup;
+}
+
+/// Watches the rows and the hand itself.
+class Watch final : public haptics::TickSink {
+ public:
+  explicit Watch(const devices::EmulatedDevice& device) : device_(device) {}
+  void begin(std::int64_t /*unix_ns*/) noexcept override {}
+  void put(const haptics::TickRow& row) noexcept override {
+    const double work = device_.hand().work_of_force();
+    result_.given_beyond_taken = std::max(result_.given_beyond_taken, work);
+    result_.most_in_a_tick = std::max(result_.most_in_a_tick, std::abs(work - work_));
+    work_ = work;
+    result_.observed_deficit = std::max(result_.observed_deficit, -row.energy);
+    if (row.fault != 0) result_.faulted = true;
+    if ((row.status & haptics::kEnergyDamped) != 0) result_.controlled = true;
+    if (row.time < kMeasureBegin || row.time >= kHoldEnd) return;
+    const Vec3& place = device_.hand().position();
+    low_ = low_.cwiseMin(place);
+    high_ = high_.cwiseMax(place);
+    result_.force += Vec3(row.force[0], row.force[1], row.force[2]).norm();
+    result_.depth += row.depth;
+    ++ticks_;
+  }
+  [[nodiscard]] StabilityResult result() const {
+    StabilityResult all = result_;
+    const double ticks = std::max(1.0, static_cast<double>(ticks_));
+    all.force /= ticks;
+    all.depth /= ticks;
+    all.peak_to_peak = (high_ - low_).maxCoeff();
+    return all;
+  }
+
+ private:
+  const devices::EmulatedDevice& device_;
+  StabilityResult result_;
+  Vec3 low_ = Vec3::Constant(1e9);
+  Vec3 high_ = Vec3::Constant(-1e9);
+  std::uint64_t ticks_ = 0;
+  double work_ = 0.0;
+};
+
+}  // namespace
+
+double energy_bound(const StabilityResult& result) noexcept {
+  return haptics::kEnergyLeeway + 2.0 * result.most_in_a_tick;
+}
+
+model::TissueParameters linear_tissue(double stiffness) {
+  model::TissueParameters tissue = model::tissue_preset("gallbladder");
+  tissue.name = "linear";
+  tissue.k1 = stiffness;
+  tissue.rest_length = 50e-3;
+  tissue.min_length = 20e-3;  // the first spring gives way by 30 mm, so no other layer is reached
+  tissue.max_length = 80e-3;
+  tissue.contact.friction = 0.0;
+  return tissue;
+}
+
+StabilityBlock::StabilityBlock(const model::TissueParameters& tissue, double rate_Hz)
+    : setup_(block_of(tissue, rate_Hz)), world_(record::assemble(setup_)) {
+  const model::LayeredSpringLaw law(tissue, model::Direction::kPress, 1.0 / rate_Hz);
+  depth_at_hold_ = std::min(haptics::kDepthWithinReach, law.deformation_under(kMostHoldForce).depth);
+  const model::ContactResponse there = law.force_at(depth_at_hold_);
+  force_at_hold_ = there.force;
+  stiffness_at_hold_ = there.stiffness;
+}
+
+StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
+  scene::DeviceSetup device_setup = setup_.devices.front();
+  device_setup.dynamics = {the_case.device.damping, the_case.device.friction, the_case.device.resolution};
+  device_setup.emulated.grip = the_case.grip;
+  const double lowest = depth_at_hold_ + force_at_hold_ / the_case.grip.stiffness;
+  devices::EmulatedDevice device(press_and_let_go(lowest), device_setup, world_.rate_Hz);
+  haptics::SimulationState state(world_);
+  Watch watch(device);
+  haptics::LoopOptions options;
+  options.ticks = device.last_tick(world_.rate_Hz);
+  options.offline = true;
+  std::array<haptics::Device*, 1> devices = {&device};
+  static_cast<void>(haptics::run_loop(world_, state, devices, &watch, options));
+  StabilityResult result = watch.result();
+  result.stiffness = stiffness_at_hold_;
+  result.check = haptics::check_stability(setup_.tissue, model::Direction::kPress, 1.0 / world_.rate_Hz,
+                                          setup_.safety.max_force, 1.0, the_case.device);
+  return result;
+}
+
+std::vector<StabilityCase> tissue_cases() {
+  constexpr scene::HandGrip kMiddleGrip{150.0, 2.0};
+  std::vector<StabilityCase> cases;
+  for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) {
+    const model::TissueParameters tissue = model::tissue_preset(name);
+    for (const double rate : {1000.0, 4000.0}) {
+      for (const double damping : {0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0}) {
+        for (const double friction : {0.0, 0.002, 0.005, 0.01, 0.05, 0.1, 0.2}) {
+          for (const scene::HandGrip& grip : {scene::kLightGrip, kMiddleGrip, scene::kFirmGrip}) {
+            cases.push_back({tissue, rate, {damping, friction, kEncoder}, grip});
+          }
+        }
+      }
+    }
+  }
+  return cases;
+}
+
+std::vector<StabilityCase> wall_cases() {
+  std::vector<StabilityCase> cases;
+  for (const double rate : {1000.0, 4000.0}) {
+    for (const double stiffness : {250.0, 500.0, 1e3, 2e3, 4e3, 8e3, 16e3, 32e3}) {
+      for (const double damping : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0}) {
+        for (const double friction : {0.0, 0.01, 0.1}) {
+          for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
+            cases.push_back({linear_tissue(stiffness), rate, {damping, friction, kEncoder}, grip});
+          }
+        }
+      }
+    }
+  }
+  return cases;
+}
+
+}  // namespace palpate::bench
