@@ -64,6 +64,23 @@ TEST(RealTime, AFaultIsToldWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick)
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0) << "a replay meets the same reset";
 }
 
+TEST(RealTime, ALoopThatStoodStillWithADeviceInAHandIsAFaultThatIsToldAndRecorded) {
+  const Folder folder;
+  Program program(folder.path(), {"run", "--device", std::string("forcedimension:") + PALPATE_DHD_STAND_IN,
+                                  "--headless", "--record", "run.h5", "--json", "--duration-s", "2"});
+  for (int i = 0; i < 6000 && !fs::exists(folder / "run.h5"); ++i) std::this_thread::sleep_for(10ms);
+  program.signal(SIGSTOP);
+  std::this_thread::sleep_for(300ms);
+  program.signal(SIGCONT);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_NE(outcome.err.find("the loop stood still for 20 ms"), std::string::npos) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["fault"], "stalled-loop");
+  EXPECT_EQ(summary["ticks"], 2000) << "the run goes on";
+  EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0) << "a replay meets the same fault";
+}
+
 TEST(RealTime, ACoreThatCannotBeUsedIsRefusedInOneLineAndNothingIsWritten) {
   const Folder folder;
   const Outcome outcome = run(folder, {"run", "--core", "4096", "--record", "r.h5"});
