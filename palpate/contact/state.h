@@ -39,6 +39,7 @@ struct Contact {
   Vec3 slip = Vec3::Zero();            // of the tangential spring [m]
   bool leaving = false;                // another contact has come to the same place
   double presence = 1.0;               // 1 .. 0 while it leaves
+  Shortlist kept;                      // of the part's points, for the next support
   // Of this tick:
   Support support;               // in S
   double elastic_force = 0.0;    // F(D) [N]
