@@ -34,6 +34,11 @@ class OrganSurface final {
     return distance_.nearest(p, guess);
   }
 
+  /// [rt] How far p is from the surface at least; as geometry::SurfaceDistance::clearance.
+  [[nodiscard]] geometry::Clearance clearance(const Vec3& p, std::int32_t guess) const noexcept {
+    return distance_.clearance(p, guess);
+  }
+
   /// [rt] Where the segment from a to b first goes in.
   [[nodiscard]] std::optional<geometry::Entry> first_entry(const Vec3& a, const Vec3& b) const noexcept {
     return distance_.first_entry(a, b);

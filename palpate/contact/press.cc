@@ -60,7 +60,10 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   contact.step = std::max(contact.step, own_motion / kRestartShare);
   Vec3 goal = world.surface.normal_at(contact.at);
   const auto find_support = [&] {
-    contact.support = support_in_S(world, points, part, contact.at.point, contact.normal, scratch);
+    const Placement& placed = part.placed_S;
+    contact.support = support_of(points, placed.bring_back(contact.at.point),
+                                 placed.turn_back(contact.normal), reference_radius, scratch, contact.kept);
+    contact.support.mean = placed * contact.support.mean;
   };
   find_support();
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {

@@ -81,9 +81,28 @@ void add_entry(PartState& part, std::size_t point, const SurfacePoint& at) noexc
   part.entries[part.entry_count++] = {static_cast<std::uint32_t>(point), at};
 }
 
+/// Whether a bound alone says that a point is on the side where it was and has not crossed in this tick: the
+/// balls without surface around it, then and now, must meet, and this one hold the tick's way. Keeps the
+/// bound.
+bool stays_on_its_side(const OrganSurface& surface, const PartPoints& points, std::size_t i,
+                       PartState& part) noexcept {
+  const geometry::Clearance now =
+      surface.clearance(part.placed_S * points.point(i), part.nearest_triangle[i]);
+  part.nearest_triangle[i] = now.triangle;
+  const double way = part.travelled - part.since[i];
+  const double before = std::abs(part.known[i]);
+  if (now.least + kInside <= part.motion || before + now.least + kInside <= way) return false;
+  const bool outside = part.known[i] > 0.0;
+  part.known[i] = outside ? now.least : -now.least;
+  part.since[i] = part.travelled;
+  if (outside) part.floor[i] = std::max(part.floor[i], now.least + part.travelled);
+  return true;
+}
+
 /// Asks one point, and notes an entry when it went in, or in and out again, during this tick.
 void update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i, bool placed_anew,
                   PartState& part) noexcept {
+  if (stays_on_its_side(surface, points, i, part)) return;
   const bool was_inside = part.inside[i] != 0;
   const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
   const geometry::NearestPoint now = ask_distance(surface, points, i, part);
@@ -105,17 +124,32 @@ bool may_have_crossed(const PartState& part, std::size_t point) noexcept {
   return least_distance(part, point) <= kInside && greatest_distance(part, point) >= kInside;
 }
 
-/// Whether whatever a cluster's points cross this tick is so near to a contact that it starts no other.
-bool by_a_contact(const PartPoints::Cluster& cluster, double reference_radius, double period,
-                  PartState& part) noexcept {
-  // A contact walks no farther in a tick than the tool moves there and a little.
-  const double nearest = reference_radius - cluster.radius - 3.0 * part.motion - kContactDrift * period;
-  if (nearest <= 0.0 || part.contact_count == 0) return false;
-  const Vec3 centre = part.placed_S * cluster.centre;
-  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& contact) {
-    return (contact.at.point - centre).squaredNorm() <= nearest * nearest;
-  });
-}
+/// Where a part's contacts are, in the part's frame.
+class ContactPlaces final {
+ public:
+  ContactPlaces(double reference_radius, double period, PartState& part) noexcept
+      // A contact walks no farther in a tick than the tool moves there and a little.
+      : reach_(reference_radius - 3.0 * part.motion - kContactDrift * period) {
+    for (const Contact& contact : part.active()) {
+      places_[count_++] = part.placed_S.bring_back(contact.at.point);
+    }
+  }
+
+  /// Whether whatever a cluster's points cross this tick is so near to a contact that it starts no other.
+  [[nodiscard]] bool hold(const PartPoints::Cluster& cluster) const noexcept {
+    const double nearest = reach_ - cluster.radius;
+    if (nearest <= 0.0) return false;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if ((places_[i] - cluster.centre).squaredNorm() <= nearest * nearest) return true;
+    }
+    return false;
+  }
+
+ private:
+  double reach_;
+  std::size_t count_ = 0;
+  std::array<Vec3, kContactsPerPart> places_;
+};
 
 /// A cluster that was left looks where its points are now; what has crossed meanwhile starts nothing by it.
 /// @return distances asked
@@ -134,11 +168,12 @@ int take_up(const OrganSurface& surface, const PartPoints& points, std::size_t c
 /// Asks all points that may have crossed the surface.
 void find_crossings(const OrganSurface& surface, const PartPoints& points, double reference_radius,
                     double period, bool placed_anew, PartState& part) noexcept {
+  const ContactPlaces contacts(reference_radius, period, part);
   int asked = 0;
   for (std::size_t c = 0; c < points.clusters.size(); ++c) {
     ClusterBounds& bounds = part.clusters[c];
     if (bounds.crosses > part.travelled + kBoundSlack) continue;
-    if (by_a_contact(points.clusters[c], reference_radius, period, part)) {
+    if (contacts.hold(points.clusters[c])) {
       bounds.left = true;
       continue;
     }
@@ -223,8 +258,7 @@ void find_nearest(const OrganSurface& surface, const PartPoints& points, PartSta
     return;
   }
   const std::size_t last_nearest = part.nearest_point;
-  part.nearest = ask_distance(surface, points, last_nearest, part);
-  bound_cluster(points, last_nearest / PartPoints::kClusterSize, part);
+  part.nearest = ask_distance(surface, points, last_nearest, part);  // its cluster is looked at below, surely
   for (std::size_t c = 0; c < points.clusters.size(); ++c) {
     if (part.clusters[c].floor - part.travelled > part.nearest.distance + kBoundSlack) continue;
     if (count_open(points.clusters[c], part) > kFewPoints) raise_floor(surface, points, c, part);

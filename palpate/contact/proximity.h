@@ -27,7 +27,8 @@ bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose
 void find_nearest(const OrganSurface& surface, const PartPoints& points, PartState& part,
                   double enough = std::numeric_limits<double>::infinity()) noexcept;
 
-/// [rt] Bounds of a point's signed distance [m].
+/// [rt] Bounds of the signed distance [m] of a point that was outside (the least) or inside (the greatest)
+/// when last asked; of the other kind they only keep their side of 0.
 [[nodiscard]] inline double least_distance(const PartState& part, std::size_t point) noexcept {
   return part.known[point] - (part.travelled - part.since[point]);
 }

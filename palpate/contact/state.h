@@ -39,6 +39,7 @@ struct Contact {
   Vec3 slip = Vec3::Zero();            // of the tangential spring [m]
   bool leaving = false;                // another contact has come to the same place
   double presence = 1.0;               // 1 .. 0 while it leaves
+  Shortlist kept;                      // of the part's points, for the next support
   // Of this tick:
   Support support;               // in S
   double elastic_force = 0.0;    // F(D) [N]
@@ -76,7 +77,8 @@ struct ClusterBounds {
 struct PartState {
   static constexpr std::size_t kMostEntries = 64;
 
-  // Where it is. A point's signed distance to the organ is known to be within `known +- (travelled - since)`.
+  // Where it is. When last asked a point was at least |known| from the organ's surface, inside if that is
+  // negative; it has moved by no more than `travelled - since` since.
   Placement placed_S;     // of the part's frame in the organ's, this tick
   Placement previous_S;   // last tick
   double gripper = -1.0;  // that `joint_T` belongs to
@@ -84,7 +86,7 @@ struct PartState {
   bool seen = false;
   double travelled = 0.0;     // most that any point has moved so far, summed [m]
   double motion = 0.0;        // of that, this tick
-  std::vector<double> known;  // a point's signed distance when last asked [m]
+  std::vector<double> known;  // of its sign and no greater than a point's distance when last asked [m]
   std::vector<double> since;  // `travelled` then
   std::vector<double> floor;  // less `travelled`: a point is not nearer to the organ than this [m]
   std::vector<std::int32_t> nearest_triangle;

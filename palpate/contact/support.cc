@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "palpate/base/lanes.h"
 
@@ -29,14 +31,12 @@ struct Plane {
     return depth > 0.0 ? depth * taper(offset.squaredNorm() - depth * depth) : depth;
   }
 
-  /// No point of a ball is deeper; 0 or less: none has a depth.
-  [[nodiscard]] double most_in(const PartPoints::Cluster& ball) const noexcept {
+  /// No point of a ball is farther behind the plane. `beside`: none is nearer to the axis.
+  [[nodiscard]] double most_behind(const PartPoints::Cluster& ball, double& beside) const noexcept {
     const Vec3 offset = ball.centre - point;
     const double height = offset.dot(normal);
-    const double most = ball.radius - height;
-    if (most <= 0.0) return 0.0;
-    const double beside = std::sqrt(std::max(0.0, offset.squaredNorm() - height * height)) - ball.radius;
-    return beside <= 0.0 ? most : most * taper(beside * beside);
+    beside = std::sqrt(std::max(0.0, offset.squaredNorm() - height * height)) - ball.radius;
+    return ball.radius - height;
   }
 };
 
@@ -75,7 +75,170 @@ struct PlaneLanes {
   }
 };
 
+// A shortlist holds the points within this of counting [m]: the more, the longer it serves and the more it
+// costs.
+constexpr double kKeptMargin = 0.1e-3;
+// ... and of R_ref that a point may have come nearer to the axis since.
+constexpr double kKeptBeside = 0.25;
+constexpr double kKeptTurn = 0.1;    // rad, that the plane may have turned since
+constexpr double kKeptSlack = 1e-9;  // m, for rounding in the bound
+
+/// How deep a point that is not on the list may be by now, if that can be said [m].
+double most_of_the_rest(const Shortlist& kept, const Plane& plane) noexcept {
+  const double nowhere = std::numeric_limits<double>::infinity();
+  if (kept.count == 0) return nowhere;
+  const Vec3 moved = plane.point - kept.point;
+  const double way = moved.norm();
+  const double turned = (plane.normal - kept.normal).norm();
+  const double beside = kKeptBeside * plane.radius;
+  if (turned > kKeptTurn || way + (kept.reach + way) * turned > beside) return nowhere;
+  // A point p that counts now is within R_ref of the axis, and was within R_ref + `beside`. Its height over
+  // the plane has changed by moved . n and by |p - c| `turned` at most, and its distance from the axis by
+  // |p - c| `turned` and the way beside it; the taper changes by at most 3 / R_ref of that.
+  const double raised = moved.dot(kept.normal);
+  const double by_turning = 1.5 * (plane.radius + kept.behind) * turned;
+  const double deeper = std::max(0.0, raised) + by_turning;
+  const double across = std::sqrt(std::max(0.0, way * way - raised * raised)) + by_turning;
+  return kept.rest + deeper + (kept.behind + deeper) * (3.0 / plane.radius) * across;
+}
+
 }  // namespace
+
+/// Finds the points that may count for one plane, and what they add up to.
+class SupportSearch final {
+ public:
+  SupportSearch(const PartPoints& part, const Plane& plane, DepthScratch& scratch) noexcept
+      : part_(part), plane_(plane), scratch_(scratch) {}
+
+  /// Looks at all points: those within `margin` [m] of counting, those that come within `beside` [m] of R_ref
+  /// from the axis too.
+  void look_at_all(double margin, double beside) noexcept {
+    const PlaneLanes lanes(plane_);
+    // What single precision may be wrong by, and then some [m].
+    const auto slack = static_cast<float>(part_.rounding + 1e-6 * plane_.radius);
+    const std::size_t first = reach_clusters(margin, beside, slack);
+    if (reached_ == 0) return;
+
+    float deepest = 0.0F;
+    const auto look_at = [&](DepthScratch::Reached& reached) {
+      const std::size_t begin = std::size_t{reached.cluster} * PartPoints::kClusterSize;
+      reached.most = lanes.depths_of(part_, begin, &scratch_.depths_[begin]);
+      reached.looked_at = true;
+      deepest = std::max(deepest, reached.most);
+    };
+    const auto band = static_cast<float>(kSupportBand);
+    const float below = 2.0F * slack + static_cast<float>(margin);
+    const auto floor = [&] { return std::max(deepest - band, 0.0F) - below; };
+    look_at(scratch_.reached_[first]);
+    for (std::size_t k = 0; k < reached_; ++k) {
+      DepthScratch::Reached& reached = scratch_.reached_[k];
+      if (!reached.looked_at && reached.most >= floor()) look_at(reached);
+    }
+
+    // What may count, exactly, in the order of the points.
+    const float least = floor();
+    rest_ = std::max(static_cast<double>(least + slack), -margin);
+    for (std::size_t k = 0; k < reached_; ++k) {
+      const DepthScratch::Reached& reached = scratch_.reached_[k];
+      if (!reached.looked_at || reached.most < least) continue;
+      const PartPoints::Cluster& cluster = part_.clusters[reached.cluster];
+      for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+        if (scratch_.depths_[i] >= least) scratch_.deep_[found_++].point = static_cast<std::uint32_t>(i);
+      }
+    }
+    measure();
+  }
+
+  void look_at_kept(const Shortlist& kept) noexcept {
+    found_ = kept.count;
+    for (std::size_t k = 0; k < found_; ++k) scratch_.deep_[k].point = kept.points[k];
+    measure();
+  }
+
+  /// Keeps what look_at_all found, unless that is too much.
+  void keep(Shortlist& kept) const noexcept {
+    kept.count = 0;
+    if (found_ > Shortlist::kMost) return;
+    kept.point = plane_.point;
+    kept.normal = plane_.normal;
+    kept.rest = rest_;
+    kept.behind = behind_;
+    kept.reach = 0.0;
+    for (const PartPoints::Cluster& group : part_.groups) {
+      kept.reach = std::max(kept.reach, (group.centre - plane_.point).norm() + group.radius);
+    }
+    for (std::size_t k = 0; k < found_; ++k) {
+      kept.points[k] = static_cast<std::uint16_t>(scratch_.deep_[k].point);
+    }
+    kept.count = static_cast<std::uint32_t>(found_);
+  }
+
+  [[nodiscard]] double depth() const noexcept { return depth_; }
+
+  [[nodiscard]] Support support() const noexcept {
+    Support support;
+    if (depth_ <= 0.0) return support;
+    support.depth = depth_;
+    const double width = std::min(kSupportBand, depth_);
+    double total = 0.0;
+    for (const DepthScratch::Deep& deep : std::span(scratch_.deep_).first(found_)) {
+      const double share = 1.0 - (depth_ - deep.depth) / width;
+      if (share <= 0.0) continue;
+      const std::size_t i = deep.point;
+      const double weight = part_.area[i] * share;
+      total += weight;
+      support.mean += weight * part_.point(i);
+      support.tip_radius += weight * part_.tip_radius[i];
+      support.half_width += weight * part_.half_width[i];
+    }
+    support.mean /= total;
+    support.tip_radius /= total;
+    support.half_width /= total;
+    return support;
+  }
+
+ private:
+  /// The clusters that may have points within `margin` of counting; @return the one that may have the
+  /// deepest.
+  std::size_t reach_clusters(double margin, double beside, float slack) noexcept {
+    std::size_t first = 0;
+    double from_axis = 0.0;
+    for (const PartPoints::Cluster& group : part_.groups) {
+      if (plane_.most_behind(group, from_axis) <= -margin || from_axis >= plane_.radius + beside) continue;
+      for (std::uint32_t c = group.begin; c < group.end; ++c) {
+        const double behind = plane_.most_behind(part_.clusters[c], from_axis);
+        if (behind <= -margin || from_axis >= plane_.radius + beside) continue;
+        behind_ = std::max(behind_, behind);
+        const double most =
+            behind > 0.0 && from_axis > 0.0 ? behind * plane_.taper(from_axis * from_axis) : behind;
+        scratch_.reached_[reached_] = {c, static_cast<float>(most) + slack, false};
+        if (scratch_.reached_[reached_].most > scratch_.reached_[first].most) first = reached_;
+        ++reached_;
+      }
+    }
+    return first;
+  }
+
+  /// The exact depths of what was found.
+  void measure() noexcept {
+    const Plane plane = plane_;
+    double depth = 0.0;
+    for (DepthScratch::Deep& deep : std::span(scratch_.deep_).first(found_)) {
+      deep.depth = plane.depth_of(part_.point(deep.point));
+      depth = std::max(depth, deep.depth);
+    }
+    depth_ = depth;
+  }
+
+  const PartPoints& part_;
+  const Plane& plane_;
+  DepthScratch& scratch_;
+  std::size_t reached_ = 0;
+  std::size_t found_ = 0;
+  double depth_ = 0.0;   // D [m]
+  double behind_ = 0.0;  // as Shortlist's
+  double rest_ = 0.0;
+};
 
 void DepthScratch::reserve(std::size_t points) {
   const std::size_t clusters = (points + PartPoints::kClusterSize - 1) / PartPoints::kClusterSize;
@@ -87,73 +250,24 @@ void DepthScratch::reserve(std::size_t points) {
 Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
                    DepthScratch& scratch) noexcept {
   const Plane plane{point, normal, reference_radius};
-  const PlaneLanes lanes(plane);
-  // What single precision may be wrong by, and then some [m].
-  const auto slack = static_cast<float>(part.rounding + 1e-6 * reference_radius);
+  SupportSearch search(part, plane, scratch);
+  search.look_at_all(0.0, 0.0);
+  return search.support();
+}
 
-  // The clusters that may have deep points, and of them the one that may have the deepest.
-  std::size_t count = 0;
-  std::size_t first = 0;
-  for (const PartPoints::Cluster& group : part.groups) {
-    if (plane.most_in(group) <= 0.0) continue;
-    for (std::uint32_t c = group.begin; c < group.end; ++c) {
-      const double most = plane.most_in(part.clusters[c]);
-      if (most <= 0.0) continue;
-      scratch.reached_[count] = {c, static_cast<float>(most) + slack, false};
-      if (scratch.reached_[count].most > scratch.reached_[first].most) first = count;
-      ++count;
-    }
+Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
+                   DepthScratch& scratch, Shortlist& kept) noexcept {
+  const Plane plane{point, normal, reference_radius};
+  const double rest = most_of_the_rest(kept, plane);
+  if (std::isfinite(rest)) {
+    SupportSearch search(part, plane, scratch);
+    search.look_at_kept(kept);
+    if (rest < std::max(0.0, search.depth() - kSupportBand) - kKeptSlack) return search.support();
   }
-  Support support;
-  if (count == 0) return support;
-
-  float deepest = 0.0F;
-  const auto look_at = [&](DepthScratch::Reached& reached) {
-    const std::size_t begin = std::size_t{reached.cluster} * PartPoints::kClusterSize;
-    reached.most = lanes.depths_of(part, begin, &scratch.depths_[begin]);
-    reached.looked_at = true;
-    deepest = std::max(deepest, reached.most);
-  };
-  const auto band = static_cast<float>(kSupportBand);
-  const auto floor = [&] { return std::max(deepest - band, 0.0F) - 2.0F * slack; };
-  look_at(scratch.reached_[first]);
-  for (std::size_t k = 0; k < count; ++k) {
-    DepthScratch::Reached& reached = scratch.reached_[k];
-    if (!reached.looked_at && reached.most >= floor()) look_at(reached);
-  }
-
-  // What may be in the band, exactly, in the order of the points.
-  const float least = floor();
-  std::size_t deep = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const DepthScratch::Reached& reached = scratch.reached_[k];
-    if (!reached.looked_at || reached.most < least) continue;
-    const PartPoints::Cluster& cluster = part.clusters[reached.cluster];
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-      if (scratch.depths_[i] < least) continue;
-      const double depth = plane.depth_of(part.point(i));
-      scratch.deep_[deep++] = {static_cast<std::uint32_t>(i), depth};
-      support.depth = std::max(support.depth, depth);
-    }
-  }
-  if (support.depth <= 0.0) return support;
-
-  const double width = std::min(kSupportBand, support.depth);
-  double total = 0.0;
-  for (std::size_t k = 0; k < deep; ++k) {
-    const std::size_t i = scratch.deep_[k].point;
-    const double share = 1.0 - (support.depth - scratch.deep_[k].depth) / width;
-    if (share <= 0.0) continue;
-    const double weight = part.area[i] * share;
-    total += weight;
-    support.mean += weight * part.point(i);
-    support.tip_radius += weight * part.tip_radius[i];
-    support.half_width += weight * part.half_width[i];
-  }
-  support.mean /= total;
-  support.tip_radius /= total;
-  support.half_width /= total;
-  return support;
+  SupportSearch search(part, plane, scratch);
+  search.look_at_all(kKeptMargin, kKeptBeside * reference_radius);
+  search.keep(kept);
+  return search.support();
 }
 
 }  // namespace palpate::contact

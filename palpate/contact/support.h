@@ -1,4 +1,8 @@
 #pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
 #include "palpate/contact/tool_points.h"
 
 namespace palpate::contact {
@@ -14,6 +18,20 @@ struct Support {
   double half_width = 0.0;   // of the part there [m]
 };
 
+/// The points of a part that may carry a contact, kept while its plane stays near to the one that they were
+/// found for: the next tick's support then looks at few points instead of all.
+struct Shortlist {
+  static constexpr std::size_t kMost = 64;
+
+  Vec3 point = Vec3::Zero();  // of the plane, in the part's frame P
+  Vec3 normal = Vec3::UnitZ();
+  double rest = 0.0;        // no other point had a greater depth [m]
+  double reach = 0.0;       // no point of the part was farther from `point` [m]
+  double behind = 0.0;      // no point beside the axis was farther behind the plane [m]
+  std::uint32_t count = 0;  // 0: nothing is kept
+  std::array<std::uint16_t, kMost> points{};
+};
+
 /// Working memory of support_of, for parts of up to so many points.
 class DepthScratch final {
  public:
@@ -23,7 +41,7 @@ class DepthScratch final {
   void reserve(std::size_t points);
 
  private:
-  friend Support support_of(const PartPoints&, const Vec3&, const Vec3&, double, DepthScratch&) noexcept;
+  friend class SupportSearch;
 
   /// A cluster that may hold deep points.
   struct Reached {
@@ -47,5 +65,10 @@ class DepthScratch final {
 /// nothing.
 [[nodiscard]] Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal,
                                  double reference_radius, DepthScratch& scratch) noexcept;
+
+/// [rt] The same, to the bit, by way of the points of `kept` where these surely hold all that count; else it
+/// is made anew.
+[[nodiscard]] Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal,
+                                 double reference_radius, DepthScratch& scratch, Shortlist& kept) noexcept;
 
 }  // namespace palpate::contact

@@ -76,9 +76,9 @@ void try_edge(const Corners& corner, std::size_t e, const Vec3& p, OnTriangle& b
 
 /// The foot of p on the plane if it lies inside, otherwise on the edges that p lies outside of (all of a
 /// sliver's): with one such edge the nearest point is on it, with two on one of them.
-OnTriangle nearest_on(const Corners& corner, const Vec3& p) noexcept {
+/// @param normal plane_normal(corner)
+OnTriangle nearest_on(const Corners& corner, const Vec3& normal, const Vec3& p) noexcept {
   OnTriangle best;
-  const Vec3 normal = plane_normal(corner);
   const double normal_squared = normal.squaredNorm();
   const bool is_sliver = normal_squared == 0.0;
   std::array<double, 3> side;
@@ -159,6 +159,7 @@ struct SurfaceDistance::Tree {
 
   DiscTree discs;
   std::vector<Corners> corners;                         // by slot, in the order of the leaves
+  std::vector<Vec3> plane_normals;                      // by slot
   std::vector<std::int32_t> slot_of;                    // by triangle
   std::vector<Triangle> triangles;                      // vertex indices, by triangle
   std::vector<std::array<std::int32_t, 3>> neighbours;  // across its edges, by triangle
@@ -166,11 +167,29 @@ struct SurfaceDistance::Tree {
   double scale = 0.0;  // largest coordinate [m], for rounding bounds
 
   void consider(std::int32_t slot, const Vec3& p, Best& best) const noexcept {
-    const OnTriangle on = nearest_on(corners[at(slot)], p);
+    const OnTriangle on = nearest_on(corners[at(slot)], plane_normals[at(slot)], p);
     const std::int32_t triangle = discs.triangle_of()[at(slot)];
     const bool is_nearer = on.distance_squared < best.on.distance_squared ||
                            (on.distance_squared == best.on.distance_squared && triangle < best.triangle);
     if (is_nearer) best = {on, slot, triangle};
+  }
+
+  /// The nearest triangle among those within `share` of the least squared distance found so far.
+  [[nodiscard]] Best search(const Vec3& p, std::int32_t guess, double share) const noexcept {
+    Best best;
+    if (!p.allFinite()) return best;
+    std::int32_t guessed = -1;
+    if (guess >= 0 && at(guess) < slot_of.size()) {
+      guessed = slot_of[at(guess)];
+      consider(guessed, p, best);
+    }
+    discs.each_within(
+        p,
+        [&](std::int32_t slot) {
+          if (slot != guessed) consider(slot, p, best);
+        },
+        [&best, share] { return share * best.on.distance_squared; });
+    return best;
   }
 
   [[nodiscard]] NearestPoint finish(const Vec3& p, const Best& best) const noexcept;
@@ -236,12 +255,14 @@ SurfaceDistance::SurfaceDistance(const TriangleMesh& mesh) {
   tree->neighbours = std::move(neighbours);
   tree->slot_of.resize(count);
   tree->corners.resize(count);
+  tree->plane_normals.resize(count);
   for_ranges(count, kAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) {
       const std::int32_t t = tree->discs.triangle_of()[slot];
       tree->slot_of[at(t)] = static_cast<std::int32_t>(slot);
       const Triangle& triangle = mesh.triangles[at(t)];
       for (std::size_t k = 0; k < 3; ++k) tree->corners[slot][k] = mesh.vertices[at(triangle[k])];
+      tree->plane_normals[slot] = plane_normal(tree->corners[slot]);
     }
   });
   tree_ = std::move(tree);
@@ -276,7 +297,7 @@ NearestPoint SurfaceDistance::Tree::finish(const Vec3& p, const Best& best) cons
   found.triangle = best.triangle;
   const Corners& corner = corners[at(best.slot)];
   // On a face the height over its plane has the sign even where the foot rounds onto p.
-  const double side = best.on.feature == kFace ? (p - corner[0]).dot(plane_normal(corner))
+  const double side = best.on.feature == kFace ? (p - corner[0]).dot(plane_normals[at(best.slot)])
                                                : (p - found.point).dot(found.normal);
   const double distance = std::sqrt(best.on.distance_squared);
   found.distance = side < 0.0 ? -distance : distance;
@@ -286,13 +307,14 @@ NearestPoint SurfaceDistance::Tree::finish(const Vec3& p, const Best& best) cons
 NearestPoint SurfaceDistance::nearest(const Vec3& p) const noexcept { return nearest(p, -1); }
 
 NearestPoint SurfaceDistance::nearest(const Vec3& p, std::int32_t guess) const noexcept {
-  Tree::Best best;
-  if (!p.allFinite()) return tree_->finish(p, best);
-  if (guess >= 0 && at(guess) < tree_->slot_of.size()) tree_->consider(tree_->slot_of[at(guess)], p, best);
-  tree_->discs.each_within(
-      p, [&](std::int32_t slot) { tree_->consider(slot, p, best); },
-      [&best] { return best.on.distance_squared; });
-  return tree_->finish(p, best);
+  return tree_->finish(p, tree_->search(p, guess, 1.0));
+}
+
+Clearance SurfaceDistance::clearance(const Vec3& p, std::int32_t guess) const noexcept {
+  const Tree::Best best = tree_->search(p, guess, kClearanceShare * kClearanceShare);
+  if (best.slot < 0) return {};
+  // What was left out was farther than that share of the nearest then, which was no nearer than this.
+  return {kClearanceShare * std::sqrt(best.on.distance_squared), best.triangle};
 }
 
 std::optional<Entry> SurfaceDistance::first_entry(const Vec3& a, const Vec3& b) const noexcept {
@@ -320,7 +342,8 @@ std::optional<Entry> SurfaceDistance::first_entry(const Vec3& a, const Vec3& b) 
 }
 
 Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
-  return nearest_on({a, b, c}, p).point;
+  const Corners corner{a, b, c};
+  return nearest_on(corner, plane_normal(corner), p).point;
 }
 
 }  // namespace palpate::geometry

@@ -141,6 +141,36 @@ TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBit) {
   }
 }
 
+TEST(Support, OfAKeptShortlistIsThatOfAPlainLoopToTheBitWhileThePlaneWandersAndLeaps) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const auto any = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  int served = 0;
+  int asked = 0;
+  for (const geometry::ToolPart& tool_part : geometry::make_tool("curved-forceps").parts) {
+    const PartPoints part = sample_part(tool_part, 0.0);
+    DepthScratch scratch(part.size());
+    std::uniform_int_distribution<std::size_t> index(0, part.size() - 1);
+    for (int way = 0; way < 60; ++way) {
+      Vec3 direction = any().normalized();
+      Vec3 point = part.point(index(random)) + 3e-3 * direction;
+      Shortlist kept;
+      for (int i = 0; i < 60; ++i, ++asked) {
+        const double leap = i % 20 == 19 ? 100.0 : 1.0;
+        point += leap * 2e-6 * any();
+        direction = (direction + leap * 2e-4 * any()).normalized();
+        const Vec3 kept_for = kept.point;
+        const Support plain = plain_support(part, point, direction);
+        const Support found = support_of(part, point, direction, kReference, scratch, kept);
+        ASSERT_EQ(found.depth, plain.depth);
+        ASSERT_EQ(found.mean, plain.mean);
+        served += kept.count > 0 && kept.point == kept_for ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(served, asked / 3);
+}
+
 TEST(ToolPoints, OfADensePartAreThinnedOutAndStandOutAsFar) {
   geometry::ToolPart coarse = geometry::make_tool("curved-forceps").parts.front();
   geometry::ToolPart dense = coarse;

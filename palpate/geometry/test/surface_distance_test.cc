@@ -226,6 +226,29 @@ TEST(SurfaceDistance, GuessChangesNothing) {
   }
 }
 
+TEST(SurfaceDistance, ClearanceIsNoMoreThanTheDistanceAndNoLessThanItsShare) {
+  Random random(12);
+  for (const TriangleMesh& mesh : shapes()) {
+    const SurfaceDistance surface(mesh);
+    for (int n = 0; n < 300; ++n) {
+      const Vec3 p = random.point(0.05);
+      const auto guess = static_cast<std::int32_t>(random.below(mesh.triangles.size()));
+      const Clearance clearance = surface.clearance(p, n % 2 == 0 ? guess : -1);
+      const double distance = oracle_distance(mesh, p);
+      ASSERT_LE(clearance.least, distance);
+      ASSERT_GE(clearance.least, kClearanceShare * distance * (1.0 - 1e-9));
+      ASSERT_GE(clearance.triangle, 0);
+    }
+  }
+}
+
+TEST(SurfaceDistance, ClearanceOfAPointThatIsNotFiniteIsNothing) {
+  const SurfaceDistance surface(make_ball(0.03, 80));
+  const Clearance clearance = surface.clearance({0.0, std::numeric_limits<double>::quiet_NaN(), 0.0}, 3);
+  EXPECT_EQ(clearance.least, 0.0);
+  EXPECT_EQ(clearance.triangle, -1);
+}
+
 TEST(SurfaceDistance, GuessOutOfRangeIsIgnored) {
   const SurfaceDistance surface(make_ball(0.03, 80));
   const Vec3 p(0.04, 0.01, 0.0);
