@@ -46,13 +46,13 @@ fs::path folder_of(const char* cache, const char* xdg, const char* home) {
 
 TEST(StateFolder, IsTheUsersOwnByTheEnvironmentOrUnderHome) {
   const Variable off("PALPATE_CACHE", "off");
-  const Variable home("HOME", "/home/ada");
+  const Variable home("HOME", "/people/ada");
   {
     const Variable given("XDG_STATE_HOME", "/var/state");
     EXPECT_EQ(user_state_folder(), "/var/state/palpate") << "the cache being off is no matter";
   }
   const Variable relative("XDG_STATE_HOME", "state");
-  EXPECT_EQ(user_state_folder(), "/home/ada/.local/state/palpate");
+  EXPECT_EQ(user_state_folder(), "/people/ada/.local/state/palpate");
   const Variable homeless("HOME", nullptr);
   EXPECT_EQ(user_state_folder(), "");
 }
