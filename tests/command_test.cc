@@ -52,6 +52,19 @@ TEST(ModelCommand, GivesTheFiguresWorkedByHand) {
   EXPECT_EQ(model(folder, "4000", "--depth-mm", "1")["layers_allowed"], 4);
 }
 
+// The tissue above with one layer a piece: worked by hand in palpate/model/test/smooth_law_test.cc.
+TEST(ModelCommand, ComputesTheSmoothLawWhenAskedFor) {
+  const Folder folder;
+  std::ofstream(folder / "hand.toml") << kHandWorked;
+  const Outcome outcome = run(folder, {"model", "--tissue", "hand.toml", "--law", "smooth", "--rate-Hz",
+                                       "25000", "--depth-mm", "4", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json answer = json::parse(outcome.out);
+  EXPECT_EQ(answer["law"], "smooth");
+  EXPECT_NEAR(answer["results"][0]["force_N"], 0.0657020, 1e-7);
+  EXPECT_EQ(answer["results"][0]["cutoff_layer"], 1);
+}
+
 TEST(ModelCommand, RefusesWhatIsNoForceInOneLine) {
   const Folder folder;
   for (const char* value : {"-1", "nan", "inf", "1,,2", "1x", ""}) {
