@@ -11,6 +11,7 @@
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/model/layered_law.h"
+#include "palpate/model/smooth_law.h"
 #include "palpate/scene/load.h"
 
 #include "app/commands.h"
@@ -23,6 +24,7 @@ using model::LayeredSpringLaw;
 
 struct ModelFlags {
   std::string tissue;
+  std::string law;  // empty: the tissue's
   std::string direction = "press";
   std::string rate = "1000";
   std::string forces;
@@ -45,6 +47,16 @@ struct Account {
   std::vector<Answer> answers;
 };
 
+/// What `law` answers to all that was asked for.
+template <typename Law>
+void answer(const Law& law, const std::vector<double>& requested, Account& account) {
+  account.layers_allowed = law.layers_allowed();
+  for (const double value : requested) {
+    account.answers.push_back(
+        {value, account.by_force ? law.deformation_under(value) : law.deformation_at(value * kMillimetre)});
+  }
+}
+
 Account compute(const ModelFlags& flags) {
   Account account;
   account.direction = flags.direction;
@@ -58,13 +70,16 @@ Account compute(const ModelFlags& flags) {
   const std::vector<double> requested = account.by_force
                                             ? parse_not_negative_list("--force-N", flags.forces)
                                             : parse_not_negative_list("--depth-mm", flags.depths);
+  if (!flags.law.empty() && flags.law != "layered" && flags.law != "smooth") {
+    throw InputError("--law " + flags.law + ": must be layered or smooth");
+  }
   account.tissue = scene::load_tissue(flags.tissue);
+  if (!flags.law.empty()) account.tissue.law = model::parse_law(flags.law);
   const auto direction = flags.direction == "pull" ? model::Direction::kPull : model::Direction::kPress;
-  const LayeredSpringLaw law(account.tissue, direction, period);
-  account.layers_allowed = law.layers_allowed();
-  for (const double value : requested) {
-    account.answers.push_back(
-        {value, account.by_force ? law.deformation_under(value) : law.deformation_at(value * kMillimetre)});
+  if (account.tissue.law == model::LawKind::kSmooth) {
+    answer(model::SmoothSpringLaw(account.tissue, direction, period), requested, account);
+  } else {
+    answer(LayeredSpringLaw(account.tissue, direction, period), requested, account);
   }
   return account;
 }
@@ -80,7 +95,7 @@ std::vector<double> layer_deformation_mm(const LayeredSpringLaw::LayerState& sta
 void print_json(const Account& account) {
   nlohmann::ordered_json json;
   json["tissue"] = account.tissue.name;
-  json["law"] = "layered";
+  json["law"] = model::to_string(account.tissue.law);
   json["direction"] = account.direction;
   json["rate_Hz"] = account.rate_Hz;
   json["layers_allowed"] = account.layers_allowed;
@@ -102,8 +117,9 @@ void print_json(const Account& account) {
 void print_table(const Account& account) {
   constexpr int kNumberWidth = 24;  // a sign, 17 digits, a point, an exponent and a space
   constexpr int kLayerWidth = 7;
-  std::cout << account.tissue.name << ", layered law, " << account.direction << " at "
-            << shortest(account.rate_Hz) << " Hz: " << account.layers_allowed << " layers allowed\n";
+  std::cout << account.tissue.name << ", " << model::to_string(account.tissue.law) << " law, "
+            << account.direction << " at " << shortest(account.rate_Hz) << " Hz: " << account.layers_allowed
+            << " layers allowed\n";
   const auto number = [](const std::string& text) -> std::ostream& {
     return std::cout << std::setw(kNumberWidth) << text;
   };
@@ -135,6 +151,9 @@ void add_model(CLI::App& program, int& exit_code) {
       ->add_option("--tissue", flags->tissue,
                    "a built-in tissue (gallbladder, heart, liver, kidney) or a tissue file")
       ->required();
+  command->add_option(
+      "--law", flags->law,
+      "layered (the paper's) or smooth (no jumps in stiffness); default: what the tissue says");
   command->add_option("--direction", flags->direction, "press or pull (default press)");
   command->add_option("--rate-Hz", flags->rate,
                       "loop rate, which decides how many layers move (default 1000)");
@@ -144,7 +163,9 @@ void add_model(CLI::App& program, int& exit_code) {
   wanted->require_option(1);
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
-      "Example:\n  palpate model --tissue gallbladder --direction press --rate-Hz 1000 --depth-mm 5,10,15");
+      "Example:\n  palpate model --tissue gallbladder --direction press --rate-Hz 1000 --depth-mm 5,10,15\n"
+      "  palpate model --tissue heart --direction pull --law smooth --force-N 0.1,0.5\n"
+      "Relaxation is left out: these are the forces of a tissue that has had no time to let go.");
   command->callback([flags, &exit_code] {
     const Account account = compute(*flags);
     if (flags->as_json) {

@@ -344,6 +344,12 @@ void add_the_rest(const Seeds& seeds) {
   seeds.add("tool_path", "places", "time_s,x_m,y_m,z_m\n0,0,0,0.1\n0.5,0,1e-3,-0.1\n");
   seeds.add("tool_path", "all",
             "time_s,x_m,y_m,z_m,qw,qx,qy,qz,gripper\n0,0,0,1,1,0,0,0,1\n1,0,0,0,0,1,0,0,0\n");
+  std::string curve = "# a comment\ntime_s,displacement_mm,force_N,specimen\n";
+  for (int i = 0; i < 12; ++i) {
+    const std::string n = std::to_string(i);
+    curve += n + ',' + n + ".5," + n + "e-2,a\n" + n + ',' + n + ",0." + n + ",b\n";
+  }
+  seeds.add("fit_data", "two", curve);
   seeds.add("scene_json", "scene", record::setup_to_json(record::sample_setup(2)));
   seeds.add("haply_message", "all", kHaplyMessage);
   seeds.add("haply_message", "none", R"({"inverse3":[],"wireless_verse_grip":null})");

@@ -1,4 +1,5 @@
 // The commands that print figures, and a fault through the whole program.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -6,6 +7,7 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -52,6 +54,19 @@ TEST(ModelCommand, GivesTheFiguresWorkedByHand) {
   EXPECT_EQ(model(folder, "4000", "--depth-mm", "1")["layers_allowed"], 4);
 }
 
+// The tissue above with one layer a piece: worked by hand in palpate/model/test/smooth_law_test.cc.
+TEST(ModelCommand, ComputesTheSmoothLawWhenAskedFor) {
+  const Folder folder;
+  std::ofstream(folder / "hand.toml") << kHandWorked;
+  const Outcome outcome = run(folder, {"model", "--tissue", "hand.toml", "--law", "smooth", "--rate-Hz",
+                                       "25000", "--depth-mm", "4", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json answer = json::parse(outcome.out);
+  EXPECT_EQ(answer["law"], "smooth");
+  EXPECT_NEAR(answer["results"][0]["force_N"], 0.0657020, 1e-7);
+  EXPECT_EQ(answer["results"][0]["cutoff_layer"], 1);
+}
+
 TEST(ModelCommand, RefusesWhatIsNoForceInOneLine) {
   const Folder folder;
   for (const char* value : {"-1", "nan", "inf", "1,,2", "1x", ""}) {
@@ -60,6 +75,59 @@ TEST(ModelCommand, RefusesWhatIsNoForceInOneLine) {
     EXPECT_EQ(outcome.exit_code, 2) << value;
     EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
     EXPECT_EQ(outcome.out, "");
+  }
+}
+
+/// 40 points to 10 mm of a spring of 20 N/m that becomes one of 200 N/m at 5 mm.
+void write_curve(const Folder& folder, const std::string& name) {
+  std::ofstream out(folder / name);
+  out << "displacement_mm,force_N\n";
+  for (int i = 1; i <= 40; ++i) {
+    const double depth = 0.25 * i;
+    out << depth << ',' << 0.02 * std::min(depth, 5.0) + 0.2 * std::max(depth - 5.0, 0.0) << '\n';
+  }
+}
+
+TEST(FitCommand, PrintsTheFieldsWritesTheTissueAndTheReport) {
+  const Folder folder;
+  write_curve(folder, "a.csv");
+  const Outcome outcome = run(folder, {"fit", "a.csv", "--law", "layered", "--out", "a.toml", "--report",
+                                       "page", "--bootstrap", "2", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json answer = json::parse(outcome.out);
+  const json& specimen = answer["specimens"][0];
+  EXPECT_EQ(specimen["name"], "a");
+  EXPECT_EQ(specimen["law"], "layered");
+  EXPECT_EQ(specimen["layers"], 6);
+  EXPECT_EQ(specimen["points"], 40);
+  EXPECT_LT(specimen["nrmse"], 1e-3);
+  EXPECT_NEAR(specimen["parameters"]["k1_N_per_m"], 20.0, 0.5);
+  EXPECT_NEAR(specimen["parameters"]["limit_mm"], 5.0, 0.1);
+  EXPECT_TRUE(specimen["parameters"]["relaxation"].empty());
+  for (const char* name : {"k1_N_per_m", "beta", "q", "limit_mm", "offset_mm", "offset_N"}) {
+    EXPECT_EQ(specimen["interval_95"][name].size(), 2U) << name;
+    EXPECT_EQ(specimen["bootstrap_95"][name].size(), 2U) << name;
+  }
+  EXPECT_EQ(answer["pooled"]["parameters"]["beta"], specimen["parameters"]["beta"]);
+  EXPECT_EQ(scene::load_tissue(folder / "a.toml").name, "a");
+  EXPECT_NE(text_of(folder / "page/report.html").find("95 % interval"), std::string::npos);
+}
+
+TEST(FitCommand, RefusesBadInputInOneLineAndWritesNothing) {
+  const Folder folder;
+  write_curve(folder, "a.csv");
+  std::ofstream(folder / "bad.csv") << "displacement_mm,force_N\n1,nan\n";
+  const std::vector<std::vector<std::string>> all = {{"fit", "a.csv", "bad.csv", "--out", "a.toml"},
+                                                     {"fit", "a.csv", "--law", "hertz", "--out", "a.toml"},
+                                                     {"fit", "a.csv", "--direction", "up", "--out", "a.toml"},
+                                                     {"fit", "a.csv", "--relaxation", "--out", "a.toml"},
+                                                     {"fit", "a.csv", "--bootstrap", "-1", "--out", "a.toml"},
+                                                     {"fit", "none.csv", "--out", "a.toml"}};
+  for (const std::vector<std::string>& words : all) {
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "a.toml"));
   }
 }
 

@@ -125,6 +125,13 @@ double asin_excess(double z) noexcept {
   return polynomial(kTerms, z);
 }
 
+constexpr double kLog2E = 0x1.71547652b82fep+0;
+
+// (e^r - 1 - r)/r^2 for |r| <= ln(2)/2: Taylor, the next term below 5e-18
+constexpr double kExpExcess[] = {1.0 / 2,       1.0 / 6,        1.0 / 24,        1.0 / 120,
+                                 1.0 / 720,     1.0 / 5040,     1.0 / 40320,     1.0 / 362880,
+                                 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800.0};
+
 // The upper 21 bits of a positive number's fraction; its square is exact.
 double upper_half(double x) noexcept {
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & 0xffff'ffff'0000'0000ULL);
@@ -135,21 +142,37 @@ double upper_half(double x) noexcept {
 double exp(double x) noexcept {
   constexpr double kOverflow = 709.782712893384;     // ln of the largest double
   constexpr double kUnderflow = -745.1332191019412;  // ln of half the smallest
-  constexpr double kLog2E = 0x1.71547652b82fep+0;
   if (!(x <= kOverflow)) return x > kOverflow ? kInfinity : x;
   if (x < kUnderflow) return 0.0;
   const double k = (x * kLog2E + kRounder) - kRounder;
   const double high = x - k * kLn2High;  // exact
   const double low = k * kLn2Low;
   const double r = high - low;  // |r| <= ln(2)/2
-  // (e^r - 1 - r)/r^2: Taylor, the next term below 5e-18
-  constexpr double kTerms[] = {1.0 / 2,       1.0 / 6,        1.0 / 24,        1.0 / 120,
-                               1.0 / 720,     1.0 / 5040,     1.0 / 40320,     1.0 / 362880,
-                               1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800.0};
-  const double value = 1.0 + (high + (r * r * polynomial(kTerms, r) - low));
+  const double value = 1.0 + (high + (r * r * polynomial(kExpExcess, r) - low));
   const auto exponent = static_cast<std::int64_t>(k);
   const std::int64_t half = exponent / 2;  // in two steps, so that neither factor leaves the range
   return value * power_of_two(half) * power_of_two(exponent - half);
+}
+
+double expm1(double x) noexcept {
+  constexpr double kFromExp = 38.0;  // above it e^x - 1 is e^x but for its last place, below minus it -1
+  if (x != x || x > kFromExp) return exp(x) - 1.0;
+  if (x < -kFromExp) return -1.0;
+  const double k = (x * kLog2E + kRounder) - kRounder;
+  const double high = x - k * kLn2High;  // exact
+  const double low = k * kLn2Low;
+  const double r = high - low;                                            // |r| <= ln(2)/2
+  const double small = high + (r * r * polynomial(kExpExcess, r) - low);  // e^r - 1
+  if (k == 0.0) return small;
+  const double power = power_of_two(static_cast<std::int64_t>(k));
+  return power * small + (power - 1.0);
+}
+
+double log1p(double x) noexcept {
+  // ln(u) x/(u - 1) with u = 1 + x rounded: what rounding took from u cancels [Kahan; Goldberg 1991, th. 4]
+  const double u = 1.0 + x;
+  if (u == 1.0 || u == kInfinity) return x;
+  return log(u) * (x / (u - 1.0));
 }
 
 double log(double x) noexcept {

@@ -18,6 +18,13 @@ struct SinCos {
 /// [rt] Natural logarithm; -infinity at 0, NaN below, infinity at infinity.
 [[nodiscard]] double log(double x) noexcept;
 
+/// [rt] e^x - 1 without the cancellation at small x; -1 far below, infinity above 709.8, NaN for NaN.
+[[nodiscard]] double expm1(double x) noexcept;
+
+/// [rt] ln(1 + x) without the cancellation at small x, within 3 units in the last place; -infinity at -1, NaN
+/// below, infinity at infinity.
+[[nodiscard]] double log1p(double x) noexcept;
+
 /// [rt] Sine and cosine of x [rad], |x| <= 1e5 (larger arguments lose digits; NaN past 1e9).
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 

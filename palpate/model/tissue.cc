@@ -77,6 +77,14 @@ constexpr std::array kPresets{
 
 }  // namespace
 
+const char* to_string(LawKind law) noexcept { return law == LawKind::kSmooth ? "smooth" : "layered"; }
+
+LawKind parse_law(std::string_view text) {
+  if (text == "layered") return LawKind::kLayered;
+  if (text == "smooth") return LawKind::kSmooth;
+  throw InputError("law = \"" + std::string(text) + "\": must be layered or smooth");
+}
+
 double TissueParameters::first_limit(Direction direction) const noexcept {
   const double limit = direction == Direction::kPull ? max_length - rest_length : rest_length - min_length;
   // To a femtometre, so that 22 mm - 14 mm is 8 mm and not the 7.999999999999998 mm that the difference
@@ -98,9 +106,27 @@ void validate(const TissueParameters& tissue) {
   require_positive("q", tissue.q);
   validate_lengths(tissue);
   require_positive("t1_us", tissue.t1 / kMicrosecond);
+  validate_relaxation(tissue.relaxation);
   validate_reach(tissue.reach);
   validate_contact(tissue.contact);
   if (tissue.source) require_positive("source.radius_mm", mm(tissue.source->radius));
+}
+
+void validate_relaxation(std::span<const RelaxationTerm> terms) {
+  if (terms.size() > kMostRelaxationTerms) {
+    throw ParameterError("relaxation", static_cast<double>(terms.size()),
+                         "at most " + std::to_string(kMostRelaxationTerms) + " terms");
+  }
+  double sum = 0.0;
+  for (const RelaxationTerm& term : terms) {
+    require_positive("relaxation.share", term.share);
+    require_positive("relaxation.time_s", term.time);
+    sum += term.share;
+  }
+  if (!(sum < 1.0)) {
+    throw ParameterError("relaxation.share", sum,
+                         "< 1 in sum, so that some force stays however long one holds");
+  }
 }
 
 TissueParameters tissue_preset(const std::string& name) {

@@ -1,11 +1,33 @@
 #pragma once
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace palpate::model {
 
 /// Which limit of the springs counts: pressed (X_1o - X_1min) or pulled (X_1max - X_1o). [Zhang 2011, eq. 4]
 enum class Direction { kPress, kPull };
+
+/// How force goes with depth: in layers, as the paper has it, or with a stiffness that rises without jumps
+/// (docs/model.md, "Beyond the paper").
+enum class LawKind { kLayered, kSmooth };
+
+/// [any] "layered" or "smooth", as a tissue file has it.
+[[nodiscard]] const char* to_string(LawKind law) noexcept;
+/// [setup] The law of that name. @throws InputError naming the two.
+[[nodiscard]] LawKind parse_law(std::string_view text);
+
+/// One way in which a held tissue lets go: the force falls by `share` of the elastic one, with time constant
+/// `time`.
+struct RelaxationTerm {
+  double share = 0.0;  // > 0; those of all terms sum to less than 1
+  double time = 0.0;   // [s]
+};
+
+inline constexpr std::size_t kMostRelaxationTerms = 3;
 
 /// How the surface gives way around a contact (docs/model.md, section 3); all without unit.
 struct ReachParameters {
@@ -40,6 +62,8 @@ struct TissueParameters {
   double max_length = 0.0;   // X_1max [m]
   double min_length = 0.0;   // X_1min [m]
   double t1 = 0.0;           // delay of the first layer [s], eq. 6
+  LawKind law = LawKind::kLayered;
+  std::vector<RelaxationTerm> relaxation;  // none, or up to kMostRelaxationTerms
   ReachParameters reach;
   ContactParameters contact;
   std::optional<SourceParameters> source;
@@ -53,6 +77,9 @@ struct TissueParameters {
 /// [setup] Checks every field. @throws ParameterError naming the first bad field as it stands in a tissue
 /// file (k1_N_per_m, rest_length_mm, contact.friction, ...), its value in that unit and what would be right.
 void validate(const TissueParameters& tissue);
+
+/// [setup] Checks relaxation terms alone, as validate() does.
+void validate_relaxation(std::span<const RelaxationTerm> terms);
 
 /// [setup] A built-in tissue: "gallbladder", "heart", "liver" or "kidney". @throws InputError listing those
 /// names.

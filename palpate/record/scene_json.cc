@@ -71,7 +71,12 @@ Json tissue_json(const model::TissueParameters& t) {
                {"rest_length_m", t.rest_length},
                {"max_length_m", t.max_length},
                {"min_length_m", t.min_length},
-               {"t1_s", t.t1}};
+               {"t1_s", t.t1},
+               {"law", model::to_string(t.law)}};
+  json["relaxation"] = Json::array();
+  for (const model::RelaxationTerm& term : t.relaxation) {
+    json["relaxation"].push_back({{"share", term.share}, {"time_s", term.time}});
+  }
   json["reach"] = {{"contact_ratio", t.reach.contact_ratio},
                    {"first_bar_ratio", t.reach.first_bar_ratio},
                    {"bar_ratio", t.reach.bar_ratio},
@@ -96,6 +101,11 @@ model::TissueParameters tissue_from(const Json& json) {
   t.max_length = json.at("max_length_m").get<double>();
   t.min_length = json.at("min_length_m").get<double>();
   t.t1 = json.at("t1_s").get<double>();
+  // A recording from before there were laws to choose from has the paper's, without relaxation.
+  t.law = model::parse_law(json.value("law", model::to_string(model::LawKind::kLayered)));
+  for (const Json& term : json.value("relaxation", Json::array())) {
+    t.relaxation.push_back({term.at("share").get<double>(), term.at("time_s").get<double>()});
+  }
   const Json& reach = json.at("reach");
   t.reach.contact_ratio = reach.at("contact_ratio").get<double>();
   t.reach.first_bar_ratio = reach.at("first_bar_ratio").get<double>();

@@ -12,13 +12,34 @@
 namespace palpate::scene {
 namespace {
 
-void check_law(const TomlTable& table) {
+model::LawKind read_law(const TomlTable& table) {
   const std::string law = table.text("law").value_or("layered");
-  if (law == "smooth") table.fail("law", "this version computes the layered law only, must be \"layered\"");
-  if (law != "layered") table.fail("law", "must be \"layered\"");
-  if (!table.tables("relaxation").empty()) {
-    table.fail("relaxation", "this version computes no relaxation, leave [[tissue.relaxation]] out");
+  if (law == model::to_string(model::LawKind::kSmooth)) return model::LawKind::kSmooth;
+  if (law != model::to_string(model::LawKind::kLayered)) {
+    table.fail("law", "must be \"layered\" or \"smooth\"");
   }
+  return model::LawKind::kLayered;
+}
+
+std::vector<model::RelaxationTerm> read_relaxation(const TomlTable& table) {
+  std::vector<model::RelaxationTerm> terms;
+  double sum = 0.0;
+  for (const TomlTable& entry : table.tables("relaxation")) {
+    entry.allow_only({"share", "time_s"});
+    model::RelaxationTerm term;
+    term.share = entry.required_number("share", kPositive);
+    term.time = entry.required_number("time_s", kPositive);
+    sum += term.share;
+    if (!(sum < 1.0)) {
+      entry.fail("share", "the shares of all terms must sum to less than 1, these to " + shortest(sum));
+    }
+    if (terms.size() == model::kMostRelaxationTerms) {
+      entry.fail("share", "one term too many, must be at most " +
+                              std::to_string(model::kMostRelaxationTerms) + " [[tissue.relaxation]]");
+    }
+    terms.push_back(term);
+  }
+  return terms;
 }
 
 model::ReachParameters read_reach(const TomlTable& table) {
@@ -57,7 +78,7 @@ model::TissueParameters read_parameters(const TomlTable& table, const std::strin
   table.allow_only({"name", "law", "k1_N_per_m", "beta", "q", "rest_length_mm", "max_length_mm",
                     "min_length_mm", "t1_us", "relaxation", "reach", "contact", "source"});
   tissue.name = table.text("name").value_or(default_name);
-  check_law(table);
+  tissue.law = read_law(table);
   tissue.k1 = table.required_number("k1_N_per_m");
   tissue.beta = table.required_number("beta");
   tissue.q = table.required_number("q");
@@ -65,6 +86,7 @@ model::TissueParameters read_parameters(const TomlTable& table, const std::strin
   tissue.max_length = table.required_number("max_length_mm") * kMillimetre;
   tissue.min_length = table.required_number("min_length_mm") * kMillimetre;
   tissue.t1 = table.required_number("t1_us") * kMicrosecond;
+  tissue.relaxation = read_relaxation(table);
   if (const auto reach = table.table("reach")) tissue.reach = read_reach(*reach);
   if (const auto contact = table.table("contact")) tissue.contact = read_contact(*contact);
   if (const auto source = table.table("source")) tissue.source = read_source(*source);
@@ -109,7 +131,8 @@ model::TissueParameters read_tissue_file(const std::filesystem::path& file) {
 }
 
 std::string to_toml(const model::TissueParameters& tissue) {
-  std::string out = "[tissue]\nname = " + quoted(tissue.name) + "\nlaw = \"layered\"\n";
+  std::string out =
+      "[tissue]\nname = " + quoted(tissue.name) + "\nlaw = " + quoted(model::to_string(tissue.law)) + "\n";
   const auto line = [&out](const char* key, const std::string& value) {
     out += std::string(key) + " = " + value + "\n";
   };
@@ -120,6 +143,11 @@ std::string to_toml(const model::TissueParameters& tissue) {
   line("max_length_mm", millimetres(tissue.max_length));
   line("min_length_mm", millimetres(tissue.min_length));
   line("t1_us", real(tissue.t1 / kMicrosecond));
+  for (const model::RelaxationTerm& term : tissue.relaxation) {
+    out += "[[tissue.relaxation]]\n";
+    line("share", real(term.share));
+    line("time_s", real(term.time));
+  }
   out += "[tissue.reach]\n";
   line("contact_ratio", real(tissue.reach.contact_ratio));
   line("first_bar_ratio", real(tissue.reach.first_bar_ratio));

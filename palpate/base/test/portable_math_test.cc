@@ -57,6 +57,47 @@ TEST(PortableMath, ExpIsRightAtItsEdges) {
   }
 }
 
+TEST(PortableMath, Expm1IsWithinTwoUnitsOfLongDouble) {
+  std::mt19937_64 random(5);
+  double worst = 0.0;
+  for (const double span : {1e-12, 1e-3, 0.4, 2.0, 37.0, 45.0, 700.0}) {
+    std::uniform_real_distribution<double> argument(-span, span);
+    for (int i = 0; i < kSamples; ++i) {
+      const double x = argument(random);
+      worst = std::max(worst, ulps(portable::expm1(x), std::expm1(static_cast<long double>(x))));
+    }
+  }
+  EXPECT_LE(worst, kPromise);
+}
+
+TEST(PortableMath, Log1pIsWithinThreeUnitsOfLongDouble) {
+  std::mt19937_64 random(6);
+  double worst = 0.0;
+  for (const double span : {1e-18, 1e-12, 1e-3, 0.4, 0.999}) {
+    std::uniform_real_distribution<double> argument(-span, span);
+    for (int i = 0; i < kSamples; ++i) {
+      const double x = argument(random);
+      worst = std::max(worst, ulps(portable::log1p(x), std::log1p(static_cast<long double>(x))));
+    }
+  }
+  for (double x = 1e-3; x < 1e300; x *= 1.7) {
+    worst = std::max(worst, ulps(portable::log1p(x), std::log1p(static_cast<long double>(x))));
+  }
+  EXPECT_LE(worst, 3.0);
+}
+
+TEST(PortableMath, Expm1AndLog1pAreRightAtTheirEdges) {
+  EXPECT_EQ(portable::expm1(0.0), 0.0);
+  EXPECT_EQ(portable::expm1(kInfinity), kInfinity);
+  EXPECT_EQ(portable::expm1(-kInfinity), -1.0);
+  EXPECT_TRUE(std::isnan(portable::expm1(kNaN)));
+  EXPECT_EQ(portable::log1p(0.0), 0.0);
+  EXPECT_EQ(portable::log1p(-1.0), -kInfinity);
+  EXPECT_EQ(portable::log1p(kInfinity), kInfinity);
+  EXPECT_TRUE(std::isnan(portable::log1p(-1.5)));
+  EXPECT_TRUE(std::isnan(portable::log1p(kNaN)));
+}
+
 TEST(PortableMath, LogIsWithinTwoUnitsOfLongDouble) {
   std::mt19937_64 random(2);
   double worst = 0.0;

@@ -185,6 +185,31 @@ TEST(RoundTrip, AFaultOfAnUnknownKindIsRefused) {
   EXPECT_THROW((void)setup_from_json(text), InputError);
 }
 
+TEST(RoundTrip, LawAndRelaxationComeBack) {
+  scene::Setup setup = sample_setup(1);
+  setup.tissue.law = model::LawKind::kSmooth;
+  setup.tissue.relaxation = {{0.1, 0.1 + 0.2}, {0.3, 7.0}};
+  const model::TissueParameters got = setup_from_json(setup_to_json(setup)).tissue;
+  EXPECT_EQ(got.law, model::LawKind::kSmooth);
+  ASSERT_EQ(got.relaxation.size(), 2U);
+  EXPECT_EQ(got.relaxation[0].share, 0.1);
+  EXPECT_EQ(got.relaxation[0].time, 0.1 + 0.2);
+}
+
+TEST(RoundTrip, ARecordingFromBeforeThereWereLawsHasThePapersWithoutRelaxation) {
+  scene::Setup setup = sample_setup(1);
+  setup.tissue.law = model::LawKind::kSmooth;
+  setup.tissue.relaxation = {{0.1, 0.3}};
+  std::string text = setup_to_json(setup);
+  for (const std::string key : {"\"law\"", "\"relaxation\""}) {
+    ASSERT_NE(text.find(key), std::string::npos);
+    text.replace(text.find(key), key.size(), "\"was_not_" + key.substr(1));
+  }
+  const model::TissueParameters got = setup_from_json(text).tissue;
+  EXPECT_EQ(got.law, model::LawKind::kLayered);
+  EXPECT_TRUE(got.relaxation.empty());
+}
+
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {
   scene::Setup setup = sample_setup(1);
   setup.organ_motion.emplace_back();

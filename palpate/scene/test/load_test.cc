@@ -75,6 +75,23 @@ TEST(Load, TissueDefaultsToTheOrgansOwnThenToTheTasks) {
   EXPECT_EQ(load(request).tissue.name, "liver");
 }
 
+TEST(Load, RefusesInWordsATissueThatTheTickDoesNotComputeYet) {
+  const TemporaryFolder folder;
+  const std::string tissue =
+      "[tissue]\nk1_N_per_m=10\nbeta=1\nq=0.5\nrest_length_mm=10\nmax_length_mm=12\nmin_length_mm=8\nt1_us="
+      "1\n";
+  Request request;
+  request.task = "press";
+  request.tissue = folder.write("smooth.toml", tissue + "law = \"smooth\"\n").string();
+  EXPECT_THAT(
+      error_of([&] { (void)load(request); }),
+      HasSubstr("law = \"smooth\": not yet in the haptic tick; palpate model and palpate fit know it"));
+  request.tissue =
+      folder.write("soft.toml", tissue + "[[tissue.relaxation]]\nshare = 0.3\ntime_s = 1.5\n").string();
+  EXPECT_THAT(error_of([&] { (void)load(request); }),
+              HasSubstr("relaxation: not yet in the haptic tick; palpate model and palpate fit know it"));
+}
+
 TEST(Load, ReadsFilesRelativeToTheScene) {
   const TemporaryFolder folder;
   (void)folder.write("box.obj", kBox);

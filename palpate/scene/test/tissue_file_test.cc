@@ -154,14 +154,52 @@ TEST(TissueFile, RefusesValuesOutOfRangeAtTheirOwnLine) {
               HasSubstr("soft.toml:9: tissue.source.radius_mm: missing"));
 }
 
-TEST(TissueFile, RefusesInWordsWhatThisVersionDoesNotCompute) {
-  EXPECT_EQ(error_in(kRequired + "law = \"smooth\"\n"),
-            "soft.toml:9: tissue.law = \"smooth\": this version computes the layered law only, must be "
-            "\"layered\"");
+TEST(TissueFile, ReadsLawAndRelaxation) {
+  const TemporaryFolder folder;
+  const model::TissueParameters tissue = read_tissue_file(folder.write(
+      "soft.toml", kRequired + "law = \"smooth\"\n[[tissue.relaxation]]\nshare = 0.3\ntime_s = 1.5\n"
+                               "[[tissue.relaxation]]\nshare = 0.2\ntime_s = 20\n"));
+  EXPECT_EQ(tissue.law, model::LawKind::kSmooth);
+  ASSERT_EQ(tissue.relaxation.size(), 2U);
+  EXPECT_EQ(tissue.relaxation[0].share, 0.3);
+  EXPECT_EQ(tissue.relaxation[0].time, 1.5);
+  EXPECT_EQ(tissue.relaxation[1].share, 0.2);
+  EXPECT_EQ(tissue.relaxation[1].time, 20.0);
+}
+
+TEST(TissueFile, IsLayeredAndDoesNotRelaxUnlessItSaysSo) {
+  const TemporaryFolder folder;
+  const model::TissueParameters tissue = read_tissue_file(folder.write("soft.toml", kRequired));
+  EXPECT_EQ(tissue.law, model::LawKind::kLayered);
+  EXPECT_TRUE(tissue.relaxation.empty());
+}
+
+TEST(TissueFile, RefusesOtherLawsAndRelaxationThatCannotBe) {
+  const std::string term = "[[tissue.relaxation]]\n";
   EXPECT_THAT(error_in(kRequired + "law = \"hertz\"\n"),
-              EndsWith("tissue.law = \"hertz\": must be \"layered\""));
-  EXPECT_THAT(error_in(kRequired + "[[tissue.relaxation]]\nshare = 0.3\ntime_s = 1.5\n"),
-              HasSubstr("this version computes no relaxation"));
+              EndsWith("tissue.law = \"hertz\": must be \"layered\" or \"smooth\""));
+  EXPECT_THAT(error_in(kRequired + term + "share = 0\ntime_s = 1.5\n"), HasSubstr("share = 0: must be"));
+  EXPECT_THAT(error_in(kRequired + term + "share = 0.3\ntime_s = -1\n"), HasSubstr("time_s = -1: must be"));
+  EXPECT_THAT(error_in(kRequired + term + "share = 0.3\n"), HasSubstr("time_s: missing"));
+  EXPECT_THAT(
+      error_in(kRequired + term + "share = 0.3\ntime_s = 1\n" + term + "share = 0.7\ntime_s = 2\n"),
+      HasSubstr("soft.toml:13: tissue.relaxation.share = 0.7: the shares of all terms must sum to less "
+                "than 1, these to 1"));
+  std::string four = kRequired;
+  for (int i = 0; i < 4; ++i) four += term + "share = 0.1\ntime_s = 1\n";
+  EXPECT_THAT(error_in(four), HasSubstr("must be at most 3 [[tissue.relaxation]]"));
+}
+
+TEST(TissueFile, WrittenLawAndRelaxationReadBackTheSame) {
+  const TemporaryFolder folder;
+  model::TissueParameters tissue = load_tissue("heart");
+  tissue.law = model::LawKind::kSmooth;
+  tissue.relaxation = {{0.1, 0.3}, {0.2, 7.0}};
+  const model::TissueParameters back = read_tissue_file(folder.write("back.toml", to_toml(tissue)));
+  EXPECT_EQ(back.law, model::LawKind::kSmooth);
+  ASSERT_EQ(back.relaxation.size(), 2U);
+  EXPECT_EQ(back.relaxation[1].share, 0.2);
+  EXPECT_EQ(back.relaxation[1].time, 7.0);
 }
 
 TEST(TissueFile, RefusesTextThatIsNotTomlWithItsLine) {

@@ -1,0 +1,158 @@
+// `palpate fit`: tissue parameters from measurements.
+#include "palpate/fit/fit.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/base/error.h"
+#include "palpate/base/units.h"
+#include "palpate/report/fit_report.h"
+#include "palpate/scene/tissue_file.h"
+
+#include "app/commands.h"
+#include "app/fit_summary.h"
+#include "app/messages.h"
+#include "app/numbers.h"
+#include "app/progress.h"
+
+namespace palpate::app {
+namespace {
+
+struct FitFlags {
+  std::vector<std::string> files;
+  std::string law = "layered";
+  std::string direction = "press";
+  bool relaxation = false;
+  std::string rate = "1000";
+  std::string t1 = "1";
+  std::string bootstrap = "0";
+  std::string seed = "1";
+  std::string out;
+  std::string report;
+  bool as_json = false;
+};
+
+fit::Settings settings_of(const FitFlags& flags) {
+  constexpr std::uint64_t kMostResamples = 100'000;
+  fit::Settings settings;
+  if (flags.law != "layered" && flags.law != "smooth") {
+    throw InputError("--law " + flags.law + ": must be layered or smooth");
+  }
+  settings.law = model::parse_law(flags.law);
+  if (flags.direction != "press" && flags.direction != "pull") {
+    throw InputError("--direction " + flags.direction + ": must be press or pull");
+  }
+  settings.direction = flags.direction == "pull" ? model::Direction::kPull : model::Direction::kPress;
+  settings.relaxation = flags.relaxation;
+  settings.period = 1.0 / parse_positive("--rate-Hz", flags.rate);
+  if (settings.period > 1e300) throw InputError("--rate-Hz " + flags.rate + ": must be > 1e-300");
+  settings.t1 = parse_positive("--t1-us", flags.t1) * kMicrosecond;
+  const std::uint64_t resamples = parse_whole("--bootstrap", flags.bootstrap);
+  if (resamples > kMostResamples) {
+    throw InputError("--bootstrap " + flags.bootstrap + ": must be at most " +
+                     std::to_string(kMostResamples));
+  }
+  settings.bootstrap = static_cast<int>(resamples);
+  settings.seed = parse_whole("--seed", flags.seed);
+  return settings;
+}
+
+/// All specimens of all files, each with a name of its own.
+std::vector<fit::Specimen> read_all(const std::vector<std::string>& files, bool timed) {
+  std::vector<fit::Specimen> all;
+  for (const std::string& file : files) {
+    for (fit::Specimen& specimen : fit::read_specimens(file)) {
+      if (timed && specimen.time.empty()) {
+        throw InputError(file + ":1: time_s: missing, --relaxation needs the column");
+      }
+      const std::string name = specimen.name;
+      const auto taken = [&all](const std::string& wanted) {
+        return std::any_of(all.begin(), all.end(),
+                           [&wanted](const fit::Specimen& other) { return other.name == wanted; });
+      };
+      for (int n = 2; taken(specimen.name); ++n) specimen.name = name + " (" + std::to_string(n) + ")";
+      all.push_back(std::move(specimen));
+    }
+  }
+  return all;
+}
+
+void write_tissue(const std::string& file, model::TissueParameters tissue) {
+  tissue.name = std::filesystem::path(file).stem().string();
+  std::ofstream out(file, std::ios::binary);
+  out << scene::to_toml(tissue);
+  out.close();
+  if (!out) throw InputError("--out " + file + ": cannot be written");
+}
+
+void fit_all(const FitFlags& flags, const std::string& command_line) {
+  const fit::Settings settings = settings_of(flags);
+  const std::vector<fit::Specimen> specimens = read_all(flags.files, flags.relaxation);
+  std::vector<fit::SpecimenFit> fits;
+  fit::PooledFit pooled;
+  {
+    Progress bar("fit");
+    const double whole = static_cast<double>(specimens.size()) * (specimens.size() > 1 ? 1.15 : 1.0);
+    for (const fit::Specimen& specimen : specimens) {
+      const auto done = static_cast<double>(fits.size());
+      const auto progress = [&](double share, const std::string& what) {
+        bar.update((done + share) / whole, specimen.name + ": " + what);
+      };
+      progress(0.0, "search");
+      fits.push_back(
+          fit::fit_specimen(specimen, settings, static_cast<std::uint32_t>(fits.size()), progress));
+    }
+    const auto count = static_cast<double>(specimens.size());
+    pooled = fit::fit_pooled(specimens, fits, settings, [&](double share, const std::string& what) {
+      bar.update((count + share * (whole - count)) / whole, what);
+    });
+  }
+  if (!flags.out.empty()) write_tissue(flags.out, pooled.tissue);
+  if (!flags.report.empty()) {
+    const auto page = report::write_fit_report(fits, pooled, settings, command_line, flags.report);
+    tell("report: " + page.string());
+  }
+  std::cout << (flags.as_json ? fit_json(fits, pooled, settings) : fit_text(fits, pooled, settings));
+}
+
+}  // namespace
+
+void add_fit(CLI::App& program, const std::string& command_line, int& exit_code) {
+  auto flags = std::make_shared<FitFlags>();
+  CLI::App* command = program.add_subcommand(
+      "fit", "Tissue parameters with intervals, from measured force over displacement");
+  command
+      ->add_option("DATA", flags->files,
+                   "CSV files with columns displacement_mm,force_N and, when there are, time_s and specimen")
+      ->required();
+  command->add_option("--law", flags->law, "layered or smooth (default layered)");
+  command->add_option("--direction", flags->direction, "press or pull: which the data are (default press)");
+  command->add_flag("--relaxation", flags->relaxation,
+                    "fit relaxation too, of one to three terms; needs time_s");
+  command->add_option("--rate-Hz", flags->rate,
+                      "loop rate that the tissue is for: decides how many layers move (default 1000)");
+  command->add_option("--t1-us", flags->t1, "delay of the first layer, microseconds (default 1)");
+  command->add_option("--bootstrap", flags->bootstrap,
+                      "resamples for a second kind of interval (default 0: none)");
+  command->add_option("--seed", flags->seed, "of the random numbers behind the intervals (default 1)");
+  command->add_option("--out", flags->out, "tissue file to write: the fit of all specimens together");
+  command->add_option("--report", flags->report, "folder for a page with a picture a specimen");
+  command->add_flag("--json", flags->as_json, "one JSON document");
+  command->footer(
+      "Examples:\n"
+      "  palpate fit liver-1.csv liver-2.csv --law smooth --out liver.toml --report liver-fit\n"
+      "  palpate fit hold.csv --direction press --relaxation --bootstrap 200 --json\n"
+      "docs/fitting.md says how to measure and how to read the intervals.");
+  command->callback([flags, command_line, &exit_code] {
+    fit_all(*flags, command_line);
+    exit_code = kDone;
+  });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,159 @@
+#include "app/fit_summary.h"
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/base/text.h"
+
+namespace palpate::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using fit::Estimate;
+using fit::Interval;
+
+/// What of an estimate is shown, times 1/unit: a number, two, or null.
+using Part = std::function<Json(const Estimate&, double unit)>;
+
+Json pair_json(const Interval& interval, double unit) {
+  return Json::array({interval.low / unit, interval.high / unit});
+}
+
+Json value_part(const Estimate& estimate, double unit) { return estimate.value / unit; }
+Json interval_part(const Estimate& estimate, double unit) { return pair_json(estimate.interval, unit); }
+Json covariance_part(const Estimate& estimate, double unit) {
+  return estimate.covariance ? pair_json(*estimate.covariance, unit) : Json(nullptr);
+}
+Json bootstrap_part(const Estimate& estimate, double unit) {
+  return estimate.bootstrap ? pair_json(*estimate.bootstrap, unit) : Json(nullptr);
+}
+
+/// The shared parameters by their names, relaxation terms as a list.
+Json shared_json(const std::vector<Estimate>& estimates, std::size_t terms, const Part& part) {
+  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+  Json json;
+  for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
+    json[labels[i].name] = part(estimates[i], labels[i].unit);
+  }
+  json["relaxation"] = Json::array();
+  for (std::size_t i = fit::kLawParameters; i < fit::shared_count(terms); i += 2) {
+    json["relaxation"].push_back(
+        {{"share", part(estimates[i], 1.0)}, {"time_s", part(estimates[i + 1], 1.0)}});
+  }
+  return json;
+}
+
+/// All of a specimen's parameters by their names.
+Json all_json(const fit::SpecimenFit& fit, const Part& part) {
+  Json json = shared_json(fit.estimates, fit.terms, part);
+  const std::vector<fit::ParameterLabel> labels = fit::labels(fit.terms);
+  for (std::size_t i = fit::shared_count(fit.terms); i < labels.size(); ++i) {
+    json[labels[i].name] = part(fit.estimates[i], labels[i].unit);
+  }
+  return json;
+}
+
+Json specimen_json(const fit::SpecimenFit& fit) {
+  const std::vector<fit::ParameterLabel> labels = fit::labels(fit.terms);
+  const std::size_t own = fit::shared_count(fit.terms);
+  Json json = {{"name", fit.name},
+               {"law", model::to_string(fit.law)},
+               {"layers", fit.layers_allowed},
+               {"layers_reached", fit.layers_reached},
+               {"parameters", shared_json(fit.estimates, fit.terms, value_part)}};
+  for (std::size_t i = own; i < labels.size(); ++i) {
+    json[labels[i].name] = fit.estimates[i].value / labels[i].unit;
+  }
+  json["interval_95"] = all_json(fit, interval_part);
+  json["covariance_95"] = all_json(fit, covariance_part);
+  if (fit.estimates.front().bootstrap) json["bootstrap_95"] = all_json(fit, bootstrap_part);
+  json["rms_N"] = fit.rms;
+  json["nrmse"] = fit.nrmse;
+  json["leave_out_nrmse"] = fit.leave_out;
+  json["points"] = fit.points;
+  json["rows"] = fit.rows;
+  json["warnings"] = fit.warnings;
+  return json;
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f %%", 100.0 * share);
+  return text;
+}
+
+std::string brief(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string padded(const std::string& text, std::size_t width) {
+  return text.size() < width ? text + std::string(width - text.size(), ' ') : text + ' ';
+}
+
+std::string estimate_lines(const std::vector<Estimate>& estimates, std::size_t terms) {
+  constexpr std::size_t kNameWidth = 24;
+  constexpr std::size_t kValueWidth = 12;
+  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+  std::string text;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const double unit = labels[i].unit;
+    text += "  " + padded(labels[i].name, kNameWidth) +
+            padded(brief(estimates[i].value / unit), kValueWidth) + brief(estimates[i].interval.low / unit) +
+            " to " + brief(estimates[i].interval.high / unit) + '\n';
+  }
+  return text;
+}
+
+std::string warning_lines(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += "  ! " + warning + '\n';
+  return text;
+}
+
+}  // namespace
+
+std::string fit_json(const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
+                     const fit::Settings& settings) {
+  Json json;
+  json["specimens"] = Json::array();
+  for (const fit::SpecimenFit& fit : fits) json["specimens"].push_back(specimen_json(fit));
+  json["pooled"] = {{"law", model::to_string(settings.law)},
+                    {"direction", settings.direction == model::Direction::kPull ? "pull" : "press"},
+                    {"specimens", pooled.specimens},
+                    {"layers", pooled.layers_allowed},
+                    {"layers_reached", pooled.layers_reached},
+                    {"parameters", shared_json(pooled.estimates, pooled.terms, value_part)},
+                    {"interval_95", shared_json(pooled.estimates, pooled.terms, interval_part)},
+                    {"rms_N", pooled.rms},
+                    {"nrmse", pooled.nrmse},
+                    {"points", pooled.points},
+                    {"warnings", pooled.warnings}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+std::string fit_text(const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
+                     const fit::Settings& settings) {
+  std::string text;
+  for (const fit::SpecimenFit& fit : fits) {
+    text += fit.name + ": " + model::to_string(fit.law) + " law, " + std::to_string(fit.points) +
+            " points, error " + percent(fit.nrmse) + " of the force range (" + brief(fit.rms) +
+            " N), on points left out " + percent(fit.leave_out) + ", " + std::to_string(fit.layers_reached) +
+            " of " + std::to_string(fit.layers_allowed) +
+            " layers reached; parameter, best, 95 % interval:\n" + estimate_lines(fit.estimates, fit.terms) +
+            warning_lines(fit.warnings);
+  }
+  if (fits.size() > 1) {
+    text += "All " + std::to_string(pooled.specimens) + " together: " + model::to_string(settings.law) +
+            " law, error " + percent(pooled.nrmse) + " of the force range:\n" +
+            estimate_lines(pooled.estimates, pooled.terms) + warning_lines(pooled.warnings);
+  }
+  return text;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,173 @@
+#include "palpate/fit/ensemble.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "palpate/base/portable_math.h"
+#include "palpate/fit/random.h"
+
+namespace palpate::fit {
+namespace {
+
+constexpr std::uint32_t kRandomPart = 1;  // of a specimen's job
+constexpr int kGenerations = 900;         // of one round
+constexpr int kMostRounds = 4;            // the first is thrown away; more when halves differ
+constexpr int kKeepEvery = 4;
+constexpr double kSmallestSigma = 1e-7;  // of the range of force: figures in a file have no more digits
+
+/// ln of the posterior, up to a constant.
+class Posterior final {
+ public:
+  Posterior(const Problem& problem, double effective)
+      : problem_(problem),
+        part_(problem.parts.front()),
+        own_bounds_(fit::own_bounds(part_.prior)),
+        effective_(effective),
+        values_(residual_count(part_)) {}
+
+  [[nodiscard]] double at(const Point& point) {
+    const std::size_t shared = problem_.bounds.low.size();
+    for (std::size_t i = 0; i < point.size(); ++i) {
+      const double low = i < shared ? problem_.bounds.low[i] : own_bounds_.low[i - shared];
+      const double high = i < shared ? problem_.bounds.high[i] : own_bounds_.high[i - shared];
+      if (!(point[i] >= low && point[i] <= high)) return kNever;
+    }
+    const std::span<const double> all(point);
+    residuals(problem_, part_, all.first(shared), all.subspan(shared), values_);
+    const std::size_t points = part_.specimen->size();
+    double squares = static_cast<double>(points) * kSmallestSigma * kSmallestSigma;
+    for (std::size_t i = 0; i < points; ++i) squares += values_[i] * values_[i];
+    double prior = 0.0;
+    for (std::size_t i = points; i < values_.size(); ++i) prior += values_[i] * values_[i];
+    prior /= problem_.sigma * problem_.sigma;
+    const double result = -0.5 * effective_ * portable::log(squares) - 0.5 * prior;
+    return std::isfinite(result) ? result : kNever;
+  }
+
+ private:
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
+
+  const Problem& problem_;
+  const Part& part_;
+  Bounds own_bounds_;
+  double effective_;
+  std::vector<double> values_;
+};
+
+struct Walker {
+  Point point;
+  double log_posterior = 0.0;
+};
+
+Point joined(const Solution& solution) {
+  Point point = solution.shared;
+  point.insert(point.end(), solution.own.front().begin(), solution.own.front().end());
+  return point;
+}
+
+/// Walkers around the minima that the data do not rule out, most of them around the best.
+std::vector<Walker> first_walkers(Posterior& posterior, const std::vector<Solution>& minima,
+                                  std::size_t count, Random& random) {
+  constexpr double kRuledOut = 12.0;  // ln of a ratio of probabilities
+  const double best = posterior.at(joined(minima.front()));
+  std::vector<Point> centres;
+  for (const Solution& minimum : minima) {
+    const Point centre = joined(minimum);
+    if (posterior.at(centre) > best - kRuledOut) centres.push_back(centre);
+  }
+  if (centres.empty()) centres.push_back(joined(minima.front()));
+  std::vector<Walker> walkers;
+  for (std::size_t w = 0; w < count; ++w) {
+    const Point& centre = centres[w % 2 == 0 ? 0 : (w / 2) % centres.size()];
+    Walker walker;
+    double spread = 0.05;
+    do {  // nearer and nearer until it is somewhere the data do not rule out
+      walker.point = centre;
+      for (double& value : walker.point) value += spread * random.normal();
+      walker.log_posterior = posterior.at(walker.point);
+      spread *= 0.6;
+    } while (!(walker.log_posterior > best - 2.0 * kRuledOut) && spread > 1e-9);
+    if (!std::isfinite(walker.log_posterior)) {
+      walker.point = centre;
+      walker.log_posterior = posterior.at(centre);
+    }
+    walkers.push_back(std::move(walker));
+  }
+  return walkers;
+}
+
+/// One step of every walker in turn.
+void step_all(Posterior& posterior, std::vector<Walker>& walkers, bool whole_steps, Random& random) {
+  const std::size_t dimensions = walkers.front().point.size();
+  const double usual = 2.38 / std::sqrt(2.0 * static_cast<double>(dimensions));
+  for (std::size_t w = 0; w < walkers.size(); ++w) {
+    std::size_t a = random.below(walkers.size() - 1);
+    std::size_t b = random.below(walkers.size() - 2);
+    if (b >= a) ++b;  // two different ones of the others
+    if (a >= w) ++a;
+    if (b >= w) ++b;
+    const double gamma = whole_steps ? 1.0 : usual * (0.5 + random.uniform());
+    Walker tried;
+    tried.point = walkers[w].point;
+    for (std::size_t i = 0; i < dimensions; ++i) {
+      const double way = walkers[a].point[i] - walkers[b].point[i];
+      // a little of its own for every direction, or walkers would stay in the space that they began in
+      tried.point[i] += gamma * way + 0.01 * way * random.normal() + 1e-9 * random.normal();
+    }
+    tried.log_posterior = posterior.at(tried.point);
+    const double rise = tried.log_posterior - walkers[w].log_posterior;
+    if (rise >= 0.0 || portable::log(random.uniform()) < rise) walkers[w] = std::move(tried);
+  }
+}
+
+double quantile_of(const std::vector<Point>& points, std::size_t begin, std::size_t end, std::size_t index,
+                   double share) {
+  std::vector<double> values;
+  for (std::size_t i = begin; i < end; ++i) values.push_back(points[i][index]);
+  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + place, values.end());
+  return values[static_cast<std::size_t>(place)];
+}
+
+/// Whether the ends of the 95 % interval of every parameter are the same in both halves to a fifth of its
+/// width.
+bool halves_agree(const std::vector<Point>& points) {
+  constexpr double kPart = 0.2;
+  const std::size_t middle = points.size() / 2;
+  for (std::size_t i = 0; i < points.front().size(); ++i) {
+    const double low_1 = quantile_of(points, 0, middle, i, 0.025);
+    const double low_2 = quantile_of(points, middle, points.size(), i, 0.025);
+    const double high_1 = quantile_of(points, 0, middle, i, 0.975);
+    const double high_2 = quantile_of(points, middle, points.size(), i, 0.975);
+    const double width = std::max(high_1, high_2) - std::min(low_1, low_2);
+    if (std::abs(low_1 - low_2) > kPart * width || std::abs(high_1 - high_2) > kPart * width) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Ensemble draw_ensemble(const Problem& problem, const std::vector<Solution>& minima, double effective,
+                       std::uint64_t seed, std::uint32_t job, const std::function<void(double)>& progress) {
+  Random random(seed, job, kRandomPart);
+  Posterior posterior(problem, effective);
+  const std::size_t dimensions = problem.bounds.low.size() + kOwnParameters;
+  std::vector<Walker> walkers = first_walkers(posterior, minima, 4 * dimensions, random);
+  Ensemble ensemble;
+  for (int round = 0; round < kMostRounds && !ensemble.settled; ++round) {
+    ensemble.points.clear();  // the rounds before were the way there
+    for (int generation = 0; generation < kGenerations; ++generation) {
+      constexpr int kWholeStepEvery = 10;
+      step_all(posterior, walkers, generation % kWholeStepEvery == 0, random);
+      if (generation % kKeepEvery == 0) {
+        for (const Walker& walker : walkers) ensemble.points.push_back(walker.point);
+        if (progress) progress((round + static_cast<double>(generation) / kGenerations) / 2.0);
+      }
+    }
+    ensemble.settled = round > 0 && halves_agree(ensemble.points);
+  }
+  return ensemble;
+}
+
+}  // namespace palpate::fit

@@ -1,0 +1,178 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "palpate/base/error.h"
+#include "palpate/base/portable_math.h"
+#include "palpate/fit/fit.h"
+#include "palpate/fit/forward.h"
+#include "palpate/fit/intervals.h"
+#include "palpate/fit/minima.h"
+#include "palpate/fit/random.h"
+
+namespace palpate::fit {
+namespace {
+
+constexpr std::uint32_t kPooledJob = 0xffff'ffff;  // the random numbers of no specimen
+constexpr std::uint32_t kRandomPart = 3;
+constexpr std::size_t kMostPoints = 400;  // of a specimen, pooled
+constexpr int kResamples = 100;           // of specimens, for the intervals
+
+/// As many terms as most specimens have, the fewer on a tie.
+std::size_t usual_terms(const std::vector<SpecimenFit>& fits) {
+  std::map<std::size_t, std::size_t> counts;
+  for (const SpecimenFit& fit : fits) ++counts[fit.terms];
+  const auto most = std::max_element(counts.begin(), counts.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most->first;
+}
+
+/// Starts from the specimens' own fits that have as many terms: the middle of them, and the few whose law
+/// suits all best.
+std::vector<Solution> own_starts(const Problem& problem, const std::vector<SpecimenFit>& fits) {
+  constexpr std::size_t kTaken = 3;
+  std::vector<Point> own;
+  for (const SpecimenFit& fit : fits) own.push_back(fit.own);
+  std::vector<Solution> all;
+  std::vector<std::vector<double>> columns(shared_count(problem.terms));
+  for (const SpecimenFit& fit : fits) {
+    if (fit.terms != problem.terms) continue;
+    all.push_back({fit.shared, own, cost_of(problem, fit.shared, own)});
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].push_back(fit.shared[i]);
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
+  if (all.size() > kTaken) all.resize(kTaken);
+  Solution middle;
+  for (const std::vector<double>& column : columns) middle.shared.push_back(quantile(column, 0.5));
+  middle.own = own;
+  all.push_back(std::move(middle));
+  return all;
+}
+
+/// The shared parameters of tissues whose specimens were drawn again from the same ones.
+std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Progress& progress) {
+  Random random(seed, kPooledJob, kRandomPart);
+  const Solution& best = minima.all.front();
+  const std::size_t count = minima.problem.parts.size();
+  std::vector<Point> points;
+  for (int b = 0; b < kResamples; ++b) {
+    std::vector<double> times(count, 0.0);
+    for (std::size_t i = 0; i < count; ++i) times[random.below(count)] += 1.0;
+    Problem problem = minima.problem;
+    problem.parts.clear();
+    Solution start;
+    start.shared = best.shared;
+    for (std::size_t p = 0; p < count; ++p) {
+      if (times[p] == 0.0) continue;
+      problem.parts.push_back(minima.problem.parts[p]);
+      for (double& weight : problem.parts.back().weight) weight *= times[p];
+      start.own.push_back(best.own[p]);
+    }
+    Point point = solve(problem, start, 20).shared;
+    point.insert(point.end(), {0.0, 0.0});  // no specimen's own
+    points.push_back(std::move(point));
+    if (progress) progress(0.3 + 0.7 * (b + 1) / kResamples, "pooled intervals");
+  }
+  return points;
+}
+
+PooledFit of_one(const SpecimenFit& fit, const Settings& settings) {
+  PooledFit pooled;
+  pooled.terms = fit.terms;
+  pooled.estimates.assign(fit.estimates.begin(),
+                          fit.estimates.begin() + static_cast<std::ptrdiff_t>(shared_count(fit.terms)));
+  pooled.layers_allowed = fit.layers_allowed;
+  pooled.layers_reached = fit.layers_reached;
+  pooled.rms = fit.rms;
+  pooled.nrmse = fit.nrmse;
+  pooled.points = fit.points;
+  pooled.specimens = 1;
+  pooled.tissue = tissue_of(fit.shared, settings);
+  return pooled;
+}
+
+/// Whether a shared parameter alone can be moved by a factor 1.5 either way without the fit getting worse by
+/// 1 %: then drawing specimens again does not move it, and its interval says nothing.
+bool does_nothing(const Minima& minima, std::size_t index) {
+  const Solution& best = minima.all.front();
+  const double factor = portable::log(1.5);
+  for (const double way : {-factor, factor}) {
+    Point moved = best.shared;
+    moved[index] += way;
+    if (cost_of(minima.problem, moved, best.own) > 1.01 * best.cost) return false;
+  }
+  return true;
+}
+
+void add_errors(const Minima& minima, PooledFit& pooled) {
+  const Solution& best = minima.all.front();
+  double newtons = 0.0;
+  double shares = 0.0;
+  for (std::size_t p = 0; p < minima.problem.parts.size(); ++p) {
+    const Part& part = minima.problem.parts[p];
+    double squares = 0.0;
+    for (const double r : plain_residuals(minima.problem, part, best.shared, best.own[p])) squares += r * r;
+    newtons += squares * part.ranges.force * part.ranges.force;
+    shares += squares / static_cast<double>(part.specimen->size());
+    pooled.points += part.specimen->size();
+    const LayerCount layers =
+        layers_of(*part.specimen, part.ranges, minima.problem.settings, best.shared, best.own[p]);
+    pooled.layers_allowed = layers.allowed;
+    pooled.layers_reached = std::max(pooled.layers_reached, layers.reached);
+  }
+  pooled.rms = std::sqrt(newtons / static_cast<double>(pooled.points));
+  pooled.nrmse = std::sqrt(shares / static_cast<double>(minima.problem.parts.size()));
+}
+
+}  // namespace
+
+PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
+                     const Settings& settings, const Progress& progress) {
+  if (specimens.empty() || specimens.size() != fits.size()) {
+    throw InputError("pooled fit: needs at least one specimen, and a fit of each");
+  }
+  if (specimens.size() == 1) return of_one(fits.front(), settings);
+  std::vector<Specimen> used;
+  for (const Specimen& specimen : specimens) used.push_back(thinned(specimen, kMostPoints));
+  std::vector<Part> parts;
+  for (const Specimen& specimen : used) {
+    parts.push_back(make_part(specimen));
+    const double equal = 100.0 / static_cast<double>(specimen.size());  // each specimen counts the same
+    for (double& weight : parts.back().weight) weight = equal;
+  }
+  const std::size_t terms = usual_terms(fits);
+  Problem problem = make_problem(settings, terms, std::move(parts));
+  if (progress) progress(0.05, "pooled fit");
+  const std::vector<Solution> from = own_starts(problem, fits);
+  const Minima minima = find_minima(std::move(problem), from);
+  const Solution& best = minima.all.front();
+  const std::vector<Interval> intervals = intervals_of(resampled(minima, settings.seed, progress), {}, terms);
+  const Point none(kOwnParameters, 0.0);
+  const std::vector<double> values = values_of(best.shared, none, {});
+  PooledFit pooled;
+  pooled.terms = terms;
+  pooled.specimens = specimens.size();
+  for (std::size_t i = 0; i < shared_count(terms); ++i) {
+    Estimate estimate;
+    estimate.value = values[i];
+    estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
+    if (i < kLawParameters && does_nothing(minima, i)) {
+      estimate.interval = {portable::exp(minima.problem.bounds.low[i]),
+                           portable::exp(minima.problem.bounds.high[i])};
+      pooled.warnings.push_back(labels(terms)[i].name +
+                                " is not determined by the data: the fit is as good without it");
+    }
+    pooled.estimates.push_back(estimate);
+  }
+  add_errors(minima, pooled);
+  pooled.tissue = tissue_of(best.shared, settings);
+  constexpr std::size_t kFewSpecimens = 6;
+  if (specimens.size() < kFewSpecimens) {
+    pooled.warnings.push_back("the pooled intervals come from how " + std::to_string(specimens.size()) +
+                              " specimens differ: too few to trust them to 95 %");
+  }
+  return pooled;
+}
+
+}  // namespace palpate::fit

@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/base/error.h"
+#include "palpate/base/portable_math.h"
+#include "palpate/base/text.h"
+#include "palpate/fit/ensemble.h"
+#include "palpate/fit/fit.h"
+#include "palpate/fit/forward.h"
+#include "palpate/fit/intervals.h"
+#include "palpate/fit/minima.h"
+#include "palpate/fit/resampling.h"
+#include "palpate/fit/warnings.h"
+
+namespace palpate::fit {
+namespace {
+
+constexpr std::size_t kMostPoints = 1000;       // of a specimen without relaxation
+constexpr std::size_t kMostTimedPoints = 2000;  // with relaxation, whose fast terms need dense samples
+
+void check(const Specimen& specimen, const Settings& settings) {
+  if (specimen.size() < kFewestPoints) {
+    throw InputError("specimen " + specimen.name + ": has " + std::to_string(specimen.size()) +
+                     " points, must have at least " + std::to_string(kFewestPoints));
+  }
+  if (settings.relaxation && specimen.time.empty()) {
+    throw InputError("specimen " + specimen.name + ": has no column time_s, which --relaxation needs");
+  }
+}
+
+/// Bayes's information criterion: ln of the effective number of points a parameter.
+double criterion(const Minima& minima) {
+  const double n = minima.effective;
+  const auto points = static_cast<double>(minima.problem.parts.front().specimen->size());
+  const auto parameters = static_cast<double>(shared_count(minima.problem.terms) + kOwnParameters);
+  return n * portable::log(std::max(minima.all.front().cost / points, 1e-14)) + parameters * portable::log(n);
+}
+
+/// The minima with as many relaxation terms as the data bear: one more as long as the criterion falls.
+Minima with_terms(const Part& part, const Settings& settings, const Progress& progress) {
+  constexpr double kWorthIt = 6.0;
+  if (!settings.relaxation) return find_minima(make_problem(settings, 0, {part}));
+  Minima best = find_minima(make_problem(settings, 1, {part}));
+  for (std::size_t terms = 2; terms <= model::kMostRelaxationTerms; ++terms) {
+    if (progress) progress(0.1 * static_cast<double>(terms), "relaxation terms");
+    // besides the search: what was found, its slowest term split in two
+    std::vector<Solution> more;
+    for (const double factor : {0.15, 0.4, 3.0, 8.0}) {
+      Solution start = best.all.front();
+      const double share = start.shared[start.shared.size() - 2] - portable::log(2.0);
+      const double time = start.shared.back();
+      start.shared[start.shared.size() - 2] = share;
+      start.shared.insert(start.shared.end(), {share, time + portable::log(factor)});
+      more.push_back(std::move(start));
+    }
+    Minima tried = find_minima(make_problem(settings, terms, {part}), more);
+    // both by the same count of independent points, the larger one
+    const double effective = std::max(best.effective, tried.effective);
+    best.effective = effective;
+    tried.effective = effective;
+    if (!(criterion(tried) < criterion(best) - kWorthIt)) break;
+    best = std::move(tried);
+  }
+  const Solution& found = best.all.front();
+  best.effective = effective_count(plain_residuals(best.problem, part, found.shared, found.own.front()));
+  return best;
+}
+
+/// The fitted curve with its band: at every point what 95 % of the ensemble's curves lie between.
+Curve curve_of(const Minima& minima, const std::vector<Point>& points) {
+  constexpr std::size_t kCurves = 240;
+  const Part& part = minima.problem.parts.front();
+  const Specimen& specimen = *part.specimen;
+  Curve curve;
+  curve.time = specimen.time;
+  curve.displacement = specimen.displacement;
+  curve.measured = specimen.force;
+  curve.fitted.resize(specimen.size());
+  const Solution& best = minima.all.front();
+  predict(specimen, part.ranges, minima.problem.settings, best.shared, best.own.front(), curve.fitted);
+  std::vector<std::vector<double>> forces(specimen.size());
+  std::vector<double> force(specimen.size());
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kCurves);
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const std::span<const double> all(points[i]);
+    const std::size_t shared = best.shared.size();
+    predict(specimen, part.ranges, minima.problem.settings, all.first(shared), all.subspan(shared), force);
+    for (std::size_t k = 0; k < force.size(); ++k) forces[k].push_back(force[k]);
+  }
+  for (const std::vector<double>& at : forces) {
+    curve.low.push_back(quantile(at, 0.025));
+    curve.high.push_back(quantile(at, 0.975));
+  }
+  return curve;
+}
+
+void add_estimates(const Minima& minima, const std::vector<Point>& drawn, const std::vector<Point>& resampled,
+                   SpecimenFit& fit) {
+  const Part& part = minima.problem.parts.front();
+  const Solution& best = minima.all.front();
+  const std::vector<double> values = values_of(best.shared, best.own.front(), part.ranges);
+  const std::vector<Interval> intervals = intervals_of(drawn, part.ranges, fit.terms);
+  const auto covariance = covariance_intervals(minima);
+  std::vector<Interval> bootstrap;
+  if (!resampled.empty()) bootstrap = intervals_of(resampled, part.ranges, fit.terms);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    Estimate estimate;
+    estimate.value = values[i];
+    // the best fit of a law with corners can lie at the edge of what the data allow: never outside
+    estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
+    estimate.covariance = covariance[i];
+    if (!bootstrap.empty()) estimate.bootstrap = bootstrap[i];
+    fit.estimates.push_back(estimate);
+  }
+}
+
+void add_errors(const Minima& minima, SpecimenFit& fit) {
+  const Part& part = minima.problem.parts.front();
+  double squares = 0.0;
+  for (const double r : plain_residuals(minima.problem, part, fit.shared, fit.own)) squares += r * r;
+  fit.nrmse = std::sqrt(squares / static_cast<double>(fit.points));
+  fit.rms = fit.nrmse * part.ranges.force;
+  fit.leave_out = leave_out_error(minima);
+}
+
+}  // namespace
+
+SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
+                         const Progress& progress) {
+  check(specimen, settings);
+  const auto told = [&progress](double from, double to, const char* what) {
+    return [&progress, from, to, what](double share) {
+      if (progress) progress(from + share * (to - from), what);
+    };
+  };
+  const Specimen used = thinned(specimen, settings.relaxation ? kMostTimedPoints : kMostPoints);
+  const Part part = make_part(used);
+  const Minima minima = with_terms(part, settings, progress);
+  SpecimenFit fit;
+  fit.name = specimen.name;
+  fit.law = settings.law;
+  fit.terms = minima.problem.terms;
+  fit.points = used.size();
+  fit.rows = specimen.size();
+  fit.shared = minima.all.front().shared;
+  fit.own = minima.all.front().own.front();
+  const LayerCount layers = layers_of(used, part.ranges, settings, fit.shared, fit.own);
+  fit.layers_allowed = layers.allowed;
+  fit.layers_reached = layers.reached;
+  const double most = settings.bootstrap > 0 ? 0.6 : 0.95;
+  const double fewest = static_cast<double>(fit.shared.size() + kOwnParameters + 2);
+  const double effective = std::max(minima.effective, fewest);
+  const Ensemble ensemble =
+      draw_ensemble(minima.problem, minima.all, effective, settings.seed, job, told(0.3, most, "intervals"));
+  const std::vector<Point> resampled =
+      bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"));
+  add_estimates(minima, ensemble.points, resampled, fit);
+  add_errors(minima, fit);
+  fit.curve = curve_of(minima, ensemble.points);
+  fit.warnings = warnings_of(minima, ensemble, fit);
+  return fit;
+}
+
+}  // namespace palpate::fit

@@ -1,0 +1,127 @@
+#include "palpate/fit/minima.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "palpate/fit/forward.h"
+#include "palpate/fit/starts.h"
+
+namespace palpate::fit {
+namespace {
+
+constexpr std::size_t kStarts = 12;
+constexpr std::size_t kKept = 5;  // minima that are descended to again with the loss
+constexpr double kSmallestSigma = 1e-7;
+
+void sort_by_cost(std::vector<Solution>& all) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
+}
+
+/// The best few, without those that are the same as a better one.
+std::vector<Solution> distinct(std::vector<Solution> all, std::size_t most) {
+  constexpr double kSame = 1e-3;
+  sort_by_cost(all);
+  std::vector<Solution> kept;
+  for (Solution& solution : all) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&solution](const Solution& other) {
+      double distance = 0.0;
+      for (std::size_t i = 0; i < solution.shared.size(); ++i) {
+        distance = std::max(distance, std::abs(solution.shared[i] - other.shared[i]));
+      }
+      return distance < kSame;
+    });
+    if (!known && std::isfinite(solution.cost)) kept.push_back(std::move(solution));
+    if (kept.size() == most) break;
+  }
+  return kept;
+}
+
+std::vector<Solution> descend(const Problem& problem, const std::vector<Solution>& from) {
+  std::vector<Solution> reached;
+  for (const Solution& start : from) reached.push_back(solve(problem, start));
+  return reached;
+}
+
+/// Spread of the residuals around a solution that outliers do not change: 1.4826 x the median of their sizes.
+double robust_spread(const Problem& problem, const Solution& solution) {
+  std::vector<double> sizes;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    const std::vector<double> values =
+        plain_residuals(problem, problem.parts[p], solution.shared, solution.own[p]);
+    for (const double value : values) sizes.push_back(std::abs(value));
+  }
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return std::max(1.4826 * *middle, kSmallestSigma);
+}
+
+/// The noise's standard deviation, from the squares after the loss.
+double sigma_of(const Problem& problem, const Solution& solution) {
+  std::size_t points = 0;
+  for (const Part& part : problem.parts) points += part.specimen->size();
+  const std::size_t parameters = solution.shared.size() + kOwnParameters * problem.parts.size();
+  const std::size_t freedom = points > parameters ? points - parameters : 1;
+  return std::max(std::sqrt(solution.cost / static_cast<double>(freedom)), kSmallestSigma);
+}
+
+}  // namespace
+
+std::vector<double> plain_residuals(const Problem& problem, const Part& part, const Point& shared,
+                                    const Point& own) {
+  const Specimen& specimen = *part.specimen;
+  std::vector<double> force(specimen.size());
+  predict(specimen, part.ranges, problem.settings, shared, own, force);
+  std::vector<std::size_t> order(specimen.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (specimen.time.empty()) {
+    std::stable_sort(order.begin(), order.end(), [&specimen](std::size_t a, std::size_t b) {
+      return specimen.displacement[a] < specimen.displacement[b];
+    });
+  }
+  std::vector<double> values;
+  for (const std::size_t i : order) values.push_back((force[i] - specimen.force[i]) / part.ranges.force);
+  return values;
+}
+
+double effective_count(const std::vector<double>& residuals) {
+  const auto n = static_cast<double>(residuals.size());
+  const double mean = std::accumulate(residuals.begin(), residuals.end(), 0.0) / n;
+  double together = 0.0;
+  double all = 0.0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const double value = residuals[i] - mean;
+    all += value * value;
+    if (i > 0) together += value * (residuals[i - 1] - mean);
+  }
+  const double likeness = all > 0.0 ? std::clamp(together / all, 0.0, 0.99) : 0.0;
+  return n * (1.0 - likeness) / (1.0 + likeness);
+}
+
+Minima find_minima(Problem problem, const std::vector<Solution>& more) {
+  constexpr double kLoss = 4.0;  // spreads: Cauchy's loss there costs a normal noise 1 % of its information
+  std::vector<Solution> from = starts(problem, kStarts);
+  from.insert(from.begin(), more.begin(), more.end());
+  std::vector<Solution> found = distinct(descend(problem, from), kKept);
+  if (found.empty()) found = {Solution{problem.bounds.low, {}, 0.0}};
+  for (int round = 0; round < 2; ++round) {
+    problem.loss_scale = kLoss * robust_spread(problem, found.front());
+    problem.sigma = sigma_of(problem, found.front());
+    found = distinct(descend(problem, found), kKept);
+  }
+  problem.sigma = sigma_of(problem, found.front());
+  Minima minima;
+  double effective = 0.0;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    effective += effective_count(
+        plain_residuals(problem, problem.parts[p], found.front().shared, found.front().own[p]));
+  }
+  minima.problem = std::move(problem);
+  minima.all = std::move(found);
+  minima.effective = effective;
+  return minima;
+}
+
+}  // namespace palpate::fit

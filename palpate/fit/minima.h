@@ -1,0 +1,30 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "palpate/fit/least_squares.h"
+
+namespace palpate::fit {
+
+/// The minima of a problem, best first, with the loss and the sigma that its residuals call for.
+struct Minima {
+  Problem problem;  // with loss_scale and sigma as found
+  std::vector<Solution> all;
+  double effective = 0.0;  // points that count as independent, from how residuals follow their neighbours
+};
+
+/// [setup] Searches coarsely, descends from the best starts, sets the loss by the residuals' own spread (half
+/// of them lie within 0.6745 of it, so that outliers do not count), and descends again from the best few.
+/// @param more starts to descend from besides
+[[nodiscard]] Minima find_minima(Problem problem, const std::vector<Solution>& more = {});
+
+/// [setup] Residuals of a part's points in shares of its range of force, without loss and weights; in order
+/// of time, or without times of displacement.
+[[nodiscard]] std::vector<double> plain_residuals(const Problem& problem, const Part& part,
+                                                  const Point& shared, const Point& own);
+
+/// [setup] How many independent values carry as much as these: n (1 - r)/(1 + r), r the correlation of
+/// neighbours, where that is above 0. Noise of a sensor leaves n, a law that misses the curve much less.
+[[nodiscard]] double effective_count(const std::vector<double>& residuals);
+
+}  // namespace palpate::fit

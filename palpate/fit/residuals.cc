@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/base/portable_math.h"
+#include "palpate/fit/forward.h"
+#include "palpate/fit/least_squares.h"
+
+namespace palpate::fit {
+namespace {
+
+/// The number whose square is Cauchy's loss of r, with r's sign.
+double after_loss(double r, double scale) {
+  if (std::isinf(scale)) return r;
+  const double share = r / scale;
+  return std::copysign(scale * std::sqrt(portable::log1p(share * share)), r);
+}
+
+}  // namespace
+
+Part make_part(const Specimen& specimen) {
+  Part part;
+  part.specimen = &specimen;
+  part.ranges = ranges_of(specimen);
+  part.prior = own_prior(part.ranges);
+  part.weight.assign(specimen.size(), 1.0);
+  return part;
+}
+
+Problem make_problem(const Settings& settings, std::size_t terms, std::vector<Part> parts) {
+  Problem problem;
+  problem.settings = settings;
+  problem.terms = terms;
+  problem.parts = std::move(parts);
+  for (const Part& part : problem.parts) {
+    const Bounds bounds = shared_bounds(part.ranges, terms);
+    if (problem.bounds.low.empty()) problem.bounds = bounds;
+    for (std::size_t i = 0; i < bounds.low.size(); ++i) {
+      problem.bounds.low[i] = std::min(problem.bounds.low[i], bounds.low[i]);
+      problem.bounds.high[i] = std::max(problem.bounds.high[i], bounds.high[i]);
+    }
+  }
+  return problem;
+}
+
+std::size_t residual_count(const Part& part) noexcept { return part.specimen->size() + kOwnParameters; }
+
+void residuals(const Problem& problem, const Part& part, std::span<const double> shared,
+               std::span<const double> own, std::span<double> out) {
+  const std::size_t points = part.specimen->size();
+  predict(*part.specimen, part.ranges, problem.settings, shared, own, out.first(points));
+  for (std::size_t i = 0; i < points; ++i) {
+    const double residual = (out[i] - part.specimen->force[i]) / part.ranges.force;
+    out[i] = std::sqrt(part.weight[i]) * after_loss(residual, problem.loss_scale);
+  }
+  const OwnPrior& prior = part.prior;
+  out[points] = problem.sigma * (own[0] - prior.first_contact) / prior.first_contact_spread;
+  out[points + 1] = problem.sigma * (own[1] - prior.offset) / prior.offset_spread;
+}
+
+double cost_of(const Problem& problem, const Point& shared, const std::vector<Point>& own) {
+  double cost = 0.0;
+  std::vector<double> values;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    values.resize(residual_count(problem.parts[p]));
+    residuals(problem, problem.parts[p], shared, own[p], values);
+    for (const double value : values) cost += value * value;
+  }
+  return std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> jacobian(const Problem& problem, const Part& part, std::span<const double> shared,
+                             std::span<const double> own) {
+  constexpr double kStep = 1e-6;  // of a logarithm, or of a range
+  const std::size_t rows = residual_count(part);
+  const std::size_t columns = shared.size() + own.size();
+  Point moved_shared(shared.begin(), shared.end());
+  Point moved_own(own.begin(), own.end());
+  std::vector<double> above(rows);
+  std::vector<double> below(rows);
+  std::vector<double> out(rows * columns);
+  for (std::size_t c = 0; c < columns; ++c) {
+    double& moved = c < shared.size() ? moved_shared[c] : moved_own[c - shared.size()];
+    const double there = moved;
+    moved = there + kStep;
+    residuals(problem, part, moved_shared, moved_own, above);
+    moved = there - kStep;
+    residuals(problem, part, moved_shared, moved_own, below);
+    moved = there;
+    for (std::size_t r = 0; r < rows; ++r) out[r * columns + c] = (above[r] - below[r]) / (2.0 * kStep);
+  }
+  return out;
+}
+
+}  // namespace palpate::fit

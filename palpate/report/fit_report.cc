@@ -1,0 +1,182 @@
+#include "palpate/report/fit_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <numeric>
+#include <system_error>
+#include <utility>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/base/units.h"
+#include "palpate/report/figures.h"
+#include "palpate/report/gnuplot.h"
+#include "palpate/report/page.h"
+#include "palpate/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
+constexpr const char* kOrange = "#D55E00";
+
+/// Two panes over one axis: force, then what is left of it. Columns: x, measured, fitted, low, high.
+std::string script(bool over_time) {
+  return "set encoding utf8\nset terminal svg size 760,620 dynamic noenhanced font 'Helvetica,14' background "
+         "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
+         "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
+         "set key top left Left reverse samplen 2 spacing 1.15 noopaque\nset lmargin 11\n"
+         "set multiplot\nset origin 0,0.36\nset size 1,0.64\nset bmargin 0.6\nset format x ''\n"
+         "set ylabel 'force, N'\n"
+         "plot 'curve.dat' using 1:4:5 with filledcurves lc rgb '#c9dfee' title '95 % band of the curve', "
+         "'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '" +
+         std::string(kOrange) + "' title 'measured', 'curve.dat' using 1:3 with lines lw 2 lc rgb '" + kBlue +
+         "' title 'fitted'\n"
+         "set origin 0,0\nset size 1,0.36\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\nset nokey\n"
+         "set xlabel '" +
+         std::string(over_time ? "time, s" : "displacement, mm") +
+         "'\nset ylabel 'fitted - measured, N'\n"
+         "plot 'curve.dat' using 1:($3-$2) with impulses lw 1 lc rgb '" +
+         kOrange + "', 0 with lines lw 1 lc rgb '#555555'\nunset multiplot\n";
+}
+
+std::vector<std::vector<double>> curve_rows(const fit::Curve& curve, bool over_time) {
+  std::vector<std::size_t> order(curve.measured.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (!over_time) {
+    std::stable_sort(order.begin(), order.end(), [&curve](std::size_t a, std::size_t b) {
+      return curve.displacement[a] < curve.displacement[b];
+    });
+  }
+  std::vector<std::vector<double>> rows;
+  for (const std::size_t i : order) {
+    const double x = over_time ? curve.time[i] : curve.displacement[i] / kMillimetre;
+    rows.push_back({x, curve.measured[i], curve.fitted[i], curve.low[i], curve.high[i]});
+  }
+  return rows;
+}
+
+Figure draw_curve(const fit::SpecimenFit& fit, const std::filesystem::path& file) {
+  const bool over_time = fit.terms > 0;
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Measured and fitted force of " + fit.name + ", and what is left";
+  figure.caption =
+      "Measured force, the fitted curve with the band that 95 % of the curves lie in that the data allow, "
+      "and what is left.";
+  try {
+    run_gnuplot(script(over_time), {{"curve.dat", curve_rows(fit.curve, over_time)}}, file);
+  } catch (const FigureError& error) {
+    figure.missing = error.what();
+  }
+  return figure;
+}
+
+std::string digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string range_text(const fit::Interval& interval, double unit) {
+  return digits(interval.low / unit) + " to " + digits(interval.high / unit);
+}
+
+TableRows estimate_table(const std::vector<fit::Estimate>& estimates, std::size_t terms) {
+  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+  const bool covariance = std::any_of(estimates.begin(), estimates.end(), [](const fit::Estimate& estimate) {
+    return estimate.covariance.has_value();
+  });
+  const bool bootstrap = estimates.front().bootstrap.has_value();
+  TableRows rows = {{"parameter", "best", "95 % interval"}};
+  if (covariance) rows.front().emplace_back("from the covariance alone");
+  if (bootstrap) rows.front().emplace_back("from the bootstrap");
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const fit::Estimate& estimate = estimates[i];
+    const double unit = labels[i].unit;
+    std::vector<std::string> row = {escaped(labels[i].name), digits(estimate.value / unit),
+                                    range_text(estimate.interval, unit)};
+    if (covariance) row.push_back(estimate.covariance ? range_text(*estimate.covariance, unit) : "none");
+    if (bootstrap) row.push_back(estimate.bootstrap ? range_text(*estimate.bootstrap, unit) : "none");
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void write_warnings(Page& page, const std::vector<std::string>& warnings) {
+  if (warnings.empty()) return;
+  std::vector<std::string> items;
+  for (const std::string& warning : warnings) items.push_back(escaped(warning));
+  page.list(items);
+}
+
+std::string percent(double share) { return fixed(100.0 * share, 2) + " %"; }
+
+void write_summary(Page& page, const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
+                   const fit::Settings& settings, const std::string& command) {
+  page.open_section("summary", "What came out");
+  page.code(command);
+  page.facts({{"law", model::to_string(settings.law)},
+              {"direction", settings.direction == model::Direction::kPull ? "pull" : "press"},
+              {"layers", std::to_string(pooled.layers_allowed) + " allowed, " +
+                             std::to_string(pooled.layers_reached) + " reached"},
+              {"specimens", std::to_string(fits.size())},
+              {"seed", std::to_string(settings.seed)}});
+  TableRows rows = {{"specimen", "points", "error", "on points left out", "k1, N/m", "beta", "q", "L1, mm"}};
+  for (const fit::SpecimenFit& fit : fits) {
+    rows.push_back({escaped(fit.name), std::to_string(fit.points), percent(fit.nrmse), percent(fit.leave_out),
+                    digits(fit.estimates[0].value), digits(fit.estimates[1].value),
+                    digits(fit.estimates[2].value), digits(fit.estimates[3].value / kMillimetre)});
+  }
+  page.table(rows);
+  page.paragraph("Errors are root mean squares over each specimen's range of force.");
+  if (fits.size() > 1) {
+    page.heading("All specimens together");
+    page.paragraph(
+        "One set of parameters for all, each specimen with its own first contact and sensor offset: error " +
+        percent(pooled.nrmse) + ". The intervals come from drawing the specimens again.");
+    page.table(estimate_table(pooled.estimates, pooled.terms));
+    write_warnings(page, pooled.warnings);
+  }
+  page.close_section();
+}
+
+void write_specimen(Page& page, const fit::SpecimenFit& fit, const Figure& figure, std::size_t number) {
+  page.open_section("experiment-" + std::to_string(number), fit.name);
+  page.open_grid("one");
+  page.figure(figure);
+  page.close_grid();
+  page.table(estimate_table(fit.estimates, fit.terms));
+  write_warnings(page, fit.warnings);
+  page.close_section();
+}
+
+}  // namespace
+
+std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits,
+                                       const fit::PooledFit& pooled, const fit::Settings& settings,
+                                       const std::string& command, const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw InputError(folder.string() + ": the report's folder cannot be made" +
+                     (error ? ": " + error.message() : ""));
+  }
+  Page page("Fit of " + std::to_string(fits.size()) + (fits.size() == 1 ? " specimen" : " specimens"),
+            "Tissue parameters from measured force over displacement, by palpate");
+  write_summary(page, fits, pooled, settings, command);
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const std::string number = std::to_string(i + 1);
+    write_specimen(page, fits[i], draw_curve(fits[i], folder / ("specimen-" + number + ".svg")), i + 1);
+  }
+  std::filesystem::path file = folder / "report.html";
+  std::ofstream out(file, std::ios::binary);
+  out << page.html();
+  out.close();
+  if (!out) throw InputError(file.string() + ": the report cannot be written");
+  return file;
+}
+
+}  // namespace palpate::report
