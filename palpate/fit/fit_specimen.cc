@@ -148,7 +148,9 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   fit.layers_allowed = layers.allowed;
   fit.layers_reached = layers.reached;
   const double most = settings.bootstrap > 0 ? 0.6 : 0.95;
-  const double fewest = static_cast<double>(fit.shared.size() + kOwnParameters + 2);
+  // fewer than three a parameter would let the ensemble wander where the curve plainly is not
+  const double fewest = std::min(static_cast<double>(fit.points),
+                                 3.0 * static_cast<double>(fit.shared.size() + kOwnParameters));
   const double effective = std::max(minima.effective, fewest);
   const Ensemble ensemble =
       draw_ensemble(minima.problem, minima.all, effective, settings.seed, job, told(0.3, most, "intervals"));

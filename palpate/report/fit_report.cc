@@ -22,8 +22,19 @@ namespace {
 constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
 constexpr const char* kOrange = "#D55E00";
 
+/// Distance of two tics so that some four fit between -largest and largest: 1, 2 or 5 times a power of ten.
+double tic_step(double largest) {
+  if (!(largest > 0.0) || !std::isfinite(largest)) return 1.0;
+  const double wanted = largest / 2.0;
+  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * decade >= wanted) return factor * decade;
+  }
+  return 10.0 * decade;
+}
+
 /// Two panes over one axis: force, then what is left of it. Columns: x, measured, fitted, low, high.
-std::string script(bool over_time) {
+std::string script(bool over_time, double largest_residual) {
   return "set encoding utf8\nset terminal svg size 760,620 dynamic noenhanced font 'Helvetica,14' background "
          "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
          "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
@@ -37,7 +48,8 @@ std::string script(bool over_time) {
          "set origin 0,0\nset size 1,0.36\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\nset nokey\n"
          "set xlabel '" +
          std::string(over_time ? "time, s" : "displacement, mm") +
-         "'\nset ylabel 'fitted - measured, N'\n"
+         "'\nset ylabel 'fitted - measured, N'\nset ytics " + shortest(tic_step(largest_residual)) +
+         "\n"
          "plot 'curve.dat' using 1:($3-$2) with impulses lw 1 lc rgb '" +
          kOrange + "', 0 with lines lw 1 lc rgb '#555555'\nunset multiplot\n";
 }
@@ -66,8 +78,12 @@ Figure draw_curve(const fit::SpecimenFit& fit, const std::filesystem::path& file
   figure.caption =
       "Measured force, the fitted curve with the band that 95 % of the curves lie in that the data allow, "
       "and what is left.";
+  double largest = 0.0;
+  for (std::size_t i = 0; i < fit.curve.fitted.size(); ++i) {
+    largest = std::max(largest, std::abs(fit.curve.fitted[i] - fit.curve.measured[i]));
+  }
   try {
-    run_gnuplot(script(over_time), {{"curve.dat", curve_rows(fit.curve, over_time)}}, file);
+    run_gnuplot(script(over_time, largest), {{"curve.dat", curve_rows(fit.curve, over_time)}}, file);
   } catch (const FigureError& error) {
     figure.missing = error.what();
   }
