@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Dense>
+
 #include "palpate/base/portable_math.h"
 #include "palpate/fit/random.h"
 
@@ -11,7 +13,7 @@ namespace palpate::fit {
 namespace {
 
 constexpr std::uint32_t kRandomPart = 1;  // of a specimen's job
-constexpr int kGenerations = 900;         // of one round
+constexpr int kGenerations = 1500;        // of one round
 constexpr int kMostRounds = 4;            // the first is thrown away; more when halves differ
 constexpr int kKeepEvery = 4;
 constexpr double kSmallestSigma = 1e-7;  // of the range of force: figures in a file have no more digits
@@ -66,27 +68,55 @@ Point joined(const Solution& solution) {
   return point;
 }
 
-/// Walkers around the minima that the data do not rule out, most of them around the best.
-std::vector<Walker> first_walkers(Posterior& posterior, const std::vector<Solution>& minima,
-                                  std::size_t count, Random& random) {
+/// Directions in which the data leave room at a minimum, each as long as its standard deviation (at most 1):
+/// the columns of a matrix.
+Eigen::MatrixXd room_at(const Problem& problem, const Solution& minimum) {
+  constexpr double kMost = 1.0;  // of a logarithm: beyond, a straight line is no guide
+  const Part& part = problem.parts.front();
+  const std::vector<double> derivatives = jacobian(problem, part, minimum.shared, minimum.own.front());
+  const auto columns = static_cast<Eigen::Index>(minimum.shared.size() + kOwnParameters);
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::MatrixXd j = Eigen::Map<const RowMajor>(
+      derivatives.data(), static_cast<Eigen::Index>(residual_count(part)), columns);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinV);
+  Eigen::MatrixXd room = svd.matrixV();
+  for (Eigen::Index k = 0; k < columns; ++k) {
+    const double singular = svd.singularValues()[k];
+    room.col(k) *= singular * kMost > problem.sigma ? problem.sigma / singular : kMost;
+  }
+  return room;
+}
+
+/// Walkers around the minima that the data do not rule out, most of them around the best, spread as far as
+/// the data leave room.
+std::vector<Walker> first_walkers(Posterior& posterior, const Problem& problem,
+                                  const std::vector<Solution>& minima, std::size_t count, Random& random) {
   constexpr double kRuledOut = 12.0;  // ln of a ratio of probabilities
   const double best = posterior.at(joined(minima.front()));
   std::vector<Point> centres;
+  std::vector<Eigen::MatrixXd> rooms;
   for (const Solution& minimum : minima) {
     const Point centre = joined(minimum);
-    if (posterior.at(centre) > best - kRuledOut) centres.push_back(centre);
+    if (!centres.empty() && !(posterior.at(centre) > best - kRuledOut)) continue;
+    centres.push_back(centre);
+    rooms.push_back(room_at(problem, minimum));
   }
-  if (centres.empty()) centres.push_back(joined(minima.front()));
   std::vector<Walker> walkers;
   for (std::size_t w = 0; w < count; ++w) {
-    const Point& centre = centres[w % 2 == 0 ? 0 : (w / 2) % centres.size()];
+    const std::size_t chosen = w % 2 == 0 ? 0 : (w / 2) % centres.size();
+    const Point& centre = centres[chosen];
     Walker walker;
-    double spread = 0.05;
-    do {  // nearer and nearer until it is somewhere the data do not rule out
+    double spread = 2.0;
+    do {  // far out at first, nearer and nearer until it is somewhere the data do not rule out
       walker.point = centre;
-      for (double& value : walker.point) value += spread * random.normal();
+      for (Eigen::Index k = 0; k < rooms[chosen].cols(); ++k) {
+        const double way = spread * random.normal();
+        for (std::size_t i = 0; i < centre.size(); ++i) {
+          walker.point[i] += way * rooms[chosen](static_cast<Eigen::Index>(i), k);
+        }
+      }
       walker.log_posterior = posterior.at(walker.point);
-      spread *= 0.6;
+      spread *= 0.85;
     } while (!(walker.log_posterior > best - 2.0 * kRuledOut) && spread > 1e-9);
     if (!std::isfinite(walker.log_posterior)) {
       walker.point = centre;
@@ -148,20 +178,28 @@ bool halves_agree(const std::vector<Point>& points) {
 
 }  // namespace
 
+double log_posterior_of(const Problem& problem, const Point& point, double effective) {
+  return Posterior(problem, effective).at(point);
+}
+
 Ensemble draw_ensemble(const Problem& problem, const std::vector<Solution>& minima, double effective,
                        std::uint64_t seed, std::uint32_t job, const std::function<void(double)>& progress) {
   Random random(seed, job, kRandomPart);
   Posterior posterior(problem, effective);
   const std::size_t dimensions = problem.bounds.low.size() + kOwnParameters;
-  std::vector<Walker> walkers = first_walkers(posterior, minima, 4 * dimensions, random);
+  std::vector<Walker> walkers = first_walkers(posterior, problem, minima, 6 * dimensions, random);
   Ensemble ensemble;
   for (int round = 0; round < kMostRounds && !ensemble.settled; ++round) {
     ensemble.points.clear();  // the rounds before were the way there
+    ensemble.log_posterior.clear();
     for (int generation = 0; generation < kGenerations; ++generation) {
       constexpr int kWholeStepEvery = 10;
       step_all(posterior, walkers, generation % kWholeStepEvery == 0, random);
       if (generation % kKeepEvery == 0) {
-        for (const Walker& walker : walkers) ensemble.points.push_back(walker.point);
+        for (const Walker& walker : walkers) {
+          ensemble.points.push_back(walker.point);
+          ensemble.log_posterior.push_back(walker.log_posterior);
+        }
         if (progress) progress((round + static_cast<double>(generation) / kGenerations) / 2.0);
       }
     }

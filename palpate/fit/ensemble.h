@@ -10,8 +10,12 @@ namespace palpate::fit {
 /// Points drawn with the probability that the data give them: shared parameters, then own ones.
 struct Ensemble {
   std::vector<Point> points;
-  bool settled = false;  // both halves of the run agree
+  std::vector<double> log_posterior;  // of each, up to a constant
+  bool settled = false;               // both halves of the run agree
 };
+
+/// [setup] ln of the posterior that draw_ensemble() draws from, up to a constant; -infinity out of bounds.
+[[nodiscard]] double log_posterior_of(const Problem& problem, const Point& point, double effective);
 
 /// [setup] Draws from the posterior of a problem with one part by differential-evolution Markov chains
 /// [ter Braak 2006; ter Braak and Vrugt 2008]: walkers step along the differences of other walkers, so steps

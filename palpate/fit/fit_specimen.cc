@@ -94,12 +94,33 @@ Curve curve_of(const Minima& minima, const std::vector<Point>& points) {
   return curve;
 }
 
-void add_estimates(const Minima& minima, const std::vector<Point>& drawn, const std::vector<Point>& resampled,
-                   SpecimenFit& fit) {
+/// Intervals that hold both what 95 % of the ensemble lie between and what is nearly as likely as the best:
+/// where the data say little, the first alone is drawn to where there is most room, away from a truth that
+/// fits as well.
+std::vector<Interval> both_intervals(const Minima& minima, const Ensemble& ensemble, double effective) {
+  const Ranges& ranges = minima.problem.parts.front().ranges;
+  const std::size_t terms = minima.problem.terms;
+  std::vector<Interval> intervals = intervals_of(ensemble.points, ranges, terms);
+  std::vector<Point> near = nearly_best(ensemble, effective);
+  const std::vector<Point> along = profile_points(minima, effective);
+  near.insert(near.end(), along.begin(), along.end());
+  for (const Point& point : near) {
+    const std::span<const double> all(point);
+    const std::size_t shared = shared_count(terms);
+    const std::vector<double> values = values_of(all.first(shared), all.subspan(shared), ranges);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      intervals[i].low = std::min(intervals[i].low, values[i]);
+      intervals[i].high = std::max(intervals[i].high, values[i]);
+    }
+  }
+  return intervals;
+}
+
+void add_estimates(const Minima& minima, const std::vector<Interval>& intervals,
+                   const std::vector<Point>& resampled, SpecimenFit& fit) {
   const Part& part = minima.problem.parts.front();
   const Solution& best = minima.all.front();
   const std::vector<double> values = values_of(best.shared, best.own.front(), part.ranges);
-  const std::vector<Interval> intervals = intervals_of(drawn, part.ranges, fit.terms);
   const auto covariance = covariance_intervals(minima);
   std::vector<Interval> bootstrap;
   if (!resampled.empty()) bootstrap = intervals_of(resampled, part.ranges, fit.terms);
@@ -156,7 +177,7 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
       draw_ensemble(minima.problem, minima.all, effective, settings.seed, job, told(0.3, most, "intervals"));
   const std::vector<Point> resampled =
       bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"));
-  add_estimates(minima, ensemble.points, resampled, fit);
+  add_estimates(minima, both_intervals(minima, ensemble, effective), resampled, fit);
   add_errors(minima, fit);
   fit.curve = curve_of(minima, ensemble.points);
   fit.warnings = warnings_of(minima, ensemble, fit);

@@ -8,18 +8,17 @@
 namespace palpate::fit {
 namespace {
 
-/// Student's t that 97.5 % do not exceed; within 1 % from 3 degrees of freedom on.
-double student(double freedom) {
-  const double f = std::max(freedom, 3.0);
-  return 1.95996 + 2.3723 / f + 2.8225 / (f * f) + 2.5559 / (f * f * f);
-}
-
 std::vector<double> values_at(const Point& point, const Ranges& ranges, std::size_t terms) {
   const std::span<const double> all(point);
   return values_of(all.first(shared_count(terms)), all.subspan(shared_count(terms)), ranges);
 }
 
 }  // namespace
+
+double student(double freedom) {
+  const double f = std::max(freedom, 3.0);
+  return 1.95996 + 2.3723 / f + 2.8225 / (f * f) + 2.5559 / (f * f * f);
+}
 
 double quantile(std::vector<double> values, double share) {
   const double last = static_cast<double>(values.size()) - 1.0;
@@ -42,6 +41,20 @@ std::vector<Interval> intervals_of(const std::vector<Point>& points, const Range
     intervals.push_back({quantile(column, 0.025), quantile(column, 0.975)});
   }
   return intervals;
+}
+
+std::vector<Point> nearly_best(const Ensemble& ensemble, double effective) {
+  // a cloud of points never holds the very best for every value of one parameter: that much less likely they
+  // are
+  constexpr double kCloud = 0.3;
+  const double t = student(effective - static_cast<double>(ensemble.points.front().size()));
+  const double limit =
+      *std::max_element(ensemble.log_posterior.begin(), ensemble.log_posterior.end()) - 0.5 * t * t - kCloud;
+  std::vector<Point> points;
+  for (std::size_t i = 0; i < ensemble.points.size(); ++i) {
+    if (ensemble.log_posterior[i] >= limit) points.push_back(ensemble.points[i]);
+  }
+  return points;
 }
 
 std::vector<std::optional<Interval>> covariance_intervals(const Minima& minima) {

@@ -3,10 +3,14 @@
 #include <span>
 #include <vector>
 
+#include "palpate/fit/ensemble.h"
 #include "palpate/fit/fit.h"
 #include "palpate/fit/minima.h"
 
 namespace palpate::fit {
+
+/// [any] Student's t that 97.5 % do not exceed, within 1 % from 3 degrees of freedom on; fewer count as 3.
+[[nodiscard]] double student(double freedom);
 
 /// [setup] The smallest value that at least that share of `values` do not exceed; `values` must not be empty.
 [[nodiscard]] double quantile(std::vector<double> values, double share);
@@ -14,6 +18,16 @@ namespace palpate::fit {
 /// [setup] 95 % intervals of every parameter from points of a specimen (shared, then own), in SI.
 [[nodiscard]] std::vector<Interval> intervals_of(const std::vector<Point>& points, const Ranges& ranges,
                                                  std::size_t terms);
+
+/// [setup] The points that are nearly as likely as the best: those that a likelihood-ratio test of one
+/// parameter at 95 % leaves, by Student's t for what `effective` points tell of as many parameters as a point
+/// has.
+[[nodiscard]] std::vector<Point> nearly_best(const Ensemble& ensemble, double effective);
+
+/// [setup] Points along the profiles of k_1, beta, q and L_1: each moved away from the best fit, all others
+/// fitted again, as far as a likelihood-ratio test at 95 % leaves. They find the far end of a narrow bent
+/// valley that an ensemble hardly enters. From every minimum that the same test leaves.
+[[nodiscard]] std::vector<Point> profile_points(const Minima& minima, double effective);
 
 /// [setup] 95 % intervals from the curvature at the best minimum; a parameter along which the cost is flat
 /// has none.

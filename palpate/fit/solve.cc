@@ -62,7 +62,7 @@ void set_bounds(ceres::Problem& problem, double* block, const Bounds& bounds) {
 
 }  // namespace
 
-Solution solve(const Problem& problem, const Solution& start, int most_iterations) {
+Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held) {
   Solution found = start;
   clamp_into(found.shared, problem.bounds);
   ceres::Problem::Options ownership;
@@ -70,6 +70,11 @@ Solution solve(const Problem& problem, const Solution& start, int most_iteration
   ceres::Problem all(ownership);
   all.AddParameterBlock(found.shared.data(), static_cast<int>(found.shared.size()));
   set_bounds(all, found.shared.data(), problem.bounds);
+  if (held >= 0) {
+    auto manifold = std::make_unique<ceres::SubsetManifold>(static_cast<int>(found.shared.size()),
+                                                            std::vector<int>{held});
+    all.SetManifold(found.shared.data(), manifold.release());  // the problem owns it
+  }
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     const Bounds bounds = own_bounds(problem.parts[p].prior);
     clamp_into(found.own[p], bounds);
