@@ -15,7 +15,6 @@ using palpate::devices::stand_in::Library;
 
 constexpr double kStep = 1e-3;  // s, from a command to the next
 constexpr int kInvalidDevice = 5;
-constexpr int kExpertDisabled = 9;
 
 Library library;
 std::mutex mutex;  // the vendor's library is thread-safe; so is this one
