@@ -64,6 +64,10 @@ std::vector<double> numbers(const scene::Setup& s) {
   }
   for (const scene::DeviceSetup& device : s.devices) {
     out.push_back(device.workspace_scale);
+    out.push_back(device.dynamics.damping.value_or(-1));
+    out.push_back(device.dynamics.friction.value_or(-1));
+    out.push_back(device.dynamics.resolution.value_or(-1));
+    out.push_back(device.clutch_button ? static_cast<double>(*device.clutch_button) : -1.0);
     add_pose(device.base, out);
   }
   return out;

@@ -59,8 +59,14 @@ inline scene::Setup sample_setup(std::size_t hands) {
     tool.parts[1].name = "shaft";
     tool.parts[1].mesh = tetrahedron(0.2);
     setup.tools.push_back(tool);
-    setup.devices.push_back(
-        {"replay", "a/path.h5", 2.5, {Quat(0.6, 0.8, 0, 0), Vec3(1, 2, 3.1)}, {1.5, std::nullopt, 1e-5}, 3U});
+    scene::DeviceSetup& device = setup.devices.emplace_back();
+    device.kind = "replay";
+    device.path = "a/path.h5";
+    device.workspace_scale = 2.5;
+    device.base = {Quat(0.6, 0.8, 0, 0), Vec3(1, 2, 3.1)};
+    device.dynamics.damping = 1.5;
+    device.dynamics.resolution = 1e-5;
+    device.clutch_button = 3U;
   }
   setup.noise = {false, 5e-5 / 7, 4e-3, 500.0, 77};
   setup.safety = {19.0, 4000.0, 0.1, 40.0};

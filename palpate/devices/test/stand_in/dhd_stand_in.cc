@@ -245,6 +245,7 @@ int dhdDisableExpertMode() {
 }
 
 int dhdSetWatchdog(unsigned char steps, char id) {
+  constexpr int kExpertDisabled = 9;
   return with(id, [steps](Device& device) {
     if (!library.expert) return fail(kExpertDisabled);
     device.watchdog = steps;
