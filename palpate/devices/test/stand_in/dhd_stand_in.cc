@@ -28,8 +28,8 @@ int fail(int error) {
 int result_of(int result, const Device& device) { return result < 0 ? fail(device.error) : result; }
 
 Device* find(char id) {
-  if (id < 0 || id >= kDevices || !library.devices[static_cast<int>(id)].open) return nullptr;
-  return &library.devices[static_cast<int>(id)];
+  if (id < 0 || id >= kDevices || !library.devices[static_cast<unsigned char>(id)].open) return nullptr;
+  return &library.devices[static_cast<unsigned char>(id)];
 }
 
 [[maybe_unused]] void take_step(Device& device) {
