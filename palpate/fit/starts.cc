@@ -9,7 +9,6 @@
 namespace palpate::fit {
 namespace {
 
-using portable::exp;
 using portable::log;
 
 /// Sums of a straight-line fit force = scale x shape + offset over all parts, forces in shares of ranges.
