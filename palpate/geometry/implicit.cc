@@ -181,7 +181,7 @@ class Grid final {
       const double t = std::clamp(value(inside) / (value(inside) - value(outside)), 0.05, 0.95);
       const Vec3 a = place(inside);
       entry->second = static_cast<std::int32_t>(mesh_.vertices.size());
-      mesh_.vertices.push_back(a + t * (place(outside) - a));
+      mesh_.vertices.emplace_back(a + t * (place(outside) - a));
     }
     return entry->second;
   }
