@@ -45,7 +45,8 @@ std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
 
 /// Brings all parts of a tool to where they are now and works out its contacts; shares come later.
 std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
-                          const ToolInput& input, ToolState& tool, DepthScratch& scratch) noexcept {
+                          const TissueLaws& laws, const ToolInput& input, ToolState& tool,
+                          DepthScratch& scratch) noexcept {
   std::uint32_t status = 0;
   tool.pose_S = organ_W.inverse() * input.pose_W;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
@@ -66,9 +67,9 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
     tool.grip = grip;
     if (was_seen) status |= kJump;
   }
-  status |= update_pull(world, points, input.gripper, tool);
+  status |= update_pull(world, laws, points, input.gripper, tool);
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
-    status |= update_press(world, points.parts[i], tool.parts[i], scratch);
+    status |= update_press(world, laws, points.parts[i], tool.parts[i], scratch);
   }
   return status;
 }
@@ -89,7 +90,7 @@ void add_view(const ContactView& view, ToolResult& result) noexcept {
   if (result.view_count < kMaxViews) result.views[static_cast<std::size_t>(result.view_count++)] = view;
 }
 
-void add_press(const World::Data& world, const Pose& organ_W, ToolState& tool, Sums& sums,
+void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sums& sums,
                ToolResult& result) noexcept {
   double largest = -1.0;
   for (PartState& part : tool.parts) {
@@ -105,7 +106,7 @@ void add_press(const World::Data& world, const Pose& organ_W, ToolState& tool, S
                result);
       if (counts * contact.normal_force <= largest) continue;
       largest = counts * contact.normal_force;
-      const model::ContactResponse response = world.press.force_at(contact.depth);
+      const model::ContactResponse response = laws.press.force_at(contact.depth);
       result.depth = contact.depth;
       result.cutoff_layer = response.cutoff_layer;
       result.saturated = response.saturated;
@@ -160,12 +161,12 @@ void add_nearest(const World::Data& world, const ToolPoints& points, const Pose&
   result.normal_W = result.away_W;
 }
 
-ToolResult summarize(const World::Data& world, const ToolPoints& points, const Pose& organ_W, ToolState& tool,
-                     std::uint32_t status) noexcept {
+ToolResult summarize(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
+                     const Pose& organ_W, ToolState& tool, std::uint32_t status) noexcept {
   ToolResult result;
   Sums sums;
   result.status = status;
-  add_press(world, organ_W, tool, sums, result);
+  add_press(laws, organ_W, tool, sums, result);
   add_pull(organ_W, tool, sums, result);
   if (result.phase == Phase::kApproach) {
     add_nearest(world, points, organ_W, tool, result);
@@ -180,15 +181,21 @@ ToolResult summarize(const World::Data& world, const ToolPoints& points, const P
   return result;
 }
 
+/// What is remembered when there were `before` terms and are `after` now. Without terms nothing is kept up,
+/// so that a memory starts from zero when the first come: then all of the force counts as just put in.
+void carry_over(std::size_t before, std::size_t after, model::RelaxationState& memory) noexcept {
+  if (before == 0 || after == 0) memory = {};
+  for (std::size_t i = before; i < after; ++i) memory.kept[i] = memory.elastic;
+}
+
 }  // namespace
 
 World::World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
              const model::TissueParameters& tissue, double loop_period, const Preparation& how) {
   model::validate(tissue);
-  data_ = std::make_unique<const Data>(
-      Data{tissue, OrganSurface(organ, tissue.contact.reference_radius, how), sample_tools(tools),
-           model::LayeredSpringLaw(tissue, model::Direction::kPress, loop_period),
-           model::LayeredSpringLaw(tissue, model::Direction::kPull, loop_period), loop_period});
+  data_ =
+      std::make_unique<const Data>(Data{tissue, OrganSurface(organ, tissue.contact.reference_radius, how),
+                                        sample_tools(tools), TissueLaws(tissue, loop_period), loop_period});
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -196,8 +203,8 @@ World& World::operator=(World&&) noexcept = default;
 
 std::size_t World::tool_count() const noexcept { return data_->tools.size(); }
 const model::TissueParameters& World::tissue() const noexcept { return data_->tissue; }
-const model::LayeredSpringLaw& World::press_law() const noexcept { return data_->press; }
-const model::LayeredSpringLaw& World::pull_law() const noexcept { return data_->pull; }
+const model::SpringLaw& World::press_law() const noexcept { return data_->laws.press; }
+const model::SpringLaw& World::pull_law() const noexcept { return data_->laws.pull; }
 const geometry::TriangleMesh& World::rest_surface() const noexcept { return data_->surface.mesh(); }
 double World::tip_radius(std::size_t tool) const noexcept { return data_->tools[tool].tip_radius; }
 
@@ -229,22 +236,36 @@ State& State::operator=(const State& other) {
 State::State(State&&) noexcept = default;
 State& State::operator=(State&&) noexcept = default;
 
+void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept {
+  State::Data& now = state.data();
+  const std::size_t before = now.laws(world.data()).relaxation.count();
+  const std::size_t after = laws.relaxation.count();
+  for (ToolState& tool : now.tools) {
+    for (PartState& part : tool.parts) {
+      for (Contact& contact : part.active()) carry_over(before, after, contact.memory);
+    }
+    for (model::RelaxationState& memory : tool.grip.memory) carry_over(before, after, memory);
+  }
+  now.changed = laws;
+}
+
 void advance(const World& world, const Pose& organ_W, std::span<const ToolInput> inputs, State& state,
              std::span<ToolResult> results) noexcept {
   const World::Data& data = world.data();
   State::Data& now = state.data();
+  const TissueLaws& laws = now.laws(data);
   std::array<std::uint32_t, kMaxTools> status{};
   std::array<Contact*, kMaxTools * kContactsPerPart * kMaxParts> all{};
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
-    status[t] = update_tool(data, data.tools[t], organ_W, inputs[t], now.tools[t], now.scratch);
+    status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t], now.scratch);
     for (PartState& part : now.tools[t].parts) {
       for (Contact& contact : part.active()) all[count++] = &contact;
     }
   }
   share_tissue(data.tissue.contact.reference_radius, std::span(all).first(count));
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
-    results[t] = summarize(data, data.tools[t], organ_W, now.tools[t], status[t]);
+    results[t] = summarize(data, laws, data.tools[t], organ_W, now.tools[t], status[t]);
   }
 }
 

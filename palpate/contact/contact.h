@@ -7,9 +7,9 @@
 
 #include "palpate/base/pose.h"
 #include "palpate/contact/preparation.h"
+#include "palpate/contact/tissue_laws.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/geometry/tool.h"
-#include "palpate/model/layered_law.h"
 
 namespace palpate::contact {
 
@@ -80,8 +80,8 @@ class World final {
 
   [[nodiscard]] std::size_t tool_count() const noexcept;
   [[nodiscard]] const model::TissueParameters& tissue() const noexcept;
-  [[nodiscard]] const model::LayeredSpringLaw& press_law() const noexcept;
-  [[nodiscard]] const model::LayeredSpringLaw& pull_law() const noexcept;
+  [[nodiscard]] const model::SpringLaw& press_law() const noexcept;
+  [[nodiscard]] const model::SpringLaw& pull_law() const noexcept;
   /// [any] The refined rest surface that contact points lie on, organ frame.
   [[nodiscard]] const geometry::TriangleMesh& rest_surface() const noexcept;
   /// [any] Radius of curvature [m] of a tool at its tip: given by the user, or estimated from its mesh.
@@ -111,6 +111,11 @@ class State final {
  private:
   std::unique_ptr<Data> data_;
 };
+
+/// [rt] From the next tick on the tissue has these laws. Every contact keeps its place and its depth, so its
+/// force is the new law's there, and goes on from what its relaxation remembers; a term that is new has let
+/// nothing go yet.
+void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept;
 
 /// [rt] One tick of contact: all tools against the organ's rest surface. A pure function of its arguments.
 /// @param organ_W the organ's pose now

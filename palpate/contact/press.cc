@@ -91,22 +91,24 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
 }
 
 /// Depth, force along the normal with damping, and friction of a contact whose support is known.
-void compute_force(const World::Data& world, const PartState& part, Contact& contact) noexcept {
-  const model::ContactParameters& rules = world.tissue.contact;
+void compute_force(const World::Data& world, const TissueLaws& laws, const PartState& part,
+                   Contact& contact) noexcept {
   contact.offset = std::max(0.0, contact.offset - contact.offset_step);
   const double depth = std::max(0.0, contact.support.depth - contact.offset);
-  contact.elastic_force = world.press.force_at(depth).force;
+  contact.elastic_force = laws.press.force_at(depth).force;
+  const double relaxed = laws.relaxation.count() == 0
+                             ? contact.elastic_force
+                             : laws.relaxation.next(contact.memory, contact.elastic_force);
   // The depth's rate is taken where the tool touches: the same in the limit, without the steps of the walk.
   const double speed = -motion_at(part, contact.support.mean).dot(contact.normal) / world.period;
-  contact.normal_force =
-      std::max(0.0, contact.elastic_force + rules.damping * speed * std::min(1.0, depth / kDampingDepth));
+  contact.normal_force = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth / kDampingDepth));
   contact.depth = depth;
 
   // Friction [Hayward and Armstrong 2000]: a tangential spring on the slip, trimmed to the cone.
-  const double stiffness = world.tissue.tangential_stiffness();
+  const double stiffness = laws.tangential_stiffness;
   contact.slip += motion_at(part, contact.support.mean);
   contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
-  const double longest = rules.friction * contact.normal_force / stiffness;
+  const double longest = laws.friction * contact.normal_force / stiffness;
   const double length = contact.slip.norm();
   if (length > longest) contact.slip *= longest / length;
   contact.friction = -stiffness * contact.slip;
@@ -120,6 +122,18 @@ void remove_contact(PartState& part, int index) noexcept {
   --part.contact_count;
 }
 
+/// Two contacts that become one both remember the mean of what they did, for the force that each has now: the
+/// force of the two together stays as it is, and what stays has relaxed.
+void share_memory(Contact& a, Contact& b) noexcept {
+  const double elastic = a.memory.elastic + b.memory.elastic;
+  if (!(elastic > 0.0)) return;
+  for (std::size_t i = 0; i < model::kMostRelaxationTerms; ++i) {
+    const double kept = (a.memory.kept[i] + b.memory.kept[i]) / elastic;
+    a.memory.kept[i] = kept * a.memory.elastic;
+    b.memory.kept[i] = kept * b.memory.elastic;
+  }
+}
+
 /// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves within kLetIn, so that what
 /// they and their neighbours share does not jump.
 void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
@@ -131,6 +145,7 @@ void merge_contacts(double reference_radius, double period, PartState& part) noe
       if (a.leaving || b.leaving) continue;
       if ((a.at.point - b.at.point).squaredNorm() >= closest * closest) continue;
       (a.depth >= b.depth ? b : a).leaving = true;
+      share_memory(a, b);
     }
   }
   for (int i = 0; i < part.contact_count;) {
@@ -234,8 +249,8 @@ class Starter final {
 
 }  // namespace
 
-std::uint32_t update_press(const World::Data& world, const PartPoints& points, PartState& part,
-                           DepthScratch& scratch) noexcept {
+std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
+                           PartState& part, DepthScratch& scratch) noexcept {
   const int before = part.contact_count;
   for (int i = 0; i < part.contact_count;) {
     Contact& contact = part.contacts[static_cast<std::size_t>(i)];
@@ -262,7 +277,7 @@ std::uint32_t update_press(const World::Data& world, const PartPoints& points, P
     status = kStartedInside;
   }
   for (Contact& contact : part.active()) {
-    compute_force(world, part, contact);
+    compute_force(world, laws, part, contact);
     contact.elastic_force *= part.press_level;  // jaws that hold press nothing, and take no share from others
   }
   return status;

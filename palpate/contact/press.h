@@ -7,7 +7,7 @@ namespace palpate::contact {
 /// new ones start; then depth, force and friction of each (model.md, section 4). The part has been moved
 /// (proximity.h).
 /// @return status bits
-std::uint32_t update_press(const World::Data& world, const PartPoints& points, PartState& part,
-                           DepthScratch& scratch) noexcept;
+std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
+                           PartState& part, DepthScratch& scratch) noexcept;
 
 }  // namespace palpate::contact

@@ -83,16 +83,27 @@ void take_hold(const World::Data& world, const ToolPoints& points, ToolState& to
   grip.anchor = {anchor.point, anchor.triangle};
   grip.normal = world.surface.normal_at(grip.anchor);
   grip.anchor_T = tool.pose_S.inverse() * anchor.point;
+  grip.memory = {};
 }
 
 /// Force of the stretched tissue. @return false when it is past what the grip can hold
-bool stretch_force(const World::Data& world, ToolState& tool) noexcept {
+bool stretch_force(const TissueLaws& laws, ToolState& tool) noexcept {
   GripState& grip = tool.grip;
   grip.stretch = tool.pose_S * grip.anchor_T - grip.anchor.point;
   const double length = grip.stretch.norm();
-  const model::ContactResponse response = world.pull.force_at(length);
-  if (response.force > world.tissue.contact.grip_limit) return false;
-  grip.force = length > 0.0 ? Vec3(-(response.force / length) * grip.stretch) : Vec3(Vec3::Zero());
+  const model::ContactResponse response = laws.pull.force_at(length);
+  Vec3 force = length > 0.0 ? Vec3(-(response.force / length) * grip.stretch) : Vec3(Vec3::Zero());
+  if (laws.relaxation.count() > 0) {
+    // By components: relaxation is linear in the force, and of a force that is the slope of a convex energy
+    // over the stretch it stays passive (relaxation.h).
+    for (int k = 0; k < 3; ++k) {
+      force[k] = laws.relaxation.next(grip.memory[static_cast<std::size_t>(k)], force[k]);
+    }
+    if (force.norm() > laws.grip_limit) return false;
+  } else if (response.force > laws.grip_limit) {
+    return false;
+  }
+  grip.force = force;
   grip.cutoff_layer = response.cutoff_layer;
   grip.saturated = response.saturated;
   return true;
@@ -100,14 +111,14 @@ bool stretch_force(const World::Data& world, ToolState& tool) noexcept {
 
 }  // namespace
 
-std::uint32_t update_pull(const World::Data& world, const ToolPoints& points, double gripper,
-                          ToolState& tool) noexcept {
+std::uint32_t update_pull(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
+                          double gripper, ToolState& tool) noexcept {
   GripState& grip = tool.grip;
   if (grip.fade > 0.0) grip.fade = std::max(0.0, grip.fade - world.period / kLetGoFade);
   if (closes(gripper, grip) && !grip.held && !grip.released) take_hold(world, points, tool);
   if (grip.held && gripper > kOpenAbove) {
     let_go(grip);
-  } else if (grip.held && !stretch_force(world, tool)) {
+  } else if (grip.held && !stretch_force(laws, tool)) {
     let_go(grip);
     grip.released = true;
   }

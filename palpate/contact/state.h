@@ -2,11 +2,13 @@
 // What World and State hold inside; only the .cc files of this module include it.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "palpate/contact/contact.h"
 #include "palpate/contact/organ_surface.h"
 #include "palpate/contact/support.h"
+#include "palpate/contact/tissue_laws.h"
 #include "palpate/contact/tool_points.h"
 
 namespace palpate::contact {
@@ -22,9 +24,8 @@ struct World::Data {
   model::TissueParameters tissue;
   OrganSurface surface;
   std::vector<ToolPoints> tools;
-  model::LayeredSpringLaw press;
-  model::LayeredSpringLaw pull;
-  double period;  // T [s]
+  TissueLaws laws;  // of `tissue`
+  double period;    // T [s]
 };
 
 /// One press contact; organ frame S.
@@ -39,6 +40,7 @@ struct Contact {
   Vec3 slip = Vec3::Zero();            // of the tangential spring [m]
   bool leaving = false;                // another contact has come to the same place
   double presence = 1.0;               // 1 .. 0 while it leaves
+  model::RelaxationState memory;       // of the force
   Shortlist kept;                      // of the part's points, for the next support
   // Of this tick:
   Support support;               // in S
@@ -121,6 +123,7 @@ struct GripState {
   Vec3 normal = Vec3::UnitZ();   // of the surface there
   Vec3 anchor_T = Vec3::Zero();  // in the handle's frame at closing
   double tip_radius = 0.0;
+  std::array<model::RelaxationState, 3> memory{};  // of the force's components
   // Of this tick, or fading after letting go:
   Vec3 stretch = Vec3::Zero();         // s [m]
   Vec3 force = Vec3::Zero();           // [N]
@@ -142,6 +145,11 @@ struct ToolState {
 struct State::Data {
   std::vector<ToolState> tools;
   DepthScratch scratch;
+  std::optional<TissueLaws> changed;  // while the run went on; none: the world's are in force
+
+  [[nodiscard]] const TissueLaws& laws(const World::Data& world) const noexcept {
+    return changed ? *changed : world.laws;
+  }
 };
 
 }  // namespace palpate::contact

@@ -5,14 +5,14 @@
 #include <limits>
 
 #include "palpate/base/text.h"
-#include "palpate/model/layered_law.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::haptics {
 namespace {
 
 constexpr int kDepths = 1500;  // a hundredth of a millimetre apart
 
-double largest_tangent(const model::LayeredSpringLaw& law, double max_force) {
+double largest_tangent(const model::SpringLaw& law, double max_force) {
   double largest = 0.0;
   for (int i = 1; i <= kDepths; ++i) {
     const model::ContactResponse response = law.force_at(kDepthWithinReach * i / kDepths);
@@ -31,7 +31,7 @@ std::string rounded(double value) {
 
 StabilityCheck check_stability(const model::TissueParameters& tissue, model::Direction direction,
                                double period, double max_force, double scale, const DeviceMechanics& device) {
-  const model::LayeredSpringLaw law(tissue, direction, period);
+  const model::SpringLaw law(tissue, direction, period);
   StabilityCheck check;
   check.stiffness = scale * largest_tangent(law, max_force);
   check.virtual_damping = scale * tissue.contact.damping;

@@ -30,6 +30,9 @@ class Relaxation final {
   /// sum to 1 or more, or the step is not finite and > 0.
   Relaxation(std::span<const RelaxationTerm> terms, double step);
 
+  /// [rt] Terms; 0: the force is the elastic one.
+  [[nodiscard]] std::size_t count() const noexcept { return count_; }
+
   /// [rt] The force [N] at the next sample, at which the elastic force is `elastic` [N]. Below 0 where an
   /// elastic tissue that sticks would hold the tool back; a contact that cannot pull counts 0 there.
   [[nodiscard]] double next(RelaxationState& state, double elastic) const noexcept;
