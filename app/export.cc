@@ -1,4 +1,5 @@
 // `palpate export`: a recording's ticks as CSV.
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -25,8 +26,14 @@ int export_file(const ExportFlags& flags) {
     record::export_csv(recording, flags.csv,
                        [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + flags.csv); });
   }
+  const std::filesystem::path changes = record::changes_csv_beside(flags.csv);
+  if (!recording.changes.empty()) record::export_changes_csv(recording, changes);
   tell(flags.csv + ": " + std::to_string(recording.rows.size()) + " rows" +
        (recording.facts.complete ? "" : "; the recording was cut off after the last of them"));
+  if (!recording.changes.empty()) {
+    tell(changes.string() + ": " + std::to_string(recording.changes.size()) +
+         " changes of tissue or noise while it ran");
+  }
   return kDone;
 }
 

@@ -221,6 +221,7 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
                                       .stop = &stop,
                                       .progress = &companion.done(),
                                       .resets = &resets_asked,
+                                      .changes = how.changes,
                                       .fault_news = &companion.fault_news(),
                                       .core = how.core,
                                       .stalled_after_ns = stalled_after_ns(session.world)});

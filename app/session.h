@@ -51,7 +51,8 @@ inline constexpr const char* kCoreHelp = "run the haptic loop on this core only 
 struct PlayOptions {
   std::filesystem::path recording;  // file to write; empty: none
   bool offline = false;
-  std::optional<int> core = std::nullopt;  // the one core that the loop runs on
+  std::optional<int> core = std::nullopt;   // the one core that the loop runs on
+  haptics::LiveChanges* changes = nullptr;  // to tissue and noise while the session is played
 };
 
 /// [setup] Refuses a core that this program may not use. @throws ParameterError naming --core and the cores.

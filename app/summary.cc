@@ -120,6 +120,11 @@ void RowWatch::begin(std::int64_t started_unix_ns) noexcept {
   if (next_ != nullptr) next_->begin(started_unix_ns);
 }
 
+void RowWatch::put_change(const haptics::LiveChange& change) noexcept {
+  ++highlights_.changes;
+  if (next_ != nullptr) next_->put_change(change);
+}
+
 void RowWatch::put(const haptics::TickRow& row) noexcept {
   highlights_.peak_force = std::max(highlights_.peak_force, norm(row.force));
   highlights_.peak_tissue = std::max(highlights_.peak_tissue, row.tissue_force);
@@ -160,6 +165,10 @@ std::vector<std::string> remarks(const RunAccount& run) {
   std::vector<std::string> all = run.setup->repairs;
   all.insert(all.end(), run.setup->remarks.begin(), run.setup->remarks.end());
   all.insert(all.end(), run.loop.remarks.begin(), run.loop.remarks.end());
+  if (run.highlights.changes > 0) {
+    all.emplace_back("tissue or noise was changed " + std::to_string(run.highlights.changes) +
+                     (run.highlights.changes == 1 ? " time" : " times") + " while the run went on");
+  }
   const std::uint32_t status = run.highlights.status;
   if ((status & contact::kStartedInside) != 0) {
     all.emplace_back(

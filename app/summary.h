@@ -33,6 +33,7 @@ struct Highlights {
   std::uint64_t contact_ticks = 0;  // ticks with a hand pressing or pulling
   std::uint64_t limited_ticks = 0;  // ticks in which the gate shortened a force or torque
   std::uint32_t status = 0;         // all bits seen
+  std::uint64_t changes = 0;        // of tissue or noise while the run went on
   std::vector<PhaseSpan> phases;    // in order of their begin
   std::uint64_t phases_left_out = 0;
 };
@@ -44,6 +45,7 @@ class RowWatch final : public haptics::TickSink {
   RowWatch(haptics::TickSink* next, const scene::Setup& setup);
 
   void begin(std::int64_t started_unix_ns) noexcept override;
+  void put_change(const haptics::LiveChange& change) noexcept override;
   void put(const haptics::TickRow& row) noexcept override;
 
   /// [setup] After the run.

@@ -59,6 +59,28 @@ TEST_P(TickPurity, NoHeapUseAndNoLockInTenThousandTicks) {
   EXPECT_GT(sink.touching, 100u) << "the ticks are of an experiment that touches";
 }
 
+TEST_P(TickPurity, NoHeapUseAndNoLockWhileTissueAndNoiseChange) {
+  Rig rig = built_in(GetParam());
+  haptics::LiveChanges changes(rig.world, rig.setup.tissue, {});
+  model::TissueParameters tissue = rig.setup.tissue;
+  tissue.law = model::LawKind::kSmooth;
+  tissue.relaxation = {{0.2, 0.05}, {0.2, 0.5}, {0.1, 5.0}};
+  for (std::size_t i = 1; i < haptics::LiveChanges::kMostWaiting; ++i) {
+    tissue.k1 *= 1.02;
+    (void)changes.offer(tissue);
+  }
+  (void)changes.offer(haptics::LiveNoise{true, 1e-4, 4e-3});
+  SnapshotCell<haptics::Snapshot> snapshots;
+  const std::uint64_t heap_before = heap_uses();
+  const std::uint64_t locks_before = lock_uses();
+  Bracket sink(kTicks, nullptr, arm_guard, disarm_guard);
+  (void)rig.run(&sink, {.ticks = kTicks, .offline = true, .snapshots = &snapshots, .changes = &changes});
+  EXPECT_EQ(heap_uses() - heap_before, 0u);
+  EXPECT_EQ(lock_uses() - locks_before, 0u);
+  EXPECT_EQ(changes.waiting(), nullptr) << "all were taken";
+  EXPECT_GT(sink.touching, 100u) << "the ticks are of an experiment that touches";
+}
+
 TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {
   Rig rig = built_in(GetParam());  // before the fork, which threads at work do not survive
   const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {

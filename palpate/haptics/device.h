@@ -9,6 +9,7 @@ namespace palpate::haptics {
 
 /// What a user asks of one hand with a tick; bits of DeviceState::events.
 inline constexpr std::uint32_t kResetFault = 1U << 0;  // clear a latched fault
+inline constexpr std::uint32_t kLiveChange = 1U << 1;  // from this tick on: a change of tissue or noise
 
 /// One reading of a device, taken as ONE sample, in the device's frame D. SI.
 struct DeviceState {
@@ -19,7 +20,7 @@ struct DeviceState {
   double age = 0.0;                // s since the device took this sample; 0: for this tick
   std::uint32_t buttons = 0;       // a bit a button
   Fault fault = Fault::kNone;      // kDevice: could not be read; kForceOff; kStalled (set by the loop)
-  std::uint32_t events = 0;        // kResetFault; set by the loop, not by devices
+  std::uint32_t events = 0;        // kResetFault, kLiveChange; set by the loop, not by devices
 };
 
 /// What goes to the hand. SI. World frame from the tick; the loop turns it into the device's frame.

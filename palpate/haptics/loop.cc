@@ -105,7 +105,8 @@ class Loop final {
 
   void run_tick(std::uint64_t number, std::int64_t late) noexcept {
     const std::int64_t before = thread_cpu_ns();
-    read_samples(number);
+    const bool changed = take_change(number);
+    read_samples(number, changed);
     tick(world_, state_, number, samples_, commands_, rows_);
     write_commands();
     const std::int64_t spent = thread_cpu_ns() - before;
@@ -113,15 +114,28 @@ class Loop final {
     hand_over(number, options_.offline ? 0 : spent, late);
   }
 
+  /// The oldest change to tissue or noise that waits, from this tick on. @return whether there was one
+  bool take_change(std::uint64_t number) noexcept {
+    const PreparedChange* change = options_.changes == nullptr ? nullptr : options_.changes->waiting();
+    if (change == nullptr) return false;
+    apply_change(world_, state_, *change);
+    LiveChange noted = change->values;
+    noted.tick = number;
+    options_.changes->taken();
+    if (sink_ != nullptr) sink_->put_change(noted);
+    return true;
+  }
+
   /// One sample a hand, with what the loop knows and the user asks. It stands in the row, so that a replay
   /// meets the same.
-  void read_samples(std::uint64_t number) noexcept {
+  void read_samples(std::uint64_t number, bool changed) noexcept {
     const double time = static_cast<double>(number) / world_.rate_Hz;
     const std::uint32_t resets =
         options_.resets == nullptr ? 0 : options_.resets->exchange(0, std::memory_order_relaxed);
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
       DeviceState& sample = samples_[hand];
       sample = devices_[hand]->read(number, time);
+      sample.events = (sample.events & ~kLiveChange) | (changed ? kLiveChange : 0U);
       if (refused_[hand] != 0) sample.fault = Fault::kDevice;
       if (stalled_ && sample.fault == Fault::kNone) sample.fault = Fault::kStalled;
       if (((resets >> hand) & 1U) != 0) sample.events |= kResetFault;
@@ -184,6 +198,8 @@ class Loop final {
     std::copy_n(state_.inputs.begin(), hands, snapshot.tools.begin());
     std::copy_n(state_.results.begin(), hands, snapshot.results.begin());
     std::copy_n(commands_.begin(), hands, snapshot.commands.begin());
+    snapshot.change = state_.change;
+    snapshot.reach = state_.reach;
     options_.snapshots->publish();
   }
 

@@ -11,6 +11,7 @@
 #include "palpate/base/ring.h"
 #include "palpate/base/snapshot_cell.h"
 #include "palpate/haptics/histogram.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/simulation.h"
 #include "palpate/haptics/watchdog.h"
 
@@ -22,6 +23,8 @@ class TickSink {
   virtual ~TickSink() = default;
   /// [rt] The first tick is due now; wall time of tick 0.
   virtual void begin(std::int64_t started_unix_ns) noexcept = 0;
+  /// [rt] Tissue or noise are others from change.tick on; comes before that tick's rows. Must not block.
+  virtual void put_change(const LiveChange& /*change*/) noexcept {}
   /// [rt] One row; must not block.
   virtual void put(const TickRow& row) noexcept = 0;
 };
@@ -36,6 +39,8 @@ struct Snapshot {
   std::array<contact::ToolInput, kMaxHands> tools{};
   std::array<contact::ToolResult, kMaxHands> results{};
   std::array<ForceCommand, kMaxHands> commands{};
+  std::uint64_t change = 0;      // number of the last live change in force; 0: none
+  model::ReachParameters reach;  // of the tissue in force
 };
 
 /// A fault that was latched on one hand.
@@ -56,6 +61,7 @@ struct LoopOptions {
   std::atomic<std::uint64_t>* progress = nullptr;  // ticks done
   // A bit a hand, set by any thread: the hand's latched fault is to be cleared. The next tick takes them all.
   std::atomic<std::uint32_t>* resets = nullptr;
+  LiveChanges* changes = nullptr;          // to tissue and noise while the run goes on, one a tick
   Ring<FaultSeen>* fault_news = nullptr;   // each fault when it is latched, for who tells it; full: left out
   std::optional<int> core = std::nullopt;  // the one core that the loop's thread runs on
   // In real time: when no tick began for so long the watchdog stops the devices, and the tick that begins

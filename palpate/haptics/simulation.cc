@@ -76,6 +76,18 @@ DeviceMotion take_sample(const SimulationWorld& world, SimulationState& state, s
   return motion;
 }
 
+/// Takes the noise's strength one tick nearer to where it goes, so that it does not jump.
+void glide(NoiseGlide& glide, noise::TouchNoise& noise) noexcept {
+  const noise::NoiseSettings& now = noise.settings();
+  const double share = 1.0 / static_cast<double>(glide.ticks_left);
+  if (--glide.ticks_left == 0) {
+    noise.set_strength(glide.gain, glide.threshold);
+  } else {
+    noise.set_strength(now.gain + share * (glide.gain - now.gain),
+                       now.threshold + share * (glide.threshold - now.threshold));
+  }
+}
+
 /// How much of the force a hand gets: all, on a device that nobody holds.
 double engagement_of(const SimulationWorld& world, SimulationState& state, std::size_t hand, Fault fault,
                      bool outside) noexcept {
@@ -99,8 +111,8 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   }
   const bool touching = result.phase != contact::Phase::kApproach;
   const double noise =
-      world.noise.force(state.noise[hand], state.noise_enabled, static_cast<std::uint32_t>(hand), tick_number,
-                        touching ? 0.0 : result.distance);
+      state.touch_noise.force(state.noise[hand], state.noise_enabled, static_cast<std::uint32_t>(hand),
+                              tick_number, touching ? 0.0 : result.distance);
   const bool outside = !touching && result.distance > 0.0;
   const double share = engagement_of(world, state, hand, fault, outside);
   const double torque_share = world.mappings[hand].torque ? share : 0.0;
@@ -141,7 +153,9 @@ SimulationState::SimulationState(const SimulationWorld& world)
       inputs(world.hands()),
       results(world.hands()),
       organ_W(world.organ_W),
-      noise_enabled(world.noise.settings().enabled) {}
+      noise_enabled(world.noise.settings().enabled),
+      touch_noise(world.noise),
+      reach(world.contact.tissue().reach) {}
 
 DeviceState sample_of(const TickRow& row) noexcept {
   DeviceState sample;
@@ -160,6 +174,7 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,
           std::span<TickRow> rows) noexcept {
   const std::size_t hands = world.hands();
+  if (state.noise_glide.ticks_left > 0) glide(state.noise_glide, state.touch_noise);
   for (std::size_t hand = 0; hand < hands; ++hand) {
     state.motions[hand] = take_sample(world, state, hand, samples[hand]);
   }

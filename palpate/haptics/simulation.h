@@ -29,6 +29,13 @@ struct SimulationWorld {
   [[nodiscard]] std::size_t hands() const noexcept { return mappings.size(); }
 };
 
+/// The touch noise on its way to another strength.
+struct NoiseGlide {
+  double gain = 0.0;             // K to come to [N m]
+  double threshold = 0.0;        // d0 to come to [m]
+  std::uint32_t ticks_left = 0;  // 0: it is there
+};
+
 /// Everything that changes from tick to tick. Copyable; a copy replays the same.
 struct SimulationState {
   /// [setup] The state before tick 0.
@@ -44,6 +51,11 @@ struct SimulationState {
   std::vector<contact::ToolResult> results;  // of the last tick, for the picture
   Pose organ_W;                              // at the last tick
   bool noise_enabled = true;
+  // What live changes (live_changes.h) made of the world's:
+  noise::TouchNoise touch_noise;  // in force
+  NoiseGlide noise_glide;
+  model::ReachParameters reach;  // for the picture
+  std::uint64_t change = 0;      // number of the last change that a tick used; 0: none
 };
 
 /// [any] The device's sample that a row was made from, bit for bit.

@@ -49,6 +49,12 @@ class TouchNoise final {
   [[nodiscard]] double force(State& state, bool enabled, std::uint32_t hand, std::uint64_t tick,
                              double distance) const noexcept;
 
+  /// [rt] Another K [N m] and d0 [m], both as validate() wants them.
+  void set_strength(double gain, double threshold) noexcept {
+    settings_.gain = gain;
+    settings_.threshold = threshold;
+  }
+
   [[nodiscard]] const NoiseSettings& settings() const noexcept { return settings_; }
 
  private:

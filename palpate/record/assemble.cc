@@ -49,6 +49,17 @@ haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Prep
 }
 
 std::vector<std::string> stability_remarks(const scene::Setup& setup) {
+  return stability_remarks(setup, setup.tissue);
+}
+
+std::unique_ptr<haptics::LiveChanges> live_changes(const scene::Setup& setup,
+                                                   const haptics::SimulationWorld& world) {
+  return std::make_unique<haptics::LiveChanges>(
+      world, setup.tissue,
+      [&setup](const model::TissueParameters& tissue) { return stability_remarks(setup, tissue); });
+}
+
+std::vector<std::string> stability_remarks(const scene::Setup& setup, const model::TissueParameters& tissue) {
   const auto direction =
       setup.task == scene::Task::kPull ? model::Direction::kPull : model::Direction::kPress;
   std::vector<std::string> remarks;
@@ -64,9 +75,8 @@ std::vector<std::string> stability_remarks(const scene::Setup& setup) {
       continue;
     }
     const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution};
-    const haptics::StabilityCheck check =
-        haptics::check_stability(setup.tissue, direction, 1.0 / setup.rate_Hz, setup.safety.max_force,
-                                 device.workspace_scale, mechanics);
+    const haptics::StabilityCheck check = haptics::check_stability(
+        tissue, direction, 1.0 / setup.rate_Hz, setup.safety.max_force, device.workspace_scale, mechanics);
     for (const std::string& warning : haptics::stability_warnings(check, mechanics)) {
       remarks.push_back(who + warning);
     }

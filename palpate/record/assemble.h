@@ -1,7 +1,9 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/simulation.h"
 #include "palpate/scene/setup.h"
 
@@ -19,5 +21,14 @@ namespace palpate::record {
 /// what is short, or that the device's mechanics are not known. Empty: nothing to say. @throws
 /// ParameterError.
 [[nodiscard]] std::vector<std::string> stability_remarks(const scene::Setup& setup);
+
+/// [setup] The same of another tissue in this scene.
+[[nodiscard]] std::vector<std::string> stability_remarks(const scene::Setup& setup,
+                                                         const model::TissueParameters& tissue);
+
+/// [setup] What hands changes of tissue and noise to a run of this scene, warning as stability_remarks()
+/// does. @param setup, world outlive it
+[[nodiscard]] std::unique_ptr<haptics::LiveChanges> live_changes(const scene::Setup& setup,
+                                                                 const haptics::SimulationWorld& world);
 
 }  // namespace palpate::record

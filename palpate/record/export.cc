@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "palpate/base/error.h"
+#include "palpate/record/change_columns.h"
 #include "palpate/record/recording.h"
 #include "palpate/record/tick_columns.h"
 
@@ -23,8 +24,8 @@ char* append(char* at, std::string_view word) {
   return at + word.size();
 }
 
-template <typename T>
-T value_at(const haptics::TickRow& row, std::size_t offset) {
+template <typename T, typename Row>
+T value_at(const Row& row, std::size_t offset) {
   T value;
   std::memcpy(&value, reinterpret_cast<const char*>(&row) + offset, sizeof(T));
   return value;
@@ -82,6 +83,40 @@ std::string header_line() {
   return line;
 }
 
+/// A name in quotes, so that a comma in it stays in it.
+std::string quoted(std::string_view name) {
+  std::string text = "\"";
+  for (const char c : name.substr(0, name.find('\0')))
+    text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + '"';
+}
+
+std::string changes_header() {
+  std::string line;
+  for (const Column& column : change_columns()) line += std::string(column.name) + ",";
+  return line + kChangeName + '\n';
+}
+
+std::string change_line(const haptics::LiveChange& change) {
+  std::string line;
+  for (const Column& column : change_columns()) {
+    char text[kLongestValue];
+    char* end = text;
+    if (column.offset == offsetof(haptics::LiveChange, what)) {
+      end = append(text, (change.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
+    } else if (column.offset == offsetof(haptics::LiveChange, law)) {
+      end = append(text, change.law == 0 ? "layered" : "smooth");
+    } else if (column.type == ColumnType::kU64) {
+      end = append_number(text, value_at<std::uint64_t>(change, column.offset));
+    } else {
+      end = append_number(text, value_at<double>(change, column.offset));
+    }
+    line.append(text, end);
+    line += ',';
+  }
+  return line + quoted({change.tissue.data(), change.tissue.size()}) + '\n';
+}
+
 struct CloseFile {
   void operator()(std::FILE* file) const noexcept { std::fclose(file); }
 };
@@ -107,19 +142,37 @@ void write_all(std::FILE* out, const Recording& recording, const std::filesystem
   }
 }
 
-}  // namespace
-
-void export_csv(const Recording& recording, const std::filesystem::path& file, const Progress& progress) {
+/// Opens `file`, lets `fill` write it and closes it; a file that cannot be finished is removed.
+template <typename Fill>
+void write_file(const std::filesystem::path& file, const Fill& fill) {
   std::unique_ptr<std::FILE, CloseFile> out(std::fopen(file.c_str(), "w"));
   if (!out) refuse(file);
   try {
-    write_all(out.get(), recording, file, progress);
+    fill(out.get());
     if (std::fclose(out.release()) != 0) refuse(file);
   } catch (...) {
     std::error_code ignored;
     if (std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
     throw;
   }
+}
+
+}  // namespace
+
+void export_csv(const Recording& recording, const std::filesystem::path& file, const Progress& progress) {
+  write_file(file, [&](std::FILE* out) { write_all(out, recording, file, progress); });
+}
+
+std::filesystem::path changes_csv_beside(const std::filesystem::path& csv) {
+  return csv.parent_path() / (csv.stem().string() + "-changes.csv");
+}
+
+void export_changes_csv(const Recording& recording, const std::filesystem::path& file) {
+  std::string text = changes_header();
+  for (const haptics::LiveChange& change : recording.changes) text += change_line(change);
+  write_file(file, [&](std::FILE* out) {
+    if (std::fwrite(text.data(), 1, text.size(), out) != text.size()) refuse(file);
+  });
 }
 
 }  // namespace palpate::record

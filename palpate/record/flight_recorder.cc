@@ -26,6 +26,13 @@ void FlightRecorder::begin(std::int64_t started_unix_ns) noexcept {
   if (next_ != nullptr) next_->begin(started_unix_ns);
 }
 
+void FlightRecorder::put_change(const haptics::LiveChange& change) noexcept {
+  if (next_ != nullptr) next_->put_change(change);
+  if (fault_met_ && rows_after_fault_ == 0) return;
+  changes_[changes_seen_ % kChangesKept] = change;
+  ++changes_seen_;
+}
+
 void FlightRecorder::put(const haptics::TickRow& row) noexcept {
   if (next_ != nullptr) next_->put(row);
   if (row.fault != 0) fault_met_ = true;
@@ -48,9 +55,19 @@ std::vector<haptics::TickRow> FlightRecorder::rows() const {
   return rows;
 }
 
+std::vector<haptics::LiveChange> FlightRecorder::changes() const {
+  std::vector<haptics::LiveChange> changes;
+  const std::uint64_t kept = std::min<std::uint64_t>(changes_seen_, kChangesKept);
+  for (std::uint64_t i = changes_seen_ - kept; i < changes_seen_; ++i) {
+    changes.push_back(changes_[i % kChangesKept]);
+  }
+  return changes;
+}
+
 void FlightRecorder::write(const std::filesystem::path& file, const haptics::LoopReport& report) const {
   Recorder recorder(file, setup_, true);
   recorder.begin(started_unix_ns_);
+  for (const haptics::LiveChange& change : changes()) recorder.put_change(change);
   for (const haptics::TickRow& row : rows()) recorder.put(row);
   recorder.finish(report);
 }

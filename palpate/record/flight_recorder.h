@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -14,17 +15,21 @@ class FlightRecorder final : public haptics::TickSink {
  public:
   static constexpr double kKept = 2.0;    // s before the fault
   static constexpr double kAfter = 0.25;  // s from the fault on
+  static constexpr std::size_t kChangesKept = 64;
 
   /// [setup] @param next where rows go on to; may be null
   FlightRecorder(haptics::TickSink* next, const scene::Setup& setup);
 
   void begin(std::int64_t started_unix_ns) noexcept override;
+  void put_change(const haptics::LiveChange& change) noexcept override;
   void put(const haptics::TickRow& row) noexcept override;
 
   /// [setup] After the run: whether a fault was met.
   [[nodiscard]] bool fault_met() const noexcept { return fault_met_; }
   /// [setup] After the run: the rows kept, oldest first, whole ticks.
   [[nodiscard]] std::vector<haptics::TickRow> rows() const;
+  /// [setup] After the run: the last kChangesKept changes of tissue and noise, oldest first.
+  [[nodiscard]] std::vector<haptics::LiveChange> changes() const;
   /// [setup] After the run: writes them as a recording whose first tick is not 0 (it can be looked at and
   /// exported, not run again). @throws InputError naming the file.
   void write(const std::filesystem::path& file, const haptics::LoopReport& report) const;
@@ -36,6 +41,8 @@ class FlightRecorder final : public haptics::TickSink {
   std::size_t rows_after_fault_;
   std::vector<haptics::TickRow> ring_;
   std::uint64_t seen_ = 0;  // rows that went into the ring
+  std::array<haptics::LiveChange, kChangesKept> changes_{};
+  std::uint64_t changes_seen_ = 0;
   std::int64_t started_unix_ns_ = 0;
   bool fault_met_ = false;
 };

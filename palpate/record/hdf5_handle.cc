@@ -7,14 +7,6 @@ namespace {
 
 constexpr std::size_t kLongestAttribute = 32768;  // bytes; HDF5 takes less than 64 KB
 
-Handle text_type(std::size_t bytes) {
-  Handle type(H5Tcopy(H5T_C_S1), "text type");
-  check(H5Tset_size(type.id(), std::max<std::size_t>(bytes, 1)), "text length");
-  check(H5Tset_cset(type.id(), H5T_CSET_UTF8), "text type");
-  check(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), "text type");
-  return type;
-}
-
 void write_value(hid_t object, const std::string& name, hid_t type, const void* value) {
   const Handle space(H5Screate(H5S_SCALAR), "space of " + name);
   const Handle attribute(H5Acreate2(object, name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), name);
@@ -63,6 +55,14 @@ bool Handle::close() noexcept {
 
 void check(herr_t status, const std::string& what) {
   if (status < 0) throw Error(what);
+}
+
+Handle text_type(std::size_t bytes) {
+  Handle type(H5Tcopy(H5T_C_S1), "text type");
+  check(H5Tset_size(type.id(), std::max<std::size_t>(bytes, 1)), "text length");
+  check(H5Tset_cset(type.id(), H5T_CSET_UTF8), "text type");
+  check(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), "text type");
+  return type;
 }
 
 Handle create_group(hid_t parent, const std::string& name) {

@@ -59,6 +59,9 @@ class Handle final {
 /// @throws Error saying `what` failed when `status` is negative.
 void check(herr_t status, const std::string& what);
 
+/// Type of a text of fixed length, UTF-8, filled up with zeros.
+[[nodiscard]] Handle text_type(std::size_t bytes);
+
 [[nodiscard]] Handle create_group(hid_t parent, const std::string& name);
 
 // Attributes, for single values; text is of fixed length, UTF-8.

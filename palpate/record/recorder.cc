@@ -26,6 +26,7 @@ namespace {
 constexpr double kRingSeconds = 8.0;
 constexpr double kRingSecondsOffline = 0.25;
 constexpr double kSimulatedFlush = 0.5;                  // s of the simulation's time
+constexpr std::size_t kChangesKept = 1024;               // that wait to be written
 constexpr std::size_t kRingLeast = 64;                   // rows
 constexpr std::size_t kRingMost = std::size_t{1} << 20;  // rows
 constexpr std::chrono::milliseconds kPoll{10};
@@ -92,6 +93,7 @@ struct Recorder::Impl {
   std::filesystem::path partial;
   bool offline = false;
   Ring<haptics::TickRow> ring;
+  Ring<haptics::LiveChange> change_ring{kChangesKept};
   std::unique_ptr<RecordingWriter> writer;  // of the thread; of finish() once that has ended
 
   std::atomic<std::int64_t> started_unix_ns{0};
@@ -103,6 +105,7 @@ struct Recorder::Impl {
   bool started = false;
   std::string failure;  // why nothing more is written; empty: nothing went wrong
   std::vector<haptics::TickRow> block;
+  std::vector<haptics::LiveChange> changes;
   std::int64_t next_flush = 0;
   std::int64_t next_to_disk = 0;
   std::size_t flush_rows;     // so many rows are flushed at once
@@ -187,8 +190,15 @@ bool Recorder::Impl::drain() {
   return busy;
 }
 
+/// Changes first: whoever reads a file that was cut off finds those of every tick that is there.
 void Recorder::Impl::write_block() {
-  guarded([this] { writer->append(block); });
+  haptics::LiveChange change;
+  while (change_ring.pop(change)) changes.push_back(change);
+  guarded([this] {
+    writer->append(changes);
+    writer->append(block);
+  });
+  changes.clear();
   block.clear();
 }
 
@@ -258,6 +268,16 @@ Recorder::~Recorder() {
 void Recorder::begin(std::int64_t started_unix_ns) noexcept {
   impl_->started_unix_ns.store(started_unix_ns, std::memory_order_relaxed);
   impl_->begun.store(true, std::memory_order_release);
+}
+
+void Recorder::put_change(const haptics::LiveChange& change) noexcept {
+  while (!impl_->change_ring.push(change)) {
+    if (!impl_->offline) {
+      impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    std::this_thread::sleep_for(kPollOffline / 5);
+  }
 }
 
 void Recorder::put(const haptics::TickRow& row) noexcept {

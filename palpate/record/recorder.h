@@ -19,6 +19,7 @@ class Recorder final : public haptics::TickSink {
   ~Recorder() override;
 
   void begin(std::int64_t started_unix_ns) noexcept override;
+  void put_change(const haptics::LiveChange& change) noexcept override;
   void put(const haptics::TickRow& row) noexcept override;
 
   /// [setup] Writes what is left and the loop's account, closes the file. @throws InputError when writing

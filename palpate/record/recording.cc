@@ -21,6 +21,7 @@ Recording read_recording(const std::filesystem::path& file, const Progress& prog
     throw InputError(file.string() + ": too large for this machine's memory");
   }
   recording.facts = reader.facts();
+  recording.changes = reader.changes();
   recording.setup = reader.take_setup();
   return recording;
 }

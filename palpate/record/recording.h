@@ -50,7 +50,8 @@ struct RunFacts {
 struct Recording {
   scene::Setup setup;
   RunFacts facts;
-  std::vector<haptics::TickRow> rows;  // by tick, then hand
+  std::vector<haptics::TickRow> rows;          // by tick, then hand
+  std::vector<haptics::LiveChange> changes{};  // to tissue and noise, by tick; at most one a tick
 };
 
 /// [setup] Reads a recording, also one that was cut off (kill -9, full disk, a copy that broke off) or is
@@ -73,5 +74,12 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
 /// then the device's own sample (device_*). phase is approach, press or pull; fault is 0, not-finite or
 /// device. @throws InputError when the file cannot be written, naming it.
 void export_csv(const Recording& recording, const std::filesystem::path& file, const Progress& progress = {});
+
+/// [any] Where the changes of a recording go that is exported to `csv`: beside it, as NAME-changes.csv.
+[[nodiscard]] std::filesystem::path changes_csv_beside(const std::filesystem::path& csv);
+
+/// [setup] Writes the changes to tissue and noise as CSV, one line a change: all that is in force from its
+/// tick on. what is tissue or noise, law is layered or smooth. @throws InputError as export_csv().
+void export_changes_csv(const Recording& recording, const std::filesystem::path& file);
 
 }  // namespace palpate::record

@@ -16,6 +16,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
+#include "palpate/record/change_columns.h"
 #include "palpate/record/recording_writer.h"
 #include "palpate/record/scene_json.h"
 #include "palpate/record/tick_columns.h"
@@ -29,6 +30,7 @@ using hdf5::Handle;
 constexpr std::size_t kLongestScene = std::size_t{64} << 20;   // bytes
 constexpr std::size_t kLongestRemarks = std::size_t{1} << 20;  // bytes
 constexpr std::size_t kMostHands = 16;
+constexpr hsize_t kMostChanges = hsize_t{1} << 20;
 constexpr std::size_t kMostBuckets = std::size_t{1} << 17;  // of a histogram
 constexpr std::array<unsigned char, 8> kHdf5Signature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
 // Superblock of versions 2 and 3: signature, version, two sizes, flags, base, extension, end of file.
@@ -184,6 +186,20 @@ scene::Setup read_setup(hid_t file, std::uint64_t file_bytes) {
   return setup;
 }
 
+/// A list of rows has these columns, among others. @throws hdf5::Error naming what is missing.
+void check_columns(hid_t dataset, const std::string& name, std::span<const Column> columns) {
+  const Handle type(H5Dget_type(dataset), name);
+  if (H5Tget_class(type.id()) != H5T_COMPOUND) throw hdf5::Error(name + " has no columns");
+  for (const Column& column : columns) {
+    const int index = H5Tget_member_index(type.id(), column.name);
+    if (index < 0) throw hdf5::Error(name + " has no column " + column.name);
+    const H5T_class_t kind = H5Tget_member_class(type.id(), static_cast<unsigned>(index));
+    if (kind != (column.type == ColumnType::kF64 ? H5T_FLOAT : H5T_INTEGER)) {
+      throw hdf5::Error(name + " has a column " + column.name + " of another type");
+    }
+  }
+}
+
 /// First row that does not follow the one before it by tick and hand; rows.size() when all do.
 std::size_t first_out_of_order(std::span<const haptics::TickRow> rows, const haptics::TickRow* before,
                                std::size_t hands) {
@@ -298,23 +314,40 @@ void RecordingReader::read_all_but_ticks() {
   }
   rows_claimed_ = rows;
   row_type_ = tick_row_type();
-  check_row_type();
+  check_columns(ticks_.id(), "/ticks", tick_columns());
   setup_ = read_setup(file_.id(), file_bytes_);
   facts_ = read_facts(file_.id());
   rows_lost_ = static_cast<std::uint64_t>(run_value(file_.id(), run_names::kRowsLost));
+  read_changes();
   if (cut_off_) facts_.complete = false;
 }
 
-void RecordingReader::check_row_type() {
-  const Handle type(H5Dget_type(ticks_.id()), "/ticks");
-  if (H5Tget_class(type.id()) != H5T_COMPOUND) throw hdf5::Error("/ticks has no columns");
-  for (const Column& column : tick_columns()) {
-    const int index = H5Tget_member_index(type.id(), column.name);
-    if (index < 0) throw hdf5::Error(std::string("/ticks has no column ") + column.name);
-    const H5T_class_t kind = H5Tget_member_class(type.id(), static_cast<unsigned>(index));
-    if (kind != (column.type == ColumnType::kF64 ? H5T_FLOAT : H5T_INTEGER)) {
-      throw hdf5::Error(std::string("/ticks has a column ") + column.name + " of another type");
+/// A recording from before there were changes has none. In a file that was cut off they end at the damage.
+void RecordingReader::read_changes() {
+  if (H5Lexists(file_.id(), "changes", H5P_DEFAULT) <= 0) return;
+  try {
+    const Handle dataset(H5Dopen2(file_.id(), "changes", H5P_DEFAULT), "no /changes");
+    check_columns(dataset.id(), "/changes", change_columns());
+    const Handle space(H5Dget_space(dataset.id()), "/changes");
+    hsize_t count = 0;
+    if (H5Sget_simple_extent_ndims(space.id()) != 1 ||
+        H5Sget_simple_extent_dims(space.id(), &count, nullptr) < 0) {
+      throw hdf5::Error("/changes is not a list of rows");
     }
+    if (count > kMostChanges) throw hdf5::Error("/changes is too long");
+    changes_.resize(count);
+    if (count == 0) return;
+    const Handle type = live_change_type();
+    check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, changes_.data()),
+          "/changes cannot be read");
+  } catch (const hdf5::Error&) {
+    if (!cut_off_) throw;
+    changes_.clear();
+  }
+  for (std::size_t i = 0; i < changes_.size(); ++i) {
+    if (changes_[i].number != 0 && (i == 0 || changes_[i].tick > changes_[i - 1].tick)) continue;
+    if (!cut_off_) throw hdf5::Error("row " + std::to_string(i) + " of /changes is out of order");
+    changes_.resize(i);
   }
 }
 

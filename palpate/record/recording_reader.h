@@ -25,6 +25,8 @@ class RecordingReader final {
   /// Moves the scene out; the last call on a reader.
   [[nodiscard]] scene::Setup&& take_setup() noexcept { return std::move(setup_); }
   [[nodiscard]] const RunFacts& facts() const noexcept { return facts_; }
+  /// Changes to tissue and noise, in order; of a damaged file up to the damage.
+  [[nodiscard]] const std::vector<haptics::LiveChange>& changes() const noexcept { return changes_; }
   [[nodiscard]] std::uint64_t rows_lost() const noexcept { return rows_lost_; }
   /// Whether other HDF5 tools would refuse the file.
   [[nodiscard]] bool cut_off() const noexcept { return cut_off_; }
@@ -42,7 +44,7 @@ class RecordingReader final {
   bool open_as_is();
   bool open_filled_up();
   void read_all_but_ticks();
-  void check_row_type();
+  void read_changes();
   [[nodiscard]] std::size_t rows_within_file(std::uint64_t start, std::size_t count) const;
   void read_block(std::uint64_t start, std::span<haptics::TickRow> rows);
   [[noreturn]] void refuse(const std::string& why) const;
@@ -55,6 +57,7 @@ class RecordingReader final {
   hdf5::Handle ticks_;
   scene::Setup setup_;
   RunFacts facts_;
+  std::vector<haptics::LiveChange> changes_;
   std::uint64_t rows_lost_ = 0;
   std::uint64_t rows_claimed_ = 0;
   bool cut_off_ = false;

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "palpate/record/change_columns.h"
 #include "palpate/record/scene_json.h"
 #include "palpate/record/tick_columns.h"
 
@@ -151,6 +152,22 @@ Handle create_ticks(hid_t file, hid_t row_type) {
   return ticks;
 }
 
+/// Empty, and seldom more than that: a run whose tissue is never changed has none.
+Handle create_changes(hid_t file, hid_t change_type) {
+  constexpr hsize_t kChunk = 16;
+  const hsize_t none = 0;
+  const hsize_t unlimited = H5S_UNLIMITED;
+  const Handle space(H5Screate_simple(1, &none, &unlimited), "space of /changes");
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), "/changes");
+  check(H5Pset_chunk(properties.id(), 1, &kChunk), "chunks of /changes");
+  Handle changes(
+      H5Dcreate2(file, "changes", change_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+      "/changes");
+  hdf5::write_attribute(changes.id(), "what", std::string("1 tissue, 2 noise"));
+  hdf5::write_attribute(changes.id(), "law", std::string("0 layered, 1 smooth"));
+  return changes;
+}
+
 Handle create_file(const std::filesystem::path& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
   check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "file version");
@@ -193,9 +210,19 @@ Handle tick_row_type() {
   return type;
 }
 
+Handle live_change_type() {
+  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(haptics::LiveChange)), "change type");
+  for (const Column& column : change_columns()) {
+    check(H5Tinsert(type.id(), column.name, column.offset, native_type(column.type)), column.name);
+  }
+  const Handle name = hdf5::text_type(haptics::LiveChange::kNameBytes);
+  check(H5Tinsert(type.id(), kChangeName, offsetof(haptics::LiveChange, tissue), name.id()), kChangeName);
+  return type;
+}
+
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Setup& setup,
                                  const RunFacts& facts)
-    : path_(file), file_(create_file(file)), row_type_(tick_row_type()) {
+    : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(live_change_type()) {
   const std::string scene = setup_to_json(setup);
   reserve_space(static_cast<std::int64_t>(scene.size()) + mesh_bytes(setup));
   write_facts(file_.id(), setup, facts);
@@ -208,6 +235,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene:
   write_tissue(file_.id(), setup.tissue);
   create_summary(file_.id());
   ticks_ = create_ticks(file_.id(), row_type_.id());
+  changes_ = create_changes(file_.id(), change_type_.id());
   check(H5Fflush(file_.id(), H5F_SCOPE_LOCAL), "cannot be written");
   damaged_ = false;
 }
@@ -242,25 +270,34 @@ void RecordingWriter::reserve_space(std::int64_t extra_bytes) {
   // Other failures: the file system cannot reserve; then a write may fail.
 }
 
-void RecordingWriter::append(std::span<const haptics::TickRow> rows) {
-  if (rows.empty()) return;
+void RecordingWriter::append_to(hid_t dataset, hid_t type, hsize_t start, hsize_t count, const void* data) {
+  if (count == 0) return;
   reserve_space(0);
   damaged_ = true;
-  const hsize_t start = rows_;
-  const hsize_t count = rows.size();
   const hsize_t end = start + count;
-  check(H5Dset_extent(ticks_.id(), &end), "rows cannot be written");
-  const Handle in_file(H5Dget_space(ticks_.id()), "rows");
+  check(H5Dset_extent(dataset, &end), "rows cannot be written");
+  const Handle in_file(H5Dget_space(dataset), "rows");
   check(H5Sselect_hyperslab(in_file.id(), H5S_SELECT_SET, &start, nullptr, &count, nullptr), "rows");
   const Handle in_memory(H5Screate_simple(1, &count, nullptr), "rows");
-  check(H5Dwrite(ticks_.id(), row_type_.id(), in_memory.id(), in_file.id(), H5P_DEFAULT, rows.data()),
-        "rows cannot be written");
-  rows_ = end;
+  check(H5Dwrite(dataset, type, in_memory.id(), in_file.id(), H5P_DEFAULT, data), "rows cannot be written");
   damaged_ = false;
+}
+
+void RecordingWriter::append(std::span<const haptics::TickRow> rows) {
+  append_to(ticks_.id(), row_type_.id(), rows_, rows.size(), rows.data());
+  rows_ += rows.size();
+}
+
+void RecordingWriter::append(std::span<const haptics::LiveChange> changes) {
+  append_to(changes_.id(), change_type_.id(), change_rows_, changes.size(), changes.data());
+  change_rows_ += changes.size();
+  change_unflushed_ = change_unflushed_ || !changes.empty();
 }
 
 void RecordingWriter::flush(bool to_disk) {
   damaged_ = true;
+  if (change_unflushed_) check(H5Dflush(changes_.id()), "changes cannot be written");
+  change_unflushed_ = false;
   check(H5Dflush(ticks_.id()), "rows cannot be written");
   damaged_ = false;
   if (const int fd = descriptor(); to_disk && fd >= 0 && ::fdatasync(fd) != 0 && errno != EINVAL) {
@@ -290,6 +327,8 @@ void RecordingWriter::write_summary(const RunFacts& facts, std::uint64_t rows_lo
 
 void RecordingWriter::close() {
   ticks_.close();
+  changes_.close();
+  change_type_.close();
   row_type_.close();
   if (!file_.close()) throw hdf5::Error("cannot be closed");
   // Gives room that was taken ahead back to the disk.
@@ -301,6 +340,8 @@ void RecordingWriter::close() {
 
 void RecordingWriter::abandon() noexcept {
   ticks_.abandon();
+  changes_.abandon();
+  change_type_.abandon();
   row_type_.abandon();
   file_.abandon();
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "palpate/haptics/live_change.h"
 #include "palpate/haptics/tick_row.h"
 #include "palpate/record/hdf5_handle.h"
 #include "palpate/record/recording.h"
@@ -32,6 +33,9 @@ class RecordingWriter final {
   /// [setup] Appends rows. @throws hdf5::Error before anything is written when the disk is full.
   void append(std::span<const haptics::TickRow> rows);
 
+  /// [setup] Appends changes of tissue and noise; those of a tick before its rows.
+  void append(std::span<const haptics::LiveChange> changes);
+
   /// [setup] Hands all rows to the system, so that they outlive this process; with `to_disk` waits until they
   /// outlive a power failure.
   void flush(bool to_disk);
@@ -56,18 +60,26 @@ class RecordingWriter final {
   /// Takes room on the disk ahead. @throws hdf5::Error when it is full.
   void reserve_space(std::int64_t extra_bytes);
   [[nodiscard]] int descriptor() const;
+  void append_to(hid_t dataset, hid_t type, hsize_t start, hsize_t count, const void* data);
 
   std::filesystem::path path_;
   hdf5::Handle file_;
   hdf5::Handle row_type_;
   hdf5::Handle ticks_;
+  hdf5::Handle change_type_;
+  hdf5::Handle changes_;
   std::uint64_t rows_ = 0;
+  std::uint64_t change_rows_ = 0;
+  bool change_unflushed_ = false;
   bool damaged_ = true;            // while a step is under way, and after it failed
   std::int64_t reserved_end_ = 0;  // bytes of the file that the disk is known to have room for
 };
 
 /// [setup] HDF5's description of a TickRow in memory, with the columns' names.
 [[nodiscard]] hdf5::Handle tick_row_type();
+
+/// [setup] The same of a LiveChange.
+[[nodiscard]] hdf5::Handle live_change_type();
 
 /// Datasets of the group /run, in the file's and the reader's words.
 namespace run_names {

@@ -42,6 +42,7 @@ std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::pat
   RecordingWriter writer(copy, reader.setup(), reader.facts());
   std::uint64_t rows = 0;
   try {
+    writer.append(reader.changes());
     (void)reader.for_each_block(false, [&](std::span<const haptics::TickRow> block) {
       writer.append(block);
       rows += block.size();

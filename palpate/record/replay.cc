@@ -7,6 +7,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/simulation.h"
 #include "palpate/record/assemble.h"
 #include "palpate/record/tick_columns.h"
@@ -41,6 +42,9 @@ class Replay final {
         samples_(world_.hands()),
         commands_(world_.hands()),
         rows_(world_.hands()) {
+    for (const haptics::LiveChange& change : recording.changes) {
+      changes_.push_back(haptics::prepare_change(world_, change));
+    }
     for (std::size_t i = 0; i < recording.rows.size(); ++i) {
       const TickRow& row = recording.rows[i];
       if (row.tick != i / hands() || row.hand != i % hands()) {
@@ -54,8 +58,10 @@ class Replay final {
   [[nodiscard]] std::uint64_t ticks() const noexcept { return recording_.rows.size() / hands(); }
 
   /// The next tick, from 0 on.
-  void run_tick(std::uint64_t number) noexcept {
+  /// @throws InputError when the recording lacks a change that the tick used
+  void run_tick(std::uint64_t number) {
     const std::span<const TickRow> recorded = recorded_rows(number);
+    change_at(number, (recorded.front().events & haptics::kLiveChange) != 0);
     for (std::size_t hand = 0; hand < hands(); ++hand) samples_[hand] = haptics::sample_of(recorded[hand]);
     haptics::tick(world_, state_, number, samples_, commands_, rows_);
   }
@@ -76,16 +82,31 @@ class Replay final {
     std::copy_n(state_.inputs.begin(), count, snapshot.tools.begin());
     std::copy_n(state_.results.begin(), count, snapshot.results.begin());
     std::copy_n(commands_.begin(), count, snapshot.commands.begin());
+    snapshot.change = state_.change;
+    snapshot.reach = state_.reach;
     return snapshot;
   }
 
  private:
+  /// Applies the change of that tick, if there is one.
+  void change_at(std::uint64_t number, bool expected) {
+    const bool there = next_change_ < changes_.size() && changes_[next_change_].values.tick == number;
+    if (there != expected) {
+      throw InputError("the recording " + std::string(expected ? "lacks the" : "has a") +
+                       " change of tissue or noise at tick " + std::to_string(number) +
+                       (expected ? "" : " that its rows do not know") + "; it cannot be run again");
+    }
+    if (there) haptics::apply_change(world_, state_, changes_[next_change_++]);
+  }
+
   const Recording& recording_;
   haptics::SimulationWorld world_;
   haptics::SimulationState state_;
   std::vector<haptics::DeviceState> samples_;
   std::vector<haptics::ForceCommand> commands_;
   std::vector<TickRow> rows_;
+  std::vector<haptics::PreparedChange> changes_;
+  std::size_t next_change_ = 0;
 };
 
 }  // namespace

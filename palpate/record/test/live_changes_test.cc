@@ -1,0 +1,215 @@
+// Changes of tissue and noise while a run goes on: recorded, read, exported, and run again bit for bit.
+#include <algorithm>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/base/error.h"
+#include "palpate/geometry/builtin.h"
+#include "palpate/record/assemble.h"
+#include "palpate/record/flight_recorder.h"
+#include "palpate/record/replay.h"
+#include "palpate/record/test/sample_recording.h"
+
+namespace palpate::record {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr double kBallRadius = 3e-3;  // m
+
+scene::Setup block_and_ball() {
+  scene::Setup setup;
+  setup.name = "block and ball";
+  setup.seed = 9;
+  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  setup.organ_pose.position = Vec3(0, 0, -0.02);
+  setup.tissue = model::tissue_preset("gallbladder");
+  setup.tools.push_back(
+      {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius});
+  setup.devices.emplace_back();
+  return setup;
+}
+
+/// A tissue, or noise, that a hand at the sliders might come to.
+void offer_something(haptics::LiveChanges& changes, std::mt19937_64& dice) {
+  const auto share = [&dice] { return static_cast<double>(dice() >> 11U) * 0x1p-53; };
+  if (dice() % 3 == 0) {
+    (void)changes.offer(haptics::LiveNoise{dice() % 2 == 0, 1e-4 * share(), 1e-3 + 5e-3 * share()});
+    return;
+  }
+  const char* const names[] = {"gallbladder", "heart", "liver", "kidney"};
+  model::TissueParameters tissue = model::tissue_preset(names[dice() % 4]);
+  tissue.k1 *= 0.5 + share();
+  tissue.contact.damping = 0.2 * share();
+  tissue.contact.friction = share();
+  if (dice() % 2 == 0) tissue.law = model::LawKind::kSmooth;
+  for (std::uint64_t terms = dice() % 4; terms > 0; --terms) {
+    tissue.relaxation.push_back({0.3 * share() + 1e-3, 0.01 + share()});
+  }
+  (void)changes.offer(tissue);
+}
+
+/// Presses, slides and lifts in turn; offers changes at random ticks.
+class RestlessDevice final : public haptics::Device {
+ public:
+  RestlessDevice(haptics::LiveChanges& changes, std::uint64_t seed) : changes_(changes), dice_(seed) {}
+  haptics::DeviceState read(std::uint64_t, double time) noexcept override {
+    if (dice_() % 40 == 0) offer_something(changes_, dice_);
+    haptics::DeviceState state;
+    state.position_D =
+        Vec3(0.01 * std::sin(3.0 * time), 0.002, kBallRadius - 0.003 + 0.005 * std::cos(9.0 * time));
+    return state;
+  }
+  bool write(const haptics::ForceCommand&) noexcept override { return true; }
+  void stop() noexcept override {}
+  [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return 0; }
+
+ private:
+  haptics::LiveChanges& changes_;
+  std::mt19937_64 dice_;
+};
+
+/// A run with a change about every 40 ticks.
+Recording restless_run(std::uint64_t seed, std::uint64_t ticks, bool by_flight_recorder = false) {
+  const TemporaryFolder folder;
+  const scene::Setup setup = block_and_ball();
+  const haptics::SimulationWorld world = assemble(setup);
+  haptics::SimulationState state(world);
+  const std::unique_ptr<haptics::LiveChanges> changes = live_changes(setup, world);
+  RestlessDevice device(*changes, seed);
+  haptics::Device* const devices[] = {&device};
+  const haptics::LoopOptions options{.ticks = ticks, .offline = true, .changes = changes.get()};
+  if (by_flight_recorder) {
+    FlightRecorder flight(nullptr, setup);
+    flight.write(folder / "a.h5", run_loop(world, state, devices, &flight, options));
+  } else {
+    Recorder recorder(folder / "a.h5", setup, true);
+    recorder.finish(run_loop(world, state, devices, &recorder, options));
+  }
+  return read_recording(folder / "a.h5");
+}
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(LiveChangesRecorded, ReplayIsTheSameBitForBitWithChangesAtRandomTicks) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const Recording recording = restless_run(seed, 2000);
+    ASSERT_GT(recording.changes.size(), 20U);
+    const ReplayResult result = replay(recording);
+    EXPECT_EQ(result.rows_compared, 2000U);
+    EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
+    EXPECT_EQ(result.hash, hash_rows(recording.rows));
+  }
+}
+
+TEST(LiveChangesRecorded, TheChangesAreWhatTheForceCameFrom) {
+  Recording recording = restless_run(4, 1500);
+  for (haptics::LiveChange& change : recording.changes) change.k1 *= 1.5;
+  EXPECT_GT(replay(recording).rows_different, 300U);
+}
+
+TEST(LiveChangesRecorded, RowsSayAtWhichTicksAndTheChangesStandInOrder) {
+  const Recording recording = restless_run(5, 1000);
+  std::vector<std::uint64_t> by_rows;
+  for (const haptics::TickRow& row : recording.rows) {
+    if ((row.events & haptics::kLiveChange) != 0) by_rows.push_back(row.tick);
+  }
+  std::vector<std::uint64_t> by_changes;
+  for (const haptics::LiveChange& change : recording.changes) {
+    by_changes.push_back(change.tick);
+    EXPECT_EQ(change.number, by_changes.size());
+  }
+  EXPECT_EQ(by_rows, by_changes);
+}
+
+TEST(LiveChangesRecorded, ARecordingThatLacksAChangeIsNotRunAgain) {
+  Recording recording = restless_run(6, 500);
+  const std::string tick = std::to_string(recording.changes[1].tick);
+  recording.changes.erase(recording.changes.begin() + 1);
+  try {
+    (void)replay(recording);
+    FAIL() << "it was run again";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("lacks the change of tissue or noise at tick " + tick));
+  }
+}
+
+TEST(LiveChangesRecorded, AChangeThatTheRowsDoNotKnowIsRefused) {
+  Recording recording = restless_run(6, 500);
+  for (haptics::TickRow& row : recording.rows) row.events = 0;
+  EXPECT_THROW((void)replay(recording), InputError);
+}
+
+TEST(LiveChangesRecorded, BadValuesInAFileAreRefusedByName) {
+  Recording recording = restless_run(6, 500);
+  recording.changes[0].beta = -2.0;
+  try {
+    (void)replay(recording);
+    FAIL() << "it was run again";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("beta"));
+  }
+}
+
+TEST(LiveChangesRecorded, SnapshotsCarryTheReachAndNumberInForce) {
+  Recording recording = restless_run(7, 400);
+  recording.changes[0].bar_ratio = 2.5;
+  recording.changes[0].what = haptics::kTissueChanged;
+  const std::uint64_t tick = recording.changes[0].tick;
+  const std::vector<haptics::Snapshot> snapshots = snapshots_at(recording, {tick - 1, tick});
+  EXPECT_EQ(snapshots[0].change, 0U);
+  EXPECT_EQ(snapshots[0].reach.bar_ratio, 1.8);
+  EXPECT_EQ(snapshots[1].change, 1U);
+  EXPECT_EQ(snapshots[1].reach.bar_ratio, 2.5);
+}
+
+TEST(LiveChangesRecorded, TheFlightRecorderKeepsThem) {
+  const Recording recording = restless_run(8, 1000, true);
+  EXPECT_EQ(recording.rows.size(), 1000U);
+  EXPECT_GT(recording.changes.size(), 10U);
+}
+
+TEST(LiveChangesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
+  const TemporaryFolder folder;
+  Recording recording = restless_run(9, 500);
+  haptics::LiveChange& first = recording.changes.front();
+  first = haptics::live_change(recording.setup.tissue, {true, 5e-5, 5e-3}, haptics::kTissueChanged);
+  first.tick = 12;
+  first.number = 1;
+  first.law = 1;
+  first.tissue = {'a', ',', '"'};
+  export_changes_csv(recording, folder / "c.csv");
+  const std::vector<std::string> lines = lines_of(folder / "c.csv");
+  ASSERT_EQ(lines.size(), recording.changes.size() + 1);
+  EXPECT_THAT(lines[0], StartsWith("tick,number,what,law,k1_N_per_m,beta,q,rest_length_m,"));
+  EXPECT_EQ(lines[1],
+            "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,1.1,0.43,1.8,0.58,"
+            "0.2,0,0.5,0.01,8,1,5e-05,0.005,\"a,\"\"\"");
+  EXPECT_EQ(changes_csv_beside("x/run.csv"), std::filesystem::path("x/run-changes.csv"));
+  EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
+}
+
+TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
+  scene::Setup setup = block_and_ball();
+  setup.devices[0].kind = "emulated";
+  setup.devices[0].dynamics = {0.1, 0.1, 1e-5};
+  const haptics::SimulationWorld world = assemble(setup);
+  const std::unique_ptr<haptics::LiveChanges> changes = live_changes(setup, world);
+  model::TissueParameters stiff = setup.tissue;
+  stiff.k1 *= 100.0;
+  const haptics::LiveChanges::Accepted accepted = changes->offer(stiff);
+  EXPECT_THAT(accepted.warnings, testing::Contains(HasSubstr("the device may tremble")));
+}
+
+}  // namespace
+}  // namespace palpate::record
