@@ -8,7 +8,7 @@
 #include "palpate/geometry/builtin.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/haptics/passivity.h"
-#include "palpate/model/layered_law.h"
+#include "palpate/model/spring_law.h"
 #include "palpate/record/assemble.h"
 
 namespace palpate::bench {
@@ -115,7 +115,7 @@ model::TissueParameters linear_tissue(double stiffness) {
 
 StabilityBlock::StabilityBlock(const model::TissueParameters& tissue, double rate_Hz)
     : setup_(block_of(tissue, rate_Hz)), world_(record::assemble(setup_)) {
-  const model::LayeredSpringLaw law(tissue, model::Direction::kPress, 1.0 / rate_Hz);
+  const model::SpringLaw law(tissue, model::Direction::kPress, 1.0 / rate_Hz);
   depth_at_hold_ = std::min(haptics::kDepthWithinReach, law.deformation_under(kMostHoldForce).depth);
   const model::ContactResponse there = law.force_at(depth_at_hold_);
   force_at_hold_ = there.force;

@@ -181,13 +181,6 @@ ToolResult summarize(const World::Data& world, const TissueLaws& laws, const Too
   return result;
 }
 
-/// What is remembered when there were `before` terms and are `after` now. Without terms nothing is kept up,
-/// so that a memory starts from zero when the first come: then all of the force counts as just put in.
-void carry_over(std::size_t before, std::size_t after, model::RelaxationState& memory) noexcept {
-  if (before == 0 || after == 0) memory = {};
-  for (std::size_t i = before; i < after; ++i) memory.kept[i] = memory.elastic;
-}
-
 }  // namespace
 
 World::World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
@@ -238,13 +231,14 @@ State& State::operator=(State&&) noexcept = default;
 
 void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept {
   State::Data& now = state.data();
-  const std::size_t before = now.laws(world.data()).relaxation.count();
-  const std::size_t after = laws.relaxation.count();
+  const model::Relaxation before = now.laws(world.data()).relaxation;
   for (ToolState& tool : now.tools) {
     for (PartState& part : tool.parts) {
-      for (Contact& contact : part.active()) carry_over(before, after, contact.memory);
+      for (Contact& contact : part.active()) laws.relaxation.take_over(contact.memory, before);
     }
-    for (model::RelaxationState& memory : tool.grip.memory) carry_over(before, after, memory);
+    for (model::RelaxationState& memory : tool.grip.memory) {
+      laws.relaxation.take_over(memory, before);
+    }
   }
   now.changed = laws;
 }

@@ -5,6 +5,7 @@
 
 #include "palpate/base/portable_math.h"
 #include "palpate/contact/proximity.h"
+#include "palpate/contact/sharing.h"
 
 namespace palpate::contact {
 namespace {
@@ -120,18 +121,6 @@ void remove_contact(PartState& part, int index) noexcept {
     part.contacts[to] = part.contacts[to + 1];
   }
   --part.contact_count;
-}
-
-/// Two contacts that become one both remember the mean of what they did, for the force that each has now: the
-/// force of the two together stays as it is, and what stays has relaxed.
-void share_memory(Contact& a, Contact& b) noexcept {
-  const double elastic = a.memory.elastic + b.memory.elastic;
-  if (!(elastic > 0.0)) return;
-  for (std::size_t i = 0; i < model::kMostRelaxationTerms; ++i) {
-    const double kept = (a.memory.kept[i] + b.memory.kept[i]) / elastic;
-    a.memory.kept[i] = kept * a.memory.elastic;
-    b.memory.kept[i] = kept * b.memory.elastic;
-  }
 }
 
 /// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves within kLetIn, so that what

@@ -59,4 +59,14 @@ void share_tissue(double reference_radius, std::span<Contact* const> contacts) n
   }
 }
 
+void share_memory(Contact& a, Contact& b) noexcept {
+  const double elastic = a.memory.elastic + b.memory.elastic;
+  if (!(elastic > 0.0)) return;
+  for (std::size_t i = 0; i < model::kMostRelaxationTerms; ++i) {
+    const double kept = (a.memory.kept[i] + b.memory.kept[i]) / elastic;
+    a.memory.kept[i] = kept * a.memory.elastic;
+    b.memory.kept[i] = kept * b.memory.elastic;
+  }
+}
+
 }  // namespace palpate::contact

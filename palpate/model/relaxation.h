@@ -37,6 +37,14 @@ class Relaxation final {
   /// elastic tissue that sticks would hold the tool back; a contact that cannot pull counts 0 there.
   [[nodiscard]] double next(RelaxationState& state, double elastic) const noexcept;
 
+  /// [rt] Makes a memory that `before` kept one of these terms: it goes on, and a term that is new has let
+  /// nothing go yet. Without terms nothing is kept up, so when the first come all of the force counts as just
+  /// put in.
+  void take_over(RelaxationState& memory, const Relaxation& before) const noexcept {
+    if (before.count_ == 0 || count_ == 0) memory = {};
+    for (std::size_t i = before.count_; i < count_; ++i) memory.kept[i] = memory.elastic;
+  }
+
   /// [setup] Other times between samples, for measurements whose samples are not equally far apart: the same
   /// as next() with `step` [s] > 0.
   [[nodiscard]] double next_after(RelaxationState& state, double elastic, double step) const noexcept;

@@ -103,6 +103,12 @@ void write_tissue(hid_t file, const model::TissueParameters& tissue) {
       {"reference_radius_m", tissue.contact.reference_radius},
       {"grip_limit_N", tissue.contact.grip_limit}};
   for (const auto& [name, value] : values) hdf5::write_attribute(group.id(), name, value);
+  hdf5::write_attribute(group.id(), "law", std::string(model::to_string(tissue.law)));
+  for (std::size_t i = 0; i < tissue.relaxation.size(); ++i) {
+    const std::string term = "relaxation_" + std::to_string(i + 1);
+    hdf5::write_attribute(group.id(), term + "_share", tissue.relaxation[i].share);
+    hdf5::write_attribute(group.id(), term + "_time_s", tissue.relaxation[i].time);
+  }
 }
 
 void write_facts(hid_t file, const scene::Setup& setup, const RunFacts& facts) {

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "palpate/base/error.h"
 #include "palpate/contact/contact.h"
 #include "palpate/haptics/gate.h"
 #include "palpate/noise/touch_noise.h"
+#include "palpate/report/law_over_time.h"
 #include "palpate/report/text_format.h"
 
 namespace palpate::report {
@@ -45,25 +47,38 @@ Moments find_moments(const std::vector<haptics::TickRow>& rows, model::Direction
   return moments;
 }
 
-LawDeparture departure(const std::vector<haptics::TickRow>& rows, const model::LayeredSpringLaw& law,
+LawDeparture departure(const std::vector<haptics::TickRow>& rows, const record::Recording& recording,
                        model::Direction direction) {
+  LawOverTime law(recording, direction);
   std::vector<double> apart;
   double peak = 0.0;
   for (const haptics::TickRow& row : rows) {
+    const double wanted = law.force_at(row);
     if (!in_contact(row, direction)) continue;
-    const double wanted = law.force_at(row.depth).force;
     apart.push_back(std::abs(normal_force(row) - wanted));
     peak = std::max(peak, wanted);
   }
   return {apart.size(), quantile(apart, 0.5), quantile(apart, 0.95), peak};
 }
 
-void collect_noise(HandAnalysis& analysis, const scene::Setup& setup) {
+/// Tick from which the noise is another than at the start.
+std::uint64_t first_noise_change(const record::Recording& recording) {
+  for (const haptics::LiveChange& change : recording.changes) {
+    if ((change.what & haptics::kNoiseChanged) != 0) return change.tick;
+  }
+  return std::numeric_limits<std::uint64_t>::max();
+}
+
+/// The noise of the rows before it was changed, if it was: then its strength goes over bit by bit.
+void collect_noise(HandAnalysis& analysis, const record::Recording& recording) {
+  const scene::Setup& setup = recording.setup;
   if (!setup.noise.enabled) return;
   const noise::TouchNoise source(setup.noise, setup.rate_Hz);
   analysis.contact_sigma = source.sigma(0.0);
+  const std::uint64_t end = first_noise_change(recording);
   const haptics::TickRow* previous = nullptr;
   for (const haptics::TickRow& row : analysis.rows) {
+    if (row.tick >= end) break;
     const bool fresh =
         previous == nullptr || source.sample_number(row.tick) != source.sample_number(previous->tick);
     previous = &row;
@@ -96,8 +111,8 @@ HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand
     }
     previous = &row;
   }
-  result.law = departure(result.rows, law_of(recording.setup, direction), direction);
-  collect_noise(result, recording.setup);
+  result.law = departure(result.rows, recording, direction);
+  collect_noise(result, recording);
   return result;
 }
 
@@ -124,7 +139,7 @@ std::string moment(const haptics::TickRow& row) {
 
 }  // namespace
 
-model::LayeredSpringLaw law_of(const scene::Setup& setup, model::Direction direction) {
+model::SpringLaw law_of(const scene::Setup& setup, model::Direction direction) {
   return {setup.tissue, direction, 1.0 / setup.rate_Hz};
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/model/layered_law.h"
+#include "palpate/model/spring_law.h"
 #include "palpate/record/recording.h"
 #include "palpate/report/statistics.h"
 
@@ -62,8 +62,8 @@ struct Analysis {
 /// [setup] Works a recording out. @throws InputError when it has no row.
 [[nodiscard]] Analysis analyse(const record::Recording& recording);
 
-/// [setup] The law that the run's contacts followed.
-[[nodiscard]] model::LayeredSpringLaw law_of(const scene::Setup& setup, model::Direction direction);
+/// [setup] The law that the run's contacts followed at its start, before they relaxed.
+[[nodiscard]] model::SpringLaw law_of(const scene::Setup& setup, model::Direction direction);
 
 /// [setup] Normal part of the tissue force of a row [N]: what the law gives, without friction.
 [[nodiscard]] double normal_force(const haptics::TickRow& row);

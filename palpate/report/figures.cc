@@ -176,9 +176,10 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
   return drawn(figure, script, {data, way.data});
 }
 
-Figure draw_law(const HandAnalysis& hand, const scene::Setup& setup, model::Direction direction,
+Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, model::Direction direction,
                 const std::filesystem::path& file) {
-  const model::LayeredSpringLaw law = law_of(setup, direction);
+  const scene::Setup& setup = recording.setup;
+  const model::SpringLaw law = law_of(setup, direction);
   PlotData in{"in.dat", {}};
   PlotData out{"out.dat", {}};
   double deepest = 1e-3;
@@ -200,7 +201,8 @@ Figure draw_law(const HandAnalysis& hand, const scene::Setup& setup, model::Dire
       "set key top left\nset xlabel 'depth (mm)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
       "set xrange [0:" +
       shortest(1.08 * deepest * kMilli) + "]\nset yrange [0:*]\n";
-  script += "plot 'law.dat' using 1:2 with lines lw 7 lc rgb '#cfcfcf' title 'law of the model'";
+  script += "plot 'law.dat' using 1:2 with lines lw 7 lc rgb '#cfcfcf' title 'law of the model" +
+            std::string(setup.tissue.relaxation.empty() ? "" : ", before it relaxes") + "'";
   if (!in.rows.empty()) {
     script += ", 'in.dat' using 1:2 with points pt 7 ps 0.45 lc " + quoted(kBlue) + " title 'going in'";
   }
@@ -214,7 +216,11 @@ Figure draw_law(const HandAnalysis& hand, const scene::Setup& setup, model::Dire
   figure.caption =
       "Force along the contact normal over depth, one tick in " + std::to_string(stride) +
       ", on the law of one contact. Several contacts on one organ share the tissue and lie above that line; "
-      "damping and the fades at the start and at letting go part from it for a moment.";
+      "damping and the fades at the start and at letting go part from it for a moment." +
+      (setup.tissue.relaxation.empty()
+           ? ""
+           : " This tissue relaxes: the longer it is held, the farther its force lies below the line.") +
+      (recording.changes.empty() ? "" : " The line is the law at the start; it was changed while it ran.");
   return drawn(figure, script, {curve, in, out});
 }
 

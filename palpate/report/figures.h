@@ -21,8 +21,8 @@ struct Figure {
 /// Depth and force; where the organ moves, its way between them.
 [[nodiscard]] Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
                                     const std::filesystem::path& file);
-[[nodiscard]] Figure draw_law(const HandAnalysis& hand, const scene::Setup& setup, model::Direction direction,
-                              const std::filesystem::path& file);
+[[nodiscard]] Figure draw_law(const HandAnalysis& hand, const record::Recording& recording,
+                              model::Direction direction, const std::filesystem::path& file);
 [[nodiscard]] Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
                                          const std::filesystem::path& file);
 [[nodiscard]] Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::path& file);

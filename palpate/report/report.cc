@@ -29,7 +29,7 @@ WorkedExperiment work_out(const Experiment& experiment, const std::filesystem::p
         prefix + (worked.analysis.hands.size() > 1 ? "hand-" + std::to_string(hand.hand + 1) + "-" : "");
     worked.hands.push_back(
         {draw_over_time(hand, recording.setup, folder / (start + "over-time.svg")),
-         draw_law(hand, recording.setup, worked.analysis.direction, folder / (start + "law.svg")),
+         draw_law(hand, recording, worked.analysis.direction, folder / (start + "law.svg")),
          draw_noise_spectrum(hand, recording.setup, folder / (start + "noise-spectrum.svg")),
          draw_noise_histogram(hand, folder / (start + "noise-histogram.svg"))});
   }

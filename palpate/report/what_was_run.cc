@@ -6,6 +6,7 @@
 
 #include "palpate/base/text.h"
 #include "palpate/geometry/mesh.h"
+#include "palpate/report/law_over_time.h"
 #include "palpate/report/sections.h"
 #include "palpate/report/text_format.h"
 
@@ -95,10 +96,11 @@ Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
 
 Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
   const model::TissueParameters& tissue = setup.tissue;
-  const model::LayeredSpringLaw law = law_of(setup, direction);
+  const model::SpringLaw law = law_of(setup, direction);
   Facts facts{
       {"name", tissue.name},
-      {"law", "layered parallel springs, " +
+      {"law", (tissue.law == model::LawKind::kSmooth ? "smooth: parallel springs without jumps of stiffness, "
+                                                     : "layered parallel springs, ") +
                   std::string(direction == model::Direction::kPull ? "pulled" : "pressed") + ", " +
                   std::to_string(law.layers_allowed()) + " layers at this rate; largest " +
                   millimetres(law.max_depth()) + " and " + fixed(law.max_force(), 2) + " N"},
@@ -118,6 +120,10 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
       {"reference radius", millimetres(tissue.contact.reference_radius)},
       {"grip limit", number(tissue.contact.grip_limit, "N")},
   };
+  for (const model::RelaxationTerm& term : tissue.relaxation) {
+    facts.emplace_back("relaxation", "by " + shortest(term.share) + " of the force, time constant " +
+                                         number(term.time, "s"));
+  }
   if (tissue.source) {
     facts.emplace_back("fitted with",
                        tissue.source->indenter + ", radius " + millimetres(tissue.source->radius));
@@ -180,6 +186,7 @@ void write_what_was_run(Page& page, const WorkedExperiment& worked) {
   std::vector<std::string> remarks;
   for (const std::string& remark : recording.setup.remarks) remarks.push_back(escaped(remark));
   for (const std::string& remark : recording.facts.remarks) remarks.push_back(escaped(remark));
+  for (const std::string& words : changes_in_words(recording)) remarks.push_back(escaped(words));
   for (const HandAnalysis& hand : worked.analysis.hands) {
     for (const std::string& words : status_in_words(hand.rows)) remarks.push_back(escaped(words));
   }

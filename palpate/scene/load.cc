@@ -143,26 +143,12 @@ void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   setup.organ = geometry::make_organ(organ.value);
 }
 
-/// What a tissue file may say and the haptic tick does not compute.
-void require_computed_in_a_tick(const model::TissueParameters& tissue) {
-  const std::string who_can = "not yet in the haptic tick; palpate model and palpate fit know it";
-  if (tissue.law != model::LawKind::kLayered) {
-    throw InputError("law = \"" + std::string(model::to_string(tissue.law)) + "\": " + who_can +
-                     ", here it must be \"layered\"");
-  }
-  if (!tissue.relaxation.empty()) {
-    throw InputError("relaxation: " + who_can + ", here [[tissue.relaxation]] must be left out");
-  }
-}
-
 /// The tissue asked for; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
 model::TissueParameters find_tissue(const SceneDescription& scene) {
   if (scene.tissue) {
     try {
-      model::TissueParameters tissue =
-          load_tissue(means_file(scene.tissue->value) ? scene.tissue->file().string() : scene.tissue->value);
-      require_computed_in_a_tick(tissue);
-      return tissue;
+      return load_tissue(means_file(scene.tissue->value) ? scene.tissue->file().string()
+                                                         : scene.tissue->value);
     } catch (const InputError& error) {
       throw InputError(scene.tissue->where + ": " + error.what());
     }

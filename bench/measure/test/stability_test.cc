@@ -35,6 +35,25 @@ TEST(Stability, WhereTheCheckDoesNotWarnAPressedTissueLiesStillUnderLightAndFirm
   }
 }
 
+TEST(Stability, SmoothAndRelaxingTissuesLieStillWhereTheCheckDoesNotWarnAndGiveNoEnergy) {
+  model::TissueParameters tissue = model::tissue_preset("gallbladder");
+  tissue.law = model::LawKind::kSmooth;
+  for (const bool relaxes : {false, true}) {
+    if (relaxes) tissue.relaxation = {{0.3, 0.05}, {0.25, 1.0}};
+    for (const double rate : {1000.0, 4000.0}) {
+      const haptics::DeviceMechanics device{1.2, 0.006, kEncoder};
+      for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
+        SCOPED_TRACE(std::to_string(rate) + " Hz, grip of " + std::to_string(grip.stiffness) + " N/m" +
+                     (relaxes ? ", relaxing" : ""));
+        const StabilityResult result = StabilityBlock(tissue, rate).run({tissue, rate, device, grip});
+        EXPECT_FALSE(result.check.warns());
+        if (!relaxes) EXPECT_LE(result.peak_to_peak, kStillHold);
+        expect_bounded_energy(result);
+      }
+    }
+  }
+}
+
 TEST(Stability, AWallTooStiffForItsDeviceIsWarnedOfAndTremblesNoMoreThanTheControllerLets) {
   const model::TissueParameters wall = linear_tissue(32e3);
   const StabilityResult result =

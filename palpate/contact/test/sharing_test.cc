@@ -83,6 +83,28 @@ TEST(Sharing, WithoutForceThereIsNothingToShare) {
   EXPECT_TRUE(std::isfinite(contacts[0].share));
 }
 
+TEST(Sharing, ContactsThatBecomeOneRememberTheMeanOfWhatTheyDid) {
+  Contact relaxed;
+  relaxed.memory = {{0.2, 0.0, 0.0}, 1.0};  // of 1 N a term has kept 0.2 N
+  Contact fresh;
+  fresh.memory = {{1.0, 1.0, 0.0}, 1.0};
+  const double before = relaxed.memory.kept[0] + fresh.memory.kept[0];
+  share_memory(relaxed, fresh);
+  EXPECT_DOUBLE_EQ(relaxed.memory.kept[0] + fresh.memory.kept[0], before);
+  EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.6);
+  EXPECT_DOUBLE_EQ(fresh.memory.kept[1], 0.5);
+
+  fresh.memory = {{3.0, 0.0, 0.0}, 3.0};  // three times as strong: the same share of what it has
+  share_memory(relaxed, fresh);
+  EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.9);
+  EXPECT_DOUBLE_EQ(fresh.memory.kept[0], 2.7);
+
+  Contact none;
+  Contact nothing;
+  share_memory(none, nothing);
+  EXPECT_EQ(none.memory.kept[0], 0.0);
+}
+
 TEST(Sharing, TwoEqualJawsInOnePlacePressAsOne) {
   geometry::Tool one = test::one_part_tool(geometry::make_ball(3e-3, 320));
   geometry::Tool two = one;

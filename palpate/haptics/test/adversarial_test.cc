@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/haptics/simulation.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/test/test_world.h"
 
 namespace palpate::haptics {
@@ -98,7 +98,23 @@ class LimitsKept final {
   ForceCommand last_;
 };
 
-void run_samples(bool held, long count, std::uint64_t seed) {
+/// Another tissue in the hand: either law, up to three terms of relaxation.
+void change_tissue(const SimulationWorld& world, SimulationState& state, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  static constexpr const char* kNames[] = {"gallbladder", "heart", "liver", "kidney"};
+  model::TissueParameters tissue = model::tissue_preset(kNames[random() % std::size(kNames)]);
+  tissue.k1 *= 0.2 + 2.0 * unit(random);
+  if (random() % 2 == 0) tissue.law = model::LawKind::kSmooth;
+  for (std::uint64_t terms = random() % 4; terms > 0; --terms) {
+    tissue.relaxation.push_back({0.33 * unit(random) + 1e-6, 1e-3 + unit(random)});
+  }
+  const LiveNoise noise{random() % 2 == 0, 1e-4 * unit(random), 1e-3 + 1e-2 * unit(random)};
+  apply_change(world, state,
+               prepare_change(world, live_change(tissue, noise, kTissueChanged | kNoiseChanged)));
+}
+
+/// @param changes whether tissue and noise change every 150 samples
+void run_samples(bool held, long count, std::uint64_t seed, bool changes = false) {
   SimulationWorld world = test::block_and_balls(1, 1000.0);
   world.mappings[0].held = held;
   SimulationState state(world);
@@ -119,6 +135,7 @@ void run_samples(bool held, long count, std::uint64_t seed) {
       sample = adversarial(random);
     }
     if (phase == 0) sample.events = kResetFault;
+    if (changes && i % 150 == 0) change_tissue(world, state, random);
     tick(world, state, static_cast<std::uint64_t>(i), {&sample, 1}, {&command, 1}, {&row, 1});
     ASSERT_TRUE(limits.check(row, command)) << "sample " << i;
     if (row.phase != 0 && command.force.norm() > 0.02) ++in_contact;
@@ -129,6 +146,11 @@ void run_samples(bool held, long count, std::uint64_t seed) {
 TEST(Adversarial, SamplesOfAScriptedDeviceNeverBreakTheGate) { run_samples(false, samples_wanted() / 2, 3); }
 
 TEST(Adversarial, SamplesOfAHeldDeviceNeverBreakTheGate) { run_samples(true, samples_wanted() / 2, 4); }
+
+TEST(Adversarial, TissuesThatRelaxAndChangeWhileTheyAreTouchedNeverBreakTheGate) {
+  run_samples(false, samples_wanted() / 5, 6, true);
+  run_samples(true, samples_wanted() / 5, 7, true);
+}
 
 TEST(Adversarial, NothingButNonsenseNeverBreaksTheGate) {
   SimulationWorld world = test::block_and_balls(1, 4000.0);

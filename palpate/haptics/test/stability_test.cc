@@ -58,6 +58,17 @@ TEST(Stability, AFasterLoopNeedsLessDamping) {
   EXPECT_NEAR(needed(1e-3) - needed(2.5e-4), 800.0 * (1e-3 - 2.5e-4) / 2.0, 1e-12);
 }
 
+// ln K is linear from 100 N/m at 5 mm to 800 N/m at 14.5 mm, the layers' middles, and runs on to 15 mm.
+TEST(Stability, TheSmoothLawsOwnTangentCountsAndRelaxationTakesNothingOffIt) {
+  model::TissueParameters smooth = two_slopes();
+  smooth.law = model::LawKind::kSmooth;
+  smooth.t1 = 2.5e-4;  // the second layer's delay is 0.25 ms, the third's 1.25 ms: two layers at 1 kHz
+  const double by_hand = 100.0 * std::pow(8.0, (15.0 - 5.0) / (14.5 - 5.0));
+  EXPECT_NEAR(check_stability(smooth, Direction::kPress, 1e-3, 20.0, 1.0, {}).stiffness, by_hand, 1e-6);
+  smooth.relaxation = {{0.6, 0.01}};
+  EXPECT_NEAR(check_stability(smooth, Direction::kPress, 1e-3, 20.0, 1.0, {}).stiffness, by_hand, 1e-6);
+}
+
 TEST(Stability, ForceThatTheGateHoldsBackIsNotWithinReach) {
   EXPECT_NEAR(check_stability(two_slopes(), Direction::kPress, 1e-3, 0.9, 1.0, {}).stiffness, 100.0, 1e-9);
 }

@@ -97,6 +97,19 @@ TEST(Replay, ARunOnAMovingOrganComesOutTheSameBitForBit) {
   EXPECT_GT(replay(still).rows_different, 1000U) << "the motion is what was recorded";
 }
 
+TEST(Replay, ARunOnASmoothTissueThatRelaxesComesOutTheSameBitForBit) {
+  scene::Setup setup = block_and_balls(2);
+  setup.tissue.law = model::LawKind::kSmooth;
+  setup.tissue.relaxation = {{0.3, 0.05}, {0.2, 1.0 / 3.0}, {0.1, 7.0}};
+  const Recording recording = run(setup, 600);
+  const ReplayResult result = replay(recording);
+  EXPECT_EQ(result.rows_compared, 1200U);
+  EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
+  Recording elastic = recording;
+  elastic.setup.tissue.relaxation.pop_back();
+  EXPECT_GT(replay(elastic).rows_different, 500U) << "relaxation is what was recorded";
+}
+
 TEST(SnapshotsAt, CarryTheOrgansPoseOfTheirTick) {
   const scene::Setup setup = breathing_block();
   const std::vector<haptics::Snapshot> snapshots = snapshots_at(run(setup, 1000), {0, 999});

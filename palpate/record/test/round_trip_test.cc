@@ -54,6 +54,7 @@ std::vector<double> numbers(const scene::Setup& s) {
                              s.safety.max_slew,
                              s.safety.max_torque,
                              s.safety.max_torque_slew};
+  for (const model::RelaxationTerm& term : t.relaxation) out.insert(out.end(), {term.share, term.time});
   add_pose(s.organ_pose, out);
   for (const geometry::Tool& tool : s.tools) {
     out.push_back(tool.tip_radius.value_or(-1));
@@ -76,6 +77,7 @@ std::vector<double> numbers(const scene::Setup& s) {
 /// Every word, flag and integer of a scene.
 std::vector<std::string> words(const scene::Setup& s) {
   std::vector<std::string> out = {s.name,
+                                  model::to_string(s.tissue.law),
                                   s.task == scene::Task::kPull ? "pull" : "press",
                                   std::to_string(s.seed),
                                   s.organ_name,

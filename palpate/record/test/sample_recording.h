@@ -48,6 +48,8 @@ inline scene::Setup sample_setup(std::size_t hands) {
   setup.tissue.contact.damping = 0.25;
   setup.tissue.contact.reference_radius = 0.011;
   setup.tissue.contact.grip_limit = 7.7;
+  setup.tissue.law = model::LawKind::kSmooth;
+  setup.tissue.relaxation = {{0.1 + 0.2, 1.0 / 3}, {1e-3, 70.1}};
   setup.tissue.source = model::SourceParameters{"ball", 3e-3};
   for (std::size_t hand = 0; hand < hands; ++hand) {
     geometry::Tool tool;

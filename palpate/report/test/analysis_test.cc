@@ -39,6 +39,40 @@ TEST(Analysis, AForceOnTheLawDepartsByNothing) {
   EXPECT_LT(hand.law.p95, 1e-12);
 }
 
+TEST(Analysis, AForceOnALawThatRelaxesAndIsChangedWhileItRanDepartsByNothing) {
+  record::Recording recording = SyntheticRecording::make();
+  model::TissueParameters& tissue = recording.setup.tissue;
+  tissue.law = model::LawKind::kSmooth;
+  tissue.relaxation = {{0.4, 0.3}};
+  model::TissueParameters stiffer = tissue;
+  stiffer.k1 *= 2.0;
+  recording.changes.push_back(haptics::live_change(stiffer, {}, haptics::kTissueChanged));
+  recording.changes.back().tick = 1700;  // while it is held
+  const model::SmoothSpringLaw law(tissue, model::Direction::kPress, 1e-3);
+  // dq/dt = dF_e/dt - q / 0.3 s, by Euler's rule; twice the stiffness is twice the elastic force.
+  double kept = 0.0;
+  double before = 0.0;
+  for (haptics::TickRow& row : recording.rows) {
+    const double elastic = (row.tick < 1700 ? 1.0 : 2.0) * law.force_at(row.depth).force;
+    kept += elastic - before - 0.5e-3 / 0.3 * (2.0 * kept + elastic - before);
+    before = elastic;
+    if (row.phase == 0) kept = 0.0;
+    row.tissue_force = row.phase == 0 ? 0.0 : std::max(0.0, 0.6 * elastic + 0.4 * kept);
+  }
+  const HandAnalysis hand = analyse(recording).hands.at(0);
+  EXPECT_GT(hand.law.peak, 1.0);
+  EXPECT_LT(hand.law.median, 1e-3 * hand.law.peak);
+  recording.changes.clear();
+  EXPECT_GT(analyse(recording).hands.at(0).law.p95, 0.1 * hand.law.peak) << "the change is what was followed";
+}
+
+TEST(Analysis, NoiseThatIsChangedCountsUpToThere) {
+  record::Recording recording = SyntheticRecording::make();
+  recording.changes.push_back(haptics::live_change(recording.setup.tissue, {}, haptics::kNoiseChanged));
+  recording.changes.back().tick = 1000;
+  EXPECT_EQ(analyse(recording).hands.at(0).unit_noise.size(), 1000U);
+}
+
 TEST(Analysis, AForceFiveMillinewtonsOverTheLawDepartsByThat) {
   record::Recording recording = SyntheticRecording::make();
   for (haptics::TickRow& row : recording.rows) row.tissue_force += 5e-3;

@@ -7,7 +7,7 @@
 
 #include "palpate/contact/contact.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/model/layered_law.h"
+#include "palpate/model/spring_law.h"
 #include "palpate/noise/touch_noise.h"
 #include "palpate/record/recording.h"
 
@@ -70,7 +70,7 @@ class SyntheticRecording final {
 
  private:
   static void fill_rows(record::Recording& recording, int ticks) {
-    const model::LayeredSpringLaw law(recording.setup.tissue, model::Direction::kPress, 1.0 / kRate);
+    const model::SpringLaw law(recording.setup.tissue, model::Direction::kPress, 1.0 / kRate);
     const noise::TouchNoise noise(recording.setup.noise, kRate);
     std::mt19937_64 random(7);
     std::lognormal_distribution<double> cost(std::log(40e3), 0.25);

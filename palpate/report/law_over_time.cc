@@ -1,0 +1,74 @@
+#include "palpate/report/law_over_time.h"
+
+#include "palpate/base/text.h"
+#include "palpate/base/units.h"
+#include "palpate/report/analysis.h"
+#include "palpate/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+std::string noise_in_words(const haptics::LiveNoise& noise) {
+  if (!noise.enabled) return "touch noise off";
+  return "touch noise on, K " + shortest(noise.gain) + " N m, d\u2080 " +
+         shortest(noise.threshold / kMillimetre) + " mm";
+}
+
+std::string tissue_in_words(const model::TissueParameters& tissue) {
+  std::string text = "tissue " + tissue.name + ", " + model::to_string(tissue.law) + ": k1 " +
+                     shortest(tissue.k1) + " N/m, beta " + shortest(tissue.beta) + ", q " +
+                     shortest(tissue.q);
+  for (const model::RelaxationTerm& term : tissue.relaxation) {
+    text += ", relaxing by " + shortest(term.share) + " in " + shortest(term.time) + " s";
+  }
+  return text;
+}
+
+}  // namespace
+
+LawOverTime::LawOverTime(const record::Recording& recording, model::Direction direction)
+    : recording_(recording),
+      direction_(direction),
+      period_(1.0 / recording.setup.rate_Hz),
+      law_(law_of(recording.setup, direction)),
+      relaxation_(recording.setup.tissue.relaxation, period_) {}
+
+void LawOverTime::change_to(const model::TissueParameters& tissue) {
+  const model::Relaxation before = relaxation_;
+  law_ = model::SpringLaw(tissue, direction_, period_);
+  relaxation_ = model::Relaxation(tissue.relaxation, period_);
+  relaxation_.take_over(memory_, before);
+}
+
+double LawOverTime::force_at(const haptics::TickRow& row) {
+  const std::vector<haptics::LiveChange>& changes = recording_.changes;
+  for (; next_change_ < changes.size() && changes[next_change_].tick <= row.tick; ++next_change_) {
+    const haptics::LiveChange& change = changes[next_change_];
+    if ((change.what & haptics::kTissueChanged) != 0) change_to(tissue_of(change));
+  }
+  if (!in_contact(row, direction_)) {
+    memory_ = {};
+    return 0.0;
+  }
+  return relaxation_.next(memory_, law_.force_at(row.depth).force);
+}
+
+std::vector<std::string> changes_in_words(const record::Recording& recording) {
+  constexpr std::size_t kMostTold = 20;
+  std::vector<std::string> words;
+  for (const haptics::LiveChange& change : recording.changes) {
+    if (words.size() == kMostTold) {
+      words.push_back("and " + std::to_string(recording.changes.size() - kMostTold) +
+                      " more changes while it ran");
+      break;
+    }
+    const double time = static_cast<double>(change.tick) / recording.setup.rate_Hz;
+    words.push_back("changed while it ran, from tick " + std::to_string(change.tick) + " (" + fixed(time, 3) +
+                    " s) on: " +
+                    ((change.what & haptics::kTissueChanged) != 0 ? tissue_in_words(tissue_of(change))
+                                                                  : noise_in_words(noise_of(change))));
+  }
+  return words;
+}
+
+}  // namespace palpate::report
