@@ -32,6 +32,17 @@ class SharedCount final {
   std::atomic<std::uint64_t>* count_;
 };
 
+constexpr std::uint64_t kTicksAChange = 7;
+
+/// What tissue and noise are from a tick on, of which every kTicksAChange-th has a change.
+haptics::LiveChange sample_change(std::uint64_t tick) {
+  haptics::LiveChange change = haptics::live_change(sample_setup(1).tissue, {}, haptics::kTissueChanged);
+  change.tick = tick;
+  change.number = tick / kTicksAChange + 1;
+  change.k1 = 10.0 + 1.0 / static_cast<double>(change.number);
+  return change;
+}
+
 /// Records at 1 kHz in real time until it is killed.
 [[noreturn]] void record_until_killed(const std::filesystem::path& file, std::size_t hands,
                                       std::atomic<std::uint64_t>& ticks) {
@@ -40,6 +51,7 @@ class SharedCount final {
   const std::int64_t begin = monotonic_ns();
   for (std::uint64_t tick = 0;; ++tick) {
     sleep_until_ns(begin + static_cast<std::int64_t>(tick) * 1'000'000);
+    if (tick % kTicksAChange == 0) recorder.put_change(sample_change(tick));
     for (std::uint32_t hand = 0; hand < hands; ++hand) recorder.put(sample_row(tick, hand));
     ticks.store(tick + 1);
   }
@@ -65,6 +77,15 @@ void expect_rows_from_the_start(const Recording& recording, std::size_t hands) {
   }
 }
 
+/// The changes of every tick whose rows are there, whatever else.
+void expect_all_changes(const Recording& recording, std::size_t hands) {
+  const std::size_t ticks = recording.rows.size() / hands;
+  ASSERT_GE(recording.changes.size(), (ticks + kTicksAChange - 1) / kTicksAChange);
+  for (std::size_t i = 0; i < recording.changes.size(); ++i) {
+    ASSERT_EQ(recording.changes[i], sample_change(i * kTicksAChange)) << i;
+  }
+}
+
 class Killed : public ::testing::TestWithParam<std::pair<int, std::size_t>> {};
 
 TEST_P(Killed, RecordingIsReadAndLacksAtMostTheLastSecond) {
@@ -75,6 +96,7 @@ TEST_P(Killed, RecordingIsReadAndLacksAtMostTheLastSecond) {
   EXPECT_FALSE(recording.facts.complete);
   EXPECT_EQ(recording.facts.started_unix_ns, kStarted);
   expect_rows_from_the_start(recording, hands);
+  expect_all_changes(recording, hands);
   EXPECT_GE(recording.rows.size() / hands + 1000, ticks);
   EXPECT_LE(recording.rows.size() / hands, ticks);
 }
@@ -120,6 +142,7 @@ TEST(Killed, RecordingIsRepairedWithTheSameRowsAndOpensPlainly) {
   expect_rows_from_the_start(recording, 2);
   EXPECT_EQ(folder.entries(), 1U);
   EXPECT_FALSE(repair_recording(folder / "a.h5").was_damaged);
+  expect_all_changes(read_recording(folder / "a.h5"), 2);
 }
 
 TEST(Repair, WholeRecordingIsLeftUntouched) {

@@ -199,6 +199,59 @@ TEST(LiveChangesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
 }
 
+/// A recording of one row with these changes. @return what reading it says is wrong; empty: nothing
+std::string refusal_of(const std::vector<haptics::LiveChange>& changes,
+                       const std::function<void(hid_t)>& spoil) {
+  const TemporaryFolder folder;
+  {
+    Recorder recorder(folder / "a.h5", block_and_ball(), true);
+    recorder.begin(1);
+    for (const haptics::LiveChange& change : changes) recorder.put_change(change);
+    recorder.put(haptics::TickRow{});
+    recorder.finish({});
+  }
+  if (spoil) {
+    const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    H5Ldelete(file, "changes", H5P_DEFAULT);
+    spoil(file);
+    H5Fclose(file);
+  }
+  try {
+    (void)read_recording(folder / "a.h5");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+void make_list_of_numbers(hid_t file) {
+  const hsize_t count = 3;
+  const hid_t space = H5Screate_simple(1, &count, nullptr);
+  H5Dclose(H5Dcreate2(file, "changes", H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Sclose(space);
+}
+
+void make_list_with_one_column(hid_t file) {
+  const hsize_t count = 1;
+  const hid_t space = H5Screate_simple(1, &count, nullptr);
+  const hid_t type = H5Tcreate(H5T_COMPOUND, 8);
+  H5Tinsert(type, "tick", 0, H5T_NATIVE_INT64);
+  H5Dclose(H5Dcreate2(file, "changes", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Tclose(type);
+  H5Sclose(space);
+}
+
+TEST(LiveChangesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThemIsRead) {
+  haptics::LiveChange change = haptics::live_change(block_and_ball().tissue, {}, haptics::kTissueChanged);
+  change.tick = 5;
+  change.number = 1;
+  EXPECT_EQ(refusal_of({change}, {}), "");
+  EXPECT_THAT(refusal_of({change, change}, {}), HasSubstr("row 1 of /changes is out of order"));
+  EXPECT_EQ(refusal_of({change}, [](hid_t) {}), "") << "as if from before there were changes";
+  EXPECT_THAT(refusal_of({change}, make_list_of_numbers), HasSubstr("/changes has no columns"));
+  EXPECT_THAT(refusal_of({change}, make_list_with_one_column), HasSubstr("/changes has no column number"));
+}
+
 TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
   scene::Setup setup = block_and_ball();
   setup.devices[0].kind = "emulated";
