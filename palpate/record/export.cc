@@ -97,21 +97,24 @@ std::string changes_header() {
   return line + kChangeName + '\n';
 }
 
+char* append_value(char* at, const haptics::LiveChange& change, const Column& column) {
+  if (column.offset == offsetof(haptics::LiveChange, what)) {
+    return append(at, (change.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
+  }
+  if (column.offset == offsetof(haptics::LiveChange, law)) {
+    return append(at, change.law == 0 ? "layered" : "smooth");
+  }
+  if (column.type == ColumnType::kU64) {
+    return append_number(at, value_at<std::uint64_t>(change, column.offset));
+  }
+  return append_number(at, value_at<double>(change, column.offset));
+}
+
 std::string change_line(const haptics::LiveChange& change) {
   std::string line;
   for (const Column& column : change_columns()) {
     char text[kLongestValue];
-    char* end = text;
-    if (column.offset == offsetof(haptics::LiveChange, what)) {
-      end = append(text, (change.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
-    } else if (column.offset == offsetof(haptics::LiveChange, law)) {
-      end = append(text, change.law == 0 ? "layered" : "smooth");
-    } else if (column.type == ColumnType::kU64) {
-      end = append_number(text, value_at<std::uint64_t>(change, column.offset));
-    } else {
-      end = append_number(text, value_at<double>(change, column.offset));
-    }
-    line.append(text, end);
+    line.append(text, append_value(text, change, column));
     line += ',';
   }
   return line + quoted({change.tissue.data(), change.tissue.size()}) + '\n';

@@ -1,6 +1,7 @@
 // Changes of tissue and noise while a run goes on: recorded, read, exported, and run again bit for bit.
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <sstream>
 
