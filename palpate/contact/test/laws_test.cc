@@ -249,6 +249,28 @@ TEST(Laws, PulledAnyWayAndRelaxingNoEnergyComesBackThatWasNotPutIn) {
   }
 }
 
+// Stretched in 0.2 s, held for ten time constants and brought back.
+TEST(Laws, AHeldStretchRelaxesAlongItsOwnDirectionAndANewHoldHasForgotten) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.relaxation = {{0.4, 0.5}};
+  Bench bench(tissue);
+  const Vec3 touch(0, 0, kRadius);
+  bench.go(touch);
+  bench.close();
+  bench.go(touch + Vec3(0, 0, 4e-3));
+  const double elastic = layered_by_sum(tissue, 8e-3, 4e-3);
+  for (int i = 0; i < 5000; ++i) bench.still();
+  EXPECT_NEAR(bench.result.force_W.z(), -0.6 * elastic, 1e-3 * elastic);
+  bench.go(touch);  // in 0.2 s: what was let go of along z pushes back along z and nowhere else
+  EXPECT_GT(bench.result.force_W.z(), 0.2 * elastic);
+  EXPECT_LT(bench.result.force_W.head<2>().norm(), 1e-9);
+  bench.at(touch, 1.0);
+  for (int i = 0; i < 100; ++i) bench.still();
+  bench.close();
+  EXPECT_NEAR(bench.still().force_W.norm(), 0.0, 1e-9);
+  EXPECT_EQ(bench.result.phase, Phase::kPull);
+}
+
 TEST(Laws, ATissueThatWasLetGoOfAndIsTouchedAgainHasForgotten) {
   model::TissueParameters tissue = plain_tissue();
   tissue.relaxation = kTwoTerms;
