@@ -15,6 +15,13 @@ constexpr double kBoundSlack = 1e-12;
 // With more points of a cluster in question than this, its middle is asked first.
 constexpr int kFewPoints = 4;
 
+// The ball behind the tool: made anew after so much motion; its centre goes back while the ball rests on the
+// organ within kBallLoss of the tool's nearest point, and comes nearer when something else is in its way.
+constexpr double kBallServes = 1e-3;     // m
+constexpr double kBallLoss = 0.1e-3;     // m
+constexpr double kLeastBehind = 2e-3;    // m
+constexpr double kGreatestBehind = 0.1;  // m
+
 constexpr double kContactDrift = 0.1;  // m/s: twice what a contact may gain on the tool
 constexpr int kMostTakenUp = 16;       // distances asked a tick for clusters that were left by contacts
 
@@ -165,6 +172,31 @@ int take_up(const OrganSurface& surface, const PartPoints& points, std::size_t c
   return asked;
 }
 
+/// One question for all points of a cluster: what is nearer to its middle than the surface is, is on the
+/// middle's side, and was there a tick ago if the surface is farther off than the tick's way.
+void settle_by_middle(const OrganSurface& surface, const PartPoints& points, std::size_t c,
+                      PartState& part) noexcept {
+  const PartPoints::Cluster& cluster = points.clusters[c];
+  const geometry::NearestPoint middle =
+      surface.nearest(part.placed_S * cluster.centre, part.nearest_triangle[cluster.begin]);
+  const bool inside = middle.distance < 0.0;
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    if (!may_have_crossed(part, i) || (part.inside[i] != 0) != inside) continue;
+    const double clear = std::abs(middle.distance) - (points.point(i) - cluster.centre).norm() - kBoundSlack;
+    if (clear + kInside <= part.motion) continue;
+    part.known[i] = inside ? -clear : clear;
+    part.since[i] = part.travelled;
+    part.nearest_triangle[i] = middle.triangle;
+    if (!inside) part.floor[i] = std::max(part.floor[i], clear + part.travelled);
+  }
+}
+
+int count_crossed(const PartPoints::Cluster& cluster, const PartState& part) noexcept {
+  int count = 0;
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) count += may_have_crossed(part, i) ? 1 : 0;
+  return count;
+}
+
 /// Asks all points that may have crossed the surface.
 void find_crossings(const OrganSurface& surface, const PartPoints& points, double reference_radius,
                     double period, bool placed_anew, PartState& part) noexcept {
@@ -181,6 +213,7 @@ void find_crossings(const OrganSurface& surface, const PartPoints& points, doubl
       if (asked >= kMostTakenUp) continue;  // in the next ticks
       asked += take_up(surface, points, c, part);
     } else {
+      if (count_crossed(points.clusters[c], part) > kFewPoints) settle_by_middle(surface, points, c, part);
       for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
         if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
       }
@@ -189,13 +222,52 @@ void find_crossings(const OrganSurface& surface, const PartPoints& points, doubl
   }
 }
 
-/// How many points of a cluster may be nearer than the nearest so far.
-int count_open(const PartPoints::Cluster& cluster, const PartState& part) noexcept {
-  int count = 0;
-  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-    if (part.floor[i] - part.travelled < part.nearest.distance) ++count;
+/// Makes the ball anew behind the nearest point when the tool has moved on.
+void renew_ball(const OrganSurface& surface, const PartPoints& points, PartState& part) noexcept {
+  EmptyBall& ball = part.ball;
+  const double distance = part.nearest.distance;
+  if (!(distance > 0.0) || (ball.radius > 0.0 && part.travelled - ball.made < kBallServes)) return;
+  const Vec3 nearest_S = part.placed_S * points.point(part.nearest_point);
+  const Vec3 way = nearest_S - part.nearest.point;
+  const Vec3 away = distance > kBallLoss ? Vec3(way / distance) : part.nearest.normal;
+  ball.centre_S = nearest_S + ball.behind * away;
+  ball.radius = surface.nearest(ball.centre_S, part.nearest.triangle).distance;
+  ball.made = part.travelled;
+  const bool rests = ball.radius > distance + ball.behind - kBallLoss;
+  ball.behind = std::clamp((rests ? 2.0 : 0.5) * ball.behind, kLeastBehind, kGreatestBehind);
+}
+
+/// The ball's centre in the part's frame, and what it says of points.
+struct BallBound {
+  Vec3 centre_P;
+  double radius;
+
+  explicit BallBound(const PartState& part) noexcept
+      : centre_P(part.placed_S.bring_back(part.ball.centre_S)), radius(part.ball.radius - kBoundSlack) {}
+
+  /// A point is not nearer to the organ than this [m].
+  [[nodiscard]] double least(const Vec3& point_P) const noexcept {
+    return radius - (point_P - centre_P).norm();
   }
-  return count;
+};
+
+/// Raises the floor of a cluster's points by the ball; @return how many may still be nearer than the nearest
+/// so far. Of a cluster that was left the ball must tell the side too.
+int raise_by_ball(const PartPoints& points, std::size_t c, const BallBound& ball, PartState& part) noexcept {
+  const bool left = part.clusters[c].left;
+  int open = 0;
+  for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+    if (part.floor[i] - part.travelled >= part.nearest.distance) continue;
+    const double least = ball.least(points.point(i));
+    if (left && least > 0.0) {
+      part.known[i] = least;
+      part.since[i] = part.travelled;
+      set_inside(part, i, least);
+    }
+    if (!left || least > 0.0) part.floor[i] = std::max(part.floor[i], least + part.travelled);
+    if (part.floor[i] - part.travelled < part.nearest.distance) ++open;
+  }
+  return open;
 }
 
 /// One question for all points of a cluster: none is nearer than its middle by more than the way between.
@@ -259,9 +331,17 @@ void find_nearest(const OrganSurface& surface, const PartPoints& points, PartSta
   }
   const std::size_t last_nearest = part.nearest_point;
   part.nearest = ask_distance(surface, points, last_nearest, part);  // its cluster is looked at below, surely
+  renew_ball(surface, points, part);
+  const BallBound ball(part);
   for (std::size_t c = 0; c < points.clusters.size(); ++c) {
-    if (part.clusters[c].floor - part.travelled > part.nearest.distance + kBoundSlack) continue;
-    if (count_open(points.clusters[c], part) > kFewPoints) raise_floor(surface, points, c, part);
+    ClusterBounds& bounds = part.clusters[c];
+    if (bounds.floor - part.travelled > part.nearest.distance + kBoundSlack) continue;
+    const double least = ball.least(points.clusters[c].centre) - points.clusters[c].radius;
+    if (!bounds.left && least > part.nearest.distance + kBoundSlack) {
+      bounds.floor = std::max(bounds.floor, least + part.travelled);
+      continue;
+    }
+    if (raise_by_ball(points, c, ball, part) > kFewPoints) raise_floor(surface, points, c, part);
     for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
       if (i == last_nearest || part.floor[i] - part.travelled >= part.nearest.distance) continue;
       const geometry::NearestPoint found = ask_distance(surface, points, i, part);

@@ -2,6 +2,7 @@
 // What World and State hold inside; only the .cc files of this module include it.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -75,6 +76,16 @@ struct ClusterBounds {
   bool left = false;     // not looked at lately: by a contact, where a crossing starts nothing
 };
 
+/// A ball outside the organ without surface in it. It lies behind the tool, as seen from the organ, and rests
+/// on the organ where the tool is nearest: over that place it bounds distances to second order in the way
+/// aside.
+struct EmptyBall {
+  Vec3 centre_S = Vec3::Zero();
+  double radius = -std::numeric_limits<double>::infinity();  // m; none yet: it bounds nothing
+  double made = 0.0;                                         // PartState::travelled then
+  double behind = 20e-3;                                     // m, from the tool's point to the next centre
+};
+
 /// One rigid part from tick to tick.
 struct PartState {
   static constexpr std::size_t kMostEntries = 64;
@@ -97,6 +108,7 @@ struct PartState {
   std::uint32_t inside_count = 0;
   std::uint32_t nearest_point = 0;  // of the part to the organ, when that was last looked for
   geometry::NearestPoint nearest;   // its distance
+  EmptyBall ball;
   std::size_t entry_count = 0;
   std::array<EntryEvent, kMostEntries> entries{};
 
