@@ -45,6 +45,18 @@ void bound_cluster(const PartPoints& points, std::size_t cluster, PartState& par
     bounds.floor = std::min(bounds.floor, part.floor[i]);
   }
   part.clusters[cluster] = bounds;
+  part.crosses = std::min(part.crosses, bounds.crosses);
+  part.lowest = std::min(part.lowest, bounds.floor);
+}
+
+/// Raises the bounds of the whole part to the least of its clusters'.
+void bound_part(PartState& part) noexcept {
+  part.crosses = std::numeric_limits<double>::infinity();
+  part.lowest = std::numeric_limits<double>::infinity();
+  for (const ClusterBounds& cluster : part.clusters) {
+    part.crosses = std::min(part.crosses, cluster.crosses);
+    part.lowest = std::min(part.lowest, cluster.floor);
+  }
 }
 
 void set_inside(PartState& part, std::size_t point, double distance) noexcept {
@@ -200,6 +212,7 @@ int count_crossed(const PartPoints::Cluster& cluster, const PartState& part) noe
 /// Asks all points that may have crossed the surface.
 void find_crossings(const OrganSurface& surface, const PartPoints& points, double reference_radius,
                     double period, bool placed_anew, PartState& part) noexcept {
+  if (part.crosses > part.travelled + kBoundSlack) return;
   const ContactPlaces contacts(reference_radius, period, part);
   int asked = 0;
   for (std::size_t c = 0; c < points.clusters.size(); ++c) {
@@ -220,6 +233,7 @@ void find_crossings(const OrganSurface& surface, const PartPoints& points, doubl
     }
     bound_cluster(points, c, part);
   }
+  bound_part(part);
 }
 
 /// Makes the ball anew behind the nearest point when the tool has moved on.
@@ -323,9 +337,9 @@ bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose
 
 void find_nearest(const OrganSurface& surface, const PartPoints& points, PartState& part,
                   double enough) noexcept {
-  double least = std::numeric_limits<double>::infinity();
-  for (const ClusterBounds& cluster : part.clusters) least = std::min(least, cluster.floor);
-  if (least - part.travelled > enough + kBoundSlack) {
+  const double far_off = enough + kBoundSlack + part.travelled;
+  if (part.lowest <= far_off) bound_part(part);
+  if (part.lowest > far_off) {
     part.nearest.distance = std::numeric_limits<double>::infinity();
     return;
   }

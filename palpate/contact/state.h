@@ -105,6 +105,8 @@ struct PartState {
   std::vector<std::int32_t> nearest_triangle;
   std::vector<std::uint8_t> inside;
   std::vector<ClusterBounds> clusters;
+  double crosses = 0.0;  // none of the clusters' is less
+  double lowest = 0.0;   // none of the clusters' floors is less
   std::uint32_t inside_count = 0;
   std::uint32_t nearest_point = 0;  // of the part to the organ, when that was last looked for
   geometry::NearestPoint nearest;   // its distance
