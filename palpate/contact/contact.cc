@@ -161,9 +161,21 @@ void add_nearest(const World::Data& world, const ToolPoints& points, const Pose&
   result.normal_W = result.away_W;
 }
 
-ToolResult summarize(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
-                     const Pose& organ_W, ToolState& tool, std::uint32_t status) noexcept {
-  ToolResult result;
+/// Makes a result as a new one, but for the views, which nobody reads past view_count: they are most of it.
+void clear(ToolResult& result) noexcept {
+  result.phase = Phase::kApproach;
+  result.friction = 0.0;
+  result.depth = 0.0;
+  result.cutoff_layer = 0;
+  result.saturated = false;
+  result.contact_W = Vec3::Zero();
+  result.normal_W = Vec3::UnitZ();
+  result.view_count = 0;
+}
+
+void summarize(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
+               const Pose& organ_W, ToolState& tool, std::uint32_t status, ToolResult& result) noexcept {
+  clear(result);
   Sums sums;
   result.status = status;
   add_press(laws, organ_W, tool, sums, result);
@@ -178,7 +190,6 @@ ToolResult summarize(const World::Data& world, const TissueLaws& laws, const Too
   result.force_W = organ_W.rotation * sums.force;
   result.torque_W = organ_W.rotation * sums.torque;
   result.friction = sums.friction.norm();
-  return result;
 }
 
 }  // namespace
@@ -259,7 +270,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   }
   share_tissue(data.tissue.contact.reference_radius, std::span(all).first(count));
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
-    results[t] = summarize(data, laws, data.tools[t], organ_W, now.tools[t], status[t]);
+    summarize(data, laws, data.tools[t], organ_W, now.tools[t], status[t], results[t]);
   }
 }
 
