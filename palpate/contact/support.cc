@@ -25,18 +25,41 @@ struct Plane {
     return t >= 1.0 ? 0.0 : 1.0 - t * t * (3.0 - 2.0 * t);
   }
 
-  [[nodiscard]] double depth_of(const Vec3& p) const noexcept {
-    const Vec3 offset = p - point;
-    const double depth = -offset.dot(normal);
-    return depth > 0.0 ? depth * taper(offset.squaredNorm() - depth * depth) : depth;
-  }
-
   /// No point of a ball is farther behind the plane. `beside`: none is nearer to the axis.
   [[nodiscard]] double most_behind(const PartPoints::Cluster& ball, double& beside) const noexcept {
     const Vec3 offset = ball.centre - point;
     const double height = offset.dot(normal);
     beside = std::sqrt(std::max(0.0, offset.squaredNorm() - height * height)) - ball.radius;
     return ball.radius - height;
+  }
+};
+
+/// Two numbers at once in double precision: the same bits as one after the other.
+using Pair = xsimd::batch<double, xsimd::sse2>;
+
+Pair pair_of(double first, double second) noexcept { return Pair(_mm_setr_pd(first, second)); }
+
+/// Exact depths of two points. Sums of three run as Eigen's do, so that they round alike.
+struct PlanePair {
+  Pair x, y, z, nx, ny, nz;
+
+  explicit PlanePair(const Plane& plane) noexcept
+      : x(plane.point.x()),
+        y(plane.point.y()),
+        z(plane.point.z()),
+        nx(plane.normal.x()),
+        ny(plane.normal.y()),
+        nz(plane.normal.z()) {}
+
+  /// @param rho_squared of the points, from the axis
+  [[nodiscard]] Pair depths(const PartPoints& part, std::size_t i, std::size_t j,
+                            Pair& rho_squared) const noexcept {
+    const Pair dx = pair_of(part.x[i], part.x[j]) - x;
+    const Pair dy = pair_of(part.y[i], part.y[j]) - y;
+    const Pair dz = pair_of(part.z[i], part.z[j]) - z;
+    const Pair depth = -(dx * nx + (dy * ny + dz * nz));
+    rho_squared = dx * dx + (dy * dy + dz * dz) - depth * depth;
+    return depth;
   }
 };
 
@@ -181,16 +204,20 @@ class SupportSearch final {
     support.depth = depth_;
     const double width = std::min(kSupportBand, depth_);
     double total = 0.0;
+    Pair sum_xy(0.0);
+    Pair sum_z_radius(0.0);
     for (const DepthScratch::Deep& deep : std::span(scratch_.deep_).first(found_)) {
       const double share = 1.0 - (depth_ - deep.depth) / width;
       if (share <= 0.0) continue;
       const std::size_t i = deep.point;
       const double weight = part_.area[i] * share;
       total += weight;
-      support.mean += weight * part_.point(i);
-      support.tip_radius += weight * part_.tip_radius[i];
+      sum_xy += Pair(weight) * pair_of(part_.x[i], part_.y[i]);
+      sum_z_radius += Pair(weight) * pair_of(part_.z[i], part_.tip_radius[i]);
       support.half_width += weight * part_.half_width[i];
     }
+    support.mean = {sum_xy.get(0), sum_xy.get(1), sum_z_radius.get(0)};
+    support.tip_radius = sum_z_radius.get(1);
     support.mean /= total;
     support.tip_radius /= total;
     support.half_width /= total;
@@ -219,15 +246,24 @@ class SupportSearch final {
     return first;
   }
 
-  /// The exact depths of what was found.
+  /// The exact depths of what was found, two at a time.
   void measure() noexcept {
-    const Plane plane = plane_;
-    double depth = 0.0;
-    for (DepthScratch::Deep& deep : std::span(scratch_.deep_).first(found_)) {
-      deep.depth = plane.depth_of(part_.point(deep.point));
-      depth = std::max(depth, deep.depth);
+    const PlanePair plane(plane_);
+    double deepest = 0.0;
+    alignas(16) std::array<double, 2> depth;
+    alignas(16) std::array<double, 2> rho_squared;
+    for (std::size_t k = 0; k < found_; k += 2) {
+      const std::span<DepthScratch::Deep> deep =
+          std::span(scratch_.deep_).subspan(k, std::min<std::size_t>(2, found_ - k));
+      Pair from_axis;
+      plane.depths(part_, deep.front().point, deep.back().point, from_axis).store_aligned(depth.data());
+      from_axis.store_aligned(rho_squared.data());
+      for (std::size_t m = 0; m < deep.size(); ++m) {
+        deep[m].depth = depth[m] > 0.0 ? depth[m] * plane_.taper(rho_squared[m]) : depth[m];
+        deepest = std::max(deepest, deep[m].depth);
+      }
     }
-    depth_ = depth;
+    depth_ = deepest;
   }
 
   const PartPoints& part_;
