@@ -181,8 +181,9 @@ class Starter final {
   /// Points that are inside but not deep, a few a tick, in turn.
   void try_shallow_points() noexcept {
     const auto count = static_cast<std::uint32_t>(points_.size());
-    for (std::uint32_t k = 0; k < std::min(kPointsTried, count) && evaluations_ < kMostEvaluations; ++k) {
-      part_.cursor = (part_.cursor + 1) % count;
+    const std::uint32_t tried = std::min(kPointsTried, count);
+    for (std::uint32_t k = 0; k < tried && evaluations_ < kMostEvaluations; ++k) {
+      part_.cursor = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
       const std::size_t i = part_.cursor;
       if (part_.inside[i] == 0 || greatest_distance(part_, i) < -kShallow) continue;
       if (near_a_contact(radius(), part_, part_.placed_S * points_.point(i))) continue;
