@@ -25,6 +25,10 @@ struct Plane {
     return t >= 1.0 ? 0.0 : 1.0 - t * t * (3.0 - 2.0 * t);
   }
 
+  [[nodiscard]] double tapered(double depth, double rho_squared) const noexcept {
+    return depth > 0.0 ? depth * taper(rho_squared) : depth;
+  }
+
   /// No point of a ball is farther behind the plane. `beside`: none is nearer to the axis.
   [[nodiscard]] double most_behind(const PartPoints::Cluster& ball, double& beside) const noexcept {
     const Vec3 offset = ball.centre - point;
@@ -203,24 +207,24 @@ class SupportSearch final {
     if (depth_ <= 0.0) return support;
     support.depth = depth_;
     const double width = std::min(kSupportBand, depth_);
+    const PartPoints& part = part_;
     double total = 0.0;
+    double half_width = 0.0;
     Pair sum_xy(0.0);
     Pair sum_z_radius(0.0);
     for (const DepthScratch::Deep& deep : std::span(scratch_.deep_).first(found_)) {
-      const double share = 1.0 - (depth_ - deep.depth) / width;
+      const double share = 1.0 - (support.depth - deep.depth) / width;
       if (share <= 0.0) continue;
       const std::size_t i = deep.point;
-      const double weight = part_.area[i] * share;
+      const double weight = part.area[i] * share;
       total += weight;
-      sum_xy += Pair(weight) * pair_of(part_.x[i], part_.y[i]);
-      sum_z_radius += Pair(weight) * pair_of(part_.z[i], part_.tip_radius[i]);
-      support.half_width += weight * part_.half_width[i];
+      sum_xy += Pair(weight) * pair_of(part.x[i], part.y[i]);
+      sum_z_radius += Pair(weight) * pair_of(part.z[i], part.tip_radius[i]);
+      half_width += weight * part.half_width[i];
     }
-    support.mean = {sum_xy.get(0), sum_xy.get(1), sum_z_radius.get(0)};
-    support.tip_radius = sum_z_radius.get(1);
-    support.mean /= total;
-    support.tip_radius /= total;
-    support.half_width /= total;
+    support.mean = Vec3(sum_xy.get(0), sum_xy.get(1), sum_z_radius.get(0)) / total;
+    support.tip_radius = sum_z_radius.get(1) / total;
+    support.half_width = half_width / total;
     return support;
   }
 
@@ -248,20 +252,19 @@ class SupportSearch final {
 
   /// The exact depths of what was found, two at a time.
   void measure() noexcept {
-    const PlanePair plane(plane_);
+    const Plane plane = plane_;  // here nothing that is written can be part of it
+    const PlanePair pair(plane);
+    const std::span<DepthScratch::Deep> deep = std::span(scratch_.deep_).first(found_);
     double deepest = 0.0;
-    alignas(16) std::array<double, 2> depth;
-    alignas(16) std::array<double, 2> rho_squared;
     for (std::size_t k = 0; k < found_; k += 2) {
-      const std::span<DepthScratch::Deep> deep =
-          std::span(scratch_.deep_).subspan(k, std::min<std::size_t>(2, found_ - k));
-      Pair from_axis;
-      plane.depths(part_, deep.front().point, deep.back().point, from_axis).store_aligned(depth.data());
-      from_axis.store_aligned(rho_squared.data());
-      for (std::size_t m = 0; m < deep.size(); ++m) {
-        deep[m].depth = depth[m] > 0.0 ? depth[m] * plane_.taper(rho_squared[m]) : depth[m];
-        deepest = std::max(deepest, deep[m].depth);
-      }
+      const std::size_t next = std::min(k + 1, found_ - 1);
+      Pair rho_squared;
+      const Pair depth = pair.depths(part_, deep[k].point, deep[next].point, rho_squared);
+      const double first = plane.tapered(depth.get(0), rho_squared.get(0));
+      const double second = plane.tapered(depth.get(1), rho_squared.get(1));
+      deep[k].depth = first;
+      deep[next].depth = second;
+      deepest = std::max({deepest, first, second});
     }
     depth_ = deepest;
   }
