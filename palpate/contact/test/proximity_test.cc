@@ -63,6 +63,80 @@ TEST(Proximity, NearestIsThatOfAllPointsAlongAnyWay) {
   }
 }
 
+double nearest_of_all(const OrganSurface& surface, const PartPoints& points, const PartState& part) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    nearest = std::min(nearest, surface.nearest(part.placed_S * points.point(i), -1).distance);
+  }
+  return nearest;
+}
+
+TEST(Proximity, NearestIsThatOfAllPointsTickByTickWhileABallRestsOnTheOrgan) {
+  const OrganSurface surface(geometry::make_organ("heart"), kReference);
+  const PartPoints points = jaw();
+  PartState part = state_for(points);
+  int served = 0;
+  for (int tick = 0; tick < 1200; ++tick) {
+    const double time = tick * kPeriod;
+    const Vec3 aside(10e-3 * std::sin(3.0 * time), 8e-3 * std::sin(4.0 * time), 4e-3 * std::sin(9.0 * time));
+    const Pose pose{rotation_about(Vec3::UnitX(), 0.2 * std::sin(5.0 * time)),
+                    aside - Vec3(0.0, 0.0, 135e-3)};
+    move_part(surface, points, pose, kReference, kPeriod, part);
+    find_nearest(surface, points, part);
+    ASSERT_EQ(part.nearest.distance, nearest_of_all(surface, points, part)) << "tick " << tick;
+    if (part.ball.radius > 0.0) ++served;
+    if (tick % 20 != 0) continue;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 p = part.placed_S * points.point(i);
+      ASSERT_LE(part.ball.radius - (p - part.ball.centre_S).norm(), surface.nearest(p, -1).distance + 1e-12);
+    }
+  }
+  EXPECT_GT(served, 1000);
+}
+
+/// Brings the part's tip straight up to the organ, from far below, until it is `depth` [m] inside.
+double height_of_depth(const OrganSurface& surface, const PartPoints& points, double depth) {
+  PartState part = state_for(points);
+  double z = -0.2;
+  for (; z < 0.0; z += 0.1e-3) {
+    move_part(surface, points, place(Vec3(0.0, 0.0, z)), kReference, kPeriod, part);
+    find_nearest(surface, points, part);
+    if (part.nearest.distance < -depth) break;
+  }
+  return z;
+}
+
+TEST(Proximity, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
+  const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
+  const PartPoints points = jaw();
+  const double deep = height_of_depth(surface, points, 1.5e-3);
+  PartState part = state_for(points);
+  const auto go_to = [&](double from, double to) {
+    for (int k = 1; k <= 40; ++k) {
+      const double z = from + (to - from) * k / 40.0;
+      move_part(surface, points, place(Vec3(0.0, 0.0, z)), kReference, kPeriod, part);
+      if (part.contact_count == 0) find_nearest(surface, points, part);
+    }
+  };
+  go_to(deep - 4e-3, deep);
+  ASSERT_GT(part.inside_count, 0U);
+  // A contact that covers the place while the tool leaves: nobody looks which points come out.
+  part.contact_count = 1;
+  part.contacts[0].at = {part.nearest.point, part.nearest.triangle};
+  go_to(deep, deep - 2e-3);
+  part.contact_count = 0;
+  find_nearest(surface, points, part);
+  ASSERT_GT(part.nearest.distance, 0.0);
+  // The very next tick goes in again, slower than a hand that counts as placed anew.
+  move_part(surface, points, place(Vec3(0.0, 0.0, deep)), kReference, kPeriod, part);
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (surface.nearest(part.placed_S * points.point(i), -1).distance < kInside) ++inside;
+  }
+  EXPECT_GT(inside, 3U);
+  EXPECT_EQ(part.entry_count, inside);
+}
+
 TEST(Proximity, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
   std::mt19937 random(2);
   const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
