@@ -37,11 +37,19 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
   const double cosine = std::clamp(normal.dot(goal), -1.0, 1.0);
   const Vec3 across = goal - cosine * normal;
   const double sine = across.norm();
-  const double angle = portable::acos(cosine);
   // Near 0 the cosine has lost its digits, and the sine is the angle.
-  if ((cosine > 0.0 && sine <= most) || angle <= most) {
+  if (cosine > 0.0 && sine <= most) {
     normal = goal;
-    return cosine > 0.99 ? sine : angle;
+    return cosine > 0.99 ? sine : portable::acos(cosine);
+  }
+  // An acute angle is greater than its sine, from here on by more than acos rounds: no need to work it out.
+  constexpr double kClear = 1e-3;
+  if (!(cosine > 0.0 && sine > kClear)) {
+    const double angle = portable::acos(cosine);
+    if (angle <= most) {
+      normal = goal;
+      return cosine > 0.99 ? sine : angle;
+    }
   }
   if (sine < 1e-9) return 0.0;  // turned right round: no way is nearer
   const auto [s, c] = portable::sin_cos(most);
