@@ -1,5 +1,5 @@
 // `palpate validate`: the model against measurements.
-#include <algorithm>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,11 +9,17 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
+#include "palpate/fit/reach_fit.h"
+#include "palpate/fit/rivals.h"
 #include "palpate/fit/validation.h"
+#include "palpate/report/validation_report.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/tissue_file.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/numbers.h"
+#include "app/validate_against.h"
 #include "app/validate_summary.h"
 
 namespace palpate::app {
@@ -34,6 +40,10 @@ struct ValidateFlags {
   std::string max_nrmse;
   std::string max_error_N;
   std::string max_error_mm;
+  std::string against;
+  bool fit_reach = false;
+  std::string out;
+  std::string report;
   bool as_json = false;
 };
 
@@ -102,37 +112,86 @@ void hold(const std::string& flag, const std::string& goal, double error, const 
   if (!(error <= limit)) missed.push_back(name + ": " + shortest(error) + ", " + flag + " is " + goal);
 }
 
-Validation validate(const ValidateFlags& flags) {
-  Validation validation;
+/// The profiles beside the tissue's u(r); with --fit-reach its reach is fitted to them first.
+void compare_profiles(const ValidateFlags& flags, const std::vector<fit::Deformation>& profiles,
+                      report::Validation& validation) {
+  const double radius = tip_radius_of(flags, validation.law);
+  const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
+  model::ReachParameters& reach = validation.law.tissue.reach;
+  std::vector<fit::ReachSample> samples;
+  for (std::size_t i = 0; i < profiles.size(); ++i) {
+    // Refuses what has no depth.
+    const fit::DeformationComparison comparison =
+        fit::compare_deformation(profiles[i], reach, depths[i], radius);
+    samples.push_back({profiles[i], comparison.depth, radius});
+  }
+  if (flags.fit_reach) {
+    validation.reach = fit::fit_reach(samples);
+    reach = validation.reach->reach;
+  }
+  for (const fit::ReachSample& sample : samples) {
+    report::ProfileSet set;
+    set.ours = fit::compare_deformation(sample.deformation, reach, sample.depth, radius);
+    validation.profiles.push_back(std::move(set));
+  }
+}
+
+void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
+  for (const report::ForceSet& set : validation.forces) {
+    const std::string& name = set.ours.measured.name;
+    hold("--max-nrmse", flags.max_nrmse, set.ours.errors.nrmse, name, validation.missed);
+    hold("--max-error-N", flags.max_error_N, set.ours.errors.max, name, validation.missed);
+  }
+  for (const report::ProfileSet& set : validation.profiles) {
+    const std::string& name = set.ours.measured.name;
+    hold("--max-nrmse", flags.max_nrmse, set.ours.errors.nrmse, name, validation.missed);
+    hold("--max-error-mm", flags.max_error_mm, set.ours.errors.max / kMillimetre, name, validation.missed);
+  }
+}
+
+/// Refuses flags that would do nothing.
+void check_use(const ValidateFlags& flags) {
   if (flags.files.empty() && flags.profiles.empty()) {
     throw InputError("nothing to compare with: give force curves (DATA) or --profile FILE");
   }
+  if (flags.fit_reach && flags.profiles.empty()) throw InputError("--fit-reach: needs --profile FILE");
+  if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
+  if (flags.profiles.empty() && !(flags.depth.empty() && flags.force.empty() && flags.tip_radius.empty())) {
+    throw InputError("--depth-mm, --force-N and --tip-radius-mm: are of profiles, need --profile FILE");
+  }
+  for (const auto& [flag, goal] :
+       {std::pair{"--max-nrmse", &flags.max_nrmse}, std::pair{"--max-error-N", &flags.max_error_N},
+        std::pair{"--max-error-mm", &flags.max_error_mm}}) {
+    if (!goal->empty()) (void)parse_not_negative(flag, *goal);
+  }
+}
+
+report::Validation validate(const ValidateFlags& flags) {
+  check_use(flags);
+  report::Validation validation;
   validation.law = law_of(flags);
   const fit::Zeros zeros{parse_number("--first-contact-mm", flags.first_contact) * kMillimetre,
                          parse_number("--offset-N", flags.offset)};
+  const std::vector<fit::RivalKind> rivals = fit::parse_rivals(flags.against);
   const std::vector<fit::Specimen> specimens = read_forces(flags);
   const std::vector<fit::Deformation> profiles = read_profiles(flags);
   for (const fit::Specimen& specimen : specimens) {
-    validation.forces.push_back(fit::compare_force(specimen, validation.law, zeros));
+    report::ForceSet set;
+    set.ours = fit::compare_force(specimen, validation.law, zeros);
+    validation.forces.push_back(std::move(set));
   }
-  if (!profiles.empty()) {
-    const double radius = tip_radius_of(flags, validation.law);
-    const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
-    for (std::size_t i = 0; i < profiles.size(); ++i) {
-      validation.profiles.push_back(
-          fit::compare_deformation(profiles[i], validation.law.tissue.reach, depths[i], radius));
-    }
-  }
-  for (const auto& force : validation.forces) {
-    hold("--max-nrmse", flags.max_nrmse, force.errors.nrmse, force.measured.name, validation.missed);
-    hold("--max-error-N", flags.max_error_N, force.errors.max, force.measured.name, validation.missed);
-  }
-  for (const auto& profile : validation.profiles) {
-    hold("--max-nrmse", flags.max_nrmse, profile.errors.nrmse, profile.measured.name, validation.missed);
-    hold("--max-error-mm", flags.max_error_mm, profile.errors.max / kMillimetre, profile.measured.name,
-         validation.missed);
-  }
+  if (!profiles.empty()) compare_profiles(flags, profiles, validation);
+  if (!rivals.empty()) compare_with(rivals, zeros, validation);
+  hold_goals(flags, validation);
   return validation;
+}
+
+/// The tissue with the reach that was fitted.
+void write_tissue(const std::string& file, const model::TissueParameters& tissue) {
+  std::ofstream out(file, std::ios::binary);
+  out << scene::to_toml(tissue);
+  out.close();
+  if (!out) throw InputError("--out " + file + ": cannot be written");
 }
 
 void add_goals(CLI::App& command, ValidateFlags& flags) {
@@ -173,14 +232,28 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
   command->add_option("--tip-radius-mm", flags->tip_radius,
                       "radius of the tool's tip in the profiles (default: the tissue's source)");
   add_goals(*command, *flags);
+  command->add_option("--against", flags->against,
+                      "laws of others, fitted to the same data: hertz,linear,exponential,mass-spring");
+  command->add_flag("--fit-reach", flags->fit_reach,
+                    "fit how far the tissue is drawn along (reach) to all profiles together first");
+  command->add_option("--out", flags->out, "with --fit-reach: tissue file to write, with the reach found");
+  command->add_option("--report", flags->report, "folder for a page with a picture a data set");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Exit code 4 when a goal is missed. Examples:\n"
       "  palpate validate liver-3.csv --tissue liver.toml --max-nrmse 0.05\n"
       "  palpate validate --profile side.csv --tissue liver.toml --depth-mm 5 --tip-radius-mm 5\n"
+      "  palpate validate liver-3.csv --tissue liver.toml --against hertz,linear,exponential,mass-spring\n"
+      "  palpate validate --profile side.csv --tissue liver.toml --depth-mm 5 --tip-radius-mm 5 --fit-reach "
+      "\\\n"
+      "    --out liver-reach.toml --report liver-reach\n"
       "docs/validation.md says what is compared and what the figures mean.");
   command->callback([flags, command_line, &exit_code] {
-    const Validation validation = validate(*flags);
+    const report::Validation validation = validate(*flags);
+    if (!flags->out.empty()) write_tissue(flags->out, validation.law.tissue);
+    if (!flags->report.empty()) {
+      tell("report: " + report::write_validation_report(validation, command_line, flags->report).string());
+    }
     std::cout << (flags->as_json ? validation_json(validation) : validation_text(validation));
     exit_code = validation.missed.empty() ? kDone : kGoalMissed;
   });

@@ -1,23 +1,14 @@
 #pragma once
 #include <string>
-#include <vector>
 
-#include "palpate/fit/validation.h"
+#include "palpate/report/validation_report.h"
 
 namespace palpate::app {
 
-/// Everything that `palpate validate` found.
-struct Validation {
-  fit::Law law;
-  std::vector<fit::ForceComparison> forces;
-  std::vector<fit::DeformationComparison> profiles;
-  std::vector<std::string> missed;  // goals, in words
-};
-
-/// [setup] As one JSON document (docs/validation.md has its fields).
-[[nodiscard]] std::string validation_json(const Validation& validation);
+/// [setup] What was found as one JSON document (docs/validation.md has its fields).
+[[nodiscard]] std::string validation_json(const report::Validation& validation);
 
 /// [setup] The same for people: a line a data set, then what was missed.
-[[nodiscard]] std::string validation_text(const Validation& validation);
+[[nodiscard]] std::string validation_text(const report::Validation& validation);
 
 }  // namespace palpate::app
