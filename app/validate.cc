@@ -92,7 +92,8 @@ std::vector<fit::Specimen> read_forces(const ValidateFlags& flags) {
 std::vector<fit::Deformation> read_profiles(const ValidateFlags& flags) {
   std::vector<fit::Deformation> all;
   for (const std::string& file : flags.profiles) {
-    for (fit::Deformation& profile : fit::read_deformations(file)) all.push_back(std::move(profile));
+    for (const fit::Deformation& profile : fit::read_deformations(file))
+      all.push_back(fit::thinned(profile, fit::kMostPoints));
   }
   return all;
 }

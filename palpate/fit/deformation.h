@@ -32,4 +32,8 @@ inline constexpr std::size_t kFewestPlaces = 5;
 /// @throws InputError as read_deformations().
 void check_deformation(Deformation& deformation, const std::string& where);
 
+/// [setup] At most `most` places, each the mean of as many neighbours as that takes. A deformation, sorted by
+/// distance, that has no more is returned as it is.
+[[nodiscard]] Deformation thinned(const Deformation& deformation, std::size_t most);
+
 }  // namespace palpate::fit

@@ -185,6 +185,27 @@ void check_deformation(Deformation& deformation, const std::string& where) {
   }
 }
 
+Deformation thinned(const Deformation& deformation, std::size_t most) {
+  if (deformation.size() <= most) return deformation;
+  Deformation few;
+  few.name = deformation.name;
+  few.depth = deformation.depth;
+  for (std::size_t i = 0; i < most; ++i) {
+    const std::size_t begin = i * deformation.size() / most;
+    const std::size_t end = (i + 1) * deformation.size() / most;
+    double r = 0.0;
+    double u = 0.0;
+    for (std::size_t k = begin; k < end; ++k) {
+      r += deformation.distance[k];
+      u += deformation.displacement[k];
+    }
+    const auto count = static_cast<double>(end - begin);
+    few.distance.push_back(r / count);
+    few.displacement.push_back(u / count);
+  }
+  return few;
+}
+
 std::vector<Deformation> read_deformations(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::error_code status;

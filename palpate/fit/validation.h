@@ -30,8 +30,8 @@ struct Law {
   model::Direction direction = model::Direction::kPress;
   double period = 1e-3;  // T of the loop [s]: decides how many layers move
 
-  /// [setup] Elastic force [N] at each depth [m] <= 0 gives 0; `beyond` gets how many are past the layers'
-  /// end. @throws ParameterError as the laws do.
+  /// [setup] Elastic force [N] at each depth [m], 0 at depths <= 0; `beyond` gets how many are past the
+  /// layers' end. @throws ParameterError as the laws do.
   [[nodiscard]] std::vector<double> forces_at(const std::vector<double>& depths, std::size_t& beyond) const;
   /// [setup] Depth [m] under a force [N]. @throws InputError when the layers cannot take it.
   [[nodiscard]] double depth_under(double force) const;

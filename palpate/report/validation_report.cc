@@ -50,7 +50,7 @@ std::string script(const Axes& axes, double largest_error) {
          "set xlabel '" +
          axes.x + "'\nset ylabel 'absolute error, " + axes.unit +
          "'\nset yrange [0:*]\nset offsets 0,0,graph 0.35,0\nset ytics " +
-         shortest(tic_step(2.0 * largest_error)) +
+         shortest(tic_step(largest_error)) +
          "\n"
          "plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '" +
          kOrange + "' title 'absolute error', 'curve.dat' using 1:(" + jnd +
@@ -66,7 +66,12 @@ std::vector<std::vector<double>> rows_of(const std::vector<double>& x, double un
     std::stable_sort(order.begin(), order.end(), [&x](std::size_t a, std::size_t b) { return x[a] < x[b]; });
   }
   std::vector<std::vector<double>> rows;
-  for (const std::size_t i : order) rows.push_back({x[i] / unit_x, measured[i] / unit, computed[i] / unit});
+  constexpr std::size_t kMostRows = 2000;  // more would only make the picture large
+  const std::size_t every = order.size() / kMostRows + 1;
+  for (std::size_t n = 0; n < order.size(); n += every) {
+    const std::size_t i = order[n];
+    rows.push_back({x[i] / unit_x, measured[i] / unit, computed[i] / unit});
+  }
   return rows;
 }
 

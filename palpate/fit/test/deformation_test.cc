@@ -104,6 +104,17 @@ TEST(ReadDeformations, RefusesAFileThatIsNotThereAndAFolder) {
   EXPECT_THROW((void)read_deformations("/tmp"), InputError);
 }
 
+// Seven places into three: the first two, the next two and the last three.
+TEST(ThinnedDeformation, HasTheMeansOfNeighboursComputedByHand) {
+  Deformation seven;
+  seven.distance = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+  seven.displacement = {7.0, 5.0, 4.0, 2.0, 1.5, 0.9, 0.6};
+  const Deformation three = thinned(seven, 3);
+  EXPECT_THAT(three.distance, testing::ElementsAre(0.5, 2.5, 5.0));
+  EXPECT_THAT(three.displacement, testing::ElementsAre(6.0, 3.0, testing::DoubleEq(1.0)));
+  EXPECT_EQ(thinned(seven, 7).distance, seven.distance);
+}
+
 // Whatever the order of the rows and the side of the contact, the same deformation comes out.
 TEST(ReadDeformations, DoesNotDependOnTheOrderOfRows) {
   for (std::uint32_t trial = 0; trial < 50; ++trial) {

@@ -59,7 +59,7 @@ double smooth_error(const std::string& name) {
   return error;
 }
 
-// A block is stiffer than a half-space: under 5 % at 0.5 mm, where Hertz holds; 11 % were expected deep down.
+// A block is stiffer than a half-space, but less than 5 % where the contact is small, and there Hertz holds.
 TEST(References, BlockIsNearHertzWhereThePressIsShallow) {
   for (const double nu : {0.45, 0.49}) {
     const std::string name = nu < 0.47 ? "block-nu45" : "block-nu49";
