@@ -49,8 +49,7 @@ std::string script(const Axes& axes, double largest_error) {
          "set origin 0,0\nset size 1,0.40\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\n"
          "set xlabel '" +
          axes.x + "'\nset ylabel 'absolute error, " + axes.unit +
-         "'\nset yrange [0:*]\nset offsets 0,0,graph 0.35,0\nset ytics " +
-         shortest(tic_step(largest_error)) +
+         "'\nset yrange [0:*]\nset offsets 0,0,graph 0.35,0\nset ytics " + shortest(tic_step(largest_error)) +
          "\n"
          "plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '" +
          kOrange + "' title 'absolute error', 'curve.dat' using 1:(" + jnd +
