@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
   add_repair(program, exit_code);
   add_devices(program, exit_code);
   add_fit(program, command_line, exit_code);
+  add_validate(program, command_line, exit_code);
   add_bench(program, command_line, exit_code);
   add_doctor(program, exit_code);
   if (argc == 1) {

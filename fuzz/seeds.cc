@@ -350,6 +350,9 @@ void add_the_rest(const Seeds& seeds) {
     curve += n + ',' + n + ".5," + n + "e-2,a\n" + n + ',' + n + ",0." + n + ",b\n";
   }
   seeds.add("fit_data", "two", curve);
+  seeds.add("deformation", "two",
+            "depth_mm,r_mm,u_mm\n1,0,1\n1,-1,.8\n1,2,.4\n1,5,.2\n1,9,.1\n"
+            "3,0,3\n3,1,2.5\n3,-2,1.9\n3,5,.6\n3,9,.3\n");
   seeds.add("scene_json", "scene", record::setup_to_json(record::sample_setup(2)));
   seeds.add("haply_message", "all", kHaplyMessage);
   seeds.add("haply_message", "none", R"({"inverse3":[],"wireless_verse_grip":null})");

@@ -19,8 +19,8 @@ void elastic(const Law& law, const Specimen& specimen, double first_contact, std
   }
 }
 
-/// Turns elastic forces into relaxed ones. Before the first point nothing was held: what force it has came at
-/// once.
+}  // namespace
+
 void relax(const std::vector<model::RelaxationTerm>& terms, const std::vector<double>& time,
            std::span<double> force) {
   constexpr double kSameStep = 1e-6;  // relative: times in a file have few digits
@@ -35,8 +35,6 @@ void relax(const std::vector<model::RelaxationTerm>& terms, const std::vector<do
     force[i] = is_usual ? relaxation.next(state, force[i]) : relaxation.next_after(state, force[i], step);
   }
 }
-
-}  // namespace
 
 void predict(const Specimen& specimen, const Ranges& ranges, const Settings& settings,
              std::span<const double> shared, std::span<const double> own, std::span<double> force) {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -11,6 +10,7 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
+#include "palpate/fit/csv_text.h"
 #include "palpate/fit/specimen.h"
 
 namespace palpate::fit {
@@ -19,36 +19,7 @@ namespace {
 enum Column : std::size_t { kTime, kDisplacement, kForce, kSpecimen, kColumns };
 
 const std::array<std::string, kColumns> kNames = {"time_s", "displacement_mm", "force_N", "specimen"};
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::size_t kMostSpecimens = 10'000;  // of one file; more is a mistaken column
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
-}
-
-void split(std::string_view line, std::vector<std::string_view>& cells) {
-  cells.clear();
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-/// Text of the file fit for a message and for a name: short, printable.
-std::string shown(std::string_view cell) {
-  constexpr std::size_t kLongest = 60;
-  std::string text(cell.substr(0, kLongest));
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < ' ' || byte == 0x7f) c = ' ';
-  }
-  return text + (cell.size() > kLongest ? "..." : "");
-}
 
 /// Reads one file line by line; every error is FILE:LINE: column = value: what would be right.
 class SpecimenReader final {
@@ -65,7 +36,7 @@ class SpecimenReader final {
     }
     split(line, cells_);
     double number = 0.0;
-    if (parse(cells_.front(), number)) {
+    if (parse_number(cells_.front(), number)) {
       fail(
           "the header is missing: the first line must be displacement_mm,force_N or "
           "time_s,displacement_mm,force_N");
@@ -137,16 +108,10 @@ class SpecimenReader final {
                        : "did you mean " + near + "?"));
   }
 
-  static bool parse(std::string_view cell, double& value) {
-    if (cell.starts_with('+') && !cell.starts_with("+-")) cell.remove_prefix(1);
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    return error == std::errc{} && end == cell.data() + cell.size();
-  }
-
   [[nodiscard]] double number(std::size_t column, std::string_view cell) const {
     constexpr double kLargest = 1e9;  // mm, N or s: beyond it squares of sums would lose their meaning
     double value = 0.0;
-    if (!parse(cell, value) || !std::isfinite(value) || std::abs(value) > kLargest) {
+    if (!parse_number(cell, value) || !std::isfinite(value) || std::abs(value) > kLargest) {
       fail(kNames[column] + " = " + shown(cell) + ": must be a finite number up to 1e9");
     }
     return value;

@@ -22,17 +22,6 @@ namespace {
 constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
 constexpr const char* kOrange = "#D55E00";
 
-/// Distance of two tics so that some four fit between -largest and largest: 1, 2 or 5 times a power of ten.
-double tic_step(double largest) {
-  if (!(largest > 0.0) || !std::isfinite(largest)) return 1.0;
-  const double wanted = largest / 2.0;
-  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * decade >= wanted) return factor * decade;
-  }
-  return 10.0 * decade;
-}
-
 /// Two panes over one axis: force, then what is left of it. Columns: x, measured, fitted, low, high.
 std::string script(bool over_time, double largest_residual) {
   return "set encoding utf8\nset terminal svg size 760,620 dynamic noenhanced font 'Helvetica,14' background "

@@ -1,6 +1,7 @@
 #include "palpate/report/gnuplot.h"
 
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -68,6 +69,16 @@ int run_in(const std::filesystem::path& folder, const std::string& program) {
 }
 
 }  // namespace
+
+double tic_step(double largest) {
+  if (!(largest > 0.0) || !std::isfinite(largest)) return 1.0;
+  const double wanted = largest / 2.0;
+  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * decade >= wanted) return factor * decade;
+  }
+  return 10.0 * decade;
+}
 
 TemporaryFolder::TemporaryFolder() {
   std::error_code error;

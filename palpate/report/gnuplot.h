@@ -12,6 +12,10 @@ class FigureError final : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// [any] Distance of two tics so that some four fit between -largest and largest: 1, 2 or 5 times a power of
+/// ten.
+[[nodiscard]] double tic_step(double largest);
+
 /// A folder of its own under the system's temporary folder, removed with everything in it at the end.
 class TemporaryFolder final {
  public:

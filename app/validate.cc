@@ -1,0 +1,263 @@
+// `palpate validate`: the model against measurements.
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/base/units.h"
+#include "palpate/fit/reach_fit.h"
+#include "palpate/fit/rivals.h"
+#include "palpate/fit/validation.h"
+#include "palpate/report/validation_report.h"
+#include "palpate/scene/load.h"
+#include "palpate/scene/tissue_file.h"
+
+#include "app/commands.h"
+#include "app/messages.h"
+#include "app/numbers.h"
+#include "app/validate_against.h"
+#include "app/validate_summary.h"
+
+namespace palpate::app {
+namespace {
+
+struct ValidateFlags {
+  std::vector<std::string> files;     // force over displacement
+  std::vector<std::string> profiles;  // u over r
+  std::string tissue;
+  std::string law;  // empty: the tissue's
+  std::string direction = "press";
+  std::string rate = "1000";
+  std::string first_contact = "0";
+  std::string offset = "0";
+  std::string depth;
+  std::string force;
+  std::string tip_radius;
+  std::string max_nrmse;
+  std::string max_error_N;
+  std::string max_error_mm;
+  std::string against;
+  bool fit_reach = false;
+  std::string out;
+  std::string report;
+  bool as_json = false;
+};
+
+fit::Law law_of(const ValidateFlags& flags) {
+  fit::Law law;
+  if (flags.direction != "press" && flags.direction != "pull") {
+    throw InputError("--direction " + flags.direction + ": must be press or pull");
+  }
+  law.direction = flags.direction == "pull" ? model::Direction::kPull : model::Direction::kPress;
+  law.period = 1.0 / parse_positive("--rate-Hz", flags.rate);
+  if (law.period > 1e300) throw InputError("--rate-Hz " + flags.rate + ": must be > 1e-300");
+  if (!flags.law.empty() && flags.law != "layered" && flags.law != "smooth") {
+    throw InputError("--law " + flags.law + ": must be layered or smooth");
+  }
+  law.tissue = scene::load_tissue(flags.tissue);
+  if (!flags.law.empty()) law.tissue.law = model::parse_law(flags.law);
+  return law;
+}
+
+/// The depth [m] that flags give each profile; 0 where the file's own counts.
+std::vector<double> depths_of(const ValidateFlags& flags, const fit::Law& law, std::size_t count) {
+  if (flags.depth.empty() && flags.force.empty()) return std::vector<double>(count, 0.0);
+  const bool by_force = !flags.force.empty();
+  const std::string name = by_force ? "--force-N" : "--depth-mm";
+  std::vector<double> depths;
+  for (const double value : parse_not_negative_list(name, by_force ? flags.force : flags.depth)) {
+    depths.push_back(by_force ? law.depth_under(value) : value * kMillimetre);
+    if (!(depths.back() > 0.0)) throw InputError(name + " " + shortest(value) + ": must be > 0");
+  }
+  if (depths.size() == 1) depths.resize(count, depths.front());
+  if (depths.size() != count) {
+    throw InputError(name + ": has " + std::to_string(depths.size()) +
+                     " values, must have one, or one for each of the " + std::to_string(count) + " profiles");
+  }
+  return depths;
+}
+
+std::vector<fit::Specimen> read_forces(const ValidateFlags& flags) {
+  std::vector<fit::Specimen> all;
+  for (const std::string& file : flags.files) {
+    for (fit::Specimen& specimen : fit::read_specimens(file)) all.push_back(std::move(specimen));
+  }
+  return all;
+}
+
+std::vector<fit::Deformation> read_profiles(const ValidateFlags& flags) {
+  std::vector<fit::Deformation> all;
+  for (const std::string& file : flags.profiles) {
+    for (const fit::Deformation& profile : fit::read_deformations(file))
+      all.push_back(fit::thinned(profile, fit::kMostPoints));
+  }
+  return all;
+}
+
+/// The tool's radius [m]: given, or the one that the tissue was fitted with.
+double tip_radius_of(const ValidateFlags& flags, const fit::Law& law) {
+  if (!flags.tip_radius.empty()) return parse_positive("--tip-radius-mm", flags.tip_radius) * kMillimetre;
+  if (law.tissue.source) return law.tissue.source->radius;
+  throw InputError("--tip-radius-mm: missing, a profile needs the radius of the tool's tip");
+}
+
+/// Says in `missed` where an error of `name` is above the goal of `flag`, when there is one.
+void hold(const std::string& flag, const std::string& goal, double error, const std::string& name,
+          std::vector<std::string>& missed) {
+  if (goal.empty()) return;
+  const double limit = parse_not_negative(flag, goal);
+  if (!(error <= limit)) missed.push_back(name + ": " + shortest(error) + ", " + flag + " is " + goal);
+}
+
+/// The profiles beside the tissue's u(r); with --fit-reach its reach is fitted to them first.
+void compare_profiles(const ValidateFlags& flags, const std::vector<fit::Deformation>& profiles,
+                      report::Validation& validation) {
+  const double radius = tip_radius_of(flags, validation.law);
+  const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
+  model::ReachParameters& reach = validation.law.tissue.reach;
+  std::vector<fit::ReachSample> samples;
+  for (std::size_t i = 0; i < profiles.size(); ++i) {
+    // Refuses what has no depth.
+    const fit::DeformationComparison comparison =
+        fit::compare_deformation(profiles[i], reach, depths[i], radius);
+    samples.push_back({profiles[i], comparison.depth, radius});
+  }
+  if (flags.fit_reach) {
+    validation.reach = fit::fit_reach(samples);
+    reach = validation.reach->reach;
+  }
+  for (const fit::ReachSample& sample : samples) {
+    report::ProfileSet set;
+    set.ours = fit::compare_deformation(sample.deformation, reach, sample.depth, radius);
+    validation.profiles.push_back(std::move(set));
+  }
+}
+
+void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
+  for (const report::ForceSet& set : validation.forces) {
+    const std::string& name = set.ours.measured.name;
+    hold("--max-nrmse", flags.max_nrmse, set.ours.errors.nrmse, name, validation.missed);
+    hold("--max-error-N", flags.max_error_N, set.ours.errors.max, name, validation.missed);
+  }
+  for (const report::ProfileSet& set : validation.profiles) {
+    const std::string& name = set.ours.measured.name;
+    hold("--max-nrmse", flags.max_nrmse, set.ours.errors.nrmse, name, validation.missed);
+    hold("--max-error-mm", flags.max_error_mm, set.ours.errors.max / kMillimetre, name, validation.missed);
+  }
+}
+
+/// Refuses flags that would do nothing.
+void check_use(const ValidateFlags& flags) {
+  if (flags.files.empty() && flags.profiles.empty()) {
+    throw InputError("nothing to compare with: give force curves (DATA) or --profile FILE");
+  }
+  if (flags.fit_reach && flags.profiles.empty()) throw InputError("--fit-reach: needs --profile FILE");
+  if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
+  if (flags.profiles.empty() && !(flags.depth.empty() && flags.force.empty() && flags.tip_radius.empty())) {
+    throw InputError("--depth-mm, --force-N and --tip-radius-mm: are of profiles, need --profile FILE");
+  }
+  for (const auto& [flag, goal] :
+       {std::pair{"--max-nrmse", &flags.max_nrmse}, std::pair{"--max-error-N", &flags.max_error_N},
+        std::pair{"--max-error-mm", &flags.max_error_mm}}) {
+    if (!goal->empty()) (void)parse_not_negative(flag, *goal);
+  }
+}
+
+report::Validation validate(const ValidateFlags& flags) {
+  check_use(flags);
+  report::Validation validation;
+  validation.law = law_of(flags);
+  const fit::Zeros zeros{parse_number("--first-contact-mm", flags.first_contact) * kMillimetre,
+                         parse_number("--offset-N", flags.offset)};
+  const std::vector<fit::RivalKind> rivals = fit::parse_rivals(flags.against);
+  const std::vector<fit::Specimen> specimens = read_forces(flags);
+  const std::vector<fit::Deformation> profiles = read_profiles(flags);
+  for (const fit::Specimen& specimen : specimens) {
+    report::ForceSet set;
+    set.ours = fit::compare_force(specimen, validation.law, zeros);
+    validation.forces.push_back(std::move(set));
+  }
+  if (!profiles.empty()) compare_profiles(flags, profiles, validation);
+  if (!rivals.empty()) compare_with(rivals, zeros, validation);
+  hold_goals(flags, validation);
+  return validation;
+}
+
+/// The tissue with the reach that was fitted.
+void write_tissue(const std::string& file, const model::TissueParameters& tissue) {
+  std::ofstream out(file, std::ios::binary);
+  out << scene::to_toml(tissue);
+  out.close();
+  if (!out) throw InputError("--out " + file + ": cannot be written");
+}
+
+void add_goals(CLI::App& command, ValidateFlags& flags) {
+  command.add_option("--max-nrmse", flags.max_nrmse,
+                     "goal: RMS error over the force range or the depth, as a share (0.05 is 5 %)");
+  command.add_option("--max-error-N", flags.max_error_N, "goal: largest error of a force, newtons");
+  command.add_option("--max-error-mm", flags.max_error_mm, "goal: largest error of a profile, millimetres");
+}
+
+}  // namespace
+
+void add_validate(CLI::App& program, const std::string& command_line, int& exit_code) {
+  auto flags = std::make_shared<ValidateFlags>();
+  CLI::App* command = program.add_subcommand(
+      "validate", "How true a tissue is: its forces and its deformation against measurements");
+  command->add_option(
+      "DATA", flags->files,
+      "CSV files with columns displacement_mm,force_N and, when there are, time_s and specimen");
+  command->add_option(
+      "--profile", flags->profiles,
+      "CSV files with columns r_mm,u_mm and, when there is, depth_mm: how far the surface moved "
+      "at a distance from the contact");
+  command
+      ->add_option("--tissue", flags->tissue,
+                   "a built-in tissue (gallbladder, heart, liver, kidney) or a tissue file")
+      ->required();
+  command->add_option("--law", flags->law, "layered or smooth; default: what the tissue says");
+  command->add_option("--direction", flags->direction, "press or pull: which the data are (default press)");
+  command->add_option("--rate-Hz", flags->rate,
+                      "loop rate, which decides how many layers move (default 1000)");
+  command->add_option("--first-contact-mm", flags->first_contact,
+                      "displacement at which the tool touched (default 0)");
+  command->add_option("--offset-N", flags->offset, "what the sensor shows without load (default 0)");
+  CLI::Option* depth = command->add_option(
+      "--depth-mm", flags->depth, "depth of the tool in the profiles: one, or one each between commas");
+  command->add_option("--force-N", flags->force, "instead: the load, from which the law gives the depth")
+      ->excludes(depth);
+  command->add_option("--tip-radius-mm", flags->tip_radius,
+                      "radius of the tool's tip in the profiles (default: the tissue's source)");
+  add_goals(*command, *flags);
+  command->add_option("--against", flags->against,
+                      "laws of others, fitted to the same data: hertz,linear,exponential,mass-spring");
+  command->add_flag("--fit-reach", flags->fit_reach,
+                    "fit how far the tissue is drawn along (reach) to all profiles together first");
+  command->add_option("--out", flags->out, "with --fit-reach: tissue file to write, with the reach found");
+  command->add_option("--report", flags->report, "folder for a page with a picture a data set");
+  command->add_flag("--json", flags->as_json, "one JSON document");
+  command->footer(
+      "Exit code 4 when a goal is missed. Examples:\n"
+      "  palpate validate liver-3.csv --tissue liver.toml --max-nrmse 0.05\n"
+      "  palpate validate --profile side.csv --tissue liver.toml --depth-mm 5 --tip-radius-mm 5\n"
+      "  palpate validate liver-3.csv --tissue liver.toml --against hertz,linear,exponential,mass-spring\n"
+      "  palpate validate --profile side.csv --tissue liver.toml --depth-mm 5 --tip-radius-mm 5 --fit-reach "
+      "\\\n"
+      "    --out liver-reach.toml --report liver-reach\n"
+      "docs/validation.md says what is compared and what the figures mean.");
+  command->callback([flags, command_line, &exit_code] {
+    const report::Validation validation = validate(*flags);
+    if (!flags->out.empty()) write_tissue(flags->out, validation.law.tissue);
+    if (!flags->report.empty()) {
+      tell("report: " + report::write_validation_report(validation, command_line, flags->report).string());
+    }
+    std::cout << (flags->as_json ? validation_json(validation) : validation_text(validation));
+    exit_code = validation.missed.empty() ? kDone : kGoalMissed;
+  });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,160 @@
+#include "app/validate_summary.h"
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/base/text.h"
+#include "palpate/base/units.h"
+
+namespace palpate::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string brief(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f %%", 100.0 * share);
+  return text;
+}
+
+Json errors_json(const std::string& name, const char* kind, const fit::Errors& errors, double unit) {
+  return {{"name", name},
+          {"kind", kind},
+          {"rms", errors.rms / unit},
+          {"max", errors.max / unit},
+          {"nrmse", errors.nrmse}};
+}
+
+/// Adds what the comparison with others found, when there was one.
+void add_rivals(Json& json, double cost_ns, const std::vector<report::RivalResult>& rivals, double unit) {
+  if (rivals.empty()) return;
+  json["evaluation_ns"] = cost_ns;
+  json["against"] = Json::array();
+  for (const report::RivalResult& rival : rivals) {
+    json["against"].push_back({{"name", fit::to_string(rival.fit.kind)},
+                               {"parameters", rival.fit.parameters},
+                               {"rms", rival.fit.errors.rms / unit},
+                               {"max", rival.fit.errors.max / unit},
+                               {"nrmse", rival.fit.errors.nrmse},
+                               {"evaluation_ns", rival.cost_ns}});
+  }
+}
+
+Json force_json(const report::ForceSet& set) {
+  const fit::ForceComparison& force = set.ours;
+  Json json = errors_json(force.measured.name, "force", force.errors, 1.0);
+  json["unit"] = "N";
+  json["points"] = force.measured.size();
+  json["rows"] = force.rows;
+  json["within_jnd"] = force.within_jnd;
+  json["extrapolated_points"] = force.beyond;
+  add_rivals(json, set.cost_ns, set.rivals, 1.0);
+  return json;
+}
+
+Json profile_json(const report::ProfileSet& set) {
+  const fit::DeformationComparison& profile = set.ours;
+  Json json = errors_json(profile.measured.name, "profile", profile.errors, kMillimetre);
+  json["unit"] = "mm";
+  json["points"] = profile.measured.size();
+  json["depth_mm"] = profile.depth / kMillimetre;
+  json["tip_radius_mm"] = profile.tip_radius / kMillimetre;
+  add_rivals(json, set.cost_ns, set.rivals, kMillimetre);
+  return json;
+}
+
+Json reach_json(const fit::ReachFit& fit) {
+  return {{"contact_ratio", fit.reach.contact_ratio},
+          {"first_bar_ratio", fit.reach.first_bar_ratio},
+          {"bar_ratio", fit.reach.bar_ratio},
+          {"weight_ratio", fit.reach.weight_ratio},
+          {"at_limit", fit.at_limit}};
+}
+
+std::string rivals_text(double cost_ns, const std::vector<report::RivalResult>& rivals, double unit,
+                        const char* unit_name) {
+  if (rivals.empty()) return "";
+  std::string text = "  one evaluation " + brief(cost_ns) + " ns; others, each fitted to these data:\n";
+  for (const report::RivalResult& rival : rivals) {
+    const fit::Errors& errors = rival.fit.errors;
+    text += std::string("    ") + fit::to_string(rival.fit.kind) + ": RMS " + brief(errors.rms / unit) + ' ' +
+            unit_name + ", largest " + brief(errors.max / unit) + ' ' + unit_name + "; RMS " +
+            percent(errors.nrmse) + "; one evaluation " + brief(rival.cost_ns) + " ns (" +
+            rival.fit.parameters + ")\n";
+  }
+  return text;
+}
+
+std::string force_text(const report::ForceSet& set) {
+  const fit::ForceComparison& force = set.ours;
+  std::string text = force.measured.name + ": force, " + std::to_string(force.measured.size()) +
+                     " points: RMS " + brief(force.errors.rms) + " N, largest " + brief(force.errors.max) +
+                     " N; RMS " + percent(force.errors.nrmse) + " of the force range; " +
+                     percent(force.within_jnd) + " of the points within the " +
+                     brief(100.0 * fit::kForceJnd) + " % of their force that a hand notices\n";
+  if (force.rows > force.measured.size()) {
+    text += "  of " + std::to_string(force.rows) + " rows: means of neighbours\n";
+  }
+  if (force.beyond > 0) {
+    text += "  ! " + std::to_string(force.beyond) +
+            " points are deeper than the tissue's layers go: the law holds its largest force there\n";
+  }
+  return text + rivals_text(set.cost_ns, set.rivals, 1.0, "N");
+}
+
+std::string profile_text(const report::ProfileSet& set) {
+  const fit::DeformationComparison& profile = set.ours;
+  return profile.measured.name + ": deformation, " + std::to_string(profile.measured.size()) +
+         " points, ball of " + brief(profile.tip_radius / kMillimetre) + " mm at " +
+         brief(profile.depth / kMillimetre) + " mm: RMS " + brief(profile.errors.rms / kMillimetre) +
+         " mm, largest " + brief(profile.errors.max / kMillimetre) + " mm; RMS " +
+         percent(profile.errors.nrmse) + " of the depth\n" +
+         rivals_text(set.cost_ns, set.rivals, kMillimetre, "mm");
+}
+
+std::string reach_text(const fit::ReachFit& fit) {
+  const char* const names[] = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio"};
+  const double values[] = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
+                           fit.reach.weight_ratio};
+  std::string text = "reach fitted to all profiles together:\n";
+  for (std::size_t i = 0; i < fit.at_limit.size(); ++i) {
+    text += std::string("  ") + names[i] + " = " + brief(values[i]) +
+            (fit.at_limit[i] ? "  ! at the limit of the search: these profiles do not determine it\n" : "\n");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string validation_json(const report::Validation& validation) {
+  const fit::Law& law = validation.law;
+  Json json = {{"tissue", law.tissue.name},
+               {"law", model::to_string(law.tissue.law)},
+               {"direction", law.direction == model::Direction::kPull ? "pull" : "press"},
+               {"sets", Json::array()}};
+  for (const auto& force : validation.forces) json["sets"].push_back(force_json(force));
+  for (const auto& profile : validation.profiles) json["sets"].push_back(profile_json(profile));
+  if (validation.reach) json["reach"] = reach_json(*validation.reach);
+  json["missed"] = validation.missed;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+std::string validation_text(const report::Validation& validation) {
+  const fit::Law& law = validation.law;
+  std::string text = law.tissue.name + ", " + model::to_string(law.tissue.law) + " law, " +
+                     (law.direction == model::Direction::kPull ? "pull" : "press") + '\n';
+  if (validation.reach) text += reach_text(*validation.reach);
+  for (const auto& force : validation.forces) text += force_text(force);
+  for (const auto& profile : validation.profiles) text += profile_text(profile);
+  for (const std::string& goal : validation.missed) text += "missed: " + goal + '\n';
+  return text;
+}
+
+}  // namespace palpate::app

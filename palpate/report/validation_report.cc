@@ -1,0 +1,234 @@
+#include "palpate/report/validation_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <numeric>
+#include <system_error>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/base/units.h"
+#include "palpate/report/figures.h"
+#include "palpate/report/gnuplot.h"
+#include "palpate/report/page.h"
+#include "palpate/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
+constexpr const char* kOrange = "#D55E00";
+
+/// Words of one figure.
+struct Axes {
+  std::string x;
+  std::string y;
+  std::string unit;
+  std::string jnd;  // what 7 % of the measured value are
+  std::string key;  // where the legend has room: left or right
+};
+
+/// Two panes over one axis: the two curves, then their absolute error with 7 % of the measured value drawn
+/// in. Columns: x, measured, computed.
+std::string script(const Axes& axes, double largest_error) {
+  const std::string jnd = shortest(fit::kForceJnd);
+  return "set encoding utf8\nset terminal svg size 760,620 dynamic noenhanced font 'Helvetica,14' background "
+         "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
+         "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
+         "set key top " +
+         axes.key +
+         " Left reverse samplen 2 spacing 1.15 noopaque\nset lmargin 11\n"
+         "set multiplot\nset origin 0,0.40\nset size 1,0.60\nset bmargin 0.6\nset format x ''\n"
+         "set ylabel '" +
+         axes.y + ", " + axes.unit + "'\nset yrange [*:*<1e9]\nset offsets 0,0,graph 0.12,0\n" +
+         "plot 'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '" + kOrange +
+         "' title 'measured', 'curve.dat' using 1:3 with lines lw 2 lc rgb '" + kBlue +
+         "' title 'computed'\n"
+         "set origin 0,0\nset size 1,0.40\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\n"
+         "set xlabel '" +
+         axes.x + "'\nset ylabel 'absolute error, " + axes.unit +
+         "'\nset yrange [0:*]\nset offsets 0,0,graph 0.35,0\nset ytics " + shortest(tic_step(largest_error)) +
+         "\n"
+         "plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '" +
+         kOrange + "' title 'absolute error', 'curve.dat' using 1:(" + jnd +
+         "*abs($2)) with lines lw 1.5 dt 2 lc rgb '#555555' title '" + axes.jnd + "'\nunset multiplot\n";
+}
+
+std::vector<std::vector<double>> rows_of(const std::vector<double>& x, double unit_x,
+                                         const std::vector<double>& measured,
+                                         const std::vector<double>& computed, double unit, bool sorted) {
+  std::vector<std::size_t> order(x.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (sorted) {
+    std::stable_sort(order.begin(), order.end(), [&x](std::size_t a, std::size_t b) { return x[a] < x[b]; });
+  }
+  std::vector<std::vector<double>> rows;
+  constexpr std::size_t kMostRows = 2000;  // more would only make the picture large
+  const std::size_t every = order.size() / kMostRows + 1;
+  for (std::size_t n = 0; n < order.size(); n += every) {
+    const std::size_t i = order[n];
+    rows.push_back({x[i] / unit_x, measured[i] / unit, computed[i] / unit});
+  }
+  return rows;
+}
+
+Figure draw(const std::string& name, const std::string& caption, const Axes& axes,
+            const std::vector<std::vector<double>>& rows, const std::filesystem::path& file) {
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Measured and computed curve of " + name + ", and their absolute error";
+  figure.caption = caption;
+  double largest = 0.0;  // in the lower pane
+  for (const std::vector<double>& row : rows) {
+    largest = std::max({largest, std::abs(row[2] - row[1]), fit::kForceJnd * std::abs(row[1])});
+  }
+  try {
+    run_gnuplot(script(axes, largest), {{"curve.dat", rows}}, file);
+  } catch (const FigureError& error) {
+    figure.missing = error.what();
+  }
+  return figure;
+}
+
+Figure draw_force(const ForceSet& set, bool relaxes, const std::filesystem::path& file) {
+  const fit::ForceComparison& ours = set.ours;
+  const bool over_time = relaxes && !ours.measured.time.empty();
+  const Axes axes{over_time ? "time, s" : "displacement, mm", "force", "N",
+                  "7 % of the force: what a hand notices", over_time ? "right" : "left"};
+  return draw(ours.measured.name, "Measured and computed force, and the absolute error.", axes,
+              rows_of(over_time ? ours.measured.time : ours.measured.displacement,
+                      over_time ? 1.0 : kMillimetre, ours.measured.force, ours.computed, 1.0, !over_time),
+              file);
+}
+
+Figure draw_profile(const ProfileSet& set, const std::filesystem::path& file) {
+  const fit::DeformationComparison& ours = set.ours;
+  const Axes axes{"distance from the contact along the surface, mm", "displacement", "mm",
+                  "7 % of the displacement (a hand notices 7 % of a force)", "right"};
+  return draw(
+      ours.measured.name,
+      "Measured and computed deformation around the contact, and the absolute error, as in figure 7 of "
+      "the paper.",
+      axes,
+      rows_of(ours.measured.distance, kMillimetre, ours.measured.displacement, ours.computed, kMillimetre,
+              true),
+      file);
+}
+
+std::string brief(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string percent(double share) { return fixed(100.0 * share, 2) + " %"; }
+
+TableRows error_table(const fit::Errors& ours, double cost_ns, const std::string& words,
+                      const std::vector<RivalResult>& rivals, double unit, const std::string& unit_name) {
+  TableRows rows = {{"law", "parameters", "RMS, " + unit_name, "largest, " + unit_name, "RMS, relative",
+                     "one evaluation, ns"}};
+  rows.push_back({"ours", escaped(words), brief(ours.rms / unit), brief(ours.max / unit), percent(ours.nrmse),
+                  cost_ns > 0.0 ? brief(cost_ns) : "not measured"});
+  for (const RivalResult& rival : rivals) {
+    const fit::Errors& errors = rival.fit.errors;
+    rows.push_back({fit::to_string(rival.fit.kind), escaped(rival.fit.parameters), brief(errors.rms / unit),
+                    brief(errors.max / unit), percent(errors.nrmse), brief(rival.cost_ns)});
+  }
+  return rows;
+}
+
+void write_summary(Page& page, const Validation& validation, const std::string& command) {
+  const fit::Law& law = validation.law;
+  page.open_section("summary", "What came out");
+  page.code(command);
+  page.facts({{"tissue", law.tissue.name},
+              {"law", model::to_string(law.tissue.law)},
+              {"direction", law.direction == model::Direction::kPull ? "pull" : "press"}});
+  TableRows rows = {{"data set", "points", "RMS", "largest", "RMS, relative to", "", "within 7 %"}};
+  for (const ForceSet& set : validation.forces) {
+    rows.push_back({escaped(set.ours.measured.name), std::to_string(set.ours.measured.size()),
+                    brief(set.ours.errors.rms) + " N", brief(set.ours.errors.max) + " N",
+                    percent(set.ours.errors.nrmse), "of the force range", percent(set.ours.within_jnd)});
+  }
+  for (const ProfileSet& set : validation.profiles) {
+    rows.push_back({escaped(set.ours.measured.name), std::to_string(set.ours.measured.size()),
+                    brief(set.ours.errors.rms / kMillimetre) + " mm",
+                    brief(set.ours.errors.max / kMillimetre) + " mm", percent(set.ours.errors.nrmse),
+                    "of the depth", ""});
+  }
+  page.table(rows);
+  if (validation.reach) {
+    const model::ReachParameters& reach = validation.reach->reach;
+    page.paragraph("The reach was fitted to these profiles: c = " + brief(reach.contact_ratio) +
+                   ", a = " + brief(reach.first_bar_ratio) + ", s = " + brief(reach.bar_ratio) +
+                   ", g = " + brief(reach.weight_ratio) + ".");
+  }
+  std::vector<std::string> missed;
+  for (const std::string& goal : validation.missed) missed.push_back("missed: " + escaped(goal));
+  if (!missed.empty()) page.list(missed);
+  page.close_section();
+}
+
+void write_set(Page& page, const std::string& name, std::size_t number, const Figure& figure,
+               const TableRows& table, bool rivals, const std::string& note) {
+  page.open_section("set-" + std::to_string(number), name);
+  page.open_grid("one");
+  page.figure(figure);
+  page.close_grid();
+  page.table(table);
+  if (rivals) {
+    page.paragraph("The other laws were each fitted to these very data; ours is the tissue as it was given.");
+  }
+  if (!note.empty()) page.paragraph(note);
+  page.close_section();
+}
+
+void write_sets(Page& page, const Validation& validation, const std::filesystem::path& folder) {
+  const model::TissueParameters& tissue = validation.law.tissue;
+  std::size_t number = 0;
+  const auto file = [&] { return folder / ("set-" + std::to_string(++number) + ".svg"); };
+  for (const ForceSet& set : validation.forces) {
+    const Figure figure = draw_force(set, !tissue.relaxation.empty(), file());
+    std::string note;
+    if (set.ours.beyond > 0) {
+      note = std::to_string(set.ours.beyond) +
+             " points are deeper than the tissue's layers go: the law holds its largest force there.";
+    }
+    const TableRows table =
+        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.rivals, 1.0, "N");
+    write_set(page, set.ours.measured.name, number, figure, table, !set.rivals.empty(), note);
+  }
+  for (const ProfileSet& set : validation.profiles) {
+    const Figure figure = draw_profile(set, file());
+    const TableRows table =
+        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.rivals, kMillimetre, "mm");
+    write_set(page, set.ours.measured.name, number, figure, table, !set.rivals.empty(),
+              "Tip of " + brief(set.ours.tip_radius / kMillimetre) + " mm radius, " +
+                  brief(set.ours.depth / kMillimetre) + " mm deep.");
+  }
+}
+
+}  // namespace
+
+std::filesystem::path write_validation_report(const Validation& validation, const std::string& command,
+                                              const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw InputError(folder.string() + ": the report's folder cannot be made" +
+                     (error ? ": " + error.message() : ""));
+  }
+  Page page("Validation of " + validation.law.tissue.name, "The model against measurements, by palpate");
+  write_summary(page, validation, command);
+  write_sets(page, validation, folder);
+  std::filesystem::path file = folder / "report.html";
+  std::ofstream out(file, std::ios::binary);
+  out << page.html();
+  out.close();
+  if (!out) throw InputError(file.string() + ": the report cannot be written");
+  return file;
+}
+
+}  // namespace palpate::report
