@@ -177,7 +177,7 @@ void palpate_simulation::finish_recording() {
   if (!recorder_) return;
   palpate::haptics::LoopReport report;
   report.ticks = next_tick_;
-  report.remarks.push_back("ticked by a program through the C interface: its ticks' times were not measured");
+  report.remarks.emplace_back("ticked by a program through the C interface: its ticks' times were not measured");
   recorder_->finish(report);
 }
 
