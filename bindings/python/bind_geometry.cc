@@ -108,7 +108,8 @@ void bind_geometry(py::module_& module) {
         geometry::LoadedMesh loaded = read_alone(file, unit);
         return std::pair(std::move(loaded.mesh), std::move(loaded.findings));
       },
-      py::arg("file"), py::arg("unit"), doc("read_mesh"));
+      py::arg("file"), py::arg("unit"),
+      (std::string(doc("read_mesh")) + " From Python it may be: calls wait for one another.").c_str());
   module.def("make_organ", &geometry::make_organ, py::arg("name"), others_may_run, doc("make_organ"));
   module.def("make_ball", &geometry::make_ball, py::arg("radius"), py::arg("triangles") = 1280,
              others_may_run, doc("make_ball"));

@@ -1,9 +1,11 @@
 // The picture, the law and the noise through the C interface; what it refuses; what the library shows.
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -94,6 +96,33 @@ TEST(Surface, IsThatOfTheDeformModuleBitForBit) {
   }
   EXPECT_GT(most, 2e-3) << "it is pressed";
   EXPECT_EQ(picture.tool_position[0][2], snapshot.tools[0].pose_W.position.z());
+}
+
+// The picture's thread beside the loop's, as in a game engine: each tick's surface is whole, none goes back
+// in time.
+TEST(Surface, MayBeReadWhileAnotherThreadTicks) {
+  Session session(unheld());
+  std::atomic<bool> done{false};
+  std::uint64_t pictures = 0;
+  std::atomic<std::uint64_t> last{0};
+  bool torn = false;
+  std::thread picture_thread([&] {
+    palpate_picture picture = fresh<palpate_picture>();
+    while (!done.load()) {
+      require(palpate_surface_update(session.get(), &picture));
+      EXPECT_GE(picture.tick, last.load());
+      last.store(picture.tick);
+      const std::vector<double> xyz = vertices_of(session);
+      for (const double coordinate : xyz) torn = torn || !(std::abs(coordinate) < 0.2);
+      ++pictures;
+    }
+  });
+  session.run(0, session.info.scripted_ticks);
+  while (last.load() + 1 < session.info.scripted_ticks) std::this_thread::yield();
+  done.store(true);
+  picture_thread.join();
+  EXPECT_GT(pictures, 0U);
+  EXPECT_FALSE(torn) << "a vertex farther out than any organ's";
 }
 
 TEST(Surface, IsDividedUntilNoEdgeIsLongerThanAskedFor) {
