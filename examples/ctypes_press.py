@@ -26,7 +26,7 @@ Options = struct('Options', [
 Info = struct('Info', [
     ('hands', c_uint32), ('held', c_uint32), ('rate', c_double), ('max_force', c_double), ('max_torque', c_double),
     ('seed', c_uint64), ('scripted_ticks', c_uint64), ('vertices', c_size_t), ('triangles', c_size_t),
-    ('remarks', c_size_t)])
+    ('remarks', c_size_t), ('tool_parts', c_uint32 * 4)])
 Sample = struct('Sample', [
     ('position', c_double * 3), ('orientation', c_double * 4), ('velocity', c_double * 3), ('gripper', c_double),
     ('age', c_double), ('buttons', c_uint32), ('fault', c_uint32)])

@@ -129,7 +129,8 @@ typedef struct palpate_info {
   uint64_t scripted_ticks;  // until palpate_scripted_sample() has nothing more to say
   size_t vertices;          // of the visible surface
   size_t triangles;
-  size_t remarks;  // for palpate_remark()
+  size_t remarks;                          // for palpate_remark()
+  uint32_t tool_parts[PALPATE_MAX_HANDS];  // rigid parts of each hand\'s instrument
 } palpate_info;
 
 /// [any] What was loaded.
@@ -235,6 +236,36 @@ PALPATE_API palpate_status palpate_surface_vertices(const palpate_simulation* si
 /// @param capacity triangles that fit, >= palpate_info.triangles
 PALPATE_API palpate_status palpate_surface_triangles(const palpate_simulation* simulation, int32_t* corners,
                                                      size_t capacity);
+
+// ---- The instruments, for whoever draws them: rigid parts, which do not change
+
+typedef struct palpate_part {
+  size_t struct_size;
+  const char* name;  // "left"; lives as long as the simulation
+  size_t vertices;
+  size_t triangles;
+  int32_t is_jaw;  // 1: it turns with the gripper
+  int32_t reserved;
+} palpate_part;
+
+/// [any] What one part of a hand's instrument is. @param part less than palpate_info.tool_parts[hand]
+PALPATE_API palpate_status palpate_tool_part(const palpate_simulation* simulation, uint32_t hand,
+                                             uint32_t part, palpate_part* info);
+
+/// [any] Its vertices, x y z in turn [m], in the handle's frame with the jaws closed.
+/// @param capacity vertices that fit, >= palpate_part.vertices
+PALPATE_API palpate_status palpate_part_vertices(const palpate_simulation* simulation, uint32_t hand,
+                                                 uint32_t part, double* xyz, size_t capacity);
+
+/// [any] Its triangles, as palpate_surface_triangles(). The mesh may be open.
+PALPATE_API palpate_status palpate_part_triangles(const palpate_simulation* simulation, uint32_t hand,
+                                                  uint32_t part, int32_t* corners, size_t capacity);
+
+/// [any] Where the part stands in the handle's frame when the gripper is that far open (0 closed .. 1 open):
+/// position [m] and orientation, w x y z. In the world: palpate_picture's tool pose times this.
+PALPATE_API palpate_status palpate_part_pose(const palpate_simulation* simulation, uint32_t hand,
+                                             uint32_t part, double gripper, double position[3],
+                                             double orientation[4]);
 
 // ---- The law alone
 

@@ -1,4 +1,4 @@
-// The functions of palpate.h that concern a simulation and its picture.
+// The functions of palpate.h that concern a simulation.
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -20,13 +20,6 @@ static_assert(PALPATE_MAX_HANDS == palpate::scene::kMaxHands);
 static_assert(PALPATE_MAX_HANDS == palpate::haptics::Snapshot::kMaxHands);
 static_assert(PALPATE_ENERGY_DAMPED == palpate::haptics::kEnergyDamped);
 static_assert(PALPATE_JUMP == palpate::contact::kJump);
-
-/// @throws UseError when a caller's array cannot take `wanted` entries.
-void require_capacity(std::size_t capacity, std::size_t wanted, const char* what) {
-  if (capacity >= wanted) return;
-  throw UseError("capacity = " + std::to_string(capacity) + ": must be at least the " +
-                 std::to_string(wanted) + " " + what + " of the surface");
-}
 
 /// Whether every hand's sample and result has this library's size.
 bool sizes_are_right(const palpate_sample* samples, const palpate_result* results,
@@ -129,40 +122,6 @@ palpate_status palpate_scripted_sample(palpate_simulation* simulation, uint32_t 
   }
   simulation->scripted_sample(hand, tick, *sample);
   return PALPATE_OK;
-}
-
-palpate_status palpate_surface_update(palpate_simulation* simulation, palpate_picture* picture) {
-  return guarded([&] {
-    require_given(simulation, "simulation");
-    require_given(picture, "picture");
-    require_size(picture->struct_size, sizeof *picture, "palpate_picture");
-    simulation->update_surface(*picture);
-  });
-}
-
-palpate_status palpate_surface_vertices(const palpate_simulation* simulation, double* xyz, size_t capacity) {
-  return guarded([&] {
-    require_given(simulation, "simulation");
-    require_given(xyz, "xyz");
-    require_capacity(capacity, simulation->vertices().size(), "vertices");
-    for (const palpate::Vec3& vertex : simulation->vertices()) {
-      *xyz++ = vertex.x();
-      *xyz++ = vertex.y();
-      *xyz++ = vertex.z();
-    }
-  });
-}
-
-palpate_status palpate_surface_triangles(const palpate_simulation* simulation, int32_t* corners,
-                                         size_t capacity) {
-  return guarded([&] {
-    require_given(simulation, "simulation");
-    require_given(corners, "corners");
-    require_capacity(capacity, simulation->rest_surface().triangles.size(), "triangles");
-    for (const palpate::geometry::Triangle& triangle : simulation->rest_surface().triangles) {
-      for (const std::int32_t corner : triangle) *corners++ = corner;
-    }
-  });
 }
 
 }  // extern "C"

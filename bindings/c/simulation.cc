@@ -177,7 +177,8 @@ void palpate_simulation::finish_recording() {
   if (!recorder_) return;
   palpate::haptics::LoopReport report;
   report.ticks = next_tick_;
-  report.remarks.emplace_back("ticked by a program through the C interface: its ticks' times were not measured");
+  report.remarks.emplace_back(
+      "ticked by a program through the C interface: its ticks' times were not measured");
   recorder_->finish(report);
 }
 
@@ -202,6 +203,9 @@ palpate_info palpate_simulation::info() const noexcept {
   info.vertices = rest_surface().vertices.size();
   info.triangles = rest_surface().triangles.size();
   info.remarks = setup_.repairs.size() + setup_.remarks.size();
+  for (std::size_t hand = 0; hand < hands(); ++hand) {
+    info.tool_parts[hand] = static_cast<std::uint32_t>(setup_.tools[hand].parts.size());
+  }
   return info;
 }
 

@@ -168,7 +168,7 @@ void bind_recording(py::module_& module) {
   py::class_<Recording>(module, "Recording", doc("Recording"))
       .def_property_readonly(
           "rows",
-          [](py::object self) {
+          [](const py::object& self) {
             const auto& recording = self.cast<const Recording&>();
             return py::array(row_type(), {static_cast<py::ssize_t>(recording.rows.size())},
                              {static_cast<py::ssize_t>(sizeof(TickRow))}, recording.rows.data(), self);
