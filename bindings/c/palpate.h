@@ -130,7 +130,7 @@ typedef struct palpate_info {
   size_t vertices;          // of the visible surface
   size_t triangles;
   size_t remarks;                          // for palpate_remark()
-  uint32_t tool_parts[PALPATE_MAX_HANDS];  // rigid parts of each hand\'s instrument
+  uint32_t tool_parts[PALPATE_MAX_HANDS];  // rigid parts of each hand's instrument
 } palpate_info;
 
 /// [any] What was loaded.
