@@ -22,10 +22,11 @@ using geometry::TriangleMesh;
 
 /// n x 3, a copy.
 py::array_t<double> vertices_of(const TriangleMesh& mesh) {
-  static_assert(sizeof(Vec3) == 3 * sizeof(double));
   py::array_t<double> array({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
-  if (!mesh.vertices.empty())
-    std::memcpy(array.mutable_data(), mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
+  double* to = array.mutable_data();
+  for (const Vec3& vertex : mesh.vertices) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) *to++ = vertex(axis);
+  }
   return array;
 }
 
