@@ -134,7 +134,8 @@ TEST(Surface, IsDividedUntilNoEdgeIsLongerThanAskedFor) {
   std::vector<std::int32_t> corners(3 * session.info.triangles);
   require(palpate_surface_triangles(session.get(), corners.data(), session.info.triangles));
   const auto vertex = [&](std::int32_t i) {
-    return Vec3(xyz.data()[3 * i], xyz.data()[3 * i + 1], xyz.data()[3 * i + 2]);
+    const auto first = 3 * static_cast<std::size_t>(i);
+    return Vec3(xyz[first], xyz[first + 1], xyz[first + 2]);
   };
   for (std::size_t t = 0; t < session.info.triangles; ++t) {
     for (std::size_t e = 0; e < 3; ++e) {
@@ -151,7 +152,8 @@ TEST(Law, IsTheLibrarysBothWays) {
       const model::LayeredSpringLaw wanted(
           model::tissue_preset(tissue),
           direction == std::string("pull") ? model::Direction::kPull : model::Direction::kPress, 1e-3);
-      for (double depth = 0.0; depth < 30e-3; depth += 0.37e-3) {
+      for (int i = 0; i < 80; ++i) {
+        const double depth = i * 0.37e-3;
         palpate_response response = fresh<palpate_response>();
         require(palpate_law_force_at(law, depth, &response));
         EXPECT_EQ(response.force, wanted.force_at(depth).force);
