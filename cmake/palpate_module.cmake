@@ -12,7 +12,8 @@ function(palpate_module name)
     set(visibility INTERFACE)
   endif()
   add_library(palpate::${name} ALIAS palpate_${name})
-  target_include_directories(palpate_${name} ${visibility} ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+  target_include_directories(palpate_${name} ${visibility} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated> $<INSTALL_INTERFACE:include>)
   target_link_libraries(palpate_${name} ${visibility} ${ARG_DEPS})
 
   file(GLOB tests CONFIGURE_DEPENDS test/*_test.cc)

@@ -84,6 +84,17 @@ Probe probe_emulated(const std::string& /*path*/) {
           "a hand that the force moves, computed: it wants to follow a path as scripted does"};
 }
 
+/// The program around palpate, through the C interface, gives this device's samples itself.
+std::unique_ptr<haptics::Device> open_host(const scene::Setup& /*setup*/, std::size_t /*hand*/) {
+  throw InputError(
+      "device host: is the device of a program that embeds palpate (palpate.h); "
+      "here it must be another kind");
+}
+
+Probe probe_host(const std::string& /*path*/) {
+  return {"host", false, "is the device of a program that embeds palpate (palpate.h)"};
+}
+
 Probe probe_replay(const std::string& /*path*/) {
   return {"replay", true, "follows the hand of a recording (replay:run.h5)"};
 }
@@ -122,6 +133,7 @@ constexpr Kind kKinds[] = {
     {"emulated", open_emulated, probe_emulated, nullptr},
     {"forcedimension", open_forcedimension, probe_forcedimension, connect_forcedimension},
     {"haply", open_haply, probe_haply, connect_haply},
+    {"host", open_host, probe_host, nullptr},
 };
 
 const Kind* find_kind(std::string_view name) noexcept {
@@ -130,10 +142,12 @@ const Kind* find_kind(std::string_view name) noexcept {
   return found == std::end(kKinds) ? nullptr : found;
 }
 
-/// The kinds for people, "scripted, replay or haply"; @param connected only those that can be.
+/// The kinds that a run can open, for people, "scripted, replay or haply"; @param connected only those that
+/// can be connected.
 std::string names_of_kinds(bool connected) {
   std::vector<std::string> names;
   for (const Kind& kind : kKinds) {
+    if (kind.open == open_host) continue;
     if (!connected || kind.connect != nullptr) names.emplace_back(kind.name);
   }
   std::string text;

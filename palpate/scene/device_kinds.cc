@@ -8,7 +8,7 @@ namespace {
 constexpr DeviceKind kKinds[] = {
     {"scripted", DevicePath::kToolPath, false, true}, {"replay", DevicePath::kRecording, false, true},
     {"emulated", DevicePath::kToolPath, true, true},  {"forcedimension", DevicePath::kLibrary, true, true},
-    {"haply", DevicePath::kAddress, true, false},
+    {"haply", DevicePath::kAddress, true, false},     {"host", DevicePath::kToolPath, true, true},
 };
 
 }  // namespace

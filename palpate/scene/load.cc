@@ -105,8 +105,9 @@ void override_numbers(const Request& request, SceneDescription& scene) {
 /// The scene file, or the default scene, with the flags laid over it.
 SceneDescription describe(const Request& request) {
   SceneDescription scene;
-  if (request.scene) {
-    scene = read_scene_file(*request.scene);
+  if (request.scene || request.scene_text) {
+    scene = request.scene ? read_scene_file(*request.scene)
+                          : read_scene_text(request.scene_text->toml, request.scene_text->folder);
     scene.task = task_of(request, scene.task);
   } else {
     scene = default_scene(task_of(request, Task::kPress));
@@ -122,7 +123,7 @@ SceneDescription describe(const Request& request) {
     throw InputError(scene.tool_place + ": missing, must be a built-in tool (" +
                      alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
   }
-  if (!request.scene) {
+  if (!request.scene && !request.scene_text) {
     scene.name = std::filesystem::path(scene.organ->value).stem().string() +
                  (scene.task == Task::kPress ? " press" : " pull");
   }
@@ -165,7 +166,9 @@ model::TissueParameters find_tissue(const SceneDescription& scene) {
 const DeviceKind& check_device_kind(const Stated& kind) {
   if (const DeviceKind* found = find_device_kind(kind.value)) return *found;
   std::vector<std::string> names;
-  for (const DeviceKind& known : device_kinds()) names.emplace_back(known.name);
+  for (const DeviceKind& known : device_kinds()) {
+    if (known.name != "host") names.emplace_back(known.name);  // no run can open that one
+  }
   kind.fail("must be " + alternatives(names));
 }
 

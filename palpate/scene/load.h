@@ -9,9 +9,16 @@
 
 namespace palpate::scene {
 
+/// A scene that stands in no file.
+struct SceneText {
+  std::string toml;
+  std::filesystem::path folder;  // that relative paths in it start from
+};
+
 /// What a user asked for on the command line; what is set overrides the scene file.
 struct Request {
   std::optional<std::filesystem::path> scene;  // none: the gallbladder press (task pull: the heart)
+  std::optional<SceneText> scene_text;         // in place of `scene`
   std::optional<std::string> task;             // press | pull
   std::optional<std::string> organ;            // built-in name or path
   std::optional<std::string> organ_unit;

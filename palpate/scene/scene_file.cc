@@ -219,4 +219,9 @@ SceneDescription read_scene_file(const std::filesystem::path& file) {
   return SceneReader(TomlTable(toml), file.parent_path()).read(file.stem().string());
 }
 
+SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder) {
+  const TomlFile toml = parse_toml(text, "scene text");
+  return SceneReader(TomlTable(toml), folder).read("scene");
+}
+
 }  // namespace palpate::scene

@@ -72,6 +72,9 @@ struct SceneDescription {
 /// be right; unknown keys too, with the nearest known one.
 [[nodiscard]] SceneDescription read_scene_file(const std::filesystem::path& file);
 
+/// [setup] The same from a text. @param folder that relative paths in it start from
+[[nodiscard]] SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder);
+
 /// [setup] "press" or "pull". @throws InputError through `stated`.
 [[nodiscard]] Task parse_task(const Stated& stated);
 

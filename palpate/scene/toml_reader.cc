@@ -75,8 +75,12 @@ TomlFile read_toml(const std::filesystem::path& file) {
     }
   }
   if (!in.eof()) throw InputError(name + ": cannot be read");
+  return parse_toml(content, name);
+}
+
+TomlFile parse_toml(const std::string& text, const std::string& name) {
   try {
-    return {name, toml::parse(content, name)};
+    return {name, toml::parse(text, name)};
   } catch (const toml::parse_error& error) {
     throw InputError(name + ":" + std::to_string(error.source().begin.line) +
                      ": not valid TOML: " + one_line(std::string(error.description())));

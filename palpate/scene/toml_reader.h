@@ -41,6 +41,9 @@ struct TomlFile {
 /// [setup] Reads and parses a file. @throws InputError naming the file (and the line).
 [[nodiscard]] TomlFile read_toml(const std::filesystem::path& file);
 
+/// [setup] Parses a text. @param name for messages, in place of a file's @throws InputError naming the line.
+[[nodiscard]] TomlFile parse_toml(const std::string& text, const std::string& name);
+
 /// One table of a TOML file, read key by key. Every error is one line, FILE:LINE: field = value: what would
 /// be right. All functions are [setup] and throw InputError.
 class TomlTable final {

@@ -1,0 +1,51 @@
+#include "bindings/c/errors.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "palpate/haptics/fault.h"
+#include "palpate/version.h"
+
+namespace palpate::c_interface {
+namespace {
+
+/// A fixed size, so that telling an error needs no memory that could be missing.
+thread_local std::array<char, 1024> last_error{};
+
+}  // namespace
+
+palpate_status refuse(palpate_status status, const char* message) noexcept {
+  const std::size_t length = std::min(std::strlen(message), last_error.size() - 1);
+  std::memcpy(last_error.data(), message, length);
+  last_error[length] = '\0';
+  return status;
+}
+
+void require_given(const void* pointer, const char* name) {
+  if (pointer == nullptr) throw UseError(std::string(name) + ": is null, must be given");
+}
+
+void require_size(std::size_t given, std::size_t right, const char* name) {
+  if (given == right) return;
+  throw UseError(std::string(name) + ".struct_size = " + std::to_string(given) + ": must be " +
+                 std::to_string(right) +
+                 "; set it to sizeof the struct, and compile with this library's palpate.h");
+}
+
+}  // namespace palpate::c_interface
+
+extern "C" {
+
+uint32_t palpate_abi_version(void) { return PALPATE_ABI_VERSION; }
+
+const char* palpate_version(void) { return palpate::kVersion; }
+
+const char* palpate_last_error(void) { return palpate::c_interface::last_error.data(); }
+
+const char* palpate_fault_words(uint32_t fault) {
+  if (fault > PALPATE_FAULT_FORCE_OFF) return "no fault of that number is known";
+  return palpate::haptics::words_of(static_cast<palpate::haptics::Fault>(fault));
+}
+
+}  // extern "C"

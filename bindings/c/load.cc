@@ -1,0 +1,76 @@
+#include "palpate/scene/load.h"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "palpate/base/cache_folder.h"
+#include "palpate/devices/devices.h"
+#include "palpate/devices/scripted.h"
+#include "palpate/record/assemble.h"
+#include "palpate/scene/device_kinds.h"
+#include "palpate/scene/tool_path.h"
+
+#include "bindings/c/errors.h"
+#include "bindings/c/simulation.h"
+
+namespace palpate::c_interface {
+namespace {
+
+scene::Request request_of(const palpate_options& options) {
+  scene::Request request;
+  if (options.scene_file != nullptr && options.scene_text != nullptr) {
+    throw UseError("palpate_options: scene_file and scene_text are both given, must be at most one");
+  }
+  if (options.scene_file != nullptr) request.scene = options.scene_file;
+  if (options.scene_text != nullptr) {
+    request.scene_text = {options.scene_text, options.scene_folder == nullptr ? "" : options.scene_folder};
+  }
+  if (options.task != nullptr) request.task = options.task;
+  return request;
+}
+
+contact::Preparation preparation_of(const palpate_options& options) {
+  contact::Preparation how;
+  if (options.no_cache == 0) how.cache = user_cache_folder();
+  if (options.progress != nullptr) {
+    how.progress = [tell = options.progress, user = options.progress_user](
+                       double share, const std::string& what) { tell(share, what.c_str(), user); };
+  }
+  return how;
+}
+
+/// What the hand's device would give if nobody held it.
+std::unique_ptr<haptics::Device> scripted_device(const scene::Setup& setup, std::size_t hand) {
+  const scene::DeviceSetup& device = setup.devices[hand];
+  if (device.kind == "replay") return devices::open_device(setup, hand);
+  const bool has_path =
+      !device.path.empty() && scene::find_device_kind(device.kind)->path == scene::DevicePath::kToolPath;
+  return std::make_unique<devices::ScriptedDevice>(has_path ? scene::read_tool_path(device.path)
+                                                            : scene::default_path(setup, hand));
+}
+
+}  // namespace
+
+Loaded load(const palpate_options& options) {
+  if (!(options.surface_edge >= 0.0) || options.surface_edge > 1.0) {
+    throw ParameterError("palpate_options.surface_edge", options.surface_edge, "0, or at most 1 m");
+  }
+  if (options.surface_edge > 0.0 && options.surface_edge < 1e-4) {
+    throw ParameterError("palpate_options.surface_edge", options.surface_edge, "0, or at least 1e-4 m");
+  }
+  scene::Setup setup = scene::load(request_of(options));
+  std::vector<std::unique_ptr<haptics::Device>> scripted;
+  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
+    scripted.push_back(scripted_device(setup, hand));
+  }
+  // The recording and its replay must know whether a hand holds the device: the tick goes by that.
+  for (scene::DeviceSetup& device : setup.devices) {
+    if (options.no_hand == 0 && !scene::find_device_kind(device.kind)->held) device.kind = "host";
+  }
+  for (std::string& remark : record::stability_remarks(setup)) setup.remarks.push_back(std::move(remark));
+  haptics::SimulationWorld world = record::assemble(setup, preparation_of(options));
+  return {std::move(setup), std::move(scripted), std::move(world)};
+}
+
+}  // namespace palpate::c_interface

@@ -1,0 +1,176 @@
+// Tissues, the two laws and the noise.
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "palpate/model/layered_law.h"
+#include "palpate/model/smooth_law.h"
+#include "palpate/noise/touch_noise.h"
+#include "palpate/scene/load.h"
+#include "palpate/scene/tissue_file.h"
+
+#include "bindings/python/binding.h"
+#include "bindings/python/docs.h"
+
+namespace palpate::python {
+namespace {
+
+using model::LayeredSpringLaw;
+using model::SmoothSpringLaw;
+using model::TissueParameters;
+using noise::TouchNoise;
+
+/// One row of what a law answers, as NumPy has it.
+struct Response {
+  double depth;
+  double force;
+  double stiffness;
+  std::int32_t cutoff_layer;
+  bool saturated;
+  double deformation[LayeredSpringLaw::kMaxLayers];
+};
+
+Response response_of(const LayeredSpringLaw::LayerState& state) {
+  Response response{state.depth, state.force, state.stiffness, state.cutoff_layer, state.saturated, {}};
+  std::copy(state.deformation.begin(), state.deformation.end(), response.deformation);
+  return response;
+}
+
+/// Both laws have the same functions.
+template <typename Law>
+void bind_law(py::module_& module, const char* name, const char* class_doc, const char* init_doc) {
+  py::class_<Law>(module, name, class_doc)
+      .def(py::init([](const TissueParameters& tissue, const std::string& direction, double loop_period) {
+             return Law(tissue, direction_of(direction), loop_period);
+           }),
+           py::arg("tissue"), py::arg("direction") = "press", py::arg("loop_period") = 1e-3, init_doc)
+      .def(
+          "deformation_at",
+          [](const Law& law, const Numbers& depth) {
+            return vectorised<Response>(depth,
+                                        [&](double one) { return response_of(law.deformation_at(one)); });
+          },
+          py::arg("depth"), doc("LayeredSpringLaw::deformation_at"))
+      .def(
+          "deformation_under",
+          [](const Law& law, const Numbers& force) {
+            return vectorised<Response>(force,
+                                        [&](double one) { return response_of(law.deformation_under(one)); });
+          },
+          py::arg("force"), doc("LayeredSpringLaw::deformation_under"))
+      .def(
+          "force_at",
+          [](const Law& law, const Numbers& depth) {
+            return vectorised<double>(depth, [&](double one) { return law.force_at(one).force; });
+          },
+          py::arg("depth"), doc("LayeredSpringLaw::force_at"))
+      .def(
+          "stiffness_at",
+          [](const Law& law, const Numbers& depth) {
+            return vectorised<double>(depth, [&](double one) { return law.force_at(one).stiffness; });
+          },
+          py::arg("depth"), doc("ContactResponse::stiffness"))
+      .def(
+          "depth_under",
+          [](const Law& law, const Numbers& force) {
+            return vectorised<double>(force, [&](double one) { return law.deformation_under(one).depth; });
+          },
+          py::arg("force"), doc("LayeredSpringLaw::deformation_under"))
+      .def_property_readonly("layers_allowed", &Law::layers_allowed, doc("LayeredSpringLaw::layers_allowed"))
+      .def_property_readonly("max_depth", &Law::max_depth, doc("LayeredSpringLaw::max_depth"))
+      .def_property_readonly("max_force", &Law::max_force);
+}
+
+void bind_tissue(py::module_& module) {
+  py::class_<TissueParameters>(module, "Tissue", doc("TissueParameters"))
+      .def(py::init<>())
+      .def_readwrite("name", &TissueParameters::name)
+      .def_readwrite("k1", &TissueParameters::k1, doc("TissueParameters::k1"))
+      .def_readwrite("beta", &TissueParameters::beta, doc("TissueParameters::beta"))
+      .def_readwrite("q", &TissueParameters::q, doc("TissueParameters::q"))
+      .def_readwrite("rest_length", &TissueParameters::rest_length, doc("TissueParameters::rest_length"))
+      .def_readwrite("max_length", &TissueParameters::max_length, doc("TissueParameters::max_length"))
+      .def_readwrite("min_length", &TissueParameters::min_length, doc("TissueParameters::min_length"))
+      .def_readwrite("t1", &TissueParameters::t1, doc("TissueParameters::t1"))
+      .def_property(
+          "law", [](const TissueParameters& tissue) { return model::to_string(tissue.law); },
+          [](TissueParameters& tissue, const std::string& law) { tissue.law = model::parse_law(law); },
+          doc("LawKind"))
+      .def_property(
+          "relaxation",
+          [](const TissueParameters& tissue) {
+            py::list terms;
+            for (const model::RelaxationTerm& term : tissue.relaxation)
+              terms.append(py::make_tuple(term.share, term.time));
+            return terms;
+          },
+          [](TissueParameters& tissue, const std::vector<std::pair<double, double>>& terms) {
+            std::vector<model::RelaxationTerm> made;
+            for (const auto& term : terms) made.push_back({term.first, term.second});
+            model::validate_relaxation(made);
+            tissue.relaxation = std::move(made);
+          },
+          doc("RelaxationTerm"))
+      .def(
+          "first_limit",
+          [](const TissueParameters& tissue, const std::string& direction) {
+            return tissue.first_limit(direction_of(direction));
+          },
+          py::arg("direction"), doc("TissueParameters::first_limit"))
+      .def(
+          "validate", [](const TissueParameters& tissue) { model::validate(tissue); }, doc("validate"))
+      .def("to_toml", &scene::to_toml, doc("to_toml"))
+      .def("__repr__",
+           [](const TissueParameters& tissue) { return "<palpate.Tissue '" + tissue.name + "'>"; });
+  module.def("tissue_preset", &model::tissue_preset, py::arg("name"), doc("tissue_preset"));
+  module.def("load_tissue", &scene::load_tissue, py::arg("name_or_file"), doc("load_tissue"));
+}
+
+/// The steady noise of samples first .. first + count.
+py::array_t<double> noise_forces(const TouchNoise& noise, std::size_t count, double distance,
+                                 std::uint32_t hand, std::uint64_t first) {
+  py::array_t<double> forces(static_cast<py::ssize_t>(count));
+  double* to = forces.mutable_data();
+  const py::gil_scoped_release others_may_run;
+  TouchNoise::State state;
+  for (std::size_t i = 0; i < count; ++i) to[i] = noise.force(state, true, hand, first + i, distance);
+  return forces;
+}
+
+void bind_noise(py::module_& module) {
+  const noise::NoiseSettings usual;
+  py::class_<TouchNoise>(module, "TouchNoise", doc("TouchNoise"))
+      .def(py::init([](double gain, double threshold, std::uint64_t seed, double rate_Hz,
+                       double loop_rate_Hz) {
+             return TouchNoise(
+                 {.enabled = true, .gain = gain, .threshold = threshold, .rate_Hz = rate_Hz, .seed = seed},
+                 loop_rate_Hz);
+           }),
+           py::arg("gain") = usual.gain, py::arg("threshold") = usual.threshold, py::arg("seed") = usual.seed,
+           py::arg("rate_Hz") = usual.rate_Hz, py::arg("loop_rate_Hz") = usual.rate_Hz,
+           doc("TouchNoise::TouchNoise"))
+      .def(
+          "sigma",
+          [](const TouchNoise& noise, const Numbers& distance) {
+            return vectorised<double>(distance, [&](double one) { return noise.sigma(one); });
+          },
+          py::arg("distance"), doc("TouchNoise::sigma"))
+      .def("forces", &noise_forces, py::arg("count"), py::arg("distance") = 0.0, py::arg("hand") = 0,
+           py::arg("first") = 0, doc("TouchNoise::force"));
+  module.def("gain_from_threshold", &noise::gain_from_threshold, py::arg("user_threshold"), py::arg("share"),
+             py::arg("threshold_distance"), doc("gain_from_threshold"));
+}
+
+}  // namespace
+
+void bind_model(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(Response, depth, force, stiffness, cutoff_layer, saturated, deformation);
+  bind_tissue(module);
+  bind_law<LayeredSpringLaw>(module, "LayeredSpringLaw", doc("LayeredSpringLaw"),
+                             doc("LayeredSpringLaw::LayeredSpringLaw"));
+  bind_law<SmoothSpringLaw>(module, "SmoothSpringLaw", doc("SmoothSpringLaw"),
+                            doc("SmoothSpringLaw::SmoothSpringLaw"));
+  bind_noise(module);
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,32 @@
+// The extension _palpate: one file a part. Docstrings are the C++ comments, taken at build time (make_docs).
+#include "palpate/base/error.h"
+#include "palpate/version.h"
+
+#include "bindings/python/binding.h"
+
+namespace palpate::python {
+
+model::Direction direction_of(const std::string& word) {
+  if (word == "press") return model::Direction::kPress;
+  if (word == "pull") return model::Direction::kPull;
+  throw InputError("direction = \"" + word + "\": must be press or pull");
+}
+
+}  // namespace palpate::python
+
+PYBIND11_MODULE(_palpate, module) {
+  module.doc() = "The compiled part of palpate; import palpate instead.";
+  module.attr("__version__") = palpate::kVersion;
+  const auto& input_error =
+      pybind11::register_exception<palpate::InputError>(module, "InputError", PyExc_ValueError);
+  input_error.attr("__doc__") =
+      "Bad input: the message is one line that names it, its value and what would be right.";
+  const auto& parameter_error =
+      pybind11::register_exception<palpate::ParameterError>(module, "ParameterError", input_error);
+  parameter_error.attr("__doc__") =
+      "A parameter out of its range; the message names the field, its value and its unit.";
+  palpate::python::bind_model(module);
+  palpate::python::bind_geometry(module);
+  palpate::python::bind_runs(module);
+  palpate::python::bind_fit(module);
+}
