@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 #include <stdexcept>
+#include <utility>
 
 namespace palpate::render {
 namespace {
@@ -107,7 +108,7 @@ void GpuMesh::draw_fullscreen() const {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-Target::Target(Kind kind, int width, int height) : width_(width), height_(height) {
+Target::Target(Kind kind, int width, int height) : kind_(kind), width_(width), height_(height) {
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   if (kind == Kind::kColourMultisampled) {
@@ -166,6 +167,24 @@ void Target::resolve_to(const Target& other) const {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, other.framebuffer_);
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_FRAMEBUFFER, other.framebuffer_);
+}
+
+void Target::resize(int width, int height) {
+  Target fresh(kind_, width, height);
+  std::swap(width_, fresh.width_);
+  std::swap(height_, fresh.height_);
+  std::swap(framebuffer_, fresh.framebuffer_);
+  std::swap(texture_, fresh.texture_);
+  std::swap(renderbuffers_, fresh.renderbuffers_);
+}
+
+void Target::show_at(int x, int y, int width, int height) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  const bool same_size = width == width_ && height == height_;
+  glBlitFramebuffer(0, 0, width_, height_, x, y, x + width, y + height, GL_COLOR_BUFFER_BIT,
+                    same_size ? GL_NEAREST : GL_LINEAR);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
 }  // namespace palpate::render

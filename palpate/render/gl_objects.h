@@ -69,10 +69,15 @@ class Target final {
   void bind() const;
   void bind_texture(int unit) const;
   void resolve_to(const Target& other) const;
+  /// Makes it anew with another size; what it held is gone.
+  void resize(int width, int height);
+  /// Copies it, stretched, to a rectangle of the window's own framebuffer [pixels, y up].
+  void show_at(int x, int y, int width, int height) const;
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
 
  private:
+  Kind kind_;
   int width_;
   int height_;
   GLuint framebuffer_ = 0;

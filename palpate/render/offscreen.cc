@@ -15,6 +15,12 @@ namespace {
 constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of what the light must reach
 constexpr int kLargestSide = 8192;  // pixels
 
+void check_size(int width, int height) {
+  if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
+  throw InputError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                   " pixels cannot be drawn; want 1 to " + std::to_string(kLargestSide) + " a side");
+}
+
 }  // namespace
 
 struct OffscreenRenderer::Impl {
@@ -67,13 +73,33 @@ struct OffscreenRenderer::Impl {
   std::vector<Vertex> vertices;
 };
 
+// Holds the renderer's own context, if it has one, while it draws.
+class OffscreenRenderer::Current final {
+ public:
+  explicit Current(GlContext* context) : context_(context) {
+    if (context_ != nullptr) context_->make_current();
+  }
+  ~Current() {
+    if (context_ != nullptr) context_->release();
+  }
+  Current(const Current&) = delete;
+  Current& operator=(const Current&) = delete;
+
+ private:
+  GlContext* context_;
+};
+
 OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height) {
-  if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
-    throw InputError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                     " pixels cannot be drawn; want 1 to " + std::to_string(kLargestSide) + " a side");
+  check_size(width, height);
   context_ = std::make_unique<GlContext>();
   impl_ = std::make_unique<Impl>(subject, width, height);
   context_->release();
+}
+
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height,
+                                     InCurrentContext /*here*/) {
+  check_size(width, height);
+  impl_ = std::make_unique<Impl>(subject, width, height);
 }
 
 OffscreenRenderer::~OffscreenRenderer() {
@@ -81,12 +107,31 @@ OffscreenRenderer::~OffscreenRenderer() {
 }
 
 Image OffscreenRenderer::draw(const haptics::Snapshot& snapshot, const Camera& camera) {
-  context_->make_current();
+  draw_and_keep(snapshot, camera);
+  return kept();
+}
+
+void OffscreenRenderer::draw_and_keep(const haptics::Snapshot& snapshot, const Camera& camera) {
+  const Current current(context_.get());
   impl_->upload_organ(snapshot);
   impl_->upload_tools(snapshot);
-  Image image = impl_->painter.paint(camera, {snapshot.organ_W * impl_->region.middle, impl_->region.radius});
-  context_->release();
-  return image;
+  impl_->painter.draw(camera, {snapshot.organ_W * impl_->region.middle, impl_->region.radius});
+}
+
+Image OffscreenRenderer::kept() {
+  const Current current(context_.get());
+  return impl_->painter.read();
+}
+
+void OffscreenRenderer::show_at(int x, int y, int width, int height) {
+  const Current current(context_.get());
+  impl_->painter.show_at(x, y, width, height);
+}
+
+void OffscreenRenderer::resize(int width, int height) {
+  check_size(width, height);
+  const Current current(context_.get());
+  impl_->painter.resize(width, height);
 }
 
 std::string OffscreenRenderer::driver() const { return impl_->driver; }

@@ -58,18 +58,32 @@ class OffscreenRenderer final {
   /// @throws std::runtime_error naming the missing packages when no OpenGL context can be had, InputError for
   /// a bad size.
   OffscreenRenderer(const Subject& subject, int width, int height);
+  /// [setup] The same without a context of its own: it draws in the one that is current on this thread (a
+  /// window's) now and at every later call, and that outlives this.
+  struct InCurrentContext {};
+  OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here);
   ~OffscreenRenderer();
 
   /// [setup] The picture of one snapshot; organ deformed as model.md section 3 says, tool at its pose and
   /// opening.
   [[nodiscard]] Image draw(const haptics::Snapshot& snapshot, const Camera& camera);
 
+  /// [setup] draw() in two steps: draws and keeps the picture, and reads what was kept.
+  void draw_and_keep(const haptics::Snapshot& snapshot, const Camera& camera);
+  [[nodiscard]] Image kept();
+  /// [setup] Copies the kept picture, stretched, to a rectangle of the window [pixels, y up from its lower
+  /// edge].
+  void show_at(int x, int y, int width, int height);
+  /// [setup] The size of all pictures from here on, 1 to 8192 pixels. @throws InputError for a bad size.
+  void resize(int width, int height);
+
   /// [any] The renderer's name as OpenGL gives it, for the report.
   [[nodiscard]] std::string driver() const;
 
  private:
   struct Impl;
-  std::unique_ptr<GlContext> context_;  // goes last
+  class Current;
+  std::unique_ptr<GlContext> context_;  // goes last; null: the window's
   std::unique_ptr<Impl> impl_;
 };
 

@@ -181,7 +181,7 @@ void Painter::draw_picture(const View& view) {
   glEnable(GL_CULL_FACE);
 }
 
-Image Painter::paint(const Camera& camera, const LitRegion& region) {
+void Painter::draw(const Camera& camera, const LitRegion& region) {
   const View view(camera, static_cast<double>(picture_.width()) / picture_.height(), region);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);  // an organ's inside is never drawn
@@ -190,7 +190,18 @@ Image Painter::paint(const Camera& camera, const LitRegion& region) {
   draw_occlusion(view);
   draw_picture(view);
   picture_.resolve_to(resolved_);
+}
 
+void Painter::resize(int width, int height) {
+  depth_half_.resize((width + 1) / 2, (height + 1) / 2);
+  occlusion_half_.resize((width + 1) / 2, (height + 1) / 2);
+  blurred_half_.resize((width + 1) / 2, (height + 1) / 2);
+  picture_.resize(width, height);
+  resolved_.resize(width, height);
+}
+
+Image Painter::read() const {
+  resolved_.bind();
   Image image{picture_.width(), picture_.height(), {}};
   const std::size_t row = static_cast<std::size_t>(image.width) * 3;
   std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(image.height));
@@ -200,6 +211,11 @@ Image Painter::paint(const Camera& camera, const LitRegion& region) {
   for (auto line = bottom_up.end(); line != bottom_up.begin(); line -= static_cast<std::ptrdiff_t>(row))
     image.rgb.insert(image.rgb.end(), line - static_cast<std::ptrdiff_t>(row), line);
   return image;
+}
+
+Image Painter::paint(const Camera& camera, const LitRegion& region) {
+  draw(camera, region);
+  return read();
 }
 
 }  // namespace palpate::render

@@ -27,6 +27,15 @@ class Painter final {
 
   [[nodiscard]] Image paint(const Camera& camera, const LitRegion& region);
 
+  /// paint() in two steps: what was drawn stays until the next draw().
+  void draw(const Camera& camera, const LitRegion& region);
+  [[nodiscard]] Image read() const;
+
+  /// Copies what was drawn, stretched, to a rectangle of the window's own framebuffer [pixels, y up].
+  void show_at(int x, int y, int width, int height) const { resolved_.show_at(x, y, width, height); }
+  /// The size of all pictures from here on.
+  void resize(int width, int height);
+
  private:
   struct View;
   void draw_scene() const;
