@@ -10,6 +10,7 @@
 #include "palpate/geometry/tool.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/model/tissue.h"
+#include "palpate/render/quality.h"
 
 namespace palpate::render {
 
@@ -57,9 +58,10 @@ class OffscreenRenderer final {
   /// [setup] @param width, height of the pictures, 1 to 8192 pixels
   /// @throws std::runtime_error naming the missing packages when no OpenGL context can be had, InputError for
   /// a bad size.
-  OffscreenRenderer(const Subject& subject, int width, int height);
+  OffscreenRenderer(const Subject& subject, int width, int height, Quality quality = Quality::kFull);
   /// [setup] The same without a context of its own: it draws in the one that is current on this thread (a
-  /// window's) now and at every later call, and that outlives this.
+  /// window's) now and at every later call, and that outlives this. The quality follows the time that
+  /// pictures take (QualityChoice).
   struct InCurrentContext {};
   OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here);
   ~OffscreenRenderer();
@@ -76,6 +78,15 @@ class OffscreenRenderer final {
   void show_at(int x, int y, int width, int height);
   /// [setup] The size of all pictures from here on, 1 to 8192 pixels. @throws InputError for a bad size.
   void resize(int width, int height);
+
+  /// [setup] Colours the organ by how far it has moved, up to `range` [m]; 0: its own colours.
+  void set_map_range(double range);
+  /// [any] The quality of the next picture.
+  [[nodiscard]] Quality quality() const;
+  /// [any] Wall time [ms] that deformation and upload took in the last picture.
+  [[nodiscard]] double update_ms() const;
+  /// [setup] Waits until what was drawn is there.
+  void finish();
 
   /// [any] The renderer's name as OpenGL gives it, for the report.
   [[nodiscard]] std::string driver() const;
