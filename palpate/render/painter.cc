@@ -141,8 +141,8 @@ Painter::~Painter() = default;
 void Painter::set_quality(Quality quality) {
   if (tissue_ && quality == quality_) return;
   quality_ = quality;
-  tissue_ = std::make_unique<Program>(shaders::scene_vertex(), shaders::tissue_fragment(quality));
-  steel_ = std::make_unique<Program>(shaders::scene_vertex(), shaders::steel_fragment(quality));
+  tissue_ = std::make_unique<Program>(shaders::scene_vertex(quality), shaders::tissue_fragment(quality));
+  steel_ = std::make_unique<Program>(shaders::scene_vertex(quality), shaders::steel_fragment(quality));
   if (quality == Quality::kFull) {
     live_.reset();
     if (!still_) still_ = std::make_unique<Still>(width_, height_);

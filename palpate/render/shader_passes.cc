@@ -4,8 +4,8 @@
 
 namespace palpate::render::shaders {
 
-std::string scene_vertex() {
-  return std::string(kVersion) + R"(
+std::string scene_vertex(Quality quality) {
+  return std::string(kVersion) + (quality == Quality::kFull ? "#define FULL\n" : "") + kLamps + R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float moved;
@@ -22,6 +22,20 @@ out vec3 rest;
 out vec4 colour;
 out vec4 vessel;
 out float sky_at_rest;
+#ifndef FULL
+uniform sampler2D moments_map;
+out float lit;          // share of the key light
+out vec3 other_light;   // all but the key light, over the tissue's colour
+// The tools' shadow, softened beforehand (variance shadow map, Donnelly and Lauritzen 2006). It is softer than
+// the vertices are apart.
+float key_visible() {
+  vec3 q = (light_projection * vec4(p_W + n_W * shadow_lift, 1.0)).xyz * 0.5 + 0.5;
+  vec2 moments = textureLod(moments_map, q.xy, 0.0).xy;
+  float behind = q.z - moments.x;
+  float variance = max(moments.y - moments.x * moments.x, 2e-7);
+  return smoothstep(0.30, 0.95, behind <= 0.0 ? 1.0 : variance / (variance + behind * behind));
+}
+#endif
 
 // Dark blue over green to yellow, about as light as it is large (after Matplotlib's viridis).
 vec3 mapped(float t) {
@@ -43,6 +57,12 @@ void main() {
   }
   // A dent's own walls hide the sky from it.
   sky_at_rest = pattern_light.x * (1.0 - 0.5 * smoothstep(0.001, 0.014, -moved));
+#ifndef FULL
+  lit = key_visible();
+  vec3 tinted_sky = mix(vec3(sky_at_rest), vec3(1.0), 0.35 * colour.rgb * (1.0 - sky_at_rest));
+  other_light =
+      (kFillColour * wrapped(n_W, fill) + 0.5 * kRimColour * wrapped(n_W, rim) + irradiance(n_W)) * tinted_sky;
+#endif
   gl_Position = projection * placed;
 }
 )";

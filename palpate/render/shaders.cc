@@ -66,28 +66,16 @@ in vec4 colour;
 in vec4 vessel;
 in float sky_at_rest;
 out vec4 pixel;
-uniform vec3 eye;
-uniform vec3 rig_right;
-uniform vec3 rig_up;
-uniform vec3 rig_back;
-uniform vec3 key;
-uniform vec3 fill;
-uniform vec3 rim;
-uniform mat4 light_projection;
-uniform float shadow_texel;    // m
-uniform float shadow_lift;     // m
-uniform float shadow_softness; // of the map's width
 #ifdef FULL
+uniform float shadow_texel;     // m
+uniform float shadow_softness;  // of the map's width
 uniform sampler2DShadow shadow_map;
 uniform sampler2D occlusion_map;
 #else
-uniform sampler2D moments_map;
+in float lit;
+in vec3 other_light;
 #endif
 uniform vec2 pixel_size;
-
-const vec3 kKeyColour = vec3(1.95, 1.88, 1.78);
-const vec3 kFillColour = vec3(0.36, 0.41, 0.48);
-const vec3 kRimColour = vec3(0.70, 0.74, 0.80);
 
 #ifdef FULL
 float key_visible(vec3 n) {
@@ -122,22 +110,9 @@ float sky_visible() {
 }
 
 #else
-// The tools' shadow, softened beforehand (variance shadow map, Donnelly and Lauritzen 2006).
-float key_visible(vec3 n) {
-  vec3 q = (light_projection * vec4(p_W + n * shadow_lift, 1.0)).xyz * 0.5 + 0.5;
-  vec2 moments = texture(moments_map, q.xy).xy;
-  float behind = q.z - moments.x;
-  float variance = max(moments.y - moments.x * moments.x, 2e-7);
-  float lit = behind <= 0.0 ? 1.0 : variance / (variance + behind * behind);
-  return smoothstep(0.30, 0.95, lit);
-}
+float key_visible(vec3 n) { return lit; }
 float sky_visible() { return sky_at_rest; }
 #endif
-
-vec3 irradiance(vec3 n) {
-  float t = dot(n, rig_up) * 0.5 + 0.5;
-  return mix(vec3(0.13, 0.12, 0.12), vec3(0.36, 0.39, 0.43), t);
-}
 
 vec3 mirror(vec3 d, float roughness) {
   vec3 q = vec3(dot(d, rig_right), dot(d, rig_up), dot(d, rig_back));
@@ -164,7 +139,10 @@ float highlight(vec3 n, vec3 v, vec3 l, float roughness) {
   return nl * visible * a * a / (3.14159265 * d * d);
 }
 float soft_peak(float x) { return x / (1.0 + 1.8 * x); }  // a film of moisture never glares
-float fresnel(float f0, float cosine) { return f0 + (1.0 - f0) * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0); }
+float fresnel(float f0, float cosine) {
+  float x = 1.0 - clamp(cosine, 0.0, 1.0);
+  return f0 + (1.0 - f0) * x * x * x * x * x;
+}
 )";
 
 const char* const kTissue = R"(
@@ -186,6 +164,7 @@ float vessels() {
   return clamp(lines, 0.0, 1.0) * vessel_share;
 }
 
+#ifdef FULL
 void main() {
   vec3 n = normalize(n_W);
   vec3 v = normalize(eye - p_W);
@@ -194,16 +173,10 @@ void main() {
   float facing = clamp(dot(n, v), 0.0, 1.0);
   float flat_on = smoothstep(0.0, 0.5, facing);  // seen flat, bumps hide one another
   vec3 slope = vec3(0.0);
-#ifdef FULL
   float footprint = max(length(dFdx(rest)), length(dFdy(rest)));
   vec3 waves = noise(rest * 190.0).yzw * 0.030;
   slope = noise(rest * 520.0).yzw * 0.028 * clamp(1.5 - footprint * 1040.0, 0.0, 1.0) +
           noise(rest * 1350.0).yzw * 0.016 * clamp(1.5 - footprint * 2700.0, 0.0, 1.0);
-#elif defined(FAST)
-  vec3 waves = vec3(0.0);
-#else
-  vec3 waves = noise(rest * 260.0).yzw * 0.034;
-#endif
   slope = (slope + waves) * flat_on;
   vec3 wet_slope = waves * flat_on + 0.30 * slope;  // the film of moisture lies smoother than the tissue
   vec3 bumped = normalize(n - (slope - n * dot(slope, n)));
@@ -212,14 +185,10 @@ void main() {
 
   float lit = key_visible(n);
   float sky = sky_visible();
-  vec3 wrap = vec3(0.20, 0.11, 0.09);  // red light travels farthest under the surface
-  vec3 key_share = clamp((dot(diffuse_n, key) + wrap) / (1.0 + wrap), 0.0, 1.0);
   vec3 soft_lit = vec3(mix(lit, sqrt(lit), 0.5), lit, lit);
-  vec3 fill_share = clamp((dot(diffuse_n, fill) + wrap) / (1.0 + wrap), 0.0, 1.0);
-  vec3 rim_share = clamp((dot(diffuse_n, rim) + wrap) / (1.0 + wrap), 0.0, 1.0);
   vec3 tinted_sky = mix(vec3(sky), vec3(1.0), 0.35 * albedo * (1.0 - sky));  // light between tissue walls
-  vec3 light = kKeyColour * key_share * soft_lit * mix(1.0, sky, 0.45) +
-               (kFillColour * fill_share + 0.5 * kRimColour * rim_share + irradiance(diffuse_n)) * tinted_sky;
+  vec3 light = kKeyColour * wrapped(diffuse_n, key) * soft_lit * mix(1.0, sky, 0.45) +
+               (kFillColour * wrapped(diffuse_n, fill) + 0.5 * kRimColour * wrapped(diffuse_n, rim) + irradiance(diffuse_n)) * tinted_sky;
   vec3 shade = albedo * light * 0.47;
 
   // Two layers: the tissue's own dull gloss, and a thin clear film over it.
@@ -230,12 +199,40 @@ void main() {
   float wet = highlight(wet_n, v, key, 0.20) * fresnel(0.026, dot(normalize(v + key), v));
   shade += kKeyColour * lit * soft_peak(0.55 * wet);
   shade += mirror(reflect(-v, wet_n), 0.22) * film * 1.25 * sky * mix(0.45, 1.0, lit);
-#ifndef FAST
   float back = highlight(wet_n, v, rim, 0.34) * fresnel(0.028, dot(normalize(v + rim), v));
   shade += 0.5 * kRimColour * sky * soft_peak(back);
-#endif
   pixel = vec4(finish(shade), 1.0);
 }
+#else
+void main() {
+  vec3 v = normalize(eye - p_W);
+  vec3 albedo = mix(colour.rgb, vessel_colour, vessels());
+  vec3 n = n_W;
+#ifndef FAST
+  vec3 waves = noise(rest * 260.0).yzw * (0.034 * smoothstep(0.0, 0.5, dot(n, v)));
+  n -= waves - n * dot(waves, n);
+#endif
+  n = normalize(n);
+  float facing = max(dot(n, v), 1e-3);
+  vec3 soft_lit = vec3(0.5 * lit + 0.5 * sqrt(lit), lit, lit);
+  vec3 light = kKeyColour * wrapped(n, key) * soft_lit * mix(1.0, sky_at_rest, 0.45) + other_light;
+  vec3 shade = albedo * light * 0.47;
+
+  // As kFull's, with one normal for both layers.
+  vec3 h = normalize(v + key);
+  float nl = max(dot(n, key), 0.0);
+  float nh = max(dot(n, h), 0.0);
+  float hidden = nh * nh * (0.22 * 0.22 - 1.0) + 1.0;
+  float shining = nh * nh * (0.06 * 0.06 - 1.0) + 1.0;
+  float f = fresnel(0.027, dot(h, v)) * nl * 0.5 / (3.14159265 * (nl + facing));
+  float dull = 0.8 * f * 0.22 * 0.22 / (hidden * hidden);
+  float wet = f * 0.06 * 0.06 / (shining * shining);
+  shade += kKeyColour * lit * (soft_peak(dull) + 0.55 * soft_peak(wet));
+  float film = min(fresnel(0.026, facing), 0.16);
+  shade += mirror(reflect(-v, n), 0.22) * film * 1.25 * sky_at_rest * mix(0.45, 1.0, lit);
+  pixel = vec4(finish(shade), 1.0);
+}
+#endif
 )";
 
 const char* const kSteel = R"(
@@ -251,15 +248,15 @@ void main() {
   float roughness = 0.38 + 0.05 * streak.x;
   vec3 metal = vec3(0.66, 0.655, 0.645) * (1.0 + 0.05 * streak.x);
 
-  float lit = key_visible(normalize(n_W));
+  float shown = key_visible(normalize(n_W));
   float sky = sky_visible();
   float nv = max(dot(n, v), 0.0);
   vec3 f = metal + (1.0 - metal) * pow(1.0 - nv, 5.0);
-  vec3 shade = mirror(reflect(-v, n), roughness) * f * sky * mix(0.75, 1.0, lit);
-  shade += kKeyColour * 0.55 * lit * highlight(n, v, key, roughness) * f;
+  vec3 shade = mirror(reflect(-v, n), roughness) * f * sky * mix(0.75, 1.0, shown);
+  shade += kKeyColour * 0.55 * shown * highlight(n, v, key, roughness) * f;
   shade += kRimColour * 0.5 * highlight(n, v, rim, roughness) * f * sky;
   shade += kFillColour * 0.5 * highlight(n, v, fill, 0.45) * f * sky;
-  shade += metal * 0.10 * (irradiance(n) * sky + kKeyColour * 0.5 * lit * max(dot(n, key), 0.0));
+  shade += metal * 0.10 * (irradiance(n) * sky + kKeyColour * 0.5 * shown * max(dot(n, key), 0.0));
   pixel = vec4(finish(shade * 0.92), 1.0);
 }
 )";
@@ -278,11 +275,11 @@ std::string level(Quality quality) {
 }  // namespace
 
 std::string tissue_fragment(Quality quality) {
-  return kVersion + level(quality) + kFinish + kNoise + kNoiseValue + kStudio + kTissue;
+  return kVersion + level(quality) + kFinish + kNoise + kNoiseValue + kLamps + kStudio + kTissue;
 }
 
 std::string steel_fragment(Quality quality) {
-  return kVersion + level(quality) + kFinish + kNoise + kStudio + kSteel;
+  return kVersion + level(quality) + kFinish + kNoise + kLamps + kStudio + kSteel;
 }
 
 }  // namespace palpate::render::shaders

@@ -6,7 +6,7 @@
 /// GLSL 3.30 sources of the picture. Lengths in metres, colours linear until the last line.
 namespace palpate::render::shaders {
 
-[[nodiscard]] std::string scene_vertex();
+[[nodiscard]] std::string scene_vertex(Quality quality);
 [[nodiscard]] std::string place_vertex();  // only where vertices are
 [[nodiscard]] std::string fullscreen_vertex();
 [[nodiscard]] std::string depth_fragment();         // depth alone
