@@ -61,6 +61,7 @@ void GeodesicFront::begin(const geometry::Triangle& corners, const Vector3f& poi
   }
   seen_.clear();
   settled_.clear();
+  excess_.clear();
   queue_.clear();
   source_ = point;
   for (const std::int32_t v : corners) offer(v, (surface_->vertices[index(v)] - point).norm());
@@ -98,6 +99,7 @@ int GeodesicFront::advance(float limit, int most) {
     if (is_settled_[index(v)] == 0) {
       is_settled_[index(v)] = 1;
       settled_.push_back(v);
+      excess_.push_back(distance - (surface_->vertices[index(v)] - source_).norm());
     }
     for (std::int32_t i = surface_->start[index(v)]; i < surface_->start[index(v) + 1]; ++i) {
       const FrontSurface::Corner& corner = surface_->around[index(i)];

@@ -42,6 +42,8 @@ class GeodesicFront final {
   [[nodiscard]] float radius() const noexcept;
   /// [any] Settled vertices, nearest first (but for rounding and obtuse triangles).
   [[nodiscard]] std::span<const std::int32_t> settled() const noexcept { return settled_; }
+  /// [any] How much longer [m] than straight the way to each of those is.
+  [[nodiscard]] std::span<const float> excess() const noexcept { return excess_; }
   /// [any] Distance of a settled vertex [m]; infinity where the front has not come.
   [[nodiscard]] float at(std::int32_t vertex) const noexcept {
     return distance_[static_cast<std::size_t>(vertex)];
@@ -58,6 +60,7 @@ class GeodesicFront final {
   std::vector<char> is_settled_;
   std::vector<std::int32_t> seen_;  // vertices whose entries above are not as at the beginning
   std::vector<std::int32_t> settled_;
+  std::vector<float> excess_;
   std::vector<std::pair<float, std::int32_t>> queue_;  // heap, nearest first; may hold outdated entries
 };
 

@@ -54,7 +54,7 @@ Vector3f carried_normal(const Matrix3f& j, const Vector3f& n) {
 }  // namespace
 
 ProfileTable::ProfileTable(const model::ReachParameters& reach, double rounding)
-    : end_(static_cast<float>(1.0 / (1.0 - rounding))), per_entry_(static_cast<float>(kTableSize)) {
+    : per_entry_(static_cast<float>(kTableSize)) {
   const SurfaceProfile profile(reach, 1.0, 1.0);
   const auto count = static_cast<std::size_t>(std::ceil(static_cast<double>(kTableSize) / (1.0 - rounding)));
   const auto u_at = [&](double i) {
@@ -65,6 +65,12 @@ ProfileTable::ProfileTable(const model::ReachParameters& reach, double rounding)
     values_.push_back({static_cast<float>(u_at(x)), static_cast<float>((u_at(x + 0.5) - u_at(x - 0.5)) *
                                                                        static_cast<double>(kTableSize))});
   }
+}
+
+float ProfileTable::where(float share) const noexcept {
+  const auto end = std::partition_point(values_.begin(), values_.end(),
+                                        [share](const Value& value) { return value.u >= share; });
+  return static_cast<float>(end - values_.begin()) / per_entry_;
 }
 
 // One contact, kept as long as it is near where it was, with what it knows of distances.
@@ -106,16 +112,15 @@ struct LiveSurface::Contact {
     Vector3f along;    // unit, in the surface, away from the contact
     Vector3f derived;  // of the displacement along it
   };
-  bool effect(const FrontSurface& surface, const ProfileTable& profile, std::int32_t v,
+  bool effect(const FrontSurface& surface, const ProfileTable& profile, std::size_t settled,
               const Vector3f& normal, Effect& out) const noexcept;
 };
 
-bool LiveSurface::Contact::effect(const FrontSurface& surface, const ProfileTable& profile, std::int32_t v,
-                                  const Vector3f& normal, Effect& out) const noexcept {
-  const Vector3f offset = surface.vertices[index(v)] - point;
+bool LiveSurface::Contact::effect(const FrontSurface& surface, const ProfileTable& profile,
+                                  std::size_t settled, const Vector3f& normal, Effect& out) const noexcept {
+  const Vector3f offset = surface.vertices[index(front.settled()[settled])] - point;
   const float straight = offset.norm();
-  const float r = straight + std::max(0.0F, excess(surface, v) - own_excess);
-  if (r >= profile.end() * side_reach) return false;
+  const float r = straight + std::max(0.0F, front.excess()[settled] - own_excess);
   const ProfileTable::Value across = profile.at(r / reach);
   const ProfileTable::Value side = profile.at(r / side_reach);
   const float up = std::max(0.0F, (across.u - lowered) / (1.0F - lowered));
@@ -126,12 +131,8 @@ bool LiveSurface::Contact::effect(const FrontSurface& surface, const ProfileTabl
   if (up > 0.0F) out.derived += (across.slope / (reach * (1.0F - lowered))) * normal_part;
   if (up_side > 0.0F) out.derived += (side.slope / (side_reach * (1.0F - lowered_side))) * side_part;
   out.along = offset - offset.dot(normal) * normal;
-  const float length = out.along.norm();
-  if (length > 1e-7F) {
-    out.along /= length;
-  } else {
-    out.along.setZero();
-  }
+  const float squared = out.along.squaredNorm();
+  out.along *= squared > 1e-14F ? 1.0F / std::sqrt(squared) : 0.0F;
   return true;
 }
 
@@ -149,7 +150,7 @@ LiveSurface::LiveSurface(geometry::TriangleMesh rest, const model::ReachParamete
       surface_(rest_),
       reach_(reach),
       profile_(reach, rounding),
-      rounding_(rounding),
+      end_(profile_.where(kLeastShare)),
       rest_normals_(angle_weighted_normals(rest_)),
       is_moved_(rest_.vertices.size(), 0),
       changed_block_(rest_.vertices.size() / kBlock + 1, 0) {
@@ -265,7 +266,7 @@ void LiveSurface::prepare(Contact& contact, const Indentation& indentation, cons
   const double fold = std::max(1.0, side_share * profile.steepest() / kSteepestSideways);
   contact.reach = static_cast<float>(profile.reach());
   contact.side_reach = static_cast<float>(fold * profile.reach());
-  const double limit = fold * profile.reach() / (1.0 - rounding_);
+  const double limit = static_cast<double>(end_) * fold * profile.reach();
   contact.wanted = static_cast<float>(along_normal < 0.0F ? std::max(limit, kImprintReach) : limit);
 }
 
@@ -294,13 +295,11 @@ int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
   growing_ = growing_ || contact.next_runs || contact.front.radius() < contact.wanted + way;
   // Where the front ends the displacement must have ended, too.
   const float end = contact.front.radius() - way;
-  contact.lowered =
-      end < profile_.end() * contact.reach ? profile_.at(std::max(0.0F, end) / contact.reach).u : 0.0F;
-  contact.lowered_side = end < profile_.end() * contact.side_reach
-                             ? profile_.at(std::max(0.0F, end) / contact.side_reach).u
-                             : 0.0F;
-  contact.lowered = std::min(contact.lowered, 0.9F);
-  contact.lowered_side = std::min(contact.lowered_side, 0.9F);
+  const auto lowered = [this, end](float reach) {
+    return std::clamp(profile_.at(std::max(0.0F, end) / reach).u, kLeastShare, 0.9F);
+  };
+  contact.lowered = lowered(contact.reach);
+  contact.lowered_side = lowered(contact.side_reach);
   float least = std::numeric_limits<float>::infinity();
   for (const std::int32_t v : corners) least = std::min(least, contact.excess(surface_, v));
   contact.own_excess = std::isfinite(least) ? least : 0.0F;
@@ -309,9 +308,11 @@ int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
 
 void LiveSurface::move_by(const Contact& contact) {
   Contact::Effect effect;
-  for (const std::int32_t v : contact.within(profile_.end() * contact.side_reach)) {
+  const std::span<const std::int32_t> reached = contact.within(end_ * contact.side_reach);
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const std::int32_t v = reached[i];
     const Vector3f& normal = rest_normals_[index(v)];
-    if (!contact.effect(surface_, profile_, v, normal, effect)) continue;
+    if (!contact.effect(surface_, profile_, i, normal, effect)) continue;
     LiveVertex& vertex = move(v);
     vertex.position += effect.displacement;
     vertex.moved = signed_length(effect.displacement, normal);
@@ -323,8 +324,10 @@ void LiveSurface::move_by(const Contact& contact) {
 
 void LiveSurface::add(const Contact& contact) {
   Contact::Effect effect;
-  for (const std::int32_t v : contact.within(profile_.end() * contact.side_reach)) {
-    if (!contact.effect(surface_, profile_, v, rest_normals_[index(v)], effect)) continue;
+  const std::span<const std::int32_t> reached = contact.within(end_ * contact.side_reach);
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const std::int32_t v = reached[i];
+    if (!contact.effect(surface_, profile_, i, rest_normals_[index(v)], effect)) continue;
     const float squared = effect.displacement.squaredNorm() * 1e6F;  // mm^2
     const float weight = std::max(squared * squared * squared * squared, 1e-30F);
     Sums& sums = sums_[index(v)];

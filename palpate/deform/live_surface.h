@@ -40,10 +40,10 @@ class ProfileTable final {
     const Value& b = values_[i + 1];
     return {a.u + share * (b.u - a.u), a.slope + share * (b.slope - a.slope)};
   }
-  [[nodiscard]] float end() const noexcept { return end_; }
+  /// [any] r/R_6 from which u stays below `share` of D.
+  [[nodiscard]] float where(float share) const noexcept;
 
  private:
-  float end_ = 1.0F;
   float per_entry_ = 1.0F;  // entries a unit of r/R_6
   std::vector<Value> values_;
 };
@@ -55,10 +55,12 @@ class ProfileTable final {
 /// Distances along the surface are found by a front that runs on from frame to frame. While a contact moves,
 /// a vertex's distance is its straight distance from the contact as it is now, and what the way along the
 /// surface was longer than that from where the front began; a new front runs behind. Where a front has not
-/// come yet nothing moves, and the profile is lowered so that it ends there. Normals follow from the
-/// displacement's derivative, not from triangles.
+/// come yet nothing moves, and the profile is lowered so that it ends there; likewise where it has fallen to
+/// kLeastShare of the depth, which halves the vertices in reach. At the contact the depth stays D. Normals
+/// follow from the displacement's derivative, not from triangles.
 class LiveSurface final {
  public:
+  static constexpr float kLeastShare = 0.015F;
   static constexpr int kSettle = std::numeric_limits<int>::max();
 
   /// [setup] @param rest kept; may be open @param rounding as of SurfaceProfile::rounded_at
@@ -112,7 +114,7 @@ class LiveSurface final {
   FrontSurface surface_;
   model::ReachParameters reach_;
   ProfileTable profile_;
-  double rounding_;
+  float end_;  // r/R_6 where the profile ends
   std::vector<Eigen::Vector3f> rest_normals_;
   std::vector<LiveVertex> vertices_;
   std::vector<std::int32_t> moved_;

@@ -1,5 +1,6 @@
 #include "palpate/render/offscreen.h"
 
+#include <ctime>
 #include <optional>
 #include <utility>
 
@@ -20,6 +21,13 @@ namespace {
 constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of what the light must reach
 constexpr int kLargestSide = 8192;  // pixels
 const Vec3 kNowhere(0, 0, 1e3);     // m: where tools are that a snapshot does not know
+
+// Computing time of this thread so far.
+double thread_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+}
 
 void check_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
@@ -97,8 +105,9 @@ struct OffscreenRenderer::Impl {
 
   void draw(const haptics::Snapshot& snapshot, const Camera& camera) {
     const std::int64_t start = monotonic_ns();
+    const double computed = thread_ms();
     show(snapshot);
-    update_ms = static_cast<double>(monotonic_ns() - start) * 1e-6;
+    update_ms = thread_ms() - computed;
     painter.draw(camera, {snapshot.organ_W * region.middle, region.radius});
     if (!choice) return;
     glFinish();

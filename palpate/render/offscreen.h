@@ -83,7 +83,7 @@ class OffscreenRenderer final {
   void set_map_range(double range);
   /// [any] The quality of the next picture.
   [[nodiscard]] Quality quality() const;
-  /// [any] Wall time [ms] that deformation and upload took in the last picture.
+  /// [any] Computing time [ms] that deformation and upload took in the last picture.
   [[nodiscard]] double update_ms() const;
   /// [setup] Waits until what was drawn is there.
   void finish();

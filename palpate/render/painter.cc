@@ -10,7 +10,7 @@ namespace palpate::render {
 namespace {
 
 constexpr int kShadowSize = 2048;  // texels a side
-constexpr int kSoftShadowSize = 320;
+constexpr int kSoftShadowSize = 256;
 constexpr double kSoftShadowLift = 0.4e-3;  // m
 constexpr double kPenumbra = 0.018;         // of the picture's height at the target, radius
 constexpr double kOcclusionReach = 0.16;    // of the picture's height at the target
@@ -287,16 +287,15 @@ void Painter::draw_soft_shadow(const View& view) {
   glDisable(GL_DEPTH_CLAMP);
 
   glDisable(GL_DEPTH_TEST);
-  const Eigen::Vector2f texel = texel_of(live_->shadow);
   live_->soften.use();
   live_->soften.set("source", 0);
   live_->softer.bind();
   live_->shadow.bind_texture(0);
-  live_->soften.set("along", Eigen::Vector2f(texel.x(), 0.0F));
+  live_->soften.set("along", 1, 0);
   nothing_.draw_fullscreen();
   live_->shadow.bind();
   live_->softer.bind_texture(0);
-  live_->soften.set("along", Eigen::Vector2f(0.0F, texel.y()));
+  live_->soften.set("along", 0, 1);
   nothing_.draw_fullscreen();
   glEnable(GL_DEPTH_TEST);
 }

@@ -23,18 +23,8 @@ out vec4 colour;
 out vec4 vessel;
 out float sky_at_rest;
 #ifndef FULL
-uniform sampler2D moments_map;
-out float lit;          // share of the key light
-out vec3 other_light;   // all but the key light, over the tissue's colour
-// The tools' shadow, softened beforehand (variance shadow map, Donnelly and Lauritzen 2006). It is softer than
-// the vertices are apart.
-float key_visible() {
-  vec3 q = (light_projection * vec4(p_W + n_W * shadow_lift, 1.0)).xyz * 0.5 + 0.5;
-  vec2 moments = textureLod(moments_map, q.xy, 0.0).xy;
-  float behind = q.z - moments.x;
-  float variance = max(moments.y - moments.x * moments.x, 2e-7);
-  return smoothstep(0.30, 0.95, behind <= 0.0 ? 1.0 : variance / (variance + behind * behind));
-}
+out vec3 in_shadow_map;
+out vec3 other_light;  // all but the key light, over the tissue's colour
 #endif
 
 // Dark blue over green to yellow, about as light as it is large (after Matplotlib's viridis).
@@ -58,7 +48,7 @@ void main() {
   // A dent's own walls hide the sky from it.
   sky_at_rest = pattern_light.x * (1.0 - 0.5 * smoothstep(0.001, 0.014, -moved));
 #ifndef FULL
-  lit = key_visible();
+  in_shadow_map = (light_projection * vec4(p_W + n_W * shadow_lift, 1.0)).xyz * 0.5 + 0.5;
   vec3 tinted_sky = mix(vec3(sky_at_rest), vec3(1.0), 0.35 * colour.rgb * (1.0 - sky_at_rest));
   other_light =
       (kFillColour * wrapped(n_W, fill) + 0.5 * kRimColour * wrapped(n_W, rim) + irradiance(n_W)) * tinted_sky;
@@ -98,16 +88,17 @@ void main() { moments = vec2(gl_FragCoord.z, gl_FragCoord.z * gl_FragCoord.z); }
 
 std::string soften_fragment() {
   return std::string(kVersion) + R"(
-in vec2 uv;
 out vec2 result;
 uniform sampler2D source;
-uniform vec2 along;  // one texel
+uniform ivec2 along;  // one entry
 void main() {
-  vec2 sum = 0.2 * texture(source, uv).xy;
-  for (int i = 1; i <= 4; ++i) {
-    float w = 0.16 - 0.024 * float(i);
-    vec2 o = along * float(i);
-    sum += w * (texture(source, uv + o).xy + texture(source, uv - o).xy);
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  ivec2 last = textureSize(source, 0) - 1;
+  vec2 sum = 0.22 * texelFetch(source, at, 0).xy;
+  for (int i = 1; i <= 3; ++i) {
+    float w = 0.21 - 0.04 * float(i);
+    sum += w * (texelFetch(source, min(at + i * along, last), 0).xy +
+                texelFetch(source, max(at - i * along, ivec2(0)), 0).xy);
   }
   result = sum;
 }
@@ -205,7 +196,7 @@ void main() {
   float across_y = abs(ls - ln) + abs(ls + ln - 2.0 * m);
   vec3 pair = across_x > across_y ? w + e : s + n;
   float most = max(across_x, across_y);
-  float edge = clamp((most - 0.10) * 4.0, 0.0, 1.0);
+  float edge = clamp((most - 0.06) * 5.0, 0.0, 1.0);
   pixel = vec4(mix(here, 0.5 * here + 0.25 * pair, edge), 1.0);
 }
 )";

@@ -72,7 +72,8 @@ uniform float shadow_softness;  // of the map's width
 uniform sampler2DShadow shadow_map;
 uniform sampler2D occlusion_map;
 #else
-in float lit;
+in vec3 in_shadow_map;
+uniform sampler2D moments_map;
 in vec3 other_light;
 #endif
 uniform vec2 pixel_size;
@@ -110,7 +111,17 @@ float sky_visible() {
 }
 
 #else
-float key_visible(vec3 n) { return lit; }
+// The tools' shadow, softened beforehand (variance shadow map, Donnelly and Lauritzen 2006); nearest entries,
+// scattered by half of one so that none is seen.
+float key_visible(vec3 n) {
+  vec2 scatter = vec2(dither_value(gl_FragCoord.xy), dither_value(gl_FragCoord.yx + 17.0)) - 0.5;
+  vec2 size = vec2(textureSize(moments_map, 0));
+  ivec2 at = ivec2(clamp(in_shadow_map.xy * size + 1.5 * scatter, vec2(0.0), size - 1.0));
+  vec2 moments = texelFetch(moments_map, at, 0).xy;
+  float behind = max(in_shadow_map.z - moments.x, 0.0);
+  float variance = max(moments.y - moments.x * moments.x, 2e-7);
+  return smoothstep(0.2, 1.0, variance / (variance + behind * behind));
+}
 float sky_visible() { return sky_at_rest; }
 #endif
 
@@ -154,12 +165,12 @@ float vessels() {
   float lines = 0.0;
 #ifndef FAST
   float wide = abs(noise_value(vessel.xyz));
-  lines = 0.85 * width * (1.0 - smoothstep(0.25, 1.0, wide / (0.012 + 0.075 * width)));
+  lines = 0.85 * width * (1.0 - smoothstep(0.25, 1.0, wide / (0.012 + 0.045 * width)));
 #endif
 #ifdef FULL
   float narrow = abs(noise_value(vessel.zxy * 2.3 + 83.0));
   float fine = width * (1.2 - width);
-  lines = max(lines, 1.4 * fine * (1.0 - smoothstep(0.2, 1.0, narrow / (0.012 + 0.06 * width))));
+  lines = max(lines, 1.4 * fine * (1.0 - smoothstep(0.2, 1.0, narrow / (0.012 + 0.05 * width))));
 #endif
   return clamp(lines, 0.0, 1.0) * vessel_share;
 }
@@ -213,6 +224,7 @@ void main() {
   n -= waves - n * dot(waves, n);
 #endif
   n = normalize(n);
+  float lit = key_visible(n);
   float facing = max(dot(n, v), 1e-3);
   vec3 soft_lit = vec3(0.5 * lit + 0.5 * sqrt(lit), lit, lit);
   vec3 light = kKeyColour * wrapped(n, key) * soft_lit * mix(1.0, sky_at_rest, 0.45) + other_light;
