@@ -1,6 +1,5 @@
 #include "palpate/render/offscreen.h"
 
-#include <ctime>
 #include <optional>
 #include <utility>
 
@@ -21,13 +20,6 @@ namespace {
 constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of what the light must reach
 constexpr int kLargestSide = 8192;  // pixels
 const Vec3 kNowhere(0, 0, 1e3);     // m: where tools are that a snapshot does not know
-
-// Computing time of this thread so far.
-double thread_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
-}
 
 void check_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
@@ -105,9 +97,9 @@ struct OffscreenRenderer::Impl {
 
   void draw(const haptics::Snapshot& snapshot, const Camera& camera) {
     const std::int64_t start = monotonic_ns();
-    const double computed = thread_ms();
+    const std::int64_t computed = thread_cpu_ns();
     show(snapshot);
-    update_ms = thread_ms() - computed;
+    update_ms = static_cast<double>(thread_cpu_ns() - computed) * 1e-6;
     painter.draw(camera, {snapshot.organ_W * region.middle, region.radius});
     if (!choice) return;
     glFinish();
@@ -187,6 +179,8 @@ void OffscreenRenderer::resize(int width, int height) {
 }
 
 void OffscreenRenderer::set_map_range(double range) { impl_->painter.set_map_range(range); }
+
+void OffscreenRenderer::adapt_to_time() { impl_->choice.emplace(); }
 
 Quality OffscreenRenderer::quality() const { return impl_->painter.quality(); }
 

@@ -81,6 +81,8 @@ class OffscreenRenderer final {
 
   /// [setup] Colours the organ by how far it has moved, up to `range` [m]; 0: its own colours.
   void set_map_range(double range);
+  /// [setup] From here on the quality follows the time that pictures take, as in a window.
+  void adapt_to_time();
   /// [any] The quality of the next picture.
   [[nodiscard]] Quality quality() const;
   /// [any] Computing time [ms] that deformation and upload took in the last picture.

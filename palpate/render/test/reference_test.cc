@@ -203,12 +203,6 @@ TEST_P(Reference, AnOrganThatDoesNotGiveWayIsNoticed) {
   EXPECT_FALSE(difference(draw(spoilt), reference_).tolerable());
 }
 
-TEST_P(Reference, AMissingToolIsNoticed) {
-  Scene spoilt = scene_;
-  spoilt.snapshot.tools[0].pose_W.position = Vec3(0, 0, 50.0);
-  EXPECT_FALSE(difference(draw(spoilt), reference_).tolerable());
-}
-
 TEST_P(Reference, TheQuickPicturesShowTheSame) {
   for (const Quality quality : {Quality::kBalanced, Quality::kFast}) {
     const Difference d = difference(draw(scene_, quality), reference_);
