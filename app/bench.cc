@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,7 @@
 #include "bench/measure/hands.h"
 #include "bench/measure/loop_contest.h"
 #include "bench/measure/peers.h"
+#include "bench/measure/pictures.h"
 #include "bench/measure/preparation.h"
 #include "bench/measure/subjects.h"
 #include "bench/measure/ticks.h"
@@ -45,12 +47,13 @@ struct BenchFlags {
   bool preparation = false;
   bool peers = false;
   bool loop = false;
+  bool pictures = false;
   std::optional<std::string> hands;
   bool json = false;
   std::filesystem::path csv;
 
   [[nodiscard]] bool chosen() const {
-    return ticks || parts || preparation || peers || loop || hands.has_value();
+    return ticks || parts || preparation || peers || loop || pictures || hands.has_value();
   }
 };
 
@@ -71,6 +74,7 @@ struct Plan {
   bool most_hands = false;
   std::size_t hands = 0;
   bool loop = false;
+  std::vector<Subject> pictures;  // drawn
   int passes = 5;
   double peer_seconds = 4.0;
 };
@@ -90,6 +94,8 @@ Plan plan_of(const BenchFlags& flags) {
     }
   }
   plan.loop = flags.loop || (all && flags.full);
+  if (flags.pictures || (all && flags.full))
+    plan.pictures = {{"press", 0, 0}, {"pull", 0, 0}, {"press", kFine, 0}, {"press", kFinest, 0}};
   plan.passes = flags.quick ? 1 : 5;
   if (!plan.ticks && !plan.preparation) return plan;
   plan.subjects = {{"press", 0, 0}, {"pull", 0, 0}};
@@ -112,7 +118,7 @@ class Bench final {
     account_.build = "palpate " + record::palpate_version() + ", " + record::compiler_version();
     account_.command = std::move(command_line);
     steps_ = static_cast<double>(plan_.subjects.size()) + (plan_.most_hands ? 2.0 : 0.0) +
-             (plan_.loop ? 2.0 : 0.0) + 1.0;
+             (plan_.loop ? 2.0 : 0.0) + static_cast<double>(plan_.pictures.size()) + 1.0;
   }
 
   bench::Account run() {
@@ -127,6 +133,7 @@ class Bench final {
     if (plan_.loop) {
       for (const char* task : {"press", "pull"}) measure_loop(task);
     }
+    for (const Subject& subject : plan_.pictures) measure_pictures(subject);
     return std::move(account_);
   }
 
@@ -209,6 +216,16 @@ class Bench final {
     done_ += 1.0;
   }
 
+  void measure_pictures(const Subject& subject) {
+    show(0.0, "pictures of the " + subject.task + " scene");
+    try {
+      account_.pictures.push_back(bench::time_pictures(subject.task, subject.organ_triangles));
+    } catch (const std::runtime_error& error) {
+      account_.remarks.emplace_back(error.what());
+    }
+    done_ += 1.0;
+  }
+
   Plan plan_;
   bench::Account account_;
   std::optional<bench::Peers> peers_;
@@ -235,6 +252,8 @@ void add_flags(CLI::App& command, BenchFlags& flags) {
       ->type_name("N");
   command.add_flag("--peers", flags.peers, "only ticks beside other libraries: Bullet, FCL, Embree");
   command.add_flag("--loop", flags.loop, "only the 10 kHz loop against an empty one");
+  command.add_flag("--pictures", flags.pictures,
+                   "only moving pictures: deformation and whole frames, organs to a million triangles");
   command.add_flag("--json", flags.json, "one JSON document");
   command.add_option("--csv", flags.csv, "also write every figure to this file");
   command.footer(

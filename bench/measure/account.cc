@@ -84,6 +84,23 @@ Json loops_json(const Account& account) {
   return rows;
 }
 
+Json pictures_json(const Account& account) {
+  Json rows = Json::array();
+  for (const PictureAccount& picture : account.pictures) {
+    Json row;
+    row["scene"] = picture.scene;
+    row["organ_triangles"] = picture.organ_triangles;
+    row["driver"] = picture.driver;
+    row["pictures"] = picture.frame.samples;
+    row["fast_share"] = picture.fast_share;
+    add_figures(row, picture.deformation, "deformation_");
+    add_figures(row, picture.frame, "frame_");
+    add_figures(row, picture.frame_computed, "frame_computed_");
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 Json peers_json(const Account& account) {
   Json rows = Json::array();
   for (const PeerAccount& peer : account.peers) {
@@ -121,6 +138,7 @@ std::string to_json(const Account& account) {
   json["hands_per_core"] = account.hands ? Json(account.hands->hands_per_core) : Json(nullptr);
   json["hands"] = account.hands ? hands_json(*account.hands) : Json(nullptr);
   json["loop"] = loops_json(account);
+  json["pictures"] = pictures_json(account);
   json["peers"] = peers_json(account);
   json["remarks"] = account.remarks;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -59,6 +59,17 @@ struct LoopAccount {
   TimeFigures late_empty;
 };
 
+/// Moving pictures of a scene in contact, 1280 x 720 pixels.
+struct PictureAccount {
+  std::string scene;
+  std::size_t organ_triangles = 0;  // of the organ; the picture may divide it further
+  std::string driver;               // OpenGL's name of what drew them
+  double fast_share = 0.0;          // of the pictures that were drawn with Quality::kFast to stay in time
+  TimeFigures deformation;          // computing time of deformation and upload
+  TimeFigures frame;                // wall time of a whole picture
+  TimeFigures frame_computed;       // computing time of all threads for it
+};
+
 /// What another library takes for its own answer on the same organ and the same way.
 struct PeerAccount {
   std::string name;
@@ -86,6 +97,7 @@ struct Account {
   std::vector<PreparationAccount> preparation;
   std::optional<HandsAccount> hands;
   std::vector<LoopAccount> loops;
+  std::vector<PictureAccount> pictures;
   std::vector<PeerAccount> peers;
   std::vector<std::string> remarks;  // what could not be measured, and why
 };

@@ -112,6 +112,17 @@ void add_loops(Table& table, const Account& account) {
   }
 }
 
+void add_pictures(Table& table, const Account& account) {
+  for (const PictureAccount& picture : account.pictures) {
+    Of of{"picture", "deformation and upload", picture.scene, "contact", picture.organ_triangles, 0};
+    table.add(of, picture.deformation);
+    of.name = "whole picture";
+    table.add(of, picture.frame);
+    of.name = "whole picture, all threads";
+    table.add(of, picture.frame_computed);
+  }
+}
+
 void add_peers(Table& table, const Account& account) {
   for (const PeerAccount& peer : account.peers) {
     Of of{"peer", peer.name, peer.scene, "contact", peer.organ_triangles, peer.tool_triangles};
@@ -134,6 +145,7 @@ std::string to_csv(const Account& account) {
   add_preparation(table, account);
   if (account.hands) add_hands(table, *account.hands);
   add_loops(table, account);
+  add_pictures(table, account);
   add_peers(table, account);
   return table.text();
 }

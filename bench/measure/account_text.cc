@@ -119,6 +119,20 @@ void loops(std::ostream& out, const Account& account) {
   }
 }
 
+void pictures(std::ostream& out, const Account& account) {
+  constexpr double kPercent = 100.0;
+  if (account.pictures.empty()) return;
+  out << "\nMoving pictures in contact, 1280 x 720, by " << account.pictures.front().driver << " [ms]\n";
+  for (const PictureAccount& picture : account.pictures) {
+    out << "  " << picture.scene << ", " << picture.organ_triangles
+        << " triangles: deformation and upload p50 " << brief(picture.deformation.p50_us * 1e-3) << ", p99 "
+        << brief(picture.deformation.p99_us * 1e-3) << "; whole picture p50 "
+        << brief(picture.frame.p50_us * 1e-3) << ", p99 " << brief(picture.frame.p99_us * 1e-3)
+        << " (computing, all threads: " << brief(picture.frame_computed.p50_us * 1e-3) << "); "
+        << brief(kPercent * picture.fast_share) << " % drawn fast\n";
+  }
+}
+
 }  // namespace
 
 std::string to_text(const Account& account) {
@@ -132,6 +146,7 @@ std::string to_text(const Account& account) {
   preparation(out, account);
   if (account.hands) hands(out, *account.hands);
   loops(out, account);
+  pictures(out, account);
   for (const std::string& remark : account.remarks) out << "\n" << remark << '\n';
   return out.str();
 }

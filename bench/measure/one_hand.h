@@ -22,6 +22,7 @@ class OneHand final {
     return rows_[0];
   }
 
+  [[nodiscard]] const haptics::SimulationState& state() const noexcept { return state_; }
   [[nodiscard]] const haptics::DeviceState& sample() const noexcept { return samples_[0]; }
 
  private:

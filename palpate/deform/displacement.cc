@@ -4,48 +4,33 @@
 #include <cmath>
 #include <limits>
 
+#include "palpate/deform/triangle_grid.h"
+
 namespace palpate::deform {
 namespace {
 
-constexpr double kSmallestRadius = 1e-6;   // m: R_1 of an ideal point
-constexpr double kSteepestSideways = 0.8;  // of the displacement in the surface; 1 would fold it
-constexpr double kFreeShare = 0.7;         // of the thickness: up to here a press is drawn as it is
-constexpr double kLargestShare = 0.9;      // of the thickness: never deeper than this
-constexpr double kLeastWeight = 1e-200;    // m^8: of a vertex that hardly moves
-constexpr double kOwnFace = 1e-6;          // m: a hit nearer than this is the contact's own triangle
-
-// Depth as drawn in front of a surface `thickness` behind: itself up to 0.7 of it, then smoothly to 0.9.
-double held_back(double depth, double thickness) {
-  const double free = kFreeShare * thickness;
-  if (depth <= free) return depth;
-  const double room = (kLargestShare - kFreeShare) * thickness;
-  return free + room * (depth - free) / (depth - free + room);
-}
+constexpr double kSmallestRadius = 1e-6;  // m: R_1 of an ideal point
+constexpr double kFreeShare = 0.7;        // of the thickness: up to here a press is drawn as it is
+constexpr double kLargestShare = 0.9;     // of the thickness: never deeper than this
+constexpr double kLeastWeight = 1e-200;   // m^8: of a vertex that hardly moves
 
 // Distance from a point along a direction to the first triangle that faces that way (the organ's far side);
 // infinity when there is none.
 double thickness_behind(const geometry::TriangleMesh& mesh, const Vec3& start, const Vec3& direction) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const auto& [ia, ib, ic] : mesh.triangles) {
-    const Vec3& a = mesh.vertices[static_cast<std::size_t>(ia)];
-    const Vec3 ab = mesh.vertices[static_cast<std::size_t>(ib)] - a;
-    const Vec3 ac = mesh.vertices[static_cast<std::size_t>(ic)] - a;
-    const double facing = ab.cross(ac).dot(direction);
-    if (!(facing > 0.0)) continue;
-    // Moeller and Trumbore 1997; the determinant is minus `facing`.
-    const Vec3 p = direction.cross(ac);
-    const Vec3 s = start - a;
-    const double u = -s.dot(p) / facing;
-    const Vec3 q = s.cross(ab);
-    const double v = -direction.dot(q) / facing;
-    if (u < 0.0 || v < 0.0 || u + v > 1.0) continue;
-    const double distance = -ac.dot(q) / facing;
-    if (distance > kOwnFace) nearest = std::min(nearest, distance);
-  }
+  for (const geometry::Triangle& t : mesh.triangles)
+    nearest = std::min(nearest, way_to_far_side(mesh, t, start, direction));
   return nearest;
 }
 
 }  // namespace
+
+double held_back(double depth, double thickness) noexcept {
+  const double free = kFreeShare * thickness;
+  if (depth <= free) return depth;
+  const double room = (kLargestShare - kFreeShare) * thickness;
+  return free + room * (depth - free) / (depth - free + room);
+}
 
 SurfaceProfile::SurfaceProfile(const model::ReachParameters& reach, double depth, double tip_radius,
                                double half_width) noexcept {

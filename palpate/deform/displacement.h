@@ -48,6 +48,13 @@ class SurfaceProfile final {
   std::array<double, kLayers> weight_{};  // D w_i [m]
 };
 
+/// Slope of a displacement that lies in the surface, at most; 1 would fold the surface.
+inline constexpr double kSteepestSideways = 0.8;
+
+/// [any] Depth [m] of a press as drawn in front of a surface `thickness` [m] behind: itself up to 0.7 of it,
+/// then smoothly to 0.9.
+[[nodiscard]] double held_back(double depth, double thickness) noexcept;
+
 /// Moves a surface's vertices around contacts; r is measured along the surface, so the far side of a thin
 /// organ stays still.
 ///

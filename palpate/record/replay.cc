@@ -10,6 +10,7 @@
 #include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/simulation.h"
 #include "palpate/record/assemble.h"
+#include "palpate/record/recording_frames.h"
 #include "palpate/record/tick_columns.h"
 
 namespace palpate::record {
@@ -177,6 +178,44 @@ std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
     snapshots.push_back(again.snapshot(wanted));
   }
   return snapshots;
+}
+
+struct RecordingFrames::Impl {
+  const Recording& recording;
+  contact::Preparation how;
+  std::unique_ptr<Replay> again;
+  std::uint64_t next = 0;  // tick to run
+};
+
+RecordingFrames::RecordingFrames(const Recording& recording, const contact::Preparation& how)
+    : impl_(std::make_unique<Impl>(Impl{recording, how, std::make_unique<Replay>(recording, how), 0})) {}
+
+RecordingFrames::~RecordingFrames() = default;
+
+std::uint64_t RecordingFrames::ticks() const noexcept { return impl_->again->ticks(); }
+
+haptics::Snapshot RecordingFrames::at(std::uint64_t tick) {
+  if (tick >= ticks()) {
+    throw InputError("the recording has no tick " + std::to_string(tick) + "; it has " +
+                     std::to_string(ticks()) + " ticks");
+  }
+  if (tick + 1 < impl_->next) {
+    impl_->again = std::make_unique<Replay>(impl_->recording, impl_->how);
+    impl_->next = 0;
+  }
+  for (; impl_->next <= tick; ++impl_->next) impl_->again->run_tick(impl_->next);
+  return impl_->again->snapshot(tick);
+}
+
+std::uint64_t RecordingFrames::deepest() const noexcept {
+  const TickRow* best = nullptr;
+  for (const TickRow& row : impl_->recording.rows) {
+    if (row.hand != 0) continue;
+    if (best == nullptr || row.depth > best->depth ||
+        (row.depth == best->depth && best->depth == 0.0 && row.distance < best->distance))
+      best = &row;
+  }
+  return best != nullptr ? best->tick : 0;
 }
 
 }  // namespace palpate::record

@@ -8,13 +8,16 @@
 #include <Eigen/Core>
 #include <epoxy/gl.h>
 
+#include "palpate/deform/live_surface.h"
+
 namespace palpate::render {
 
-/// What every drawn vertex carries, as the shaders read it.
-struct Vertex {
-  Eigen::Vector3f position;  // world [m]
-  Eigen::Vector3f normal;    // unit
-  Eigen::Vector3f rest;      // where the material's pattern is taken from: rest position or handle frame [m]
+/// What a drawn vertex carries that does not move, as the shaders read it. 32 bytes.
+struct StillVertex {
+  Eigen::Vector3f rest;                // where the material's pattern is taken from [m]
+  std::array<std::uint8_t, 4> colour;  // square roots of linear red, green, blue; share of fat
+  Eigen::Vector3f vessel;              // where in the pattern of vessels
+  std::array<std::uint8_t, 4> light;   // share of the sky in sight, width of the vessels, 0, 0
 };
 
 /// A linked vertex and fragment shader. All members: [setup], with the context current.
@@ -29,6 +32,7 @@ class Program final {
   void use() const { glUseProgram(id_); }
   void set(const char* name, float value) const;
   void set(const char* name, int value) const;
+  void set(const char* name, int x, int y) const;
   void set(const char* name, const Eigen::Vector2f& value) const;
   void set(const char* name, const Eigen::Vector3f& value) const;
   void set(const char* name, const Eigen::Matrix4f& value) const;
@@ -37,7 +41,7 @@ class Program final {
   GLuint id_ = 0;
 };
 
-/// Triangles on the graphics side; vertices may be replaced each picture. All members: [setup].
+/// Triangles on the graphics side; where their vertices are may be replaced in part. All members: [setup].
 class GpuMesh final {
  public:
   GpuMesh();
@@ -46,21 +50,24 @@ class GpuMesh final {
   GpuMesh& operator=(const GpuMesh&) = delete;
 
   void set_triangles(std::span<const std::uint32_t> corners);
-  void set_vertices(std::span<const Vertex> vertices);
+  void set_still(std::span<const StillVertex> vertices);
+  void set_moving(std::span<const deform::LiveVertex> vertices);
+  /// Replaces vertices from `first` on.
+  void change_moving(std::size_t first, std::span<const deform::LiveVertex> vertices);
   void draw() const;
   /// One triangle over the whole target, its corners made by the vertex shader.
   void draw_fullscreen() const;
 
  private:
   GLuint array_ = 0;
-  std::array<GLuint, 2> buffers_{};
+  std::array<GLuint, 3> buffers_{};  // moving, corners, still
   GLsizei count_ = 0;
 };
 
 /// A framebuffer with the textures or multisampled buffers it draws to. All members: [setup].
 class Target final {
  public:
-  enum class Kind { kDepth, kShadow, kGrey, kColour, kColourMultisampled };
+  enum class Kind { kDepth, kShadow, kGrey, kMoments, kColour, kColourWithDepth, kColourMultisampled };
   Target(Kind kind, int width, int height);
   ~Target();
   Target(const Target&) = delete;
@@ -68,11 +75,17 @@ class Target final {
 
   void bind() const;
   void bind_texture(int unit) const;
+  /// Copies the colours to a target of the same size, as the mean of the samples.
   void resolve_to(const Target& other) const;
+  /// Makes it anew with another size; what it held is gone.
+  void resize(int width, int height);
+  /// Copies it, stretched, to a rectangle of the window's own framebuffer [pixels, y up].
+  void show_at(int x, int y, int width, int height) const;
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
 
  private:
+  Kind kind_;
   int width_;
   int height_;
   GLuint framebuffer_ = 0;

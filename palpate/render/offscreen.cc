@@ -1,12 +1,17 @@
 #include "palpate/render/offscreen.h"
 
+#include <optional>
+#include <utility>
+
 #include <epoxy/gl.h>
 
+#include "palpate/base/clock.h"
 #include "palpate/base/error.h"
 #include "palpate/render/gl_context.h"
 #include "palpate/render/indentations.h"
 #include "palpate/render/organ_picture.h"
 #include "palpate/render/painter.h"
+#include "palpate/render/tissue_pattern.h"
 #include "palpate/render/tool_picture.h"
 
 namespace palpate::render {
@@ -14,66 +19,133 @@ namespace {
 
 constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of what the light must reach
 constexpr int kLargestSide = 8192;  // pixels
+const Vec3 kNowhere(0, 0, 1e3);     // m: where tools are that a snapshot does not know
+
+void check_size(int width, int height) {
+  if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
+  throw InputError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                   " pixels cannot be drawn; want 1 to " + std::to_string(kLargestSide) + " a side");
+}
 
 }  // namespace
 
 struct OffscreenRenderer::Impl {
-  Impl(const Subject& subject, int width, int height)
-      : painter(tissue_look(subject.tissue_name), width, height),
-        organ(subject.organ, subject.reach),
-        instruments(subject.tools) {
-    for (const geometry::Tool& tool : subject.tools) tools.emplace_back(tool);
+  Impl(const Subject& subject, int width, int height, Quality quality)
+      : look(tissue_look(subject.tissue_name)),
+        painter(look, width, height, quality),
+        organ(subject.organ, subject.reach, quality == Quality::kFull ? Detail::kStill : Detail::kLive) {
+    for (const geometry::Tool& tool : subject.tools) {
+      shapes.emplace_back(tool);
+      tools.emplace_back(tool);
+    }
     const geometry::Bounds box = geometry::bounds(subject.organ);
     region = {box.middle(), kLitShare * box.size().norm()};
     driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-    upload_organ_triangles();
+    upload_organ_at_rest();
+    upload_tools();
   }
 
-  void upload_organ_triangles() {
+  void upload_organ_at_rest() {
+    GpuMesh& mesh = painter.organ().mesh;
     std::vector<std::uint32_t> corners;
     corners.reserve(organ.rest().triangles.size() * 3);
     for (const geometry::Triangle& t : organ.rest().triangles)
       for (const std::int32_t v : t) corners.push_back(static_cast<std::uint32_t>(v));
-    painter.organ().set_triangles(corners);
+    mesh.set_triangles(corners);
+    mesh.set_still(tissue_pattern(organ.rest(), look));
+    mesh.set_moving(organ.vertices());
+    static_cast<void>(organ.take_changes());
   }
 
-  void upload_organ(const haptics::Snapshot& snapshot) {
-    if (organ.update(indentations_of(snapshot), imprints_of(snapshot, instruments))) upload_organ_triangles();
-    vertices.clear();
-    for (std::size_t i = 0; i < organ.vertices().size(); ++i) {
-      vertices.push_back({(snapshot.organ_W * organ.vertices()[i]).cast<float>(),
-                          (snapshot.organ_W.rotation * organ.normals()[i]).cast<float>(),
-                          organ.rest().vertices[i].cast<float>()});
+  void upload_tools() {
+    for (const ToolPicture& tool : tools) {
+      for (std::size_t part = 0; part < tool.parts(); ++part) {
+        const std::vector<deform::LiveVertex> vertices = tool.corners(part);
+        std::vector<StillVertex> still(vertices.size());
+        std::vector<std::uint32_t> corners(vertices.size());
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+          still[i] = StillVertex{vertices[i].position, {}, Eigen::Vector3f::Zero(), {255, 0, 0, 0}};
+          corners[i] = static_cast<std::uint32_t>(i);
+        }
+        auto solid = std::make_unique<Solid>();
+        solid->mesh.set_triangles(corners);
+        solid->mesh.set_still(still);
+        solid->mesh.set_moving(vertices);
+        painter.tools().push_back(std::move(solid));
+      }
     }
-    painter.organ().set_vertices(vertices);
   }
 
-  void upload_tools(const haptics::Snapshot& snapshot) {
-    vertices.clear();
-    for (std::size_t i = 0; i < tools.size() && i < snapshot.hands; ++i)
-      tools[i].append(snapshot.tools[i].pose_W, snapshot.tools[i].gripper, vertices);
-    std::vector<std::uint32_t> corners(vertices.size());
-    for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<std::uint32_t>(i);
-    painter.tools().set_triangles(corners);
-    painter.tools().set_vertices(vertices);
+  void show(const haptics::Snapshot& snapshot) {
+    painter.organ().place_W = snapshot.organ_W;
+    std::size_t solid = 0;
+    for (std::size_t hand = 0; hand < tools.size(); ++hand) {
+      const bool there = hand < std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
+      for (std::size_t part = 0; part < tools[hand].parts(); ++part, ++solid) {
+        painter.tools()[solid]->place_W =
+            there ? tools[hand].place(part, snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper)
+                  : Pose{Quat::Identity(), kNowhere};
+      }
+    }
+    if (organ.update(indentations_of(snapshot), imprints_of(snapshot, shapes))) {
+      upload_organ_at_rest();
+      return;
+    }
+    for (const deform::LiveSurface::Range& range : organ.take_changes())
+      painter.organ().mesh.change_moving(range.first, organ.vertices().subspan(range.first, range.count));
   }
 
+  void draw(const haptics::Snapshot& snapshot, const Camera& camera) {
+    const std::int64_t start = monotonic_ns();
+    const std::int64_t computed = thread_cpu_ns();
+    show(snapshot);
+    update_ms = static_cast<double>(thread_cpu_ns() - computed) * 1e-6;
+    painter.draw(camera, {snapshot.organ_W * region.middle, region.radius});
+    if (!choice) return;
+    glFinish();
+    choice->add(static_cast<double>(monotonic_ns() - start) * 1e-6);
+    painter.set_quality(choice->now());
+  }
+
+  TissueLook look;
   Painter painter;
   OrganPicture organ;
-  std::vector<geometry::Tool> instruments;
+  std::vector<ToolShape> shapes;
   std::vector<ToolPicture> tools;
   LitRegion region;  // organ frame
   std::string driver;
-  std::vector<Vertex> vertices;
+  double update_ms = 0.0;
+  std::optional<QualityChoice> choice;
 };
 
-OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height) {
-  if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
-    throw InputError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                     " pixels cannot be drawn; want 1 to " + std::to_string(kLargestSide) + " a side");
+// Holds the renderer's own context, if it has one, while it draws.
+class OffscreenRenderer::Current final {
+ public:
+  explicit Current(GlContext* context) : context_(context) {
+    if (context_ != nullptr) context_->make_current();
+  }
+  ~Current() {
+    if (context_ != nullptr) context_->release();
+  }
+  Current(const Current&) = delete;
+  Current& operator=(const Current&) = delete;
+
+ private:
+  GlContext* context_;
+};
+
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height, Quality quality) {
+  check_size(width, height);
   context_ = std::make_unique<GlContext>();
-  impl_ = std::make_unique<Impl>(subject, width, height);
+  impl_ = std::make_unique<Impl>(subject, width, height, quality);
   context_->release();
+}
+
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height,
+                                     InCurrentContext /*here*/) {
+  check_size(width, height);
+  impl_ = std::make_unique<Impl>(subject, width, height, Quality::kBalanced);
+  impl_->choice.emplace();
 }
 
 OffscreenRenderer::~OffscreenRenderer() {
@@ -81,12 +153,42 @@ OffscreenRenderer::~OffscreenRenderer() {
 }
 
 Image OffscreenRenderer::draw(const haptics::Snapshot& snapshot, const Camera& camera) {
-  context_->make_current();
-  impl_->upload_organ(snapshot);
-  impl_->upload_tools(snapshot);
-  Image image = impl_->painter.paint(camera, {snapshot.organ_W * impl_->region.middle, impl_->region.radius});
-  context_->release();
-  return image;
+  draw_and_keep(snapshot, camera);
+  return kept();
+}
+
+void OffscreenRenderer::draw_and_keep(const haptics::Snapshot& snapshot, const Camera& camera) {
+  const Current current(context_.get());
+  impl_->draw(snapshot, camera);
+}
+
+Image OffscreenRenderer::kept() {
+  const Current current(context_.get());
+  return impl_->painter.read();
+}
+
+void OffscreenRenderer::show_at(int x, int y, int width, int height) {
+  const Current current(context_.get());
+  impl_->painter.show_at(x, y, width, height);
+}
+
+void OffscreenRenderer::resize(int width, int height) {
+  check_size(width, height);
+  const Current current(context_.get());
+  impl_->painter.resize(width, height);
+}
+
+void OffscreenRenderer::set_map_range(double range) { impl_->painter.set_map_range(range); }
+
+void OffscreenRenderer::adapt_to_time() { impl_->choice.emplace(); }
+
+Quality OffscreenRenderer::quality() const { return impl_->painter.quality(); }
+
+double OffscreenRenderer::update_ms() const { return impl_->update_ms; }
+
+void OffscreenRenderer::finish() {
+  const Current current(context_.get());
+  glFinish();
 }
 
 std::string OffscreenRenderer::driver() const { return impl_->driver; }

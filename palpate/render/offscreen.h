@@ -10,6 +10,7 @@
 #include "palpate/geometry/tool.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/model/tissue.h"
+#include "palpate/render/quality.h"
 
 namespace palpate::render {
 
@@ -57,19 +58,45 @@ class OffscreenRenderer final {
   /// [setup] @param width, height of the pictures, 1 to 8192 pixels
   /// @throws std::runtime_error naming the missing packages when no OpenGL context can be had, InputError for
   /// a bad size.
-  OffscreenRenderer(const Subject& subject, int width, int height);
+  OffscreenRenderer(const Subject& subject, int width, int height, Quality quality = Quality::kFull);
+  /// [setup] The same without a context of its own: it draws in the one that is current on this thread (a
+  /// window's) now and at every later call, and that outlives this. The quality follows the time that
+  /// pictures take (QualityChoice).
+  struct InCurrentContext {};
+  OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here);
   ~OffscreenRenderer();
 
   /// [setup] The picture of one snapshot; organ deformed as model.md section 3 says, tool at its pose and
   /// opening.
   [[nodiscard]] Image draw(const haptics::Snapshot& snapshot, const Camera& camera);
 
+  /// [setup] draw() in two steps: draws and keeps the picture, and reads what was kept.
+  void draw_and_keep(const haptics::Snapshot& snapshot, const Camera& camera);
+  [[nodiscard]] Image kept();
+  /// [setup] Copies the kept picture, stretched, to a rectangle of the window [pixels, y up from its lower
+  /// edge].
+  void show_at(int x, int y, int width, int height);
+  /// [setup] The size of all pictures from here on, 1 to 8192 pixels. @throws InputError for a bad size.
+  void resize(int width, int height);
+
+  /// [setup] Colours the organ by how far it has moved, up to `range` [m]; 0: its own colours.
+  void set_map_range(double range);
+  /// [setup] From here on the quality follows the time that pictures take, as in a window.
+  void adapt_to_time();
+  /// [any] The quality of the next picture.
+  [[nodiscard]] Quality quality() const;
+  /// [any] Computing time [ms] that deformation and upload took in the last picture.
+  [[nodiscard]] double update_ms() const;
+  /// [setup] Waits until what was drawn is there.
+  void finish();
+
   /// [any] The renderer's name as OpenGL gives it, for the report.
   [[nodiscard]] std::string driver() const;
 
  private:
   struct Impl;
-  std::unique_ptr<GlContext> context_;  // goes last
+  class Current;
+  std::unique_ptr<GlContext> context_;  // goes last; null: the window's
   std::unique_ptr<Impl> impl_;
 };
 

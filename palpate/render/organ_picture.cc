@@ -1,7 +1,10 @@
 #include "palpate/render/organ_picture.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "palpate/render/display_mesh.h"
 
@@ -18,22 +21,73 @@ constexpr double kFineRadius = 12e-3;     // m around a contact: finest
 constexpr double kCoarsening = 0.08;      // m of edge a metre farther out
 constexpr double kSameCentre = 4e-3;      // m: a contact this near to a finely divided place needs no other
 
+constexpr double kLoweredWithin = 24e-3;  // m along the surface: ToolImprint::kReach beside the axis
+constexpr double kLiveTriangles = 24'000.0;
+constexpr int kLiveSteps = 1200;  // of fronts a picture: about 0.5 ms of a slow processor
+
 constexpr double kRounding = 0.2;  // of the profile's corners; moves no vertex by over 4 % of the depth
+
+double area_of(const geometry::TriangleMesh& mesh) {
+  double doubled = 0.0;
+  for (const geometry::Triangle& t : mesh.triangles) doubled += geometry::area_vector_doubled(mesh, t).norm();
+  return 0.5 * doubled;
+}
+
+// Ten bits of each coordinate, interleaved (Morton 1966).
+std::uint32_t place_on_curve(const Vec3& p, const geometry::Bounds& box) {
+  const double size = std::max(1e-9, box.size().maxCoeff());
+  std::uint32_t key = 0;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const auto cell =
+        static_cast<std::uint32_t>(std::clamp((p[axis] - box.low[axis]) / size, 0.0, 1.0) * 1023.0);
+    for (std::uint32_t bit = 0; bit < 10; ++bit)
+      key |= ((cell >> bit) & 1U) << (3U * bit + static_cast<std::uint32_t>(axis));
+  }
+  return key;
+}
+
+// Puts vertices that are near one another near one another in memory, so that what moves is a few runs.
+void order_by_place(geometry::TriangleMesh& mesh) {
+  const geometry::Bounds box = geometry::bounds(mesh);
+  std::vector<std::pair<std::uint32_t, std::int32_t>> order;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    order.emplace_back(place_on_curve(mesh.vertices[v], box), static_cast<std::int32_t>(v));
+  std::sort(order.begin(), order.end());
+  std::vector<Vec3> vertices;
+  std::vector<std::int32_t> now_at(order.size());
+  for (const auto& entry : order) {
+    now_at[static_cast<std::size_t>(entry.second)] = static_cast<std::int32_t>(vertices.size());
+    vertices.push_back(mesh.vertices[static_cast<std::size_t>(entry.second)]);
+  }
+  mesh.vertices = std::move(vertices);
+  for (geometry::Triangle& t : mesh.triangles)
+    for (std::int32_t& v : t) v = now_at[static_cast<std::size_t>(v)];
+  std::sort(mesh.triangles.begin(), mesh.triangles.end(), [](const auto& a, const auto& b) {
+    return std::min({a[0], a[1], a[2]}) < std::min({b[0], b[1], b[2]});
+  });
+}
 
 }  // namespace
 
-OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::ReachParameters& reach)
-    : reach_(reach) {
-  const double edge =
-      std::clamp(geometry::bounds(rest).size().norm() / kEdgesAcross, kShortestEdge, kLongestEdge);
+OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::ReachParameters& reach,
+                           Detail detail)
+    : reach_(reach), detail_(detail) {
+  double edge = std::clamp(geometry::bounds(rest).size().norm() / kEdgesAcross, kShortestEdge, kLongestEdge);
+  if (detail == Detail::kLive) edge = std::max(edge, 1.75 * std::sqrt(area_of(rest) / kLiveTriangles));
   const RefineRule rule{kCreaseDeg, [edge](const Vec3&, double length, double) { return length > edge; }};
   base_ = refine_smoothly(rest, rule);
   even_out(base_, kEvenShare * mean_edge(rest), kCreaseDeg);
-  deformer_ = std::make_unique<deform::SurfaceDeformer>(base_);
-  update({});
+  take_surface(base_);
+  if (detail == Detail::kLive) base_ = {};
+}
+
+void OrganPicture::take_surface(geometry::TriangleMesh rest) {
+  order_by_place(rest);
+  surface_ = std::make_unique<deform::LiveSurface>(std::move(rest), reach_, kRounding);
 }
 
 bool OrganPicture::divide_around(std::span<const deform::Indentation> indentations) {
+  if (detail_ == Detail::kLive) return false;
   const auto divided = [this](const deform::Indentation& i) {
     return std::any_of(centres_.begin(), centres_.end(),
                        [&i](const Vec3& c) { return (c - i.point).norm() < kSameCentre; });
@@ -48,21 +102,40 @@ bool OrganPicture::divide_around(std::span<const deform::Indentation> indentatio
                           for (const Vec3& c : centres_) nearest = std::min(nearest, (middle - c).norm());
                           return length > kFineEdge + kCoarsening * std::max(0.0, nearest - kFineRadius);
                         }};
-  deformer_ = std::make_unique<deform::SurfaceDeformer>(refine_smoothly(base_, rule));
+  take_surface(refine_smoothly(base_, rule));
   return true;
+}
+
+void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform::Indentation> indentations) {
+  std::size_t own = 0;
+  for (std::size_t i = 0; i < indentations.size(); ++i)
+    if ((indentations[i].point - imprint.point()).norm() < (indentations[own].point - imprint.point()).norm())
+      own = i;
+  const Eigen::Vector3f direction = imprint.direction().cast<float>();
+  Vec3 slope;
+  for (const std::int32_t v : surface_->near(own, kLoweredWithin)) {
+    const std::size_t i = static_cast<std::size_t>(v);
+    const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
+    const double lowering = imprint.lowering(surface_->vertices()[i].position.cast<double>(),
+                                             rest().vertices[i], rest_normal.cast<double>(), &slope);
+    if (!(lowering > 0.0)) continue;
+    deform::LiveVertex& vertex = surface_->move(v);
+    vertex.position += static_cast<float>(lowering) * direction;
+    // The transposed adjugate of I + direction slope^T.
+    const Eigen::Vector3f q = slope.cast<float>();
+    const Eigen::Vector3f normal =
+        (1.0F + direction.dot(q)) * vertex.normal - direction.dot(vertex.normal) * q;
+    if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
+    const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
+    vertex.moved = inwards * (vertex.position - rest().vertices[i].cast<float>()).norm();
+  }
 }
 
 bool OrganPicture::update(std::span<const deform::Indentation> indentations,
                           std::span<const ToolImprint> imprints) {
   const bool changed = divide_around(indentations);
-  if (changed || rest_normals_.empty()) rest_normals_ = vertex_normals(rest().vertices, rest().triangles);
-  deformer_->deform(reach_, indentations, vertices_, kRounding);
-  for (const ToolImprint& imprint : imprints) {
-    for (std::size_t v = 0; v < vertices_.size(); ++v)
-      vertices_[v] +=
-          imprint.lowering(vertices_[v], rest().vertices[v], rest_normals_[v]) * imprint.direction();
-  }
-  normals_ = vertex_normals(vertices_, rest().triangles);
+  surface_->update(indentations, detail_ == Detail::kStill ? deform::LiveSurface::kSettle : kLiveSteps);
+  for (const ToolImprint& imprint : imprints) lower_onto(imprint, indentations);
   return changed;
 }
 

@@ -9,10 +9,12 @@
 namespace palpate::render {
 namespace {
 
-constexpr int kShadowSize = 2048;         // texels a side
-constexpr double kPenumbra = 0.018;       // of the picture's height at the target, radius
-constexpr double kOcclusionReach = 0.16;  // of the picture's height at the target
-constexpr double kNearShare = 0.02;       // near plane: share of the distance to the target
+constexpr int kShadowSize = 2048;  // texels a side
+constexpr int kSoftShadowSize = 256;
+constexpr double kSoftShadowLift = 0.4e-3;  // m
+constexpr double kPenumbra = 0.018;         // of the picture's height at the target, radius
+constexpr double kOcclusionReach = 0.16;    // of the picture's height at the target
+constexpr double kNearShare = 0.02;         // near plane: share of the distance to the target
 constexpr double kFarShare = 4.0;
 
 Eigen::Matrix4f look_along(const Vec3& right, const Vec3& up, const Vec3& back, const Vec3& origin) {
@@ -22,6 +24,17 @@ Eigen::Matrix4f look_along(const Vec3& right, const Vec3& up, const Vec3& back, 
   m.block<1, 3>(2, 0) = back.transpose();
   m.block<3, 1>(0, 3) = -m.block<3, 3>(0, 0) * origin;
   return m.cast<float>();
+}
+
+Eigen::Matrix4f matrix_of(const Pose& pose) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.block<3, 3>(0, 0) = pose.rotation.toRotationMatrix();
+  m.block<3, 1>(0, 3) = pose.position;
+  return m.cast<float>();
+}
+
+Eigen::Vector2f texel_of(const Target& target) {
+  return {1.0F / static_cast<float>(target.width()), 1.0F / static_cast<float>(target.height())};
 }
 
 }  // namespace
@@ -68,62 +81,138 @@ struct Painter::View {
   }
 };
 
-Painter::Painter(const TissueLook& look, int width, int height)
-    : look_(look),
-      depth_(shaders::scene_vertex(), shaders::depth_fragment()),
-      occlusion_(shaders::fullscreen_vertex(), shaders::occlusion_fragment()),
-      blur_(shaders::fullscreen_vertex(), shaders::blur_fragment()),
-      background_(shaders::fullscreen_vertex(), shaders::background_fragment()),
-      tissue_(shaders::scene_vertex(), shaders::tissue_fragment()),
-      steel_(shaders::scene_vertex(), shaders::steel_fragment()),
-      shadow_(Target::Kind::kShadow, kShadowSize, kShadowSize),
-      depth_half_(Target::Kind::kDepth, (width + 1) / 2, (height + 1) / 2),
-      occlusion_half_(Target::Kind::kGrey, (width + 1) / 2, (height + 1) / 2),
-      blurred_half_(Target::Kind::kGrey, (width + 1) / 2, (height + 1) / 2),
-      picture_(Target::Kind::kColourMultisampled, width, height),
-      resolved_(Target::Kind::kColour, width, height) {}
+// Shadow and occlusion of everything as it is now, and four samples a pixel.
+struct Painter::Still {
+  Still(int width, int height)
+      : depth(shaders::place_vertex(), shaders::depth_fragment()),
+        occlusion(shaders::fullscreen_vertex(), shaders::occlusion_fragment()),
+        blur(shaders::fullscreen_vertex(), shaders::blur_fragment()),
+        shadow(Target::Kind::kShadow, kShadowSize, kShadowSize),
+        depth_half(Target::Kind::kDepth, (width + 1) / 2, (height + 1) / 2),
+        occlusion_half(Target::Kind::kGrey, (width + 1) / 2, (height + 1) / 2),
+        blurred_half(Target::Kind::kGrey, (width + 1) / 2, (height + 1) / 2),
+        picture(Target::Kind::kColourMultisampled, width, height) {}
 
-void Painter::draw_scene() const {
-  organ_.draw();
-  tools_.draw();
+  Program depth;
+  Program occlusion;
+  Program blur;
+  Target shadow;
+  Target depth_half;
+  Target occlusion_half;
+  Target blurred_half;
+  Target picture;
+};
+
+// The tools' soft shadow, a background drawn once, and edges smoothed at the end.
+struct Painter::Live {
+  Live(int width, int height)
+      : moments(shaders::place_vertex(), shaders::moments_fragment()),
+        soften(shaders::fullscreen_vertex(), shaders::soften_fragment()),
+        smooth_edges(shaders::fullscreen_vertex(), shaders::smooth_edges_fragment()),
+        copy(shaders::fullscreen_vertex(), shaders::copy_fragment()),
+        shadow(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
+        softer(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
+        backdrop(Target::Kind::kColour, width, height),
+        picture(Target::Kind::kColourWithDepth, width, height) {}
+
+  Program moments;
+  Program soften;
+  Program smooth_edges;
+  Program copy;
+  Target shadow;
+  Target softer;
+  Target backdrop;
+  Target picture;
+  bool backdrop_drawn = false;
+};
+
+Painter::Painter(const TissueLook& look, int width, int height, Quality quality)
+    : look_(look),
+      quality_(quality),
+      width_(width),
+      height_(height),
+      background_(shaders::fullscreen_vertex(), shaders::background_fragment()),
+      resolved_(Target::Kind::kColour, width, height) {
+  set_quality(quality);
+}
+
+Painter::~Painter() = default;
+
+void Painter::set_quality(Quality quality) {
+  if (tissue_ && quality == quality_) return;
+  quality_ = quality;
+  tissue_ = std::make_unique<Program>(shaders::scene_vertex(quality), shaders::tissue_fragment(quality));
+  steel_ = std::make_unique<Program>(shaders::scene_vertex(quality), shaders::steel_fragment(quality));
+  if (quality == Quality::kFull) {
+    live_.reset();
+    if (!still_) still_ = std::make_unique<Still>(width_, height_);
+  } else {
+    still_.reset();
+    if (!live_) live_ = std::make_unique<Live>(width_, height_);
+  }
+}
+
+void Painter::resize(int width, int height) {
+  width_ = width;
+  height_ = height;
+  resolved_.resize(width, height);
+  if (still_) still_ = std::make_unique<Still>(width, height);
+  if (live_) {
+    live_->backdrop.resize(width, height);
+    live_->picture.resize(width, height);
+    live_->backdrop_drawn = false;
+  }
+}
+
+void Painter::draw_tools(const Program& program) const {
+  for (const auto& tool : tools_) {
+    program.set("model", matrix_of(tool->place_W));
+    tool->mesh.draw();
+  }
+}
+
+void Painter::draw_scene(const Program& program) const {
+  program.set("model", matrix_of(organ_.place_W));
+  organ_.mesh.draw();
+  draw_tools(program);
 }
 
 void Painter::draw_shadow(const View& view) {
-  shadow_.bind();
+  still_->shadow.bind();
   glClear(GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_CLAMP);
-  depth_.use();
-  depth_.set("projection", view.light);
-  draw_scene();
+  still_->depth.use();
+  still_->depth.set("projection", view.light);
+  draw_scene(still_->depth);
   glDisable(GL_DEPTH_CLAMP);
 }
 
 void Painter::draw_occlusion(const View& view) {
-  depth_half_.bind();
+  still_->depth_half.bind();
   glClear(GL_DEPTH_BUFFER_BIT);
-  depth_.use();
-  depth_.set("projection", view.projection);
-  draw_scene();
+  still_->depth.use();
+  still_->depth.set("projection", view.projection);
+  draw_scene(still_->depth);
 
-  const Eigen::Vector2f texel(1.0F / static_cast<float>(depth_half_.width()),
-                              1.0F / static_cast<float>(depth_half_.height()));
+  const Eigen::Vector2f texel = texel_of(still_->depth_half);
   glDisable(GL_DEPTH_TEST);
-  occlusion_half_.bind();
-  depth_half_.bind_texture(0);
-  occlusion_.use();
-  occlusion_.set("depth_map", 0);
-  occlusion_.set("pixel_size", texel);
-  occlusion_.set("half_view",
-                 Eigen::Vector2f(static_cast<float>(view.half_width), static_cast<float>(view.half_height)));
-  occlusion_.set("near_plane", static_cast<float>(view.near_plane));
-  occlusion_.set("far_plane", static_cast<float>(view.far_plane));
-  occlusion_.set("radius", static_cast<float>(kOcclusionReach * view.height_at_target));
+  still_->occlusion_half.bind();
+  still_->depth_half.bind_texture(0);
+  const Program& occlusion = still_->occlusion;
+  occlusion.use();
+  occlusion.set("depth_map", 0);
+  occlusion.set("pixel_size", texel);
+  occlusion.set("half_view",
+                Eigen::Vector2f(static_cast<float>(view.half_width), static_cast<float>(view.half_height)));
+  occlusion.set("near_plane", static_cast<float>(view.near_plane));
+  occlusion.set("far_plane", static_cast<float>(view.far_plane));
+  occlusion.set("radius", static_cast<float>(kOcclusionReach * view.height_at_target));
   nothing_.draw_fullscreen();
-  blurred_half_.bind();
-  occlusion_half_.bind_texture(0);
-  blur_.use();
-  blur_.set("source", 0);
-  blur_.set("pixel_size", texel);
+  still_->blurred_half.bind();
+  still_->occlusion_half.bind_texture(0);
+  still_->blur.use();
+  still_->blur.set("source", 0);
+  still_->blur.set("pixel_size", texel);
   nothing_.draw_fullscreen();
   glEnable(GL_DEPTH_TEST);
 }
@@ -139,59 +228,131 @@ void Painter::set_studio(const Program& program, const View& view) const {
   program.set("key", Eigen::Vector3f(view.key.cast<float>()));
   program.set("fill", Eigen::Vector3f(view.fill.cast<float>()));
   program.set("rim", Eigen::Vector3f(view.rim.cast<float>()));
+  const bool still = quality_ == Quality::kFull;
+  const double lift = still ? 0.5 * kPenumbra * view.height_at_target : kSoftShadowLift;
+  program.set("shadow_lift", static_cast<float>(lift));
   program.set("shadow_texel", static_cast<float>(2.0 * view.light_radius / kShadowSize));
-  program.set("shadow_lift", static_cast<float>(0.5 * kPenumbra * view.height_at_target));
   program.set("shadow_softness",
               static_cast<float>(0.5 * kPenumbra * view.height_at_target / view.light_radius));
   program.set("shadow_map", 0);
+  program.set("moments_map", 0);
   program.set("occlusion_map", 1);
-  program.set("pixel_size", Eigen::Vector2f(1.0F / static_cast<float>(picture_.width()),
-                                            1.0F / static_cast<float>(picture_.height())));
+  program.set("pixel_size", texel_of(resolved_));
 }
 
-void Painter::draw_picture(const View& view) {
-  picture_.bind();
-  shadow_.bind_texture(0);
-  blurred_half_.bind_texture(1);
+void Painter::draw_materials(const View& view, bool each_sample) {
+  set_studio(*tissue_, view);
+  tissue_->set("vessel_colour", look_.vessel);
+  tissue_->set("vessel_share", look_.vessel_share);
+  tissue_->set("map_range", static_cast<float>(map_range_));
+  tissue_->set("model", matrix_of(organ_.place_W));
+  organ_.mesh.draw();
+  set_studio(*steel_, view);
+  steel_->set("map_range", 0.0F);
+  glDisable(GL_CULL_FACE);  // instruments need not be closed
+  if (each_sample) {
+    glEnable(GL_SAMPLE_SHADING);
+    glMinSampleShading(1.0F);
+  }
+  draw_tools(*steel_);
+  if (each_sample) glDisable(GL_SAMPLE_SHADING);
+  glEnable(GL_CULL_FACE);
+}
+
+void Painter::draw_still(const View& view) {
+  draw_shadow(view);
+  draw_occlusion(view);
+  still_->picture.bind();
+  still_->shadow.bind_texture(0);
+  still_->blurred_half.bind_texture(1);
   glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
   glDisable(GL_DEPTH_TEST);
   background_.use();
   nothing_.draw_fullscreen();
   glEnable(GL_DEPTH_TEST);
-
-  set_studio(tissue_, view);
-  tissue_.set("base_colour", look_.base);
-  tissue_.set("mottle_colour", look_.mottle);
-  tissue_.set("vessel_colour", look_.vessel);
-  tissue_.set("fat_colour", look_.fat);
-  tissue_.set("vessel_share", look_.vessel_share);
-  tissue_.set("fat_share", look_.fat_share);
-  tissue_.set("mottle_scale", look_.mottle_per_m);
-  tissue_.set("vessel_scale", look_.vessel_per_m);
-  organ_.draw();
-  set_studio(steel_, view);
-  glDisable(GL_CULL_FACE);                            // instruments need not be closed
-  const bool each_sample = epoxy_gl_version() >= 40;  // fine teeth glitter when lit once a pixel
-  if (each_sample) {
-    glEnable(GL_SAMPLE_SHADING);
-    glMinSampleShading(1.0F);
-  }
-  tools_.draw();
-  if (each_sample) glDisable(GL_SAMPLE_SHADING);
-  glEnable(GL_CULL_FACE);
+  draw_materials(view, epoxy_gl_version() >= 40);  // fine teeth glitter when lit once a pixel
+  still_->picture.resolve_to(resolved_);
 }
 
-Image Painter::paint(const Camera& camera, const LitRegion& region) {
-  const View view(camera, static_cast<double>(picture_.width()) / picture_.height(), region);
+void Painter::draw_soft_shadow(const View& view) {
+  live_->shadow.bind();
+  glClearColor(1.0F, 1.0F, 0.0F, 0.0F);
+  glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
+  glEnable(GL_DEPTH_CLAMP);
+  glDisable(GL_CULL_FACE);
+  live_->moments.use();
+  live_->moments.set("projection", view.light);
+  draw_tools(live_->moments);
+  glEnable(GL_CULL_FACE);
+  glDisable(GL_DEPTH_CLAMP);
+
+  glDisable(GL_DEPTH_TEST);
+  live_->soften.use();
+  live_->soften.set("source", 0);
+  live_->softer.bind();
+  live_->shadow.bind_texture(0);
+  live_->soften.set("along", 1, 0);
+  nothing_.draw_fullscreen();
+  live_->shadow.bind();
+  live_->softer.bind_texture(0);
+  live_->soften.set("along", 0, 1);
+  nothing_.draw_fullscreen();
+  glEnable(GL_DEPTH_TEST);
+}
+
+void Painter::draw_live(const View& view) {
+  if (!live_->backdrop_drawn) {
+    live_->backdrop.bind();
+    glDisable(GL_DEPTH_TEST);
+    background_.use();
+    nothing_.draw_fullscreen();
+    glEnable(GL_DEPTH_TEST);
+    live_->backdrop_drawn = true;
+  }
+  draw_soft_shadow(view);
+  Target& drawn = live_->picture;
+  drawn.bind();
+  glClear(GL_DEPTH_BUFFER_BIT);
+  live_->shadow.bind_texture(0);
+  draw_materials(view, false);
+  // The background last, and only where nothing stands before it.
+  live_->backdrop.bind_texture(0);
+  live_->copy.use();
+  live_->copy.set("source", 0);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_FALSE);
+  nothing_.draw_fullscreen();
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LESS);
+  if (quality_ == Quality::kFast) {
+    drawn.resolve_to(resolved_);
+    return;
+  }
+  glDisable(GL_DEPTH_TEST);
+  resolved_.bind();
+  drawn.bind_texture(0);
+  live_->smooth_edges.use();
+  live_->smooth_edges.set("source", 0);
+  live_->smooth_edges.set("last", drawn.width() - 1, drawn.height() - 1);
+  nothing_.draw_fullscreen();
+  glEnable(GL_DEPTH_TEST);
+}
+
+void Painter::draw(const Camera& camera, const LitRegion& region) {
+  const View view(camera, static_cast<double>(width_) / height_, region);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);  // an organ's inside is never drawn
   glEnable(GL_MULTISAMPLE);
-  draw_shadow(view);
-  draw_occlusion(view);
-  draw_picture(view);
-  picture_.resolve_to(resolved_);
+  if (quality_ == Quality::kFull) {
+    draw_still(view);
+  } else {
+    draw_live(view);
+  }
+}
 
-  Image image{picture_.width(), picture_.height(), {}};
+Image Painter::read() const {
+  resolved_.bind();
+  Image image{width_, height_, {}};
   const std::size_t row = static_cast<std::size_t>(image.width) * 3;
   std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(image.height));
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -200,6 +361,11 @@ Image Painter::paint(const Camera& camera, const LitRegion& region) {
   for (auto line = bottom_up.end(); line != bottom_up.begin(); line -= static_cast<std::ptrdiff_t>(row))
     image.rgb.insert(image.rgb.end(), line - static_cast<std::ptrdiff_t>(row), line);
   return image;
+}
+
+Image Painter::paint(const Camera& camera, const LitRegion& region) {
+  draw(camera, region);
+  return read();
 }
 
 }  // namespace palpate::render

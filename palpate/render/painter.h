@@ -1,10 +1,11 @@
 #pragma once
 #include <memory>
-#include <span>
+#include <vector>
 
 #include "palpate/render/gl_context.h"
 #include "palpate/render/gl_objects.h"
 #include "palpate/render/offscreen.h"
+#include "palpate/render/quality.h"
 #include "palpate/render/tissue_look.h"
 
 namespace palpate::render {
@@ -15,41 +16,66 @@ struct LitRegion {
   double radius = 0.1;  // m
 };
 
-/// Draws triangles of tissue and of steel in a studio's light: soft shadow of the key light, ambient
-/// occlusion, tissue and steel, edges smoothed. All members: [setup], with the context current.
+/// A mesh and where it is.
+struct Solid {
+  GpuMesh mesh;
+  Pose place_W;
+};
+
+/// Draws tissue and steel in a studio's light. All members: [setup], with the context current.
 class Painter final {
  public:
-  Painter(const TissueLook& look, int width, int height);
+  Painter(const TissueLook& look, int width, int height, Quality quality);
+  ~Painter();
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
 
-  /// The meshes to draw; kept until replaced.
-  GpuMesh& organ() noexcept { return organ_; }
-  GpuMesh& tools() noexcept { return tools_; }
+  /// What to draw; kept until changed.
+  Solid& organ() noexcept { return organ_; }
+  std::vector<std::unique_ptr<Solid>>& tools() noexcept { return tools_; }
+  /// Displacement [m] that the colour map over the organ spans; 0: the tissue's own colours.
+  void set_map_range(double range) noexcept { map_range_ = range; }
+  void set_quality(Quality quality);
+  [[nodiscard]] Quality quality() const noexcept { return quality_; }
 
   [[nodiscard]] Image paint(const Camera& camera, const LitRegion& region);
 
+  /// paint() in two steps: what was drawn stays until the next draw().
+  void draw(const Camera& camera, const LitRegion& region);
+  [[nodiscard]] Image read() const;
+
+  /// Copies what was drawn, stretched, to a rectangle of the window's own framebuffer [pixels, y up].
+  void show_at(int x, int y, int width, int height) const { resolved_.show_at(x, y, width, height); }
+  /// The size of all pictures from here on.
+  void resize(int width, int height);
+
  private:
   struct View;
-  void draw_scene() const;
+  struct Still;  // what kFull needs
+  struct Live;   // what the others need
+  void draw_tools(const Program& program) const;
+  void draw_scene(const Program& program) const;
   void set_studio(const Program& program, const View& view) const;
+  void draw_materials(const View& view, bool each_sample);
   void draw_shadow(const View& view);
   void draw_occlusion(const View& view);
-  void draw_picture(const View& view);
+  void draw_still(const View& view);
+  void draw_soft_shadow(const View& view);
+  void draw_live(const View& view);
 
   TissueLook look_;
-  Program depth_;
-  Program occlusion_;
-  Program blur_;
-  Program background_;
-  Program tissue_;
-  Program steel_;
-  GpuMesh organ_;
-  GpuMesh tools_;
+  Quality quality_;
+  int width_;
+  int height_;
+  double map_range_ = 0.0;  // m
+  Solid organ_;
+  std::vector<std::unique_ptr<Solid>> tools_;
   GpuMesh nothing_;  // OpenGL core draws nothing without a vertex array
-  Target shadow_;
-  Target depth_half_;
-  Target occlusion_half_;
-  Target blurred_half_;
-  Target picture_;
+  Program background_;
+  std::unique_ptr<Program> tissue_;
+  std::unique_ptr<Program> steel_;
+  std::unique_ptr<Still> still_;
+  std::unique_ptr<Live> live_;
   Target resolved_;
 };
 

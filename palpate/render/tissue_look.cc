@@ -11,6 +11,7 @@ TissueLook tissue_look(const std::string& tissue_name) {
     look.fat = {0.62F, 0.47F, 0.20F};
     look.vessel_share = 0.50F;
     look.fat_share = 0.12F;
+    look.vessel_per_m = 62.0F;
   } else if (tissue_name == "heart") {
     look.base = {0.26F, 0.034F, 0.026F};
     look.mottle = {0.34F, 0.072F, 0.052F};
@@ -19,7 +20,7 @@ TissueLook tissue_look(const std::string& tissue_name) {
     look.vessel_share = 0.6F;
     look.fat_share = 0.32F;
     look.mottle_per_m = 110.0F;
-    look.vessel_per_m = 32.0F;
+    look.vessel_per_m = 42.0F;
   } else if (tissue_name == "liver") {
     look.base = {0.150F, 0.030F, 0.018F};
     look.mottle = {0.200F, 0.050F, 0.030F};

@@ -22,16 +22,22 @@ class ToolImprint final {
 
   /// [setup] How far [m] a vertex is to be lowered further along the direction; 0 where the tool is not.
   /// @param now where it is, @param rest where it was, @param rest_normal unit. Organ frame.
-  [[nodiscard]] double lowering(const Vec3& now, const Vec3& rest, const Vec3& rest_normal) const;
+  /// @param slope if not null: how that changes with `now`, without unit
+  [[nodiscard]] double lowering(const Vec3& now, const Vec3& rest, const Vec3& rest_normal,
+                                Vec3* slope = nullptr) const;
 
+  /// [any] Where the contact is and where it goes, organ frame.
+  [[nodiscard]] const Vec3& point() const noexcept { return point_; }
   [[nodiscard]] const Vec3& direction() const noexcept { return direction_; }
+  /// Vertices farther than this [m] from the contact's axis are left as they are.
+  static constexpr double kReach = 17e-3;
 
  private:
   void rasterize(const Vec3& a, const Vec3& b, const Vec3& c);
   void skirt();
   void blur();
   [[nodiscard]] Vec3 in_map(const Vec3& p) const noexcept;
-  [[nodiscard]] double& cell(int i, int j) noexcept;
+  [[nodiscard]] float& cell(int i, int j) noexcept;
   [[nodiscard]] double cell(int i, int j) const noexcept;
 
   Vec3 point_;
@@ -39,11 +45,38 @@ class ToolImprint final {
   Vec3 across_u_;
   Vec3 across_v_;
   double depth_;
-  std::vector<double> map_;  // [m] along the direction, from the contact point
+  std::vector<float> map_;  // [m] along the direction, from the contact point
 };
 
-/// [setup] The imprints of all press contacts of a snapshot. @param tools of the hands, in order
+/// An instrument's triangles in small groups, so that those far from a contact are passed over together.
+class ToolShape final {
+ public:
+  /// [setup] Copies what it needs.
+  explicit ToolShape(const geometry::Tool& tool);
+
+  /// [setup] Appends the corners, three a triangle, of the triangles that may come within `radius` [m] of a
+  /// point. @param handle_S the handle's pose in the frame of the point and of the corners
+  void append_near(const Pose& handle_S, double gripper, const Vec3& point, double radius,
+                   std::vector<Vec3>& corners) const;
+
+ private:
+  struct Group {
+    std::size_t first = 0;  // corner
+    std::size_t count = 0;  // corners
+    Vec3 middle = Vec3::Zero();
+    double radius = 0.0;  // m
+  };
+  struct Part {
+    geometry::ToolPart pose;  // without its mesh
+    std::vector<Vec3> corners;
+    std::vector<Group> groups;
+  };
+  std::vector<Part> parts_;
+};
+
+/// [setup] The imprints of the press contacts of a snapshot; contacts of one hand that are near one another
+/// and go the same way share one, about the deepest of them. @param shapes of the hands' tools, in order
 [[nodiscard]] std::vector<ToolImprint> imprints_of(const haptics::Snapshot& snapshot,
-                                                   std::span<const geometry::Tool> tools);
+                                                   std::span<const ToolShape> shapes);
 
 }  // namespace palpate::render

@@ -25,19 +25,21 @@ ToolPicture::ToolPicture(const geometry::Tool& tool) {
   }
 }
 
-void ToolPicture::append(const Pose& handle_W, double gripper, std::vector<Vertex>& corners) const {
-  for (const Part& drawn : parts_) {
-    const Pose part_W = handle_W * geometry::part_pose(drawn.part, gripper);
-    std::size_t corner = 0;
-    for (const geometry::Triangle& t : drawn.part.mesh.triangles) {
-      for (const std::int32_t v : t) {
-        const Vec3& p = drawn.part.mesh.vertices[static_cast<std::size_t>(v)];
-        corners.push_back({(part_W * p).cast<float>(),
-                           (part_W.rotation * drawn.normals[corner]).cast<float>(), p.cast<float>()});
-        ++corner;
-      }
+std::vector<deform::LiveVertex> ToolPicture::corners(std::size_t part) const {
+  const Part& drawn = parts_.at(part);
+  std::vector<deform::LiveVertex> corners;
+  for (const geometry::Triangle& t : drawn.part.mesh.triangles) {
+    for (const std::int32_t v : t) {
+      const Vec3& p = drawn.part.mesh.vertices[static_cast<std::size_t>(v)];
+      corners.push_back(
+          deform::LiveVertex{p.cast<float>(), drawn.normals[corners.size()].cast<float>(), 0.0F});
     }
   }
+  return corners;
+}
+
+Pose ToolPicture::place(std::size_t part, const Pose& handle_W, double gripper) const {
+  return handle_W * geometry::part_pose(parts_.at(part).part, gripper);
 }
 
 }  // namespace palpate::render

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "palpate/deform/live_surface.h"
 #include "palpate/geometry/tool.h"
 #include "palpate/render/gl_objects.h"
 
@@ -12,8 +13,11 @@ class ToolPicture final {
   /// [setup]
   explicit ToolPicture(const geometry::Tool& tool);
 
-  /// [setup] Appends the corners of all triangles, three a triangle, in the world.
-  void append(const Pose& handle_W, double gripper, std::vector<Vertex>& corners) const;
+  [[nodiscard]] std::size_t parts() const noexcept { return parts_.size(); }
+  /// [setup] The corners of a part's triangles, three a triangle, in its own frame.
+  [[nodiscard]] std::vector<deform::LiveVertex> corners(std::size_t part) const;
+  /// [any] Where a part is.
+  [[nodiscard]] Pose place(std::size_t part, const Pose& handle_W, double gripper) const;
 
  private:
   struct Part {

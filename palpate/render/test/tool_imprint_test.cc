@@ -84,9 +84,9 @@ TEST(ToolImprint, ThereIsOneForEachPressAndNoneForAPull) {
   geometry::Tool tool;
   tool.parts.push_back({});
   tool.parts[0].mesh = geometry::make_ball(kRadius, 80);
-  const std::vector tools = {tool};
+  const std::vector<ToolShape> shapes(1, ToolShape(tool));
   haptics::Snapshot snapshot;
-  EXPECT_TRUE(imprints_of(snapshot, tools).empty());
+  EXPECT_TRUE(imprints_of(snapshot, shapes).empty());
   snapshot.hands = 1;
   snapshot.results[0].view_count = 2;
   for (const std::size_t i : {0U, 1U}) {
@@ -94,7 +94,7 @@ TEST(ToolImprint, ThereIsOneForEachPressAndNoneForAPull) {
     snapshot.results[0].views[i].depth = 0.002;
   }
   snapshot.results[0].views[1].pull = true;
-  EXPECT_EQ(imprints_of(snapshot, tools).size(), 1U);
+  EXPECT_EQ(imprints_of(snapshot, shapes).size(), 1U);
   EXPECT_TRUE(imprints_of(snapshot, {}).empty());
 }
 

@@ -1,0 +1,222 @@
+// `palpate view`: pictures and films of a recording.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/record/recording.h"
+#include "palpate/record/recording_frames.h"
+#include "palpate/render/offscreen.h"
+
+#include "app/commands.h"
+#include "app/film.h"
+#include "app/messages.h"
+#include "app/numbers.h"
+#include "app/preparation.h"
+#include "app/progress.h"
+#include "app/session.h"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ViewFlags {
+  std::string file;
+  std::string screenshot;
+  std::string video;
+  std::optional<std::string> at_s;
+  std::optional<std::string> from_s;
+  std::optional<std::string> to_s;
+  std::string fps = "30";
+  std::string slow = "1";
+  std::string size = "1280x720";
+  std::optional<std::string> map_mm;
+  std::string quality;
+  bool close_up = false;
+  bool no_cache = false;
+};
+
+struct Size {
+  int width = 0;
+  int height = 0;
+};
+
+constexpr std::uint64_t kLargestSide = 8192;
+constexpr double kMostFrames = 1e6;
+
+Size parse_size(const std::string& text) {
+  const std::size_t cross = text.find('x');
+  if (cross == std::string::npos)
+    throw InputError("--size " + text + ": want WIDTHxHEIGHT in pixels, e.g. 1280x720");
+  const std::uint64_t width = parse_whole("--size", text.substr(0, cross));
+  const std::uint64_t height = parse_whole("--size", text.substr(cross + 1));
+  if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
+    throw InputError("--size " + text + ": want 1 to 8192 pixels a side");
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+render::Quality parse_quality(const std::string& text, render::Quality otherwise) {
+  if (text.empty()) return otherwise;
+  if (text == "full") return render::Quality::kFull;
+  if (text == "balanced") return render::Quality::kBalanced;
+  if (text == "fast") return render::Quality::kFast;
+  throw InputError("--quality " + text + ": want full, balanced or fast");
+}
+
+// The flags as numbers; whatever needs no recording has been checked.
+struct Wanted {
+  Size size;
+  std::optional<double> at, from, to;  // s
+  double fps = 30.0;
+  double slow = 1.0;
+  double map_range = 0.0;  // m
+  render::Quality quality = render::Quality::kFull;
+};
+
+Wanted checked(const ViewFlags& flags) {
+  if (flags.screenshot.empty() && flags.video.empty())
+    throw InputError("view " + flags.file +
+                     ": want --screenshot FILE.png (one moment, --at-s T) or --video FILE.mp4 (--from-s, "
+                     "--to-s, --fps, --slow)");
+  const auto seconds = [](const char* flag, const std::optional<std::string>& text) {
+    return text ? std::optional(parse_not_negative(flag, *text)) : std::nullopt;
+  };
+  Wanted wanted;
+  wanted.size = parse_size(flags.size);
+  wanted.at = seconds("--at-s", flags.at_s);
+  wanted.from = seconds("--from-s", flags.from_s);
+  wanted.to = seconds("--to-s", flags.to_s);
+  wanted.fps = parse_positive("--fps", flags.fps);
+  wanted.slow = parse_positive("--slow", flags.slow);
+  if (flags.map_mm) wanted.map_range = 1e-3 * parse_positive("--map-mm", *flags.map_mm);
+  wanted.quality =
+      parse_quality(flags.quality, flags.video.empty() ? render::Quality::kFull : render::Quality::kBalanced);
+  if (!flags.video.empty() && (wanted.size.width % 2 != 0 || wanted.size.height % 2 != 0))
+    throw InputError("--size " + flags.size + ": a film's width and height must be even");
+  if (!flags.screenshot.empty()) require_writable_file(flags.screenshot, "--screenshot");
+  if (!flags.video.empty()) require_writable_file(flags.video, "--video");
+  return wanted;
+}
+
+// One recording, drawn.
+class Viewer final {
+ public:
+  Viewer(const record::Recording& recording, const std::string& file, const Wanted& wanted, bool close_up,
+         const contact::Preparation& how)
+      : recording_(recording),
+        file_(file),
+        frames_(recording, how),
+        renderer_(subject(), wanted.size.width, wanted.size.height, wanted.quality) {
+    const haptics::Snapshot deepest = frames_.at(frames_.deepest());
+    const contact::ToolResult& result = deepest.results[0];
+    const bool contact = result.view_count > 0;
+    camera_ = render::frame_contact(subject(), deepest, contact ? result.contact_W : result.nearest_W,
+                                    contact ? result.normal_W : result.away_W, close_up);
+    renderer_.set_map_range(wanted.map_range);
+  }
+
+  [[nodiscard]] double duration_s() const { return static_cast<double>(frames_.ticks()) / rate(); }
+  [[nodiscard]] double deepest_s() const { return static_cast<double>(frames_.deepest()) / rate(); }
+
+  [[nodiscard]] render::Image at(double time) {
+    const auto last = static_cast<double>(frames_.ticks() - 1);
+    const double tick = std::min(last, std::round(time * rate()));
+    return renderer_.draw(frames_.at(static_cast<std::uint64_t>(tick)), camera_);
+  }
+
+  void require_within(const char* flag, double time) const {
+    if (time > duration_s())
+      throw InputError(std::string(flag) + " " + shortest(time) + ": " + file_ + " ends at " +
+                       shortest(duration_s()) + " s");
+  }
+
+ private:
+  [[nodiscard]] double rate() const { return recording_.setup.rate_Hz; }
+  [[nodiscard]] render::Subject subject() const {
+    const scene::Setup& setup = recording_.setup;
+    return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  }
+
+  const record::Recording& recording_;
+  std::string file_;
+  record::RecordingFrames frames_;
+  render::OffscreenRenderer renderer_;
+  render::Camera camera_;
+};
+
+void make_film(Viewer& viewer, const ViewFlags& flags, const Wanted& wanted, Progress& bar) {
+  const double from = wanted.from.value_or(0.0);
+  const double to = wanted.to.value_or(viewer.duration_s());
+  viewer.require_within("--from-s", from);
+  viewer.require_within("--to-s", to);
+  if (from > to) throw InputError("--from-s " + shortest(from) + ": later than --to-s " + shortest(to));
+  const double count = std::floor((to - from) * wanted.slow * wanted.fps) + 1.0;
+  if (count > kMostFrames)
+    throw InputError("--video " + flags.video + ": " + shortest(count) +
+                     " pictures; want at most a million: shorten it, or lower --fps or --slow");
+  Film film(flags.video, wanted.size.width, wanted.size.height, wanted.fps);
+  for (double i = 0.0; i < count; i += 1.0) {
+    film.add(viewer.at(from + i / (wanted.fps * wanted.slow)));
+    bar.update(i / count, "drawing " + flags.video);
+  }
+  const std::string made = film.finish();
+  bar.clear();
+  tell(made);
+}
+
+int view(const ViewFlags& flags) {
+  const Wanted wanted = checked(flags);
+  Progress bar("view");
+  const record::Recording recording = record::read_recording(
+      flags.file, [&](double share) { bar.update(0.1 * share, "reading " + flags.file); });
+  if (recording.rows.empty()) throw InputError(flags.file + ": no tick is in it, so there is nothing to see");
+  const OrganPreparation preparation(flags.no_cache);
+  Viewer viewer(recording, flags.file, wanted, flags.close_up, preparation.how());
+  if (!flags.screenshot.empty()) {
+    const double time = wanted.at.value_or(viewer.deepest_s());
+    viewer.require_within("--at-s", time);
+    render::write_png(viewer.at(time), flags.screenshot);
+    bar.clear();
+    tell(flags.screenshot + " shows " + shortest(time) + " s" +
+         (wanted.at ? "" : ", where the contact is deepest"));
+  }
+  if (!flags.video.empty()) make_film(viewer, flags, wanted, bar);
+  return kDone;
+}
+
+void add_flags(CLI::App& command, ViewFlags& flags) {
+  command.add_option("recording", flags.file, "The recording (.h5)")->required();
+  command.add_option("--screenshot", flags.screenshot, "One picture, to this PNG file");
+  command.add_option("--at-s", flags.at_s, "Of this moment (default: where the contact is deepest)");
+  command.add_option("--video", flags.video, "A film, to this file; without ffmpeg PNG files in FILE-frames");
+  command.add_option("--from-s", flags.from_s, "Where the film begins (default: 0)");
+  command.add_option("--to-s", flags.to_s, "Where it ends (default: with the recording)");
+  command.add_option("--fps", flags.fps, "Its pictures a second")->capture_default_str();
+  command.add_option("--slow", flags.slow, "How many times slower than it was")->capture_default_str();
+  command.add_option("--size", flags.size, "Pixels, WIDTHxHEIGHT")->capture_default_str();
+  command.add_flag("--close-up", flags.close_up, "The contact fills the picture, instead of the organ");
+  command.add_option("--map-mm", flags.map_mm, "Colour the organ by its displacement, up to this many mm");
+  command.add_option("--quality", flags.quality,
+                     "full, balanced or fast (default: full for a picture, balanced for a film)");
+  command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
+  command.footer(
+      "Examples:\n  palpate view run.h5 --screenshot deepest.png --close-up\n"
+      "  palpate view run.h5 --video press.mp4 --from-s 1 --to-s 3 --slow 2");
+}
+
+}  // namespace
+
+void add_view(CLI::App& program, int& exit_code) {
+  auto flags = std::make_shared<ViewFlags>();
+  CLI::App* command = program.add_subcommand("view", "Look at a recording: a picture of a moment, or a film");
+  add_flags(*command, *flags);
+  command->callback([flags, &exit_code] { exit_code = view(*flags); });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,90 @@
+#include "bench/measure/pictures.h"
+
+#include <ctime>
+#include <vector>
+
+#include "palpate/base/clock.h"
+#include "palpate/devices/scripted.h"
+#include "palpate/haptics/loop.h"
+#include "palpate/render/offscreen.h"
+
+#include "bench/measure/one_hand.h"
+#include "bench/measure/preparation.h"
+#include "bench/measure/subjects.h"
+
+namespace palpate::bench {
+namespace {
+
+constexpr int kWidth = 1280;
+constexpr int kHeight = 720;
+constexpr std::uint64_t kTicksAFrame = 16;  // 1 kHz, about 60 pictures a second
+constexpr std::size_t kMostFrames = 240;
+constexpr std::size_t kWarmUp = 3;  // frames: shaders are compiled at their first use
+
+std::int64_t process_cpu_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+// From the touch on, as a picture each kTicksAFrame ticks sees it.
+std::vector<haptics::Snapshot> moments_of(const scene::Setup& setup) {
+  const Prepared prepared = prepare(setup);
+  OneHand hand(prepared.world);
+  devices::ScriptedDevice device(scene::default_path(setup, 0));
+  std::vector<haptics::Snapshot> moments;
+  const std::uint64_t last = device.last_tick(prepared.world.rate_Hz);
+  for (std::uint64_t number = 0; number < last && moments.size() < kMostFrames; ++number) {
+    hand.tick(device, number);
+    const haptics::SimulationState& state = hand.state();
+    if (number % kTicksAFrame != 0 || state.results[0].view_count == 0) continue;
+    haptics::Snapshot moment;
+    moment.tick = number;
+    moment.organ_W = state.organ_W;
+    moment.hands = 1;
+    moment.tools[0] = state.inputs[0];
+    moment.results[0] = state.results[0];
+    moments.push_back(moment);
+  }
+  return moments;
+}
+
+}  // namespace
+
+PictureAccount time_pictures(const std::string& task, std::size_t organ_triangles) {
+  const scene::Setup setup = subject(task, 0, 0);
+  const std::vector<haptics::Snapshot> moments = moments_of(setup);
+  render::Subject drawn{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  if (organ_triangles > 0) drawn.organ = subject(task, organ_triangles, 0).organ;
+
+  PictureAccount account;
+  account.scene = setup.name;
+  account.organ_triangles = drawn.organ.triangles.size();
+  render::OffscreenRenderer renderer(drawn, kWidth, kHeight, render::Quality::kBalanced);
+  renderer.adapt_to_time();
+  account.driver = renderer.driver();
+  const contact::ToolResult& middle = moments.at(moments.size() / 2).results[0];
+  const render::Camera camera =
+      render::frame_contact(drawn, moments.at(moments.size() / 2), middle.contact_W, middle.normal_W, false);
+  for (std::size_t i = 0; i < kWarmUp; ++i) renderer.draw_and_keep(moments.front(), camera);
+  std::vector<double> deformation;
+  std::vector<double> wall;
+  std::vector<double> computed;
+  for (const haptics::Snapshot& moment : moments) {
+    const std::int64_t begun = monotonic_ns();
+    const std::int64_t spent = process_cpu_ns();
+    account.fast_share += renderer.quality() == render::Quality::kFast ? 1.0 : 0.0;
+    renderer.draw_and_keep(moment, camera);
+    renderer.finish();
+    wall.push_back(static_cast<double>(monotonic_ns() - begun) / kNanosecondsPerMicrosecond);
+    computed.push_back(static_cast<double>(process_cpu_ns() - spent) / kNanosecondsPerMicrosecond);
+    deformation.push_back(renderer.update_ms() * 1e3);
+  }
+  account.fast_share /= static_cast<double>(moments.size());
+  account.deformation = figures_of(std::move(deformation));
+  account.frame = figures_of(std::move(wall));
+  account.frame_computed = figures_of(std::move(computed));
+  return account;
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "palpate/contact/preparation.h"
+#include "palpate/haptics/loop.h"
+#include "palpate/record/recording.h"
+
+namespace palpate::record {
+
+/// What a recording looked like at any tick, in any order: for viewers and films. It runs the recording again
+/// up to that tick; going back starts anew from the first. One thread.
+class RecordingFrames final {
+ public:
+  /// [setup] The recording must outlive this. @throws InputError when rows are missing in the middle or the
+  /// scene is bad. @param how as for contact::World
+  explicit RecordingFrames(const Recording& recording, const contact::Preparation& how = {});
+  ~RecordingFrames();
+  RecordingFrames(const RecordingFrames&) = delete;
+  RecordingFrames& operator=(const RecordingFrames&) = delete;
+
+  [[nodiscard]] std::uint64_t ticks() const noexcept;
+  /// [setup] The snapshot after `tick`; its taken_ns is the time since tick 0.
+  /// @throws InputError when the recording has no such tick.
+  [[nodiscard]] haptics::Snapshot at(std::uint64_t tick);
+  /// [any] The tick at which hand 0's depth is largest (without contact: its distance smallest).
+  [[nodiscard]] std::uint64_t deepest() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::record

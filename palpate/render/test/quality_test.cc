@@ -1,0 +1,56 @@
+#include "palpate/render/quality.h"
+
+#include <gtest/gtest.h>
+
+namespace palpate::render {
+namespace {
+
+void add(QualityChoice& choice, int pictures, double ms) {
+  for (int i = 0; i < pictures; ++i) choice.add(ms);
+}
+
+TEST(QualityChoice, StaysWhilePicturesFitTheBudget) {
+  QualityChoice choice;
+  add(choice, 1000, 30.0);
+  EXPECT_EQ(choice.now(), Quality::kBalanced);
+}
+
+TEST(QualityChoice, GoesDownAfterSomeSlowPictures) {
+  QualityChoice choice;
+  add(choice, 30, 45.0);
+  EXPECT_EQ(choice.now(), Quality::kFast);
+}
+
+TEST(QualityChoice, OneSlowPictureChangesNothing) {
+  QualityChoice choice;
+  add(choice, 50, 20.0);
+  choice.add(90.0);
+  add(choice, 50, 20.0);
+  EXPECT_EQ(choice.now(), Quality::kBalanced);
+}
+
+TEST(QualityChoice, ComesBackWhenThereIsRoomAndDoesNotSwing) {
+  QualityChoice choice;
+  int changes = 0;
+  Quality before = choice.now();
+  for (int i = 0; i < 4000; ++i) {
+    choice.add(choice.now() == Quality::kBalanced ? 45.0 : 15.0);  // never fits, but the lower one seems easy
+    if (choice.now() != before) ++changes;
+    before = choice.now();
+  }
+  EXPECT_LE(changes, 14);
+  add(choice, 4000, 10.0);
+  EXPECT_EQ(choice.now(), Quality::kBalanced);
+}
+
+TEST(QualityChoice, NeverExceedsTheBestThatItMayChoose) {
+  QualityChoice choice(Quality::kBalanced);
+  add(choice, 1000, 1.0);
+  EXPECT_EQ(choice.now(), Quality::kBalanced);
+  QualityChoice strong(Quality::kFull);
+  add(strong, 1000, 1.0);
+  EXPECT_EQ(strong.now(), Quality::kFull);
+}
+
+}  // namespace
+}  // namespace palpate::render
