@@ -28,7 +28,7 @@ std::uint64_t GamepadDevice::last_tick(double /*rate_Hz*/) const noexcept {
 
 std::string GamepadDevice::trouble() const {
   if (!gone_.load(std::memory_order_relaxed)) return {};
-  return "the gamepad was unplugged: plug it in again, then reset the fault";
+  return "no gamepad is connected any more: plug it in, then reset the fault";
 }
 
 }  // namespace palpate::devices

@@ -1,0 +1,4 @@
+#include "app/window/window.h"
+
+#include <gtest/gtest.h>
+TEST(A, B) { SUCCEED(); }
