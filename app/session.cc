@@ -53,6 +53,10 @@ class RowsToBoth final : public haptics::TickSink {
     first_.begin(started_unix_ns);
     if (second_ != nullptr) second_->begin(started_unix_ns);
   }
+  void put_change(const haptics::LiveChange& change) noexcept override {
+    first_.put_change(change);
+    if (second_ != nullptr) second_->put_change(change);
+  }
   void put(const haptics::TickRow& row) noexcept override {
     first_.put(row);
     if (second_ != nullptr) second_->put(row);

@@ -63,10 +63,6 @@ struct PlayOptions {
 
 /// [any] Clears the faults of all hands of the session that plays, as SIGUSR1 does.
 void reset_faults() noexcept;
-};
-
-/// [any] Clears the faults of all hands of the session that plays, as SIGUSR1 does.
-void reset_faults() noexcept;
 
 /// [setup] Refuses a core that this program may not use. @throws ParameterError naming --core and the cores.
 void require_usable_core(std::optional<int> core);

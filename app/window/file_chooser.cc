@@ -176,6 +176,7 @@ std::optional<ChosenFile> FileChooser::draw() {
     ImGui::TextDisabled("%s", folder_.c_str());
     draw_entries(ImGui::GetContentRegionAvail().y - (wants_mesh(use_) ? 9.0F : 5.5F) * text);
     ImGui::SetNextItemWidth(-1.0F);
+    if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
     if (ImGui::InputTextWithHint("##name", "name of the file", &name_,
                                  ImGuiInputTextFlags_EnterReturnsTrue)) {
       confirmed_ = true;

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpate::app {
@@ -27,6 +28,8 @@ class FileChooser final {
   /// Opens the dialog. @param file where it begins: a folder, or a file that is chosen already
   void open(FileUse use, const std::filesystem::path& file);
   [[nodiscard]] bool is_open() const noexcept { return open_; }
+  /// As if the user had chosen it for a mesh: mm, cm, m or in.
+  void choose_unit(std::string unit) { unit_ = std::move(unit); }
   /// Draws the dialog while it is open. @return what was chosen in this frame
   [[nodiscard]] std::optional<ChosenFile> draw();
 

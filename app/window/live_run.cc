@@ -3,6 +3,8 @@
 #include <exception>
 #include <utility>
 
+#include "palpate/record/assemble.h"
+
 namespace palpate::app {
 
 LiveRun::LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core)
@@ -18,9 +20,10 @@ LiveRun::LiveRun(std::unique_ptr<Session> session, std::filesystem::path recordi
 LiveRun::~LiveRun() { stop(); }
 
 void LiveRun::start(std::optional<int> core) {
+  changes_ = record::live_changes(session_.setup, session_.world);
   thread_ = std::thread([this, core] {
     try {
-      account_ = play(session_, {recording_, false, core, &snapshots_, &rows_}, stop_);
+      account_ = play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_}, stop_);
     } catch (const std::exception& error) {
       failure_ = error.what();
     }

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "palpate/base/snapshot_cell.h"
+#include "palpate/haptics/live_changes.h"
 
 #include "app/session.h"
 #include "app/window/row_tap.h"
@@ -39,6 +40,9 @@ class LiveRun final {
   [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
   [[nodiscard]] SnapshotCell<haptics::Snapshot>& snapshots() noexcept { return snapshots_; }
   [[nodiscard]] RowTap& rows() noexcept { return rows_; }
+  [[nodiscard]] const RowTap& rows() const noexcept { return rows_; }
+  /// Hands new tissue and noise to the loop.
+  [[nodiscard]] haptics::LiveChanges& changes() noexcept { return *changes_; }
 
  private:
   void start(std::optional<int> core);
@@ -48,6 +52,7 @@ class LiveRun final {
   std::filesystem::path recording_;
   SnapshotCell<haptics::Snapshot> snapshots_;
   RowTap rows_;
+  std::unique_ptr<haptics::LiveChanges> changes_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};
   std::optional<RunAccount> account_;

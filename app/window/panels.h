@@ -48,7 +48,7 @@ struct Shown {
   double age = 0.0;          // s, of what is shown, when it is shown
   double largest_age = 0.0;  // s, in the last seconds
   std::uint64_t rows_left_out = 0;
-  std::string tissue_refusal{};  // why the last change was refused, or what to mind; empty: nothing
+  std::string tissue_note{};  // why the last change was refused, or what to mind; empty: nothing
 };
 
 /// What the user has asked for in one frame, by panel or key.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 #include <vector>
 
 #include "app/window/look.h"
@@ -11,13 +12,13 @@ namespace palpate::app {
 namespace {
 
 constexpr double kTickSpacingX = 80.0;  // window units at least, times the font's share
-constexpr double kTickSpacingY = 30.0;
+constexpr double kTickSpacingY = 19.0;
 
 /// The places of ticks of an axis that is `length` long.
 std::vector<double> ticks(const Axis& axis, double length, double spacing) {
   const double range = axis.high - axis.low;
   if (!(range > 0.0) || !(length > 0.0)) return {};
-  const double step = round_up(range * std::min(1.0, spacing / length));
+  const double step = round_step(range * std::min(1.0, spacing / length));
   std::vector<double> places;
   for (double i = std::ceil(axis.low / step - 1e-9); i * step <= axis.high + 1e-9 * range; i += 1.0) {
     places.push_back(i * step);
@@ -34,12 +35,22 @@ std::string number(double value, double step) {
 
 }  // namespace
 
-double round_up(double value) {
+namespace {
+
+double round_up_to(double value, std::initializer_list<double> factors) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
+  for (const double factor : factors) {
     if (value <= factor * power * (1.0 + 1e-9)) return factor * power;
   }
   return 10.0 * power;
+}
+
+}  // namespace
+
+double round_step(double value) { return round_up_to(value, {1.0, 2.0, 5.0}); }
+
+double round_end(double value) {
+  return round_up_to(value, {1.0, 1.2, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0});
 }
 
 Plot::Plot(ImDrawList& list, const ImVec2& low, const ImVec2& high, const Axis& x, const Axis& y)

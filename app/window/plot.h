@@ -44,7 +44,9 @@ class Plot final {
   Axis y_;
 };
 
-/// [any] The least of 1, 2, 5 times a power of ten that is at least `value` (> 0).
-[[nodiscard]] double round_up(double value);
+/// [any] The least of 1, 2, 5 times a power of ten that is at least `value` (> 0): for the steps of an axis.
+[[nodiscard]] double round_step(double value);
+/// [any] The same of some more numbers: for the end of an axis.
+[[nodiscard]] double round_end(double value);
 
 }  // namespace palpate::app

@@ -84,7 +84,7 @@ void strips(const ImVec2& low, const ImVec2& high, const Shown& shown) {
     for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
       most = std::max(most, largest(shown.traces.of_hand(hand), strip.quantity));
     }
-    most = round_up(most * 1.02);
+    most = round_end(most * 1.02);
     const float top = low.y + static_cast<float>(i) * each;
     const Plot plot(list, ImVec2(low.x, top), ImVec2(high.x, top + each + (bottom ? last : 0.0F)),
                     {from, to, bottom ? "time [s]" : "", bottom},
@@ -132,7 +132,7 @@ void force_over_depth(const ImVec2& low, const ImVec2& high, const Shown& shown)
   }
   deepest = std::max(15.0, 5.0 * std::ceil(1.02 * deepest / 5.0));
   const std::vector<PlotPoint> law = law_curve(shown, deepest);
-  strongest = round_up(std::max(1.02 * strongest, law.back().y));
+  strongest = round_end(std::max(1.02 * strongest, law.back().y));
   const Plot plot(*ImGui::GetWindowDrawList(), low, high, {0.0, deepest, "depth, or stretch [mm]", true},
                   {0.0, strongest, "Tissue force [N]", true});
   plot.line(law, packed(colour::kLaw), 4.0F);

@@ -128,9 +128,9 @@ void tissue_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
     changed |= reach_rows(tissue);
     ImGui::TreePop();
   }
-  if (!shown.tissue_refusal.empty()) {
+  if (!shown.tissue_note.empty()) {
     ImGui::PushTextWrapPos(0.0F);
-    ImGui::TextColored(colour::kWarning, "%s", shown.tissue_refusal.c_str());
+    ImGui::TextColored(colour::kWarning, "%s", shown.tissue_note.c_str());
     ImGui::PopTextWrapPos();
   }
   if (ImGui::Button("Save as a file ...", ImVec2(-1.0F, 0.0F))) {

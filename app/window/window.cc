@@ -32,6 +32,10 @@ constexpr std::int64_t kMessageNs = 8'000'000'000;
 constexpr std::int64_t kAgesKeptNs = 3'000'000'000;
 constexpr int kLargestSide = 8192;  // of a picture, as OffscreenRenderer has it
 
+bool same(const render::Camera& a, const render::Camera& b) {
+  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.vertical_view_deg == b.vertical_view_deg;
+}
+
 std::string advice_on(haptics::Fault fault) {
   switch (fault) {
     case haptics::Fault::kNotFinite:
@@ -113,6 +117,7 @@ bool Window::frame() {
   const Traces::Felt felt = traces_->take_felt();
   steering_.rumble(felt.tissue, felt.noise);
 
+  drew_ = false;
   compose();
   take_newest();
   draw_picture();
@@ -139,17 +144,20 @@ void Window::take_newest() {
   if (paused_ || !run_->snapshots().refresh()) return;
   shown_ = run_->snapshots().value();
   snapshot_there_ = true;
+  picture_stale_ = true;
 }
 
 /// The picture's resolution follows what the machine can draw in time.
 void Window::adapt(double frame_time) {
   frame_time_ = frame_time;
+  if (!drew_) return;
   frame_times_.push_back(frame_time);
   if (frame_times_.size() < kFramesJudged) return;
   std::sort(frame_times_.begin(), frame_times_.end());
   const double usual = frame_times_[frame_times_.size() / 2];
   frame_times_.clear();
   if (quality_held_) return;
+  if (usual > 3.0 * kBudget && quality_ + 2 < kQualities.size()) ++quality_;
   if (usual > kBudget && quality_ + 1 < kQualities.size()) ++quality_;
   if (usual < kFastEnough && quality_ > 0) --quality_;
 }
@@ -172,24 +180,34 @@ void Window::draw_picture() {
   const int width = in_pixels(place.width);
   const int height = in_pixels(place.height);
   if (!snapshot_there_ || width < 1 || height < 1) return;
+  if (reach_changed_ && !ImGui::IsAnyItemActive()) make_renderer();
   if (!camera_set_) {
-    const scene::Setup& setup = run_->session().setup;
     const contact::ToolResult& result = shown_.results[0];
-    const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
-    camera_.look_as(render::frame_contact(subject, shown_, result.nearest_W, result.normal_W, false),
+    camera_.look_as(render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
                     static_cast<double>(width) / height);
     camera_set_ = true;
   }
+  fit_renderer(width, height);
+  const render::Camera camera = camera_.camera();
+  if (picture_stale_ || !same(camera, drawn_camera_)) {
+    renderer_->draw_and_keep(shown_, camera);
+    drew_ = true;
+    drawn_camera_ = camera;
+    picture_stale_ = false;
+  }
+  renderer_->show_at(in_pixels(place.x), pixels.height - in_pixels(place.y) - height, width, height);
+  glViewport(0, 0, pixels.width, pixels.height);
+}
+
+/// The renderer's pictures are as large as the picture is shown, or smaller where that takes too long.
+void Window::fit_renderer(int width, int height) {
   const auto drawn = [this](int side) {
     return std::clamp(static_cast<int>(std::lround(kQualities[quality_] * side)), 1, kLargestSide);
   };
-  if (drawn(width) != drawn_size_.width || drawn(height) != drawn_size_.height) {
-    drawn_size_ = {drawn(width), drawn(height)};
-    renderer_->resize(drawn_size_.width, drawn_size_.height);
-  }
-  renderer_->draw_and_keep(shown_, camera_.camera());
-  renderer_->show_at(in_pixels(place.x), pixels.height - in_pixels(place.y) - height, width, height);
-  glViewport(0, 0, pixels.width, pixels.height);
+  if (drawn(width) == drawn_size_.width && drawn(height) == drawn_size_.height) return;
+  drawn_size_ = {drawn(width), drawn(height)};
+  renderer_->resize(drawn_size_.width, drawn_size_.height);
+  picture_stale_ = true;
 }
 
 std::vector<HandWords> Window::hand_words() const {
@@ -245,7 +263,7 @@ Shown Window::shown() const {
   shown.age = age_;
   for (const auto& [when, age] : ages_) shown.largest_age = std::max(shown.largest_age, age);
   shown.rows_left_out = run_->rows().left_out();
-  shown.tissue_refusal = tissue_refusal_;
+  shown.tissue_note = tissue_note_;
   return shown;
 }
 

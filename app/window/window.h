@@ -101,7 +101,9 @@ class Window final {
   void apply_tissue(const model::TissueParameters& tissue);
   void apply_noise(const noise::NoiseSettings& noise);
   void restart(scene::Request request, bool keep_edits, std::filesystem::path recording);
-  [[nodiscard]] std::filesystem::path new_recording() const;
+  [[nodiscard]] static std::filesystem::path new_recording();
+  void make_renderer();
+  [[nodiscard]] render::Subject subject() const;
 
   // window.cc
   void start_imgui();
@@ -109,6 +111,7 @@ class Window final {
   void compose();
   void draw_overlay();
   void draw_picture();
+  void fit_renderer(int width, int height);
   void save_picture();
   void adapt(double frame_time);
   void say(std::string message);
@@ -124,6 +127,10 @@ class Window final {
   std::size_t quality_ = 0;   // index of kQualities
   bool quality_held_ = false;
   std::deque<double> frame_times_;
+  bool reach_changed_ = false;  // of the dent; the renderer does not know yet
+  bool picture_stale_ = true;   // what the renderer keeps is not what is to be shown
+  bool drew_ = false;           // in this frame
+  render::Camera drawn_camera_;
   OrbitCamera camera_;
   bool camera_set_ = false;
   Steering steering_;
@@ -134,7 +141,7 @@ class Window final {
   bool snapshot_there_ = false;
   model::TissueParameters tissue_;  // as felt
   noise::NoiseSettings noise_;
-  std::string tissue_refusal_;
+  std::string tissue_note_;
   PanelState panels_;
   Wishes wishes_;  // of the keys, until the panels have added theirs
   Layout layout_;
@@ -143,6 +150,7 @@ class Window final {
   bool leaving_ = false;
   bool turning_ = false;  // the view, by the mouse
   bool moving_ = false;
+  bool mouse_over_ = false;  // the picture, at its last motion
   std::pair<int, int> mouse_at_{-1, -1};
   std::uint32_t mouse_down_ = 0;     // ImGui's buttons, a bit each
   std::uint32_t mouse_pressed_ = 0;  // in this frame: a click within a frame counts

@@ -42,6 +42,7 @@ void Window::take_event(const SDL_Event& event) {
       break;
     case SDL_WINDOWEVENT:
       if (event.window.event == SDL_WINDOWEVENT_CLOSE) leaving_ = true;
+      if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_over_ = false;
       break;
     case SDL_KEYDOWN:
       key_down(event.key);
@@ -101,15 +102,19 @@ void Window::mouse_button(const SDL_MouseButtonEvent& button) {
 }
 
 void Window::mouse_motion(const SDL_MouseMotionEvent& motion) {
-  mouse_at_ = {motion.x, motion.y};
   const double height = std::max(1.0F, layout_.picture.height);
+  const int right = motion.x - mouse_at_.first;
+  const int down = motion.y - mouse_at_.second;
+  mouse_at_ = {motion.x, motion.y};
+  const bool was_over = mouse_over_;
+  mouse_over_ = over_picture(motion.x, motion.y);
   if (turning_) {
-    camera_.orbit(kTurn * motion.xrel, kTurn * motion.yrel);
+    camera_.orbit(kTurn * right, kTurn * down);
   } else if (moving_) {
-    camera_.pan(motion.xrel / height, -motion.yrel / height);
-  } else if (over_picture(motion.x, motion.y)) {
+    camera_.pan(right / height, -down / height);
+  } else if (was_over && mouse_over_) {  // coming in from a panel it does not carry the tool along
     const bool fine = (SDL_GetModState() & KMOD_SHIFT) != 0;
-    steering_.mouse_moved(motion.xrel / height, -motion.yrel / height, camera_, fine);
+    steering_.mouse_moved(right / height, -down / height, camera_, fine);
   }
 }
 

@@ -15,8 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-render::Subject subject_of(const scene::Setup& setup) {
-  return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+bool same(const model::ReachParameters& a, const model::ReachParameters& b) {
+  return a.contact_ratio == b.contact_ratio && a.first_bar_ratio == b.first_bar_ratio &&
+         a.bar_ratio == b.bar_ratio && a.weight_ratio == b.weight_ratio;
 }
 
 }  // namespace
@@ -27,18 +28,30 @@ void Window::begin(std::unique_ptr<LiveRun> run) {
   const scene::Setup& setup = run_->session().setup;
   tissue_ = setup.tissue;
   noise_ = setup.noise;
-  tissue_refusal_.clear();
+  tissue_note_.clear();
   traces_ = std::make_unique<Traces>(setup.rate_Hz);
-  renderer_.reset();  // the old one's memory goes before the new one's comes
-  drawn_size_ = {64, 64};
-  renderer_ =
-      std::make_unique<render::OffscreenRenderer>(subject_of(setup), drawn_size_.width, drawn_size_.height,
-                                                  render::OffscreenRenderer::InCurrentContext{});
+  make_renderer();
   frame_times_.clear();
   snapshot_there_ = false;
   paused_ = false;
   steering_.take(run_->session());
   display_.set_title("Palpate: " + title_of(setup));
+}
+
+/// The renderer of the session's organ, which gives way as the tissue does that is felt now, in the colours
+/// of the tissue that the session began with.
+void Window::make_renderer() {
+  renderer_.reset();  // the old one's memory goes before the new one's comes
+  drawn_size_ = {64, 64};
+  renderer_ = std::make_unique<render::OffscreenRenderer>(subject(), drawn_size_.width, drawn_size_.height,
+                                                          render::OffscreenRenderer::InCurrentContext{});
+  reach_changed_ = false;
+  picture_stale_ = true;
+}
+
+render::Subject Window::subject() const {
+  const scene::Setup& setup = run_->session().setup;
+  return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name};
 }
 
 /// Zero force, recording closed, devices free for the next session.
@@ -101,7 +114,7 @@ void Window::restart(scene::Request request, bool keep_edits, fs::path recording
   next_ = std::make_unique<NextSession>(std::move(request), std::move(kept), std::move(recording));
 }
 
-fs::path Window::new_recording() const {
+fs::path Window::new_recording() {
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
   localtime_r(&now, &parts);
@@ -110,19 +123,31 @@ fs::path Window::new_recording() const {
   return fs::current_path() / text;
 }
 
+/// While a run goes on the loop takes the change at one of its next ticks; afterwards the next run begins
+/// with it.
 void Window::apply_tissue(const model::TissueParameters& tissue) {
   try {
     model::validate(tissue);
+    tissue_note_.clear();
+    if (run_->ended()) {
+      tissue_note_ = "felt from the next run on (Enter)";
+    } else {
+      for (const std::string& warning : run_->changes().offer(tissue).warnings) {
+        tissue_note_ += (tissue_note_.empty() ? "" : "\n") + warning;
+      }
+    }
+    reach_changed_ = reach_changed_ || !same(tissue.reach, tissue_.reach);
     tissue_ = tissue;
-    tissue_refusal_ = "felt from the next run on (Enter)";
   } catch (const InputError& error) {
-    tissue_refusal_ = error.what();
+    tissue_note_ = error.what();
   }
 }
 
 void Window::apply_noise(const noise::NoiseSettings& noise) {
   try {
     noise::validate(noise, run_->session().setup.rate_Hz);
+    if (!run_->ended())
+      (void)run_->changes().offer(haptics::LiveNoise{noise.enabled, noise.gain, noise.threshold});
     noise_ = noise;
   } catch (const InputError& error) {
     say(error.what());

@@ -36,7 +36,8 @@ class DrivenWindow final {
   /// Whether the last frame said that the window stays.
   [[nodiscard]] bool alive() const noexcept { return alive_; }
 
-  static void key(SDL_Keycode which, Uint16 modifiers = KMOD_NONE) {
+  /// Pressed for a frame.
+  void key(SDL_Keycode which, Uint16 modifiers = KMOD_NONE) {
     for (const Uint32 type : {SDL_KEYDOWN, SDL_KEYUP}) {
       SDL_Event event{};
       event.type = type;
@@ -44,6 +45,7 @@ class DrivenWindow final {
       event.key.keysym.scancode = SDL_GetScancodeFromKey(which);
       event.key.keysym.mod = modifiers;
       SDL_PushEvent(&event);
+      frames(1);
     }
   }
   void move(int x, int y) {
@@ -83,6 +85,7 @@ class DrivenWindow final {
     event.window.event = SDL_WINDOWEVENT_CLOSE;
     SDL_PushEvent(&event);
   }
+  void resize(int width, int height) { SDL_SetWindowSize(SDL_GetWindowFromID(1), width, height); }
   /// To the middle of the picture.
   void move_to_picture() {
     const Rectangle& place = window_.layout().picture;
