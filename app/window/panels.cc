@@ -10,7 +10,7 @@ namespace palpate::app {
 namespace {
 
 constexpr float kSideWidth = 318.0F;  // at scale 1
-constexpr float kPlotsHeight = 250.0F;
+constexpr float kPlotsHeight = 290.0F;
 constexpr float kLeastPicture = 240.0F;  // a side
 
 bool is_open(const PanelState& state, Panel panel) { return state.open[static_cast<std::size_t>(panel)]; }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kTickSpacingX = 80.0;  // window units at least, times the font's share
 constexpr double kTickSpacingY = 19.0;
+constexpr float kLineThickness = 1.6F;  // window units, of a level line of columns
 
 /// The places of ticks of an axis that is `length` long.
 std::vector<double> ticks(const Axis& axis, double length, double spacing) {
@@ -27,7 +28,9 @@ std::vector<double> ticks(const Axis& axis, double length, double spacing) {
 }
 
 std::string number(double value, double step) {
-  const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
+  int digits = 0;  // as many as the step has
+  for (double whole = step; digits < 6 && std::abs(whole - std::round(whole)) > 1e-6 * whole; whole *= 10.0)
+    ++digits;
   char text[32];
   (void)std::snprintf(text, sizeof text, "%.*f", digits, value == 0.0 ? 0.0 : value);
   return text;
@@ -47,7 +50,7 @@ double round_up_to(double value, std::initializer_list<double> factors) {
 
 }  // namespace
 
-double round_step(double value) { return round_up_to(value, {1.0, 2.0, 5.0}); }
+double round_step(double value) { return round_up_to(value, {1.0, 2.0, 2.5, 5.0}); }
 
 double round_end(double value) {
   return round_up_to(value, {1.0, 1.2, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0});
@@ -107,6 +110,18 @@ void Plot::line(std::span<const PlotPoint> points, ImU32 colour, float thickness
   list_.PushClipRect(low_, high_, true);
   for (const PlotPoint& point : points) list_.PathLineTo(at(point));
   list_.PathStroke(colour, 0, thickness);
+  list_.PopClipRect();
+}
+
+void Plot::columns(std::span<const PlotColumn> columns, double width, ImU32 colour) const {
+  if (high_.x <= low_.x || high_.y <= low_.y) return;
+  const float thick = 0.5F * kLineThickness;
+  list_.PushClipRect(low_, high_, true);
+  for (const PlotColumn& column : columns) {
+    const ImVec2 top = at({column.x, column.most});
+    const ImVec2 bottom = at({column.x + width, column.least});
+    list_.AddRectFilled(ImVec2(top.x, top.y - thick), ImVec2(bottom.x, bottom.y + thick), colour);
+  }
   list_.PopClipRect();
 }
 

@@ -19,6 +19,13 @@ struct PlotPoint {
   double y = 0.0;
 };
 
+/// What a column of a plot holds of a quantity: from its least to its greatest value.
+struct PlotColumn {
+  double x = 0.0;  // its left side
+  double least = 0.0;
+  double most = 0.0;
+};
+
 /// A plot in a window's draw list: a frame, a grid with numbers at round places, lines. All members: [setup].
 class Plot final {
  public:
@@ -27,6 +34,8 @@ class Plot final {
   Plot(ImDrawList& list, const ImVec2& low, const ImVec2& high, const Axis& x, const Axis& y);
 
   void line(std::span<const PlotPoint> points, ImU32 colour, float thickness) const;
+  /// Columns side by side, each `width` wide: a line of many more rows than there are pixels.
+  void columns(std::span<const PlotColumn> columns, double width, ImU32 colour) const;
   void dot(const PlotPoint& point, ImU32 colour, float radius) const;
   /// Bars from the x axis, each as wide as to the next point's x.
   void bars(std::span<const PlotPoint> tops, double width, ImU32 colour) const;
@@ -44,7 +53,8 @@ class Plot final {
   Axis y_;
 };
 
-/// [any] The least of 1, 2, 5 times a power of ten that is at least `value` (> 0): for the steps of an axis.
+/// [any] The least of 1, 2, 2.5, 5 times a power of ten that is at least `value` (> 0): for the steps of an
+/// axis.
 [[nodiscard]] double round_step(double value);
 /// [any] The same of some more numbers: for the end of an axis.
 [[nodiscard]] double round_end(double value);

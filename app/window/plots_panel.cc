@@ -19,34 +19,25 @@ namespace {
 
 using Quantity = std::function<double(const RowSample&)>;
 
-/// The rows of the time shown as a line of at most two points a pixel column: its least and greatest.
-std::vector<PlotPoint> thinned(const std::deque<RowSample>& rows, const Quantity& quantity, double from,
-                               double to, double columns) {
-  std::vector<PlotPoint> points;
-  const double width = (to - from) / std::max(1.0, columns);
-  double column = -1.0;
-  double least = 0.0;
-  double most = 0.0;
-  const auto put = [&] {
-    if (column < 0.0) return;
-    const double x = from + (column + 0.5) * width;
-    points.push_back({x, least});
-    if (most > least) points.push_back({x, most});
-  };
+/// The rows of the time shown, a column each `width` [s]; every column reaches to where the one before ended,
+/// so that they make one line.
+std::vector<PlotColumn> in_columns(const std::deque<RowSample>& rows, const Quantity& quantity, double from,
+                                   double width) {
+  std::vector<PlotColumn> columns;
+  double last = 0.0;
   for (const RowSample& row : rows) {
     if (row.time < from) continue;
     const double value = quantity(row);
-    const double here = std::floor((row.time - from) / width);
-    if (here != column) {
-      put();
-      column = here;
-      least = most = value;
-    }
-    least = std::min(least, value);
-    most = std::max(most, value);
+    const double x = from + width * std::floor((row.time - from) / width);
+    if (columns.empty()) last = value;
+    if (columns.empty() || columns.back().x != x)
+      columns.push_back({x, std::min(last, value), std::max(last, value)});
+    PlotColumn& column = columns.back();
+    column.least = std::min(column.least, value);
+    column.most = std::max(column.most, value);
+    last = value;
   }
-  put();
-  return points;
+  return columns;
 }
 
 double largest(const std::deque<RowSample>& rows, const Quantity& quantity) {
@@ -90,9 +81,9 @@ void strips(const ImVec2& low, const ImVec2& high, const Shown& shown) {
                     {from, to, bottom ? "time [s]" : "", bottom},
                     {strip.both_signs ? -most : 0.0, most, strip.title, true});
     for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
-      const std::vector<PlotPoint> line =
-          thinned(shown.traces.of_hand(hand), strip.quantity, from, to, static_cast<double>(high.x - low.x));
-      plot.line(line, packed(strip.colour, hand == 0 ? 1.0F : 0.5F), 1.4F);
+      const double width = (to - from) / std::max(1.0, static_cast<double>(high.x - low.x));
+      plot.columns(in_columns(shown.traces.of_hand(hand), strip.quantity, from, width), width,
+                   packed(strip.colour, hand == 0 ? 1.0F : 0.5F));
     }
   }
 }

@@ -15,21 +15,36 @@ using palpate::app::DrivenWindow;
 
 constexpr double kSlow = 240.0;  // s: this machine may have no graphics card
 
-bool deep(DrivenWindow& driven, double time) {
-  return driven.until([&] { return driven.window().traces().newest_time() > time; }, kSlow);
+/// Turns the wheel notch by notch, as a hand would.
+void wheel(DrivenWindow& driven, int notches) {
+  const int one = notches > 0 ? 1 : -1;
+  for (int i = 0; i != notches; i += one) {
+    driven.wheel(one);
+    const double from = driven.window().traces().newest_time();
+    driven.until([&] { return driven.window().traces().newest_time() > from + 0.08; }, kSlow);
+  }
 }
 
-/// The scripted press or pull at its deepest, all panels there.
+/// A mouse presses or pulls, and holds; all panels are there.
 void experiment(const std::filesystem::path& file, const char* task) {
   palpate::scene::Request request;
   request.task = task;
+  request.device = "mouse";
   DrivenWindow driven(request);
-  const double when = std::string(task) == "pull" ? 6.4 : 3.6;
-  deep(driven, when);
-  driven.key(SDLK_SPACE);  // the picture is held while it is made fine
   driven.frames(3);
+  driven.move_to_picture();
+  if (std::string(task) == "pull") {
+    wheel(driven, 10);
+    driven.button(SDL_BUTTON_LEFT, true);
+    driven.until(
+        [&] { return driven.window().snapshot().results[0].phase == palpate::contact::Phase::kPull; }, kSlow);
+    wheel(driven, -13);
+  } else {
+    wheel(driven, 22);
+    wheel(driven, -6);
+    wheel(driven, 6);
+  }
   driven.window().hold_full_quality();
-  driven.key(SDLK_SPACE);
   driven.frames(4);
   palpate::render::write_png(driven.window().picture(), file);
   driven.close();
