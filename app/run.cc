@@ -1,4 +1,5 @@
 // `palpate run`: one interaction, in real time or offline.
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <unistd.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/report/report.h"
 #include "palpate/scene/device_kinds.h"
 
@@ -103,6 +105,9 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
   options.stays = !wants_outputs(flags);
   options.stop = &stop;
   WindowOutcome outcome = run_in_window(session, flags.request, options);
+  const auto in_ms = [](double time) { return shortest(std::round(1e3 * time)) + " ms"; };
+  tell("the window showed " + std::to_string(outcome.frames) + " frames of the run; what they showed was " +
+       in_ms(outcome.median_age) + " old in the median, at most " + in_ms(outcome.largest_age));
   if (outcome.more_runs > 0) {
     tell(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
          " in the window; what follows is the first");

@@ -75,7 +75,7 @@ void strips(const ImVec2& low, const ImVec2& high, const Shown& shown) {
     for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
       most = std::max(most, largest(shown.traces.of_hand(hand), strip.quantity));
     }
-    most = round_end(most * 1.02);
+    most = strip.both_signs ? round_step(most * 1.02) : round_end(most * 1.02);
     const float top = low.y + static_cast<float>(i) * each;
     const Plot plot(list, ImVec2(low.x, top), ImVec2(high.x, top + each + (bottom ? last : 0.0F)),
                     {from, to, bottom ? "time [s]" : "", bottom},

@@ -129,6 +129,7 @@ bool Window::frame() {
   display_.swap();
   if (snapshot_there_ && !paused_ && !run_->ended()) {
     const std::int64_t now = monotonic_ns();
+    all_ages_.add(now - shown_.taken_ns);
     age_ = 1e-9 * static_cast<double>(now - shown_.taken_ns);
     ages_.emplace_back(now, age_);
     while (ages_.front().first < now - kAgesKeptNs) ages_.pop_front();
@@ -147,7 +148,8 @@ void Window::take_newest() {
   picture_stale_ = true;
 }
 
-/// The picture's resolution follows what the machine can draw in time.
+/// The picture's resolution follows what the machine can draw in time, once the renderer itself has done what
+/// it can.
 void Window::adapt(double frame_time) {
   frame_time_ = frame_time;
   if (!drew_) return;
@@ -157,6 +159,8 @@ void Window::adapt(double frame_time) {
   const double usual = frame_times_[frame_times_.size() / 2];
   frame_times_.clear();
   if (quality_held_) return;
+  const bool has_more = renderer_->quality() != render::Quality::kFast;
+  if (usual > kBudget && has_more && usual < 3.0 * kBudget) return;
   if (usual > 3.0 * kBudget && quality_ + 2 < kQualities.size()) ++quality_;
   if (usual > kBudget && quality_ + 1 < kQualities.size()) ++quality_;
   if (usual < kFastEnough && quality_ > 0) --quality_;
@@ -165,6 +169,7 @@ void Window::adapt(double frame_time) {
 void Window::hold_full_quality() {
   quality_ = 0;
   quality_held_ = true;
+  renderer_->hold_quality(render::Quality::kFull);
 }
 
 void Window::draw_picture() {
@@ -366,7 +371,14 @@ WindowOutcome Window::finish() {
     first_failure_ = run_->failure();
   }
   if (!first_account_) throw InputError(first_failure_);
-  return {*first_account_, runs_begun_ - 1, later_fault_};
+  WindowOutcome outcome;
+  outcome.account = *first_account_;
+  outcome.more_runs = runs_begun_ - 1;
+  outcome.later_fault = later_fault_;
+  outcome.frames = all_ages_.count();
+  outcome.median_age = 1e-9 * static_cast<double>(all_ages_.percentile(0.5));
+  outcome.largest_age = 1e-9 * static_cast<double>(all_ages_.max());
+  return outcome;
 }
 
 WindowOutcome run_in_window(Session& first, const scene::Request& request, const WindowOptions& options) {

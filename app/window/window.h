@@ -40,6 +40,9 @@ struct WindowOutcome {
   RunAccount account;           // of the first session
   std::uint64_t more_runs = 0;  // begun in the window
   bool later_fault = false;     // one of those met a fault
+  std::uint64_t frames = 0;     // that showed a running session
+  double median_age = 0.0;      // s, of what they showed when they were shown
+  double largest_age = 0.0;     // s
 };
 
 /// The window of `palpate run`: the picture, the panels beside it, and the session that plays meanwhile on
@@ -161,6 +164,7 @@ class Window final {
   double frame_time_ = 0.0;
   double frames_a_second_ = 0.0;
   double age_ = 0.0;
+  haptics::Histogram all_ages_;                       // ns
   std::deque<std::pair<std::int64_t, double>> ages_;  // of the last seconds
   std::optional<RunAccount> first_account_;
   std::string first_failure_;
