@@ -1,20 +1,26 @@
 // `palpate run`: one interaction, in real time or offline.
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/report/report.h"
+#include "palpate/scene/device_kinds.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/session.h"
+#include "app/window/window.h"
 
 namespace palpate::app {
 namespace {
@@ -24,7 +30,7 @@ namespace fs = std::filesystem;
 struct RunFlags {
   scene::Request request;
   bool offline = false;
-  bool headless = false;  // there is no window yet: runs are headless either way
+  bool headless = false;
   bool json = false;
   bool no_cache = false;
   std::optional<double> duration_s;
@@ -56,6 +62,73 @@ void check_outputs(const OutputFiles& files) {
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
 }
 
+/// Whether this run has a window. Without a display a run in real time says that it has none.
+bool wants_window(const RunFlags& flags) {
+  if (flags.headless || flags.offline) return false;
+  if (display_there()) return true;
+  tell("there is no display: the run has no window (--headless asks for that)");
+  return false;
+}
+
+/// A mouse or a gamepad needs the window that feeds it.
+void require_window(const Session& session, const RunFlags& flags, bool window) {
+  if (window) return;
+  for (const scene::DeviceSetup& device : session.setup.devices) {
+    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+    if (kind == nullptr || !kind->window) continue;
+    const std::string why = flags.offline    ? "with --offline"
+                            : flags.headless ? "with --headless"
+                                             : "without a display";
+    throw InputError("device " + device.kind + ": the window of a run feeds it, and there is none " + why);
+  }
+}
+
+/// Whether something was asked for that a window kept open would keep waiting.
+bool wants_outputs(const RunFlags& flags) {
+  return flags.json || flags.duration_s || flags.max_missed || !flags.files.recording.empty() ||
+         !flags.files.report.empty() || !flags.files.screenshot.empty();
+}
+
+/// How a run went, with what was begun in its window after it.
+struct Played {
+  RunAccount account;
+  bool later_fault = false;
+};
+
+Played play_in_window(Session& session, const RunFlags& flags, const fs::path& recording,
+                      const std::atomic<bool>& stop) {
+  WindowOptions options;
+  options.recording = recording;
+  options.core = flags.core;
+  options.duration_s = flags.duration_s;
+  options.no_cache = flags.no_cache;
+  options.stays = !wants_outputs(flags);
+  options.stop = &stop;
+  WindowOutcome outcome = run_in_window(session, flags.request, options);
+  const auto in_ms = [](double time) { return shortest(std::round(1e3 * time)) + " ms"; };
+  tell("the window showed " + std::to_string(outcome.frames) + " frames of the run; what they showed was " +
+       in_ms(outcome.median_age) + " old in the median, at most " + in_ms(outcome.largest_age));
+  if (outcome.more_runs > 0) {
+    tell(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
+         " in the window; what follows is the first");
+  }
+  return {std::move(outcome.account), outcome.later_fault};
+}
+
+/// In a window where there can be one.
+Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& recording, bool window) {
+  const StopOnSignal signals;
+  if (window) {
+    try {
+      return play_in_window(session, flags, recording, signals.flag());
+    } catch (const NoWindow& error) {
+      tell(std::string(error.what()) + "; the run has none");
+      require_window(session, flags, false);
+    }
+  }
+  return {play(session, {recording, flags.offline, flags.core}, signals.flag()), false};
+}
+
 int run(const RunFlags& flags, const std::string& command_line) {
   if (flags.igtl_port) {
     throw InputError("--igtl " + std::to_string(*flags.igtl_port) +
@@ -63,6 +136,8 @@ int run(const RunFlags& flags, const std::string& command_line) {
   }
   require_usable_core(flags.core);
   Session session = prepare(flags.request, flags.duration_s, flags.no_cache);
+  const bool window = wants_window(flags);
+  require_window(session, flags, window);
   OutputFiles files = flags.files;
   check_outputs(files);
 
@@ -75,11 +150,8 @@ int run(const RunFlags& flags, const std::string& command_line) {
   if (recorded.empty() && !files.screenshot.empty()) recorded = temporary.emplace().path();
 
   const std::string title = title_of(session.setup);
-  RunAccount account;
-  {
-    const StopOnSignal signals;
-    account = play(session, {recorded, flags.offline, flags.core}, signals.flag());
-  }
+  const Played played = play_as_asked(session, flags, recorded, window);
+  const RunAccount& account = played.account;
   const bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
   if (draw) {
     const record::Recording recording = record::read_recording(recorded);
@@ -97,7 +169,8 @@ int run(const RunFlags& flags, const std::string& command_line) {
   } else {
     print_summary(std::cout, account, files);
   }
-  return exit_code_of(account, flags.max_missed);
+  const int code = exit_code_of(account, flags.max_missed);
+  return played.later_fault ? kFault : code;
 }
 
 void add_scene_flags(CLI::App& command, RunFlags& flags) {
@@ -118,7 +191,7 @@ void add_scene_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--tool-unit", request.tool_unit, "unit of the tool's files");
   command.add_option("--device", request.device,
                      "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
-                     "forcedimension, haply (`palpate devices` says what is there)");
+                     "mouse, gamepad, forcedimension, haply (`palpate devices` says what is there)");
   command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks a second");
   command.add_option("--seed", request.seed, "of the touch noise");
   command.add_flag("--no-noise", request.no_noise, "leave the touch noise out");
@@ -130,7 +203,7 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--record", flags.files.recording, "write every tick to this HDF5 file");
   command.add_option("--report", flags.files.report, "write report.html and its figures to this folder");
   command.add_option("--screenshot", flags.files.screenshot, "write a PNG of the deepest moment");
-  command.add_flag("--headless", flags.headless, "no window");
+  command.add_flag("--headless", flags.headless, "no window, also where there is a display");
   command.add_option("--max-missed", flags.max_missed, "exit 4 when more deadlines were missed");
   command.add_option("--core", flags.core, kCoreHelp);
   command.add_option("--igtl", flags.igtl_port, "OpenIGTLink port (not in this version)");

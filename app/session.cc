@@ -42,9 +42,30 @@ extern "C" void ask_to_stop(int) { stop_asked.store(true, std::memory_order_rela
 std::atomic<std::uint32_t> resets_asked{0};
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
 
-extern "C" void ask_for_resets(int) {
-  resets_asked.store(std::numeric_limits<std::uint32_t>::max(), std::memory_order_relaxed);
-}
+extern "C" void ask_for_resets(int) { reset_faults(); }
+
+/// Rows to two sinks.
+class RowsToBoth final : public haptics::TickSink {
+ public:
+  /// [setup] @param second may be null
+  RowsToBoth(haptics::TickSink& first, haptics::TickSink* second) : first_(first), second_(second) {}
+  void begin(std::int64_t started_unix_ns) noexcept override {
+    first_.begin(started_unix_ns);
+    if (second_ != nullptr) second_->begin(started_unix_ns);
+  }
+  void put_change(const haptics::LiveChange& change) noexcept override {
+    first_.put_change(change);
+    if (second_ != nullptr) second_->put_change(change);
+  }
+  void put(const haptics::TickRow& row) noexcept override {
+    first_.put(row);
+    if (second_ != nullptr) second_->put(row);
+  }
+
+ private:
+  haptics::TickSink& first_;
+  haptics::TickSink* second_;
+};
 
 /// SIGUSR1 resets the faults of all hands while this lives, and does nothing afterwards: a reset that comes
 /// too late must not end the program before its report is written.
@@ -132,8 +153,15 @@ void keep_flight(const record::FlightRecorder& flight, scene::Setup& setup, RunA
 
 }  // namespace
 
+void reset_faults() noexcept {
+  resets_asked.store(std::numeric_limits<std::uint32_t>::max(), std::memory_order_relaxed);
+}
+
 Session prepare(const scene::Request& request, std::optional<double> duration_s, bool no_cache) {
-  scene::Setup setup = scene::load(request);
+  return prepare(scene::load(request), duration_s, no_cache);
+}
+
+Session prepare(scene::Setup setup, std::optional<double> duration_s, bool no_cache) {
   haptics::SimulationWorld world = record::assemble(setup, OrganPreparation(no_cache).how());
   Session session{std::move(setup), std::move(world), {}, 0};
   for (std::size_t hand = 0; hand < session.setup.devices.size(); ++hand) {
@@ -205,6 +233,7 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
     recorder.emplace(how.recording, session.setup, how.offline);
   }
   RowWatch watch(recorder ? static_cast<haptics::TickSink*>(&*recorder) : &*flight, session.setup);
+  RowsToBoth rows(watch, how.onlooker);
   haptics::SimulationState state(session.world);
   std::vector<haptics::Device*> devices;
   for (const auto& device : session.devices) devices.push_back(device.get());
@@ -215,10 +244,11 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
   {
     const ResetOnSignal signals;
     RunCompanion companion(session.setup.name, session.ticks, session.setup.rate_Hz, devices);
-    account.loop = haptics::run_loop(session.world, state, devices, &watch,
+    account.loop = haptics::run_loop(session.world, state, devices, &rows,
                                      {.ticks = session.ticks,
                                       .offline = how.offline,
                                       .stop = &stop,
+                                      .snapshots = how.snapshots,
                                       .progress = &companion.done(),
                                       .resets = &resets_asked,
                                       .changes = how.changes,

@@ -28,6 +28,9 @@ struct Session {
 /// the devices have nothing more to say. @param no_cache the organ is prepared anew. @throws InputError.
 [[nodiscard]] Session prepare(const scene::Request& request, std::optional<double> duration_s, bool no_cache);
 
+/// [setup] The same from a scene that is read already.
+[[nodiscard]] Session prepare(scene::Setup setup, std::optional<double> duration_s, bool no_cache);
+
 /// [setup] Whether a file or folder could be written there, without touching anything. @throws InputError
 /// naming `flag` and the path.
 void require_writable_file(const std::filesystem::path& file, const std::string& flag);
@@ -53,7 +56,13 @@ struct PlayOptions {
   bool offline = false;
   std::optional<int> core = std::nullopt;   // the one core that the loop runs on
   haptics::LiveChanges* changes = nullptr;  // to tissue and noise while the session is played
+  // For who watches the run, a window; they outlive it:
+  SnapshotCell<haptics::Snapshot>* snapshots = nullptr;
+  haptics::TickSink* onlooker = nullptr;  // sees every row, too
 };
+
+/// [any] Clears the faults of all hands of the session that plays, as SIGUSR1 does.
+void reset_faults() noexcept;
 
 /// [setup] Refuses a core that this program may not use. @throws ParameterError naming --core and the cores.
 void require_usable_core(std::optional<int> core);

@@ -59,6 +59,7 @@ class Program final {
     child_ = fork();
     if (child_ != 0) return;
     setenv("PALPATE_CACHE", "off", 1);
+    for (const char* display : {"DISPLAY", "WAYLAND_DISPLAY"}) unsetenv(display);  // no windows
     for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
     const int out_file = open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
     const int err_file = open(err.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);

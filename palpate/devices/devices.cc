@@ -1,13 +1,17 @@
 #include "palpate/devices/devices.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/devices/emulated.h"
 #include "palpate/devices/forcedimension.h"
+#include "palpate/devices/gamepad.h"
 #include "palpate/devices/haply.h"
+#include "palpate/devices/mouse.h"
 #include "palpate/devices/replay.h"
 #include "palpate/devices/scripted.h"
 #include "palpate/record/recording.h"
@@ -75,6 +79,28 @@ std::unique_ptr<haptics::Device> open_haply(const scene::Setup& setup, std::size
   return std::make_unique<HaplyDevice>(address, place);
 }
 
+std::unique_ptr<haptics::Device> open_mouse(const scene::Setup& setup, std::size_t hand) {
+  return std::make_unique<MouseDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
+}
+
+std::unique_ptr<haptics::Device> open_gamepad(const scene::Setup& setup, std::size_t hand) {
+  return std::make_unique<GamepadDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
+}
+
+Probe probe_mouse(const std::string& /*path*/) {
+  return {"mouse", true, "moves the tool in the window of `palpate run`: sideways, the wheel presses"};
+}
+
+Probe probe_gamepad(const std::string& /*path*/) {
+  std::error_code error;
+  int pads = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/input", error)) {
+    if (entry.path().filename().string().rfind("js", 0) == 0) ++pads;
+  }
+  if (pads == 0) return {"gamepad", false, "none is connected (nothing like /dev/input/js0)"};
+  return {"gamepad", true, "moves the tool in the window of `palpate run`: sticks, triggers, rumble"};
+}
+
 Probe probe_scripted(const std::string& /*path*/) {
   return {"scripted", true, "follows a path from a CSV file, or one of its own onto the organ"};
 }
@@ -131,6 +157,8 @@ constexpr Kind kKinds[] = {
     {"scripted", open_scripted, probe_scripted, nullptr},
     {"replay", open_replay, probe_replay, nullptr},
     {"emulated", open_emulated, probe_emulated, nullptr},
+    {"mouse", open_mouse, probe_mouse, nullptr},
+    {"gamepad", open_gamepad, probe_gamepad, nullptr},
     {"forcedimension", open_forcedimension, probe_forcedimension, connect_forcedimension},
     {"haply", open_haply, probe_haply, connect_haply},
     {"host", open_host, probe_host, nullptr},

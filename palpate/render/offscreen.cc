@@ -182,6 +182,12 @@ void OffscreenRenderer::set_map_range(double range) { impl_->painter.set_map_ran
 
 void OffscreenRenderer::adapt_to_time() { impl_->choice.emplace(); }
 
+void OffscreenRenderer::hold_quality(Quality quality) {
+  const Current current(context_.get());
+  impl_->choice.reset();
+  impl_->painter.set_quality(quality);
+}
+
 Quality OffscreenRenderer::quality() const { return impl_->painter.quality(); }
 
 double OffscreenRenderer::update_ms() const { return impl_->update_ms; }

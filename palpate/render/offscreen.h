@@ -83,6 +83,9 @@ class OffscreenRenderer final {
   void set_map_range(double range);
   /// [setup] From here on the quality follows the time that pictures take, as in a window.
   void adapt_to_time();
+
+  /// [setup] From here on all pictures have this quality, however long they take.
+  void hold_quality(Quality quality);
   /// [any] The quality of the next picture.
   [[nodiscard]] Quality quality() const;
   /// [any] Computing time [ms] that deformation and upload took in the last picture.

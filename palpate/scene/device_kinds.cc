@@ -6,9 +6,14 @@ namespace palpate::scene {
 namespace {
 
 constexpr DeviceKind kKinds[] = {
-    {"scripted", DevicePath::kToolPath, false, true}, {"replay", DevicePath::kRecording, false, true},
-    {"emulated", DevicePath::kToolPath, true, true},  {"forcedimension", DevicePath::kLibrary, true, true},
-    {"haply", DevicePath::kAddress, true, false},     {"host", DevicePath::kToolPath, true, true},
+    {"scripted", DevicePath::kToolPath, false, true, false},
+    {"replay", DevicePath::kRecording, false, true, false},
+    {"emulated", DevicePath::kToolPath, true, true, false},
+    {"mouse", DevicePath::kNone, false, true, true},
+    {"gamepad", DevicePath::kNone, false, true, true},
+    {"forcedimension", DevicePath::kLibrary, true, true, false},
+    {"haply", DevicePath::kAddress, true, false, false},
+    {"host", DevicePath::kToolPath, true, true, false},
 };
 
 }  // namespace

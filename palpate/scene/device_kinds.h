@@ -10,6 +10,7 @@ enum class DevicePath {
   kRecording,  // a recording, required
   kLibrary,    // the vendor's shared library, optional: found by the system's loader
   kAddress,    // ws://HOST:PORT, optional
+  kNone,       // it takes no path
 };
 
 /// One kind of device that a scene can name.
@@ -19,6 +20,7 @@ struct DeviceKind {
   bool held;    // a hand, or an emulated one, holds it and moves by its force: the force waits until the hand
                 // is ready, and the passivity controller acts
   bool torque;  // it can give torque
+  bool window;  // a window feeds it: a run without one cannot use it
 };
 
 /// [any] All kinds, in the order in which they are listed to people.

@@ -189,6 +189,8 @@ std::string check_device_path(const DeviceDescription& device, const DeviceKind&
     if (kind.path == DevicePath::kRecording) device.kind.fail("needs the path of a recording beside it");
     return {};
   }
+  if (kind.path == DevicePath::kNone)
+    device.path->fail("must be left out: a " + std::string(kind.name) + " has none");
   if (kind.path == DevicePath::kAddress) return device.path->value;  // checked by the device itself
   const std::filesystem::path file = device.path->file();
   std::error_code status;

@@ -216,9 +216,10 @@ TEST(Load, RefusesDevicesItCannotOpen) {
     request.device = device;
     return error_in(request);
   };
-  EXPECT_THAT(
-      with("joystick"),
-      HasSubstr("--device = \"joystick\": must be scripted, replay, emulated, forcedimension or haply"));
+  EXPECT_THAT(with("joystick"),
+              HasSubstr("--device = \"joystick\": must be scripted, replay, emulated, mouse, gamepad, "
+                        "forcedimension or haply"));
+  EXPECT_THAT(with("mouse:left"), HasSubstr("\"left\": must be left out: a mouse has none"));
   EXPECT_THAT(with("replay"), HasSubstr("needs the path of a recording"));
   EXPECT_THAT(with("replay:/no/such.h5"), HasSubstr("--device = \"/no/such.h5\": there is no such file"));
   EXPECT_THAT(with("scripted:/no/such.csv"), HasSubstr("there is no such file"));
@@ -245,8 +246,8 @@ TEST(Load, RefusesWhatAScenesFilesDoWrong) {
   EXPECT_THAT(
       error_with("[organ]\nmesh=\"heart\"\ntissue=\"no.toml\"\n[tool]\nmesh=\"sphere:3\"\n"),
       HasSubstr(name + ":3: organ.tissue: " + folder.path().string() + "/no.toml: there is no such file"));
-  EXPECT_THAT(error_with(kShort + "[device]\nkind=\"mouse\"\n"),
-              HasSubstr(name + ":6: device.kind = \"mouse\": must be scripted, replay"));
+  EXPECT_THAT(error_with(kShort + "[device]\nkind=\"spoon\"\n"),
+              HasSubstr(name + ":6: device.kind = \"spoon\": must be scripted, replay"));
   EXPECT_THAT(error_with(kShort + "[device]\nkind=\"replay\"\n"),
               HasSubstr(name + ":6: device.kind = \"replay\": needs"));
   EXPECT_THAT(error_with(kShort + "[device]\npath=\"no.csv\"\n"),

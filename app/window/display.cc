@@ -1,0 +1,95 @@
+#include "app/window/display.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <SDL.h>
+#include <epoxy/gl.h>
+
+namespace palpate::app {
+namespace {
+
+constexpr int kWantedVersion = 33;  // OpenGL 3.3, as epoxy counts
+constexpr int kSmallestSide = 1;
+
+bool names_something(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+}  // namespace
+
+bool display_there() { return names_something("DISPLAY") || names_something("WAYLAND_DISPLAY"); }
+
+Display::Display(const std::string& title, Size size) {
+  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C stays the program's
+  SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
+  SDL_SetHint(SDL_HINT_MOUSE_FOCUS_CLICKTHROUGH, "1");
+  // Without a display SDL would pick a driver that shows nothing.
+  if (!names_something("SDL_VIDEODRIVER") && !names_something("WAYLAND_DISPLAY")) {
+    SDL_SetHint(SDL_HINT_VIDEODRIVER, "x11");
+  }
+  if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) {
+    throw NoWindow(std::string("no window can be opened: ") + SDL_GetError());
+  }
+  SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
+  SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 3);
+  SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);
+  SDL_GL_SetAttribute(SDL_GL_DOUBLEBUFFER, 1);
+  window_ =
+      SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, size.width, size.height,
+                       SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
+  if (window_ != nullptr) context_ = SDL_GL_CreateContext(window_);
+  if (context_ == nullptr || epoxy_gl_version() < kWantedVersion) {
+    const std::string why = context_ == nullptr ? SDL_GetError() : "its OpenGL is older than 3.3";
+    close();
+    throw NoWindow("no window can be opened: " + why);
+  }
+  SDL_SetWindowMinimumSize(window_, kSmallestSide, kSmallestSide);
+  SDL_GL_SetSwapInterval(1);
+  SDL_EventState(SDL_DROPFILE, SDL_ENABLE);
+}
+
+Display::~Display() { close(); }
+
+void Display::close() noexcept {
+  if (context_ != nullptr) SDL_GL_DeleteContext(context_);
+  if (window_ != nullptr) SDL_DestroyWindow(window_);
+  SDL_QuitSubSystem(SDL_INIT_VIDEO);
+}
+
+Display::Size Display::size() const {
+  Size size;
+  SDL_GetWindowSize(window_, &size.width, &size.height);
+  return size;
+}
+
+Display::Size Display::pixels() const {
+  Size size;
+  SDL_GL_GetDrawableSize(window_, &size.width, &size.height);
+  return size;
+}
+
+float Display::scale() const {
+  constexpr float kPlain = 96.0F;  // dots an inch
+  float dots = kPlain;
+  const int where = SDL_GetWindowDisplayIndex(window_);
+  if (where < 0 || SDL_GetDisplayDPI(where, nullptr, &dots, nullptr) != 0) dots = kPlain;
+  // Where the system itself enlarges the window, its units are larger than pixels already.
+  const Size units = size();
+  const float enlarged =
+      units.width > 0 ? static_cast<float>(pixels().width) / static_cast<float>(units.width) : 1.0F;
+  return std::clamp(std::round(4.0F * dots / (kPlain * std::max(1.0F, enlarged))) / 4.0F, 1.0F, 3.0F);
+}
+
+void Display::set_title(const std::string& title) { SDL_SetWindowTitle(window_, title.c_str()); }
+
+void Display::toggle_full_screen() {
+  const bool full = (SDL_GetWindowFlags(window_) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
+  SDL_SetWindowFullscreen(window_, full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
+}
+
+void Display::swap() { SDL_GL_SwapWindow(window_); }
+
+}  // namespace palpate::app

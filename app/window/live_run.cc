@@ -1,0 +1,39 @@
+#include "app/window/live_run.h"
+
+#include <exception>
+#include <utility>
+
+#include "palpate/record/assemble.h"
+
+namespace palpate::app {
+
+LiveRun::LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core)
+    : session_(session), recording_(std::move(recording)) {
+  start(core);
+}
+
+LiveRun::LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, std::optional<int> core)
+    : owned_(std::move(session)), session_(*owned_), recording_(std::move(recording)) {
+  start(core);
+}
+
+LiveRun::~LiveRun() { stop(); }
+
+void LiveRun::start(std::optional<int> core) {
+  changes_ = record::live_changes(session_.setup, session_.world);
+  thread_ = std::thread([this, core] {
+    try {
+      account_ = play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_}, stop_);
+    } catch (const std::exception& error) {
+      failure_ = error.what();
+    }
+    ended_.store(true, std::memory_order_release);
+  });
+}
+
+void LiveRun::stop() {
+  stop_.store(true, std::memory_order_relaxed);
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,87 @@
+#include "app/window/look.h"
+
+#include <filesystem>
+#include <system_error>
+
+namespace palpate::app {
+namespace {
+
+constexpr float kFontHeight = 15.0F;  // units at scale 1
+
+/// Letters that the panels use: Latin, Greek, and a few signs.
+constexpr ImWchar kLetters[] = {0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010, 0x2026,
+                                0x2070, 0x209F, 0x2190, 0x21FF, 0};
+
+void add_font(ImGuiIO& io, float height) {
+  constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // fonts-dejavu-core
+  std::error_code error;
+  if (std::filesystem::exists(kFont, error) &&
+      io.Fonts->AddFontFromFileTTF(kFont, height, nullptr, kLetters) != nullptr) {
+    return;
+  }
+  ImFontConfig plain;
+  plain.SizePixels = height;
+  io.Fonts->AddFontDefault(&plain);
+}
+
+void set_colours(ImGuiStyle& style) {
+  const auto set = [&style](ImGuiCol_ which, float red, float green, float blue, float opacity = 1.0F) {
+    style.Colors[which] = ImVec4(red, green, blue, opacity);
+  };
+  style.Colors[ImGuiCol_Text] = colour::kText;
+  style.Colors[ImGuiCol_TextDisabled] = colour::kFaint;
+  style.Colors[ImGuiCol_WindowBg] = colour::kBackground;
+  set(ImGuiCol_PopupBg, 0.13F, 0.135F, 0.145F, 0.99F);
+  set(ImGuiCol_Border, 0.24F, 0.25F, 0.27F);
+  set(ImGuiCol_FrameBg, 0.165F, 0.17F, 0.185F);
+  set(ImGuiCol_FrameBgHovered, 0.21F, 0.22F, 0.24F);
+  set(ImGuiCol_FrameBgActive, 0.25F, 0.26F, 0.29F);
+  set(ImGuiCol_TitleBg, 0.13F, 0.135F, 0.145F);
+  set(ImGuiCol_TitleBgActive, 0.17F, 0.18F, 0.20F);
+  set(ImGuiCol_Header, 0.155F, 0.165F, 0.185F);
+  set(ImGuiCol_HeaderHovered, 0.21F, 0.225F, 0.25F);
+  set(ImGuiCol_HeaderActive, 0.24F, 0.26F, 0.29F);
+  set(ImGuiCol_Button, 0.20F, 0.215F, 0.24F);
+  set(ImGuiCol_ButtonHovered, 0.26F, 0.28F, 0.315F);
+  set(ImGuiCol_ButtonActive, 0.31F, 0.34F, 0.38F);
+  set(ImGuiCol_CheckMark, 0.60F, 0.76F, 0.92F);
+  set(ImGuiCol_SliderGrab, 0.42F, 0.47F, 0.54F);
+  set(ImGuiCol_SliderGrabActive, 0.52F, 0.58F, 0.67F);
+  set(ImGuiCol_Separator, 0.22F, 0.23F, 0.25F);
+  set(ImGuiCol_ScrollbarBg, 0.10F, 0.105F, 0.115F, 0.0F);
+  set(ImGuiCol_ScrollbarGrab, 0.25F, 0.26F, 0.28F);
+  set(ImGuiCol_NavHighlight, 0.60F, 0.76F, 0.92F);
+  set(ImGuiCol_TextSelectedBg, 0.26F, 0.36F, 0.48F);
+  set(ImGuiCol_ModalWindowDimBg, 0.0F, 0.0F, 0.0F, 0.45F);
+}
+
+}  // namespace
+
+ImU32 packed(const ImVec4& colour, float opacity) {
+  return ImGui::ColorConvertFloat4ToU32(ImVec4(colour.x, colour.y, colour.z, colour.w * opacity));
+}
+
+void set_look(float scale, float pixels_per_unit) {
+  ImGuiStyle style;
+  style.WindowPadding = ImVec2(10.0F, 8.0F);
+  style.FramePadding = ImVec2(7.0F, 3.0F);
+  style.ItemSpacing = ImVec2(7.0F, 5.0F);
+  style.CellPadding = ImVec2(3.0F, 2.0F);
+  style.ScrollbarSize = 11.0F;
+  style.WindowRounding = 0.0F;
+  style.FrameRounding = 3.0F;
+  style.PopupRounding = 4.0F;
+  style.GrabRounding = 3.0F;
+  style.WindowBorderSize = 0.0F;
+  style.PopupBorderSize = 1.0F;
+  style.WindowTitleAlign = ImVec2(0.0F, 0.5F);
+  set_colours(style);
+  style.ScaleAllSizes(scale);
+  ImGui::GetStyle() = style;
+  ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  add_font(io, kFontHeight * scale * pixels_per_unit);
+  io.FontGlobalScale = 1.0F / pixels_per_unit;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,29 @@
+#pragma once
+#include <imgui.h>
+
+namespace palpate::app {
+
+/// A calm dark look, nearly without colour, so that the tissue's is seen.
+namespace colour {
+inline const ImVec4 kBackground{0.100F, 0.105F, 0.115F, 1.0F};
+inline const ImVec4 kText{0.88F, 0.89F, 0.90F, 1.0F};
+inline const ImVec4 kFaint{0.60F, 0.62F, 0.65F, 1.0F};
+inline const ImVec4 kGrid{0.23F, 0.24F, 0.26F, 1.0F};
+inline const ImVec4 kForce{0.96F, 0.66F, 0.32F, 1.0F};
+inline const ImVec4 kDepth{0.42F, 0.72F, 0.95F, 1.0F};
+inline const ImVec4 kNoise{0.58F, 0.80F, 0.56F, 1.0F};
+inline const ImVec4 kLaw{0.62F, 0.60F, 0.72F, 1.0F};
+inline const ImVec4 kFault{0.70F, 0.14F, 0.13F, 1.0F};
+inline const ImVec4 kWarning{0.95F, 0.76F, 0.36F, 1.0F};
+inline const ImVec4 kGood{0.52F, 0.80F, 0.56F, 1.0F};
+inline const ImVec4 kNews{0.20F, 0.24F, 0.30F, 1.0F};
+}  // namespace colour
+
+/// [setup] As draw lists want it. @param opacity 0 to 1, times the colour's own
+[[nodiscard]] ImU32 packed(const ImVec4& colour, float opacity = 1.0F);
+
+/// [setup] Style and fonts of the current ImGui context. @param scale of everything; @param pixels_per_unit
+/// of the window, where the system enlarges it
+void set_look(float scale, float pixels_per_unit);
+
+}  // namespace palpate::app

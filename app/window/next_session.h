@@ -1,0 +1,53 @@
+#pragma once
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "app/session.h"
+
+namespace palpate::app {
+
+/// The session to come: read and checked on a thread of its own while the one before still plays, then, once
+/// that has let its devices go, made ready. All members: [setup], the window's thread.
+class NextSession final {
+ public:
+  /// What is taken over from the session before instead of what the request says.
+  struct Kept {
+    std::optional<model::TissueParameters> tissue;
+    std::optional<noise::NoiseSettings> noise;
+  };
+  enum class State { kReading, kRead, kPreparing, kReady, kFailed };
+
+  /// Begins to read.
+  NextSession(scene::Request request, Kept kept, std::filesystem::path recording);
+  ~NextSession();
+  NextSession(const NextSession&) = delete;
+  NextSession& operator=(const NextSession&) = delete;
+
+  [[nodiscard]] State state() const noexcept { return state_.load(std::memory_order_acquire); }
+  /// In kRead, when no other session holds a device: goes on.
+  void prepare_now(std::optional<double> duration_s, bool no_cache);
+  /// In kReady: the session.
+  [[nodiscard]] std::unique_ptr<Session> take() { return std::move(session_); }
+  /// In kFailed: why, in words.
+  [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+  [[nodiscard]] const scene::Request& request() const noexcept { return request_; }
+  [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
+
+ private:
+  template <typename Work>
+  void work(State from_then_on, Work&& doing);
+
+  scene::Request request_;
+  Kept kept_;
+  std::filesystem::path recording_;
+  std::optional<scene::Setup> setup_;
+  std::unique_ptr<Session> session_;
+  std::string failure_;
+  std::atomic<State> state_{State::kReading};
+  std::thread thread_;
+};
+
+}  // namespace palpate::app

@@ -1,0 +1,142 @@
+#include "app/window/panels.h"
+
+#include <algorithm>
+
+#include <imgui.h>
+
+#include "app/window/look.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr float kSideWidth = 318.0F;  // at scale 1
+constexpr float kPlotsHeight = 290.0F;
+constexpr float kLeastPicture = 240.0F;  // a side
+
+bool is_open(const PanelState& state, Panel panel) { return state.open[static_cast<std::size_t>(panel)]; }
+
+/// A heading that opens and closes its panel. @return whether it is open
+bool heading(const char* text, PanelState& state, Panel panel) {
+  bool& open = state.open[static_cast<std::size_t>(panel)];
+  ImGui::SetNextItemOpen(open);
+  open = ImGui::CollapsingHeader(text);
+  return open;
+}
+
+void begin_column(const char* name, const Rectangle& place) {
+  ImGui::SetNextWindowPos(ImVec2(place.x, place.y));
+  ImGui::SetNextWindowSize(ImVec2(place.width, place.height));
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_AlwaysVerticalScrollbar * 0);
+}
+
+}  // namespace
+
+Layout lay_out(float width, float height, float scale, const PanelState& state) {
+  Layout all;
+  all.picture = {0.0F, 0.0F, width, height};
+  if (state.hidden) return all;
+  const float side = kSideWidth * scale;
+  const float least = kLeastPicture * scale;
+  if (is_open(state, Panel::kPlots) && height >= kPlotsHeight * scale + least && width >= side + least) {
+    all.picture.height -= kPlotsHeight * scale;
+  }
+  if (width >= side + least && height >= least) {
+    all.left = {0.0F, 0.0F, side, height};
+    all.picture.x = side;
+    all.picture.width -= side;
+  }
+  if (width >= 2.0F * side + least && height >= least) {
+    all.right = {width - side, 0.0F, side, height};
+    all.picture.width -= side;
+  }
+  if (all.picture.height < height) {
+    all.bottom = {all.picture.x, all.picture.height, all.picture.width, height - all.picture.height};
+  }
+  return all;
+}
+
+void draw_left(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes) {
+  begin_column("left", place);
+  if (heading("Scene  (F2)###scene", state, Panel::kScene)) scene_panel(shown, state, wishes);
+  if (heading("Tissue  (F3)###tissue", state, Panel::kTissue)) tissue_panel(shown, state, wishes);
+  if (heading("Touch noise  (F4)###noise", state, Panel::kNoise)) noise_panel(shown, state, wishes);
+  ImGui::End();
+}
+
+void draw_right(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes) {
+  begin_column("right", place);
+  if (heading("Device and safety  (F5)###device", state, Panel::kDevice)) device_panel(shown, wishes);
+  if (heading("Timing  (F6)###timing", state, Panel::kTiming)) timing_panel(shown);
+  ImGui::End();
+}
+
+void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
+  if (!state.help) return;
+  struct Line {
+    const char* keys;
+    const char* what;
+  };
+  static constexpr Line kLines[] = {
+      {"F1", "these keys"},
+      {"F2 to F7", "scene, tissue, noise, device, timing, plots: open or close"},
+      {"F8", "all panels away, or back"},
+      {"F11", "full screen"},
+      {"right or left drag, arrows", "turn the view"},
+      {"middle drag, Shift + arrows", "move the view"},
+      {"wheel, + and -", "nearer, farther"},
+      {"Home", "the view of the beginning"},
+      {"Space", "hold the picture; the run goes on"},
+      {"Enter", "run again from the start"},
+      {"R", "reset a fault"},
+      {"N", "touch noise on or off"},
+      {"Ctrl + R", "run again and record; or end the recording"},
+      {"P", "save a picture of the window (PNG)"},
+      {"Ctrl + O", "choose an organ's file (or drop any file here)"},
+      {"Ctrl + S", "save the tissue"},
+      {"Ctrl + Tab", "into the panels; arrows, Space and Enter there"},
+      {"Esc", "leave: zero force, recording closed"},
+  };
+  static constexpr Line kMouse[] = {{"mouse", "moves the tool sideways (Shift: finely)"},
+                                    {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
+                                    {"left button", "closes the jaws; G: which way they rest"},
+                                    {"right, middle drag, Ctrl + wheel", "the view; 1 to 4: which hand"}};
+  static constexpr Line kPad[] = {{"left stick", "moves the tool sideways"},
+                                  {"right stick", "down presses, up lifts"},
+                                  {"right trigger", "presses, up to 25 mm"},
+                                  {"left trigger", "closes the jaws"}};
+  const ImVec2 all = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos(ImVec2(0.5F * all.x, 0.5F * all.y), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
+  ImGui::SetNextWindowBgAlpha(0.97F);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(22.0F, 16.0F));
+  if (ImGui::Begin("Keys", &state.help,
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize |
+                       ImGuiWindowFlags_NoSavedSettings)) {
+    const auto lines = [](const char* name, const auto& all_lines) {
+      if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return;
+      for (const Line& line : all_lines) {
+        ImGui::TableNextColumn();
+        ImGui::TextColored(colour::kDepth, "%s   ", line.keys);
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(line.what);
+      }
+      ImGui::EndTable();
+    };
+    lines("all", kLines);
+    if (mouse_steers) {
+      ImGui::Separator();
+      ImGui::TextUnformatted("The mouse holds the tool");
+      lines("mouse", kMouse);
+    }
+    if (gamepad_steers) {
+      ImGui::Separator();
+      ImGui::TextUnformatted("The gamepad holds the tool");
+      lines("pad", kPad);
+    }
+  }
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,112 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/haptics/loop.h"
+#include "palpate/model/tissue.h"
+#include "palpate/noise/touch_noise.h"
+#include "palpate/scene/load.h"
+
+#include "app/window/file_chooser.h"
+#include "app/window/traces.h"
+
+namespace palpate::app {
+
+/// The panels, in the order of the keys F2 to F7.
+enum class Panel { kScene, kTissue, kNoise, kDevice, kTiming, kPlots };
+inline constexpr std::size_t kPanels = 6;
+
+/// One hand's state in words, for the panels.
+struct HandWords {
+  std::string device;       // kind and path
+  std::string state;        // "pressing, 4.2 mm deep"
+  std::string fault;        // empty: none
+  std::string advice;       // what to do about it
+  bool limited = false;     // the gate shortened a force in the last moments
+  double engagement = 1.0;  // share of the force that is let through
+};
+
+/// What the panels show in one frame; valid for that frame.
+struct Shown {
+  const scene::Setup& setup;
+  const scene::Request& request;
+  const Traces& traces;
+  const haptics::Snapshot& snapshot;
+  const model::TissueParameters& tissue;  // as felt
+  const noise::NoiseSettings& noise;      // as felt
+  std::vector<HandWords> hands;
+  std::string recording{};  // file being written; empty: none
+  bool ended = false;       // the run has
+  bool paused = false;      // the picture is
+  bool preparing = false;   // the next session is being
+  double frames_a_second = 0.0;
+  double frame_time = 0.0;   // s, of the window's own work
+  double age = 0.0;          // s, of what is shown, when it is shown
+  double largest_age = 0.0;  // s, in the last seconds
+  std::uint64_t rows_left_out = 0;
+  std::string tissue_note{};  // why the last change was refused, or what to mind; empty: nothing
+};
+
+/// What the user has asked for in one frame, by panel or key.
+struct Wishes {
+  std::optional<model::TissueParameters> tissue;
+  std::optional<noise::NoiseSettings> noise;
+  std::optional<scene::Request> request;  // another session; tissue and noise as that says
+  std::optional<ChosenFile> file;
+  bool again = false;  // the same session anew; tissue and noise as they are
+  std::optional<bool> record;
+  bool pause = false;  // or go on
+  bool screenshot = false;
+  bool reset_faults = false;
+  bool full_screen = false;
+  bool home = false;  // the camera
+  bool leave = false;
+};
+
+/// Which panels are seen, and what the user is typing.
+struct PanelState {
+  std::array<bool, kPanels> open{true, true, true, true, true, true};
+  bool hidden = false;  // all of them
+  bool help = false;
+  double user_threshold = 20e-3;  // N
+  double noise_share = 0.6;
+  FileChooser files;
+};
+
+/// Where things are in the window [window units, y down].
+struct Rectangle {
+  float x = 0.0F;
+  float y = 0.0F;
+  float width = 0.0F;
+  float height = 0.0F;
+};
+
+/// How the window is shared out: the panels are beside the picture, never on it.
+struct Layout {
+  Rectangle picture;
+  Rectangle left;    // scene, tissue, noise; width 0: not seen
+  Rectangle right;   // device and safety, timing
+  Rectangle bottom;  // plots
+};
+
+/// [any] @param scale of all things. A window too small for panels and picture has the picture alone.
+[[nodiscard]] Layout lay_out(float width, float height, float scale, const PanelState& state);
+
+// Each draws one panel (between ImGui's NewFrame and Render) and notes what is asked for.
+void draw_left(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes);
+void draw_right(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes);
+void draw_plots(const Rectangle& place, const Shown& shown);
+void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
+
+// The parts of the above that have a file of their own.
+void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes);
+void tissue_panel(const Shown& shown, PanelState& state, Wishes& wishes);
+void noise_panel(const Shown& shown, PanelState& state, Wishes& wishes);
+void device_panel(const Shown& shown, Wishes& wishes);
+void timing_panel(const Shown& shown);
+
+}  // namespace palpate::app

@@ -1,0 +1,164 @@
+// Force, depth and noise over the last seconds, and force over depth with the law behind it.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include <imgui.h>
+
+#include "palpate/model/layered_law.h"
+#include "palpate/model/smooth_law.h"
+
+#include "app/window/look.h"
+#include "app/window/panels.h"
+#include "app/window/plot.h"
+#include "app/window/rows.h"
+
+namespace palpate::app {
+namespace {
+
+using Quantity = std::function<double(const RowSample&)>;
+
+/// The rows of the time shown, a column each `width` [s]; every column reaches to where the one before ended,
+/// so that they make one line.
+std::vector<PlotColumn> in_columns(const std::deque<RowSample>& rows, const Quantity& quantity, double from,
+                                   double width) {
+  std::vector<PlotColumn> columns;
+  double last = 0.0;
+  for (const RowSample& row : rows) {
+    if (row.time < from) continue;
+    const double value = quantity(row);
+    const double x = from + width * std::floor((row.time - from) / width);
+    if (columns.empty()) last = value;
+    if (columns.empty() || columns.back().x != x)
+      columns.push_back({x, std::min(last, value), std::max(last, value)});
+    PlotColumn& column = columns.back();
+    column.least = std::min(column.least, value);
+    column.most = std::max(column.most, value);
+    last = value;
+  }
+  return columns;
+}
+
+double largest(const std::deque<RowSample>& rows, const Quantity& quantity) {
+  double most = 0.0;
+  for (const RowSample& row : rows) most = std::max(most, std::abs(quantity(row)));
+  return most;
+}
+
+struct Strip {
+  const char* title;
+  ImVec4 colour;
+  Quantity quantity;
+  double least_range;
+  bool both_signs;
+};
+
+void strips(const ImVec2& low, const ImVec2& high, const Shown& shown) {
+  static const std::vector<Strip> kStrips = {
+      {"Force to the hand [N]", colour::kForce, [](const RowSample& row) { return row.force; }, 0.5, false},
+      {"Depth, or stretch [mm]", colour::kDepth, [](const RowSample& row) { return 1e3 * row.depth; }, 2.0,
+       false},
+      {"Touch noise [mN]", colour::kNoise, [](const RowSample& row) { return 1e3 * row.noise_force; }, 10.0,
+       true}};
+  const double newest = shown.traces.of_hand(0).empty() ? 0.0 : shown.traces.of_hand(0).back().time;
+  const double to = std::max(newest, Traces::kKept);
+  const double from = to - Traces::kKept;
+  const float text = ImGui::GetFontSize();
+  const float last = 2.0F * text;  // numbers and title of the time axis
+  const float each = (high.y - low.y - last) / static_cast<float>(kStrips.size());
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  for (std::size_t i = 0; i < kStrips.size(); ++i) {
+    const Strip& strip = kStrips[i];
+    const bool bottom = i + 1 == kStrips.size();
+    double most = strip.least_range;
+    for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
+      most = std::max(most, largest(shown.traces.of_hand(hand), strip.quantity));
+    }
+    most = strip.both_signs ? round_step(most * 1.02) : round_end(most * 1.02);
+    const float top = low.y + static_cast<float>(i) * each;
+    const Plot plot(list, ImVec2(low.x, top), ImVec2(high.x, top + each + (bottom ? last : 0.0F)),
+                    {from, to, bottom ? "time [s]" : "", bottom},
+                    {strip.both_signs ? -most : 0.0, most, strip.title, true});
+    for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
+      const double width = (to - from) / std::max(1.0, static_cast<double>(high.x - low.x));
+      plot.columns(in_columns(shown.traces.of_hand(hand), strip.quantity, from, width), width,
+                   packed(strip.colour, hand == 0 ? 1.0F : 0.5F));
+    }
+  }
+}
+
+/// The law as felt, in N over mm.
+std::vector<PlotPoint> law_curve(const Shown& shown, double deepest_mm) {
+  constexpr int kPoints = 120;
+  const auto direction =
+      shown.setup.task == scene::Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+  const double period = 1.0 / shown.setup.rate_Hz;
+  std::function<double(double)> force;
+  if (shown.tissue.law == model::LawKind::kSmooth) {
+    force = [law = model::SmoothSpringLaw(shown.tissue, direction, period)](double depth) {
+      return law.force_at(depth).force;
+    };
+  } else {
+    force = [law = model::LayeredSpringLaw(shown.tissue, direction, period)](double depth) {
+      return law.force_at(depth).force;
+    };
+  }
+  std::vector<PlotPoint> points;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double depth_mm = deepest_mm * i / kPoints;
+    points.push_back({depth_mm, force(1e-3 * depth_mm)});
+  }
+  return points;
+}
+
+void force_over_depth(const ImVec2& low, const ImVec2& high, const Shown& shown) {
+  double deepest = 2.0;
+  double strongest = 0.5;
+  for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
+    for (const RowSample& row : shown.traces.of_hand(hand)) {
+      deepest = std::max(deepest, 1e3 * row.depth);
+      strongest = std::max(strongest, row.tissue_force);
+    }
+  }
+  deepest = std::max(15.0, 5.0 * std::ceil(1.02 * deepest / 5.0));
+  const std::vector<PlotPoint> law = law_curve(shown, deepest);
+  strongest = round_end(std::max(1.02 * strongest, law.back().y));
+  const Plot plot(*ImGui::GetWindowDrawList(), low, high, {0.0, deepest, "depth, or stretch [mm]", true},
+                  {0.0, strongest, "Tissue force [N]", true});
+  plot.line(law, packed(colour::kLaw), 4.0F);
+  for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
+    std::vector<PlotPoint> path;
+    std::uint64_t next = 0;
+    const auto every =
+        static_cast<std::uint64_t>(std::max(1.0, shown.setup.rate_Hz / 200.0));  // 200 points a second
+    for (const RowSample& row : shown.traces.of_hand(hand)) {
+      if (row.tick < next || row.phase == 0) continue;
+      path.push_back({1e3 * row.depth, row.tissue_force});
+      next = row.tick + every;
+    }
+    plot.line(path, packed(colour::kForce, hand == 0 ? 0.9F : 0.5F), 1.2F);
+    const RowSample& now = shown.traces.newest(hand);
+    if (now.phase != 0) plot.dot({1e3 * now.depth, now.tissue_force}, packed(colour::kText), 4.0F);
+  }
+  plot.note("wide: the law; fine: felt", packed(colour::kFaint));
+}
+
+}  // namespace
+
+void draw_plots(const Rectangle& place, const Shown& shown) {
+  ImGui::SetNextWindowPos(ImVec2(place.x, place.y));
+  ImGui::SetNextWindowSize(ImVec2(place.width, place.height));
+  ImGui::Begin("plots", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav);
+  const ImVec2 low = ImGui::GetCursorScreenPos();
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const float gap = 1.2F * ImGui::GetFontSize();
+  const float left = 0.58F * room.x;
+  strips(low, ImVec2(low.x + left, low.y + room.y), shown);
+  force_over_depth(ImVec2(low.x + left + gap, low.y), ImVec2(low.x + room.x, low.y + room.y), shown);
+  ImGui::End();
+}
+
+}  // namespace palpate::app

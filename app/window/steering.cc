@@ -1,0 +1,165 @@
+#include "app/window/steering.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::app {
+namespace {
+
+constexpr double kDeadZone = 0.15;  // of a stick's way
+
+/// In the plane across the tool: to the right and away from the viewer, as the camera sees it.
+struct Plane {
+  Vec3 right;
+  Vec3 away;
+};
+
+Plane plane_across(const Vec3& axis_W, const OrbitCamera& camera) {
+  const auto flat = [&axis_W](const Vec3& v) { return Vec3(v - v.dot(axis_W) * axis_W); };
+  Vec3 right = flat(camera.right());
+  if (right.norm() < 0.2) right = flat(camera.up());
+  right.normalize();
+  Vec3 away = flat(camera.up());
+  if (away.norm() < 0.2) away = flat(camera.up().cross(camera.right()));
+  away -= away.dot(right) * right;
+  return {right, away.normalized()};
+}
+
+double axis_of(SDL_GameController* controller, SDL_GameControllerAxis axis) {
+  const double value = SDL_GameControllerGetAxis(controller, axis) / 32767.0;
+  const double beyond = std::max(0.0, std::abs(value) - kDeadZone) / (1.0 - kDeadZone);
+  return std::copysign(std::min(1.0, beyond), value);
+}
+
+}  // namespace
+
+Steering::~Steering() {
+  for (SDL_GameController* controller : controllers_) SDL_GameControllerClose(controller);
+}
+
+void Steering::take(const Session& session) {
+  drop();
+  for (std::size_t hand = 0; hand < session.devices.size(); ++hand) {
+    haptics::Device* device = session.devices[hand].get();
+    const scene::DeviceSetup& setup = session.setup.devices[hand];
+    const Quat world_D = setup.base.rotation;
+    if (auto* mouse = dynamic_cast<devices::MouseDevice*>(device)) {
+      const double gripper = session.setup.task == scene::Task::kPull ? 1.0 : 0.0;
+      mice_.push_back({mouse, world_D, setup.workspace_scale,
+                       Vec3(world_D * mouse->orientation() * Vec3::UnitZ()), mouse->start(), gripper, false});
+    }
+    if (auto* pad = dynamic_cast<devices::GamepadDevice*>(device)) {
+      const double gripper = session.setup.task == scene::Task::kPull ? 1.0 : 0.0;
+      pads_.push_back(
+          {pad, world_D, setup.workspace_scale, Vec3(world_D * pad->orientation() * Vec3::UnitZ()), gripper});
+    }
+  }
+}
+
+void Steering::drop() {
+  mice_.clear();
+  pads_.clear();
+  chosen_ = 0;
+}
+
+void Steering::mouse_moved(double right, double up, const OrbitCamera& camera, bool fine) {
+  if (mice_.empty()) return;
+  Mouse& mouse = mice_[chosen_];
+  const Plane plane = plane_across(mouse.axis_W, camera);
+  const double far = camera.height_at_target() * (fine ? kFine : 1.0);
+  const Vec3 way_W = far * (right * plane.right + up * plane.away);
+  mouse.target_D += mouse.world_D.conjugate() * way_W / mouse.scale;
+}
+
+void Steering::wheel_turned(double notches, bool fine) {
+  if (mice_.empty()) return;
+  Mouse& mouse = mice_[chosen_];
+  const Vec3 way_W = notches * kNotch * (fine ? kFine : 1.0) * mouse.axis_W;
+  mouse.target_D += mouse.world_D.conjugate() * way_W / mouse.scale;
+}
+
+void Steering::grip(bool closed) {
+  if (!mice_.empty()) mice_[chosen_].held = closed;
+}
+
+void Steering::toggle_rest_of_jaws() {
+  if (!mice_.empty()) mice_[chosen_].rest = 1.0 - mice_[chosen_].rest;
+  for (Pad& pad : pads_) pad.rest = 1.0 - pad.rest;
+}
+
+void Steering::choose_hand(std::size_t which) {
+  if (which < mice_.size()) chosen_ = which;
+}
+
+void Steering::gamepad_event(const SDL_Event& event) {
+  if (event.type == SDL_CONTROLLERDEVICEADDED) {
+    SDL_GameController* controller = SDL_GameControllerOpen(event.cdevice.which);
+    if (controller == nullptr) return;
+    const SDL_JoystickID id = SDL_JoystickInstanceID(SDL_GameControllerGetJoystick(controller));
+    if (std::find(ids_.begin(), ids_.end(), id) != ids_.end()) {
+      SDL_GameControllerClose(controller);  // SDL counts how often it was opened
+      return;
+    }
+    controllers_.push_back(controller);
+    ids_.push_back(id);
+    return;
+  }
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (ids_[i] != event.cdevice.which) continue;
+    SDL_GameControllerClose(controllers_[i]);
+    controllers_.erase(controllers_.begin() + static_cast<std::ptrdiff_t>(i));
+    ids_.erase(ids_.begin() + static_cast<std::ptrdiff_t>(i));
+    return;
+  }
+}
+
+void Steering::say(const OrbitCamera& camera) {
+  for (Mouse& mouse : mice_) {
+    const Vec3 way = mouse.target_D - mouse.device->start();
+    const double far =
+        way.norm();  // beyond reach the target waits at its edge, so that it turns round at once
+    if (far > devices::SteadyHand::kReach) {
+      mouse.target_D = mouse.device->start() + devices::SteadyHand::kReach / far * way;
+    }
+    mouse.device->input().writable() = {mouse.target_D, mouse.held ? 0.0 : mouse.rest, mouse.held ? 1U : 0U,
+                                        true};
+    mouse.device->input().publish();
+  }
+  for (std::size_t i = 0; i < pads_.size(); ++i) {
+    say_pad(pads_[i], i < controllers_.size() ? controllers_[i] : nullptr, camera);
+  }
+}
+
+void Steering::say_pad(Pad& pad, SDL_GameController* controller, const OrbitCamera& camera) const {
+  devices::GamepadInput input;
+  input.connected = controller != nullptr;
+  input.gripper = pad.rest;
+  if (controller != nullptr) {
+    const Plane plane = plane_across(pad.axis_W, camera);
+    const Vec3 way_W = axis_of(controller, SDL_CONTROLLER_AXIS_LEFTX) * plane.right -
+                       axis_of(controller, SDL_CONTROLLER_AXIS_LEFTY) * plane.away +
+                       axis_of(controller, SDL_CONTROLLER_AXIS_RIGHTY) * pad.axis_W;
+    const Quat device_W = pad.world_D.conjugate();
+    const double pressed = axis_of(controller, SDL_CONTROLLER_AXIS_TRIGGERRIGHT);
+    input.velocity_D = kStickSpeed / pad.scale * (device_W * way_W);
+    input.advance_D = kTriggerReach * pressed / pad.scale * (device_W * pad.axis_W);
+    input.gripper = pad.rest * (1.0 - axis_of(controller, SDL_CONTROLLER_AXIS_TRIGGERLEFT));
+  }
+  pad.device->input().writable() = input;
+  pad.device->input().publish();
+}
+
+void Steering::rumble(double tissue_force, double noise) {
+  constexpr double kAllForce = 5.0;    // N at which the slow motor runs at its strongest
+  constexpr double kAllNoise = 30e-3;  // N, root mean square
+  constexpr Uint32 kLasting = 150;     // ms: goes on until the next frame says more
+  const auto strength = [](double share) {
+    return static_cast<Uint16>(65535.0 * std::clamp(share, 0.0, 1.0));
+  };
+  for (std::size_t i = 0; i < pads_.size() && i < controllers_.size(); ++i) {
+    SDL_GameControllerRumble(controllers_[i], strength(tissue_force / kAllForce), strength(noise / kAllNoise),
+                             kLasting);
+  }
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,57 @@
+#pragma once
+// A display of the test's own: Xvfb, an X server that draws to memory.
+#include <csignal>
+#include <cstdlib>
+#include <string>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace palpate::app {
+
+/// Starts Xvfb and makes it this process's display. Gone at the end.
+class VirtualDisplay final {
+ public:
+  VirtualDisplay() {
+    int ends[2];
+    if (pipe(ends) != 0) return;
+    child_ = fork();
+    if (child_ == 0) {
+      const int nothing = open("/dev/null", O_WRONLY);
+      dup2(nothing, 2);
+      close(ends[0]);
+      const std::string number = std::to_string(ends[1]);
+      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "3840x2160x24", "-nolisten", "tcp",
+             nullptr);
+      _exit(127);
+    }
+    close(ends[1]);
+    char letter = 0;
+    std::string number;
+    while (read(ends[0], &letter, 1) == 1 && letter != '\n') number += letter;
+    close(ends[0]);
+    if (number.empty()) return;  // there is no Xvfb, or it would not start
+    name_ = ":" + number;
+    setenv("DISPLAY", name_.c_str(), 1);
+    unsetenv("WAYLAND_DISPLAY");
+    setenv("SDL_VIDEODRIVER", "x11", 1);
+    setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
+  }
+  ~VirtualDisplay() {
+    if (child_ <= 0) return;
+    kill(child_, SIGTERM);
+    waitpid(child_, nullptr, 0);
+  }
+  VirtualDisplay(const VirtualDisplay&) = delete;
+  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+
+  [[nodiscard]] bool there() const noexcept { return !name_.empty(); }
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+
+ private:
+  pid_t child_ = -1;
+  std::string name_;
+};
+
+}  // namespace palpate::app

@@ -1,0 +1,70 @@
+// Pictures of the window for docs/pictures, on a display of their own: palpate_window_pictures FOLDER
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+
+#include "palpate/render/offscreen.h"
+
+#include "app/window/test/driven_window.h"
+#include "app/window/test/virtual_display.h"
+
+namespace {
+
+using palpate::app::DrivenWindow;
+
+constexpr double kSlow = 240.0;  // s: this machine may have no graphics card
+
+/// Turns the wheel notch by notch, as a hand would.
+void wheel(DrivenWindow& driven, int notches) {
+  const int one = notches > 0 ? 1 : -1;
+  for (int i = 0; i != notches; i += one) {
+    driven.wheel(one);
+    const double from = driven.window().traces().newest_time();
+    driven.until([&] { return driven.window().traces().newest_time() > from + 0.08; }, kSlow);
+  }
+}
+
+/// A mouse presses or pulls, and holds; all panels are there.
+void experiment(const std::filesystem::path& file, const char* task) {
+  palpate::scene::Request request;
+  request.task = task;
+  request.device = "mouse";
+  DrivenWindow driven(request);
+  driven.frames(3);
+  driven.move_to_picture();
+  if (std::string(task) == "pull") {
+    wheel(driven, 10);
+    driven.button(SDL_BUTTON_LEFT, true);
+    driven.until(
+        [&] { return driven.window().snapshot().results[0].phase == palpate::contact::Phase::kPull; }, kSlow);
+    wheel(driven, -13);
+  } else {
+    wheel(driven, 22);
+    wheel(driven, -6);
+    wheel(driven, 6);
+  }
+  driven.window().hold_full_quality();
+  driven.frames(4);
+  palpate::render::write_png(driven.window().picture(), file);
+  driven.close();
+  driven.frames(1);
+  (void)driven.finish();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    if (argc != 2) throw std::runtime_error("usage: palpate_window_pictures FOLDER");
+    const palpate::app::VirtualDisplay display;
+    if (!display.there()) throw std::runtime_error("there is no Xvfb (Debian package xvfb)");
+    const std::filesystem::path folder = argv[1];
+    experiment(folder / "window.png", "press");
+    experiment(folder / "window-pull.png", "pull");
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "palpate_window_pictures: " << error.what() << '\n';
+    return 2;
+  }
+}

@@ -1,0 +1,369 @@
+// The real window on a display that Xvfb draws to memory, driven by synthetic events.
+#include "app/window/window.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/base/test/temporary_folder.h"
+#include "palpate/geometry/builtin.h"
+#include "palpate/record/recording.h"
+#include "palpate/record/replay.h"
+#include "palpate/scene/tissue_file.h"
+
+#include "app/window/test/driven_window.h"
+#include "app/window/test/virtual_display.h"
+
+namespace palpate::app {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Small pictures: they are drawn without a graphics card, beside other tests.
+WindowOptions small(std::filesystem::path recording = {}) {
+  WindowOptions options;
+  options.size = {1000, 600};
+  options.recording = std::move(recording);
+  return options;
+}
+
+/// A ball, quickly prepared, under a small ball as tool.
+scene::Request ball(const std::string& device) {
+  scene::Request request;
+  request.organ = "ball";
+  request.tissue = "liver";
+  request.tools = {"sphere:5"};
+  request.device = device;
+  return request;
+}
+
+class WindowTest : public testing::Test {
+ protected:
+  /// Whether there is a display; else the reason is said, and the test can show nothing.
+  [[nodiscard]] bool display_is_there() const {
+    if (display_.there()) return true;
+    std::cerr << "not tested: there is no Xvfb (Debian package xvfb)\n";
+    return false;
+  }
+  [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder_.path() / name; }
+  [[nodiscard]] const VirtualDisplay& display() const { return display_; }
+
+ private:
+  test::TemporaryFolder folder_;
+  VirtualDisplay display_;
+};
+
+/// How many different colours there are in a part of a picture: 1 in an empty one, many where things are.
+std::size_t colours_in(const render::Image& image, const Rectangle& place) {
+  std::set<std::uint32_t> colours;
+  for (int y = static_cast<int>(place.y); y < static_cast<int>(place.y + place.height); ++y) {
+    for (int x = static_cast<int>(place.x); x < static_cast<int>(place.x + place.width); ++x) {
+      const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                 static_cast<std::size_t>(x));
+      colours.insert(
+          static_cast<std::uint32_t>(image.rgb[i] << 16 | image.rgb[i + 1] << 8 | image.rgb[i + 2]));
+    }
+  }
+  return colours.size();
+}
+
+/// Share of the pixels that are much redder than green and blue.
+double red_share(const render::Image& image, const Rectangle& place) {
+  std::size_t red = 0;
+  std::size_t all = 0;
+  for (int y = static_cast<int>(place.y); y < static_cast<int>(place.y + place.height); ++y) {
+    for (int x = static_cast<int>(place.x); x < static_cast<int>(place.x + place.width); ++x) {
+      const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                 static_cast<std::size_t>(x));
+      ++all;
+      if (image.rgb[i] > 130 && image.rgb[i + 1] < 70 && image.rgb[i + 2] < 70) ++red;
+    }
+  }
+  return static_cast<double>(red) / static_cast<double>(all);
+}
+
+void close_and_expect_order(DrivenWindow& driven) {
+  driven.close();
+  driven.frames(2);
+  EXPECT_FALSE(driven.alive());
+}
+
+TEST_F(WindowTest, ShowsOrganPanelsAndPlotsSideBySide) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("scripted"), small());
+  ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.5; }));
+  driven.frames(2);
+  const Layout& all = driven.window().layout();
+  const render::Image image = driven.window().picture();
+  EXPECT_EQ(image.width, 1000);
+  EXPECT_EQ(image.height, 600);
+  EXPECT_GT(colours_in(image, all.picture), 500U) << "organ and tool";
+  EXPECT_GT(colours_in(image, all.left), 20U);
+  EXPECT_GT(colours_in(image, all.right), 20U);
+  EXPECT_GT(colours_in(image, all.bottom), 20U);
+  EXPECT_EQ(all.left.x + all.left.width, all.picture.x) << "panels are beside the picture";
+  EXPECT_EQ(all.picture.x + all.picture.width, all.right.x);
+  driven.key(SDLK_F8);
+  driven.frames(2);
+  EXPECT_EQ(driven.window().layout().picture.width, 1000.0F) << "F8 puts the panels away";
+  close_and_expect_order(driven);
+}
+
+TEST_F(WindowTest, AMousePressesAndTheRecordingReplaysToTheBit) {
+  if (!display_is_there()) return;
+  const std::filesystem::path recording = file("mouse.h5");
+  double depth = 0.0;
+  {
+    DrivenWindow driven(ball("mouse"), small(recording));
+    driven.frames(3);
+    driven.move_to_picture();
+    for (int notch = 0; notch < 14; ++notch) driven.wheel(1);  // 10 mm to the organ, and 4 mm on
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 3e-3; }));
+    depth = driven.window().snapshot().results[0].depth;
+    EXPECT_EQ(driven.window().snapshot().results[0].phase, contact::Phase::kPress);
+    EXPECT_GT(driven.window().snapshot().commands[0].force.z(), 0.01) << "it pushes up";
+    close_and_expect_order(driven);  // in mid-contact
+    const WindowOutcome outcome = driven.finish();
+    EXPECT_EQ(outcome.account.loop.fault, haptics::Fault::kNone);
+    EXPECT_TRUE(outcome.account.loop.stopped_early);
+    EXPECT_EQ(outcome.more_runs, 0U);
+  }
+  const record::Recording read = record::read_recording(recording);
+  EXPECT_TRUE(read.facts.complete);
+  EXPECT_GE(read.rows.back().tick, 100U);
+  EXPECT_EQ(record::replay(read).rows_different, 0U);
+  EXPECT_NEAR(depth, 4e-3, 1.5e-3);
+}
+
+TEST_F(WindowTest, AMouseMovesTheToolSidewaysAndTurnsTheView) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("mouse"), small());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  driven.frames(2);
+  const Vec3 before = driven.window().snapshot().tools[0].pose_W.position;
+  driven.move_to_picture();
+  driven.frames(1);
+  const Rectangle& place = driven.window().layout().picture;
+  driven.move(static_cast<int>(place.x + 0.5F * place.width) + 60,
+              static_cast<int>(place.y + 0.5F * place.height));
+  const auto moved = [&] { return Vec3(driven.window().snapshot().tools[0].pose_W.position - before); };
+  ASSERT_TRUE(driven.until([&] { return moved().norm() > 2e-3; }));
+  Vec3 last = Vec3::Zero();
+  ASSERT_TRUE(driven.until([&] {
+    const bool rests = (moved() - last).norm() < 1e-7;
+    last = moved();
+    return rests;
+  }));
+  EXPECT_NEAR(moved().z(), 0.0, 1e-6) << "sideways";
+  const render::Image first = driven.window().picture();
+  driven.button(SDL_BUTTON_RIGHT, true);
+  driven.move(static_cast<int>(place.x + 0.5F * place.width) - 60,
+              static_cast<int>(place.y + 0.5F * place.height));
+  driven.button(SDL_BUTTON_RIGHT, false);
+  const Vec3 still = driven.window().snapshot().tools[0].pose_W.position;
+  driven.frames(3);
+  EXPECT_NE(first.rgb, driven.window().picture().rgb);
+  EXPECT_LT((driven.window().snapshot().tools[0].pose_W.position - still).norm(), 1e-5)
+      << "the view turned instead";
+  close_and_expect_order(driven);
+}
+
+TEST_F(WindowTest, AMouseGraspsAndPulls) {
+  if (!display_is_there()) return;
+  scene::Request request;
+  request.task = "pull";
+  request.device = "mouse";
+  DrivenWindow driven(request, small());
+  driven.frames(3);
+  driven.move_to_picture();
+  for (int notch = 0; notch < 10; ++notch) driven.wheel(1);
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].distance < 0.9e-3; }));
+  driven.button(SDL_BUTTON_LEFT, true);
+  ASSERT_TRUE(
+      driven.until([&] { return driven.window().snapshot().results[0].phase == contact::Phase::kPull; }));
+  for (int notch = 0; notch < 6; ++notch) driven.wheel(-1);
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 4e-3; }));
+  EXPECT_LT(driven.window().snapshot().commands[0].force.z(), -0.01) << "the tissue pulls back";
+  driven.button(SDL_BUTTON_LEFT, false);
+  ASSERT_TRUE(
+      driven.until([&] { return driven.window().snapshot().results[0].phase != contact::Phase::kPull; }));
+  close_and_expect_order(driven);
+}
+
+TEST_F(WindowTest, AFaultStandsAcrossThePictureInWordsUntilItIsReset) {
+  if (!display_is_there()) return;
+  const std::filesystem::path scene = file("lost.toml");
+  std::ofstream(scene) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
+                          "[device]\nkind = \"emulated\"\n"
+                          "[[device.fault]]\nkind = \"freeze\"\ntime_s = 0.3\nduration_s = 0.2\n";
+  scene::Request request;
+  request.scene = scene;
+  DrivenWindow driven(request, small());
+  ASSERT_TRUE(driven.until([&] { return !driven.window().banner().empty(); }));
+  EXPECT_THAT(driven.window().banner(), HasSubstr("Zero force"));
+  EXPECT_THAT(driven.window().banner(), HasSubstr("the device gave no new sample for 5 ms"));
+  EXPECT_THAT(driven.window().banner(), HasSubstr("R resets"));
+  driven.frames(1);
+  Rectangle top = driven.window().layout().picture;
+  top.height = 24.0F;
+  EXPECT_GT(red_share(driven.window().picture(), top), 0.5);
+  ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.6; }));
+  driven.key(SDLK_r);
+  EXPECT_TRUE(driven.until([&] { return driven.window().banner().empty(); })) << driven.window().banner();
+  close_and_expect_order(driven);
+  EXPECT_EQ(driven.finish().account.loop.fault, haptics::Fault::kStale) << "the account keeps it";
+}
+
+TEST_F(WindowTest, AGamepadPressesAndItsLossIsAFault) {
+  if (!display_is_there()) return;
+  SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
+  ASSERT_EQ(SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER), 0);
+  const int pad = SDL_JoystickAttachVirtual(SDL_JOYSTICK_TYPE_GAMECONTROLLER, SDL_CONTROLLER_AXIS_MAX,
+                                            SDL_CONTROLLER_BUTTON_MAX, 0);
+  ASSERT_GE(pad, 0) << SDL_GetError();
+  SDL_Joystick* joystick = SDL_JoystickOpen(pad);
+  const auto trigger = [joystick](Sint16 value) {
+    SDL_JoystickSetVirtualAxis(joystick, SDL_CONTROLLER_AXIS_TRIGGERRIGHT, value);
+  };
+  trigger(-32768);
+  {
+    DrivenWindow driven(ball("gamepad"), small());
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+    driven.frames(3);
+    ASSERT_EQ(driven.window().banner(), "");
+    trigger(32767);
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 5e-3; }));
+    SDL_JoystickDetachVirtual(pad);
+    ASSERT_TRUE(driven.until([&] { return !driven.window().banner().empty(); }));
+    EXPECT_THAT(driven.window().banner(), HasSubstr("no gamepad is connected"));
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().commands[0].force.norm() == 0.0; }));
+    close_and_expect_order(driven);
+    EXPECT_EQ(driven.finish().account.loop.fault, haptics::Fault::kDevice);
+  }
+  SDL_JoystickClose(joystick);
+  SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
+}
+
+TEST_F(WindowTest, TissueAndNoiseChangeWhileTheyAreFelt) {
+  if (!display_is_there()) return;
+  const std::filesystem::path recording = file("changed.h5");
+  {
+    DrivenWindow driven(ball("mouse"), small(recording));
+    driven.frames(3);
+    driven.move_to_picture();
+    for (int notch = 0; notch < 14; ++notch) driven.wheel(1);
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 3.5e-3; }));
+    driven.key(SDLK_n);
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change == 1; }));
+    const std::filesystem::path tissue = file("stiff.toml");
+    model::TissueParameters stiff = model::tissue_preset("liver");
+    stiff.name = "stiff";
+    stiff.k1 *= 3.0;
+    std::ofstream(tissue) << scene::to_toml(stiff);
+    const double before = driven.window().traces().newest(0).tissue_force;
+    driven.drop(tissue.string());
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change == 2; }));
+    ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest(0).tissue_force > 2.0 * before; }));
+    EXPECT_EQ(driven.window().traces().newest(0).noise_force, 0.0);
+    close_and_expect_order(driven);
+    (void)driven.finish();
+  }
+  EXPECT_EQ(record::replay(record::read_recording(recording)).rows_different, 0U);
+}
+
+TEST_F(WindowTest, ADroppedMeshIsAskedForItsUnitAndThenTouched) {
+  if (!display_is_there()) return;
+  const std::filesystem::path mesh = file("block.obj");
+  {
+    std::ofstream out(mesh);
+    const geometry::TriangleMesh box = geometry::make_box(Vec3(60.0, 60.0, 30.0), 15.0);
+    for (const Vec3& v : box.vertices) out << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+    for (const geometry::Triangle& t : box.triangles)
+      out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  }
+  DrivenWindow driven(ball("scripted"), small());
+  driven.frames(3);
+  driven.drop(mesh.string());
+  driven.frames(3);
+  EXPECT_TRUE(driven.window().panels().files.is_open());
+  EXPECT_FALSE(driven.window().preparing()) << "a unit is never guessed";
+  driven.window().panels().files.choose_unit("mm");
+  driven.key(SDLK_RETURN);
+  ASSERT_TRUE(
+      driven.until([&] { return driven.window().run().session().setup.organ_name == mesh.string(); }));
+  ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.2; }));
+  driven.drop(file("holiday.jpg").string());
+  driven.frames(2);
+  EXPECT_THAT(driven.window().message(), HasSubstr("holiday.jpg: palpate reads meshes"));
+  std::ofstream(file("bad.toml")) << "[organ]\nmesh = 3\n";
+  driven.drop(file("bad.toml").string());
+  ASSERT_TRUE(driven.until([&] { return driven.window().message().find("bad.toml") != std::string::npos; }));
+  EXPECT_FALSE(driven.window().run().ended()) << "what is touched goes on";
+  close_and_expect_order(driven);
+  EXPECT_EQ(driven.finish().more_runs, 1U);
+}
+
+TEST_F(WindowTest, LivesThroughAnySize) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("scripted"), small());
+  driven.frames(3);
+  for (const auto& [width, height] :
+       {std::pair(1, 1), std::pair(3840, 2160), std::pair(300, 900), std::pair(1000, 600)}) {
+    driven.resize(width, height);
+    ASSERT_TRUE(driven.until([&] { return driven.window().picture().width == width; })) << width;
+    driven.frames(2);
+    EXPECT_EQ(driven.window().picture().height, height);
+    EXPECT_TRUE(driven.alive());
+  }
+  close_and_expect_order(driven);
+}
+
+TEST_F(WindowTest, RunsAgainAndHoldsThePicture) {
+  if (!display_is_there()) return;
+  WindowOptions options = small();
+  options.duration_s = 0.4;
+  DrivenWindow driven(ball("scripted"), options);
+  ASSERT_TRUE(driven.until([&] { return driven.window().run().ended(); }));
+  driven.frames(2);
+  EXPECT_THAT(driven.window().banner(), HasSubstr("The run has ended"));
+  const LiveRun* first = &driven.window().run();
+  driven.key(SDLK_RETURN);
+  ASSERT_TRUE(driven.until([&] { return &driven.window().run() != first && !driven.window().preparing(); }));
+  driven.key(SDLK_SPACE);
+  driven.frames(3);
+  const std::uint64_t held = driven.window().snapshot().tick;
+  driven.frames(3);
+  EXPECT_EQ(driven.window().snapshot().tick, held);
+  driven.key(SDLK_F1);
+  driven.frames(2);
+  EXPECT_TRUE(driven.window().panels().help);
+  driven.key(SDLK_ESCAPE);
+  driven.frames(2);
+  EXPECT_TRUE(driven.alive()) << "the first Esc closes the keys";
+  driven.key(SDLK_ESCAPE);
+  driven.frames(2);
+  EXPECT_FALSE(driven.alive());
+  EXPECT_EQ(driven.finish().more_runs, 1U);
+}
+
+TEST_F(WindowTest, WithoutADisplayThereIsNoneAndTheReasonIsSaid) {
+  setenv("DISPLAY", ":77777", 1);
+  unsetenv("WAYLAND_DISPLAY");
+  setenv("SDL_VIDEODRIVER", "x11", 1);
+  try {
+    const Display none("test", {100, 100});
+    ADD_FAILURE() << "there is a window on no display";
+  } catch (const NoWindow& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no window can be opened"));
+  }
+  unsetenv("DISPLAY");
+  EXPECT_FALSE(display_there());
+}
+
+}  // namespace
+}  // namespace palpate::app

@@ -1,0 +1,38 @@
+#include "app/window/traces.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::app {
+
+void Traces::take(RowTap& tap, bool keep) {
+  RowSample sample;
+  while (tap.take(sample)) {
+    if (sample.hand >= kept_.size()) continue;
+    newest_[sample.hand] = sample;
+    newest_time_ = sample.time;
+    if (sample.hand == 0) {  // a tick's times are the same in the rows of all hands
+      tick_time_.add(sample.tick_ns);
+      lateness_.add(sample.late_ns);
+      if (static_cast<double>(sample.late_ns) >= period_ns_) ++missed_;
+    }
+    noise_squares_ += sample.noise_force * sample.noise_force;
+    largest_tissue_ = std::max(largest_tissue_, sample.tissue_force);
+    ++felt_rows_;
+    if (!keep) continue;
+    std::deque<RowSample>& rows = kept_[sample.hand];
+    rows.push_back(sample);
+    while (rows.front().time < sample.time - kKept) rows.pop_front();
+  }
+}
+
+Traces::Felt Traces::take_felt() {
+  Felt felt;
+  if (felt_rows_ > 0) felt = {std::sqrt(noise_squares_ / static_cast<double>(felt_rows_)), largest_tissue_};
+  noise_squares_ = 0.0;
+  largest_tissue_ = 0.0;
+  felt_rows_ = 0;
+  return felt;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "palpate/haptics/histogram.h"
+
+#include "app/window/row_tap.h"
+
+namespace palpate::app {
+
+/// What the window remembers of a run's rows: the last seconds, each hand's newest row, and the account of
+/// the timing so far. All members: [setup], the window's thread.
+class Traces final {
+ public:
+  static constexpr double kKept = 8.0;  // s
+
+  explicit Traces(double rate_Hz) : period_ns_(1e9 / rate_Hz) {}
+
+  /// Takes all rows that have come. @param keep false: the traces stay as they are (the picture is paused);
+  /// the accounts go on.
+  void take(RowTap& tap, bool keep);
+
+  /// The last seconds of one hand, oldest first.
+  [[nodiscard]] const std::deque<RowSample>& of_hand(std::uint32_t hand) const { return kept_[hand]; }
+  [[nodiscard]] const RowSample& newest(std::uint32_t hand) const { return newest_[hand]; }
+  [[nodiscard]] double newest_time() const noexcept { return newest_time_; }
+  /// Sums since the last call: root mean square of the noise [N] and the largest tissue force [N].
+  struct Felt {
+    double noise = 0.0;
+    double tissue = 0.0;
+  };
+  [[nodiscard]] Felt take_felt();
+
+  [[nodiscard]] const haptics::Histogram& tick_time() const noexcept { return tick_time_; }
+  [[nodiscard]] const haptics::Histogram& lateness() const noexcept { return lateness_; }
+  [[nodiscard]] std::uint64_t missed() const noexcept { return missed_; }
+
+ private:
+  double period_ns_;
+  std::array<std::deque<RowSample>, haptics::Snapshot::kMaxHands> kept_;
+  std::array<RowSample, haptics::Snapshot::kMaxHands> newest_{};
+  double newest_time_ = 0.0;
+  haptics::Histogram tick_time_;
+  haptics::Histogram lateness_;
+  std::uint64_t missed_ = 0;
+  double noise_squares_ = 0.0;
+  double largest_tissue_ = 0.0;
+  std::uint64_t felt_rows_ = 0;
+};
+
+}  // namespace palpate::app

@@ -1,0 +1,181 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <SDL.h>
+
+#include "palpate/render/offscreen.h"
+
+#include "app/session.h"
+#include "app/window/display.h"
+#include "app/window/live_run.h"
+#include "app/window/next_session.h"
+#include "app/window/orbit_camera.h"
+#include "app/window/panels.h"
+#include "app/window/steering.h"
+#include "app/window/traces.h"
+
+namespace palpate::app {
+
+/// How a window is opened, and what it does with its first session.
+struct WindowOptions {
+  std::filesystem::path recording;  // of the first session; empty: none
+  std::optional<int> core;
+  std::optional<double> duration_s;  // of every session
+  bool no_cache = false;
+  bool stays = true;                        // when the run has ended, until the user leaves
+  const std::atomic<bool>* stop = nullptr;  // Ctrl-C
+  Display::Size size{1440, 900};
+};
+
+/// How it went.
+struct WindowOutcome {
+  RunAccount account;           // of the first session
+  std::uint64_t more_runs = 0;  // begun in the window
+  bool later_fault = false;     // one of those met a fault
+  std::uint64_t frames = 0;     // that showed a running session
+  double median_age = 0.0;      // s, of what they showed when they were shown
+  double largest_age = 0.0;     // s
+};
+
+/// The window of `palpate run`: the picture, the panels beside it, and the session that plays meanwhile on
+/// threads of its own. All members: [setup], one thread, the one that made it.
+class Window final {
+ public:
+  /// Opens the window and begins to play. @param first outlives this; @param request what it was made from
+  /// @throws NoWindow before anything is played.
+  Window(Session& first, scene::Request request, WindowOptions options);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  /// One frame: events, what they ask for, the picture. @return false when the window is to close
+  bool frame();
+  /// After the last frame: ends what still plays (zero force, recording closed) and says how it went.
+  /// @throws InputError when the first session's recording could not be written.
+  [[nodiscard]] WindowOutcome finish();
+
+  // What the window shows, for tests and for pictures of it:
+  /// All of it, as last drawn.
+  [[nodiscard]] render::Image picture();
+  /// From here on every pixel is drawn, however long a frame takes.
+  void hold_full_quality();
+  /// The words across the top of the picture; empty: none.
+  [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
+  /// The words at its lower edge; empty: none.
+  [[nodiscard]] const std::string& message() const noexcept { return message_; }
+  [[nodiscard]] const haptics::Snapshot& snapshot() const noexcept { return shown_; }
+  [[nodiscard]] const Traces& traces() const noexcept { return *traces_; }
+  [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
+  [[nodiscard]] PanelState& panels() noexcept { return panels_; }
+  [[nodiscard]] const LiveRun& run() const noexcept { return *run_; }
+  [[nodiscard]] bool preparing() const noexcept { return next_ != nullptr; }
+  [[nodiscard]] double age() const noexcept { return age_; }
+  [[nodiscard]] double frame_time() const noexcept { return frame_time_; }
+
+ private:
+  // window_events.cc
+  void take_events();
+  void take_event(const SDL_Event& event);
+  void key_down(const SDL_KeyboardEvent& key);
+  void control_key(SDL_Keycode key);
+  void letter_key(SDL_Keycode key);
+  void view_key(const SDL_KeyboardEvent& key);
+  void mouse_button(const SDL_MouseButtonEvent& button);
+  void mouse_motion(const SDL_MouseMotionEvent& motion);
+  void mouse_wheel(const SDL_MouseWheelEvent& wheel);
+  void file_dropped(const std::filesystem::path& file);
+  [[nodiscard]] bool over_picture(int x, int y) const;
+
+  // window_runs.cc
+  void begin(std::unique_ptr<LiveRun> run);
+  void look_after_runs();
+  void look_after_next();
+  void end_run();
+  void grant(const Wishes& wishes);
+  void take_file(const ChosenFile& file);
+  void apply_tissue(const model::TissueParameters& tissue);
+  void apply_noise(const noise::NoiseSettings& noise);
+  void restart(scene::Request request, bool keep_edits, std::filesystem::path recording);
+  [[nodiscard]] static std::filesystem::path new_recording();
+  void make_renderer();
+  [[nodiscard]] render::Subject subject() const;
+
+  // window.cc
+  void start_imgui();
+  void take_newest();
+  void compose();
+  void draw_overlay();
+  void draw_picture();
+  void fit_renderer(int width, int height);
+  void save_picture();
+  void adapt(double frame_time);
+  void say(std::string message);
+  [[nodiscard]] Shown shown() const;
+  [[nodiscard]] std::vector<HandWords> hand_words() const;
+  [[nodiscard]] std::string banner_words(bool& fault) const;
+
+  scene::Request request_;
+  WindowOptions options_;
+  Display display_;
+  std::unique_ptr<render::OffscreenRenderer> renderer_;
+  Display::Size drawn_size_;  // of the renderer's pictures
+  std::size_t quality_ = 0;   // index of kQualities
+  bool quality_held_ = false;
+  std::deque<double> frame_times_;
+  bool reach_changed_ = false;  // of the dent; the renderer does not know yet
+  bool picture_stale_ = true;   // what the renderer keeps is not what is to be shown
+  bool drew_ = false;           // in this frame
+  render::Camera drawn_camera_;
+  OrbitCamera camera_;
+  bool camera_set_ = false;
+  Steering steering_;
+  std::unique_ptr<Traces> traces_;
+  std::unique_ptr<LiveRun> run_;
+  std::unique_ptr<NextSession> next_;
+  haptics::Snapshot shown_;
+  bool snapshot_there_ = false;
+  model::TissueParameters tissue_;  // as felt
+  noise::NoiseSettings noise_;
+  std::string tissue_note_;
+  PanelState panels_;
+  Wishes wishes_;  // of the keys, until the panels have added theirs
+  Layout layout_;
+  float scale_ = 1.0F;
+  bool paused_ = false;
+  bool leaving_ = false;
+  bool turning_ = false;  // the view, by the mouse
+  bool moving_ = false;
+  bool mouse_over_ = false;  // the picture, at its last motion
+  std::pair<int, int> mouse_at_{-1, -1};
+  std::uint32_t mouse_down_ = 0;     // ImGui's buttons, a bit each
+  std::uint32_t mouse_pressed_ = 0;  // in this frame: a click within a frame counts
+  std::string banner_;
+  std::string message_;
+  std::int64_t message_until_ns_ = 0;
+  std::int64_t frame_began_ns_ = 0;
+  double frame_time_ = 0.0;
+  double frames_a_second_ = 0.0;
+  double age_ = 0.0;
+  haptics::Histogram all_ages_;                       // ns
+  std::deque<std::pair<std::int64_t, double>> ages_;  // of the last seconds
+  std::optional<RunAccount> first_account_;
+  std::string first_failure_;
+  bool first_ended_ = false;
+  std::uint64_t runs_begun_ = 0;
+  bool later_fault_ = false;
+};
+
+/// [setup] Opens a window, plays the session in it and whatever the user begins there, until the user leaves.
+/// @throws as Window and finish().
+[[nodiscard]] WindowOutcome run_in_window(Session& first, const scene::Request& request,
+                                          const WindowOptions& options);
+
+}  // namespace palpate::app

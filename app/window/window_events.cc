@@ -1,0 +1,207 @@
+// What mouse, keyboard, gamepads and dropped files ask of the window.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <backends/imgui_impl_sdl.h>
+#include <imgui.h>
+
+#include "app/window/window.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr double kTurn = 0.008;    // rad a unit of mouse way
+constexpr double kKeyTurn = 0.06;  // rad a press
+constexpr double kKeyMove = 0.03;  // of the picture's height
+constexpr double kNearer = 0.88;   // a notch
+
+/// ImGui's number of a mouse button; -1: none.
+int imgui_button(Uint8 button) {
+  if (button == SDL_BUTTON_LEFT) return 0;
+  if (button == SDL_BUTTON_RIGHT) return 1;
+  return button == SDL_BUTTON_MIDDLE ? 2 : -1;
+}
+
+}  // namespace
+
+void Window::take_events() {
+  SDL_Event event;
+  while (SDL_PollEvent(&event) != 0) {
+    ImGui_ImplSDL2_ProcessEvent(&event);
+    take_event(event);
+    if (event.type == SDL_DROPFILE) SDL_free(event.drop.file);
+  }
+  if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leaving_ = true;
+}
+
+void Window::take_event(const SDL_Event& event) {
+  switch (event.type) {
+    case SDL_QUIT:
+      leaving_ = true;
+      break;
+    case SDL_WINDOWEVENT:
+      if (event.window.event == SDL_WINDOWEVENT_CLOSE) leaving_ = true;
+      if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_over_ = false;
+      break;
+    case SDL_KEYDOWN:
+      key_down(event.key);
+      break;
+    case SDL_MOUSEBUTTONDOWN:
+    case SDL_MOUSEBUTTONUP:
+      mouse_button(event.button);
+      break;
+    case SDL_MOUSEMOTION:
+      mouse_motion(event.motion);
+      break;
+    case SDL_MOUSEWHEEL:
+      mouse_wheel(event.wheel);
+      break;
+    case SDL_DROPFILE:
+      file_dropped(event.drop.file);
+      break;
+    case SDL_CONTROLLERDEVICEADDED:
+    case SDL_CONTROLLERDEVICEREMOVED:
+      steering_.gamepad_event(event);
+      break;
+    default:
+      break;
+  }
+}
+
+bool Window::over_picture(int x, int y) const {
+  const auto fx = static_cast<float>(x);
+  const auto fy = static_cast<float>(y);
+  const Rectangle& place = layout_.picture;
+  return fx >= place.x && fx < place.x + place.width && fy >= place.y && fy < place.y + place.height &&
+         !ImGui::GetIO().WantCaptureMouse;
+}
+
+void Window::mouse_button(const SDL_MouseButtonEvent& button) {
+  const bool down = button.type == SDL_MOUSEBUTTONDOWN;
+  mouse_at_ = {button.x, button.y};
+  const int number = imgui_button(button.button);
+  if (number >= 0) {
+    const std::uint32_t bit = 1U << static_cast<std::uint32_t>(number);
+    mouse_down_ = down ? mouse_down_ | bit : mouse_down_ & ~bit;
+    if (down) mouse_pressed_ |= bit;
+  }
+  const bool left_grips = steering_.mouse_steers();
+  if (!down) {
+    if (button.button == SDL_BUTTON_LEFT) steering_.grip(false);
+    if (button.button == SDL_BUTTON_RIGHT || (button.button == SDL_BUTTON_LEFT && !left_grips))
+      turning_ = false;
+    if (button.button == SDL_BUTTON_MIDDLE) moving_ = false;
+    return;
+  }
+  if (!over_picture(button.x, button.y)) return;
+  ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
+  if (button.button == SDL_BUTTON_LEFT && left_grips) steering_.grip(true);
+  if (button.button == SDL_BUTTON_RIGHT || (button.button == SDL_BUTTON_LEFT && !left_grips)) turning_ = true;
+  if (button.button == SDL_BUTTON_MIDDLE) moving_ = true;
+}
+
+void Window::mouse_motion(const SDL_MouseMotionEvent& motion) {
+  const double height = std::max(1.0F, layout_.picture.height);
+  const int right = motion.x - mouse_at_.first;
+  const int down = motion.y - mouse_at_.second;
+  mouse_at_ = {motion.x, motion.y};
+  const bool was_over = mouse_over_;
+  mouse_over_ = over_picture(motion.x, motion.y);
+  if (turning_) {
+    camera_.orbit(kTurn * right, kTurn * down);
+  } else if (moving_) {
+    camera_.pan(right / height, -down / height);
+  } else if (was_over && mouse_over_) {  // coming in from a panel it does not carry the tool along
+    const bool fine = (SDL_GetModState() & KMOD_SHIFT) != 0;
+    steering_.mouse_moved(right / height, -down / height, camera_, fine);
+  }
+}
+
+void Window::mouse_wheel(const SDL_MouseWheelEvent& wheel) {
+  if (!over_picture(mouse_at_.first, mouse_at_.second)) return;
+  const bool control = (SDL_GetModState() & KMOD_CTRL) != 0;
+  if (steering_.mouse_steers() && !control) {
+    steering_.wheel_turned(wheel.y, (SDL_GetModState() & KMOD_SHIFT) != 0);
+  } else {
+    camera_.zoom(std::pow(kNearer, wheel.y));
+  }
+}
+
+void Window::key_down(const SDL_KeyboardEvent& key) {
+  const SDL_Keycode which = key.keysym.sym;
+  if (which >= SDLK_F2 && which <= SDLK_F7) {
+    bool& open = panels_.open[static_cast<std::size_t>(which - SDLK_F2)];
+    open = panels_.hidden || !open;
+    panels_.hidden = false;
+    return;
+  }
+  if (which == SDLK_F1) panels_.help = !panels_.help;
+  if (which == SDLK_F8) panels_.hidden = !panels_.hidden;
+  if (which == SDLK_F11) wishes_.full_screen = true;
+  if (panels_.files.is_open() || ImGui::GetIO().WantTextInput) return;
+  if (which == SDLK_ESCAPE) {
+    const bool in_panels = panels_.help || ImGui::GetIO().NavVisible;
+    panels_.help = false;
+    ImGui::SetWindowFocus(nullptr);
+    if (!in_panels) leaving_ = true;
+    return;
+  }
+  if ((key.keysym.mod & KMOD_CTRL) != 0) {
+    control_key(which);
+  } else if (!ImGui::GetIO().NavVisible) {  // else arrows, Space and Enter are the panels'
+    view_key(key);
+    letter_key(which);
+  } else {
+    letter_key(which);
+  }
+}
+
+void Window::control_key(SDL_Keycode key) {
+  if (key == SDLK_r) wishes_.record = run_->recording().empty() || run_->ended();
+  if (key == SDLK_o) panels_.files.open(FileUse::kOrgan, std::filesystem::current_path());
+  if (key == SDLK_s) {
+    panels_.files.open(FileUse::kSaveTissue, std::filesystem::current_path() / (tissue_.name + ".toml"));
+  }
+}
+
+void Window::letter_key(SDL_Keycode key) {
+  if (key == SDLK_r) wishes_.reset_faults = true;
+  if (key == SDLK_p) wishes_.screenshot = true;
+  if (key == SDLK_g) steering_.toggle_rest_of_jaws();
+  if (key == SDLK_n) {
+    wishes_.noise = noise_;
+    wishes_.noise->enabled = !noise_.enabled;
+  }
+  if (key >= SDLK_1 && key <= SDLK_4) steering_.choose_hand(static_cast<std::size_t>(key - SDLK_1));
+}
+
+void Window::view_key(const SDL_KeyboardEvent& key) {
+  const SDL_Keycode which = key.keysym.sym;
+  const double right = (which == SDLK_RIGHT ? 1.0 : 0.0) - (which == SDLK_LEFT ? 1.0 : 0.0);
+  const double up = (which == SDLK_UP ? 1.0 : 0.0) - (which == SDLK_DOWN ? 1.0 : 0.0);
+  if ((key.keysym.mod & KMOD_SHIFT) != 0) {
+    camera_.pan(-kKeyMove * right, -kKeyMove * up);
+  } else {
+    camera_.orbit(-kKeyTurn * right, kKeyTurn * up);
+  }
+  if (which == SDLK_PLUS || which == SDLK_EQUALS || which == SDLK_KP_PLUS) camera_.zoom(kNearer);
+  if (which == SDLK_MINUS || which == SDLK_KP_MINUS) camera_.zoom(1.0 / kNearer);
+  if (which == SDLK_HOME) wishes_.home = true;
+  if (which == SDLK_SPACE) wishes_.pause = true;
+  if (which == SDLK_RETURN || which == SDLK_KP_ENTER) wishes_.again = true;
+}
+
+void Window::file_dropped(const std::filesystem::path& file) {
+  const std::optional<FileUse> use = use_of_file(file);
+  if (!use) {
+    say(file.filename().string() +
+        ": palpate reads meshes, scenes and tissues (.toml) and tool paths (.csv)");
+  } else if (*use == FileUse::kOrgan) {
+    panels_.files.open(*use, file);  // its unit is to be asked for
+  } else {
+    wishes_.file = ChosenFile{*use, file, ""};
+  }
+}
+
+}  // namespace palpate::app

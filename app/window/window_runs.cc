@@ -1,0 +1,208 @@
+// The sessions that a window plays, one after the other.
+#include <ctime>
+#include <exception>
+#include <fstream>
+#include <utility>
+
+#include "palpate/base/clock.h"
+#include "palpate/base/error.h"
+#include "palpate/scene/tissue_file.h"
+
+#include "app/window/window.h"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool same(const model::ReachParameters& a, const model::ReachParameters& b) {
+  return a.contact_ratio == b.contact_ratio && a.first_bar_ratio == b.first_bar_ratio &&
+         a.bar_ratio == b.bar_ratio && a.weight_ratio == b.weight_ratio;
+}
+
+}  // namespace
+
+void Window::begin(std::unique_ptr<LiveRun> run) {
+  run_ = std::move(run);
+  ++runs_begun_;
+  const scene::Setup& setup = run_->session().setup;
+  tissue_ = setup.tissue;
+  noise_ = setup.noise;
+  tissue_note_.clear();
+  traces_ = std::make_unique<Traces>(setup.rate_Hz);
+  make_renderer();
+  frame_times_.clear();
+  snapshot_there_ = false;
+  paused_ = false;
+  steering_.take(run_->session());
+  display_.set_title("Palpate: " + title_of(setup));
+}
+
+/// The renderer of the session's organ, which gives way as the tissue does that is felt now, in the colours
+/// of the tissue that the session began with.
+void Window::make_renderer() {
+  renderer_.reset();  // the old one's memory goes before the new one's comes
+  drawn_size_ = {64, 64};
+  renderer_ = std::make_unique<render::OffscreenRenderer>(subject(), drawn_size_.width, drawn_size_.height,
+                                                          render::OffscreenRenderer::InCurrentContext{});
+  reach_changed_ = false;
+  picture_stale_ = true;
+}
+
+render::Subject Window::subject() const {
+  const scene::Setup& setup = run_->session().setup;
+  return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name};
+}
+
+/// Zero force, recording closed, devices free for the next session.
+void Window::end_run() {
+  run_->stop();
+  traces_->take(run_->rows(), !paused_);
+  steering_.drop();
+  run_->session().devices.clear();
+  const bool fault = run_->account() && run_->account()->loop.fault != haptics::Fault::kNone;
+  if (!first_ended_) {
+    first_ended_ = true;
+    first_account_ = run_->account();
+    first_failure_ = run_->failure();
+  } else if (fault) {
+    later_fault_ = true;
+  }
+}
+
+void Window::look_after_runs() {
+  look_after_next();
+  if (!run_->ended() || next_ != nullptr) return;
+  if (!options_.stays) leaving_ = true;
+}
+
+void Window::look_after_next() {
+  if (next_ == nullptr) return;
+  switch (next_->state()) {
+    case NextSession::State::kRead:
+      end_run();
+      next_->prepare_now(options_.duration_s, options_.no_cache);
+      break;
+    case NextSession::State::kReady: {
+      const std::unique_ptr<NextSession> next = std::move(next_);
+      request_ = next->request();
+      const std::string organ_before = run_->session().setup.organ_name;
+      begin(std::make_unique<LiveRun>(next->take(), next->recording(), options_.core));
+      camera_set_ = camera_set_ && organ_before == run_->session().setup.organ_name;
+      break;
+    }
+    case NextSession::State::kFailed:
+      say(next_->failure());
+      next_.reset();
+      break;
+    case NextSession::State::kReading:
+    case NextSession::State::kPreparing:
+      break;
+  }
+}
+
+void Window::restart(scene::Request request, bool keep_edits, fs::path recording) {
+  if (next_ != nullptr) {
+    say("the next session is being prepared already");
+    return;
+  }
+  NextSession::Kept kept;
+  if (keep_edits) {
+    kept.tissue = tissue_;
+    kept.noise = noise_;
+  }
+  next_ = std::make_unique<NextSession>(std::move(request), std::move(kept), std::move(recording));
+}
+
+fs::path Window::new_recording() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  localtime_r(&now, &parts);
+  char text[64];
+  (void)std::strftime(text, sizeof text, "palpate-%Y%m%d-%H%M%S.h5", &parts);
+  return fs::current_path() / text;
+}
+
+/// While a run goes on the loop takes the change at one of its next ticks; afterwards the next run begins
+/// with it.
+void Window::apply_tissue(const model::TissueParameters& tissue) {
+  try {
+    model::validate(tissue);
+    tissue_note_.clear();
+    if (run_->ended()) {
+      tissue_note_ = "felt from the next run on (Enter)";
+    } else {
+      for (const std::string& warning : run_->changes().offer(tissue).warnings) {
+        tissue_note_ += (tissue_note_.empty() ? "" : "\n") + warning;
+      }
+    }
+    reach_changed_ = reach_changed_ || !same(tissue.reach, tissue_.reach);
+    tissue_ = tissue;
+  } catch (const InputError& error) {
+    tissue_note_ = error.what();
+  }
+}
+
+void Window::apply_noise(const noise::NoiseSettings& noise) {
+  try {
+    noise::validate(noise, run_->session().setup.rate_Hz);
+    if (!run_->ended())
+      (void)run_->changes().offer(haptics::LiveNoise{noise.enabled, noise.gain, noise.threshold});
+    noise_ = noise;
+  } catch (const InputError& error) {
+    say(error.what());
+  }
+}
+
+void Window::take_file(const ChosenFile& file) {
+  scene::Request request = request_;
+  switch (file.use) {
+    case FileUse::kOrgan:
+      request.organ = file.path.string();
+      request.organ_unit = file.unit;
+      break;
+    case FileUse::kTool:
+    case FileUse::kFurtherJaw:
+      if (file.use == FileUse::kTool) request.tools.clear();
+      request.tools.push_back(file.path.string());
+      request.tool_unit = file.unit;
+      break;
+    case FileUse::kScene:
+      request = {};
+      request.scene = file.path;
+      break;
+    case FileUse::kToolPath:
+      request.device = "scripted:" + file.path.string();
+      break;
+    case FileUse::kTissue:
+      try {
+        apply_tissue(scene::read_tissue_file(file.path));
+      } catch (const InputError& error) {
+        say(error.what());
+      }
+      return;
+    case FileUse::kSaveTissue: {
+      std::ofstream out(file.path);
+      out << scene::to_toml(tissue_) << std::flush;
+      say(out ? "the tissue is in " + file.path.string() : file.path.string() + ": cannot be written");
+      return;
+    }
+  }
+  restart(std::move(request), false, {});
+}
+
+void Window::grant(const Wishes& wishes) {
+  if (wishes.leave) leaving_ = true;
+  if (wishes.tissue) apply_tissue(*wishes.tissue);
+  if (wishes.noise) apply_noise(*wishes.noise);
+  if (wishes.reset_faults) reset_faults();
+  if (wishes.pause) paused_ = !paused_;
+  if (wishes.home) camera_set_ = false;
+  if (wishes.full_screen) display_.toggle_full_screen();
+  if (wishes.file) take_file(*wishes.file);
+  if (wishes.request) restart(*wishes.request, false, {});
+  if (wishes.record) restart(request_, true, *wishes.record ? new_recording() : fs::path());
+  if (wishes.again) restart(request_, true, {});
+}
+
+}  // namespace palpate::app
