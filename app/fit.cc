@@ -1,17 +1,18 @@
 // `palpate fit`: tissue parameters from measurements.
-#include "palpate/fit/fit.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "palpate/base/error.h"
 #include "palpate/base/units.h"
+#include "palpate/fit/crew.h"
+#include "palpate/fit/fit_many.h"
 #include "palpate/report/fit_report.h"
 #include "palpate/scene/tissue_file.h"
 
@@ -83,6 +84,22 @@ std::vector<fit::Specimen> read_all(const std::vector<std::string>& files, bool 
   return all;
 }
 
+/// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
+std::vector<fit::Specimen> read_for(fit::Crew& crew, const FitFlags& flags) {
+  std::vector<fit::Specimen> specimens;
+  std::string trouble;
+  if (crew.rank() == 0) {
+    try {
+      specimens = read_all(flags.files, flags.relaxation);
+    } catch (const InputError& error) {
+      trouble = error.what();
+    }
+  }
+  trouble = crew.from_first(std::move(trouble));
+  if (!trouble.empty()) throw InputError(trouble);
+  return specimens;
+}
+
 void write_tissue(const std::string& file, model::TissueParameters tissue) {
   tissue.name = std::filesystem::path(file).stem().string();
   std::ofstream out(file, std::ios::binary);
@@ -93,32 +110,30 @@ void write_tissue(const std::string& file, model::TissueParameters tissue) {
 
 void fit_all(const FitFlags& flags, const std::string& command_line) {
   const fit::Settings settings = settings_of(flags);
-  const std::vector<fit::Specimen> specimens = read_all(flags.files, flags.relaxation);
-  std::vector<fit::SpecimenFit> fits;
-  fit::PooledFit pooled;
+  const std::unique_ptr<fit::Crew> crew = fit::make_crew();
+  std::vector<fit::Specimen> specimens = read_for(*crew, flags);
+  const std::string results = flags.out.empty() ? "" : flags.out + ".fits.jsonl";
+  fit::ManyFits many;
   {
     Progress bar("fit");
-    const double whole = static_cast<double>(specimens.size()) * (specimens.size() > 1 ? 1.15 : 1.0);
-    for (const fit::Specimen& specimen : specimens) {
-      const auto done = static_cast<double>(fits.size());
-      const auto progress = [&](double share, const std::string& what) {
-        bar.update((done + share) / whole, specimen.name + ": " + what);
-      };
-      progress(0.0, "search");
-      fits.push_back(
-          fit::fit_specimen(specimen, settings, static_cast<std::uint32_t>(fits.size()), progress));
-    }
-    const auto count = static_cast<double>(specimens.size());
-    pooled = fit::fit_pooled(specimens, fits, settings, [&](double share, const std::string& what) {
-      bar.update((count + share * (whole - count)) / whole, what);
-    });
+    many = fit::fit_many(std::move(specimens), settings, *crew, results,
+                         [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
-  if (!flags.out.empty()) write_tissue(flags.out, pooled.tissue);
+  if (crew->rank() != 0) return;
+  if (many.resumed > 0) {
+    tell(std::to_string(many.resumed) + " of " + std::to_string(many.specimens.size()) +
+         " specimens were finished before: taken from " + results);
+  }
+  if (!flags.out.empty()) write_tissue(flags.out, many.pooled.tissue);
   if (!flags.report.empty()) {
-    const auto page = report::write_fit_report(fits, pooled, settings, command_line, flags.report);
+    const auto page =
+        report::write_fit_report(many.specimens, many.pooled, settings, command_line, flags.report);
     tell("report: " + page.string());
   }
-  std::cout << (flags.as_json ? fit_json(fits, pooled, settings) : fit_text(fits, pooled, settings));
+  std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, settings)
+                              : fit_text(many.specimens, many.pooled, settings));
+  std::error_code ignored;
+  if (!results.empty()) std::filesystem::remove(results, ignored);  // all of it stands in what was written
 }
 
 }  // namespace
@@ -148,6 +163,8 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "Examples:\n"
       "  palpate fit liver-1.csv liver-2.csv --law smooth --out liver.toml --report liver-fit\n"
       "  palpate fit hold.csv --direction press --relaxation --bootstrap 200 --json\n"
+      "  mpirun -n 8 palpate fit specimens/*.csv --bootstrap 200 --out liver.toml\n"
+      "With --out a run that was broken off goes on where it was when it is called again.\n"
       "docs/fitting.md says how to measure and how to read the intervals.");
   command->callback([flags, command_line, &exit_code] {
     fit_all(*flags, command_line);

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "palpate/fit/crew.h"
 #include "palpate/version.h"
 
 #include "app/commands.h"
@@ -28,6 +29,11 @@ std::string joined(int argc, char** argv) {
     line += '\'';
   }
   return line;
+}
+
+/// Of several that mpirun started, the first speaks for all: they find the same errors.
+void tell_once(const std::string& error) {
+  if (palpate::fit::launch_of_environment().rank == 0) palpate::app::tell_error(error);
 }
 
 }  // namespace
@@ -62,10 +68,10 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
-    palpate::app::tell_error(std::string(error.what()) + " (--help shows what there is)");
+    tell_once(std::string(error.what()) + " (--help shows what there is)");
     return kBadInput;
   } catch (const std::exception& error) {
-    palpate::app::tell_error(error.what());
+    tell_once(error.what());
     return kBadInput;
   }
   return exit_code;

@@ -20,6 +20,7 @@
 #include "app/messages.h"
 #include "app/numbers.h"
 #include "app/validate_against.h"
+#include "app/validate_image.h"
 #include "app/validate_summary.h"
 
 namespace palpate::app {
@@ -40,6 +41,7 @@ struct ValidateFlags {
   std::string max_nrmse;
   std::string max_error_N;
   std::string max_error_mm;
+  ImageFlags image;
   std::string against;
   bool fit_reach = false;
   std::string out;
@@ -152,19 +154,37 @@ void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
 
 /// Refuses flags that would do nothing.
 void check_use(const ValidateFlags& flags) {
-  if (flags.files.empty() && flags.profiles.empty()) {
-    throw InputError("nothing to compare with: give force curves (DATA) or --profile FILE");
+  const bool no_image = flags.image.files.empty();
+  if (flags.files.empty() && flags.profiles.empty() && no_image) {
+    throw InputError(
+        "nothing to compare with: give force curves (DATA), --profile FILE or --image BEFORE AFTER");
+  }
+  if (no_image && (flags.image.fixed_camera || !flags.image.scale.empty())) {
+    throw InputError("--scale-mm-per-px and --fixed-camera: are of photographs, need --image BEFORE AFTER");
   }
   if (flags.fit_reach && flags.profiles.empty()) throw InputError("--fit-reach: needs --profile FILE");
   if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
-  if (flags.profiles.empty() && !(flags.depth.empty() && flags.force.empty() && flags.tip_radius.empty())) {
-    throw InputError("--depth-mm, --force-N and --tip-radius-mm: are of profiles, need --profile FILE");
+  if (flags.profiles.empty() && no_image &&
+      !(flags.depth.empty() && flags.force.empty() && flags.tip_radius.empty())) {
+    throw InputError(
+        "--depth-mm, --force-N and --tip-radius-mm: are of profiles, need --profile FILE or --image BEFORE "
+        "AFTER");
   }
   for (const auto& [flag, goal] :
        {std::pair{"--max-nrmse", &flags.max_nrmse}, std::pair{"--max-error-N", &flags.max_error_N},
         std::pair{"--max-error-mm", &flags.max_error_mm}}) {
     if (!goal->empty()) (void)parse_not_negative(flag, *goal);
   }
+}
+
+/// The deformation in two photographs, as one more profile.
+void add_image(const ValidateFlags& flags, report::Validation& validation) {
+  const double depth = depths_of(flags, validation.law, 1).front();
+  const double radius = tip_radius_of(flags, validation.law);
+  validation.image = validate_image(flags.image, validation.law, depth, radius);
+  report::ProfileSet set;
+  set.ours = validation.image->comparison;
+  validation.profiles.push_back(std::move(set));
 }
 
 report::Validation validate(const ValidateFlags& flags) {
@@ -182,6 +202,7 @@ report::Validation validate(const ValidateFlags& flags) {
     validation.forces.push_back(std::move(set));
   }
   if (!profiles.empty()) compare_profiles(flags, profiles, validation);
+  if (!flags.image.files.empty()) add_image(flags, validation);
   if (!rivals.empty()) compare_with(rivals, zeros, validation);
   hold_goals(flags, validation);
   return validation;
@@ -232,6 +253,7 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       ->excludes(depth);
   command->add_option("--tip-radius-mm", flags->tip_radius,
                       "radius of the tool's tip in the profiles (default: the tissue's source)");
+  add_image_flags(*command, flags->image);
   add_goals(*command, *flags);
   command->add_option("--against", flags->against,
                       "laws of others, fitted to the same data: hertz,linear,exponential,mass-spring");
@@ -248,6 +270,8 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "  palpate validate --profile side.csv --tissue liver.toml --depth-mm 5 --tip-radius-mm 5 --fit-reach "
       "\\\n"
       "    --out liver-reach.toml --report liver-reach\n"
+      "  palpate validate --image before.png after.png --scale-mm-per-px 0.08 --tissue liver.toml \\\n"
+      "    --tip-radius-mm 3 --report side\n"
       "docs/validation.md says what is compared and what the figures mean.");
   command->callback([flags, command_line, &exit_code] {
     const report::Validation validation = validate(*flags);

@@ -7,6 +7,8 @@
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 
+#include "app/validate_image.h"
+
 namespace palpate::app {
 namespace {
 
@@ -142,6 +144,7 @@ std::string validation_json(const report::Validation& validation) {
   for (const auto& force : validation.forces) json["sets"].push_back(force_json(force));
   for (const auto& profile : validation.profiles) json["sets"].push_back(profile_json(profile));
   if (validation.reach) json["reach"] = reach_json(*validation.reach);
+  if (validation.image) json["image"] = image_json(*validation.image);
   json["missed"] = validation.missed;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
@@ -153,6 +156,7 @@ std::string validation_text(const report::Validation& validation) {
   if (validation.reach) text += reach_text(*validation.reach);
   for (const auto& force : validation.forces) text += force_text(force);
   for (const auto& profile : validation.profiles) text += profile_text(profile);
+  if (validation.image) text += report::image_text(*validation.image);
   for (const std::string& goal : validation.missed) text += "missed: " + goal + '\n';
   return text;
 }

@@ -335,6 +335,13 @@ constexpr const char* kHaplyMessage =
 "orientation":{"w":0.5,"x":-0.5,"y":0.5,"z":-0.5}}}]}
 )";
 
+/// 64 x 64 pixels of one bit, white above black.
+constexpr char kPicture[] =
+    "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x40\x00\x00\x00\x40"
+    "\x01\x00\x00\x00\x00\x82\x12\x4c\x73\x00\x00\x00\x14\x49\x44\x41\x54\x78\xda\x63\xf8\x0f\x05\x0c"
+    "\xa3\x0c\xac\x8c\x51\x80\x17\x00\x00\x6b\x72\xff\x01\x8d\x03\xbe\xf3\x00\x00\x00\x00\x49\x45\x4e"
+    "\x44\xae\x42\x60\x82";
+
 void add_the_rest(const Seeds& seeds) {
   seeds.add("scene", "scene", kScene);
   seeds.add("tissue", "heart", scene::to_toml(model::tissue_preset("heart")));
@@ -353,6 +360,8 @@ void add_the_rest(const Seeds& seeds) {
   seeds.add("deformation", "two",
             "depth_mm,r_mm,u_mm\n1,0,1\n1,-1,.8\n1,2,.4\n1,5,.2\n1,9,.1\n"
             "3,0,3\n3,1,2.5\n3,-2,1.9\n3,5,.6\n3,9,.3\n");
+  seeds.add("picture", "png", std::string(kPicture, sizeof kPicture - 1));
+  seeds.add("picture", "jpeg", "\xff\xd8\xff\xe0");
   seeds.add("scene_json", "scene", record::setup_to_json(record::sample_setup(2)));
   seeds.add("haply_message", "all", kHaplyMessage);
   seeds.add("haply_message", "none", R"({"inverse3":[],"wireless_verse_grip":null})");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/fit/crew.h"
 #include "palpate/fit/parameters.h"
 #include "palpate/fit/settings.h"
 #include "palpate/fit/specimen.h"
@@ -72,15 +73,17 @@ struct PooledFit {
 using Progress = std::function<void(double, const std::string&)>;
 
 /// [setup] Fits one specimen. @param job its number, for its own random numbers
+/// @param crew shares the bootstrap when there is one: then all its members make this call
 /// @throws InputError when relaxation is asked for without times, or the specimen has too few points.
 [[nodiscard]] SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
-                                       const Progress& progress);
+                                       const Progress& progress, Crew* crew = nullptr);
 
 /// [setup] Fits specimens together, from their own fits (one a specimen, as many relaxation terms as most of
 /// them have); each counts the same, however many points and newtons it has. The intervals are of the mean
 /// tissue: specimens are resampled, so they hold how much specimens differ. One specimen: its own fit.
+/// @param crew shares the resamples when there is one: then all its members make this call
 [[nodiscard]] PooledFit fit_pooled(const std::vector<Specimen>& specimens,
                                    const std::vector<SpecimenFit>& fits, const Settings& settings,
-                                   const Progress& progress);
+                                   const Progress& progress, Crew* crew = nullptr);
 
 }  // namespace palpate::fit

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/fit/fit.h"
+#include "palpate/fit/fit_record.h"
 #include "palpate/fit/forward.h"
 #include "palpate/fit/intervals.h"
 #include "palpate/fit/minima.h"
@@ -51,12 +53,12 @@ std::vector<Solution> own_starts(const Problem& problem, const std::vector<Speci
 }
 
 /// The shared parameters of tissues whose specimens were drawn again from the same ones.
-std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Progress& progress) {
-  Random random(seed, kPooledJob, kRandomPart);
+std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Progress& progress, Crew* crew) {
   const Solution& best = minima.all.front();
   const std::size_t count = minima.problem.parts.size();
-  std::vector<Point> points;
-  for (int b = 0; b < kResamples; ++b) {
+  const auto resample = [&](std::size_t b) {
+    Random random(seed, kPooledJob, kRandomPart);
+    random.skip(b * count);
     std::vector<double> times(count, 0.0);
     for (std::size_t i = 0; i < count; ++i) times[random.below(count)] += 1.0;
     Problem problem = minima.problem;
@@ -71,8 +73,17 @@ std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Pro
     }
     Point point = solve(problem, start, 20).shared;
     point.insert(point.end(), {0.0, 0.0});  // no specimen's own
-    points.push_back(std::move(point));
-    if (progress) progress(0.3 + 0.7 * (b + 1) / kResamples, "pooled intervals");
+    return bytes_of(std::span<const double>(point));
+  };
+  int done = 0;
+  const auto arrived = [&](std::size_t, const std::string&) {
+    if (progress) progress(0.3 + 0.7 * ++done / kResamples, "pooled intervals");
+  };
+  LocalCrew alone;
+  Crew& members = crew == nullptr ? alone : *crew;
+  std::vector<Point> points;
+  for (const std::string& bytes : members.share_out(kResamples, resample, arrived)) {
+    points.push_back(doubles_of(bytes));
   }
   return points;
 }
@@ -128,7 +139,7 @@ void add_errors(const Minima& minima, PooledFit& pooled) {
 }  // namespace
 
 PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
-                     const Settings& settings, const Progress& progress) {
+                     const Settings& settings, const Progress& progress, Crew* crew) {
   if (specimens.empty() || specimens.size() != fits.size()) {
     throw InputError("pooled fit: needs at least one specimen, and a fit of each");
   }
@@ -147,7 +158,8 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
   const std::vector<Solution> from = own_starts(problem, fits);
   const Minima minima = find_minima(std::move(problem), from);
   const Solution& best = minima.all.front();
-  const std::vector<Interval> intervals = intervals_of(resampled(minima, settings.seed, progress), {}, terms);
+  const std::vector<Interval> intervals =
+      intervals_of(resampled(minima, settings.seed, progress, crew), {}, terms);
   const Point none(kOwnParameters, 0.0);
   const std::vector<double> values = values_of(best.shared, none, {});
   PooledFit pooled;

@@ -147,7 +147,7 @@ void add_errors(const Minima& minima, SpecimenFit& fit) {
 }  // namespace
 
 SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
-                         const Progress& progress) {
+                         const Progress& progress, Crew* crew) {
   check(specimen, settings);
   const auto told = [&progress](double from, double to, const char* what) {
     return [&progress, from, to, what](double share) {
@@ -176,7 +176,7 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   const Ensemble ensemble =
       draw_ensemble(minima.problem, minima.all, effective, settings.seed, job, told(0.3, most, "intervals"));
   const std::vector<Point> resampled =
-      bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"));
+      bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"), crew);
   add_estimates(minima, both_intervals(minima, ensemble, effective), resampled, fit);
   add_errors(minima, fit);
   fit.curve = curve_of(minima, ensemble.points);

@@ -32,7 +32,14 @@ class Random final {
     return length * portable::cos_of_turns(uniform());
   }
 
-  /// A whole number below `count`.
+  /// Goes on as if `count` more had been drawn; normal() draws two.
+  void skip(std::uint64_t count) noexcept {
+    const std::uint64_t drawn = (static_cast<std::uint64_t>(counter_[1]) << 32 | counter_[0]) + count;
+    counter_[0] = static_cast<std::uint32_t>(drawn);
+    counter_[1] = static_cast<std::uint32_t>(drawn >> 32);
+  }
+
+  /// A whole number below `count`; draws one.
   std::size_t below(std::size_t count) noexcept {
     const auto drawn = static_cast<std::size_t>(uniform() * static_cast<double>(count));
     return drawn < count ? drawn : count - 1;

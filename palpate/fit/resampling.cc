@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "palpate/fit/fit_record.h"
 #include "palpate/fit/forward.h"
 #include "palpate/fit/random.h"
 
@@ -24,7 +26,7 @@ Solution best_from(const Problem& problem, const std::vector<Solution>& minima) 
 }  // namespace
 
 std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed, std::uint32_t job,
-                             const std::function<void(double)>& progress) {
+                             const std::function<void(double)>& progress, Crew* crew) {
   const Part& part = minima.problem.parts.front();
   const Specimen& specimen = *part.specimen;
   const Solution& best = minima.all.front();
@@ -35,9 +37,10 @@ std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed
   const auto parameters = static_cast<double>(best.shared.size() + kOwnParameters);
   const double widen = n > parameters ? std::sqrt(n / (n - parameters)) : 1.0;
   const auto block = static_cast<std::size_t>(std::max(1.0, std::ceil(n / minima.effective)));
-  Random random(seed, job, kRandomPart);
-  std::vector<Point> points;
-  for (int b = 0; b < count; ++b) {
+  const std::size_t draws = (specimen.size() + block - 1) / block;  // of a resample
+  const auto resample = [&](std::size_t b) {
+    Random random(seed, job, kRandomPart);
+    random.skip(b * draws);
     Specimen again = specimen;
     for (std::size_t i = 0; i < specimen.size(); i += block) {
       const std::size_t from = random.below(specimen.size());
@@ -51,8 +54,17 @@ std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed
     const Solution found = best_from(problem, minima.all);
     Point point = found.shared;
     point.insert(point.end(), found.own.front().begin(), found.own.front().end());
-    points.push_back(std::move(point));
-    if (progress) progress(static_cast<double>(b + 1) / count);
+    return bytes_of(std::span<const double>(point));
+  };
+  int done = 0;
+  const auto arrived = [&](std::size_t, const std::string&) {
+    if (progress) progress(static_cast<double>(++done) / count);
+  };
+  LocalCrew alone;
+  Crew& members = crew == nullptr ? alone : *crew;
+  std::vector<Point> points;
+  for (const std::string& bytes : members.share_out(static_cast<std::size_t>(count), resample, arrived)) {
+    points.push_back(doubles_of(bytes));
   }
   return points;
 }

@@ -222,6 +222,7 @@ std::filesystem::path write_validation_report(const Validation& validation, cons
   }
   Page page("Validation of " + validation.law.tissue.name, "The model against measurements, by palpate");
   write_summary(page, validation, command);
+  if (validation.image) write_image_section(page, *validation.image, folder);
   write_sets(page, validation, folder);
   std::filesystem::path file = folder / "report.html";
   std::ofstream out(file, std::ios::binary);

@@ -7,6 +7,7 @@
 #include "palpate/fit/reach_fit.h"
 #include "palpate/fit/rivals.h"
 #include "palpate/fit/validation.h"
+#include "palpate/report/image_section.h"
 
 namespace palpate::report {
 
@@ -36,6 +37,7 @@ struct Validation {
   std::vector<ForceSet> forces;
   std::vector<ProfileSet> profiles;
   std::optional<fit::ReachFit> reach;  // fitted to the profiles, which then are compared with it
+  std::optional<ImageSet> image;       // its comparison is the last of the profiles
   std::vector<std::string> missed;     // goals, in words
 };
 

@@ -1,0 +1,125 @@
+// `mpirun palpate fit`: the same bytes on any number of ranks, and what a lost rank loses.
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+/// `count` curves of 20 points, of tissues that differ.
+void write_curves(const Folder& folder, int count) {
+  for (int n = 0; n < count; ++n) {
+    std::ofstream file(folder / ("s" + std::to_string(n) + ".csv"));
+    file << "displacement_mm,force_N\n";
+    for (int i = 1; i <= 20; ++i) {
+      const double d = 0.6 * i;
+      file << d << ',' << 0.05 * (std::exp(d / (3.6 + 0.2 * n)) - 1.0) + 1e-3 * std::sin(37.0 * i + n)
+           << '\n';
+    }
+  }
+}
+
+std::string curves(int count) {
+  std::string words;
+  for (int n = 0; n < count; ++n) words += " s" + std::to_string(n) + ".csv";
+  return words;
+}
+
+/// A shell command in the folder; output to the files out and err there.
+int shell(const Folder& folder, const std::string& command) {
+  const std::string line = "cd '" + folder.path().string() + "' && " + command + " > out 2> err";
+  const int status = std::system(line.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::string by_mpi(int ranks, const std::string& words) {
+  return "mpirun --allow-run-as-root --oversubscribe -n " + std::to_string(ranks) + " '" + PALPATE_PROGRAM +
+         "' " + words;
+}
+
+/// The children of a process.
+std::vector<pid_t> children_of(pid_t parent) {
+  const std::string id = std::to_string(parent);
+  std::istringstream text(text_of("/proc/" + id + "/task/" + id + "/children"));
+  std::vector<pid_t> children;
+  for (pid_t child = 0; text >> child;) children.push_back(child);
+  return children;
+}
+
+std::size_t results_in(const Folder& folder) {
+  std::istringstream text(text_of(folder / "t.toml.fits.jsonl"));
+  std::size_t count = 0;
+  for (std::string line; std::getline(text, line);) count += line.empty() ? 0 : 1;
+  return count;
+}
+
+TEST(Mpi, GivesTheSameBytesOnOneTwoAndFourRanks) {
+  const Folder folder;
+  write_curves(folder, 4);
+  const std::string words = "fit" + curves(4) + " --bootstrap 4 --json --out t.toml";
+  ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words), 0) << text_of(folder / "err");
+  const std::string alone = text_of(folder / "out");
+  const std::string tissue = text_of(folder / "t.toml");
+  for (const int ranks : {1, 2, 4}) {  // four ranks share each specimen's bootstrap, two share specimens
+    ASSERT_EQ(shell(folder, by_mpi(ranks, words)), 0) << text_of(folder / "err");
+    EXPECT_EQ(text_of(folder / "out"), alone) << ranks << " ranks";
+    EXPECT_EQ(text_of(folder / "t.toml"), tissue) << ranks << " ranks";
+  }
+  EXPECT_FALSE(fs::exists(folder / "t.toml.fits.jsonl"));  // done: nothing to go on from
+}
+
+TEST(Mpi, OnlyTheFirstRankTellsOfBadInput) {
+  const Folder folder;
+  EXPECT_EQ(shell(folder, by_mpi(2, "fit nowhere.csv")), 2);
+  const std::string err = text_of(folder / "err");
+  const std::size_t first = err.find("nowhere.csv: there is no such file");
+  ASSERT_NE(first, std::string::npos) << err;
+  EXPECT_EQ(err.find("nowhere.csv", first + 20), std::string::npos) << err;
+}
+
+TEST(Mpi, ALostRankLosesOnlyWhatWasUnderWay) {
+  const Folder folder;
+  write_curves(folder, 6);
+  const std::string words = "fit" + curves(6) + " --bootstrap 30 --json --out t.toml";
+  const pid_t launcher = fork();
+  if (launcher == 0) {
+    if (chdir(folder.path().c_str()) != 0 || std::freopen("killed", "w", stderr) == nullptr) _exit(127);
+    const std::string command = "exec " + by_mpi(2, words);
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  std::vector<pid_t> ranks;
+  while (results_in(folder) < 2 && waitpid(launcher, nullptr, WNOHANG) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ranks = children_of(launcher);
+  ASSERT_EQ(ranks.size(), 2U) << text_of(folder / "killed");
+  kill(ranks[1], SIGKILL);
+  int status = 0;
+  waitpid(launcher, &status, 0);
+  EXPECT_FALSE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  const std::size_t kept = results_in(folder);
+  ASSERT_GE(kept, 2U);
+  ASSERT_EQ(shell(folder, by_mpi(2, words)), 0) << text_of(folder / "err");
+  EXPECT_THAT(text_of(folder / "err"), testing::HasSubstr("of 6 specimens were finished before"));
+  const std::string resumed = text_of(folder / "out");
+  ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words), 0);
+  EXPECT_EQ(resumed, text_of(folder / "out"));
+}
+
+}  // namespace
+}  // namespace palpate::tests
