@@ -15,6 +15,8 @@
 namespace palpate::tests {
 namespace {
 
+// NOLINTBEGIN(bugprone-suspicious-memory-comparison): the bits are what is compared, -0 and NaN too
+
 /// One experiment, as the program's words and as the interface's options.
 struct Experiment {
   const char* name;
@@ -172,6 +174,8 @@ TEST(Restart, GivesTheSameRowsAgain) {
   session.run(0, kTicks);
   EXPECT_EQ(std::memcmp(&first, session.results.data(), sizeof first), 0);
 }
+
+// NOLINTEND(bugprone-suspicious-memory-comparison)
 
 }  // namespace
 }  // namespace palpate::tests
