@@ -157,11 +157,11 @@ void make_film(Viewer& viewer, const ViewFlags& flags, const Wanted& wanted, Pro
   viewer.require_within("--to-s", to);
   if (from > to) throw InputError("--from-s " + shortest(from) + ": later than --to-s " + shortest(to));
   const double count = std::floor((to - from) * wanted.slow * wanted.fps) + 1.0;
-  if (count > kMostFrames)
+  if (!(count <= kMostFrames))
     throw InputError("--video " + flags.video + ": " + shortest(count) +
                      " pictures; want at most a million: shorten it, or lower --fps or --slow");
   Film film(flags.video, wanted.size.width, wanted.size.height, wanted.fps);
-  for (double i = 0.0; i < count; i += 1.0) {
+  for (int i = 0; i < static_cast<int>(count); ++i) {
     film.add(viewer.at(from + i / (wanted.fps * wanted.slow)));
     bar.update(i / count, "drawing " + flags.video);
   }

@@ -137,7 +137,8 @@ double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double l
   double nearest = kFar;
   // Half a cell at a time, and the cells around: no cell that the ray touches is left out.
   std::size_t last = static_cast<std::size_t>(-1);
-  for (double way = 0.0; way <= limit + width_; way += 0.5 * width_) {
+  for (int step = 0; 0.5 * width_ * step <= limit + width_; ++step) {
+    const double way = 0.5 * width_ * step;
     if (way > nearest + 2.0 * width_) break;
     const Cell middle = cell_of(start + way * direction);
     if (place(middle) == last) continue;

@@ -106,7 +106,10 @@ class DepthMap final {
     const int j = std::clamp(static_cast<int>(place.y()), 0, kMapSide - 2);
     float open = 0.0F;
     for (const int k : {0, 1, kMapSide, kMapSide + 1})
-      open += depth_[static_cast<std::size_t>(i * kMapSide + j + k)] > place.z() + lift ? 0.0F : 0.25F;
+      open += depth_[static_cast<std::size_t>(i) * kMapSide + static_cast<std::size_t>(j) +
+                     static_cast<std::size_t>(k)] > place.z() + lift
+                  ? 0.0F
+                  : 0.25F;
     return open;
   }
 
