@@ -153,10 +153,10 @@ void noise_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
     noise.gain = sigma * noise.threshold;
     changed = true;
   }
-  const bool by_threshold = rows.number("Your threshold", state.user_threshold, kMilli, 0.1, 0.1, 500.0,
-                                        "%.1f mN", "the smallest force that you detect") |
-                            rows.number("Share of it", state.noise_share, 0.01, 0.2, 0.0, 100.0, "%.0f %%",
-                                        "about 60 % helps the hand most; changes K");
+  bool by_threshold = rows.number("Your threshold", state.user_threshold, kMilli, 0.1, 0.1, 500.0, "%.1f mN",
+                                  "the smallest force that you detect");
+  by_threshold |= rows.number("Share of it", state.noise_share, 0.01, 0.2, 0.0, 100.0, "%.0f %%",
+                              "about 60 % helps the hand most; changes K");
   if (by_threshold) {
     noise.gain = noise::gain_from_threshold(state.user_threshold, state.noise_share, noise.threshold);
     changed = true;

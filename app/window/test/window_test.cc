@@ -314,8 +314,9 @@ TEST_F(WindowTest, LivesThroughAnySize) {
   driven.frames(3);
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(3840, 2160), std::pair(300, 900), std::pair(1000, 600)}) {
+    const int wide = width;  // clang 14 lets no lambda have a structured binding
     driven.resize(width, height);
-    ASSERT_TRUE(driven.until([&] { return driven.window().picture().width == width; })) << width;
+    ASSERT_TRUE(driven.until([&] { return driven.window().picture().width == wide; })) << wide;
     driven.frames(2);
     EXPECT_EQ(driven.window().picture().height, height);
     EXPECT_TRUE(driven.alive());
