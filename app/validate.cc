@@ -208,6 +208,15 @@ report::Validation validate(const ValidateFlags& flags) {
   return validation;
 }
 
+/// Says, where forces were compared with the zeros as they are, that a fit finds others: a hundredth of a
+/// millimetre can be most of the error.
+void tell_zeros(const ValidateFlags& flags, const report::Validation& validation) {
+  if (validation.forces.empty() || flags.first_contact != "0" || flags.offset != "0") return;
+  tell(
+      "first contact at 0 mm and a sensor that shows 0 N without load are taken as given; palpate fit finds "
+      "offset_mm and offset_N, for --first-contact-mm and --offset-N");
+}
+
 /// The tissue with the reach that was fitted.
 void write_tissue(const std::string& file, const model::TissueParameters& tissue) {
   std::ofstream out(file, std::ios::binary);
@@ -279,6 +288,7 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
     if (!flags->report.empty()) {
       tell("report: " + report::write_validation_report(validation, command_line, flags->report).string());
     }
+    tell_zeros(*flags, validation);
     std::cout << (flags->as_json ? validation_json(validation) : validation_text(validation));
     exit_code = validation.missed.empty() ? kDone : kGoalMissed;
   });

@@ -11,6 +11,7 @@
 #include "palpate/base/text.h"
 #include "palpate/record/recording.h"
 #include "palpate/record/recording_frames.h"
+#include "palpate/render/map_legend.h"
 #include "palpate/render/offscreen.h"
 
 #include "app/commands.h"
@@ -112,13 +113,14 @@ class Viewer final {
       : recording_(recording),
         file_(file),
         frames_(recording, how),
+        map_range_(wanted.map_range),
         renderer_(subject(), wanted.size.width, wanted.size.height, wanted.quality) {
     const haptics::Snapshot deepest = frames_.at(frames_.deepest());
     const contact::ToolResult& result = deepest.results[0];
     const bool contact = result.view_count > 0;
     camera_ = render::frame_contact(subject(), deepest, contact ? result.contact_W : result.nearest_W,
                                     contact ? result.normal_W : result.away_W, close_up);
-    renderer_.set_map_range(wanted.map_range);
+    renderer_.set_map_range(map_range_);
   }
 
   [[nodiscard]] double duration_s() const { return static_cast<double>(frames_.ticks()) / rate(); }
@@ -127,7 +129,9 @@ class Viewer final {
   [[nodiscard]] render::Image at(double time) {
     const auto last = static_cast<double>(frames_.ticks() - 1);
     const double tick = std::min(last, std::round(time * rate()));
-    return renderer_.draw(frames_.at(static_cast<std::uint64_t>(tick)), camera_);
+    render::Image picture = renderer_.draw(frames_.at(static_cast<std::uint64_t>(tick)), camera_);
+    render::draw_map_legend(picture, map_range_);
+    return picture;
   }
 
   void require_within(const char* flag, double time) const {
@@ -146,6 +150,7 @@ class Viewer final {
   const record::Recording& recording_;
   std::string file_;
   record::RecordingFrames frames_;
+  double map_range_;  // m; 0: no map
   render::OffscreenRenderer renderer_;
   render::Camera camera_;
 };
@@ -201,7 +206,8 @@ void add_flags(CLI::App& command, ViewFlags& flags) {
   command.add_option("--slow", flags.slow, "How many times slower than it was")->capture_default_str();
   command.add_option("--size", flags.size, "Pixels, WIDTHxHEIGHT")->capture_default_str();
   command.add_flag("--close-up", flags.close_up, "The contact fills the picture, instead of the organ");
-  command.add_option("--map-mm", flags.map_mm, "Colour the organ by its displacement, up to this many mm");
+  command.add_option("--map-mm", flags.map_mm,
+                     "Colour the organ by its displacement, up to this many mm, with a legend");
   command.add_option("--quality", flags.quality,
                      "full, balanced or fast (default: full for a picture, balanced for a film)");
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
