@@ -98,7 +98,7 @@ void draw_map_legend(Image& image, double range) {
   const int bar_height = image.height * 2 / 5;
   const int width = bar_width + (5 * (kGlyphWidth + 1) + 8) * square;
   const int x = image.width - width - 4 * square;
-  const int y = image.height / 2 - bar_height / 2;
+  const int y = 3 * line;
   fill(image, x - 4 * square, y - 2 * line, width + 4 * square, bar_height + 3 * line + line / 2,
        {34, 37, 42});
   write(image, x, y - line - line / 2, square, "mm");

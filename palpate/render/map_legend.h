@@ -7,9 +7,10 @@ namespace palpate::render {
 /// over green to yellow, as the shader computes it before it lights the surface.
 [[nodiscard]] Vec3 map_colour(double share) noexcept;
 
-/// [setup] Draws the displacement map's legend into the picture's right side: a bar of the map's colours with
-/// five marks in millimetres from 0 to the range, on a dark ground. The letters are those of a grid of 5 x 7
-/// squares, scaled with the picture. A picture too small for it, under 120 x 160 pixels, stays as it is.
+/// [setup] Draws the displacement map's legend into the picture's upper right corner: a bar of the map's
+/// colours with five marks in millimetres from 0 to the range, on a dark ground. The letters are those of a
+/// grid of 5 x 7 squares, scaled with the picture. A picture too small for it, under 120 x 160 pixels, stays
+/// as it is.
 /// @param range displacement at the bar's upper end [m], > 0; else the picture stays as it is
 void draw_map_legend(Image& image, double range);
 

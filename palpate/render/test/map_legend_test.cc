@@ -38,7 +38,7 @@ TEST(MapLegend, ColoursRunFromDarkBlueOverGreenToYellow) {
 TEST(MapLegend, ItsBarIsYellowAboveAndDarkBelowAndLeavesTheLeftAlone) {
   Image image = grey(800, 600);
   draw_map_legend(image, 0.012);
-  const int top = 600 / 2 - 600 * 2 / 5 / 2 + 1;
+  const int top = 3 * 9 * 2 + 1;  // three lines of 9 squares of 2 pixels
   const int x = bar_column(image, top);
   ASSERT_GT(x, 600);
   const std::uint8_t* bottom = &image.rgb[at(image, x, top + 600 * 2 / 5 - 3)];
