@@ -41,7 +41,7 @@ float way_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float 
 
 FrontSurface::FrontSurface(const geometry::TriangleMesh& mesh) : start(mesh.vertices.size() + 1, 0) {
   vertices.reserve(mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices) vertices.push_back(v.cast<float>());
+  for (const Vec3& v : mesh.vertices) vertices.emplace_back(v.cast<float>());
   for (const geometry::Triangle& t : mesh.triangles)
     for (const std::int32_t v : t) ++start[index(v) + 1];
   for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];

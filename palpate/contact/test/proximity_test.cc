@@ -97,13 +97,13 @@ TEST(Proximity, NearestIsThatOfAllPointsTickByTickWhileABallRestsOnTheOrgan) {
 /// Brings the part's tip straight up to the organ, from far below, until it is `depth` [m] inside.
 double height_of_depth(const OrganSurface& surface, const PartPoints& points, double depth) {
   PartState part = state_for(points);
-  double z = -0.2;
-  for (; z < 0.0; z += 0.1e-3) {
+  for (int step = 0; step < 2000; ++step) {
+    const double z = -0.2 + 0.1e-3 * step;
     move_part(surface, points, place(Vec3(0.0, 0.0, z)), kReference, kPeriod, part);
     find_nearest(surface, points, part);
-    if (part.nearest.distance < -depth) break;
+    if (part.nearest.distance < -depth) return z;
   }
-  return z;
+  return 0.0;
 }
 
 TEST(Proximity, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
