@@ -169,8 +169,8 @@ void shrink(std::vector<bool>& trusted) {
     if (before[static_cast<std::size_t>(x)]) continue;
     int from = x;
     int to = x;
-    while (from > 0 && !before[static_cast<std::size_t>(from - 1)]) --from;
-    while (to + 1 < count && !before[static_cast<std::size_t>(to + 1)]) ++to;
+    while (from > 0 && !before[static_cast<std::size_t>(from) - 1]) --from;
+    while (to + 1 < count && !before[static_cast<std::size_t>(to) + 1]) ++to;
     if (to - from + 1 >= kStretch) {
       for (int k = std::max(0, from - kBeside); k <= std::min(count - 1, to + kBeside); ++k) {
         trusted[static_cast<std::size_t>(k)] = false;

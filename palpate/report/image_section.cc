@@ -32,7 +32,7 @@ std::string digits(double value) {
   return text;
 }
 
-/// The photograph, halved and halved again until it is a figure, and by how much.
+/// Every so many-th pixel of the photograph both ways, so that it is a figure, and how many.
 render::Image as_figure(const fit::Picture& picture, int& factor) {
   factor = (picture.width + kWidest - 1) / kWidest;
   render::Image image;
@@ -40,8 +40,10 @@ render::Image as_figure(const fit::Picture& picture, int& factor) {
   image.height = picture.height / factor;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      const int from = 3 * (y * factor * picture.width + x * factor);
-      for (int c = 0; c < 3; ++c) image.rgb.push_back(picture.rgb[static_cast<std::size_t>(from + c)]);
+      const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(factor);
+      const std::size_t column = static_cast<std::size_t>(x) * static_cast<std::size_t>(factor);
+      const std::size_t from = 3 * (row * static_cast<std::size_t>(picture.width) + column);
+      for (std::size_t c = 0; c < 3; ++c) image.rgb.push_back(picture.rgb[from + c]);
     }
   }
   return image;

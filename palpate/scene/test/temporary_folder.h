@@ -16,7 +16,7 @@ inline std::string error_of(const std::function<void()>& act) {
   try {
     act();
   } catch (const InputError& error) {
-    const std::string message = error.what();
+    std::string message = error.what();
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     return message;
   }
