@@ -12,8 +12,6 @@
 namespace palpate::contact {
 namespace {
 
-constexpr std::size_t kMaxTools = 8;
-
 ToolPoints sample_tool(const geometry::Tool& tool) {
   if (tool.parts.empty() || tool.parts.size() > static_cast<std::size_t>(kMaxParts)) {
     throw InputError("tool \"" + tool.name + "\" has " + std::to_string(tool.parts.size()) +
@@ -260,7 +258,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   State::Data& now = state.data();
   const TissueLaws& laws = now.laws(data);
   std::array<std::uint32_t, kMaxTools> status{};
-  std::array<Contact*, kMaxTools * kContactsPerPart * kMaxParts> all{};
+  std::array<Contact*, kMostContacts> all{};
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
     status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t], now.scratch);

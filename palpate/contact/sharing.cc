@@ -1,6 +1,7 @@
 #include "palpate/contact/sharing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "palpate/base/portable_math.h"
@@ -26,17 +27,32 @@ double eighth_power(double x) noexcept {
   return x4 * x4;
 }
 
-/// 1 - C + C / (1 + crowd), C = max c_ij, crowd = sum over the others of c_ij (F_j/F_i)^8.
+/// 1 - C + C / (1 + crowd), C = max c_ij, crowd = sum over the others of c_ij (F_j/F_i)^8 where c_ij = C. One
+/// that is less close weighs as much as would alone, at C, lower the share by what it lowers it by alone
+/// where it is: then it weighs nothing as it comes within reach, however strong (docs/decisions/0010).
 double share_among(const Contact& one, std::span<Contact* const> contacts, double reference_radius,
                    bool with_leaving) noexcept {
+  std::array<double, kMostContacts> closeness_of;  // of those that are within reach
+  std::array<double, kMostContacts> crowd_of;      // each one's c_ij (F_j/F_i)^8
+  std::size_t count = 0;
   double greatest = 0.0;
-  double crowd = 0.0;
   for (const Contact* const other : contacts) {
     if (other == &one || (other->leaving && !with_leaving)) continue;
     const double close = closeness(one, *other, reference_radius);
     if (close <= 0.0) continue;
     greatest = std::max(greatest, close);
-    if (one.elastic_force > 0.0) crowd += close * eighth_power(other->elastic_force / one.elastic_force);
+    if (!(one.elastic_force > 0.0)) continue;
+    closeness_of[count] = close;
+    crowd_of[count++] = close * eighth_power(other->elastic_force / one.elastic_force);
+  }
+  double crowd = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (closeness_of[k] == greatest) {
+      crowd += crowd_of[k];
+    } else {
+      const double lowers = closeness_of[k] * (1.0 - 1.0 / (1.0 + crowd_of[k]));
+      crowd += lowers / (greatest - lowers);
+    }
   }
   return 1.0 - greatest + greatest / (1.0 + crowd);
 }

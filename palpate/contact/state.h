@@ -14,6 +14,9 @@
 
 namespace palpate::contact {
 
+constexpr std::size_t kMaxTools = 8;
+constexpr std::size_t kMostContacts = kMaxTools * kContactsPerPart * kMaxParts;
+
 /// An instrument as contact sees it.
 struct ToolPoints {
   std::vector<PartPoints> parts;

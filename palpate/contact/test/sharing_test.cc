@@ -77,6 +77,43 @@ TEST(Sharing, NothingJumpsAsTwoContactsPart) {
   }
 }
 
+TEST(Sharing, NothingJumpsAsAStrongContactLeavesOneThatHasACloseNeighbour) {
+  // The strong one is 10^8 times as heavy: any closeness at all used to outweigh the neighbour.
+  double last = 0.0;
+  for (int step = 0; step <= 2000; ++step) {
+    const double r = 9e-3 + 1e-6 * step;
+    std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
+                                  contact_at(Vec3(r, 0, 0), 1.0)};
+    total(contacts);
+    if (step > 0) {
+      EXPECT_LT(std::fabs(contacts[0].share - last), 0.0004) << r;  // c falls by 0.0002 a step
+    }
+    last = contacts[0].share;
+  }
+  // Without it: c = 1 - 0.4^2 = 0.84 and equal forces, share = 0.16 + 0.84/1.84 = 0.616522.
+  EXPECT_NEAR(last, 0.616522, 1e-6);
+}
+
+TEST(Sharing, OneThatIsLessCloseWeighsByWhatItLowersAlone) {
+  // c = 0.84 (4 mm) and 0.36 (8 mm), equal forces. The farther one alone: 0.36 x 0.36/1.36 = 0.0952941 less;
+  // at 0.84 that takes a weight of 0.0952941/(0.84 - 0.0952941) = 0.127962. Share: 0.16 + 0.84/(1 + 0.84 +
+  // 0.127962) = 0.586837.
+  std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
+                                contact_at(Vec3(8e-3, 0, 0), 0.1)};
+  total(contacts);
+  EXPECT_NEAR(contacts[0].share, 0.586837, 2e-6);
+}
+
+TEST(Sharing, ANeighbourAsCloseAsTheClosestCountsAsInTheFormula) {
+  // c = 0.84 twice: 0.16 + 0.84/(1 + 1.68) = 0.473433; a hair farther must be nearly the same.
+  for (const double r : {4e-3, 4e-3 + 1e-9}) {
+    std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
+                                  contact_at(Vec3(r, 0, 0), 0.1)};
+    total(contacts);
+    EXPECT_NEAR(contacts[0].share, 0.473433, 2e-6);
+  }
+}
+
 TEST(Sharing, WithoutForceThereIsNothingToShare) {
   std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.0), contact_at(Vec3::Zero(), 0.0)};
   EXPECT_EQ(total(contacts), 0.0);
