@@ -10,8 +10,6 @@
 
 #include <unistd.h>
 
-#include "palpate/base/cache_folder.h"
-#include "palpate/base/clock.h"
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/devices/devices.h"
@@ -98,21 +96,6 @@ std::uint64_t ticks_to_run(const Session& session, std::optional<double> duratio
   return last;
 }
 
-/// Says when the tissue was fitted with an indenter of quite another size: F(D) knows nothing of the tool's.
-void compare_radii(Session& session) {
-  if (!session.setup.tissue.source || !(session.setup.tissue.source->radius > 0.0)) return;
-  const double fitted = session.setup.tissue.source->radius;
-  for (std::size_t hand = 0; hand < session.setup.tools.size(); ++hand) {
-    const double radius = session.world.contact.tip_radius(hand);
-    if (!(radius > 2.0 * fitted || 2.0 * radius < fitted)) continue;
-    session.setup.remarks.push_back(
-        "tissue '" + session.setup.tissue.name + "' was fitted with an indenter of " +
-        shortest(std::round(fitted * 1e5) / 1e2) + " mm radius, the tip of '" +
-        session.setup.tools[hand].name + "' has " + shortest(std::round(radius * 1e5) / 1e2) +
-        " mm: more than twofold apart, so the force may be wrong");
-  }
-}
-
 void require_writable_parent(const fs::path& path, const std::string& flag) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   std::error_code error;
@@ -124,28 +107,10 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
   }
 }
 
-/// When a loop that stands still is a fault [ns]; 0, never, where no hand holds a device: there it harms
-/// nobody, a gap is a late tick, and rows stay those of an offline run.
-std::int64_t stalled_after_ns(const haptics::SimulationWorld& world) {
-  const bool held = std::any_of(world.mappings.begin(), world.mappings.end(),
-                                [](const haptics::WorkspaceMapping& mapping) { return mapping.held; });
-  return held ? haptics::LoopOptions{}.stalled_after_ns : 0;
-}
-
 /// Writes what led to a fault to the user's state folder; that it could not be is a remark, not a failure.
 void keep_flight(const record::FlightRecorder& flight, scene::Setup& setup, RunAccount& account) {
-  constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files together; the oldest go first
-  const fs::path folder = user_state_folder() / "faults";
-  if (!folder.is_absolute()) return;
-  const std::int64_t now_ns = unix_ns();
-  const fs::path file =
-      folder / (std::to_string(now_ns / 1'000'000) + "-" + std::to_string(getpid()) + ".h5");
-  std::error_code error;
-  fs::create_directories(folder, error);
-  trim_cache(folder, ".h5", kMostBytes);
   try {
-    flight.write(file, account.loop);
-    account.fault_recording = file;
+    account.fault_recording = record::keep_flight(flight, account.loop);
   } catch (const InputError& failure) {
     setup.remarks.push_back(std::string("the ticks before the fault were not kept: ") + failure.what());
   }
@@ -168,7 +133,9 @@ Session prepare(scene::Setup setup, std::optional<double> duration_s, bool no_ca
     session.devices.push_back(devices::open_device(session.setup, hand));
   }
   session.ticks = ticks_to_run(session, duration_s);
-  compare_radii(session);
+  for (std::string& remark : record::radius_remarks(session.setup, session.world)) {
+    session.setup.remarks.push_back(std::move(remark));
+  }
   for (std::string& remark : record::stability_remarks(session.setup)) {
     session.setup.remarks.push_back(std::move(remark));
   }
@@ -254,7 +221,7 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
                                       .changes = how.changes,
                                       .fault_news = &companion.fault_news(),
                                       .core = how.core,
-                                      .stalled_after_ns = stalled_after_ns(session.world)});
+                                      .stalled_after_ns = haptics::stall_limit_ns(session.world)});
   }
   if (recorder) recorder->finish(account.loop);
   if (flight && flight->fault_met()) keep_flight(*flight, session.setup, account);

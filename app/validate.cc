@@ -19,7 +19,6 @@
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/numbers.h"
-#include "app/validate_against.h"
 #include "app/validate_image.h"
 #include "app/validate_summary.h"
 
@@ -120,23 +119,7 @@ void compare_profiles(const ValidateFlags& flags, const std::vector<fit::Deforma
                       report::Validation& validation) {
   const double radius = tip_radius_of(flags, validation.law);
   const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
-  model::ReachParameters& reach = validation.law.tissue.reach;
-  std::vector<fit::ReachSample> samples;
-  for (std::size_t i = 0; i < profiles.size(); ++i) {
-    // Refuses what has no depth.
-    const fit::DeformationComparison comparison =
-        fit::compare_deformation(profiles[i], reach, depths[i], radius);
-    samples.push_back({profiles[i], comparison.depth, radius});
-  }
-  if (flags.fit_reach) {
-    validation.reach = fit::fit_reach(samples);
-    reach = validation.reach->reach;
-  }
-  for (const fit::ReachSample& sample : samples) {
-    report::ProfileSet set;
-    set.ours = fit::compare_deformation(sample.deformation, reach, sample.depth, radius);
-    validation.profiles.push_back(std::move(set));
-  }
+  fit::compare_profiles(profiles, depths, radius, flags.fit_reach, validation);
 }
 
 void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
@@ -203,7 +186,7 @@ report::Validation validate(const ValidateFlags& flags) {
   }
   if (!profiles.empty()) compare_profiles(flags, profiles, validation);
   if (!flags.image.files.empty()) add_image(flags, validation);
-  if (!rivals.empty()) compare_with(rivals, zeros, validation);
+  if (!rivals.empty()) fit::compare_with_rivals(rivals, zeros, validation);
   hold_goals(flags, validation);
   return validation;
 }

@@ -1,8 +1,6 @@
 #include "app/validate_image.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <utility>
 
 #include "palpate/base/error.h"
@@ -11,22 +9,6 @@
 #include "app/numbers.h"
 
 namespace palpate::app {
-namespace {
-
-/// The share of places where the model lies within what the pictures are uncertain by.
-double within_uncertainty(const report::ImageSet& set) {
-  std::vector<fit::ImagePoint> points = set.measured.points;
-  std::stable_sort(points.begin(), points.end(),
-                   [](const fit::ImagePoint& a, const fit::ImagePoint& b) { return a.r < b.r; });
-  std::size_t within = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double off = set.comparison.computed[i] - points[i].u;
-    within += std::abs(off) <= points[i].uncertainty ? 1 : 0;
-  }
-  return static_cast<double>(within) / static_cast<double>(points.size());
-}
-
-}  // namespace
 
 void add_image_flags(CLI::App& command, ImageFlags& flags) {
   command
@@ -43,22 +25,11 @@ void add_image_flags(CLI::App& command, ImageFlags& flags) {
 report::ImageSet validate_image(const ImageFlags& flags, const fit::Law& law, double depth,
                                 double tip_radius) {
   if (flags.scale.empty()) throw InputError("--scale-mm-per-px: missing, --image needs it");
-  report::ImageSet set;
-  set.settings.pixel = parse_positive("--scale-mm-per-px", flags.scale) * kMillimetre;
-  set.settings.direction = law.direction;
-  set.settings.fixed_camera = flags.fixed_camera;
-  set.before = fit::read_picture(flags.files[0]);
-  set.after = fit::read_picture(flags.files[1]);
-  set.measured = fit::measure_pictures(set.before, set.after, set.settings, flags.files[0], flags.files[1]);
-  const fit::Deformation deformation = fit::deformation_of(set.measured, flags.files[1]);
-  if (!(depth > 0.0)) depth = deformation.depth;
-  if (!(depth > 0.0)) {
-    depth = fit::nearest_depth(deformation, law.tissue.reach, tip_radius);
-    set.depth_fitted = true;
-  }
-  set.comparison = fit::compare_deformation(deformation, law.tissue.reach, depth, tip_radius);
-  set.within_uncertainty = within_uncertainty(set);
-  return set;
+  fit::ImageSettings settings;
+  settings.pixel = parse_positive("--scale-mm-per-px", flags.scale) * kMillimetre;
+  settings.direction = law.direction;
+  settings.fixed_camera = flags.fixed_camera;
+  return fit::compare_photographs(flags.files[0], flags.files[1], settings, law, depth, tip_radius);
 }
 
 nlohmann::ordered_json image_json(const report::ImageSet& set) {

@@ -59,17 +59,20 @@ Loaded load(const palpate_options& options) {
   if (options.surface_edge > 0.0 && options.surface_edge < 1e-4) {
     throw ParameterError("palpate_options.surface_edge", options.surface_edge, "0, or at least 1e-4 m");
   }
-  scene::Setup setup = scene::load(request_of(options));
+  return load(scene::load(request_of(options)), preparation_of(options), options.no_hand != 0);
+}
+
+Loaded load(scene::Setup setup, const contact::Preparation& how, bool no_hand) {
   std::vector<std::unique_ptr<haptics::Device>> scripted;
   for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
     scripted.push_back(scripted_device(setup, hand));
   }
   // The recording and its replay must know whether a hand holds the device: the tick goes by that.
   for (scene::DeviceSetup& device : setup.devices) {
-    if (options.no_hand == 0 && !scene::find_device_kind(device.kind)->held) device.kind = "host";
+    if (!no_hand && !scene::find_device_kind(device.kind)->held) device.kind = "host";
   }
   for (std::string& remark : record::stability_remarks(setup)) setup.remarks.push_back(std::move(remark));
-  haptics::SimulationWorld world = record::assemble(setup, preparation_of(options));
+  haptics::SimulationWorld world = record::assemble(setup, how);
   return {std::move(setup), std::move(scripted), std::move(world)};
 }
 

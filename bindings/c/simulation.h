@@ -26,6 +26,9 @@ struct Loaded {
 /// [setup] Reads the scene and prepares the organ. @throws InputError, UseError.
 [[nodiscard]] Loaded load(const palpate_options& options);
 
+/// [setup] The same of a scene that is read already. @param no_hand as palpate_options.no_hand
+[[nodiscard]] Loaded load(scene::Setup setup, const contact::Preparation& how, bool no_hand);
+
 }  // namespace palpate::c_interface
 
 /// One simulation of the C interface. Ticked by one thread, looked at by another.

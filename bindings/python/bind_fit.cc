@@ -38,10 +38,6 @@ Specimen make_specimen(std::string name, const Numbers& displacement, const Numb
   return specimen;
 }
 
-py::array_t<double> array_of(const std::vector<double>& values) {
-  return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
-}
-
 /// Name -> (value, low, high) in the unit of the name.
 py::dict parameters_of(const std::vector<fit::Estimate>& estimates, std::size_t terms) {
   const std::vector<fit::ParameterLabel> labels = fit::labels(terms);

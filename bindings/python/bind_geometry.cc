@@ -15,12 +15,9 @@
 #include "bindings/python/docs.h"
 
 namespace palpate::python {
-namespace {
 
-using geometry::MeshFindings;
 using geometry::TriangleMesh;
 
-/// n x 3, a copy.
 py::array_t<double> vertices_of(const TriangleMesh& mesh) {
   py::array_t<double> array({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
   double* to = array.mutable_data();
@@ -38,6 +35,10 @@ py::array_t<std::int32_t> triangles_of(const TriangleMesh& mesh) {
   }
   return array;
 }
+
+namespace {
+
+using geometry::MeshFindings;
 
 using Indices = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 

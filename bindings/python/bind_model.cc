@@ -1,5 +1,6 @@
 // Tissues, the two laws and the noise.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -15,6 +16,7 @@
 namespace palpate::python {
 namespace {
 
+using model::ContactParameters;
 using model::LayeredSpringLaw;
 using model::SmoothSpringLaw;
 using model::TissueParameters;
@@ -81,6 +83,18 @@ void bind_law(py::module_& module, const char* name, const char* class_doc, cons
       .def_property_readonly("max_force", &Law::max_force);
 }
 
+/// A field of what the contact rules need, as one of the tissue's own.
+template <auto kField>
+auto get() {
+  return [](const TissueParameters& tissue) { return tissue.contact.*kField; };
+}
+template <auto kField>
+auto set() {
+  return [](TissueParameters& tissue, std::remove_cvref_t<decltype(ContactParameters{}.*kField)> value) {
+    tissue.contact.*kField = value;
+  };
+}
+
 void bind_tissue(py::module_& module) {
   py::class_<TissueParameters>(module, "Tissue", doc("TissueParameters"))
       .def(py::init<>())
@@ -111,6 +125,30 @@ void bind_tissue(py::module_& module) {
             tissue.relaxation = std::move(made);
           },
           doc("RelaxationTerm"))
+      .def_property("friction", get<&ContactParameters::friction>(), set<&ContactParameters::friction>(),
+                    doc("ContactParameters::friction"))
+      .def_property("tangential_stiffness", get<&ContactParameters::tangential_stiffness>(),
+                    set<&ContactParameters::tangential_stiffness>(),
+                    doc("ContactParameters::tangential_stiffness"))
+      .def_property("damping", get<&ContactParameters::damping>(), set<&ContactParameters::damping>(),
+                    doc("ContactParameters::damping"))
+      .def_property("reference_radius", get<&ContactParameters::reference_radius>(),
+                    set<&ContactParameters::reference_radius>(), doc("ContactParameters::reference_radius"))
+      .def_property("grip_limit", get<&ContactParameters::grip_limit>(),
+                    set<&ContactParameters::grip_limit>(), "[N] at which a held fold slips away")
+      .def_property(
+          "reach",
+          [](const TissueParameters& tissue) {
+            const model::ReachParameters& reach = tissue.reach;
+            return std::array{reach.contact_ratio, reach.first_bar_ratio, reach.bar_ratio,
+                              reach.weight_ratio};
+          },
+          [](TissueParameters& tissue, const std::array<double, 4>& ratios) {
+            tissue.reach = {ratios[0], ratios[1], ratios[2], ratios[3]};
+          },
+          "contact_ratio c, first_bar_ratio a, bar_ratio s and weight_ratio g: how the surface gives way "
+          "around "
+          "a contact (docs/model.md, section 3); all without unit.")
       .def(
           "first_limit",
           [](const TissueParameters& tissue, const std::string& direction) {

@@ -3,14 +3,12 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "palpate/base/cache_folder.h"
 #include "palpate/base/error.h"
 #include "palpate/devices/devices.h"
 #include "palpate/haptics/loop.h"
@@ -18,11 +16,10 @@
 #include "palpate/record/recorder.h"
 #include "palpate/record/recording.h"
 #include "palpate/record/replay.h"
-#include "palpate/record/tick_columns.h"
-#include "palpate/scene/load.h"
 
-#include "bindings/python/binding.h"
 #include "bindings/python/docs.h"
+#include "bindings/python/scene_arguments.h"
+#include "bindings/python/surface.h"
 
 namespace palpate::python {
 namespace {
@@ -30,32 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 using haptics::TickRow;
 using record::Recording;
-
-/// The columns of a recording as NumPy names them.
-py::dtype row_type() {
-  py::list names;
-  py::list formats;
-  py::list offsets;
-  for (const record::Column& column : record::tick_columns()) {
-    names.append(column.name);
-    offsets.append(column.offset);
-    switch (column.type) {
-      case record::ColumnType::kU32:
-        formats.append("u4");
-        break;
-      case record::ColumnType::kU64:
-        formats.append("u8");
-        break;
-      case record::ColumnType::kI64:
-        formats.append("i8");
-        break;
-      case record::ColumnType::kF64:
-        formats.append("f8");
-        break;
-    }
-  }
-  return py::dtype(names, formats, offsets, sizeof(TickRow));
-}
 
 /// Keeps all rows of a run, in memory taken before it, and hands them on.
 class RowKeeper final : public haptics::TickSink {
@@ -105,12 +76,10 @@ std::uint64_t ticks_of(const std::vector<std::unique_ptr<haptics::Device>>& devi
 }
 
 /// The rows of a scene's run, as fast as possible.
-std::vector<TickRow> run(const scene::Request& request, std::optional<double> duration_s,
+std::vector<TickRow> run(const SceneWish& wish, std::optional<double> duration_s,
                          const std::optional<fs::path>& recording, bool cache) {
-  const scene::Setup setup = scene::load(request);
-  contact::Preparation how;
-  if (cache) how.cache = user_cache_folder();
-  const haptics::SimulationWorld world = record::assemble(setup, how);
+  const scene::Setup setup = wish.load();
+  const haptics::SimulationWorld world = record::assemble(setup, preparation_of(cache));
   const auto devices = open_devices(setup);
   const std::uint64_t ticks = ticks_of(devices, setup.rate_Hz, duration_s);
   std::optional<record::Recorder> recorder;
@@ -125,31 +94,12 @@ std::vector<TickRow> run(const scene::Request& request, std::optional<double> du
   return std::move(rows.rows);
 }
 
-py::array simulate(const std::optional<fs::path>& scene, const std::optional<std::string>& scene_text,
-                   const std::optional<std::string>& task, const std::optional<std::string>& organ,
-                   const std::optional<std::string>& organ_unit, const std::optional<std::string>& tissue,
-                   const std::optional<std::string>& tool, const std::optional<std::string>& tool_unit,
-                   const std::optional<std::string>& device, std::optional<double> rate_Hz,
-                   std::optional<std::uint64_t> seed, bool noise, std::optional<double> duration_s,
+py::array simulate(const SceneWish& wish, std::optional<double> duration_s,
                    const std::optional<fs::path>& record, bool cache) {
-  if (scene && scene_text) throw InputError("scene and scene_text are both given, must be at most one");
-  scene::Request request;
-  request.scene = scene;
-  if (scene_text) request.scene_text = {*scene_text, {}};
-  request.task = task;
-  request.organ = organ;
-  request.organ_unit = organ_unit;
-  request.tissue = tissue;
-  if (tool) request.tools = {*tool};
-  request.tool_unit = tool_unit;
-  request.device = device;
-  request.rate_Hz = rate_Hz;
-  request.seed = seed;
-  request.no_noise = !noise;
   std::vector<TickRow> rows;
   {
     const py::gil_scoped_release others_may_run;
-    rows = run(request, duration_s, record, cache);
+    rows = run(wish, duration_s, record, cache);
   }
   return adopt(std::move(rows), row_type());
 }
@@ -162,6 +112,22 @@ Recording read(const fs::path& file) {
 std::string replay_difference(const Recording& recording) {
   const py::gil_scoped_release others_may_run;
   return record::replay(recording).first_difference;
+}
+
+/// A pandas table; phase and fault become words.
+py::object frame_of(const py::object& rows) {
+  const py::module_ pandas = py::module_::import("pandas");
+  const auto words = [&](const char* column, const std::vector<std::string>& names) {
+    return pandas.attr("Categorical").attr("from_codes")(rows[column], py::arg("categories") = names);
+  };
+  std::vector<std::string> faults;
+  for (std::uint8_t fault = 0; fault <= static_cast<std::uint8_t>(haptics::Fault::kForceOff); ++fault) {
+    faults.emplace_back(haptics::name_of(static_cast<haptics::Fault>(fault)));
+  }
+  const py::object frame = pandas.attr("DataFrame")(rows);
+  frame["phase"] = words("phase", {"approach", "press", "pull"});
+  frame["fault"] = words("fault", faults);
+  return frame;
 }
 
 void bind_recording(py::module_& module) {
@@ -196,6 +162,14 @@ void bind_recording(py::module_& module) {
           doc("RunFacts::complete"))
       .def_property_readonly("missed_deadlines",
                              [](const Recording& recording) { return recording.facts.missed_deadlines; })
+      .def(
+          "to_pandas", [](const py::object& self) { return frame_of(self.attr("rows")); },
+          "to_pandas() of the rows.")
+      .def(
+          "surface", &surface_of, py::arg("tick"), py::arg("surface_edge") = 0.0, py::arg("cache") = true,
+          py::call_guard<py::gil_scoped_release>(),
+          "The organ's visible surface at a tick, for which the ticks before are run again. surface_edge: as "
+          "of Simulation. Raises InputError.")
       .def("replay_difference", &replay_difference,
            "Runs the recording's ticks again; the first difference in words, empty when every bit is the "
            "same.");
@@ -206,19 +180,21 @@ void bind_recording(py::module_& module) {
 
 void bind_runs(py::module_& module) {
   const py::none none;
-  module.def("simulate", &simulate, py::arg("scene") = none, py::kw_only(), py::arg("scene_text") = none,
-             py::arg("task") = none, py::arg("organ") = none, py::arg("organ_unit") = none,
-             py::arg("tissue") = none, py::arg("tool") = none, py::arg("tool_unit") = none,
-             py::arg("device") = none, py::arg("rate_Hz") = none, py::arg("seed") = none,
-             py::arg("noise") = true, py::arg("duration_s") = none, py::arg("record") = none,
-             py::arg("cache") = true,
-             "Runs a scene as fast as possible, as `palpate run --offline` does, and returns its rows: one a "
-             "tick and "
-             "hand, in a structured array with the columns of `palpate export` (phase and fault are "
-             "numbers). Arguments "
-             "override the scene as the flags of that name do; record: also write this HDF5 file. Raises "
-             "InputError.");
+  std::apply(
+      [&](const auto&... scene) {
+        module.def("simulate", of_a_scene<std::optional<double>, std::optional<fs::path>, bool>(&simulate),
+                   scene..., py::arg("duration_s") = none, py::arg("record") = none, py::arg("cache") = true,
+                   "Runs a scene as fast as possible, as `palpate run --offline` does, and returns its rows: "
+                   "one a tick and hand, in a structured array with the columns of `palpate export` (phase "
+                   "and fault are numbers). Arguments override the scene as the flags of that name do; "
+                   "tissue may be a Tissue, tool a list of jaws; record: also write this HDF5 file. Raises "
+                   "InputError.");
+      },
+      scene_arguments());
   bind_recording(module);
+  module.def("to_pandas", &frame_of, py::arg("rows"),
+             "The rows of a run, from simulate(), Simulation.rows() or Recording.rows, as a pandas DataFrame "
+             "in which phase and fault are words. Raises ImportError without pandas.");
 }
 
 }  // namespace palpate::python

@@ -1,6 +1,8 @@
 #pragma once
 // What the parts of the Python module share.
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,10 @@ void bind_model(py::module_& module);
 void bind_geometry(py::module_& module);
 void bind_runs(py::module_& module);
 void bind_fit(py::module_& module);
+void bind_surface(py::module_& module);
+void bind_live(py::module_& module);
+void bind_ticked(py::module_& module);
+void bind_validate(py::module_& module);
 
 /// "press" or "pull". @throws InputError.
 [[nodiscard]] model::Direction direction_of(const std::string& word);
@@ -42,6 +48,16 @@ py::object vectorised(const Numbers& numbers, const Answer& answer) {
   }
   return rows[py::tuple()];
 }
+
+/// n x 3, copies.
+[[nodiscard]] py::array_t<double> vertices_of(const geometry::TriangleMesh& mesh);
+[[nodiscard]] py::array_t<std::int32_t> triangles_of(const geometry::TriangleMesh& mesh);
+
+/// A copy as a row of numbers.
+[[nodiscard]] py::array_t<double> array_of(std::span<const double> values);
+/// x y z; w x y z.
+[[nodiscard]] py::array_t<double> array_of(const Vec3& vector);
+[[nodiscard]] py::array_t<double> array_of(const Quat& rotation);
 
 /// A NumPy array that owns what was a vector; nothing is copied. @param dtype of one element
 template <typename Element>

@@ -1,4 +1,6 @@
 // The extension _palpate: one file a part. Docstrings are the C++ comments, taken at build time (make_docs).
+#include <array>
+
 #include "palpate/base/error.h"
 #include "palpate/version.h"
 
@@ -10,6 +12,18 @@ model::Direction direction_of(const std::string& word) {
   if (word == "press") return model::Direction::kPress;
   if (word == "pull") return model::Direction::kPull;
   throw InputError("direction = \"" + word + "\": must be press or pull");
+}
+
+py::array_t<double> array_of(std::span<const double> values) {
+  return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+py::array_t<double> array_of(const Vec3& vector) {
+  return array_of(std::array{vector.x(), vector.y(), vector.z()});
+}
+
+py::array_t<double> array_of(const Quat& rotation) {
+  return array_of(std::array{rotation.w(), rotation.x(), rotation.y(), rotation.z()});
 }
 
 }  // namespace palpate::python
@@ -29,4 +43,8 @@ PYBIND11_MODULE(_palpate, module) {
   palpate::python::bind_geometry(module);
   palpate::python::bind_runs(module);
   palpate::python::bind_fit(module);
+  palpate::python::bind_surface(module);
+  palpate::python::bind_live(module);
+  palpate::python::bind_ticked(module);
+  palpate::python::bind_validate(module);
 }

@@ -260,6 +260,12 @@ std::string told(std::uint64_t number, const std::vector<WatchdogStop>& stops, s
 
 }  // namespace
 
+std::int64_t stall_limit_ns(const SimulationWorld& world) noexcept {
+  const bool held = std::any_of(world.mappings.begin(), world.mappings.end(),
+                                [](const WorkspaceMapping& mapping) { return mapping.held; });
+  return held ? LoopOptions{}.stalled_after_ns : 0;
+}
+
 LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices,
                     TickSink* sink, const LoopOptions& options) {
   const StopAtEnd stop_at_end{devices};

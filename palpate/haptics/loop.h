@@ -73,6 +73,10 @@ struct LoopOptions {
 
 inline constexpr double kStalledPeriods = 4.0;
 
+/// [setup] LoopOptions::stalled_after_ns for a run of this world: 0, nobody watches, where no hand holds a
+/// device.
+[[nodiscard]] std::int64_t stall_limit_ns(const SimulationWorld& world) noexcept;
+
 /// How a run went.
 struct LoopReport {
   static constexpr std::size_t kMostFaults = 64;

@@ -1,8 +1,10 @@
 #include "palpate/record/assemble.h"
 
+#include <cmath>
 #include <string>
 
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/haptics/stability.h"
 #include "palpate/scene/device_kinds.h"
 
@@ -50,6 +52,21 @@ haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Prep
 
 std::vector<std::string> stability_remarks(const scene::Setup& setup) {
   return stability_remarks(setup, setup.tissue);
+}
+
+std::vector<std::string> radius_remarks(const scene::Setup& setup, const haptics::SimulationWorld& world) {
+  std::vector<std::string> remarks;
+  if (!setup.tissue.source || !(setup.tissue.source->radius > 0.0)) return remarks;
+  const double fitted = setup.tissue.source->radius;
+  const auto in_mm = [](double radius) { return shortest(std::round(radius * 1e5) / 1e2) + " mm"; };
+  for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
+    const double radius = world.contact.tip_radius(hand);
+    if (!(radius > 2.0 * fitted || 2.0 * radius < fitted)) continue;
+    remarks.push_back("tissue '" + setup.tissue.name + "' was fitted with an indenter of " + in_mm(fitted) +
+                      " radius, the tip of '" + setup.tools[hand].name + "' has " + in_mm(radius) +
+                      ": more than twofold apart, so the force may be wrong");
+  }
+  return remarks;
 }
 
 std::unique_ptr<haptics::LiveChanges> live_changes(const scene::Setup& setup,

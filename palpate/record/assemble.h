@@ -26,6 +26,11 @@ namespace palpate::record {
 [[nodiscard]] std::vector<std::string> stability_remarks(const scene::Setup& setup,
                                                          const model::TissueParameters& tissue);
 
+/// [setup] Of each hand whose tool's tip is more than twofold larger or smaller than the indenter that the
+/// tissue was fitted with: that the force may be wrong, in words. F(D) knows nothing of the tool's size.
+[[nodiscard]] std::vector<std::string> radius_remarks(const scene::Setup& setup,
+                                                      const haptics::SimulationWorld& world);
+
 /// [setup] What hands changes of tissue and noise to a run of this scene, warning as stability_remarks()
 /// does. @param setup, world outlive it
 [[nodiscard]] std::unique_ptr<haptics::LiveChanges> live_changes(const scene::Setup& setup,

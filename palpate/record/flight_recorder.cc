@@ -2,7 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <system_error>
 
+#include <unistd.h>
+
+#include "palpate/base/cache_folder.h"
+#include "palpate/base/clock.h"
 #include "palpate/record/recorder.h"
 
 namespace palpate::record {
@@ -70,6 +76,19 @@ void FlightRecorder::write(const std::filesystem::path& file, const haptics::Loo
   for (const haptics::LiveChange& change : changes()) recorder.put_change(change);
   for (const haptics::TickRow& row : rows()) recorder.put(row);
   recorder.finish(report);
+}
+
+std::filesystem::path keep_flight(const FlightRecorder& flight, const haptics::LoopReport& report) {
+  constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files together; the oldest go first
+  const std::filesystem::path folder = user_state_folder() / "faults";
+  if (!folder.is_absolute()) return {};
+  const std::int64_t now_ms = unix_ns() / 1'000'000;
+  std::filesystem::path file = folder / (std::to_string(now_ms) + "-" + std::to_string(getpid()) + ".h5");
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  trim_cache(folder, ".h5", kMostBytes);
+  flight.write(file, report);
+  return file;
 }
 
 }  // namespace palpate::record

@@ -47,4 +47,9 @@ class FlightRecorder final : public haptics::TickSink {
   bool fault_met_ = false;
 };
 
+/// [setup] After a run that met a fault: writes what was kept into the user's state folder, and removes the
+/// oldest such files there beyond 256 MiB. @return the file; empty: there is no such folder
+/// @throws InputError when it cannot be written.
+std::filesystem::path keep_flight(const FlightRecorder& flight, const haptics::LoopReport& report);
+
 }  // namespace palpate::record

@@ -2,24 +2,12 @@
 #include <filesystem>
 #include <string>
 
-#include "palpate/fit/image_compare.h"
-#include "palpate/fit/image_file.h"
-#include "palpate/fit/validation.h"
+#include "palpate/fit/validation_sets.h"
 #include "palpate/report/page.h"
 
 namespace palpate::report {
 
-/// A deformation that was measured in two photographs, and the model's.
-struct ImageSet {
-  fit::Picture before;
-  fit::Picture after;
-  fit::ImageMeasurement measured;
-  fit::ImageSettings settings;
-  fit::DeformationComparison comparison;
-  bool depth_fitted = false;  // the depth is the one that suits the line best
-  double within_uncertainty =
-      0.0;  // share of points where the model lies within what the picture is uncertain by
-};
+using fit::ImageSet;
 
 /// [setup] How sure a measurement is, in one line for people.
 [[nodiscard]] std::string image_text(const ImageSet& set);

@@ -1,0 +1,348 @@
+// A simulation that runs in real time while Python looks on.
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/base/error.h"
+
+#include "bindings/python/docs.h"
+#include "bindings/python/live_simulation.h"
+#include "bindings/python/scene_arguments.h"
+
+namespace palpate::python {
+namespace {
+
+namespace fs = std::filesystem;
+using haptics::TickRow;
+using Live = std::shared_ptr<LiveSimulation>;
+
+/// One hand at the newest tick.
+struct HandState {
+  TickRow row;
+  std::string fault;
+};
+
+/// A simulation at its newest tick.
+struct LiveState {
+  std::uint64_t change = 0;
+  bool running = false;
+  std::vector<HandState> hands;
+};
+
+Live open(const SceneWish& wish, std::optional<double> duration_s, std::optional<fs::path> record,
+          std::optional<int> core, double keep_s, double surface_edge, bool cache) {
+  const py::gil_scoped_release others_may_run;
+  return std::make_shared<LiveSimulation>(
+      wish.load(), LiveSimulation::Options{duration_s, std::move(record), core, keep_s, surface_edge, cache});
+}
+
+/// Tells once, after the end, why a run broke off or its recording is not whole.
+void raise_failure(LiveSimulation& live) {
+  const std::string failure = live.take_failure();
+  if (!failure.empty()) throw InputError(failure);
+}
+
+/// Begins; from then on the end of the program ends it too, wherever this object is then kept.
+void start(const py::object& self) {
+  const Live live = self.cast<Live>();
+  {
+    const py::gil_scoped_release others_may_run;
+    live->start();
+  }
+  const auto stop_at_exit = [kept = std::weak_ptr<LiveSimulation>(live)] {
+    if (const Live alive = kept.lock()) alive->stop();
+  };
+  py::module_::import("weakref").attr("finalize")(self, py::cpp_function(stop_at_exit));
+  raise_failure(*live);
+}
+
+void stop(LiveSimulation& live) {
+  {
+    const py::gil_scoped_release others_may_run;
+    live.stop();
+  }
+  raise_failure(live);
+}
+
+/// Waits in short turns, so that Ctrl-C is seen.
+bool wait(LiveSimulation& live, std::optional<double> timeout_s) {
+  if (timeout_s && !(*timeout_s >= 0.0)) throw ParameterError("timeout_s", *timeout_s, ">= 0");
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kTurn{50};
+  const auto begun = Clock::now();
+  for (;;) {
+    const std::chrono::duration<double> waited = Clock::now() - begun;
+    const double left = timeout_s ? *timeout_s - waited.count() : 1.0;
+    bool ended = false;
+    {
+      const py::gil_scoped_release others_may_run;
+      const auto turn = std::chrono::milliseconds(
+          static_cast<std::int64_t>(std::ceil(1e3 * std::max(0.0, std::min(left, 1.0)))));
+      ended = live.ended_within(std::min(turn, kTurn));
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (ended) {
+      raise_failure(live);
+      return true;
+    }
+    if (left <= 0.0 || !live.running()) return false;
+  }
+}
+
+void leave(LiveSimulation& live, const py::object& type, const py::object& /*value*/,
+           const py::object& /*trace*/) {
+  {
+    const py::gil_scoped_release others_may_run;
+    live.stop();
+  }
+  if (type.is_none()) raise_failure(live);  // what the block raised goes before
+}
+
+std::optional<LiveState> state_of(LiveSimulation& live) {
+  LiveState state;
+  state.change = live.change();
+  state.running = live.running();
+  for (const TickRow& row : live.newest()) state.hands.push_back({row, live.fault_words(row)});
+  if (state.hands.empty()) return std::nullopt;
+  return state;
+}
+
+std::vector<std::string> set_noise(LiveSimulation& live, std::optional<bool> enabled,
+                                   std::optional<double> gain, std::optional<double> threshold) {
+  haptics::LiveNoise noise = live.changes().noise();
+  if (enabled) noise.enabled = *enabled;
+  if (gain) noise.gain = *gain;
+  if (threshold) noise.threshold = *threshold;
+  return live.changes().offer(noise).warnings;
+}
+
+void reset_fault(LiveSimulation& live, std::optional<std::size_t> hand) {
+  if (!hand) return live.reset_faults(~0U);
+  if (*hand >= live.hands()) {
+    throw InputError("hand = " + std::to_string(*hand) + ": must be less than the " +
+                     std::to_string(live.hands()) + " hands");
+  }
+  live.reset_faults(1U << *hand);
+}
+
+py::list faults_of(const haptics::LoopReport& loop) {
+  py::list faults;
+  for (const haptics::FaultSeen& seen : loop.faults) {
+    py::dict fault;
+    fault["tick"] = seen.tick;
+    fault["hand"] = seen.hand;
+    fault["fault"] = haptics::words_of(seen.fault);
+    fault["reset_tick"] = seen.reset_tick == haptics::FaultSeen::kNotReset
+                              ? py::object(py::none())
+                              : py::object(py::int_(seen.reset_tick));
+    faults.append(fault);
+  }
+  return faults;
+}
+
+py::dict report_of(LiveSimulation& live) {
+  const LiveSimulation::Outcome& outcome = live.outcome();
+  const haptics::LoopReport& loop = outcome.loop;
+  py::dict report;
+  report["ticks"] = loop.ticks;
+  report["stopped_early"] = loop.stopped_early;
+  report["faults"] = faults_of(loop);
+  report["missed_deadlines"] = loop.missed_deadlines;
+  report["longest_gap_ns"] = loop.longest_gap_ns;
+  report["tick_p50_ns"] = loop.tick_time.percentile(0.5);
+  report["tick_p99_ns"] = loop.tick_time.percentile(0.99);
+  report["late_p50_ns"] = loop.lateness.percentile(0.5);
+  report["late_p99_ns"] = loop.lateness.percentile(0.99);
+  report["realtime_priority"] = loop.realtime_priority;
+  report["memory_locked"] = loop.memory_locked;
+  report["watchdog_stops"] = loop.watchdog_stops;
+  report["remarks"] = loop.remarks;
+  report["fault_recording"] = outcome.fault_recording.string();
+  return report;
+}
+
+std::vector<std::string> remarks_of(const LiveSimulation& live) {
+  std::vector<std::string> remarks = live.setup().repairs;
+  remarks.insert(remarks.end(), live.setup().remarks.begin(), live.setup().remarks.end());
+  return remarks;
+}
+
+std::string phase_of(const HandState& hand) {
+  static constexpr const char* kWords[] = {"approach", "press", "pull"};
+  return kWords[std::min<std::uint32_t>(hand.row.phase, 2)];
+}
+
+/// A property that is a field of the row.
+template <auto kField>
+auto field() {
+  return [](const HandState& hand) { return hand.row.*kField; };
+}
+
+/// The same of several numbers.
+template <auto kField>
+auto row_field() {
+  return [](const HandState& hand) { return array_of(hand.row.*kField); };
+}
+
+void bind_hand_state(py::module_& module) {
+  py::class_<HandState>(module, "HandState",
+                        "One hand at one tick: its row of the recording, SI, world frame.")
+      .def_property_readonly("position", row_field<&TickRow::tool>(), "Of the handle, m.")
+      .def_property_readonly("orientation", row_field<&TickRow::tool_q>(), "Of the handle, w x y z.")
+      .def_property_readonly("gripper", field<&TickRow::gripper>(), "0 closed .. 1 open.")
+      .def_property_readonly("buttons", field<&TickRow::buttons>(), "A bit a button.")
+      .def_property_readonly("phase", &phase_of, "approach, press or pull.")
+      .def_property_readonly("distance", field<&TickRow::distance>(), doc("TickRow::distance"))
+      .def_property_readonly("depth", field<&TickRow::depth>(), "m, of the contact with the largest force.")
+      .def_property_readonly("cutoff_layer", field<&TickRow::cutoff_layer>(),
+                             "Of the layered law; 0 without contact.")
+      .def_property_readonly(
+          "saturated", [](const HandState& hand) { return hand.row.saturated != 0; },
+          "Past the last layer: the force holds.")
+      .def_property_readonly("force", row_field<&TickRow::force>(), doc("TickRow::force"))
+      .def_property_readonly("torque", row_field<&TickRow::torque>(), doc("TickRow::torque"))
+      .def_property_readonly("gripper_force", field<&TickRow::gripper_force>(), doc("TickRow::gripper_force"))
+      .def_property_readonly("tissue_force", field<&TickRow::tissue_force>(), doc("TickRow::tissue_force"))
+      .def_property_readonly("noise_force", field<&TickRow::noise_force>(), doc("TickRow::noise_force"))
+      .def_property_readonly("friction", field<&TickRow::friction>(), doc("TickRow::friction"))
+      .def_property_readonly("contact", row_field<&TickRow::contact>(),
+                             "m, on the rest surface; without contact the nearest point.")
+      .def_property_readonly("normal", row_field<&TickRow::normal>(), "Of the surface there, unit.")
+      .def_property_readonly("energy", field<&TickRow::energy>(), doc("TickRow::energy"))
+      .def_property_readonly("engagement", field<&TickRow::engagement>(), doc("TickRow::engagement"))
+      .def_property_readonly("status", field<&TickRow::status>(), doc("TickRow::status"))
+      .def_property_readonly("tick_ns", field<&TickRow::tick_ns>(), doc("TickRow::tick_ns"))
+      .def_property_readonly("late_ns", field<&TickRow::late_ns>(), doc("TickRow::late_ns"))
+      .def_readonly(
+          "fault", &HandState::fault,
+          "Why the hand's force is zero, in words, with what the device says of it; empty: no fault.");
+}
+
+void bind_state(py::module_& module) {
+  py::class_<LiveState>(module, "State", "A running simulation at its newest tick.")
+      .def_property_readonly(
+          "tick", [](const LiveState& state) { return state.hands.front().row.tick; }, "Counted from 0.")
+      .def_property_readonly(
+          "time", [](const LiveState& state) { return state.hands.front().row.time; }, "s, tick / rate.")
+      .def_readonly("change", &LiveState::change,
+                    "Number of the last change of tissue or noise that a tick has used; 0: none.")
+      .def_readonly("running", &LiveState::running, "Whether the run goes on.")
+      .def_readonly("hands", &LiveState::hands, "One HandState a hand.");
+}
+
+py::class_<LiveSimulation, Live> bind_simulation(py::module_& module) {
+  py::class_<LiveSimulation, Live> simulation(module, "Simulation", doc("LiveSimulation"));
+  const py::none none;
+  std::apply(
+      [&](const auto&... scene) {
+        simulation.def(
+            py::init(of_a_scene<std::optional<double>, std::optional<fs::path>, std::optional<int>, double,
+                                double, bool>(&open)),
+            scene..., py::arg("duration_s") = none, py::arg("record") = none, py::arg("core") = none,
+            py::arg("keep_s") = 600.0, py::arg("surface_edge") = 0.0, py::arg("cache") = true,
+            "Opens the devices and prepares the organ. The scene is given as to simulate(). duration_s: none "
+            "is until the devices have nothing more to say; record: HDF5 file to write; core: the one that "
+            "the loop runs on; keep_s: seconds that rows() keeps; surface_edge: the surface() is divided "
+            "until no edge is longer (m; 0: as the organ's mesh). Raises InputError.");
+      },
+      scene_arguments());
+  return simulation;
+}
+
+void bind_control(py::class_<LiveSimulation, Live>& simulation) {
+  const py::none none;
+  const py::call_guard<py::gil_scoped_release> others_may_run;
+  simulation.def("start", &start, doc("LiveSimulation::start"))
+      .def(
+          "stop", &stop,
+          (std::string(doc("LiveSimulation::stop")) + " Raises InputError once when the run broke off or its "
+                                                      "recording is not whole.")
+              .c_str())
+      .def(
+          "wait", &wait, py::arg("timeout_s") = none,
+          "Waits until the run has ended by itself, at most timeout_s seconds; Ctrl-C works. Returns whether "
+          "it has ended; at once with False before start(). Raises as stop().")
+      .def("__enter__",
+           [](const py::object& self) {
+             start(self);
+             return self;
+           })
+      .def("__exit__", &leave, py::arg("type"), py::arg("value"), py::arg("trace"))
+      .def(
+          "set_tissue",
+          [](LiveSimulation& live, const TissueWish& tissue) {
+            return live.changes().offer(tissue_of(tissue)).warnings;
+          },
+          py::arg("tissue"), others_may_run,
+          "Another tissue (a Tissue, a built-in name or a tissue file) from one of the next ticks on; "
+          "recorded "
+          "with its tick. Returns what the stability check says of it on these devices, in words. Raises "
+          "ParameterError for a bad value, InputError for another reference radius than the run's, or when "
+          "eight changes wait already; nothing has changed then.")
+      .def("set_noise", &set_noise, py::arg("enabled") = none, py::arg("gain") = none,
+           py::arg("threshold") = none,
+           "Switches the touch noise on or off and sets gain (N m) and threshold (m), each as it was where "
+           "none; goes over in 50 ms. Otherwise as set_tissue().")
+      .def(
+          "reset_fault", &reset_fault, py::arg("hand") = none,
+          "Clears the latched fault of one hand, or of all, at the next tick. A held device gets force again "
+          "after it has been still outside the tissue.");
+}
+
+}  // namespace
+
+void bind_live(py::module_& module) {
+  bind_hand_state(module);
+  bind_state(module);
+  auto simulation = bind_simulation(module);
+  bind_control(simulation);
+  const py::call_guard<py::gil_scoped_release> others_may_run;
+  simulation.def("state", &state_of, others_may_run, "The newest tick as a State; None before the first.")
+      .def("surface", &LiveSimulation::surface, others_may_run, doc("LiveSimulation::surface"))
+      .def(
+          "rows",
+          [](LiveSimulation& live) {
+            std::vector<TickRow> rows;
+            {
+              const py::gil_scoped_release others_may_run;
+              rows = live.rows();
+            }
+            return adopt(std::move(rows), row_type());
+          },
+          "The rows so far, as simulate() has them: those of the last keep_s seconds.")
+      .def_property_readonly("rows_missing", &LiveSimulation::rows_missing,
+                             doc("LiveSimulation::rows_missing"))
+      .def_property_readonly("running", &LiveSimulation::running, doc("LiveSimulation::running"))
+      .def("report", &report_of,
+           "After the end: a dictionary of how it went: ticks, faults, missed_deadlines, times of ticks and "
+           "lateness (ns), remarks, and the file with the ticks before a fault of an unrecorded run. Raises "
+           "RuntimeError before.")
+      .def_property_readonly(
+          "tissue", [](LiveSimulation& live) { return live.changes().tissue(); },
+          "The tissue that was set last, or that the run began with.")
+      .def_property_readonly(
+          "noise",
+          [](LiveSimulation& live) {
+            const haptics::LiveNoise noise = live.changes().noise();
+            py::dict parts;
+            parts["enabled"] = noise.enabled;
+            parts["gain"] = noise.gain;
+            parts["threshold"] = noise.threshold;
+            return parts;
+          },
+          "The touch noise that was set last: enabled, gain (N m), threshold (m).")
+      .def_property_readonly("name", [](const LiveSimulation& live) { return live.setup().name; })
+      .def_property_readonly("rate_Hz", [](const LiveSimulation& live) { return live.setup().rate_Hz; })
+      .def_property_readonly("hand_count", &LiveSimulation::hands)
+      .def_property_readonly("organ", [](const LiveSimulation& live) { return live.setup().organ; })
+      .def_property_readonly("remarks", &remarks_of,
+                             "What a user should be told of the scene: repairs to meshes, warnings.");
+}
+
+}  // namespace palpate::python

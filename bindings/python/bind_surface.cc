@@ -1,0 +1,101 @@
+// The visible surface, as it gives way.
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/base/error.h"
+#include "palpate/deform/displacement.h"
+#include "palpate/record/recording.h"
+#include "palpate/record/replay.h"
+
+#include "bindings/python/docs.h"
+#include "bindings/python/scene_arguments.h"
+#include "bindings/python/surface.h"
+
+namespace palpate::python {
+namespace {
+
+using deform::Indentation;
+
+Vec3 vector_of(const Numbers& numbers, const char* name) {
+  if (numbers.ndim() != 1 || numbers.size() != 3)
+    throw InputError(std::string(name) + ": must be three numbers");
+  return {numbers.at(0), numbers.at(1), numbers.at(2)};
+}
+
+Indentation make_indentation(const Numbers& point, const Numbers& direction, double depth, double tip_radius,
+                             double half_width) {
+  Indentation made;
+  made.point = vector_of(point, "point");
+  made.direction = vector_of(direction, "direction");
+  const double length = made.direction.norm();
+  if (!made.point.allFinite()) throw InputError("point: must be finite numbers (m)");
+  if (!(length > 0.0) || !std::isfinite(length)) throw InputError("direction: must be finite and not all 0");
+  made.direction /= length;
+  if (!(depth >= 0.0) || !std::isfinite(depth)) throw ParameterError("depth", depth, ">= 0 (m)");
+  if (!(tip_radius > 0.0) || !std::isfinite(tip_radius)) {
+    throw ParameterError("tip_radius", tip_radius, "> 0 (m)");
+  }
+  if (!(half_width >= 0.0)) throw ParameterError("half_width", half_width, ">= 0 (m)");
+  made.depth = depth;
+  made.tip_radius = tip_radius;
+  made.half_width = half_width;
+  return made;
+}
+
+geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
+                                        const std::vector<Indentation>& indentations,
+                                        const TissueWish& tissue) {
+  const model::TissueParameters parameters = tissue_of(tissue);
+  deform::SurfaceDeformer deformer(mesh);
+  geometry::TriangleMesh moved;
+  moved.triangles = mesh.triangles;
+  deformer.deform(parameters.reach, indentations, moved.vertices);
+  return moved;
+}
+
+}  // namespace
+
+Surface surface_of(const record::Recording& recording, std::uint64_t tick, double surface_edge, bool cache) {
+  deform::SurfaceDeformer deformer(visible_surface(recording.setup, surface_edge));
+  return surface_at(record::snapshots_at(recording, {tick}, preparation_of(cache)).front(), deformer);
+}
+
+void bind_surface(py::module_& module) {
+  const py::call_guard<py::gil_scoped_release> others_may_run;
+  py::class_<Surface>(module, "Surface", doc("Surface"))
+      .def_readonly("tick", &Surface::tick, "The tick that it belongs to.")
+      .def_property_readonly(
+          "mesh", [](const Surface& surface) { return surface.mesh; }, doc("Surface::mesh"))
+      .def_property_readonly(
+          "vertices", [](const Surface& surface) { return vertices_of(surface.mesh); },
+          "n x 3, metres, in the organ's frame; a copy.")
+      .def_property_readonly(
+          "triangles", [](const Surface& surface) { return triangles_of(surface.mesh); },
+          "n x 3 vertex indices, which never change; a copy.")
+      .def_property_readonly(
+          "organ_position", [](const Surface& surface) { return array_of(surface.organ_W.position); },
+          "Where the organ is at that tick, metres.")
+      .def_property_readonly(
+          "organ_orientation", [](const Surface& surface) { return array_of(surface.organ_W.rotation); },
+          "Its orientation, w x y z.");
+  py::class_<Indentation>(module, "Indentation", doc("Indentation"))
+      .def(py::init(&make_indentation), py::arg("point"), py::arg("direction"), py::arg("depth"),
+           py::arg("tip_radius"), py::arg("half_width") = 0.0)
+      .def_property_readonly(
+          "point", [](const Indentation& one) { return array_of(one.point); }, doc("Indentation::point"))
+      .def_property_readonly(
+          "direction", [](const Indentation& one) { return array_of(one.direction); },
+          doc("Indentation::direction"))
+      .def_readonly("depth", &Indentation::depth, doc("Indentation::depth"))
+      .def_readonly("tip_radius", &Indentation::tip_radius, doc("Indentation::tip_radius"))
+      .def_readonly("half_width", &Indentation::half_width, doc("Indentation::half_width"));
+  module.def("deformed_surface", &deformed_surface, py::arg("mesh"), py::arg("indentations"),
+             py::arg("tissue"), others_may_run,
+             "The mesh as it gives way under tools that press or pull it with these indentations together: "
+             "model.md's u(r) with the tissue's reach (a Tissue, a built-in name or a tissue file), r along "
+             "the surface. Vertices out of reach stay bit for bit. Raises InputError.");
+}
+
+}  // namespace palpate::python

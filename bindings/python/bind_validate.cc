@@ -1,0 +1,305 @@
+// A tissue against measurements: force curves, surface profiles, photographs.
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "palpate/base/error.h"
+#include "palpate/fit/validation_sets.h"
+
+#include "bindings/python/docs.h"
+#include "bindings/python/scene_arguments.h"
+
+namespace palpate::python {
+namespace {
+
+namespace fs = std::filesystem;
+using fit::Deformation;
+
+/// One for all profiles, or one each; metres or newtons.
+using PerProfile = std::optional<std::variant<double, std::vector<double>>>;
+
+Deformation make_deformation(std::string name, const Numbers& distance, const Numbers& displacement,
+                             double depth) {
+  const auto list = [](const Numbers& numbers, const char* what) {
+    if (numbers.ndim() != 1) throw InputError(std::string(what) + ": must be one row of numbers");
+    return std::vector<double>(numbers.data(), numbers.data() + numbers.size());
+  };
+  Deformation made{std::move(name), depth, list(distance, "distance"), list(displacement, "displacement")};
+  if (made.distance.size() != made.displacement.size()) {
+    throw InputError("distance and displacement: must have the same length");
+  }
+  if (!(depth >= 0.0)) throw ParameterError("depth", depth, ">= 0 (m; 0: not known)");
+  fit::check_deformation(made, "deformation '" + made.name + "'");
+  return made;
+}
+
+void bind_deformation(py::module_& module) {
+  py::class_<Deformation>(module, "Deformation", doc("Deformation"))
+      .def(py::init(&make_deformation), py::arg("name"), py::arg("distance"), py::arg("displacement"),
+           py::arg("depth") = 0.0)
+      .def_readonly("name", &Deformation::name)
+      .def_readonly("depth", &Deformation::depth, doc("Deformation::depth"))
+      .def_property_readonly(
+          "distance", [](const Deformation& one) { return array_of(one.distance); },
+          doc("Deformation::distance"))
+      .def_property_readonly(
+          "displacement", [](const Deformation& one) { return array_of(one.displacement); },
+          doc("Deformation::displacement"));
+  module.def("read_deformations", &fit::read_deformations, py::arg("file"),
+             py::call_guard<py::gil_scoped_release>(), doc("read_deformations"));
+}
+
+/// What a call asks for, beside the law and the measurements.
+struct ValidationWish {
+  std::vector<fit::Specimen> forces;
+  std::vector<Deformation> profiles;
+  std::optional<std::pair<fs::path, fs::path>> image;  // before, after
+  double pixel = 0.0;                                  // m
+  bool fixed_camera = false;
+  fit::Zeros zeros;
+  PerProfile depth;
+  PerProfile force;
+  std::optional<double> tip_radius;  // m
+  bool fit_reach = false;
+  std::vector<fit::RivalKind> rivals;
+};
+
+/// Refuses what would do nothing or could not be done.
+void check(const ValidationWish& wish) {
+  const bool places = !wish.profiles.empty() || wish.image;
+  if (wish.forces.empty() && !places)
+    throw InputError("nothing to compare with: give forces, profiles or image");
+  if (wish.depth && wish.force) throw InputError("depth and force are both given, must be at most one");
+  if (!places && (wish.depth || wish.force || wish.tip_radius)) {
+    throw InputError("depth, force and tip_radius: are of profiles, need profiles or image");
+  }
+  if (wish.fit_reach && wish.profiles.empty()) throw InputError("fit_reach: needs profiles");
+  if (wish.image && !(wish.pixel > 0.0)) throw ParameterError("pixel", wish.pixel, "> 0 (m a pixel)");
+  if (wish.tip_radius && !(*wish.tip_radius > 0.0)) {
+    throw ParameterError("tip_radius", *wish.tip_radius, "> 0 (m)");
+  }
+}
+
+/// The depth [m] that is given of each of `count` profiles; 0 where the profile's own counts.
+std::vector<double> depths_of(const ValidationWish& wish, const fit::Law& law, std::size_t count) {
+  const PerProfile& given = wish.depth ? wish.depth : wish.force;
+  const std::string name = wish.depth ? "depth" : "force";
+  if (!given) return std::vector<double>(count, 0.0);
+  std::vector<double> depths;
+  if (const double* one = std::get_if<double>(&*given)) {
+    depths.assign(count, *one);
+  } else {
+    depths = std::get<std::vector<double>>(*given);
+  }
+  if (depths.size() != count) {
+    throw InputError(name + ": has " + std::to_string(depths.size()) +
+                     " values, must have one, or one for each of the " + std::to_string(count) + " profiles");
+  }
+  for (double& depth : depths) {
+    if (!(depth > 0.0)) throw ParameterError(name, depth, "> 0");
+    if (wish.force) depth = law.depth_under(depth);
+  }
+  return depths;
+}
+
+double tip_radius_of(const ValidationWish& wish, const fit::Law& law) {
+  if (wish.tip_radius) return *wish.tip_radius;
+  if (law.tissue.source) return law.tissue.source->radius;
+  throw InputError("tip_radius: missing, a profile needs the radius of the tool's tip");
+}
+
+fit::Validation compare(const ValidationWish& wish, const fit::Law& law) {
+  check(wish);
+  fit::Validation validation;
+  validation.law = law;
+  for (const fit::Specimen& specimen : wish.forces) {
+    fit::ForceSet set;
+    set.ours = fit::compare_force(specimen, law, wish.zeros);
+    validation.forces.push_back(std::move(set));
+  }
+  if (!wish.profiles.empty()) {
+    std::vector<Deformation> profiles;
+    for (const Deformation& profile : wish.profiles) {
+      profiles.push_back(fit::thinned(profile, fit::kMostPoints));
+    }
+    fit::compare_profiles(profiles, depths_of(wish, law, profiles.size()), tip_radius_of(wish, law),
+                          wish.fit_reach, validation);
+  }
+  if (wish.image) {
+    const fit::ImageSettings settings{wish.pixel, law.direction, wish.fixed_camera};
+    validation.image =
+        fit::compare_photographs(wish.image->first, wish.image->second, settings, validation.law,
+                                 depths_of(wish, law, 1).front(), tip_radius_of(wish, law));
+    fit::ProfileSet set;
+    set.ours = validation.image->comparison;
+    validation.profiles.push_back(std::move(set));
+  }
+  if (!wish.rivals.empty()) fit::compare_with_rivals(wish.rivals, wish.zeros, validation);
+  return validation;
+}
+
+void put(const fit::Errors& errors, py::dict& result) {
+  result["rms"] = errors.rms;
+  result["max"] = errors.max;
+  result["nrmse"] = errors.nrmse;
+}
+
+/// What others' laws make of the same data, when there are any.
+void put(const std::vector<fit::RivalResult>& rivals, double cost_ns, py::dict& result) {
+  if (rivals.empty()) return;
+  py::list others;
+  for (const fit::RivalResult& rival : rivals) {
+    py::dict other;
+    other["name"] = fit::to_string(rival.fit.kind);
+    other["parameters"] = rival.fit.parameters;
+    put(rival.fit.errors, other);
+    other["computed"] = array_of(rival.fit.computed);
+    other["evaluation_ns"] = rival.cost_ns;
+    others.append(other);
+  }
+  result["evaluation_ns"] = cost_ns;
+  result["against"] = others;
+}
+
+py::dict dictionary_of(const fit::ForceSet& set) {
+  const fit::ForceComparison& ours = set.ours;
+  py::dict result;
+  result["name"] = ours.measured.name;
+  put(ours.errors, result);
+  result["within_jnd"] = ours.within_jnd;
+  result["extrapolated_points"] = ours.beyond;
+  result["rows"] = ours.rows;
+  result["time"] = array_of(ours.measured.time);
+  result["displacement"] = array_of(ours.measured.displacement);
+  result["measured"] = array_of(ours.measured.force);
+  result["computed"] = array_of(ours.computed);
+  put(set.rivals, set.cost_ns, result);
+  return result;
+}
+
+py::dict dictionary_of(const fit::ProfileSet& set) {
+  const fit::DeformationComparison& ours = set.ours;
+  py::dict result;
+  result["name"] = ours.measured.name;
+  put(ours.errors, result);
+  result["depth"] = ours.depth;
+  result["tip_radius"] = ours.tip_radius;
+  result["distance"] = array_of(ours.measured.distance);
+  result["measured"] = array_of(ours.measured.displacement);
+  result["computed"] = array_of(ours.computed);
+  put(set.rivals, set.cost_ns, result);
+  return result;
+}
+
+py::dict dictionary_of(const fit::ImageSet& image) {
+  const fit::ImageMeasurement& measured = image.measured;
+  std::vector<double> r;
+  std::vector<double> u;
+  std::vector<double> uncertainty;
+  for (const fit::ImagePoint& point : measured.points) {
+    r.push_back(point.right ? point.r : -point.r);
+    u.push_back(point.u);
+    uncertainty.push_back(point.uncertainty);
+  }
+  py::dict result;
+  result["r"] = array_of(r);
+  result["u"] = array_of(u);
+  result["u_uncertainty"] = array_of(uncertainty);
+  result["confidence"] = measured.confidence;
+  result["confidence_words"] = measured.confidence_words;
+  result["uncertainty"] = measured.uncertainty;
+  result["far_uncertainty"] = measured.far_uncertainty;
+  result["within_uncertainty"] = image.within_uncertainty;
+  result["tip_hidden"] = measured.tip_hidden;
+  result["depth_fitted"] = image.depth_fitted;
+  result["asymmetry"] = measured.asymmetry;
+  return result;
+}
+
+py::dict dictionary_of(const fit::ReachFit& fit) {
+  static constexpr std::array kNames = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio"};
+  const std::array values = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
+                             fit.reach.weight_ratio};
+  py::dict result;
+  py::list at_limit;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    result[kNames[i]] = values[i];
+    if (fit.at_limit[i]) at_limit.append(kNames[i]);
+  }
+  result["at_limit"] = at_limit;
+  return result;
+}
+
+py::dict dictionary_of(const fit::Validation& validation) {
+  py::list forces;
+  py::list profiles;
+  for (const fit::ForceSet& set : validation.forces) forces.append(dictionary_of(set));
+  for (const fit::ProfileSet& set : validation.profiles) profiles.append(dictionary_of(set));
+  py::dict result;
+  result["tissue"] = validation.law.tissue;
+  result["forces"] = forces;
+  result["profiles"] = profiles;
+  if (validation.reach) result["reach"] = dictionary_of(*validation.reach);
+  if (validation.image) result["image"] = dictionary_of(*validation.image);
+  return result;
+}
+
+py::dict validate(const TissueWish& tissue, std::vector<fit::Specimen> forces,
+                  std::vector<Deformation> profiles, std::optional<std::pair<fs::path, fs::path>> image,
+                  double pixel, bool fixed_camera, const std::optional<std::string>& law,
+                  const std::string& direction, double loop_period, double first_contact, double offset,
+                  PerProfile depth, PerProfile force, std::optional<double> tip_radius, bool fit_reach,
+                  const std::vector<std::string>& against) {
+  if (!(loop_period > 0.0)) throw ParameterError("loop_period", loop_period, "> 0 (s)");
+  fit::Law ours{tissue_of(tissue), direction_of(direction), loop_period};
+  if (law) ours.tissue.law = model::parse_law(*law);
+  ValidationWish wish{std::move(forces),
+                      std::move(profiles),
+                      std::move(image),
+                      pixel,
+                      fixed_camera,
+                      {first_contact, offset},
+                      std::move(depth),
+                      std::move(force),
+                      tip_radius,
+                      fit_reach,
+                      {}};
+  std::string names;
+  for (const std::string& name : against) names += (names.empty() ? "" : ",") + name;
+  wish.rivals = fit::parse_rivals(names);
+  fit::Validation validation;
+  {
+    const py::gil_scoped_release others_may_run;
+    validation = compare(wish, ours);
+  }
+  return dictionary_of(validation);
+}
+
+}  // namespace
+
+void bind_validate(py::module_& module) {
+  bind_deformation(module);
+  const py::none none;
+  module.def(
+      "validate", &validate, py::arg("tissue"), py::kw_only(),
+      py::arg("forces") = std::vector<fit::Specimen>{}, py::arg("profiles") = std::vector<Deformation>{},
+      py::arg("image") = none, py::arg("pixel") = 0.0, py::arg("fixed_camera") = false, py::arg("law") = none,
+      py::arg("direction") = "press", py::arg("loop_period") = 1e-3, py::arg("first_contact") = 0.0,
+      py::arg("offset") = 0.0, py::arg("depth") = none, py::arg("force") = none, py::arg("tip_radius") = none,
+      py::arg("fit_reach") = false, py::arg("against") = std::vector<std::string>{},
+      "How true a tissue (a Tissue, a built-in name or a tissue file) is, as `palpate validate` finds it "
+      "(docs/validation.md). forces: from read_specimens(); first_contact (m) and offset (N) are their "
+      "zeros. "
+      "profiles: from read_deformations(); depth (m) or force (N), one or one each, unless they say it "
+      "themselves; tip_radius (m), unless the tissue's source says it. image: two photographs, before and "
+      "after, with pixel (m). against: hertz, linear, exponential, mass-spring. Returns a dictionary, SI: "
+      "tissue, forces and profiles (each with rms, max, nrmse, measured and computed, and against), and "
+      "reach "
+      "and image when asked for. Raises InputError.");
+}
+
+}  // namespace palpate::python

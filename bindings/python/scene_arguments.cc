@@ -1,0 +1,89 @@
+#include "bindings/python/scene_arguments.h"
+
+#include "palpate/base/cache_folder.h"
+#include "palpate/base/error.h"
+#include "palpate/record/tick_columns.h"
+
+namespace palpate::python {
+
+namespace fs = std::filesystem;
+
+scene::Setup SceneWish::load() const {
+  scene::Setup setup = scene::load(request);
+  if (tissue) setup.tissue = *tissue;
+  return setup;
+}
+
+model::TissueParameters tissue_of(const TissueWish& wish) {
+  if (const auto* name = std::get_if<std::string>(&wish)) return scene::load_tissue(*name);
+  auto tissue = std::get<model::TissueParameters>(wish);
+  model::validate(tissue);
+  return tissue;
+}
+
+SceneWish wish_of(const std::optional<fs::path>& scene, const std::optional<std::string>& scene_text,
+                  const std::optional<std::string>& task, const std::optional<std::string>& organ,
+                  const std::optional<std::string>& organ_unit, const std::vector<std::string>& organ_motion,
+                  const std::optional<TissueWish>& tissue,
+                  const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
+                  const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
+                  std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise) {
+  if (scene && scene_text) throw InputError("scene and scene_text are both given, must be at most one");
+  SceneWish wish;
+  scene::Request& request = wish.request;
+  request.scene = scene;
+  if (scene_text) request.scene_text = {*scene_text, {}};
+  request.task = task;
+  request.organ = organ;
+  request.organ_unit = organ_unit;
+  request.organ_motion = organ_motion;
+  if (tissue && std::holds_alternative<std::string>(*tissue)) {
+    request.tissue = std::get<std::string>(*tissue);
+  } else if (tissue) {
+    wish.tissue = tissue_of(*tissue);
+  }
+  if (tool && std::holds_alternative<std::string>(*tool)) {
+    request.tools = {std::get<std::string>(*tool)};
+  } else if (tool) {
+    request.tools = std::get<std::vector<std::string>>(*tool);
+  }
+  request.tool_unit = tool_unit;
+  request.device = device;
+  request.rate_Hz = rate_Hz;
+  request.seed = seed;
+  request.no_noise = !noise;
+  return wish;
+}
+
+contact::Preparation preparation_of(bool cache) {
+  contact::Preparation how;
+  if (cache) how.cache = user_cache_folder();
+  return how;
+}
+
+py::dtype row_type() {
+  py::list names;
+  py::list formats;
+  py::list offsets;
+  for (const record::Column& column : record::tick_columns()) {
+    names.append(column.name);
+    offsets.append(column.offset);
+    switch (column.type) {
+      case record::ColumnType::kU32:
+        formats.append("u4");
+        break;
+      case record::ColumnType::kU64:
+        formats.append("u8");
+        break;
+      case record::ColumnType::kI64:
+        formats.append("i8");
+        break;
+      case record::ColumnType::kF64:
+        formats.append("f8");
+        break;
+    }
+  }
+  return py::dtype(names, formats, offsets, sizeof(haptics::TickRow));
+}
+
+}  // namespace palpate::python

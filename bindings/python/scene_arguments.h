@@ -1,0 +1,78 @@
+#pragma once
+// The scene that a Python call names, for the functions and classes that load one.
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "palpate/contact/preparation.h"
+#include "palpate/haptics/tick_row.h"
+#include "palpate/scene/load.h"
+
+#include "bindings/python/binding.h"
+
+namespace palpate::python {
+
+/// What a call says of its scene; what it does not say is the scene file's.
+struct SceneWish {
+  scene::Request request;
+  std::optional<model::TissueParameters> tissue;  // in place of a name or file
+
+  /// [setup] @throws InputError as scene::load(), ParameterError for a bad tissue.
+  [[nodiscard]] scene::Setup load() const;
+};
+
+/// What stands for a tissue in a call: an object, a built-in name or a tissue file.
+using TissueWish = std::variant<model::TissueParameters, std::string>;
+
+/// [setup] @throws InputError as scene::load_tissue(), ParameterError for a bad tissue.
+[[nodiscard]] model::TissueParameters tissue_of(const TissueWish& wish);
+
+/// [setup] @throws InputError when a scene is given twice.
+[[nodiscard]] SceneWish wish_of(
+    const std::optional<std::filesystem::path>& scene, const std::optional<std::string>& scene_text,
+    const std::optional<std::string>& task, const std::optional<std::string>& organ,
+    const std::optional<std::string>& organ_unit, const std::vector<std::string>& organ_motion,
+    const std::optional<TissueWish>& tissue,
+    const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
+    const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
+    std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise);
+
+/// How the organ is prepared: with the user's cache or without.
+[[nodiscard]] contact::Preparation preparation_of(bool cache);
+
+/// The columns of a recording as NumPy names them, one TickRow an element.
+[[nodiscard]] py::dtype row_type();
+
+/// Names and defaults of wish_of()'s arguments, in their order.
+[[nodiscard]] inline auto scene_arguments() {
+  const py::none none;
+  return std::make_tuple(py::arg("scene") = none, py::kw_only(), py::arg("scene_text") = none,
+                         py::arg("task") = none, py::arg("organ") = none, py::arg("organ_unit") = none,
+                         py::arg("organ_motion") = std::vector<std::string>{}, py::arg("tissue") = none,
+                         py::arg("tool") = none, py::arg("tool_unit") = none, py::arg("device") = none,
+                         py::arg("rate_Hz") = none, py::arg("seed") = none, py::arg("noise") = true);
+}
+
+/// A function of a scene and more, as one of wish_of()'s arguments and more.
+template <typename... More, typename Function>
+auto of_a_scene(Function function) {
+  return
+      [function](const std::optional<std::filesystem::path>& scene,
+                 const std::optional<std::string>& scene_text, const std::optional<std::string>& task,
+                 const std::optional<std::string>& organ, const std::optional<std::string>& organ_unit,
+                 const std::vector<std::string>& organ_motion, const std::optional<TissueWish>& tissue,
+                 const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
+                 const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
+                 std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise, More... more) {
+        return function(wish_of(scene, scene_text, task, organ, organ_unit, organ_motion, tissue, tool,
+                                tool_unit, device, rate_Hz, seed, noise),
+                        std::move(more)...);
+      };
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,28 @@
+#include "bindings/python/surface.h"
+
+#include "palpate/base/error.h"
+#include "palpate/render/indentations.h"
+
+namespace palpate::python {
+
+void check_surface_edge(double longest_edge) {
+  if (longest_edge == 0.0 || (longest_edge >= 1e-4 && longest_edge <= 1.0)) return;
+  throw ParameterError("surface_edge", longest_edge, "0, or 1e-4 to 1 (m)");
+}
+
+geometry::TriangleMesh visible_surface(const scene::Setup& setup, double longest_edge) {
+  check_surface_edge(longest_edge);
+  if (longest_edge == 0.0) return setup.organ;
+  return geometry::refine(setup.organ, longest_edge);
+}
+
+Surface surface_at(const haptics::Snapshot& snapshot, deform::SurfaceDeformer& deformer) {
+  Surface surface;
+  surface.tick = snapshot.tick;
+  surface.organ_W = snapshot.organ_W;
+  surface.mesh.triangles = deformer.rest().triangles;
+  deformer.deform(snapshot.reach, render::indentations_of(snapshot), surface.mesh.vertices);
+  return surface;
+}
+
+}  // namespace palpate::python
