@@ -1,0 +1,76 @@
+// A tissue's parameters from measured force over displacement, with how sure each of them is.
+// Usage: fit_a_tissue [MEASURED.csv]
+// Without a file a measurement is made up: a known tissue, 60 points to 18 mm, and 2 mN of noise.
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "palpate/base/error.h"
+#include "palpate/fit/fit.h"
+#include "palpate/fit/parameters.h"
+#include "palpate/fit/specimen.h"
+#include "palpate/model/spring_law.h"
+#include "palpate/noise/touch_noise.h"
+
+namespace {
+
+/// What is put in, to see whether it comes out.
+palpate::model::TissueParameters known_tissue() {
+  palpate::model::TissueParameters tissue = palpate::model::tissue_preset("liver");
+  tissue.law = palpate::model::LawKind::kSmooth;
+  return tissue;
+}
+
+palpate::fit::Specimen made_up() {
+  const palpate::model::SpringLaw law(known_tissue(), palpate::model::Direction::kPress, 1e-3);
+  palpate::fit::Specimen specimen;
+  specimen.name = "made up";
+  for (int i = 0; i < 60; ++i) {
+    const double depth = 18e-3 * i / 59.0;
+    const double error = 2e-3 * palpate::noise::unit_sample(7, 0, static_cast<std::uint64_t>(i));
+    specimen.displacement.push_back(depth);
+    specimen.force.push_back(law.force_at(depth).force + error);
+  }
+  return specimen;
+}
+
+void show(const palpate::fit::SpecimenFit& fit) {
+  std::cout << fit.name << ": " << fit.points << " points, rms " << 1e3 * fit.rms << " mN\n";
+  const std::vector<palpate::fit::ParameterLabel> labels = palpate::fit::labels(fit.terms);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const palpate::fit::Estimate& estimate = fit.estimates[i];
+    const double unit = labels[i].unit;
+    std::cout << "  " << labels[i].name << " = " << estimate.value / unit
+              << ", 95 %: " << estimate.interval.low / unit << " .. " << estimate.interval.high / unit
+              << '\n';
+  }
+  // Parameters stand in for each other; the curve itself, and so what is felt, is known far better.
+  const std::size_t middle = fit.curve.displacement.size() / 2;
+  std::cout << "  at " << 1e3 * fit.curve.displacement[middle] << " mm: measured "
+            << fit.curve.measured[middle] << " N, fitted " << fit.curve.fitted[middle]
+            << " N, 95 %: " << fit.curve.low[middle] << " .. " << fit.curve.high[middle] << " N\n";
+  for (const std::string& warning : fit.warnings) std::cout << "  note: " << warning << '\n';
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const std::vector<palpate::fit::Specimen> specimens =
+        argc > 1 ? palpate::fit::read_specimens(argv[1]) : std::vector{made_up()};
+    palpate::fit::Settings settings;
+    settings.law = palpate::model::LawKind::kSmooth;
+    std::vector<palpate::fit::SpecimenFit> fits;
+    for (std::size_t i = 0; i < specimens.size(); ++i) {
+      fits.push_back(palpate::fit::fit_specimen(specimens[i], settings, static_cast<std::uint32_t>(i), {}));
+      show(fits.back());
+    }
+    // One tissue for all specimens, ready for a scene; palpate::scene::to_toml() writes it as a tissue file.
+    const palpate::fit::PooledFit pooled = palpate::fit::fit_pooled(specimens, fits, settings, {});
+    std::cout << "tissue of " << pooled.specimens << " specimen(s): k1 = " << pooled.tissue.k1 << " N/m\n";
+  } catch (const palpate::InputError& error) {
+    std::cerr << "fit_a_tissue: " << error.what() << '\n';
+    return 2;
+  }
+  return 0;
+}

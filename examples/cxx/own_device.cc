@@ -1,0 +1,126 @@
+// A device of your own: one class with five functions, and the loop does the rest (docs/first-device.md).
+//
+// The device here is a toy that stands for hardware: a handle of 0.2 kg that moves up and down only, while a
+// hand pulls it towards a place 8 mm inside the organ. After 4 s its cable breaks.
+#include <algorithm>
+#include <atomic>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "palpate/devices/devices.h"
+#include "palpate/haptics/loop.h"
+#include "palpate/record/assemble.h"
+#include "palpate/scene/load.h"
+#include "palpate/scene/tool_path.h"
+
+namespace {
+
+using palpate::haptics::DeviceState;
+using palpate::haptics::Fault;
+using palpate::haptics::ForceCommand;
+
+/// In place of a maker's driver: what the handle does by itself.
+class ToyHardware {
+ public:
+  explicit ToyHardware(double height) : height_(height), start_(height) {}
+
+  /// One millisecond of the world: the hand waits for a second, comes down at 20 mm/s and stays.
+  void live_on(double time, double period) {
+    const double aim = start_ - std::clamp(20e-3 * (time - 1.0), 0.0, 18e-3);
+    const double force = 300.0 * (aim - height_) - 8.0 * speed_ + motor_force_;
+    speed_ += force / 0.2 * period;
+    height_ += speed_ * period;
+  }
+  double height() const { return height_; }
+  double speed() const { return speed_; }
+  void set_motor(double force) { motor_force_ = force; }
+
+ private:
+  double height_;  // m
+  double start_;
+  double speed_ = 0.0;        // m/s
+  double motor_force_ = 0.0;  // N
+};
+
+class ToyDevice final : public palpate::haptics::Device {
+ public:
+  ToyDevice(const palpate::scene::PathRow& start, double period)
+      : hardware_(start.position.z()), start_(start), period_(period) {}
+
+  /// [rt] ONE sample: place, speed and buttons of the same moment. What is wrong is said, never hidden.
+  DeviceState read(std::uint64_t /*tick*/, double time) noexcept override {
+    DeviceState sample;
+    sample.orientation_D = start_.orientation;
+    if (time >= 4.0) {
+      broken_.store(true);
+      sample.fault = Fault::kDevice;  // "could not be read": the gate takes the force away within 10 ms
+      return sample;
+    }
+    hardware_.live_on(time, period_);
+    sample.position_D = {start_.position.x(), start_.position.y(), hardware_.height()};
+    sample.velocity_D = {0.0, 0.0, hardware_.speed()};
+    return sample;
+  }
+
+  /// [rt] What the gate let through, in the device's own frame; false when the hardware refuses it.
+  bool write(const ForceCommand& command_D) noexcept override {
+    if (broken_.load()) return false;
+    hardware_.set_motor(command_D.force.z());
+    return true;
+  }
+
+  /// [any] Zero force, from any thread: the watchdog calls it when the loop stands still. With hardware it
+  /// must go past whatever read() and write() may be waiting for; here nothing pushes by itself.
+  void stop() noexcept override { stopped_.store(true); }
+
+  /// [any] Hardware has always more to say: the run ends by Ctrl-C or --duration-s.
+  std::uint64_t last_tick(double /*rate_Hz*/) const noexcept override { return ~0ULL; }
+
+  std::string trouble() const override { return broken_.load() ? "the cable is broken" : ""; }
+  bool stopped() const { return stopped_.load(); }
+
+ private:
+  ToyHardware hardware_;
+  palpate::scene::PathRow start_;
+  double period_;  // s
+  std::atomic<bool> broken_{false};
+  std::atomic<bool> stopped_{false};
+};
+
+/// Prints a line whenever half a second is over.
+class Diary final : public palpate::haptics::TickSink {
+ public:
+  void begin(std::int64_t /*started_unix_ns*/) noexcept override {}
+  void put(const palpate::haptics::TickRow& row) noexcept override {
+    if (row.tick % 500 != 0) return;
+    std::cout << row.time << " s: share let through " << row.engagement << ", depth " << 1e3 * row.depth
+              << " mm, force on the hand " << row.force[2] << " N\n";
+  }
+};
+
+}  // namespace
+
+int main() {
+  palpate::scene::Setup setup = palpate::scene::load({});
+  // "host": a hand holds it. So the force waits until the hand has been still outside the tissue, rises by a
+  // ramp, and the passivity controller acts. Never run a device that can push as an unheld kind.
+  setup.devices[0].kind = "host";
+  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  palpate::haptics::SimulationState state(world);
+
+  ToyDevice device(palpate::scene::default_path(setup, 0).at(0.0), 1.0 / setup.rate_Hz);
+  palpate::haptics::Device* const hand = &device;
+  Diary diary;
+  palpate::haptics::LoopOptions options;
+  options.offline = true;  // a toy needs no wall clock; hardware does: leave it false
+  options.ticks = 5000;
+  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, &diary, options);
+
+  for (const palpate::haptics::FaultSeen& fault : report.faults) {
+    std::cout << "tick " << fault.tick << ": " << palpate::haptics::words_of(fault.fault) << ": "
+              << device.trouble() << '\n';
+  }
+  std::cout << (device.stopped() ? "stopped at the end\n" : "never stopped\n");
+  return report.fault == Fault::kDevice && device.stopped() ? 0 : 1;
+}

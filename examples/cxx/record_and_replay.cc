@@ -1,0 +1,67 @@
+// A run is recorded, read back, run again and compared bit for bit, and written as CSV.
+// Usage: record_and_replay [RECORDING.h5]     (without: in the temporary folder, and removed)
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include "palpate/base/error.h"
+#include "palpate/devices/devices.h"
+#include "palpate/haptics/loop.h"
+#include "palpate/record/assemble.h"
+#include "palpate/record/recorder.h"
+#include "palpate/record/recording.h"
+#include "palpate/record/replay.h"
+#include "palpate/scene/load.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The built-in gallbladder press, every tick of it in `file`.
+void record_a_press(const fs::path& file) {
+  const palpate::scene::Setup setup = palpate::scene::load({});
+  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  palpate::haptics::SimulationState state(world);
+  const auto device = palpate::devices::open_device(setup, 0);
+  palpate::haptics::Device* const hand = device.get();
+
+  palpate::haptics::LoopOptions options;
+  options.offline = true;
+  options.ticks = device->last_tick(setup.rate_Hz);
+  palpate::record::Recorder recorder(file, setup, options.offline);  // writes on a thread of its own
+  recorder.finish(palpate::haptics::run_loop(world, state, {&hand, 1}, &recorder, options));
+}
+
+int replay_and_compare(const fs::path& file) {
+  const palpate::record::Recording recording = palpate::record::read_recording(file);
+  std::cout << recording.rows.size() << " rows of \"" << recording.setup.name << "\", "
+            << (recording.facts.complete ? "complete" : "cut off") << '\n';
+
+  // The scene is inside the recording, and so are the device's samples: no other file is needed.
+  const palpate::record::ReplayResult result = palpate::record::replay(recording);
+  std::cout << result.rows_different << " of " << result.rows_compared << " rows differ\n";
+  if (!result.first_difference.empty()) std::cout << "first: " << result.first_difference << '\n';
+
+  fs::path csv = file;
+  csv.replace_extension(".csv");
+  palpate::record::export_csv(recording, csv);
+  std::cout << "CSV of " << fs::file_size(csv) / 1000000 << " MB\n";
+  fs::remove(csv);
+  return result.rows_different == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool keep = argc > 1;
+  const fs::path file = keep ? fs::path(argv[1]) : fs::temp_directory_path() / "palpate-record-and-replay.h5";
+  try {
+    record_a_press(file);
+    const int code = replay_and_compare(file);
+    if (!keep) fs::remove(file);
+    return code;
+  } catch (const palpate::InputError& error) {
+    std::cerr << "record_and_replay: " << error.what() << '\n';
+    return 2;
+  }
+}

@@ -1,0 +1,81 @@
+// Two hands with an instrument each on one organ, from a scene that stands in no file.
+#include <algorithm>
+#include <array>
+#include <iostream>
+#include <memory>
+#include <vector>
+
+#include "palpate/base/error.h"
+#include "palpate/devices/devices.h"
+#include "palpate/haptics/loop.h"
+#include "palpate/record/assemble.h"
+#include "palpate/scene/load.h"
+
+namespace {
+
+constexpr const char* kScene = R"toml(
+[scene]
+name = "two hands on a liver-like box"
+[organ]
+mesh = "box"
+tissue = "liver"
+[[tool]]
+mesh = "sphere:5"
+[[tool]]
+mesh = "curved-forceps"
+[[device]]                 # the first hand, 15 mm to one side
+kind = "scripted"
+base = { position_mm = [-15, 0, 0] }
+[[device]]                 # the second, 15 mm to the other
+kind = "scripted"
+base = { position_mm = [15, 0, 0] }
+)toml";
+
+/// Each hand's largest force. A tick gives one row a hand.
+class LargestForces final : public palpate::haptics::TickSink {
+ public:
+  void begin(std::int64_t /*started_unix_ns*/) noexcept override {}
+  void put(const palpate::haptics::TickRow& row) noexcept override {
+    double& largest = of_hand[row.hand];
+    largest = std::max(largest, row.tissue_force);
+  }
+  std::array<double, palpate::scene::kMaxHands> of_hand{};  // N
+};
+
+void press_with_both() {
+  palpate::scene::Request request;
+  request.scene_text = palpate::scene::SceneText{kScene, "."};
+  const palpate::scene::Setup setup = palpate::scene::load(request);
+  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  palpate::haptics::SimulationState state(world);
+
+  std::vector<std::unique_ptr<palpate::haptics::Device>> devices;
+  std::vector<palpate::haptics::Device*> hands;
+  palpate::haptics::LoopOptions options;
+  options.offline = true;
+  for (std::size_t hand = 0; hand < world.hands(); ++hand) {
+    devices.push_back(palpate::devices::open_device(setup, hand));
+    hands.push_back(devices.back().get());
+    options.ticks = std::max(options.ticks, devices.back()->last_tick(setup.rate_Hz));
+  }
+
+  LargestForces largest;
+  const auto report = palpate::haptics::run_loop(world, state, hands, &largest, options);
+  std::cout << setup.name << ": " << report.ticks << " ticks\n";
+  for (std::size_t hand = 0; hand < world.hands(); ++hand) {
+    std::cout << "hand " << hand << ", " << setup.tools[hand].name << ": largest force "
+              << largest.of_hand[hand] << " N\n";
+  }
+}
+
+}  // namespace
+
+int main() {
+  try {
+    press_with_both();
+  } catch (const palpate::InputError& error) {
+    std::cerr << "several_hands: " << error.what() << '\n';
+    return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,175 @@
+"""Pages of the C++ and C headers: every documented thing with its comment and its public declaration.
+
+The headers are laid out by clang-format, which is what makes so short a reader possible: at the level of a namespace a
+comment of /// lines is followed by one declaration, which ends where its braces and brackets are closed.
+"""
+import re
+
+MODULE_ROW = re.compile(r'^\| `([a-z_]+)` \|[^|]*\| ([^|]+) \|', re.MULTILINE)
+MARKS = {'setup': 'may allocate and throw', 'rt': 'for the tick: noexcept, never allocates, locks or calls the system',
+         'any': 'from any thread', 'picture': 'for the picture\'s thread'}
+
+
+def without_strings(line):
+    return re.sub(r'"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])\'|//.*', '', line)
+
+
+def depth_of(line):
+    code = without_strings(line)
+    return sum(code.count(c) for c in '{(') - sum(code.count(c) for c in '})')
+
+
+def public_only(lines):
+    """A class without what is private."""
+    kept, hidden = [], False
+    for line in lines:
+        label = line.strip()
+        if re.match(r'^ (private|protected):$', line):
+            hidden = True
+        elif re.match(r'^ public:$', line):
+            hidden = False
+        if line.startswith('}'):
+            hidden = False
+        if not hidden and label != 'private:':
+            kept.append(line)
+    while len(kept) > 1 and kept[-2].strip() in ('', 'public:'):
+        del kept[-2]
+    return kept
+
+
+def without_bodies(lines):
+    """Functions of more than one line become their declarations."""
+    kept, inside = [], 0
+    for line in lines:
+        if inside:
+            inside += depth_of(line)
+            continue
+        code = without_strings(line).rstrip()
+        opens = code.endswith('{') and not re.match(r'^\s*(class|struct|enum|union|extern|namespace)\b', code)
+        if opens and depth_of(line) > 0 and ('(' in code or ')' in code):
+            kept.append(re.sub(r'\s*\{$', ';', line))
+            inside = depth_of(line)
+        else:
+            kept.append(line)
+    return [re.sub(r'\)( const)?( noexcept)?( override)? : .*;$', r')\1\2\3;', line) for line in kept]
+
+
+def name_of(declaration):
+    text = ' '.join(line for line in declaration if not line.lstrip().startswith('//'))
+    if found := re.match(r'\s*#define (\w+)', text):
+        return found.group(1)
+    text = re.sub(r'template <[^{(]*?> ', '', text)
+    if found := re.search(r'\b(?:class|struct|enum class|enum|union)\s+(?:alignas\(\w+\)\s+)?(\w+)[^(]*\{', text):
+        return found.group(1)
+    if found := re.match(r'\s*(?:typedef struct (\w+)|typedef \S+ (\w+);|using (\w+))', text):
+        return next(filter(None, found.groups()))
+    if found := re.search(r'(\boperator\s*\S+?|~?\w+)\s*\(', re.sub(r'\[\[\w+\]\]|\bnoexcept\(', '', text)):
+        return found.group(1)
+    if found := re.search(r'(\w+)\s*(?:\[[^\]]*\]\s*)?(?:=|\{|;)', text):
+        return found.group(1)
+    return None
+
+
+def entities_of(text):
+    """(name, comment lines, declaration lines) of what stands at the level of a namespace."""
+    comment, declaration, depth = [], [], 0
+    for line in text.split('\n'):
+        stripped = line.strip()
+        if not declaration:
+            if stripped.startswith('///'):
+                comment.append(stripped[3:].removeprefix(' '))
+                continue
+            if not stripped or stripped.startswith(('//', 'namespace', 'extern "C"', '#if', '#endif', '#else',
+                                                    '#pragma', '#include')) or stripped in ('}', '};'):
+                comment = comment if stripped.startswith('namespace') else []
+                continue
+        declaration.append(line)
+        depth += depth_of(line)
+        ended = without_strings(line).rstrip().endswith((';', '}')) or stripped.startswith('#define')
+        if depth <= 0 and ended:
+            yield name_of(declaration), comment, declaration
+            comment, declaration, depth = [], [], 0
+
+
+def prose(lines):
+    """A doc comment as Markdown: who may call in bold, @param and @throws each on a line of their own."""
+    text = '\n'.join(lines)
+    text = re.sub(r'\[(setup|rt|any|picture)\]', lambda m: f'**{m.group(1)}**', text)
+    text = re.sub(r'\s*@(param|throws|return)\s+', lambda m: f'\n\n*{m.group(1)}* ', text)
+    text = re.sub(r'\*param\* (\w+(?:, \w+)*)', r'*param* `\1`', text)
+    return text.replace('<', '&lt;').replace('_', r'\_').replace('\\_\\_', '__')
+
+
+def entity_page(name, comment, declaration, level):
+    shown = without_bodies(public_only(declaration))
+    page = f'{level} {name}\n\n'
+    if comment:
+        page += prose(comment) + '\n\n'
+    return page + '```cpp\n' + '\n'.join(shown) + '\n```\n\n'
+
+
+def header_page(root, header):
+    """The section of one header, or nothing when it has no comment at all. @return text, names"""
+    text, names = '', []
+    for name, comment, declaration in entities_of((root / header).read_text()):
+        if name is None or not comment and not names or 'static_assert' in declaration[0]:
+            continue
+        if not comment and len(declaration) == 1:  # belongs to what stands before it
+            text = text.removesuffix('```\n\n') + declaration[0] + '\n```\n\n'
+            continue
+        text += entity_page(name, comment, declaration, '###')
+        names.append((name, ' '.join(comment)))
+    return (f'## {header}\n\n{text}' if text else ''), names
+
+
+def first_sentence(text):
+    text = re.sub(r'\[(setup|rt|any|picture)\]\s*', '', text)
+    text = re.split(r'(?<=[.;])\s|\s@', text)[0].rstrip(';')
+    return text.replace('|', r'\|').replace('<', '&lt;').replace('_', r'\_')
+
+
+def write_pages(root, folder):
+    """api/README.md, a page a module, and palpate.h's."""
+    (folder / 'cxx').mkdir(parents=True, exist_ok=True)
+    modules = MODULE_ROW.findall((root / 'docs' / 'architecture.md').read_text())
+    index = ['# C++ API', '', 'The modules of the C++ library, from their headers\' own comments. What must last from version '
+             'to version uses the [C interface](palpate.h.md) instead. How to link them: [installation]'
+             '(../docs/install.md#in-a-cmake-project); how to use them: [examples](../examples/cxx/README.md).', '',
+             'Who may call a function is said first:', '']
+    index += [f'- **{mark}** {says}' for mark, says in MARKS.items() if mark != 'picture'] + ['']
+    for module, says in modules:
+        files = sorted((root / 'palpate' / module).glob('*.h'))
+        if not files:
+            continue
+        page, rows = f'# {module}\n\n{says.strip().capitalize()}.\n\n', []
+        for file in files:
+            text, names = header_page(root, str(file.relative_to(root)))
+            page += text
+            rows += [(n, c) for n, c in names if c]
+        (folder / 'cxx' / f'{module}.md').write_text(page)
+        index += [f'## [{module}](cxx/{module}.md)', '', says.strip().capitalize() + '.', '', '| name | |', '|---|---|']
+        seen = set()
+        for name, comment in rows:
+            if name not in seen and 'operator' not in name:
+                seen.add(name)
+                index.append(f'| [`{name}`](cxx/{module}.md#{name.lower()}) | {first_sentence(comment)} |')
+        index.append('')
+    (folder / 'README.md').write_text('\n'.join(index))
+    write_c_page(root, folder)
+
+
+def write_c_page(root, folder):
+    header = (root / 'bindings' / 'c' / 'palpate.h').read_text()
+    head = re.search(r'((?:^//.*\n)+)', header, re.MULTILINE).group(1)
+    intro = re.sub(r'^// ?', '', head, flags=re.MULTILINE)
+    page = '# palpate.h\n\n' + prose([intro]) + '\n'
+    for title, part in [('Constants', header.split('\n// ---- ')[0].split('extern "C" {', 1)[1])] + \
+            [tuple(part.split('\n', 1)) for part in header.split('\n// ---- ')[1:]]:
+        page += f'## {title.strip()}\n\n'
+        for name, comment, declaration in entities_of(part):
+            if comment and name:
+                page += entity_page(name, comment, declaration, '###')
+            elif name:
+                page += '```cpp\n' + '\n'.join(declaration) + '\n```\n\n'
+    # Constants one after the other are one block.
+    (folder / 'palpate.h.md').write_text(page.replace('\n```\n\n```cpp\n', '\n').replace('PALPATE_API ', ''))
