@@ -80,7 +80,7 @@ def entities_of(text):
                 comment.append(stripped[3:].removeprefix(' '))
                 continue
             if not stripped or stripped.startswith(('//', 'namespace', 'extern "C"', '#if', '#endif', '#else',
-                                                    '#pragma', '#include')) or stripped in ('}', '};'):
+                                                    '#pragma', '#include', '}')):
                 comment = comment if stripped.startswith('namespace') else []
                 continue
         declaration.append(line)
