@@ -107,6 +107,8 @@ class Stage:
             self.put(name + '/README.md', self.folder_page(name))
         elif source.suffix == '.md':
             text = in_prose(source.read_text(), lambda line, number: self.relinked(name, line, number))
+            title, _, rest = text.partition('\n')
+            text = title.replace('`', '') + '\n' + rest  # the navigation shows titles as they are typed
             self.put(name, with_lists_apart(in_prose(text, with_bars_in_cells)))
         elif source.suffix in PICTURES:
             target = self.folder / name
