@@ -21,7 +21,7 @@ namespace {
 constexpr int kLargestPort = 65535;
 /// What the system keeps on its way to a client: more would only make what a slow one sees older.
 constexpr int kSendBuffer = 128 * 1024;  // bytes
-constexpr std::size_t kMostReadAtOnce = 64 * 1024;
+constexpr std::size_t kMostReadAtOnce = std::size_t{64} * 1024;
 
 InputError wrong_address(const std::string& text, const std::string& why) {
   return InputError("--igtl " + text + ": " + why);

@@ -19,7 +19,7 @@ constexpr std::int64_t period_ns(double rate_Hz) { return static_cast<std::int64
 /// A surface takes at most one part in so many of the thread's time.
 constexpr std::int64_t kShareOfSurface = 4;
 /// Behind everything else of the run.
-constexpr int kNiceness = 10;
+constexpr int kNiceness = 5;
 
 }  // namespace
 

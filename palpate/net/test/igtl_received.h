@@ -53,7 +53,7 @@ struct Received {
 };
 
 /// A header from its bytes, with the size of the body that follows.
-inline Received header_from(igtl::MessageHeader::Pointer header) {
+inline Received header_from(const igtl::MessageHeader::Pointer& header) {
   if ((header->Unpack(0) & igtl::MessageHeader::UNPACK_HEADER) == 0) throw std::runtime_error("no header");
   igtl::TimeStamp::Pointer stamp = igtl::TimeStamp::New();
   header->GetTimeStamp(stamp);
