@@ -16,6 +16,7 @@
 #include "palpate/scene/device_kinds.h"
 
 #include "app/commands.h"
+#include "app/igtl.h"
 #include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress.h"
@@ -35,7 +36,7 @@ struct RunFlags {
   bool no_cache = false;
   std::optional<double> duration_s;
   std::optional<std::uint64_t> max_missed;
-  std::optional<int> igtl_port;
+  std::optional<std::string> igtl;
   std::optional<int> core;
   OutputFiles files;
 };
@@ -96,7 +97,7 @@ struct Played {
 };
 
 Played play_in_window(Session& session, const RunFlags& flags, const fs::path& recording,
-                      const std::atomic<bool>& stop) {
+                      net::IgtlServer* igtl, const std::atomic<bool>& stop) {
   WindowOptions options;
   options.recording = recording;
   options.core = flags.core;
@@ -104,6 +105,7 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
   options.no_cache = flags.no_cache;
   options.stays = !wants_outputs(flags);
   options.stop = &stop;
+  options.igtl = igtl;
   WindowOutcome outcome = run_in_window(session, flags.request, options);
   const auto in_ms = [](double time) { return shortest(std::round(1e3 * time)) + " ms"; };
   tell("the window showed " + std::to_string(outcome.frames) + " frames of the run; what they showed was " +
@@ -116,24 +118,24 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
 }
 
 /// In a window where there can be one.
-Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& recording, bool window) {
+Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& recording, bool window,
+                     net::IgtlServer* igtl) {
   const StopOnSignal signals;
   if (window) {
     try {
-      return play_in_window(session, flags, recording, signals.flag());
+      return play_in_window(session, flags, recording, igtl, signals.flag());
     } catch (const NoWindow& error) {
       tell(std::string(error.what()) + "; the run has none");
       require_window(session, flags, false);
     }
   }
-  return {play(session, {recording, flags.offline, flags.core}, signals.flag()), false};
+  PlayOptions how{recording, flags.offline, flags.core};
+  how.igtl = igtl;
+  return {play(session, how, signals.flag()), false};
 }
 
 int run(const RunFlags& flags, const std::string& command_line) {
-  if (flags.igtl_port) {
-    throw InputError("--igtl " + std::to_string(*flags.igtl_port) +
-                     ": OpenIGTLink is not in this version of palpate; run without --igtl");
-  }
+  IgtlService igtl(flags.igtl);
   require_usable_core(flags.core);
   Session session = prepare(flags.request, flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);
@@ -150,7 +152,9 @@ int run(const RunFlags& flags, const std::string& command_line) {
   if (recorded.empty() && !files.screenshot.empty()) recorded = temporary.emplace().path();
 
   const std::string title = title_of(session.setup);
-  const Played played = play_as_asked(session, flags, recorded, window);
+  igtl.tell_where();
+  Played played = play_as_asked(session, flags, recorded, window, igtl.server());
+  played.account.igtl = igtl.finish();
   const RunAccount& account = played.account;
   const bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
   if (draw) {
@@ -206,7 +210,7 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_flag("--headless", flags.headless, "no window, also where there is a display");
   command.add_option("--max-missed", flags.max_missed, "exit 4 when more deadlines were missed");
   command.add_option("--core", flags.core, kCoreHelp);
-  command.add_option("--igtl", flags.igtl_port, "OpenIGTLink port (not in this version)");
+  command.add_option("--igtl", flags.igtl, kIgtlHelp);
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
   command.add_flag("--json", flags.json, "summary as one JSON document");
 }

@@ -18,6 +18,7 @@
 #include "palpate/record/flight_recorder.h"
 #include "palpate/record/recorder.h"
 #include "palpate/record/replay.h"
+#include "palpate/render/indentations.h"
 
 #include "app/commands.h"
 #include "app/preparation.h"
@@ -210,12 +211,14 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
   account.offline = how.offline;
   {
     const ResetOnSignal signals;
+    net::IgtlRun shown(how.igtl, session.setup, render::indentations_of);
     RunCompanion companion(session.setup.name, session.ticks, session.setup.rate_Hz, devices);
     account.loop = haptics::run_loop(session.world, state, devices, &rows,
                                      {.ticks = session.ticks,
                                       .offline = how.offline,
                                       .stop = &stop,
                                       .snapshots = how.snapshots,
+                                      .more_snapshots = shown.snapshots(),
                                       .progress = &companion.done(),
                                       .resets = &resets_asked,
                                       .changes = how.changes,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/haptics/loop.h"
+#include "palpate/net/igtl_server.h"
 #include "palpate/record/recording.h"
 #include "palpate/render/offscreen.h"
 #include "palpate/scene/load.h"
@@ -59,6 +60,7 @@ struct PlayOptions {
   // For who watches the run, a window; they outlive it:
   SnapshotCell<haptics::Snapshot>* snapshots = nullptr;
   haptics::TickSink* onlooker = nullptr;  // sees every row, too
+  net::IgtlServer* igtl = nullptr;        // shows the run to other programs
 };
 
 /// [any] Clears the faults of all hands of the session that plays, as SIGUSR1 does.

@@ -36,6 +36,15 @@ const char* phase_name(std::uint32_t phase) {
 
 double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
 
+nlohmann::ordered_json igtl_json(const std::optional<net::IgtlTally>& tally) {
+  if (!tally) return nullptr;
+  return {{"clients", tally->clients},
+          {"refused", tally->refused},
+          {"given_up", tally->given_up},
+          {"frames", tally->frames},
+          {"frames_left_out", tally->frames_left_out}};
+}
+
 nlohmann::ordered_json histogram_json(const haptics::Histogram& times) {
   return {{"p50", microseconds(times.percentile(0.5))},
           {"p99", microseconds(times.percentile(0.99))},
@@ -229,6 +238,7 @@ nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& fi
           {"faults", faults_json(run)},
           {"further_faults", run.loop.further_faults},
           {"watchdog_stops", run.loop.watchdog_stops},
+          {"igtl", igtl_json(run.igtl)},
           {"recording", path_or_null(files.recording)},
           {"report", path_or_null(files.report)},
           {"screenshot", path_or_null(files.screenshot)},

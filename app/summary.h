@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "palpate/haptics/loop.h"
+#include "palpate/net/igtl_clients.h"
 #include "palpate/scene/setup.h"
 
 namespace palpate::app {
@@ -76,6 +78,7 @@ struct RunAccount {
   bool offline = false;
   haptics::LoopReport loop;
   Highlights highlights;
+  std::optional<net::IgtlTally> igtl;     // what --igtl did; none: it was not asked for
   std::filesystem::path fault_recording;  // the last ticks before a fault of an unrecorded run; empty: none
 };
 

@@ -82,7 +82,12 @@ TEST(Program, BadUsageAndBadInputExitTwoInOneLineAndWriteNothing) {
       {"--max-missed", "few"},
       {"--device", "scripted:none.csv"},
       {"--device", "teleport"},
-      {"--igtl", "18944"},
+      {"--igtl", "70000"},
+      {"--igtl", "0"},
+      {"--igtl", "-1"},
+      {"--igtl", "slicer"},
+      {"--igtl", "here:18944"},
+      {"--igtl", "192.0.2.1:18944"},  // set aside for documentation: no machine has it
       {"none.toml"},
   };
   for (const auto& wrong : wrongs) {

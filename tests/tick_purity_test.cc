@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "palpate/net/igtl_server.h"
+#include "palpate/net/test/igtl_received.h"
 #include "palpate/record/recorder.h"
 
 #include "tests/built_in_experiments.h"
@@ -79,6 +81,26 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileTissueAndNoiseChange) {
   EXPECT_EQ(lock_uses() - locks_before, 0u);
   EXPECT_EQ(changes.waiting(), nullptr) << "all were taken";
   EXPECT_GT(sink.touching, 100u) << "the ticks are of an experiment that touches";
+}
+
+TEST_P(TickPurity, NoHeapUseAndNoLockWhileAClientLooksOnByOpenIgtLink) {
+  Rig rig = built_in(GetParam());
+  net::IgtlServer server({"127.0.0.1", 0});
+  net::test::Client client(server.port());
+  (void)client.next("STATUS", "PalpateStatus");
+  Bracket sink(kTicks, nullptr, arm_guard, disarm_guard);
+  const std::uint64_t heap_before = heap_uses();
+  const std::uint64_t locks_before = lock_uses();
+  {
+    net::IgtlRun shown(&server, rig.setup, [](const auto&) { return std::vector<deform::Indentation>(); });
+    (void)rig.run(&sink, {.ticks = kTicks, .offline = true, .more_snapshots = shown.snapshots()});
+  }
+  EXPECT_EQ(heap_uses() - heap_before, 0u);
+  EXPECT_EQ(lock_uses() - locks_before, 0u);
+  const double last = static_cast<double>(kTicks - 1) / rig.world.rate_Hz;
+  double shown = 0.0;
+  while (shown < last) shown = client.next("SENSOR", "PalpateTime").values()[0];
+  EXPECT_EQ(shown, last) << "it saw the last tick";
 }
 
 TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {

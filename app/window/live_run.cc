@@ -7,23 +7,25 @@
 
 namespace palpate::app {
 
-LiveRun::LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core)
+LiveRun::LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core,
+                 net::IgtlServer* igtl)
     : session_(session), recording_(std::move(recording)) {
-  start(core);
+  start(core, igtl);
 }
 
-LiveRun::LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, std::optional<int> core)
+LiveRun::LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, std::optional<int> core,
+                 net::IgtlServer* igtl)
     : owned_(std::move(session)), session_(*owned_), recording_(std::move(recording)) {
-  start(core);
+  start(core, igtl);
 }
 
 LiveRun::~LiveRun() { stop(); }
 
-void LiveRun::start(std::optional<int> core) {
+void LiveRun::start(std::optional<int> core, net::IgtlServer* igtl) {
   changes_ = record::live_changes(session_.setup, session_.world);
-  thread_ = std::thread([this, core] {
+  thread_ = std::thread([this, core, igtl] {
     try {
-      account_ = play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_}, stop_);
+      account_ = play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_, igtl}, stop_);
     } catch (const std::exception& error) {
       failure_ = error.what();
     }

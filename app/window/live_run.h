@@ -19,8 +19,11 @@ namespace palpate::app {
 class LiveRun final {
  public:
   /// Begins to play. @param session outlives this unless it is owned @param recording file; empty: none
-  LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core);
-  LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, std::optional<int> core);
+  /// @param igtl shows the run to other programs, outlives this; null: nobody does
+  LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core,
+          net::IgtlServer* igtl = nullptr);
+  LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, std::optional<int> core,
+          net::IgtlServer* igtl = nullptr);
   /// Zero force, recording closed.
   ~LiveRun();
   LiveRun(const LiveRun&) = delete;
@@ -45,7 +48,7 @@ class LiveRun final {
   [[nodiscard]] haptics::LiveChanges& changes() noexcept { return *changes_; }
 
  private:
-  void start(std::optional<int> core);
+  void start(std::optional<int> core, net::IgtlServer* igtl);
 
   std::unique_ptr<Session> owned_;
   Session& session_;

@@ -73,7 +73,7 @@ Window::Window(Session& first, scene::Request request, WindowOptions options)
   start_imgui();
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there are no gamepads, no more
   SDL_PumpEvents();
-  begin(std::make_unique<LiveRun>(first, options_.recording, options_.core));
+  begin(std::make_unique<LiveRun>(first, options_.recording, options_.core, options_.igtl));
 }
 
 Window::~Window() {

@@ -32,6 +32,7 @@ struct WindowOptions {
   bool no_cache = false;
   bool stays = true;                        // when the run has ended, until the user leaves
   const std::atomic<bool>* stop = nullptr;  // Ctrl-C
+  net::IgtlServer* igtl = nullptr;          // shows all runs to other programs; outlives the window
   Display::Size size{1440, 900};
 };
 

@@ -164,7 +164,9 @@ class Loop final {
       if (sink_ != nullptr) sink_->put(row);
     }
     report_.ticks = number + 1;
-    if (options_.snapshots != nullptr) publish(number);
+    for (SnapshotCell<Snapshot>* cell : {options_.snapshots, options_.more_snapshots}) {
+      if (cell != nullptr) publish(number, *cell);
+    }
     if (options_.progress != nullptr) options_.progress->store(number + 1, std::memory_order_relaxed);
   }
 
@@ -188,8 +190,8 @@ class Loop final {
     report_.faults.push_back(seen);  // within what was reserved
   }
 
-  void publish(std::uint64_t number) noexcept {
-    Snapshot& snapshot = options_.snapshots->writable();
+  void publish(std::uint64_t number, SnapshotCell<Snapshot>& cell) noexcept {
+    Snapshot& snapshot = cell.writable();
     const std::size_t hands = std::min(devices_.size(), Snapshot::kMaxHands);
     snapshot.tick = number;
     snapshot.taken_ns = options_.offline ? 0 : last_begin_;
@@ -198,9 +200,12 @@ class Loop final {
     std::copy_n(state_.inputs.begin(), hands, snapshot.tools.begin());
     std::copy_n(state_.results.begin(), hands, snapshot.results.begin());
     std::copy_n(commands_.begin(), hands, snapshot.commands.begin());
+    for (std::size_t hand = 0; hand < hands; ++hand) {
+      snapshot.faults[hand] = static_cast<Fault>(rows_[hand].fault);
+    }
     snapshot.change = state_.change;
     snapshot.reach = state_.reach;
-    options_.snapshots->publish();
+    cell.publish();
   }
 
   const SimulationWorld& world_;

@@ -29,7 +29,7 @@ class TickSink {
   virtual void put(const TickRow& row) noexcept = 0;
 };
 
-/// What the picture is drawn from: the newest tick.
+/// What the picture is drawn from, and other programs see: the newest tick.
 struct Snapshot {
   static constexpr std::size_t kMaxHands = 4;
   std::uint64_t tick = 0;
@@ -39,8 +39,9 @@ struct Snapshot {
   std::array<contact::ToolInput, kMaxHands> tools{};
   std::array<contact::ToolResult, kMaxHands> results{};
   std::array<ForceCommand, kMaxHands> commands{};
-  std::uint64_t change = 0;      // number of the last live change in force; 0: none
-  model::ReachParameters reach;  // of the tissue in force
+  std::array<Fault, kMaxHands> faults{};  // latched
+  std::uint64_t change = 0;               // number of the last live change in force; 0: none
+  model::ReachParameters reach;           // of the tissue in force
 };
 
 /// A fault that was latched on one hand.
@@ -58,7 +59,8 @@ struct LoopOptions {
   bool offline = false;                     // as fast as possible; tick_ns and late_ns of the rows are 0
   const std::atomic<bool>* stop = nullptr;  // Ctrl-C
   SnapshotCell<Snapshot>* snapshots = nullptr;
-  std::atomic<std::uint64_t>* progress = nullptr;  // ticks done
+  SnapshotCell<Snapshot>* more_snapshots = nullptr;  // the same for a second reader: a cell has one
+  std::atomic<std::uint64_t>* progress = nullptr;    // ticks done
   // A bit a hand, set by any thread: the hand's latched fault is to be cleared. The next tick takes them all.
   std::atomic<std::uint32_t>* resets = nullptr;
   LiveChanges* changes = nullptr;          // to tissue and noise while the run goes on, one a tick

@@ -83,6 +83,9 @@ class Replay final {
     std::copy_n(state_.inputs.begin(), count, snapshot.tools.begin());
     std::copy_n(state_.results.begin(), count, snapshot.results.begin());
     std::copy_n(commands_.begin(), count, snapshot.commands.begin());
+    for (std::size_t hand = 0; hand < count; ++hand) {
+      snapshot.faults[hand] = static_cast<haptics::Fault>(rows_[hand].fault);
+    }
     snapshot.change = state_.change;
     snapshot.reach = state_.reach;
     return snapshot;

@@ -372,6 +372,26 @@ TEST(Loop, PublishesTheNewestTickForThePicture) {
   EXPECT_EQ(progress.load(), 450u);
 }
 
+TEST(Loop, PublishesTheSameToASecondReaderFaultsIncluded) {
+  const SimulationWorld world = block_and_balls(1, 1000.0);
+  SimulationState state(world);
+  FakeDevice device = presser();
+  device.refuse_write = 300;
+  Device* devices[] = {&device};
+  RowKeeper rows(450);
+  SnapshotCell<Snapshot> first;
+  SnapshotCell<Snapshot> second;
+  (void)run_loop(world, state, devices, &rows,
+                 {.ticks = 450, .offline = true, .snapshots = &first, .more_snapshots = &second});
+  ASSERT_TRUE(first.refresh());
+  ASSERT_TRUE(second.refresh());
+  for (const SnapshotCell<Snapshot>* cell : {&first, &second}) {
+    EXPECT_EQ(cell->value().tick, 449u);
+    EXPECT_EQ(cell->value().tools[0].pose_W.position.z(), rows.rows.back().tool[2]);
+    EXPECT_EQ(cell->value().faults[0], Fault::kDevice) << "latched since tick 300";
+  }
+}
+
 TEST(Loop, RefusesMoreOrFewerDevicesThanHandsAndStopsThem) {
   const SimulationWorld world = block_and_balls(2, 1000.0);
   SimulationState state(world);
