@@ -251,7 +251,9 @@ TEST_F(Served, TooManyMessagesAreToldAndThenEndTheConnection) {
   int refused = 0;
   while (const auto message = client.hear()) {
     ++(message->contains("error") ? refused : answers);
-    if (message->contains("error")) EXPECT_EQ((*message)["error"]["code"], "rate");
+    if (message->contains("error")) {
+      EXPECT_EQ((*message)["error"]["code"], "rate");
+    }
   }
   EXPECT_GE(answers, 1);
   EXPECT_LT(answers, 1900);
