@@ -116,6 +116,7 @@ int serve(const ServeFlags& flags) {
                                   prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache)));
   net::LiveServer server(options, runs);
   const StopOnSignal signals;
+  runs.stop_with(signals.flag());
   tell_place(server, flags, options);
   if (!flags.wait) runs.begin_first();
   server.run(signals.flag());

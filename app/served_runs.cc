@@ -65,6 +65,7 @@ fs::path ServedRuns::next_recording() const {
 void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   run_ = std::make_unique<ServedRun>(std::move(session), ++runs_, std::move(recording), options_.core);
   accounted_ = false;
+  first_.reset();
   tissue_ = setup().tissue;
   noise_ = setup().noise;
   say("run", {{"run", about_run()}});
@@ -194,7 +195,7 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& a
 ServedRuns::Answer ServedRuns::start(const net::Asker& asker) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run goes on; stop it first, or load a scene");
-  if (first_ != nullptr) {
+  if (first_ != nullptr && !first_->devices.empty()) {
     begin_first();
     return Json{{"run", about_run()}};
   }
@@ -245,6 +246,7 @@ std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
     run_->stop();
   }
   had_clients_ = clients > 0;
+  if (stop_ != nullptr && stop_->load(std::memory_order_relaxed) && run_ != nullptr) run_->stop();
   if (running()) {
     const bool ended = run_->ended();  // first, so that no fault is told after the end
     tell_faults();
@@ -294,7 +296,7 @@ void ServedRuns::look_after_next() {
   switch (next_->state()) {
     case NextSession::State::kRead:
       if (running()) return run_->stop();  // the force goes off first
-      first_.reset();                      // with its devices
+      if (first_ != nullptr) first_->devices.clear();
       next_->prepare_now(options_.duration_s, options_.no_cache);
       break;
     case NextSession::State::kReady: {

@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -35,6 +36,8 @@ class ServedRuns final : public net::LiveHost {
   /// @param first is not played yet
   ServedRuns(ServedOptions options, std::unique_ptr<Session> first);
 
+  /// Ends a run as soon as that is set, before clients are let go: the hand comes first. It outlives this.
+  void stop_with(const std::atomic<bool>& stop) noexcept { stop_ = &stop; }
   /// Plays the first session.
   void begin_first();
   /// Zero force, recording closed; the run's summary is printed.
@@ -72,7 +75,7 @@ class ServedRuns final : public net::LiveHost {
   void say(const std::string& event, nlohmann::ordered_json members);
 
   ServedOptions options_;
-  std::unique_ptr<Session> first_;  // until it is played
+  std::unique_ptr<Session> first_;  // until one is played; without devices once another is to come
   std::unique_ptr<ServedRun> run_;  // the newest, also after its end
   bool accounted_ = false;          // it has ended, and that was dealt with
   std::unique_ptr<NextSession> next_;
@@ -81,6 +84,7 @@ class ServedRuns final : public net::LiveHost {
   model::TissueParameters tissue_;  // in force, or of the next run
   noise::NoiseSettings noise_;
   std::vector<net::News> news_;
+  const std::atomic<bool>* stop_ = nullptr;
   std::uint64_t runs_ = 0;
   bool had_clients_ = false;
   bool fault_ = false;

@@ -147,6 +147,28 @@ TEST(Serve, ASceneThatIsLoadedFollowsTheOneBeforeAndOneThatCannotBeLeavesIt) {
   EXPECT_EQ(elsewhere.names(), (std::vector<std::string>{"runs-2.h5", "runs-3.h5", "runs.h5"}));
 }
 
+TEST(Serve, ASceneThatIsLoadedInPlaceOfOneThatWaitsIsOnItsWayUntilItRuns) {
+  const Folder folder;
+  Serve serve(folder, {"--wait"});
+  LiveClient client(serve.port());
+  client.greet();
+  const json kept = client.ask(R"({"do": "set_tissue", "tissue": {"k1_N_per_m": 21}})");
+  EXPECT_TRUE(kept["change"].is_null()) << "nothing is running";
+  client.say(R"({"do": "load", "id": "l", "task": "pull"})");
+  EXPECT_EQ(client.ask(R"({"do": "start"})")["error"]["code"], "state") << "one at a time";
+  json loaded;
+  for (int i = 0; i < 20'000 && loaded.is_null(); ++i) {
+    client.say(R"({"do": "state", "id": "s"})");
+    const json answer = client.hear_until([](const json& message) { return message.contains("answer"); });
+    ASSERT_TRUE(answer.contains("run")) << answer;
+    if (answer["id"] == "l") loaded = answer["run"];
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_EQ(loaded["number"], 1);
+  EXPECT_EQ(loaded["scene"], "heart pull");
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
 TEST(Serve, TheLastClientsLeavingEndsARunWhereThatIsAskedFor) {
   const Folder folder;
   Serve serve(folder, {"--device", "emulated", "--duration-s", "600", "--stop-when-alone"});

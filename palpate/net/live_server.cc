@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kHelloLimit = 5'000'000'000;  // ns from the opening on
 constexpr std::size_t kMostConnections = 32;         // clients, and whoever is about to become one
-constexpr std::chrono::milliseconds kFarewell{500};  // for clients to take the last word
+constexpr std::int64_t kFarewell = 500'000'000;      // ns, for clients to take the last word
 
 /// An address as it stands in a URL.
 std::string in_url(const asio::ip::address& address) {
@@ -245,6 +245,7 @@ class LiveServer::Desk final : public LiveDesk {
 
   /// Every few milliseconds: what the host has to say, who has not said hello, who is gone, whether to stop.
   void look_after(const std::atomic<bool>& stop) {
+    const bool ends = stop.load(std::memory_order_relaxed);  // before the host looks, which may want to know
     const auto clients = std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
       return entry.second->greeted && entry.second->is_open();
     });
@@ -257,7 +258,7 @@ class LiveServer::Desk final : public LiveDesk {
       }
     }
     forget_the_gone();
-    if (stop.load(std::memory_order_relaxed)) return say_farewell();
+    if (ends) return say_farewell();
     if (std::exchange(accept_later_, false)) accept();
     timer_.expires_after(std::chrono::milliseconds(kLookAfterMs));
     timer_.async_wait([this, &stop](const error_code&) { look_after(stop); });
@@ -294,11 +295,19 @@ class LiveServer::Desk final : public LiveDesk {
         connection->drop();
       }
     }
-    if (connections_.empty()) return;
-    timer_.expires_after(kFarewell);
-    timer_.async_wait([this](const error_code&) {
+    farewell_until_ns_ = monotonic_ns() + kFarewell;
+    wait_for_the_last();
+  }
+
+  /// Ends run() when all connections are over; those that take too long are dropped.
+  void wait_for_the_last() {
+    forget_the_gone();
+    if (connections_.empty()) return context_.stop();  // the library's own alarms may be set still
+    if (monotonic_ns() >= farewell_until_ns_) {
       for (const auto& [number, connection] : connections_) connection->drop();
-    });
+    }
+    timer_.expires_after(std::chrono::milliseconds(kLookAfterMs));
+    timer_.async_wait([this](const error_code&) { wait_for_the_last(); });
   }
 
   LiveOptions options_;
@@ -309,6 +318,7 @@ class LiveServer::Desk final : public LiveDesk {
   tcp::endpoint place_;
   asio::steady_timer timer_{context_};
   bool accept_later_ = false;
+  std::int64_t farewell_until_ns_ = 0;
   std::pair<std::uint64_t, std::uint64_t> written_{0, 0};  // run and tick of:
   std::string written_text_;
   std::map<std::uint64_t, std::unique_ptr<LiveConnection>> connections_;  // last: they use all of the above
