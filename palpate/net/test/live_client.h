@@ -105,10 +105,10 @@ class LiveClient final {
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (!done()) {
       context_.restart();
-      context_.run_one_until(until);
+      context_.run_one_for(std::chrono::milliseconds(100));
       if (std::chrono::steady_clock::now() < until) continue;
-      boost::beast::get_lowest_layer(socket_).socket().close();  // ends what is under way
-      open_ = false;
+      boost::beast::error_code ignored;
+      boost::beast::get_lowest_layer(socket_).socket().close(ignored);  // ends what is under way
     }
   }
 
