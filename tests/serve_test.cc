@@ -197,7 +197,7 @@ TEST(Serve, TheLastClientsLeavingEndsARunWhereThatIsAskedFor) {
 TEST(Serve, WhoMayConnectIsSaidByFlagsAndBadOnesAreRefusedBeforeAnythingIsPlayed) {
   const Folder folder;
   const auto refusal = [&folder](std::vector<std::string> words) {
-    words.insert(words.begin(), {"serve", "--port", "0"});
+    words.insert(words.begin(), "serve");
     const Outcome outcome = run(folder, words);
     EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
     EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
