@@ -20,6 +20,7 @@
 #include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress.h"
+#include "app/scene_flags.h"
 #include "app/session.h"
 #include "app/window/window.h"
 
@@ -177,30 +178,6 @@ int run(const RunFlags& flags, const std::string& command_line) {
   return played.later_fault ? kFault : code;
 }
 
-void add_scene_flags(CLI::App& command, RunFlags& flags) {
-  scene::Request& request = flags.request;
-  command.add_option("SCENE", request.scene, "scene file (.toml); none: the gallbladder press");
-  command.add_option("--task", request.task, "press or pull");
-  command.add_option("--organ", request.organ, "built-in organ or mesh file");
-  command.add_option("--organ-unit", request.organ_unit, "unit of the organ's file: mm, cm, m or in");
-  command
-      .add_option("--organ-motion", request.organ_motion,
-                  "breathing, heartbeat or none; again for each, in place of the scene's")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_option("--tissue", request.tissue, "built-in tissue or tissue file");
-  command.add_option("--tool", request.tools, "built-in tool or mesh file; again for each jaw")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_option("--tool-unit", request.tool_unit, "unit of the tool's files");
-  command.add_option("--device", request.device,
-                     "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
-                     "mouse, gamepad, forcedimension, haply (`palpate devices` says what is there)");
-  command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks a second");
-  command.add_option("--seed", request.seed, "of the touch noise");
-  command.add_flag("--no-noise", request.no_noise, "leave the touch noise out");
-}
-
 void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_flag("--offline", flags.offline, "as fast as possible, the same rows");
   command.add_option("--duration-s", flags.duration_s, "exactly round(S x rate) ticks");
@@ -221,7 +198,7 @@ void add_run(CLI::App& program, const std::string& command_line, int& exit_code)
   CLI::App* command =
       program.add_subcommand("run", "One interaction: an organ is touched, felt, seen, recorded");
   auto flags = std::make_shared<RunFlags>();
-  add_scene_flags(*command, *flags);
+  add_scene_flags(*command, flags->request);
   add_run_flags(*command, *flags);
   command->footer(
       "Example: palpate run --organ liver.stl --organ-unit mm --tissue liver --tool sphere:3 \\\n"

@@ -335,6 +335,16 @@ constexpr const char* kHaplyMessage =
 "orientation":{"w":0.5,"x":-0.5,"y":0.5,"z":-0.5}}}]}
 )";
 
+constexpr const char* kLiveMessages[] = {
+    R"({"palpate":"1","do":"hello","token":"abc","id":1})", R"({"do":"stream","rate_Hz":50,"id":"a"})",
+    R"({"do":"load","scene":"a.toml","task":"pull","organ":"heart","organ_unit":"mm","tissue":"liver",
+"tool":"sphere:3","tool_unit":"cm","device":"emulated","rate_Hz":500,"seed":7,"no_noise":true})",
+    R"({"do":"set_tissue","tissue":{"preset":"liver","name":"a","law":"smooth","k1_N_per_m":2.5e1,"beta":2,
+"q":0.7,"rest_length_mm":14,"max_length_mm":22,"min_length_mm":6,"t1_us":1,"relaxation":[{"share":0.1,
+"time_s":1}],"reach":{"bar_ratio":2},"contact":{"friction":0,"tangential_N_per_m":null}}})",
+    R"({"do":"set_noise","noise":{"enabled":true,"threshold_mm":5,"user_threshold_N":0.02,
+"share_of_threshold":0.6}})"};
+
 /// 64 x 64 pixels of one bit, white above black.
 constexpr char kPicture[] =
     "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x40\x00\x00\x00\x40"
@@ -365,6 +375,8 @@ void add_the_rest(const Seeds& seeds) {
   seeds.add("scene_json", "scene", record::setup_to_json(record::sample_setup(2)));
   seeds.add("haply_message", "all", kHaplyMessage);
   seeds.add("haply_message", "none", R"({"inverse3":[],"wireless_verse_grip":null})");
+  int message = 0;
+  for (const char* text : kLiveMessages) seeds.add("live_message", std::to_string(++message), text);
   record::record_sample(seeds.place("recording", "no_tick"), 0, 1);
   record::record_sample(seeds.place("recording", "some"), 20, 2);
   ArrayFileWriter writer(seeds.place("array_file", "arrays"), ContentHash{});

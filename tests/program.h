@@ -69,6 +69,8 @@ class Program final {
     _exit(127);
   }
   void signal(int number) const { kill(child_, number); }
+  /// What it has printed on standard output up to now.
+  [[nodiscard]] std::string out_so_far() const { return text_of(output_ / "out"); }
   Outcome wait() {
     int status = 0;
     waitpid(child_, &status, 0);

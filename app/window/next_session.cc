@@ -19,8 +19,11 @@ void NextSession::work(State from_then_on, Work&& doing) {
   });
 }
 
-NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::path recording)
-    : request_(std::move(request)), kept_(std::move(kept)), recording_(std::move(recording)) {
+NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::path recording, Check check)
+    : request_(std::move(request)),
+      kept_(std::move(kept)),
+      recording_(std::move(recording)),
+      check_(std::move(check)) {
   work(State::kRead, [this] {
     scene::Setup setup = scene::load(request_);
     if (kept_.tissue) setup.tissue = *kept_.tissue;
@@ -29,6 +32,7 @@ NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::pat
       setup.noise = *kept_.noise;
       setup.noise.rate_Hz = rate_Hz;
     }
+    if (check_) check_(setup);
     if (!recording_.empty()) require_writable_file(recording_, "recording");
     setup_ = std::move(setup);
   });

@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,10 +19,12 @@ class NextSession final {
     std::optional<model::TissueParameters> tissue;
     std::optional<noise::NoiseSettings> noise;
   };
+  /// Refuses a scene that was read, before the session before it ends. @throws InputError
+  using Check = std::function<void(const scene::Setup&)>;
   enum class State { kReading, kRead, kPreparing, kReady, kFailed };
 
   /// Begins to read.
-  NextSession(scene::Request request, Kept kept, std::filesystem::path recording);
+  NextSession(scene::Request request, Kept kept, std::filesystem::path recording, Check check = {});
   ~NextSession();
   NextSession(const NextSession&) = delete;
   NextSession& operator=(const NextSession&) = delete;
@@ -43,6 +46,7 @@ class NextSession final {
   scene::Request request_;
   Kept kept_;
   std::filesystem::path recording_;
+  Check check_;
   std::optional<scene::Setup> setup_;
   std::unique_ptr<Session> session_;
   std::string failure_;

@@ -1,0 +1,171 @@
+// `palpate serve`: the live interface (docs/live-interface.md).
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/base/error.h"
+#include "palpate/net/live_access.h"
+#include "palpate/net/live_server.h"
+
+#include "app/commands.h"
+#include "app/messages.h"
+#include "app/preparation.h"
+#include "app/scene_flags.h"
+#include "app/served_runs.h"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPort = 7370;
+constexpr std::uintmax_t kLargestPage = std::uintmax_t{1} << 22U;  // bytes
+
+struct ServeFlags {
+  ServedOptions runs;
+  net::LiveOptions server;
+  int port = kPort;
+  fs::path token_file;
+  fs::path page;
+  bool new_token = false;
+  bool wait = false;
+};
+
+std::string read_page(const fs::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  if (error || size > kLargestPage) {
+    throw InputError("--page " + file.string() + ": must be an HTML file of at most 4 MiB");
+  }
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw InputError("--page " + file.string() + ": cannot be read");
+  return text.str();
+}
+
+/// What the flags say of who may connect. @throws InputError.
+net::LiveOptions server_options(const ServeFlags& flags) {
+  net::LiveOptions options = flags.server;
+  if (flags.port < 0 || flags.port > 65535) {
+    throw ParameterError("--port", flags.port, "0 (the system chooses) to 65535");
+  }
+  options.port = static_cast<std::uint16_t>(flags.port);
+  if (!flags.page.empty()) options.page = read_page(flags.page);
+  if (!flags.token_file.empty() && flags.new_token) {
+    throw InputError("--new-token: a token is in --token-file " + flags.token_file.string() + " already");
+  }
+  if (!flags.token_file.empty()) options.token = net::read_token_file(flags.token_file);
+  if (flags.new_token) options.token = net::new_token();
+  return options;
+}
+
+void check_runs(const ServedOptions& options) {
+  require_usable_core(options.core);
+  if (!options.recording.empty()) require_writable_file(options.recording, "--record");
+  std::error_code error;
+  if (!options.scenes.empty() && !fs::is_directory(options.scenes, error)) {
+    throw InputError("--scenes " + options.scenes.string() + ": is no folder");
+  }
+}
+
+/// Where clients find the server; for scripts the one line of JSON that comes first.
+void tell_place(const net::LiveServer& server, const ServeFlags& flags, const net::LiveOptions& options) {
+  const std::string place = server.host() + ":" + std::to_string(server.port());
+  tell("serves ws://" + place + "/; Ctrl-C ends");
+  if (!options.page.empty()) tell("a browser finds the page at http://" + place + "/");
+  if (flags.new_token) tell("token for hello: " + options.token);
+  if (!flags.runs.json) return;
+  nlohmann::ordered_json line{{"address", server.host()}, {"port", server.port()}};
+  if (flags.new_token) line["token"] = options.token;
+  std::cout << net::text_of({{"listening", line}}) << std::endl;
+}
+
+void tell_account(const net::LiveAccount& account, std::uint64_t runs, bool json) {
+  if (json) {
+    std::cout << net::text_of({{"served",
+                                {{"runs", runs},
+                                 {"connections", account.connections},
+                                 {"refused", account.refused},
+                                 {"messages", account.messages},
+                                 {"errors", account.errors},
+                                 {"frames", account.frames},
+                                 {"left_out", account.left_out}}}})
+              << std::endl;
+    return;
+  }
+  std::cout << "Served " << account.connections << " connections (" << account.refused << " refused), "
+            << account.messages << " messages (" << account.errors << " with errors), " << account.frames
+            << " frames (" << account.left_out << " left out)\n";
+}
+
+int serve(const ServeFlags& flags) {
+  const net::LiveOptions options = server_options(flags);
+  check_runs(flags.runs);
+  scene::Setup setup = scene::load(flags.runs.request);
+  require_windowless(setup);
+  ServedRuns runs(flags.runs, std::make_unique<Session>(
+                                  prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache)));
+  net::LiveServer server(options, runs);
+  const StopOnSignal signals;
+  runs.stop_with(signals.flag());
+  tell_place(server, flags, options);
+  if (!flags.wait) runs.begin_first();
+  server.run(signals.flag());
+  runs.finish();
+  tell_account(server.account(), runs.runs(), flags.runs.json);
+  if (runs.failed()) return kBadInput;
+  return runs.fault() ? kFault : kDone;
+}
+
+void add_serve_flags(CLI::App& command, ServeFlags& flags) {
+  command.add_option("--listen", flags.server.address,
+                     "address to listen at (127.0.0.1); beyond this machine a token is needed");
+  command.add_option("--port", flags.port, "port (7370); 0: the system chooses");
+  command.add_option("--token-file", flags.token_file,
+                     "clients must say the token in this file's first line");
+  command.add_flag("--new-token", flags.new_token, "clients must say a token that is made now, and printed");
+  command
+      .add_option("--allow-origin", flags.server.origins,
+                  "let pages of this origin connect, as http://localhost:8000; again for each")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--page", flags.page, "HTML file that a browser gets from here");
+  command.add_option("--scenes", flags.runs.scenes, "clients may load the files below this folder");
+  command.add_flag("--wait", flags.wait, "play nothing until a client says start");
+  command.add_flag("--stop-when-alone", flags.runs.stop_when_alone, "end the run when the last client goes");
+  command.add_option(
+      "--record", flags.runs.recording,
+      "write the first run's ticks to this HDF5 file, the others' beside it with their number");
+  command.add_option("--duration-s", flags.runs.duration_s, "exactly round(S x rate) ticks a run");
+  command.add_option("--core", flags.runs.core, kCoreHelp);
+  command.add_flag("--no-cache", flags.runs.no_cache, kNoCacheHelp);
+  command.add_flag("--json", flags.runs.json, "one JSON document a line: listening, each run, served");
+}
+
+}  // namespace
+
+void add_serve(CLI::App& program, int& exit_code) {
+  CLI::App* command =
+      program.add_subcommand("serve", "Live interface: programs and web pages watch and steer a run");
+  auto flags = std::make_shared<ServeFlags>();
+  add_scene_flags(*command, flags->runs.request);
+  add_serve_flags(*command, *flags);
+  command->footer(
+      "Example: palpate serve --device emulated --page examples/live/index.html\n"
+      "         then http://127.0.0.1:7370/ in a browser, or python3 examples/python/live_client.py\n"
+      "A WebSocket with one JSON object a message (docs/live-interface.md). It begins to play at once, and\n"
+      "goes on when clients come and go; after a run's end clients may start the next, until Ctrl-C.\n"
+      "Exit: 0 done, 2 bad input, 3 a fault was latched (also when it was reset)");
+  command->callback([flags, &exit_code] { exit_code = serve(*flags); });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,42 @@
+#include "app/served_run.h"
+
+#include <exception>
+#include <utility>
+
+#include "palpate/record/assemble.h"
+
+namespace palpate::app {
+
+ServedRun::ServedRun(std::unique_ptr<Session> session, std::uint64_t number, std::filesystem::path recording,
+                     std::optional<int> core)
+    : session_(std::move(session)),
+      number_(number),
+      recording_(std::move(recording)),
+      tap_(session_->devices.size()),
+      changes_(record::live_changes(session_->setup, session_->world)) {
+  thread_ = std::thread([this, core] {
+    PlayOptions how;
+    how.recording = recording_;
+    how.core = core;
+    how.changes = changes_.get();
+    how.onlooker = &tap_;
+    try {
+      account_ = play(*session_, how, stop_);
+    } catch (const std::exception& error) {
+      failure_ = error.what();
+    }
+    ended_.store(true, std::memory_order_release);
+  });
+}
+
+ServedRun::~ServedRun() {
+  stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void ServedRun::release() {
+  if (thread_.joinable()) thread_.join();
+  session_->devices.clear();
+}
+
+}  // namespace palpate::app

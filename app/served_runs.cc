@@ -1,0 +1,327 @@
+#include "app/served_runs.h"
+
+#include <iostream>
+#include <system_error>
+#include <utility>
+
+#include "palpate/base/error.h"
+#include "palpate/scene/device_kinds.h"
+#include "palpate/scene/names.h"
+
+#include "app/messages.h"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using net::LiveError;
+
+haptics::LiveNoise live(const noise::NoiseSettings& noise) {
+  return {noise.enabled, noise.gain, noise.threshold};
+}
+
+/// A client may ask for a hand that the program makes up, not for one that opens a file or a library.
+void require_made_up(const std::string& device) {
+  if (device == "scripted" || device == "emulated") return;
+  throw LiveError("refused",
+                  "device = \"" + device +
+                      "\": must be \"scripted\" or \"emulated\"; others are chosen where "
+                      "the server is started, or in a scene file",
+                  "device");
+}
+
+}  // namespace
+
+void require_windowless(const scene::Setup& setup) {
+  for (const scene::DeviceSetup& device : setup.devices) {
+    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+    if (kind == nullptr || !kind->window) continue;
+    throw InputError("device " + device.kind + ": the window of `palpate run` feeds it, and serve has none");
+  }
+}
+
+ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
+    : options_(std::move(options)),
+      first_(std::move(first)),
+      tissue_(first_->setup.tissue),
+      noise_(first_->setup.noise) {}
+
+const scene::Setup& ServedRuns::setup() const {
+  return run_ != nullptr ? run_->session().setup : first_->setup;
+}
+
+void ServedRuns::say(const std::string& event, Json members) {
+  news_.push_back({std::nullopt, event, std::move(members)});
+}
+
+fs::path ServedRuns::next_recording() const {
+  if (options_.recording.empty() || runs_ == 0) return options_.recording;
+  fs::path file = options_.recording;
+  file.replace_filename(file.stem().string() + "-" + std::to_string(runs_ + 1) + file.extension().string());
+  return file;
+}
+
+void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
+  run_ = std::make_unique<ServedRun>(std::move(session), ++runs_, std::move(recording), options_.core);
+  accounted_ = false;
+  first_.reset();
+  tissue_ = setup().tissue;
+  noise_ = setup().noise;
+  say("run", {{"run", about_run()}});
+}
+
+void ServedRuns::begin_first() {
+  const model::TissueParameters tissue = tissue_;  // may be changed already, before anything was played
+  const haptics::LiveNoise noise = live(noise_);
+  const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->setup.tissue);
+  const bool other_noise = !(noise == live(first_->setup.noise));
+  begin(std::move(first_), next_recording());
+  if (other_tissue) {
+    (void)run_->changes().offer(tissue);
+    tissue_ = tissue;
+  }
+  if (other_noise) {
+    (void)run_->changes().offer(noise);
+    noise_.enabled = noise.enabled;
+    noise_.gain = noise.gain;
+    noise_.threshold = noise.threshold;
+  }
+}
+
+ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net::Asker& asker) {
+  if (std::holds_alternative<net::AskScene>(command)) return describe();
+  if (const auto* wanted = std::get_if<net::Load>(&command)) return load(*wanted, asker);
+  if (std::holds_alternative<net::Start>(command)) return start(asker);
+  if (std::holds_alternative<net::Stop>(command)) return stop(asker);
+  if (const auto* tissue = std::get_if<net::SetTissue>(&command)) return set_tissue(tissue->edit);
+  if (const auto* noise = std::get_if<net::SetNoise>(&command)) return set_noise(noise->edit);
+  if (std::holds_alternative<net::ResetFaults>(command)) {
+    if (!running()) throw LiveError("state", "reset_faults: nothing is running");
+    reset_faults();
+    return Json::object();
+  }
+  throw LiveError("command", "do: is no command for a scene", "do");
+}
+
+Json ServedRuns::about_run() {
+  Json about{{"number", runs_},
+             {"state", run_ == nullptr ? "waiting"
+                       : accounted_    ? "ended"
+                                       : "running"},
+             {"loading", next_ != nullptr},
+             {"scene", setup().name},
+             {"rate_Hz", setup().rate_Hz}};
+  if (run_ == nullptr) return about;
+  about["recording"] = run_->recording().empty() ? Json(nullptr) : Json(run_->recording().string());
+  if (!accounted_) return about;
+  if (run_->account()) {
+    about["ticks"] = run_->account()->loop.ticks;
+    about["stopped_early"] = run_->account()->loop.stopped_early;
+    about["fault"] = haptics::name_of(run_->account()->loop.fault);
+  } else {
+    about["failure"] = run_->failure();
+  }
+  return about;
+}
+
+net::LiveState ServedRuns::newest() {
+  net::LiveState state;
+  if (run_ == nullptr) return state;
+  state.run = run_->number();
+  state.tick = run_->tap().newest();
+  if (state.tick == nullptr) return state;
+  const haptics::SimulationWorld& world = run_->session().world;
+  state.organ_W = world.organ_motion.pose_at(world.organ_W, state.tick->tick, world.rate_Hz);
+  return state;
+}
+
+ServedRuns::Answer ServedRuns::describe() const {
+  return Json{{"scene", net::scene_json(setup())},
+              {"tissue", net::tissue_json(tissue_)},
+              {"noise", net::noise_json(live(noise_))}};
+}
+
+void ServedRuns::require_no_loading() const {
+  if (next_ != nullptr) throw LiveError("state", "a scene is being loaded already; wait for its run event");
+}
+
+std::string ServedRuns::file_below(const std::string& key, const std::string& name) const {
+  if (options_.scenes.empty()) {
+    throw LiveError("refused",
+                    key + " = \"" + name +
+                        "\": this server was started without --scenes, so that no files "
+                        "can be named",
+                    key);
+  }
+  std::error_code error;
+  const fs::path root = fs::weakly_canonical(options_.scenes, error);
+  const fs::path file = fs::weakly_canonical(root / name, error);
+  const fs::path inside = file.lexically_relative(root);
+  if (error || inside.empty() || *inside.begin() == "..") {
+    throw LiveError("refused", key + " = \"" + name + "\": must be a file below the server's --scenes", key);
+  }
+  return file.string();
+}
+
+scene::Request ServedRuns::request_of(const net::Load& wanted) const {
+  const auto name_or_file = [this](const char* key, const std::optional<std::string>& text) {
+    return text && scene::means_file(*text) ? file_below(key, *text) : text;
+  };
+  scene::Request request;
+  if (wanted.scene) request.scene = file_below("scene", *wanted.scene);
+  request.task = wanted.task;
+  request.organ = name_or_file("organ", wanted.organ);
+  request.organ_unit = wanted.organ_unit;
+  request.tissue = name_or_file("tissue", wanted.tissue);
+  if (const auto tool = name_or_file("tool", wanted.tool)) request.tools.push_back(*tool);
+  request.tool_unit = wanted.tool_unit;
+  if (wanted.device) require_made_up(*wanted.device);
+  request.device = wanted.device;
+  request.rate_Hz = wanted.rate_Hz;
+  request.seed = wanted.seed;
+  request.no_noise = wanted.no_noise;
+  return request;
+}
+
+ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& asker) {
+  require_no_loading();
+  next_ = std::make_unique<NextSession>(request_of(wanted), NextSession::Kept{}, next_recording(),
+                                        require_windowless);
+  next_asker_ = asker;
+  return std::nullopt;
+}
+
+ServedRuns::Answer ServedRuns::start(const net::Asker& asker) {
+  require_no_loading();
+  if (running()) throw LiveError("state", "start: a run goes on; stop it first, or load a scene");
+  if (first_ != nullptr && !first_->devices.empty()) {
+    begin_first();
+    return Json{{"run", about_run()}};
+  }
+  next_ = std::make_unique<NextSession>(options_.request, NextSession::Kept{tissue_, noise_},
+                                        next_recording(), require_windowless);
+  next_asker_ = asker;
+  return std::nullopt;
+}
+
+ServedRuns::Answer ServedRuns::stop(const net::Asker& asker) {
+  if (!running()) throw LiveError("state", "stop: nothing is running");
+  run_->stop();
+  stop_askers_.push_back(asker);
+  return std::nullopt;
+}
+
+ServedRuns::Answer ServedRuns::set_tissue(const net::TissueEdit& edit) {
+  const model::TissueParameters tissue = net::edited(tissue_, edit);
+  model::validate(tissue);
+  Json answer{{"change", nullptr}, {"warnings", Json::array()}};
+  if (running()) {
+    const haptics::LiveChanges::Accepted accepted = run_->changes().offer(tissue);
+    answer["change"] = accepted.number;
+    answer["warnings"] = accepted.warnings;
+  }
+  tissue_ = tissue;
+  say("tissue", {{"change", answer["change"]}, {"tissue", net::tissue_json(tissue_)}});
+  return answer;
+}
+
+ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
+  const haptics::LiveNoise noise = net::edited(live(noise_), edit);
+  noise::NoiseSettings settings = noise_;
+  settings.enabled = noise.enabled;
+  settings.gain = noise.gain;
+  settings.threshold = noise.threshold;
+  noise::validate(settings, setup().rate_Hz);
+  Json answer{{"change", nullptr}};
+  if (running()) answer["change"] = run_->changes().offer(noise).number;
+  noise_ = settings;
+  say("noise", {{"change", answer["change"]}, {"noise", net::noise_json(noise)}});
+  return answer;
+}
+
+std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
+  if (clients == 0 && had_clients_ && options_.stop_when_alone && running()) {
+    tell("the last client has gone: the run ends (--stop-when-alone)");
+    run_->stop();
+  }
+  had_clients_ = clients > 0;
+  if (stop_ != nullptr && stop_->load(std::memory_order_relaxed) && run_ != nullptr) run_->stop();
+  if (running()) {
+    const bool ended = run_->ended();  // first, so that no fault is told after the end
+    tell_faults();
+    if (ended) account_for_run();
+  }
+  if (next_ != nullptr) look_after_next();
+  return std::exchange(news_, {});
+}
+
+void ServedRuns::tell_faults() {
+  while (const std::optional<net::FaultTurn> turn = run_->tap().take_fault()) {
+    const std::string trouble = run_->session().devices[turn->hand]->trouble();
+    Json fault{{"run", run_->number()},
+               {"tick", turn->tick},
+               {"time_s", static_cast<double>(turn->tick) / setup().rate_Hz},
+               {"hand", turn->hand},
+               {"fault", haptics::name_of(turn->fault)},
+               {"words", haptics::words_of(turn->fault)}};
+    if (turn->fault != haptics::Fault::kNone && !trouble.empty()) fault["trouble"] = trouble;
+    say("fault", {{"fault", fault}});
+  }
+}
+
+void ServedRuns::account_for_run() {
+  run_->release();
+  accounted_ = true;
+  if (run_->account()) {
+    fault_ = fault_ || run_->account()->loop.fault != haptics::Fault::kNone;
+    const OutputFiles files{run_->recording(), {}, {}};
+    if (options_.json) {
+      std::cout << net::text_of({{"run", summary_json(*run_->account(), files)}}) << std::endl;
+    } else {
+      print_summary(std::cout, *run_->account(), files);
+      std::cout << std::flush;
+    }
+  } else {
+    failed_ = true;
+    tell_error(run_->failure());
+  }
+  say("run", {{"run", about_run()}});
+  for (const net::Asker& asker : std::exchange(stop_askers_, {})) {
+    news_.push_back({asker, "", {{"run", about_run()}}});
+  }
+}
+
+void ServedRuns::look_after_next() {
+  switch (next_->state()) {
+    case NextSession::State::kRead:
+      if (running()) return run_->stop();  // the force goes off first
+      if (first_ != nullptr) first_->devices.clear();
+      next_->prepare_now(options_.duration_s, options_.no_cache);
+      break;
+    case NextSession::State::kReady: {
+      const std::unique_ptr<NextSession> next = std::move(next_);
+      options_.request = next->request();
+      begin(next->take(), next->recording());
+      news_.push_back({std::exchange(next_asker_, std::nullopt), "", {{"run", about_run()}}});
+      break;
+    }
+    case NextSession::State::kFailed:
+      news_.push_back(
+          {std::exchange(next_asker_, std::nullopt), "", {}, LiveError("refused", next_->failure())});
+      next_.reset();
+      break;
+    case NextSession::State::kReading:
+    case NextSession::State::kPreparing:
+      break;
+  }
+}
+
+void ServedRuns::finish() {
+  next_.reset();
+  if (!running()) return;
+  run_->stop();
+  account_for_run();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,97 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/net/live_server.h"
+
+#include "app/served_run.h"
+#include "app/session.h"
+#include "app/window/next_session.h"
+
+namespace palpate::app {
+
+/// How the runs of `palpate serve` are played.
+struct ServedOptions {
+  scene::Request request;            // of the first, and of every one that is started anew
+  std::filesystem::path scenes;      // files that clients may name are below it; empty: none may be named
+  std::filesystem::path recording;   // of the first run, the others get a number; empty: none
+  std::optional<double> duration_s;  // of every run
+  std::optional<int> core;
+  bool no_cache = false;
+  bool stop_when_alone = false;  // the last client's leaving ends a run
+  bool json = false;             // how the summaries of runs are printed
+};
+
+/// The runs of one `palpate serve`, one after the other, as its clients drive them. All members: [setup], the
+/// server's thread.
+class ServedRuns final : public net::LiveHost {
+ public:
+  /// @param first is not played yet
+  ServedRuns(ServedOptions options, std::unique_ptr<Session> first);
+
+  /// Ends a run as soon as that is set, before clients are let go: the hand comes first. It outlives this.
+  void stop_with(const std::atomic<bool>& stop) noexcept { stop_ = &stop; }
+  /// Plays the first session.
+  void begin_first();
+  /// Zero force, recording closed; the run's summary is printed.
+  void finish();
+  /// Whether a fault was latched in any run; whether one could not be played or recorded.
+  [[nodiscard]] bool fault() const noexcept { return fault_; }
+  [[nodiscard]] bool failed() const noexcept { return failed_; }
+  [[nodiscard]] std::uint64_t runs() const noexcept { return runs_; }
+
+  std::optional<nlohmann::ordered_json> answer(const net::LiveCommand& command,
+                                               const net::Asker& asker) override;
+  [[nodiscard]] nlohmann::ordered_json about_run() override;
+  [[nodiscard]] net::LiveState newest() override;
+  std::vector<net::News> look_after(std::size_t clients) override;
+
+ private:
+  using Answer = std::optional<nlohmann::ordered_json>;
+
+  [[nodiscard]] bool running() const noexcept { return run_ != nullptr && !accounted_; }
+  [[nodiscard]] const scene::Setup& setup() const;
+  Answer describe() const;
+  Answer load(const net::Load& wanted, const net::Asker& asker);
+  Answer start(const net::Asker& asker);
+  Answer stop(const net::Asker& asker);
+  Answer set_tissue(const net::TissueEdit& edit);
+  Answer set_noise(const net::NoiseEdit& edit);
+  [[nodiscard]] scene::Request request_of(const net::Load& wanted) const;
+  [[nodiscard]] std::string file_below(const std::string& key, const std::string& name) const;
+  [[nodiscard]] std::filesystem::path next_recording() const;
+  void require_no_loading() const;
+  void begin(std::unique_ptr<Session> session, std::filesystem::path recording);
+  void look_after_next();
+  void account_for_run();
+  void tell_faults();
+  void say(const std::string& event, nlohmann::ordered_json members);
+
+  ServedOptions options_;
+  std::unique_ptr<Session> first_;  // until one is played; without devices once another is to come
+  std::unique_ptr<ServedRun> run_;  // the newest, also after its end
+  bool accounted_ = false;          // it has ended, and that was dealt with
+  std::unique_ptr<NextSession> next_;
+  std::optional<net::Asker> next_asker_;
+  std::vector<net::Asker> stop_askers_;
+  model::TissueParameters tissue_;  // in force, or of the next run
+  noise::NoiseSettings noise_;
+  std::vector<net::News> news_;
+  const std::atomic<bool>* stop_ = nullptr;
+  std::uint64_t runs_ = 0;
+  bool had_clients_ = false;
+  bool fault_ = false;
+  bool failed_ = false;
+};
+
+/// [setup] Refuses devices that the window of `palpate run` feeds. @throws InputError
+void require_windowless(const scene::Setup& setup);
+
+}  // namespace palpate::app

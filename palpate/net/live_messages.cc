@@ -1,0 +1,173 @@
+#include "palpate/net/live_messages.h"
+
+#include <array>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/base/units.h"
+#include "palpate/haptics/gate.h"
+
+namespace palpate::net {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<std::uint32_t, const char*>, 9> kStatus{{
+    {contact::kStartedInside, "started-inside"},
+    {contact::kContactsFull, "contacts-full"},
+    {contact::kGripReleased, "grip-released"},
+    {contact::kJump, "jump"},
+    {haptics::kForceClamped, "force-clamped"},
+    {haptics::kForceSlewed, "force-slewed"},
+    {haptics::kTorqueClamped, "torque-clamped"},
+    {haptics::kTorqueSlewed, "torque-slewed"},
+    {haptics::kEnergyDamped, "energy-damped"},
+}};
+
+const char* phase_name(std::uint32_t phase) {
+  switch (static_cast<contact::Phase>(phase)) {
+    case contact::Phase::kPress:
+      return "press";
+    case contact::Phase::kPull:
+      return "pull";
+    case contact::Phase::kApproach:
+      break;
+  }
+  return "approach";
+}
+
+Json status_json(std::uint32_t status) {
+  Json words = Json::array();
+  for (const auto& [bit, name] : kStatus) {
+    if ((status & bit) != 0) words.push_back(name);
+  }
+  return words;
+}
+
+Json hand_json(const haptics::TickRow& row) {
+  return {{"hand", row.hand},
+          {"phase", phase_name(row.phase)},
+          {"distance_m", row.distance},
+          {"depth_m", row.depth},
+          {"cutoff_layer", row.cutoff_layer},
+          {"saturated", row.saturated != 0},
+          {"tissue_force_N", row.tissue_force},
+          {"noise_force_N", row.noise_force},
+          {"friction_N", row.friction},
+          {"force_N", row.force},
+          {"torque_N_m", row.torque},
+          {"gripper_force_N", row.gripper_force},
+          {"tool_m", row.tool},
+          {"tool_wxyz", row.tool_q},
+          {"gripper", row.gripper},
+          {"contact_m", row.contact},
+          {"normal", row.normal},
+          {"engagement", row.engagement},
+          {"energy_J", row.energy},
+          {"tick_ns", row.tick_ns},
+          {"late_ns", row.late_ns},
+          {"status", status_json(row.status)},
+          {"fault", haptics::name_of(static_cast<haptics::Fault>(row.fault))}};
+}
+
+/// What stands in every answer.
+Json refer(const LiveReference& reference) {
+  Json json = Json::object();
+  json["answer"] = reference.command.empty() ? Json(nullptr) : Json(reference.command);
+  if (!reference.id.empty()) json["id"] = Json::parse(reference.id);
+  return json;
+}
+
+}  // namespace
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json tissue_json(const model::TissueParameters& tissue) {
+  Json json{{"name", tissue.name}, {"law", model::to_string(tissue.law)}};
+  model::TissueParameters values = tissue;  // the keys give places to write to
+  for (const TissueKey& key : tissue_keys()) {
+    Json& place = key.group.empty() ? json : json[std::string(key.group)];
+    place[std::string(key.key)] = key.of(values) / key.unit;
+  }
+  const std::optional<double>& tangential = tissue.contact.tangential_stiffness;
+  json["contact"]["tangential_N_per_m"] = tangential ? Json(*tangential) : Json(nullptr);
+  json["relaxation"] = Json::array();
+  for (const model::RelaxationTerm& term : tissue.relaxation) {
+    json["relaxation"].push_back({{"share", term.share}, {"time_s", term.time}});
+  }
+  return json;
+}
+
+Json noise_json(const haptics::LiveNoise& noise) {
+  return {
+      {"enabled", noise.enabled}, {"gain_N_m", noise.gain}, {"threshold_mm", noise.threshold / kMillimetre}};
+}
+
+Json scene_json(const scene::Setup& setup) {
+  Json hands = Json::array();
+  for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
+    hands.push_back({{"tool", setup.tools[hand].name}, {"device", setup.devices[hand].kind}});
+  }
+  Json motion = Json::array();
+  for (const auto& one : setup.organ_motion) motion.push_back(model::to_string(one.kind));
+  return {{"name", setup.name},
+          {"task", setup.task == scene::Task::kPull ? "pull" : "press"},
+          {"rate_Hz", setup.rate_Hz},
+          {"seed", setup.seed},
+          {"organ", setup.organ_name},
+          {"organ_triangles", setup.organ.triangles.size()},
+          {"organ_motion", motion},
+          {"hands", hands},
+          {"max_force_N", setup.safety.max_force},
+          {"repairs", setup.repairs},
+          {"remarks", setup.remarks}};
+}
+
+Json state_json(const LiveState& state) {
+  const Quat& q = state.organ_W.rotation;
+  const Vec3& p = state.organ_W.position;
+  Json hands = Json::array();
+  for (std::uint32_t hand = 0; hand < state.tick->hands; ++hand) {
+    hands.push_back(hand_json(state.tick->rows[hand]));
+  }
+  return {{"run", state.run},
+          {"tick", state.tick->tick},
+          {"time_s", state.tick->rows[0].time},
+          {"change", state.tick->change},
+          {"organ_m", {p.x(), p.y(), p.z()}},
+          {"organ_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+          {"hands", hands}};
+}
+
+std::string answer_text(const LiveReference& reference, const Json& members) {
+  Json json = refer(reference);
+  json.update(members);
+  return text_of(json);
+}
+
+std::string error_text(const LiveReference& reference, const InputError& error) {
+  Json json;
+  const auto* live = dynamic_cast<const LiveError*>(&error);
+  const auto* parameter = dynamic_cast<const ParameterError*>(&error);
+  json["error"]["code"] = live != nullptr ? live->code() : "refused";
+  const std::string field = live != nullptr        ? live->field()
+                            : parameter != nullptr ? parameter->field()
+                                                   : std::string();
+  if (!field.empty()) json["error"]["field"] = field;
+  json["error"]["words"] = error.what();
+  json.update(refer(reference));
+  return text_of(json);
+}
+
+std::string event_text(const std::string& name, const Json& members) {
+  Json json{{"event", name}};
+  json.update(members);
+  return text_of(json);
+}
+
+std::string frame_text(const std::string& state, std::uint64_t left_out) {
+  return "{\"left_out\":" + std::to_string(left_out) + ",\"state\":" + state + "}";
+}
+
+}  // namespace palpate::net

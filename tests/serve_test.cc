@@ -1,0 +1,254 @@
+// `palpate serve` as its clients see it.
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+
+#include "palpate/net/test/live_client.h"
+#include "palpate/record/recording.h"
+
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+using namespace std::chrono_literals;
+using net::test::LiveClient;
+using nlohmann::json;
+
+/// The program serving at a port that the system chose, until it is ended.
+class Serve final {
+ public:
+  Serve(const Folder& folder, std::vector<std::string> words)
+      : program_(folder.path(), whole(std::move(words))) {}
+
+  /// Where it listens; 0 when it has not said so within a minute.
+  [[nodiscard]] std::uint16_t port() const {
+    for (int i = 0; i < 6000; ++i) {
+      const std::string out = program_.out_so_far();
+      if (out.find('\n') != std::string::npos) {
+        return json::parse(out.substr(0, out.find('\n')))["listening"]["port"];
+      }
+      std::this_thread::sleep_for(10ms);
+    }
+    return 0;
+  }
+  [[nodiscard]] std::string out() const { return program_.out_so_far(); }
+  Outcome end() {
+    program_.signal(SIGINT);
+    return program_.wait();
+  }
+
+ private:
+  static std::vector<std::string> whole(std::vector<std::string> words) {
+    words.insert(words.begin(), {"serve", "--port", "0", "--json"});
+    return words;
+  }
+  Program program_;
+};
+
+/// Waits until a run of that number has ticked.
+void await_tick(LiveClient& client, int run) {
+  for (int i = 0; i < 6000; ++i) {
+    const json state = client.ask(R"({"do": "state"})")["state"];
+    if (!state.is_null() && state["run"] == run) return;
+    std::this_thread::sleep_for(20ms);
+  }
+  ADD_FAILURE() << "run " << run << " has no tick";
+}
+
+TEST(Serve, ChangesThatClientsMakeReachTheTicksAreRecordedAndReplayed) {
+  const Folder folder;
+  Serve serve(folder, {"--record", "run.h5", "--device", "emulated", "--duration-s", "600"});
+  LiveClient client(serve.port());
+  ASSERT_EQ(client.greet()["answer"], "hello");
+  client.ask(R"({"do": "stream", "rate_Hz": 20})");
+  const json tissue = client.ask(R"({"do": "set_tissue", "tissue": {"preset": "liver", "k1_N_per_m": 30}})");
+  EXPECT_EQ(tissue["change"], 1) << tissue;
+  EXPECT_TRUE(tissue["warnings"].is_array());
+  const json noise = client.ask(R"({"do": "set_noise", "noise": {"enabled": false}})");
+  EXPECT_EQ(noise["change"], 2) << noise;
+  const json refused = client.ask(R"({"do": "set_tissue", "tissue": {"beta": -1}})");
+  EXPECT_EQ(refused["error"]["field"], "beta") << refused;
+  const json frame = client.hear_until(
+      [](const json& message) { return message.contains("state") && message["state"]["change"] == 2; });
+  EXPECT_FALSE(frame.is_null());
+  const json scene = client.ask(R"({"do": "scene"})");
+  EXPECT_EQ(scene["tissue"]["name"], "liver");
+  EXPECT_EQ(scene["tissue"]["k1_N_per_m"], 30.0);
+  EXPECT_EQ(scene["noise"]["enabled"], false);
+  const json stopped = client.ask(R"({"do": "stop"})");
+  EXPECT_EQ(stopped["run"]["state"], "ended") << stopped;
+  EXPECT_EQ(client.ask(R"({"do": "stop"})")["error"]["code"], "state");
+  const Outcome outcome = serve.end();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(lines(outcome.out), 3U) << "where it listens, the run, what was served: " << outcome.out;
+  const record::Recording recording = record::read_recording(folder / "run.h5");
+  ASSERT_EQ(recording.changes.size(), 2U);
+  EXPECT_EQ(recording.changes[0].k1, 30.0);
+  EXPECT_EQ(recording.changes[1].noise_enabled, 0U);
+  EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
+}
+
+TEST(Serve, AFaultIsToldToClientsInWordsAndTheyMayResetIt) {
+  const Folder folder;
+  std::ofstream(folder / "faulty.toml") << "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"sphere:3\"\n"
+                                           "[device]\nkind = \"emulated\"\n[[device.fault]]\nkind = \"nan\"\n"
+                                           "time_s = 0.2\n";
+  Serve serve(folder, {"faulty.toml", "--wait"});
+  LiveClient client(serve.port());
+  client.greet();
+  EXPECT_EQ(client.ask(R"({"do": "state"})")["run"]["state"], "waiting");
+  EXPECT_EQ(client.ask(R"({"do": "reset_faults"})")["error"]["code"], "state");
+  client.say(R"({"do": "start"})");
+  const auto fault_event = [](const json& message) { return message.value("event", "") == "fault"; };
+  const json fault = client.hear_until(fault_event)["fault"];
+  EXPECT_EQ(fault["fault"], "not-finite") << fault;
+  EXPECT_EQ(fault["tick"], 200);
+  EXPECT_EQ(fault["words"], "a sample of the device, or a force, was no finite number");
+  client.say(R"({"do": "reset_faults"})");
+  EXPECT_EQ(client.hear_until(fault_event)["fault"]["fault"], "none");
+  EXPECT_EQ(serve.end().exit_code, 3) << "also when it was reset";
+}
+
+TEST(Serve, ASceneThatIsLoadedFollowsTheOneBeforeAndOneThatCannotBeLeavesIt) {
+  const Folder folder;
+  const Folder elsewhere;
+  std::ofstream(folder / "heart.toml") << "[scene]\nname = \"a heart\"\n[organ]\nmesh = \"heart\"\ntissue = "
+                                          "\"heart\"\n[tool]\nmesh = \"sphere:3\"\n";
+  std::ofstream(folder / "mouse.toml") << "[organ]\nmesh = \"heart\"\n[tool]\nmesh = \"sphere:3\"\n[device]\n"
+                                          "kind = \"mouse\"\n";
+  Serve serve(elsewhere, {"--scenes", folder.path().string(), "--device", "emulated", "--duration-s", "600",
+                          "--record", "runs.h5"});
+  LiveClient client(serve.port());
+  client.greet();
+  const auto refusal = [&client](const std::string& members) {
+    const json answer = client.ask(R"({"do": "load", )" + members + "}");
+    return answer.contains("error") ? answer["error"]["words"].get<std::string>() : "it was not refused";
+  };
+  EXPECT_NE(refusal(R"("scene": "../secret.toml")").find("below the server's --scenes"), std::string::npos);
+  EXPECT_NE(refusal(R"("scene": "/etc/passwd")").find("below the server's --scenes"), std::string::npos);
+  EXPECT_NE(refusal(R"("scene": "none.toml")").find("none.toml"), std::string::npos);
+  EXPECT_NE(refusal(R"("organ": "lung")").find("lung"), std::string::npos);
+  EXPECT_NE(refusal(R"("scene": "mouse.toml")").find("device mouse"), std::string::npos);
+  EXPECT_NE(refusal(R"("device": "forcedimension:/tmp/a.so")").find("scripted"), std::string::npos);
+  json run = client.ask(R"({"do": "state"})")["run"];
+  EXPECT_EQ(run["number"], 1) << "the first run goes on";
+  EXPECT_EQ(run["state"], "running");
+  const json loaded = client.ask(R"({"do": "load", "scene": "heart.toml", "device": "emulated"})");
+  EXPECT_EQ(loaded["run"]["number"], 2) << loaded;
+  EXPECT_EQ(loaded["run"]["scene"], "a heart");
+  await_tick(client, 2);
+  EXPECT_EQ(client.ask(R"({"do": "scene"})")["tissue"]["name"], "heart");
+  client.ask(R"({"do": "set_tissue", "tissue": {"k1_N_per_m": 44}})");
+  client.ask(R"({"do": "stop"})");
+  const json again = client.ask(R"({"do": "start"})");
+  EXPECT_EQ(again["run"]["number"], 3) << again;
+  await_tick(client, 3);
+  EXPECT_EQ(client.ask(R"({"do": "scene"})")["tissue"]["k1_N_per_m"], 44.0) << "start keeps the tissue";
+  EXPECT_EQ(client.ask(R"({"do": "start"})")["error"]["code"], "state");
+  const Outcome outcome = serve.end();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(elsewhere.names(), (std::vector<std::string>{"runs-2.h5", "runs-3.h5", "runs.h5"}));
+}
+
+TEST(Serve, ASceneThatIsLoadedInPlaceOfOneThatWaitsIsOnItsWayUntilItRuns) {
+  const Folder folder;
+  Serve serve(folder, {"--wait"});
+  LiveClient client(serve.port());
+  client.greet();
+  const json kept = client.ask(R"({"do": "set_tissue", "tissue": {"k1_N_per_m": 21}})");
+  EXPECT_TRUE(kept["change"].is_null()) << "nothing is running";
+  client.say(R"({"do": "load", "id": "l", "task": "pull"})");
+  EXPECT_EQ(client.ask(R"({"do": "start"})")["error"]["code"], "state") << "one at a time";
+  json loaded;
+  for (int i = 0; i < 20'000 && loaded.is_null(); ++i) {
+    client.say(R"({"do": "state", "id": "s"})");
+    const json answer = client.hear_until([](const json& message) { return message.contains("answer"); });
+    ASSERT_TRUE(answer.contains("run")) << answer;
+    if (answer["id"] == "l") loaded = answer["run"];
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_EQ(loaded["number"], 1);
+  EXPECT_EQ(loaded["scene"], "heart pull");
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
+TEST(Serve, TheLastClientsLeavingEndsARunWhereThatIsAskedFor) {
+  const Folder folder;
+  Serve serve(folder, {"--device", "emulated", "--duration-s", "600", "--stop-when-alone"});
+  const std::uint16_t port = serve.port();
+  LiveClient client(port);
+  client.greet();
+  EXPECT_EQ(client.ask(R"({"do": "state"})")["run"]["state"], "running") << "it begins without anyone";
+  client.vanish();
+  for (int i = 0; i < 6000 && lines(serve.out()) < 2; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(lines(serve.out()), 2U) << "the run's summary has come: " << serve.out();
+  LiveClient next(port);
+  next.greet();
+  EXPECT_EQ(next.ask(R"({"do": "state"})")["run"]["state"], "ended");
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
+TEST(Serve, WhoMayConnectIsSaidByFlagsAndBadOnesAreRefusedBeforeAnythingIsPlayed) {
+  const Folder folder;
+  const auto refusal = [&folder](std::vector<std::string> words) {
+    words.insert(words.begin(), "serve");
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
+    return outcome.err;
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  has(refusal({"--listen", "0.0.0.0"}), "--token-file FILE, or --new-token");
+  has(refusal({"--listen", "here"}), "--listen here");
+  has(refusal({"--allow-origin", "*"}), "--allow-origin *");
+  has(refusal({"--token-file", "none"}), "--token-file none");
+  has(refusal({"--port", "70000"}), "--port = 70000");
+  has(refusal({"--scenes", "none"}), "--scenes none");
+  has(refusal({"--page", "none.html"}), "--page none.html");
+  has(refusal({"--device", "mouse"}), "device mouse");
+  has(refusal({"--record", "none/run.h5"}), "--record none/run.h5");
+  has(refusal({"--organ", "lung"}), "lung");
+}
+
+TEST(Serve, ATokenFromAFileIsAskedForAndNeverTold) {
+  const Folder folder;
+  std::ofstream(folder / "token") << "a-secret-of-the-laboratory\n";
+  chmod((folder / "token").c_str(), 0600);
+  Serve serve(folder, {"--token-file", "token", "--wait"});
+  const std::uint16_t port = serve.port();
+  LiveClient wrong(port);
+  EXPECT_EQ(wrong.greet("a-secret-of-the-library")["error"]["code"], "token");
+  LiveClient right(port);
+  EXPECT_EQ(right.greet("a-secret-of-the-laboratory")["answer"], "hello");
+  const Outcome outcome = serve.end();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ((outcome.out + outcome.err).find("a-secret"), std::string::npos) << outcome.out << outcome.err;
+}
+
+TEST(Serve, TheExampleInPythonStreamsAndMakesTheTissueStiffer) {
+  const Folder folder;
+  Serve serve(folder, {"--wait", "--record", "run.h5"});
+  const std::string port = std::to_string(serve.port());
+  const std::string command = std::string("/usr/bin/python3 ") + PALPATE_EXAMPLES +
+                              "/python/live_client.py --seconds 2 --port " + port + " > " +
+                              (folder / "said") + " 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << text_of(folder / "said");  // NOLINT(concurrency-mt-unsafe)
+  const std::string said = text_of(folder / "said");
+  EXPECT_NE(said.find("gallbladder press, tissue gallbladder, k1 18.0 N/m"), std::string::npos) << said;
+  EXPECT_NE(said.find("twice as stiff, by change 1"), std::string::npos) << said;
+  EXPECT_EQ(serve.end().exit_code, 0);
+  const record::Recording recording = record::read_recording(folder / "run.h5");
+  ASSERT_EQ(recording.changes.size(), 1U);
+  EXPECT_EQ(recording.changes[0].k1, 36.0);
+}
+
+}  // namespace
+}  // namespace palpate::tests
