@@ -1,6 +1,7 @@
 #include "bench/measure/hands.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -8,12 +9,13 @@
 #include <thread>
 #include <vector>
 
+#include "palpate/base/fetch_list.h"
 #include "palpate/base/ring.h"
 #include "palpate/devices/scripted.h"
 #include "palpate/haptics/realtime.h"
 #include "palpate/haptics/schedule.h"
+#include "palpate/haptics/simulation.h"
 
-#include "bench/measure/one_hand.h"
 #include "bench/measure/preparation.h"
 #include "bench/measure/ticks.h"
 
@@ -48,27 +50,47 @@ Window contact_window(const std::vector<WayPoint>& way) {
   return {static_cast<std::uint64_t>(first - way.begin()), static_cast<std::uint64_t>(end - way.begin()) - 1};
 }
 
+/// What goes into a tick and comes out of it: the hands of a thread take turns with one.
+struct Exchange {
+  std::array<haptics::DeviceState, 1> samples{};
+  std::array<haptics::ForceCommand, 1> commands{};
+  std::array<haptics::TickRow, 1> rows{};
+};
+
 /// One of many: its own state, somewhere on the way.
 class Hand final {
  public:
   Hand(const haptics::SimulationWorld& world, const Window& window, std::uint64_t offset)
-      : window_(window), offset_(offset), hand_(world) {}
+      : world_(&world), window_(window), offset_(offset), state_(world) {}
 
   /// Follows the way from its begin to where this hand shall be. [setup]
-  void approach(haptics::Device& device) {
-    for (std::uint64_t way = 0; way < window_.first; ++way) hand_.tick(device, way);
-    for (std::uint64_t step = 0; step < offset_; ++step) hand_.tick(device, window_.at(step));
+  void approach(haptics::Device& device, Exchange& exchange) {
+    for (std::uint64_t way = 0; way < window_.first; ++way) tick(device, way, exchange);
+    for (std::uint64_t step = 0; step < offset_; ++step) tick(device, window_.at(step), exchange);
+    list_ = haptics::memory_of(state_);
   }
 
+  /// [rt] Its turn is next.
+  void expect() const noexcept { list_.fetch(); }
+
   /// [rt]
-  const haptics::TickRow& go_on(haptics::Device& device, std::uint64_t step) noexcept {
-    return hand_.tick(device, window_.at(offset_ + step));
+  const haptics::TickRow& go_on(haptics::Device& device, std::uint64_t step, Exchange& exchange) noexcept {
+    return tick(device, window_.at(offset_ + step), exchange);
   }
 
  private:
+  const haptics::TickRow& tick(haptics::Device& device, std::uint64_t way, Exchange& exchange) noexcept {
+    exchange.samples[0] = device.read(way, static_cast<double>(way) / world_->rate_Hz);
+    haptics::tick(*world_, state_, number_++, exchange.samples, exchange.commands, exchange.rows);
+    return exchange.rows[0];
+  }
+
+  const haptics::SimulationWorld* world_;
   Window window_;
   std::uint64_t offset_;
-  OneHand hand_;
+  std::uint64_t number_ = 0;
+  haptics::SimulationState state_;
+  FetchList list_;
 };
 
 std::vector<Hand> make_hands(const haptics::SimulationWorld& world, const Window& window, std::size_t count) {
@@ -114,7 +136,8 @@ struct Rounds {
 /// All hands once a period, on the calling thread, in real time.
 Rounds run_rounds(std::vector<Hand>& hands, const scene::ToolPath& path) {
   devices::ScriptedDevice device(path);
-  for (Hand& hand : hands) hand.approach(device);
+  Exchange exchange;
+  for (Hand& hand : hands) hand.approach(device, exchange);
   RowTaker taker(hands.size());
   (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
   Rounds rounds;
@@ -124,7 +147,10 @@ Rounds run_rounds(std::vector<Hand>& hands, const scene::ToolPath& path) {
     sleep_until_ns(schedule.due());
     const bool missed = schedule.begin(monotonic_ns()).missed;
     const std::int64_t begun = thread_cpu_ns();
-    for (Hand& hand : hands) taker.put(hand.go_on(device, step));
+    for (std::size_t i = 0; i < hands.size(); ++i) {
+      if (i + 1 < hands.size()) hands[i + 1].expect();
+      taker.put(hands[i].go_on(device, step, exchange));
+    }
     const std::int64_t spent = thread_cpu_ns() - begun;
     if (step < kWarmUp) continue;
     rounds.times_us.push_back(static_cast<double>(spent) / kNanosecondsPerMicrosecond);

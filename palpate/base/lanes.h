@@ -4,7 +4,8 @@
 #include <xsimd/xsimd.hpp>
 
 // Four numbers at once, in single precision: to pass over quickly what cannot count. Whatever counts is then
-// worked out in double precision, so that no result depends on these.
+// worked out in double precision, so that no result depends on these. Two at once in double precision are the
+// same bits as one after the other.
 namespace palpate {
 
 /// Four lanes, the baseline of the processor family, so that one program runs everywhere.
@@ -15,6 +16,25 @@ inline constexpr std::size_t kLanes = 4;
 /// [any] One bit a lane, the first lowest.
 [[nodiscard]] inline std::uint32_t lanes_of(const LaneMask& mask) noexcept {
   return static_cast<std::uint32_t>(_mm_movemask_ps(mask));
+}
+
+using Pair = xsimd::batch<double, xsimd::sse2>;
+using PairMask = xsimd::batch_bool<double, xsimd::sse2>;
+inline constexpr std::size_t kPair = 2;
+
+/// [any]
+[[nodiscard]] inline Pair pair_of(double first, double second) noexcept {
+  return Pair(_mm_setr_pd(first, second));
+}
+
+/// [any] One bit a number, the first lowest.
+[[nodiscard]] inline std::uint32_t lanes_of(const PairMask& mask) noexcept {
+  return static_cast<std::uint32_t>(_mm_movemask_pd(mask));
+}
+
+/// [any] The lesser of two numbers.
+[[nodiscard]] inline double least_of(const Pair& pair) noexcept {
+  return pair.get(0) < pair.get(1) ? pair.get(0) : pair.get(1);
 }
 
 /// [any] The largest of the lanes.

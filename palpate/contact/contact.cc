@@ -1,6 +1,7 @@
 #include "palpate/contact/contact.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "palpate/base/error.h"
 #include "palpate/contact/press.h"
@@ -11,6 +12,8 @@
 
 namespace palpate::contact {
 namespace {
+
+constexpr std::size_t kPointsFetched = 16;  // of a shortlist: it seldom holds more
 
 ToolPoints sample_tool(const geometry::Tool& tool) {
   if (tool.parts.empty() || tool.parts.size() > static_cast<std::size_t>(kMaxParts)) {
@@ -221,7 +224,9 @@ State::State(const World& world) : data_(std::make_unique<Data>()) {
       part.floor.assign(part_points.size(), 0.0);
       part.nearest_triangle.assign(part_points.size(), -1);
       part.inside.assign(part_points.size(), 0);
-      part.clusters.assign(part_points.clusters.size(), {});
+      const std::size_t pairs = (part_points.clusters.size() + 1) / 2;
+      part.cluster_crosses.assign(2 * pairs, std::numeric_limits<double>::infinity());
+      part.cluster_floor.assign(2 * pairs, std::numeric_limits<double>::infinity());
       most_points = std::max(most_points, part_points.size());
       tool.parts.push_back(std::move(part));
     }
@@ -237,6 +242,20 @@ State& State::operator=(const State& other) {
 }
 State::State(State&&) noexcept = default;
 State& State::operator=(State&&) noexcept = default;
+
+void list_memory(const State& state, FetchList& list) {
+  const State::Data& now = state.data();
+  list.add(&now.tools, &now.scratch);
+  list.add_elements(now.tools);
+  for (const ToolState& tool : now.tools) {
+    for (const PartState& part : tool.parts) {
+      list.add(&part, &part.contacts);
+      list.add_elements(part.cluster_crosses);
+      const Contact& first = part.contacts.front();
+      list.add(&first, &first.kept.points[kPointsFetched]);
+    }
+  }
+}
 
 void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept {
   State::Data& now = state.data();
@@ -258,7 +277,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   State::Data& now = state.data();
   const TissueLaws& laws = now.laws(data);
   std::array<std::uint32_t, kMaxTools> status{};
-  std::array<Contact*, kMostContacts> all{};
+  std::array<Contact*, kMostContacts> all;  // the first `count`
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
     status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t], now.scratch);

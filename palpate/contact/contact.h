@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "palpate/base/fetch_list.h"
 #include "palpate/base/pose.h"
 #include "palpate/contact/preparation.h"
 #include "palpate/contact/tissue_laws.h"
@@ -107,10 +108,15 @@ class State final {
 
   struct Data;
   [[nodiscard]] Data& data() noexcept { return *data_; }
+  [[nodiscard]] const Data& data() const noexcept { return *data_; }
 
  private:
   std::unique_ptr<Data> data_;
 };
+
+/// [setup] Adds to `list` where advance() looks at `state` in nearly every tick in contact: while that is not
+/// copied to.
+void list_memory(const State& state, FetchList& list);
 
 /// [rt] From the next tick on the tissue has these laws. Every contact keeps its place and its depth, so its
 /// force is the new law's there, and goes on from what its relaxation remembers; a term that is new has let

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "palpate/base/portable_math.h"
 #include "palpate/contact/proximity.h"
@@ -191,6 +192,7 @@ class Starter final {
     const auto count = static_cast<std::uint32_t>(points_.size());
     const std::uint32_t tried = std::min(kPointsTried, count);
     for (std::uint32_t k = 0; k < tried && evaluations_ < kMostEvaluations; ++k) {
+      k += skip_outside(tried - k - 1, count);
       part_.cursor = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
       const std::size_t i = part_.cursor;
       if (part_.inside[i] == 0 || greatest_distance(part_, i) < -kShallow) continue;
@@ -205,6 +207,19 @@ class Starter final {
 
  private:
   [[nodiscard]] double radius() const noexcept { return world_.tissue.contact.reference_radius; }
+
+  /// Leads the cursor over eight points at a time while all are outside. @return how many, at most `most`
+  std::uint32_t skip_outside(std::uint32_t most, std::uint32_t count) noexcept {
+    std::uint32_t skipped = 0;
+    for (std::uint64_t eight = 0; skipped + sizeof eight <= most; skipped += sizeof eight) {
+      const std::size_t next = std::size_t{part_.cursor} + 1;
+      if (next + sizeof eight > count) break;
+      std::memcpy(&eight, &part_.inside[next], sizeof eight);
+      if (eight != 0) break;
+      part_.cursor += static_cast<std::uint32_t>(sizeof eight);
+    }
+    return skipped;
+  }
 
   /// Starts a contact at `at` if the point is the deepest of its own support; else looks where that is.
   void try_at(std::size_t point, const SurfacePoint& at, int redirections) noexcept {

@@ -1,7 +1,11 @@
 #include "palpate/contact/proximity.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
+
+#include "palpate/base/lanes.h"
 
 namespace palpate::contact {
 namespace {
@@ -22,8 +26,9 @@ constexpr double kBallLoss = 0.1e-3;     // m
 constexpr double kLeastBehind = 2e-3;    // m
 constexpr double kGreatestBehind = 0.1;  // m
 
-constexpr double kContactDrift = 0.1;  // m/s: twice what a contact may gain on the tool
-constexpr int kMostTakenUp = 16;       // distances asked a tick for clusters that were left by contacts
+constexpr double kContactDrift = 0.1;   // m/s: twice what a contact may gain on the tool
+constexpr int kMostTakenUp = 16;        // distances asked a tick for clusters that were left by contacts
+constexpr double kLeastClear = 0.1e-3;  // m: a point nearer to the surface is asked by itself
 
 /// No point of the part has moved more since the last tick: the motion of the middle of its box, and what
 /// turning adds on the way to a corner.
@@ -35,28 +40,49 @@ double greatest_motion(const PartPoints& points, const PartState& part) noexcept
   return motion;
 }
 
+std::uint64_t bit_of(std::size_t cluster) noexcept { return std::uint64_t{1} << cluster; }
+
 /// Brings a cluster's bounds up to date with its points.
 void bound_cluster(const PartPoints& points, std::size_t cluster, PartState& part) noexcept {
-  ClusterBounds bounds;
-  bounds.crosses = std::numeric_limits<double>::infinity();
-  bounds.floor = std::numeric_limits<double>::infinity();
-  for (std::size_t i = points.clusters[cluster].begin; i < points.clusters[cluster].end; ++i) {
-    bounds.crosses = std::min(bounds.crosses, part.since[i] + std::abs(part.known[i] - kInside));
-    bounds.floor = std::min(bounds.floor, part.floor[i]);
+  Pair crosses(std::numeric_limits<double>::infinity());
+  Pair floor = crosses;
+  const std::size_t end = points.clusters[cluster].end;
+  const Pair inside(kInside);
+  std::size_t i = points.clusters[cluster].begin;
+  for (; i + kPair <= end; i += kPair) {
+    const Pair away = xsimd::abs(Pair::load_unaligned(&part.known[i]) - inside);
+    crosses = xsimd::min(Pair::load_unaligned(&part.since[i]) + away, crosses);
+    floor = xsimd::min(Pair::load_unaligned(&part.floor[i]), floor);
   }
-  part.clusters[cluster] = bounds;
-  part.crosses = std::min(part.crosses, bounds.crosses);
-  part.lowest = std::min(part.lowest, bounds.floor);
+  double least_crosses = least_of(crosses);
+  double least_floor = least_of(floor);
+  if (i < end) {
+    least_crosses = std::min(least_crosses, part.since[i] + std::abs(part.known[i] - kInside));
+    least_floor = std::min(least_floor, part.floor[i]);
+  }
+  part.cluster_crosses[cluster] = least_crosses;
+  part.cluster_floor[cluster] = least_floor;
+  part.left &= ~bit_of(cluster);
+  part.crosses = std::min(part.crosses, least_crosses);
+  part.lowest = std::min(part.lowest, least_floor);
 }
 
-/// Raises the bounds of the whole part to the least of its clusters'.
-void bound_part(PartState& part) noexcept {
-  part.crosses = std::numeric_limits<double>::infinity();
-  part.lowest = std::numeric_limits<double>::infinity();
-  for (const ClusterBounds& cluster : part.clusters) {
-    part.crosses = std::min(part.crosses, cluster.crosses);
-    part.lowest = std::min(part.lowest, cluster.floor);
+double least_of_all(const std::vector<double>& values) noexcept {
+  Pair least(std::numeric_limits<double>::infinity());
+  for (std::size_t c = 0; c < values.size(); c += kPair) {
+    least = xsimd::min(Pair::load_unaligned(&values[c]), least);
   }
+  return least_of(least);
+}
+
+/// One bit a cluster: its value is not above `limit`.
+std::uint64_t clusters_within(const std::vector<double>& values, double limit) noexcept {
+  std::uint64_t within = 0;
+  const Pair most(limit);
+  for (std::size_t c = 0; c < values.size(); c += kPair) {
+    within |= std::uint64_t{lanes_of(!(Pair::load_unaligned(&values[c]) > most))} << c;
+  }
+  return within;
 }
 
 void set_inside(PartState& part, std::size_t point, double distance) noexcept {
@@ -170,15 +196,35 @@ class ContactPlaces final {
   std::array<Vec3, kContactsPerPart> places_;
 };
 
+/// What a point's distance just asked says of the points after it in its cluster: what is nearer to it than
+/// the surface is, is on its side. Those so near to the surface that they would soon be asked again are left.
+void settle_after(const PartPoints& points, std::size_t i, std::size_t end, double distance,
+                  PartState& part) noexcept {
+  const Vec3 asked = points.point(i);
+  for (std::size_t j = i + 1; j < end; ++j) {
+    if (!may_have_crossed(part, j)) continue;
+    const double way = (points.point(j) - asked).norm();
+    const double clear = std::abs(distance) - way - kBoundSlack;
+    if (clear < kLeastClear) continue;
+    part.known[j] = distance < 0.0 ? -clear : clear;
+    part.since[j] = part.travelled;
+    part.floor[j] = std::max(part.floor[j], distance - way - kBoundSlack + part.travelled);
+    part.nearest_triangle[j] = part.nearest_triangle[i];
+    set_inside(part, j, part.known[j]);
+  }
+}
+
 /// A cluster that was left looks where its points are now; what has crossed meanwhile starts nothing by it.
 /// @return distances asked
 int take_up(const OrganSurface& surface, const PartPoints& points, std::size_t c, PartState& part) noexcept {
+  const std::size_t end = points.clusters[c].end;
   std::int32_t guess = part.nearest_triangle[points.clusters[c].begin];
   forget_cluster(surface, points, c, part, guess);
   int asked = 1;
-  for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
+  for (std::size_t i = points.clusters[c].begin; i < end; ++i) {
     if (!may_have_crossed(part, i)) continue;
-    ask_distance(surface, points, i, part);
+    const double distance = ask_distance(surface, points, i, part).distance;
+    settle_after(points, i, end, distance, part);
     ++asked;
   }
   return asked;
@@ -209,31 +255,44 @@ int count_crossed(const PartPoints::Cluster& cluster, const PartState& part) noe
   return count;
 }
 
+/// Asks the points of a cluster that may have crossed the surface.
+void ask_crossed(const OrganSurface& surface, const PartPoints& points, std::size_t c, bool placed_anew,
+                 PartState& part) noexcept {
+  const PartPoints::Cluster& cluster = points.clusters[c];
+  if (count_crossed(cluster, part) > kFewPoints) settle_by_middle(surface, points, c, part);
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
+  }
+}
+
 /// Asks all points that may have crossed the surface.
 void find_crossings(const OrganSurface& surface, const PartPoints& points, double reference_radius,
                     double period, bool placed_anew, PartState& part) noexcept {
-  if (part.crosses > part.travelled + kBoundSlack) return;
+  const double now = part.travelled + kBoundSlack;
+  std::uint64_t due = part.crosses > now ? 0 : clusters_within(part.cluster_crosses, now);
+  bool changed = due != 0;
+  due |= part.left;
+  if (due == 0) return;
   const ContactPlaces contacts(reference_radius, period, part);
   int asked = 0;
-  for (std::size_t c = 0; c < points.clusters.size(); ++c) {
-    ClusterBounds& bounds = part.clusters[c];
-    if (bounds.crosses > part.travelled + kBoundSlack) continue;
+  for (; due != 0; due &= due - 1) {
+    const auto c = static_cast<std::size_t>(std::countr_zero(due));
     if (contacts.hold(points.clusters[c])) {
-      bounds.left = true;
+      part.left |= bit_of(c);
+      part.cluster_crosses[c] = std::numeric_limits<double>::infinity();
       continue;
     }
-    if (bounds.left) {
-      if (asked >= kMostTakenUp) continue;  // in the next ticks
+    if ((part.left & bit_of(c)) == 0) {
+      ask_crossed(surface, points, c, placed_anew, part);
+    } else if (asked < kMostTakenUp) {
       asked += take_up(surface, points, c, part);
     } else {
-      if (count_crossed(points.clusters[c], part) > kFewPoints) settle_by_middle(surface, points, c, part);
-      for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
-        if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
-      }
+      continue;  // in the next ticks
     }
     bound_cluster(points, c, part);
+    changed = true;
   }
-  bound_part(part);
+  if (changed) part.crosses = least_of_all(part.cluster_crosses);
 }
 
 /// Makes the ball anew behind the nearest point when the tool has moved on.
@@ -268,7 +327,7 @@ struct BallBound {
 /// Raises the floor of a cluster's points by the ball; @return how many may still be nearer than the nearest
 /// so far. Of a cluster that was left the ball must tell the side too.
 int raise_by_ball(const PartPoints& points, std::size_t c, const BallBound& ball, PartState& part) noexcept {
-  const bool left = part.clusters[c].left;
+  const bool left = (part.left & bit_of(c)) != 0;
   int open = 0;
   for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
     if (part.floor[i] - part.travelled >= part.nearest.distance) continue;
@@ -338,7 +397,7 @@ bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose
 void find_nearest(const OrganSurface& surface, const PartPoints& points, PartState& part,
                   double enough) noexcept {
   const double far_off = enough + kBoundSlack + part.travelled;
-  if (part.lowest <= far_off) bound_part(part);
+  if (part.lowest <= far_off) part.lowest = least_of_all(part.cluster_floor);
   if (part.lowest > far_off) {
     part.nearest.distance = std::numeric_limits<double>::infinity();
     return;
@@ -347,12 +406,14 @@ void find_nearest(const OrganSurface& surface, const PartPoints& points, PartSta
   part.nearest = ask_distance(surface, points, last_nearest, part);  // its cluster is looked at below, surely
   renew_ball(surface, points, part);
   const BallBound ball(part);
-  for (std::size_t c = 0; c < points.clusters.size(); ++c) {
-    ClusterBounds& bounds = part.clusters[c];
-    if (bounds.floor - part.travelled > part.nearest.distance + kBoundSlack) continue;
+  const auto limit = [&part] { return part.nearest.distance + kBoundSlack; };
+  for (std::uint64_t near = clusters_within(part.cluster_floor, part.travelled + limit() + kBoundSlack);
+       near != 0; near &= near - 1) {
+    const auto c = static_cast<std::size_t>(std::countr_zero(near));
+    if (part.cluster_floor[c] - part.travelled > limit()) continue;
     const double least = ball.least(points.clusters[c].centre) - points.clusters[c].radius;
-    if (!bounds.left && least > part.nearest.distance + kBoundSlack) {
-      bounds.floor = std::max(bounds.floor, least + part.travelled);
+    if ((part.left & bit_of(c)) == 0 && least > limit()) {
+      part.cluster_floor[c] = std::max(part.cluster_floor[c], least + part.travelled);
       continue;
     }
     if (raise_by_ball(points, c, ball, part) > kFewPoints) raise_floor(surface, points, c, part);

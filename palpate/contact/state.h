@@ -45,13 +45,14 @@ struct Contact {
   bool leaving = false;                // another contact has come to the same place
   double presence = 1.0;               // 1 .. 0 while it leaves
   model::RelaxationState memory;       // of the force
-  Shortlist kept;                      // of the part's points, for the next support
   // Of this tick:
   Support support;               // in S
   double elastic_force = 0.0;    // F(D) [N]
   double normal_force = 0.0;     // with damping [N]
   Vec3 friction = Vec3::Zero();  // [N]
   double share = 1.0;            // of several contacts on one tissue, presence counted in
+
+  Shortlist kept;  // of the part's points, for the next support
 };
 
 /// A point that has gone in, and where.
@@ -72,13 +73,6 @@ struct Placement {
   [[nodiscard]] Vec3 bring_back(const Vec3& p) const noexcept { return turn_back(p - position); }
 };
 
-/// How far a cluster's points may be from saying something new, as values of PartState::travelled.
-struct ClusterBounds {
-  double crosses = 0.0;  // before this none can have crossed the surface
-  double floor = 0.0;    // the least of PartState::floor
-  bool left = false;     // not looked at lately: by a contact, where a crossing starts nothing
-};
-
 /// A ball outside the organ without surface in it. It lies behind the tool, as seen from the organ, and rests
 /// on the organ where the tool is nearest: over that place it bounds distances to second order in the way
 /// aside.
@@ -89,40 +83,45 @@ struct EmptyBall {
   double behind = 20e-3;                                     // m, from the tool's point to the next centre
 };
 
-/// One rigid part from tick to tick.
+/// One rigid part from tick to tick. What every tick looks at comes first, what few do last.
 struct PartState {
   static constexpr std::size_t kMostEntries = 64;
 
   // Where it is. When last asked a point was at least |known| from the organ's surface, inside if that is
   // negative; it has moved by no more than `travelled - since` since.
-  Placement placed_S;     // of the part's frame in the organ's, this tick
-  Placement previous_S;   // last tick
-  double gripper = -1.0;  // that `joint_T` belongs to
-  Pose joint_T;           // of the part's frame in the handle's
+  Placement placed_S;        // of the part's frame in the organ's, this tick
+  Placement previous_S;      // last tick
+  double gripper = -1.0;     // that `joint_T` belongs to
+  Pose joint_T;              // of the part's frame in the handle's
+  double travelled = 0.0;    // most that any point has moved so far, summed [m]
+  double motion = 0.0;       // of that, this tick
+  double crosses = 0.0;      // none of cluster_crosses is less
+  double lowest = 0.0;       // none of cluster_floor is less
+  double press_level = 1.0;  // 0 while the jaws hold tissue
+  // One bit a cluster: not looked at lately, by a contact, where a crossing starts nothing. It crosses never.
+  std::uint64_t left = 0;
+  std::size_t entry_count = 0;
+  int contact_count = 0;
+  std::uint32_t inside_count = 0;
+  std::uint32_t cursor = 0;  // next point to try for a start
   bool seen = false;
-  double travelled = 0.0;     // most that any point has moved so far, summed [m]
-  double motion = 0.0;        // of that, this tick
+  bool armed = false;  // has been outside since it was placed
+  // Of the clusters, as values of `travelled`; an even number, the gap at the end infinite.
+  std::vector<double> cluster_crosses;  // before this no point can have crossed the surface
+  std::vector<double> cluster_floor;    // the least of `floor`
+  // Of the points:
   std::vector<double> known;  // of its sign and no greater than a point's distance when last asked [m]
   std::vector<double> since;  // `travelled` then
   std::vector<double> floor;  // less `travelled`: a point is not nearer to the organ than this [m]
   std::vector<std::int32_t> nearest_triangle;
   std::vector<std::uint8_t> inside;
-  std::vector<ClusterBounds> clusters;
-  double crosses = 0.0;  // none of the clusters' is less
-  double lowest = 0.0;   // none of the clusters' floors is less
-  std::uint32_t inside_count = 0;
+
+  std::array<Contact, kContactsPerPart> contacts{};
+
   std::uint32_t nearest_point = 0;  // of the part to the organ, when that was last looked for
   geometry::NearestPoint nearest;   // its distance
   EmptyBall ball;
-  std::size_t entry_count = 0;
-  std::array<EntryEvent, kMostEntries> entries{};
-
-  // Contacts.
-  bool armed = false;        // has been outside since it was placed
-  std::uint32_t cursor = 0;  // next point to try for a start
-  int contact_count = 0;
-  std::array<Contact, kContactsPerPart> contacts{};
-  double press_level = 1.0;  // 0 while the jaws hold tissue
+  std::array<EntryEvent, kMostEntries> entries{};  // of this tick
 
   [[nodiscard]] std::span<Contact> active() noexcept {
     return std::span(contacts).first(static_cast<std::size_t>(contact_count));

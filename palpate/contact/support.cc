@@ -38,14 +38,9 @@ struct Plane {
   }
 };
 
-/// Two numbers at once in double precision: the same bits as one after the other.
-using Pair = xsimd::batch<double, xsimd::sse2>;
-
-Pair pair_of(double first, double second) noexcept { return Pair(_mm_setr_pd(first, second)); }
-
 /// Exact depths of two points. Sums of three run as Eigen's do, so that they round alike.
 struct PlanePair {
-  Pair x, y, z, nx, ny, nz;
+  Pair x, y, z, nx, ny, nz, inner_squared;
 
   explicit PlanePair(const Plane& plane) noexcept
       : x(plane.point.x()),
@@ -53,17 +48,19 @@ struct PlanePair {
         z(plane.point.z()),
         nx(plane.normal.x()),
         ny(plane.normal.y()),
-        nz(plane.normal.z()) {}
+        nz(plane.normal.z()),
+        inner_squared(0.25 * plane.radius * plane.radius) {}
 
-  /// @param rho_squared of the points, from the axis
-  [[nodiscard]] Pair depths(const PartPoints& part, std::size_t i, std::size_t j,
-                            Pair& rho_squared) const noexcept {
-    const Pair dx = pair_of(part.x[i], part.x[j]) - x;
-    const Pair dy = pair_of(part.y[i], part.y[j]) - y;
-    const Pair dz = pair_of(part.z[i], part.z[j]) - z;
+  [[nodiscard]] Pair depths(const PartPoints::Weighed& a, const PartPoints::Weighed& b,
+                            const Plane& plane) const noexcept {
+    const Pair dx = pair_of(a.x, b.x) - x;
+    const Pair dy = pair_of(a.y, b.y) - y;
+    const Pair dz = pair_of(a.z, b.z) - z;
     const Pair depth = -(dx * nx + (dy * ny + dz * nz));
-    rho_squared = dx * dx + (dy * dy + dz * dz) - depth * depth;
-    return depth;
+    const Pair rho_squared = dx * dx + (dy * dy + dz * dz) - depth * depth;
+    if (xsimd::all(rho_squared <= inner_squared)) return depth;
+    return pair_of(plane.tapered(depth.get(0), rho_squared.get(0)),
+                   plane.tapered(depth.get(1), rho_squared.get(1)));
   }
 };
 
@@ -129,9 +126,58 @@ double most_of_the_rest(const Shortlist& kept, const Plane& plane) noexcept {
   return kept.rest + deeper + (kept.behind + deeper) * (3.0 / plane.radius) * across;
 }
 
+/// The exact depths of some points [m], two at a time; @return the greatest, 0 when none is behind the plane.
+/// @param depths room for one more than there are points
+double measure(const PartPoints& part, const Plane& given, std::span<const std::uint16_t> points,
+               double* depths) noexcept {
+  const Plane plane = given;  // here nothing that is written can be part of it
+  const PlanePair pair(plane);
+  const PartPoints::Weighed* const weighed = part.weighed.data();
+  Pair deepest(0.0);
+  for (std::size_t k = 0; k < points.size(); k += kPair) {
+    const std::size_t next = std::min(k + 1, points.size() - 1);  // the last of an odd number twice
+    const Pair two = pair.depths(weighed[points[k]], weighed[points[next]], plane);
+    two.store_unaligned(depths + k);
+    deepest = xsimd::max(two, deepest);
+  }
+  return std::max(deepest.get(0), deepest.get(1));
+}
+
+/// What points of these depths add up to, of which `depth` is the greatest.
+/// @param depths as measure() left them; they become the points' shares
+Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, double* depths,
+               double depth) noexcept {
+  Support support;
+  if (depth <= 0.0) return support;
+  support.depth = depth;
+  const PartPoints::Weighed* const weighed = part.weighed.data();
+  const Pair greatest(depth);
+  const Pair width(std::min(kSupportBand, depth));
+  for (std::size_t k = 0; k < points.size(); k += kPair) {
+    const Pair share = Pair(1.0) - (greatest - Pair::load_unaligned(depths + k)) / width;
+    // A point outside the band adds nothing: a weight of 0 changes no bit, and costs less than to ask.
+    xsimd::max(share, Pair(0.0)).store_unaligned(depths + k);
+  }
+  Pair sum_xy(0.0);
+  Pair sum_z_radius(0.0);
+  Pair sum_weight_width(0.0);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const PartPoints::Weighed& point = weighed[points[k]];
+    const Pair weight(point.area * depths[k]);
+    sum_xy += weight * Pair::load_aligned(&point.x);
+    sum_z_radius += weight * Pair::load_aligned(&point.z);
+    sum_weight_width += weight * Pair::load_aligned(&point.one);
+  }
+  const double total = sum_weight_width.get(0);
+  support.mean = Vec3(sum_xy.get(0), sum_xy.get(1), sum_z_radius.get(0)) / total;
+  support.tip_radius = sum_z_radius.get(1) / total;
+  support.half_width = sum_weight_width.get(1) / total;
+  return support;
+}
+
 }  // namespace
 
-/// Finds the points that may count for one plane, and what they add up to.
+/// Finds the points that may count for one plane.
 class SupportSearch final {
  public:
   SupportSearch(const PartPoints& part, const Plane& plane, DepthScratch& scratch) noexcept
@@ -162,7 +208,7 @@ class SupportSearch final {
       if (!reached.looked_at && reached.most >= floor()) look_at(reached);
     }
 
-    // What may count, exactly, in the order of the points.
+    // What may count, in the order of the points.
     const float least = floor();
     rest_ = std::max(static_cast<double>(least + slack), -margin);
     for (std::size_t k = 0; k < reached_; ++k) {
@@ -170,16 +216,9 @@ class SupportSearch final {
       if (!reached.looked_at || reached.most < least) continue;
       const PartPoints::Cluster& cluster = part_.clusters[reached.cluster];
       for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-        if (scratch_.depths_[i] >= least) scratch_.deep_[found_++].point = static_cast<std::uint32_t>(i);
+        if (scratch_.depths_[i] >= least) scratch_.found_[found_++] = static_cast<std::uint16_t>(i);
       }
     }
-    measure();
-  }
-
-  void look_at_kept(const Shortlist& kept) noexcept {
-    found_ = kept.count;
-    for (std::size_t k = 0; k < found_; ++k) scratch_.deep_[k].point = kept.points[k];
-    measure();
   }
 
   /// Keeps what look_at_all found, unless that is too much.
@@ -194,38 +233,15 @@ class SupportSearch final {
     for (const PartPoints::Cluster& group : part_.groups) {
       kept.reach = std::max(kept.reach, (group.centre - plane_.point).norm() + group.radius);
     }
-    for (std::size_t k = 0; k < found_; ++k) {
-      kept.points[k] = static_cast<std::uint16_t>(scratch_.deep_[k].point);
-    }
+    std::copy_n(scratch_.found_.begin(), found_, kept.points.begin());
     kept.count = static_cast<std::uint32_t>(found_);
   }
 
-  [[nodiscard]] double depth() const noexcept { return depth_; }
-
-  [[nodiscard]] Support support() const noexcept {
-    Support support;
-    if (depth_ <= 0.0) return support;
-    support.depth = depth_;
-    const double width = std::min(kSupportBand, depth_);
-    const PartPoints& part = part_;
-    double total = 0.0;
-    double half_width = 0.0;
-    Pair sum_xy(0.0);
-    Pair sum_z_radius(0.0);
-    for (const DepthScratch::Deep& deep : std::span(scratch_.deep_).first(found_)) {
-      const double share = 1.0 - (support.depth - deep.depth) / width;
-      if (share <= 0.0) continue;
-      const std::size_t i = deep.point;
-      const double weight = part.area[i] * share;
-      total += weight;
-      sum_xy += Pair(weight) * pair_of(part.x[i], part.y[i]);
-      sum_z_radius += Pair(weight) * pair_of(part.z[i], part.tip_radius[i]);
-      half_width += weight * part.half_width[i];
-    }
-    support.mean = Vec3(sum_xy.get(0), sum_xy.get(1), sum_z_radius.get(0)) / total;
-    support.tip_radius = sum_z_radius.get(1) / total;
-    support.half_width = half_width / total;
-    return support;
+  /// The support by what look_at_all found.
+  [[nodiscard]] Support support() noexcept {
+    const std::span<const std::uint16_t> found = std::span(scratch_.found_).first(found_);
+    const double depth = measure(part_, plane_, found, scratch_.exact_.data());
+    return sum_up(part_, found, scratch_.exact_.data(), depth);
   }
 
  private:
@@ -250,31 +266,11 @@ class SupportSearch final {
     return first;
   }
 
-  /// The exact depths of what was found, two at a time.
-  void measure() noexcept {
-    const Plane plane = plane_;  // here nothing that is written can be part of it
-    const PlanePair pair(plane);
-    const std::span<DepthScratch::Deep> deep = std::span(scratch_.deep_).first(found_);
-    double deepest = 0.0;
-    for (std::size_t k = 0; k < found_; k += 2) {
-      const std::size_t next = std::min(k + 1, found_ - 1);
-      Pair rho_squared;
-      const Pair depth = pair.depths(part_, deep[k].point, deep[next].point, rho_squared);
-      const double first = plane.tapered(depth.get(0), rho_squared.get(0));
-      const double second = plane.tapered(depth.get(1), rho_squared.get(1));
-      deep[k].depth = first;
-      deep[next].depth = second;
-      deepest = std::max({deepest, first, second});
-    }
-    depth_ = deepest;
-  }
-
   const PartPoints& part_;
   const Plane& plane_;
   DepthScratch& scratch_;
   std::size_t reached_ = 0;
   std::size_t found_ = 0;
-  double depth_ = 0.0;   // D [m]
   double behind_ = 0.0;  // as Shortlist's
   double rest_ = 0.0;
 };
@@ -283,7 +279,8 @@ void DepthScratch::reserve(std::size_t points) {
   const std::size_t clusters = (points + PartPoints::kClusterSize - 1) / PartPoints::kClusterSize;
   reached_.resize(clusters);
   depths_.resize(clusters * PartPoints::kClusterSize);
-  deep_.resize(points);
+  found_.resize(points);
+  exact_.resize(points + 1);
 }
 
 Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
@@ -299,9 +296,11 @@ Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal
   const Plane plane{point, normal, reference_radius};
   const double rest = most_of_the_rest(kept, plane);
   if (std::isfinite(rest)) {
-    SupportSearch search(part, plane, scratch);
-    search.look_at_kept(kept);
-    if (rest < std::max(0.0, search.depth() - kSupportBand) - kKeptSlack) return search.support();
+    std::array<double, Shortlist::kMost + 1> depths;
+    const std::span<const std::uint16_t> points = std::span(kept.points).first(kept.count);
+    const double depth = measure(part, plane, points, depths.data());
+    if (rest < std::max(0.0, depth - kSupportBand) - kKeptSlack)
+      return sum_up(part, points, depths.data(), depth);
   }
   SupportSearch search(part, plane, scratch);
   search.look_at_all(kKeptMargin, kKeptBeside * reference_radius);

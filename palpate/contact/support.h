@@ -49,13 +49,10 @@ class DepthScratch final {
     float most;  // no point is deeper [m]; once looked at, the depth of its deepest point
     bool looked_at;
   };
-  struct Deep {
-    std::uint32_t point;
-    double depth;  // m
-  };
   std::vector<Reached> reached_;
-  std::vector<float> depths_;  // a point, of the clusters looked at [m]
-  std::vector<Deep> deep_;
+  std::vector<float> depths_;         // a point, of the clusters looked at [m]
+  std::vector<std::uint16_t> found_;  // points that may count
+  std::vector<double> exact_;         // their depths [m]
 };
 
 /// [rt] The support of a contact at `point` with unit outward `normal`, both in the part's frame P: D is the

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSpacing = 2e-3;        // m, model.md section 4
 constexpr double kSmallestArea = 1e-12;  // m^2: a point on a triangle without area still has a say
 constexpr std::uint32_t kClusterSize = PartPoints::kClusterSize;
-constexpr std::size_t kMostPoints = 2000;   // of a part: denser surfaces are thinned out
+constexpr std::size_t kMostPoints = PartPoints::kMostPoints;
 constexpr double kNormalWeight = 2e-3;      // m: points whose normals differ by 1 are as far apart as this
 constexpr double kCurvatureReach = 2.5e-3;  // m, neighbourhood that the radius of curvature is fitted to
 constexpr double kWidthReach = 8e-3;        // m, neighbourhood and
@@ -275,6 +275,10 @@ PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
     points.area.push_back(sample.area);
     points.tip_radius.push_back(given_radius > 0.0 ? given_radius : radius);
     points.half_width.push_back(half_width);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points.weighed.push_back({points.x[i], points.y[i], points.z[i], points.tip_radius[i], 1.0,
+                              points.half_width[i], points.area[i]});
   }
   make_clusters(points);
   round_points(points);

@@ -24,7 +24,9 @@ PartState state_for(const PartPoints& points) {
   part.floor.assign(points.size(), 0.0);
   part.nearest_triangle.assign(points.size(), -1);
   part.inside.assign(points.size(), 0);
-  part.clusters.assign(points.clusters.size(), {});
+  const std::size_t pairs = (points.clusters.size() + 1) / 2;
+  part.cluster_crosses.assign(2 * pairs, std::numeric_limits<double>::infinity());
+  part.cluster_floor.assign(2 * pairs, std::numeric_limits<double>::infinity());
   return part;
 }
 
