@@ -113,21 +113,23 @@ void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform
       own = i;
   const Eigen::Vector3f direction = imprint.direction().cast<float>();
   Vec3 slope;
-  for (const std::int32_t v : surface_->near(own, kLoweredWithin)) {
-    const std::size_t i = static_cast<std::size_t>(v);
-    const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
-    const double lowering = imprint.lowering(surface_->vertices()[i].position.cast<double>(),
-                                             rest().vertices[i], rest_normal.cast<double>(), &slope);
-    if (!(lowering > 0.0)) continue;
-    deform::LiveVertex& vertex = surface_->move(v);
-    vertex.position += static_cast<float>(lowering) * direction;
-    // The transposed adjugate of I + direction slope^T.
-    const Eigen::Vector3f q = slope.cast<float>();
-    const Eigen::Vector3f normal =
-        (1.0F + direction.dot(q)) * vertex.normal - direction.dot(vertex.normal) * q;
-    if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
-    const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
-    vertex.moved = inwards * (vertex.position - rest().vertices[i].cast<float>()).norm();
+  for (const deform::LiveSurface::Range& run : surface_->near(own, kLoweredWithin)) {
+    for (std::size_t i = run.first; i < run.first + run.count; ++i) {
+      const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
+      const double lowering = imprint.lowering(surface_->vertices()[i].position.cast<double>(),
+                                               rest().vertices[i], rest_normal.cast<double>(), &slope);
+      const auto v = static_cast<std::int32_t>(i);
+      if (!(lowering > 0.0) || !surface_->is_near(own, v, kLoweredWithin)) continue;
+      deform::LiveVertex& vertex = surface_->move(v);
+      vertex.position += static_cast<float>(lowering) * direction;
+      // The transposed adjugate of I + direction slope^T.
+      const Eigen::Vector3f q = slope.cast<float>();
+      const Eigen::Vector3f normal =
+          (1.0F + direction.dot(q)) * vertex.normal - direction.dot(vertex.normal) * q;
+      if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
+      const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
+      vertex.moved = inwards * (vertex.position - rest().vertices[i].cast<float>()).norm();
+    }
   }
 }
 
