@@ -13,6 +13,9 @@ using Eigen::Vector3f;
 
 constexpr float kSameContact = 8e-3F;          // m: a contact this near to one of a frame ago is that one
 constexpr float kNewFront = 1.5e-3F;           // m: moved farther than this from where its front began
+constexpr float kLeastChange = 0.02e-3F;       // m: see LiveSurface
+constexpr float kAlwaysWithin = 8e-3F;         // m of a contact
+constexpr float kSmall = 8e-3F;                // m: radius of a run that four samples stand for
 constexpr double kImprintReach = 20e-3;        // m: fronts under a press go at least as far, for near()
 constexpr std::size_t kMostContacts = 24;      // kept, with their fronts
 constexpr double kFreeShareOfThickness = 0.7;  // as held_back
@@ -76,8 +79,7 @@ LiveSurface::LiveSurface(geometry::TriangleMesh rest, const model::ReachParamete
       rest_normals_(angle_weighted_normals(rest_)),
       blocks_(surface_.vertices, rest_normals_),
       vertices_(rest_.vertices.size()),
-      is_moved_(blocks_.count(), 0),
-      is_changed_(blocks_.count(), 1) {
+      state_(blocks_.count()) {
   for (std::size_t block = 0; block < blocks_.count(); ++block)
     blocks_.rest(block, &vertices_[blocks_.first(block)]);
 }
@@ -92,16 +94,15 @@ std::vector<std::int32_t> LiveSurface::moved() const {
 }
 
 LiveVertex& LiveSurface::move(std::int32_t vertex) {
-  const std::size_t block = index(vertex) / SurfaceBlocks::kBlock;
-  is_moved_[block] = is_changed_[block] = 1;
+  state_[index(vertex) / SurfaceBlocks::kBlock] = {true, true, true};
   return vertices_[index(vertex)];
 }
 
 const std::vector<LiveSurface::Range>& LiveSurface::take_changes() {
   changes_.clear();
   for (std::size_t block = 0; block < blocks_.count(); ++block) {
-    if (is_changed_[block] == 0) continue;
-    is_changed_[block] = 0;
+    if (!state_[block].changed) continue;
+    state_[block].changed = false;
     append(changes_, {blocks_.first(block), blocks_.size(block)});
   }
   return changes_;
@@ -226,21 +227,29 @@ int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
   return taken;
 }
 
-void LiveSurface::move_blocks() {
+void LiveSurface::move_blocks(bool settle) {
   std::vector<const ContactField*> fields;
   for (const Contact* contact : now_)
     if (contact != nullptr) fields.push_back(&contact->field);
   std::vector<const ContactField*> near;
   for (std::size_t block = 0; block < blocks_.count(); ++block) {
     near.clear();
-    for (const ContactField* field : fields)
-      if (blocks_.near(block, field->point, field->limit)) near.push_back(field);
-    if (near.empty() && is_moved_[block] == 0) continue;
+    bool close = settle || state_[block].lowered || blocks_.radius(block) > kSmall;
+    for (const ContactField* field : fields) {
+      if (!blocks_.near(block, field->point, field->limit)) continue;
+      near.push_back(field);
+      close = close || blocks_.near(block, field->point, kAlwaysWithin);
+    }
+    BlockState& state = state_[block];
+    if (near.empty() && !state.moved) continue;
     LiveVertex* const out = &vertices_[blocks_.first(block)];
-    const bool was_moved = is_moved_[block] != 0;
-    is_moved_[block] = !near.empty() && blocks_.move(block, near, profile_, out) ? 1 : 0;
-    if (near.empty()) blocks_.rest(block, out);
-    if (was_moved || is_moved_[block] != 0) is_changed_[block] = 1;
+    if (near.empty()) {
+      blocks_.rest(block, out);
+      state = {false, false, true};
+    } else if (close || blocks_.change(block, near, profile_, out) > kLeastChange) {
+      const bool moves = blocks_.move(block, near, profile_, out);
+      state = {moves, false, state.changed || state.moved || moves};
+    }
   }
 }
 
@@ -259,7 +268,7 @@ void LiveSurface::update(std::span<const Indentation> indentations, int steps) {
     if (!settle) left -= std::min(left, taken);
     now_.back() = &contact;
   }
-  move_blocks();
+  move_blocks(settle);
 }
 
 }  // namespace palpate::deform

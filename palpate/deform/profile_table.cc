@@ -40,15 +40,11 @@ ProfileTable::LaneValue ProfileTable::at(const Lanes& y) const noexcept {
   const Lanes share = place - xsimd::to_float(whole);
   alignas(16) std::array<std::int32_t, kLanes> entry{};
   whole.store_aligned(entry.data());
-  const auto row = [this, &entry](std::size_t lane) {
-    return _mm_loadu_ps(rows_[static_cast<std::size_t>(entry[lane])].data());
-  };
-  __m128 u = row(0);
-  __m128 u_change = row(1);
-  __m128 slope = row(2);
-  __m128 slope_change = row(3);
-  _MM_TRANSPOSE4_PS(u, u_change, slope, slope_change);
-  return {Lanes(u) + share * Lanes(u_change), Lanes(slope) + share * Lanes(slope_change)};
+  std::array<Lanes, kLanes> rows;  // u, its change, slope and its change, after the transposition
+  for (std::size_t lane = 0; lane < kLanes; ++lane)
+    rows[lane] = Lanes::load_unaligned(rows_[static_cast<std::size_t>(entry[lane])].data());
+  transpose(rows);
+  return {rows[0] + share * rows[1], rows[2] + share * rows[3]};
 }
 
 float ProfileTable::where(float share) const noexcept {

@@ -40,12 +40,11 @@ struct Effect {
   Lanes3 along;         // unit, in the surface, away from the contact
 };
 
-Effect effect_of(const ContactField& contact, const ProfileTable& profile, std::size_t first,
-                 const Rest& rest) {
+[[gnu::always_inline]] inline Effect effect_of(const ContactField& contact, const ProfileTable& profile,
+                                               const Lanes& excess, const Rest& rest) {
   const Lanes zero(0.0F);
   const Lanes3 offset = rest.place - lanes_of(contact.point);
-  const Lanes excess = Lanes::load_unaligned(&contact.excess[first]) - Lanes(contact.own_excess);
-  const Lanes r = xsimd::sqrt(dot(offset, offset)) + xsimd::max(excess, zero);
+  const Lanes r = xsimd::sqrt(dot(offset, offset)) + xsimd::max(excess - Lanes(contact.own_excess), zero);
   Effect effect;
   // The share of D, and its derivative.
   const auto add = [&](const Vector3f& part, float reach, float lowered) {
@@ -68,7 +67,8 @@ Effect effect_of(const ContactField& contact, const ProfileTable& profile, std::
   }
   const Lanes3 in_surface = offset - dot(offset, rest.normal) * rest.normal;
   const Lanes squared = dot(in_surface, in_surface);
-  effect.along = xsimd::select(squared > Lanes(1e-14F), Lanes(1.0F) / xsimd::sqrt(squared), zero) * in_surface;
+  effect.along =
+      xsimd::select(squared > Lanes(1e-14F), Lanes(1.0F) / xsimd::sqrt(squared), zero) * in_surface;
   return effect;
 }
 
@@ -78,16 +78,18 @@ struct Moved {
   Lanes3 displacement, normal;
 };
 
-Moved under_one(const ContactField& contact, const ProfileTable& profile, std::size_t first,
+Moved under_one(const ContactField& contact, const ProfileTable& profile, const Lanes& excess,
                 const Rest& rest) {
-  const Effect effect = effect_of(contact, profile, first, rest);
+  const Effect effect = effect_of(contact, profile, excess, rest);
   const Lanes3 normal = (Lanes(1.0F) + dot(effect.derived, effect.along)) * rest.normal -
                         dot(effect.derived, rest.normal) * effect.along;
   return {effect.moves, effect.displacement, unit(normal)};
 }
 
+// excess_of(contact): of these vertices.
+template <typename ExcessOf>
 Moved under_several(std::span<const ContactField* const> contacts, const ProfileTable& profile,
-                    std::size_t first, const Rest& rest) {
+                    const ExcessOf& excess_of, const Rest& rest) {
   const Lanes zero(0.0F);
   const Lanes3 none{zero, zero, zero};
   Moved moved{LaneMask(false), none, rest.normal};
@@ -98,18 +100,17 @@ Moved under_several(std::span<const ContactField* const> contacts, const Profile
   std::array<Lanes3, 3> derivative = {none, none, none};
   Lanes3 weight_slopes = none;
   for (const ContactField* contact : contacts) {
-    const Effect effect = effect_of(*contact, profile, first, rest);
+    const Effect effect = effect_of(*contact, profile, excess_of(*contact), rest);
     if (xsimd::none(effect.moves)) continue;
     moved.moves = moved.moves | effect.moves;
     const Lanes squared = Lanes(1e6F) * dot(effect.displacement, effect.displacement);
     const Lanes fourth = squared * squared;
-    const Lanes weight =
-        xsimd::select(effect.moves, xsimd::max(fourth * fourth, Lanes(1e-30F)), zero);
+    const Lanes weight = xsimd::select(effect.moves, xsimd::max(fourth * fourth, Lanes(1e-30F)), zero);
     // Of the weight, along the surface away from this contact.
-    const Lanes slope = xsimd::select(squared > Lanes(1e-8F),
-                                      Lanes(8e6F) * weight * dot(effect.displacement, effect.derived) /
-                                          xsimd::max(squared, Lanes(1e-8F)),
-                                      zero);
+    const Lanes slope = xsimd::select(
+        squared > Lanes(1e-8F),
+        Lanes(8e6F) * weight * dot(effect.displacement, effect.derived) / xsimd::max(squared, Lanes(1e-8F)),
+        zero);
     weights += weight;
     displacements = displacements + weight * effect.displacement;
     const Lanes3 change = weight * effect.derived + slope * effect.displacement;
@@ -135,6 +136,13 @@ Moved under_several(std::span<const ContactField* const> contacts, const Profile
   return moved;
 }
 
+template <typename ExcessOf>
+Moved under(std::span<const ContactField* const> contacts, const ProfileTable& profile,
+            const ExcessOf& excess_of, const Rest& rest) {
+  if (contacts.size() == 1) return under_one(*contacts.front(), profile, excess_of(*contacts.front()), rest);
+  return under_several(contacts, profile, excess_of, rest);
+}
+
 // The first `count` of four vertices, as the picture takes them.
 void write(const Rest& rest, const Moved& moved, std::size_t count, LiveVertex* out) {
   const Lanes zero(0.0F);
@@ -142,20 +150,16 @@ void write(const Rest& rest, const Moved& moved, std::size_t count, LiveVertex* 
   const Lanes3 place = rest.place + displacement;
   const Lanes3 normal = select(moved.moves, moved.normal, rest.normal);
   const Lanes length = xsimd::sqrt(dot(displacement, displacement));
-  const Lanes signed_length =
-      xsimd::select(dot(displacement, rest.normal) < zero, zero - length, length);
-  alignas(16) std::array<std::array<float, kLanes>, 7> columns;
-  place.x.store_aligned(columns[0].data());
-  place.y.store_aligned(columns[1].data());
-  place.z.store_aligned(columns[2].data());
-  normal.x.store_aligned(columns[3].data());
-  normal.y.store_aligned(columns[4].data());
-  normal.z.store_aligned(columns[5].data());
-  signed_length.store_aligned(columns[6].data());
+  const Lanes signed_length = xsimd::select(dot(displacement, rest.normal) < zero, zero - length, length);
+  // Each vertex is seven floats: two rows of four that share the fourth.
+  static_assert(sizeof(LiveVertex) == 7 * sizeof(float));
+  std::array<Lanes, kLanes> upper = {place.x, place.y, place.z, normal.x};
+  std::array<Lanes, kLanes> lower = {normal.x, normal.y, normal.z, signed_length};
+  transpose(upper);
+  transpose(lower);
   for (std::size_t i = 0; i < count; ++i) {
-    out[i].position = Vector3f(columns[0][i], columns[1][i], columns[2][i]);
-    out[i].normal = Vector3f(columns[3][i], columns[4][i], columns[5][i]);
-    out[i].moved = columns[6][i];
+    upper[i].store_unaligned(out[i].position.data());
+    lower[i].store_unaligned(out[i].normal.data());
   }
 }
 
@@ -201,12 +205,35 @@ bool SurfaceBlocks::move(std::size_t block, std::span<const ContactField* const>
     const Rest rest{
         {Lanes::load_unaligned(&x_[v]), Lanes::load_unaligned(&y_[v]), Lanes::load_unaligned(&z_[v])},
         {Lanes::load_unaligned(&nx_[v]), Lanes::load_unaligned(&ny_[v]), Lanes::load_unaligned(&nz_[v])}};
-    const Moved moved = contacts.size() == 1 ? under_one(*contacts.front(), profile, v, rest)
-                                             : under_several(contacts, profile, v, rest);
+    const Moved moved = under(
+        contacts, profile,
+        [v](const ContactField& contact) { return Lanes::load_unaligned(&contact.excess[v]); }, rest);
     any = any || xsimd::any(moved.moves);
     write(rest, moved, std::min(kLanes, end - v), out + (v - begin));
   }
   return any;
+}
+
+float SurfaceBlocks::change(std::size_t block, std::span<const ContactField* const> contacts,
+                            const ProfileTable& profile, const LiveVertex* now) const noexcept {
+  const std::size_t begin = first(block);
+  std::array<std::size_t, kLanes> sample{};
+  for (std::size_t i = 0; i < kLanes; ++i) sample[i] = (2 * i + 1) * size(block) / (2 * kLanes);
+  const auto gather = [&sample](const float* from) {
+    return Lanes({from[sample[0]], from[sample[1]], from[sample[2]], from[sample[3]]});
+  };
+  const Rest rest{{gather(&x_[begin]), gather(&y_[begin]), gather(&z_[begin])},
+                  {gather(&nx_[begin]), gather(&ny_[begin]), gather(&nz_[begin])}};
+  const Moved moved = under(
+      contacts, profile, [&](const ContactField& contact) { return gather(&contact.excess[begin]); }, rest);
+  const Lanes zero(0.0F);
+  const Lanes3 place = rest.place + select(moved.moves, moved.displacement, {zero, zero, zero});
+  const auto of = [&](Eigen::Index axis) {
+    return Lanes({now[sample[0]].position[axis], now[sample[1]].position[axis], now[sample[2]].position[axis],
+                  now[sample[3]].position[axis]});
+  };
+  const Lanes3 way = place - Lanes3{of(0), of(1), of(2)};
+  return std::sqrt(largest_of(dot(way, way)));
 }
 
 void SurfaceBlocks::rest(std::size_t block, LiveVertex* out) const noexcept {

@@ -27,8 +27,8 @@ struct ContactField {
   float lowered_side = 0.0F;
   float limit = 0.0F;             // nothing farther than this from the point moves [m]
   float own_excess = 0.0F;        // `excess` at the contact itself [m]
-  std::span<const float> excess;  // of each vertex: how much longer than straight the way from the contact is;
-                                  // infinite where nothing moves. Read to a multiple of kLanes.
+  std::span<const float> excess;  // of each vertex: how much longer than straight the way from the contact
+                                  // is; infinite where nothing moves. Read to a multiple of kLanes.
 };
 
 /// The vertices of a surface at rest, in runs of 64 that are moved together, four at a time. For speed runs
@@ -51,12 +51,19 @@ class SurfaceBlocks final {
     return (sphere.middle - point).squaredNorm() < reach * reach;
   }
 
+  /// [any] Of the ball around the block's vertices [m].
+  [[nodiscard]] float radius(std::size_t block) const noexcept { return spheres_[block].radius; }
+
   /// [any] Writes where the block's vertices are under these contacts together: under one as it says, under
   /// several the mean of their displacements, weighted by their eighth powers. Normals follow from the
   /// displacement's derivative.
   /// @param out as many as the block has @return whether any of them moves
   bool move(std::size_t block, std::span<const ContactField* const> contacts, const ProfileTable& profile,
             LiveVertex* out) const noexcept;
+  /// [any] How far [m] move() would move four of the block's vertices, spread over it, from where they are
+  /// `now`: at an eighth of its cost.
+  [[nodiscard]] float change(std::size_t block, std::span<const ContactField* const> contacts,
+                             const ProfileTable& profile, const LiveVertex* now) const noexcept;
   /// [any] Writes the block's vertices at rest.
   void rest(std::size_t block, LiveVertex* out) const noexcept;
 
