@@ -257,7 +257,10 @@ void LiveSurface::update(std::span<const Indentation> indentations, int steps) {
   begin_frame();
   const bool settle = steps == kSettle;
   int left = steps;
-  for (const Indentation& indentation : indentations) {
+  const std::vector<double> shares = shares_of_room(indentations);
+  for (std::size_t i = 0; i < indentations.size(); ++i) {
+    Indentation indentation = indentations[i];
+    indentation.depth *= shares[i];
     now_.push_back(nullptr);
     if (!(indentation.depth > 0.0)) continue;
     const SurfacePoint place = grid_.nearest(indentation.point);

@@ -4,10 +4,14 @@
 #include <array>
 #include <cmath>
 
+#include "palpate/deform/displacement.h"
+
 namespace palpate::deform {
 namespace {
 
 using Eigen::Vector3f;
+
+constexpr auto kAlikeSquared = static_cast<float>(kAlike);
 
 struct Lanes3 {
   Lanes x, y, z;
@@ -86,61 +90,115 @@ Moved under_one(const ContactField& contact, const ProfileTable& profile, const 
   return {effect.moves, effect.displacement, unit(normal)};
 }
 
-// excess_of(contact): of these vertices.
-template <typename ExcessOf>
-Moved under_several(std::span<const ContactField* const> contacts, const ProfileTable& profile,
-                    const ExcessOf& excess_of, const Rest& rest) {
-  const Lanes zero(0.0F);
-  const Lanes3 none{zero, zero, zero};
-  Moved moved{LaneMask(false), none, rest.normal};
-  // Sums over the contacts: of weights, weighted displacements, their derivative a column an axis, and the
-  // weights' slope. Displacements count in mm, so that their eighth powers are no extreme numbers.
-  Lanes weights = zero;
-  Lanes3 displacements = none;
-  std::array<Lanes3, 3> derivative = {none, none, none};
-  Lanes3 weight_slopes = none;
-  for (const ContactField* contact : contacts) {
-    const Effect effect = effect_of(*contact, profile, excess_of(*contact), rest);
-    if (xsimd::none(effect.moves)) continue;
-    moved.moves = moved.moves | effect.moves;
-    const Lanes squared = Lanes(1e6F) * dot(effect.displacement, effect.displacement);
-    const Lanes fourth = squared * squared;
-    const Lanes weight = xsimd::select(effect.moves, xsimd::max(fourth * fourth, Lanes(1e-30F)), zero);
-    // Of the weight, along the surface away from this contact.
-    const Lanes slope = xsimd::select(
-        squared > Lanes(1e-8F),
-        Lanes(8e6F) * weight * dot(effect.displacement, effect.derived) / xsimd::max(squared, Lanes(1e-8F)),
-        zero);
-    weights += weight;
-    displacements = displacements + weight * effect.displacement;
-    const Lanes3 change = weight * effect.derived + slope * effect.displacement;
-    derivative[0] = derivative[0] + effect.along.x * change;
-    derivative[1] = derivative[1] + effect.along.y * change;
-    derivative[2] = derivative[2] + effect.along.z * change;
-    weight_slopes = weight_slopes + slope * effect.along;
+// The vectors v that are added up for a mean, and how their sum changes along each axis.
+struct Sum3 {
+  Lanes3 value;
+  std::array<Lanes3, 3> derivative;
+
+  // `change`: of the value along `along`.
+  void add(const Lanes3& v, const Lanes3& change, const Lanes3& along) {
+    value = value + v;
+    derivative[0] = derivative[0] + along.x * change;
+    derivative[1] = derivative[1] + along.y * change;
+    derivative[2] = derivative[2] + along.z * change;
   }
-  if (xsimd::none(moved.moves)) return moved;
-  const Lanes share = Lanes(1.0F) / xsimd::max(weights, Lanes(1e-30F));
-  moved.displacement = share * displacements;
-  // I + J, whose adjugate's transpose carries normals.
-  derivative[0] = share * (derivative[0] - weight_slopes.x * moved.displacement);
-  derivative[1] = share * (derivative[1] - weight_slopes.y * moved.displacement);
-  derivative[2] = share * (derivative[2] - weight_slopes.z * moved.displacement);
+};
+
+struct Sum {
+  Lanes value;
+  Lanes3 derivative;
+
+  void add(const Lanes& x, const Lanes& change, const Lanes3& along) {
+    value += x;
+    derivative = derivative + change * along;
+  }
+};
+
+// Of the contacts that move four vertices; lengths in mm, so that their eighth powers are no extreme numbers.
+struct Blend {
+  LaneMask moves = LaneMask(false);
+  Sum weights;      // eighth powers of the lengths u
+  Sum lengths;      // u by those weights
+  Sum squares;      // u^2
+  Sum3 directions;  // by those
+
+  Blend() {
+    const Lanes zero(0.0F);
+    const Lanes3 none{zero, zero, zero};
+    weights = lengths = squares = {zero, none};
+    directions = {none, {none, none, none}};
+  }
+  void add(const Effect& effect);
+  [[nodiscard]] Moved result(const Rest& rest) const;
+};
+
+void Blend::add(const Effect& effect) {
+  const Lanes zero(0.0F);
+  const Lanes mm(1e3F);
+  const Lanes3 displacement = mm * effect.displacement;
+  const Lanes3 derived = mm * effect.derived;
+  moves = moves | effect.moves;
+  const Lanes u = xsimd::sqrt(dot(displacement, displacement));
+  const LaneMask clear = u > Lanes(1e-4F);
+  const Lanes u_slope = xsimd::select(clear, dot(displacement, derived) / xsimd::max(u, Lanes(1e-4F)), zero);
+  const Lanes second = u * u;
+  const Lanes fourth = second * second;
+  const Lanes weight = xsimd::select(effect.moves, xsimd::max(fourth * fourth, Lanes(1e-30F)), zero);
+  const Lanes weight_slope =
+      xsimd::select(clear, Lanes(8.0F) * weight * u_slope / xsimd::max(u, Lanes(1e-4F)), zero);
+  weights.add(weight, weight_slope, effect.along);
+  lengths.add(weight * u, weight_slope * u + weight * u_slope, effect.along);
+  squares.add(second, Lanes(2.0F) * u * u_slope, effect.along);
+  directions.add(u * displacement, u_slope * displacement + u * derived, effect.along);
+}
+
+Moved Blend::result(const Rest& rest) const {
+  const Lanes zero(0.0F);
+  const Lanes metre(1e-3F);
+  // The mean length m and the mean direction v, with their derivatives.
+  const Lanes share = Lanes(1.0F) / xsimd::max(weights.value, Lanes(1e-30F));
+  const Lanes m = share * lengths.value;
+  const Lanes3 m_slope = share * (lengths.derivative - m * weights.derivative);
+  const Lanes square_share = Lanes(1.0F) / xsimd::max(squares.value, Lanes(1e-12F));
+  const Lanes3 v = square_share * directions.value;
+  const std::array<Lanes, 3> square_slope = {squares.derivative.x, squares.derivative.y,
+                                             squares.derivative.z};
+  // As mean_direction_gain.
+  const Lanes q = dot(v, v);
+  const Lanes bounded = xsimd::max(q, Lanes(kAlikeSquared));
+  const Lanes root = Lanes(1.0F) / xsimd::sqrt(bounded);
+  const LaneMask alike = q >= Lanes(kAlikeSquared);
+  const Lanes gain = xsimd::select(alike, root, root * (Lanes(1.5F) - Lanes(0.5F / kAlikeSquared) * q));
+  const Lanes gain_slope = Lanes(-0.5F) * root / bounded;  // over q
+  const std::array<Lanes, 3> m_slopes = {m_slope.x, m_slope.y, m_slope.z};
+  std::array<Lanes3, 3> derivative;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Lanes3 v_slope = square_share * (directions.derivative[axis] - square_slope[axis] * v);
+    const Lanes along_v = m_slopes[axis] * gain + Lanes(2.0F) * m * gain_slope * dot(v, v_slope);
+    derivative[axis] = metre * (along_v * v + (m * gain) * v_slope);
+  }
   derivative[0].x += Lanes(1.0F);
   derivative[1].y += Lanes(1.0F);
   derivative[2].z += Lanes(1.0F);
+  // The adjugate's transpose of I + J carries normals.
   const Lanes3 normal = rest.normal.x * cross(derivative[1], derivative[2]) +
                         rest.normal.y * cross(derivative[2], derivative[0]) +
                         rest.normal.z * cross(derivative[0], derivative[1]);
-  moved.normal = select(dot(normal, normal) > zero, unit(normal), rest.normal);
-  return moved;
+  return {moves, (metre * m * gain) * v, select(dot(normal, normal) > zero, unit(normal), rest.normal)};
 }
 
+// excess_of(contact): of these vertices.
 template <typename ExcessOf>
 Moved under(std::span<const ContactField* const> contacts, const ProfileTable& profile,
             const ExcessOf& excess_of, const Rest& rest) {
   if (contacts.size() == 1) return under_one(*contacts.front(), profile, excess_of(*contacts.front()), rest);
-  return under_several(contacts, profile, excess_of, rest);
+  Blend blend;
+  for (const ContactField* contact : contacts) {
+    const Effect effect = effect_of(*contact, profile, excess_of(*contact), rest);
+    if (xsimd::any(effect.moves)) blend.add(effect);
+  }
+  if (xsimd::none(blend.moves)) return {blend.moves, blend.directions.value, rest.normal};
+  return blend.result(rest);
 }
 
 // The first `count` of four vertices, as the picture takes them.

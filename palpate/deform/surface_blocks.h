@@ -54,9 +54,8 @@ class SurfaceBlocks final {
   /// [any] Of the ball around the block's vertices [m].
   [[nodiscard]] float radius(std::size_t block) const noexcept { return spheres_[block].radius; }
 
-  /// [any] Writes where the block's vertices are under these contacts together: under one as it says, under
-  /// several the mean of their displacements, weighted by their eighth powers. Normals follow from the
-  /// displacement's derivative.
+  /// [any] Writes where the block's vertices are under these contacts together, several as SurfaceDeformer
+  /// says. Normals follow from the displacement's derivative.
   /// @param out as many as the block has @return whether any of them moves
   bool move(std::size_t block, std::span<const ContactField* const> contacts, const ProfileTable& profile,
             LiveVertex* out) const noexcept;

@@ -162,6 +162,47 @@ TEST(LiveSurface, TurnsNoTriangleOver) {
   }
 }
 
+// How many triangles face away from their own vertices' normals.
+int turned_over(const LiveSurface& surface) {
+  int count = 0;
+  for (const geometry::Triangle& t : surface.rest().triangles) {
+    Vec3 normal = Vec3::Zero();
+    for (const std::int32_t v : t)
+      normal += surface.vertices()[static_cast<std::size_t>(v)].normal.cast<double>();
+    count += area(surface, t).dot(normal) > 0.0 ? 0 : 1;
+  }
+  return count;
+}
+
+TEST(LiveSurface, TheCrestBetweenTwoDeepPressesThatConvergeDoesNotFold) {
+  LiveSurface surface(geometry::make_ball(kBall, 20480), {}, kRounding);
+  for (const double apart : {0.2, 0.3, 0.4, 0.5, 0.6}) {  // rad: 6 to 18 mm
+    for (const auto& [a, b] : {std::pair{0.010, 0.010}, {0.012, 0.007}, {0.008, 0.008}}) {
+      surface.update(std::vector{press_at(Vec3(std::sin(apart), 0.1, std::cos(apart)).normalized(), a),
+                                 press_at(Vec3(0.0, 0.1, 1.0).normalized(), b)},
+                     LiveSurface::kSettle);
+      EXPECT_EQ(turned_over(surface), 0) << apart << " rad, " << a << " and " << b << " m";
+    }
+  }
+}
+
+TEST(LiveSurface, TwoPressesFromBothSidesOfASlabDoNotMeet) {
+  // 8 mm thick, 6 mm from either side: alone each is held back only to 5.8 mm.
+  LiveSurface surface(geometry::make_box(Vec3(0.06, 0.06, 0.008), 0.001), {}, kRounding);
+  const Indentation above{Vec3(0, 0, 0.004), -Vec3::UnitZ(), 0.006, 0.003, 0.0};
+  const Indentation below{Vec3(0, 0, -0.004), Vec3::UnitZ(), 0.006, 0.003, 0.0};
+  surface.update(std::vector{above, below}, LiveSurface::kSettle);
+  float top = 1.0F;
+  float bottom = -1.0F;
+  for (std::size_t v = 0; v < surface.vertices().size(); ++v) {
+    const float z = surface.vertices()[v].position.z();
+    if (surface.rest_vertices()[v].z() > 0.0039F) top = std::min(top, z);
+    if (surface.rest_vertices()[v].z() < -0.0039F) bottom = std::max(bottom, z);
+  }
+  EXPECT_GT(top, bottom + 0.0007F);
+  EXPECT_EQ(turned_over(surface), 0);
+}
+
 TEST(LiveSurface, ItsNormalsAreThoseOfItsTriangles) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 81920);
   LiveSurface surface(ball, {}, kRounding);
