@@ -180,6 +180,8 @@ void OffscreenRenderer::resize(int width, int height) {
 
 void OffscreenRenderer::set_map_range(double range) { impl_->painter.set_map_range(range); }
 
+void OffscreenRenderer::switch_lamps(bool on) { impl_->painter.switch_lamps(on); }
+
 void OffscreenRenderer::adapt_to_time() { impl_->choice.emplace(); }
 
 void OffscreenRenderer::hold_quality(Quality quality) {

@@ -228,6 +228,7 @@ void Painter::set_studio(const Program& program, const View& view) const {
   program.set("key", Eigen::Vector3f(view.key.cast<float>()));
   program.set("fill", Eigen::Vector3f(view.fill.cast<float>()));
   program.set("rim", Eigen::Vector3f(view.rim.cast<float>()));
+  program.set("lamps", lamps_ ? 1.0F : 0.0F);
   const bool still = quality_ == Quality::kFull;
   const double lift = still ? 0.5 * kPenumbra * view.height_at_target : kSoftShadowLift;
   program.set("shadow_lift", static_cast<float>(lift));

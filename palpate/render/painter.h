@@ -35,6 +35,8 @@ class Painter final {
   std::vector<std::unique_ptr<Solid>>& tools() noexcept { return tools_; }
   /// Displacement [m] that the colour map over the organ spans; 0: the tissue's own colours.
   void set_map_range(double range) noexcept { map_range_ = range; }
+  /// Whether the studio's lamps are on, as they are at first.
+  void switch_lamps(bool on) noexcept { lamps_ = on; }
   void set_quality(Quality quality);
   [[nodiscard]] Quality quality() const noexcept { return quality_; }
 
@@ -68,6 +70,7 @@ class Painter final {
   int width_;
   int height_;
   double map_range_ = 0.0;  // m
+  bool lamps_ = true;
   Solid organ_;
   std::vector<std::unique_ptr<Solid>> tools_;
   GpuMesh nothing_;  // OpenGL core draws nothing without a vertex array
