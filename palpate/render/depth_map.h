@@ -30,7 +30,7 @@ class DepthMap final {
 
  private:
   // A margin around the map saves asking whether a neighbour is there.
-  static constexpr int kRowMargin = 2;
+  static constexpr int kRowMargin = 3;  // two are read, and a few cells before them
   static constexpr int kLeft = 4;
   static constexpr int kStride = 96;
   [[nodiscard]] static constexpr std::size_t place(int i, int j) noexcept {
