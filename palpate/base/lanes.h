@@ -1,11 +1,12 @@
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include <xsimd/xsimd.hpp>
 
-// Four numbers at once, in single precision: to pass over quickly what cannot count. Whatever counts is then
-// worked out in double precision, so that no result depends on these. Two at once in double precision are the
-// same bits as one after the other.
+// Four numbers at once, in single precision. In the loop they pass over quickly what cannot count: whatever
+// counts is then worked out in double precision, so that no force depends on these. Pictures are drawn from
+// them. Two at once in double precision are the same bits as one after the other.
 namespace palpate {
 
 /// Four lanes, the baseline of the processor family, so that one program runs everywhere.
@@ -44,6 +45,16 @@ inline constexpr std::size_t kPair = 2;
   const float a = values[0] > values[1] ? values[0] : values[1];
   const float b = values[2] > values[3] ? values[2] : values[3];
   return a > b ? a : b;
+}
+
+/// [any] Row i becomes column i.
+inline void transpose(std::array<Lanes, kLanes>& rows) noexcept {
+  const __m128 low_01 = _mm_unpacklo_ps(rows[0], rows[1]);
+  const __m128 low_23 = _mm_unpacklo_ps(rows[2], rows[3]);
+  const __m128 high_01 = _mm_unpackhi_ps(rows[0], rows[1]);
+  const __m128 high_23 = _mm_unpackhi_ps(rows[2], rows[3]);
+  rows = {Lanes(_mm_movelh_ps(low_01, low_23)), Lanes(_mm_movehl_ps(low_23, low_01)),
+          Lanes(_mm_movelh_ps(high_01, high_23)), Lanes(_mm_movehl_ps(high_23, high_01))};
 }
 
 }  // namespace palpate

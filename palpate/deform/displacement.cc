@@ -13,6 +13,7 @@ constexpr double kSmallestRadius = 1e-6;  // m: R_1 of an ideal point
 constexpr double kFreeShare = 0.7;        // of the thickness: up to here a press is drawn as it is
 constexpr double kLargestShare = 0.9;     // of the thickness: never deeper than this
 constexpr double kLeastWeight = 1e-200;   // m^8: of a vertex that hardly moves
+constexpr double kOpposed = -0.3;         // cosine between two directions from which they share room in full
 
 // Distance from a point along a direction to the first triangle that faces that way (the organ's far side);
 // infinity when there is none.
@@ -30,6 +31,32 @@ double held_back(double depth, double thickness) noexcept {
   if (depth <= free) return depth;
   const double room = (kLargestShare - kFreeShare) * thickness;
   return free + room * (depth - free) / (depth - free + room);
+}
+
+std::vector<double> shares_of_room(std::span<const Indentation> indentations) {
+  std::vector<double> shares(indentations.size(), 1.0);
+  for (std::size_t i = 0; i < indentations.size(); ++i) {
+    for (std::size_t j = i + 1; j < indentations.size(); ++j) {
+      const Indentation& a = indentations[i];
+      const Indentation& b = indentations[j];
+      const Vec3 between = b.point - a.point;
+      const double room = between.norm();
+      const double opposed = std::clamp(a.direction.dot(b.direction) / kOpposed, 0.0, 1.0);
+      if (!(opposed > 0.0) || !(room > 0.0) || !(a.depth > 0.0) || !(b.depth > 0.0)) continue;
+      const double nearer = (a.depth * a.direction - b.depth * b.direction).dot(between) / room;
+      if (nearer <= 0.0) continue;
+      const double share = 1.0 - opposed * (1.0 - held_back(nearer, room) / nearer);
+      shares[i] = std::min(shares[i], share);
+      shares[j] = std::min(shares[j], share);
+    }
+  }
+  return shares;
+}
+
+double mean_direction_gain(double squared) noexcept {
+  // The inverse root, and below kAlike its tangent there.
+  if (squared >= kAlike) return 1.0 / std::sqrt(squared);
+  return (1.5 - 0.5 * squared / kAlike) / std::sqrt(kAlike);
 }
 
 SurfaceProfile::SurfaceProfile(const model::ReachParameters& reach, double depth, double tip_radius,
@@ -102,7 +129,7 @@ SurfaceProfile SurfaceProfile::widened(double factor) const noexcept {
 }
 
 SurfaceDeformer::SurfaceDeformer(const geometry::TriangleMesh& rest)
-    : geodesic_(rest), sum_(rest.vertices.size(), Vec3::Zero()), weight_(rest.vertices.size(), 0.0) {}
+    : geodesic_(rest), sums_(rest.vertices.size()) {}
 
 void SurfaceDeformer::add(const model::ReachParameters& reach, const Indentation& indentation,
                           double rounding) {
@@ -126,26 +153,32 @@ void SurfaceDeformer::add(const model::ReachParameters& reach, const Indentation
         profile.rounded_at(r, rounding) * normal_part + side_profile.rounded_at(r, rounding) * side_part;
     const double length = displacement.norm();
     if (!(length > 0.0)) continue;
-    const std::size_t i = static_cast<std::size_t>(v);
     const double squared = length * length;
     const double weight = std::max(squared * squared * squared * squared, kLeastWeight);
-    if (weight_[i] == 0.0) touched_.push_back(v);
-    sum_[i] += weight * displacement;
-    weight_[i] += weight;
+    Sums& sums = sums_[static_cast<std::size_t>(v)];
+    if (sums.weight == 0.0) touched_.push_back(v);
+    sums.weight += weight;
+    sums.length += weight * length;
+    sums.squares += squared;
+    sums.directions += length * displacement;
   }
 }
 
 void SurfaceDeformer::deform(const model::ReachParameters& reach, std::span<const Indentation> indentations,
                              std::vector<Vec3>& vertices, double rounding) {
   vertices = rest().vertices;
-  for (const Indentation& indentation : indentations) {
+  const std::vector<double> shares = shares_of_room(indentations);
+  for (std::size_t i = 0; i < indentations.size(); ++i) {
+    Indentation indentation = indentations[i];
+    indentation.depth *= shares[i];
     if (indentation.depth > 0.0) add(reach, indentation, rounding);
   }
   for (const std::int32_t v : touched_) {
-    const std::size_t i = static_cast<std::size_t>(v);
-    vertices[i] += sum_[i] / weight_[i];
-    sum_[i].setZero();
-    weight_[i] = 0.0;
+    Sums& sums = sums_[static_cast<std::size_t>(v)];
+    const Vec3 direction = sums.directions / sums.squares;
+    vertices[static_cast<std::size_t>(v)] +=
+        sums.length / sums.weight * mean_direction_gain(direction.squaredNorm()) * direction;
+    sums = {};
   }
   touched_.clear();
 }

@@ -55,17 +55,30 @@ inline constexpr double kSteepestSideways = 0.8;
 /// then smoothly to 0.9.
 [[nodiscard]] double held_back(double depth, double thickness) noexcept;
 
+/// [any] For each indentation the factor, at most 1, by which it is drawn shallower because another one comes
+/// towards it from the opposite side: where two directions differ by over 90 degrees, the way by which they
+/// shorten the distance between their contacts is held_back() in that distance; in full from 107 degrees on.
+[[nodiscard]] std::vector<double> shares_of_room(std::span<const Indentation> indentations);
+
+/// Squared length of a mean of directions from which it is made a unit vector.
+inline constexpr double kAlike = 0.64;
+/// [any] By what a mean of unit vectors is multiplied to be one itself, `squared` being its squared length.
+/// Directions that oppose one another (below kAlike) are left shorter, so that nothing jumps between them.
+[[nodiscard]] double mean_direction_gain(double squared) noexcept;
+
 /// Moves a surface's vertices around contacts; r is measured along the surface, so the far side of a thin
 /// organ stays still.
 ///
 /// A contact moves a vertex by u(r) along its direction. Three rules beyond model.md keep the picture whole:
 /// - The part of a displacement that lies in the surface (a pull to the side) is spread wide enough that its
 ///   slope stays below 0.8: the surface ahead of the contact is crowded, never folded over.
-/// - Several contacts: the mean of their displacements, weighted by their eighth powers. So coincident
-///   contacts act as one, where they overlap the largest one rules to 3 %, and nothing jumps as they part.
+/// - Several contacts: the length is the mean of their displacements' lengths, weighted by eighth powers, the
+///   direction that of the mean of their directions, weighted by squares (mean_direction_gain). So coincident
+///   contacts act as one, where they overlap the largest one rules to 3 %, nothing jumps as they part, and
+///   the crest between two that converge turns from one direction to the other slowly enough not to fold.
 /// - A press deeper than 0.7 of the organ's thickness at the contact is drawn shallower, at most 0.9 of it:
-/// the
-///   entry side never comes out of the far side. Elsewhere u(0) = D.
+///   the entry side never comes out of the far side. Two that press towards one another from opposite sides
+///   share what lies between them in the same way (shares_of_room). Elsewhere u(0) = D.
 class SurfaceDeformer final {
  public:
   /// [setup] Precomputes adjacency of the rest mesh (kept by copy). The mesh may be open.
@@ -80,11 +93,17 @@ class SurfaceDeformer final {
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return geodesic_.mesh(); }
 
  private:
+  // Of the contacts that move a vertex.
+  struct Sums {
+    double weight = 0.0;             // of the lengths' eighth powers
+    double length = 0.0;             // of the lengths by those
+    double squares = 0.0;            // of the lengths' squares
+    Vec3 directions = Vec3::Zero();  // of the directions by those
+  };
   void add(const model::ReachParameters& reach, const Indentation& indentation, double rounding);
 
   GeodesicDistance geodesic_;
-  std::vector<Vec3> sum_;       // of weight x displacement, a vertex
-  std::vector<double> weight_;  // sum of weights
+  std::vector<Sums> sums_;  // a vertex
   std::vector<std::int32_t> touched_;
 };
 

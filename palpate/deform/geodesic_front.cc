@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "palpate/base/lanes.h"
+
 namespace palpate::deform {
 namespace {
 
@@ -52,16 +54,19 @@ FrontSurface::FrontSurface(const geometry::TriangleMesh& mesh) : start(mesh.vert
 }
 
 GeodesicFront::GeodesicFront(const FrontSurface& surface)
-    : surface_(&surface), distance_(surface.vertices.size(), kFar), is_settled_(surface.vertices.size(), 0) {}
+    : surface_(&surface),
+      distance_(surface.vertices.size(), kFar),
+      excess_((surface.vertices.size() + kLanes - 1) / kLanes * kLanes, kFar),
+      is_settled_(surface.vertices.size(), 0) {}
 
 void GeodesicFront::begin(const geometry::Triangle& corners, const Vector3f& point) {
   for (const std::int32_t v : seen_) {
     distance_[index(v)] = kFar;
+    excess_[index(v)] = kFar;
     is_settled_[index(v)] = 0;
   }
   seen_.clear();
   settled_.clear();
-  excess_.clear();
   queue_.clear();
   source_ = point;
   for (const std::int32_t v : corners) offer(v, (surface_->vertices[index(v)] - point).norm());
@@ -99,7 +104,7 @@ int GeodesicFront::advance(float limit, int most) {
     if (is_settled_[index(v)] == 0) {
       is_settled_[index(v)] = 1;
       settled_.push_back(v);
-      excess_.push_back(distance - (surface_->vertices[index(v)] - source_).norm());
+      excess_[index(v)] = distance - (surface_->vertices[index(v)] - source_).norm();
     }
     for (std::int32_t i = surface_->start[index(v)]; i < surface_->start[index(v) + 1]; ++i) {
       const FrontSurface::Corner& corner = surface_->around[index(i)];

@@ -42,7 +42,8 @@ class GeodesicFront final {
   [[nodiscard]] float radius() const noexcept;
   /// [any] Settled vertices, nearest first (but for rounding and obtuse triangles).
   [[nodiscard]] std::span<const std::int32_t> settled() const noexcept { return settled_; }
-  /// [any] How much longer [m] than straight the way to each of those is.
+  /// [any] How much longer [m] than straight the way to each vertex is; infinite where the front has not
+  /// come, and in the entries that fill up to a multiple of kLanes.
   [[nodiscard]] std::span<const float> excess() const noexcept { return excess_; }
   /// [any] Distance of a settled vertex [m]; infinity where the front has not come.
   [[nodiscard]] float at(std::int32_t vertex) const noexcept {
@@ -57,10 +58,10 @@ class GeodesicFront final {
   const FrontSurface* surface_;
   Eigen::Vector3f source_ = Eigen::Vector3f::Zero();
   std::vector<float> distance_;
+  std::vector<float> excess_;
   std::vector<char> is_settled_;
   std::vector<std::int32_t> seen_;  // vertices whose entries above are not as at the beginning
   std::vector<std::int32_t> settled_;
-  std::vector<float> excess_;
   std::vector<std::pair<float, std::int32_t>> queue_;  // heap, nearest first; may hold outdated entries
 };
 

@@ -95,6 +95,18 @@ struct OffscreenRenderer::Impl {
       painter.organ().mesh.change_moving(range.first, organ.vertices().subspan(range.first, range.count));
   }
 
+  // Draws at each moving quality once: a driver translates shaders when it first draws with them, which takes
+  // longer than some pictures, and must not happen while something moves.
+  void follow_time() {
+    choice.emplace();
+    const Camera camera{region.middle - 3.0 * region.radius * Vec3::UnitY(), region.middle};
+    for (const Quality quality : {Quality::kFast, choice->now()}) {
+      painter.set_quality(quality);
+      painter.draw(camera, region);
+    }
+    glFinish();
+  }
+
   void draw(const haptics::Snapshot& snapshot, const Camera& camera) {
     const std::int64_t start = monotonic_ns();
     const std::int64_t computed = thread_cpu_ns();
@@ -145,7 +157,7 @@ OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int heig
                                      InCurrentContext /*here*/) {
   check_size(width, height);
   impl_ = std::make_unique<Impl>(subject, width, height, Quality::kBalanced);
-  impl_->choice.emplace();
+  impl_->follow_time();
 }
 
 OffscreenRenderer::~OffscreenRenderer() {
@@ -180,7 +192,12 @@ void OffscreenRenderer::resize(int width, int height) {
 
 void OffscreenRenderer::set_map_range(double range) { impl_->painter.set_map_range(range); }
 
-void OffscreenRenderer::adapt_to_time() { impl_->choice.emplace(); }
+void OffscreenRenderer::switch_lamps(bool on) { impl_->painter.switch_lamps(on); }
+
+void OffscreenRenderer::adapt_to_time() {
+  const Current current(context_.get());
+  impl_->follow_time();
+}
 
 void OffscreenRenderer::hold_quality(Quality quality) {
   const Current current(context_.get());

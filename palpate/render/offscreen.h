@@ -81,6 +81,8 @@ class OffscreenRenderer final {
 
   /// [setup] Colours the organ by how far it has moved, up to `range` [m]; 0: its own colours.
   void set_map_range(double range);
+  /// [setup] Switches the studio's lamps, which are on at first: off, only the light from everywhere is left.
+  void switch_lamps(bool on);
   /// [setup] From here on the quality follows the time that pictures take, as in a window.
   void adapt_to_time();
 

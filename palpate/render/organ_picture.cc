@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "palpate/render/display_mesh.h"
@@ -33,31 +34,41 @@ double area_of(const geometry::TriangleMesh& mesh) {
   return 0.5 * doubled;
 }
 
-// Ten bits of each coordinate, interleaved (Morton 1966).
-std::uint32_t place_on_curve(const Vec3& p, const geometry::Bounds& box) {
-  const double size = std::max(1e-9, box.size().maxCoeff());
-  std::uint32_t key = 0;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const auto cell =
-        static_cast<std::uint32_t>(std::clamp((p[axis] - box.low[axis]) / size, 0.0, 1.0) * 1023.0);
-    for (std::uint32_t bit = 0; bit < 10; ++bit)
-      key |= ((cell >> bit) & 1U) << (3U * bit + static_cast<std::uint32_t>(axis));
+// Halves a set of vertices across its longest side until each part is one run of the surface's, so that runs
+// are compact.
+void order_in_halves(const geometry::TriangleMesh& mesh, std::span<std::int32_t> vertices) {
+  constexpr std::size_t kRun = deform::SurfaceBlocks::kBlock;
+  if (vertices.size() <= kRun) return;
+  const auto place = [&mesh](std::int32_t v) -> const Vec3& {
+    return mesh.vertices[static_cast<std::size_t>(v)];
+  };
+  Vec3 low = place(vertices.front());
+  Vec3 high = low;
+  for (const std::int32_t v : vertices) {
+    low = low.cwiseMin(place(v));
+    high = high.cwiseMax(place(v));
   }
-  return key;
+  Eigen::Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const std::size_t half = (vertices.size() / kRun + 1) / 2 * kRun;
+  std::nth_element(vertices.begin(), vertices.begin() + static_cast<std::ptrdiff_t>(half), vertices.end(),
+                   [&](std::int32_t a, std::int32_t b) {
+                     return std::pair(place(a)[axis], a) < std::pair(place(b)[axis], b);
+                   });
+  order_in_halves(mesh, vertices.first(half));
+  order_in_halves(mesh, vertices.subspan(half));
 }
 
 // Puts vertices that are near one another near one another in memory, so that what moves is a few runs.
 void order_by_place(geometry::TriangleMesh& mesh) {
-  const geometry::Bounds box = geometry::bounds(mesh);
-  std::vector<std::pair<std::uint32_t, std::int32_t>> order;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    order.emplace_back(place_on_curve(mesh.vertices[v], box), static_cast<std::int32_t>(v));
-  std::sort(order.begin(), order.end());
+  std::vector<std::int32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  order_in_halves(mesh, order);
   std::vector<Vec3> vertices;
   std::vector<std::int32_t> now_at(order.size());
-  for (const auto& entry : order) {
-    now_at[static_cast<std::size_t>(entry.second)] = static_cast<std::int32_t>(vertices.size());
-    vertices.push_back(mesh.vertices[static_cast<std::size_t>(entry.second)]);
+  for (const std::int32_t v : order) {
+    now_at[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(vertices.size());
+    vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
   }
   mesh.vertices = std::move(vertices);
   for (geometry::Triangle& t : mesh.triangles)
@@ -112,22 +123,23 @@ void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform
     if ((indentations[i].point - imprint.point()).norm() < (indentations[own].point - imprint.point()).norm())
       own = i;
   const Eigen::Vector3f direction = imprint.direction().cast<float>();
-  Vec3 slope;
-  for (const std::int32_t v : surface_->near(own, kLoweredWithin)) {
-    const std::size_t i = static_cast<std::size_t>(v);
-    const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
-    const double lowering = imprint.lowering(surface_->vertices()[i].position.cast<double>(),
-                                             rest().vertices[i], rest_normal.cast<double>(), &slope);
-    if (!(lowering > 0.0)) continue;
-    deform::LiveVertex& vertex = surface_->move(v);
-    vertex.position += static_cast<float>(lowering) * direction;
-    // The transposed adjugate of I + direction slope^T.
-    const Eigen::Vector3f q = slope.cast<float>();
-    const Eigen::Vector3f normal =
-        (1.0F + direction.dot(q)) * vertex.normal - direction.dot(vertex.normal) * q;
-    if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
-    const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
-    vertex.moved = inwards * (vertex.position - rest().vertices[i].cast<float>()).norm();
+  Eigen::Vector3f q;  // the lowering's derivative
+  for (const deform::LiveSurface::Range& run : surface_->near(own, kLoweredWithin)) {
+    for (std::size_t i = run.first; i < run.first + run.count; ++i) {
+      const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
+      const Eigen::Vector3f& at_rest = surface_->rest_vertices()[i];
+      const float lowering = imprint.lowering(surface_->vertices()[i].position, at_rest, rest_normal, &q);
+      const auto v = static_cast<std::int32_t>(i);
+      if (!(lowering > 0.0F) || !surface_->is_near(own, v, kLoweredWithin)) continue;
+      deform::LiveVertex& vertex = surface_->move(v);
+      vertex.position += lowering * direction;
+      // The transposed adjugate of I + direction q^T.
+      const Eigen::Vector3f normal =
+          (1.0F + direction.dot(q)) * vertex.normal - direction.dot(vertex.normal) * q;
+      if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
+      const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
+      vertex.moved = inwards * (vertex.position - at_rest).norm();
+    }
   }
 }
 

@@ -126,6 +126,16 @@ struct Painter::Live {
   bool backdrop_drawn = false;
 };
 
+// How tissue and steel are drawn in one quality.
+struct Painter::Materials {
+  explicit Materials(Quality quality)
+      : tissue(shaders::scene_vertex(quality), shaders::tissue_fragment(quality)),
+        steel(shaders::scene_vertex(quality), shaders::steel_fragment(quality)) {}
+
+  Program tissue;
+  Program steel;
+};
+
 Painter::Painter(const TissueLook& look, int width, int height, Quality quality)
     : look_(look),
       quality_(quality),
@@ -139,10 +149,8 @@ Painter::Painter(const TissueLook& look, int width, int height, Quality quality)
 Painter::~Painter() = default;
 
 void Painter::set_quality(Quality quality) {
-  if (tissue_ && quality == quality_) return;
   quality_ = quality;
-  tissue_ = std::make_unique<Program>(shaders::scene_vertex(quality), shaders::tissue_fragment(quality));
-  steel_ = std::make_unique<Program>(shaders::scene_vertex(quality), shaders::steel_fragment(quality));
+  if (!materials()) materials() = std::make_unique<Materials>(quality);
   if (quality == Quality::kFull) {
     live_.reset();
     if (!still_) still_ = std::make_unique<Still>(width_, height_);
@@ -228,6 +236,7 @@ void Painter::set_studio(const Program& program, const View& view) const {
   program.set("key", Eigen::Vector3f(view.key.cast<float>()));
   program.set("fill", Eigen::Vector3f(view.fill.cast<float>()));
   program.set("rim", Eigen::Vector3f(view.rim.cast<float>()));
+  program.set("lamps", lamps_ ? 1.0F : 0.0F);
   const bool still = quality_ == Quality::kFull;
   const double lift = still ? 0.5 * kPenumbra * view.height_at_target : kSoftShadowLift;
   program.set("shadow_lift", static_cast<float>(lift));
@@ -241,20 +250,22 @@ void Painter::set_studio(const Program& program, const View& view) const {
 }
 
 void Painter::draw_materials(const View& view, bool each_sample) {
-  set_studio(*tissue_, view);
-  tissue_->set("vessel_colour", look_.vessel);
-  tissue_->set("vessel_share", look_.vessel_share);
-  tissue_->set("map_range", static_cast<float>(map_range_));
-  tissue_->set("model", matrix_of(organ_.place_W));
+  const Program& tissue = materials()->tissue;
+  set_studio(tissue, view);
+  tissue.set("vessel_colour", look_.vessel);
+  tissue.set("vessel_share", look_.vessel_share);
+  tissue.set("map_range", static_cast<float>(map_range_));
+  tissue.set("model", matrix_of(organ_.place_W));
   organ_.mesh.draw();
-  set_studio(*steel_, view);
-  steel_->set("map_range", 0.0F);
+  const Program& steel = materials()->steel;
+  set_studio(steel, view);
+  steel.set("map_range", 0.0F);
   glDisable(GL_CULL_FACE);  // instruments need not be closed
   if (each_sample) {
     glEnable(GL_SAMPLE_SHADING);
     glMinSampleShading(1.0F);
   }
-  draw_tools(*steel_);
+  draw_tools(steel);
   if (each_sample) glDisable(GL_SAMPLE_SHADING);
   glEnable(GL_CULL_FACE);
 }

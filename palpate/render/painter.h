@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -35,6 +36,9 @@ class Painter final {
   std::vector<std::unique_ptr<Solid>>& tools() noexcept { return tools_; }
   /// Displacement [m] that the colour map over the organ spans; 0: the tissue's own colours.
   void set_map_range(double range) noexcept { map_range_ = range; }
+  /// Whether the studio's lamps are on, as they are at first.
+  void switch_lamps(bool on) noexcept { lamps_ = on; }
+  /// Shaders are kept: only the first time takes long.
   void set_quality(Quality quality);
   [[nodiscard]] Quality quality() const noexcept { return quality_; }
 
@@ -53,6 +57,10 @@ class Painter final {
   struct View;
   struct Still;  // what kFull needs
   struct Live;   // what the others need
+  struct Materials;
+  [[nodiscard]] std::unique_ptr<Materials>& materials() noexcept {
+    return materials_[static_cast<std::size_t>(quality_)];
+  }
   void draw_tools(const Program& program) const;
   void draw_scene(const Program& program) const;
   void set_studio(const Program& program, const View& view) const;
@@ -68,12 +76,12 @@ class Painter final {
   int width_;
   int height_;
   double map_range_ = 0.0;  // m
+  bool lamps_ = true;
   Solid organ_;
   std::vector<std::unique_ptr<Solid>> tools_;
   GpuMesh nothing_;  // OpenGL core draws nothing without a vertex array
   Program background_;
-  std::unique_ptr<Program> tissue_;
-  std::unique_ptr<Program> steel_;
+  std::array<std::unique_ptr<Materials>, 3> materials_;  // of each quality, once it was used
   std::unique_ptr<Still> still_;
   std::unique_ptr<Live> live_;
   Target resolved_;

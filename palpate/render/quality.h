@@ -12,8 +12,9 @@ enum class Quality : std::uint8_t {
 };
 
 /// Chooses between kBalanced and kFast by how long pictures take, so that they stay within a budget; or kFull
-/// where there is time for that. Goes down after a few slow pictures, and up only when the better one, as far
-/// as it was ever measured, fits, so that it does not swing.
+/// where there is time for that. Goes down when pictures are slow in the mean or three in a row are, and up
+/// only when there is clearly room, more rarely each time that it had to go down again, so that it does not
+/// swing. The first picture of a level does not count: it may have had to be prepared for.
 class QualityChoice final {
  public:
   static constexpr double kBudget_ms = 32.0;  // the paper's own frame time
@@ -32,6 +33,7 @@ class QualityChoice final {
   double budget_ms_;
   double mean_ms_ = 0.0;  // of late, at now_
   int seen_ = 0;          // pictures at now_
+  int slow_ = 0;          // of them over the budget without one between them that was not
   int wait_ = 0;          // pictures before a better level is tried again
   int next_wait_ = 120;
 };

@@ -29,9 +29,10 @@ uniform vec3 rim;
 uniform mat4 light_projection;
 uniform float shadow_lift;  // m
 
-const vec3 kKeyColour = vec3(1.95, 1.88, 1.78);
-const vec3 kFillColour = vec3(0.36, 0.41, 0.48);
-const vec3 kRimColour = vec3(0.70, 0.74, 0.80);
+uniform float lamps;  // 1; 0: switched off, only the light from everywhere is left
+#define kKeyColour (lamps * vec3(1.95, 1.88, 1.78))
+#define kFillColour (lamps * vec3(0.36, 0.41, 0.48))
+#define kRimColour (lamps * vec3(0.70, 0.74, 0.80))
 const vec3 kWrap = vec3(0.20, 0.11, 0.09);  // red light travels farthest under the surface
 
 vec3 irradiance(vec3 n) {

@@ -131,9 +131,9 @@ vec3 mirror(vec3 d, float roughness) {
   float k = dot(d, key);
   float box = smoothstep(cos(0.55 + 0.7 * roughness), cos(0.34 * (1.0 - roughness)), k);
   colour += vec3(0.30, 0.31, 0.33) * smoothstep(-0.1, 1.0, q.z);
-  colour += vec3(1.0, 0.97, 0.93) * box * mix(2.2, 0.9, roughness);
+  colour += lamps * vec3(1.0, 0.97, 0.93) * box * mix(2.2, 0.9, roughness);
   float strip = smoothstep(0.62 - 0.4 * roughness, 0.95, abs(q.x)) * smoothstep(-0.7, 0.2, q.y);
-  colour += vec3(0.75, 0.82, 0.92) * strip * mix(0.9, 0.35, roughness);
+  colour += lamps * vec3(0.75, 0.82, 0.92) * strip * mix(0.9, 0.35, roughness);
   return colour;
 }
 

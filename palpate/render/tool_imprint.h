@@ -4,6 +4,7 @@
 
 #include "palpate/geometry/tool.h"
 #include "palpate/haptics/loop.h"
+#include "palpate/render/depth_map.h"
 
 namespace palpate::render {
 
@@ -23,8 +24,8 @@ class ToolImprint final {
   /// [setup] How far [m] a vertex is to be lowered further along the direction; 0 where the tool is not.
   /// @param now where it is, @param rest where it was, @param rest_normal unit. Organ frame.
   /// @param slope if not null: how that changes with `now`, without unit
-  [[nodiscard]] double lowering(const Vec3& now, const Vec3& rest, const Vec3& rest_normal,
-                                Vec3* slope = nullptr) const;
+  [[nodiscard]] float lowering(const Eigen::Vector3f& now, const Eigen::Vector3f& rest,
+                               const Eigen::Vector3f& rest_normal, Eigen::Vector3f* slope = nullptr) const;
 
   /// [any] Where the contact is and where it goes, organ frame.
   [[nodiscard]] const Vec3& point() const noexcept { return point_; }
@@ -33,19 +34,15 @@ class ToolImprint final {
   static constexpr double kReach = 17e-3;
 
  private:
-  void rasterize(const Vec3& a, const Vec3& b, const Vec3& c);
-  void skirt();
-  void blur();
-  [[nodiscard]] Vec3 in_map(const Vec3& p) const noexcept;
-  [[nodiscard]] float& cell(int i, int j) noexcept;
-  [[nodiscard]] double cell(int i, int j) const noexcept;
-
   Vec3 point_;
   Vec3 direction_;
-  Vec3 across_u_;
-  Vec3 across_v_;
-  double depth_;
-  std::vector<float> map_;  // [m] along the direction, from the contact point
+  // The plane across the direction, in the map's cells, and the direction; single precision.
+  Eigen::Vector3f origin_;
+  Eigen::Vector3f row_;
+  Eigen::Vector3f column_;
+  Eigen::Vector3f down_;
+  float depth_;  // [m]
+  DepthMap map_;
 };
 
 /// An instrument's triangles in small groups, so that those far from a contact are passed over together.

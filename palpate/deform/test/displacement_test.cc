@@ -293,5 +293,30 @@ TEST(Deformer, ForgetsThePictureBefore) {
   EXPECT_EQ(vertices, first);
 }
 
+TEST(SharesOfRoom, TwoPressesFromOppositeSidesShareWhatLiesBetweenThem) {
+  // 10 mm between them, 12 mm wanted: up to 7 mm as they are, then towards 9 mm: 7 + 2 x 5 / (5 + 2).
+  const std::vector<Indentation> both = {{Vec3(0, 0, 0.010), -Vec3::UnitZ(), 0.006, 0.003, 0.0},
+                                         {Vec3::Zero(), Vec3::UnitZ(), 0.006, 0.003, 0.0}};
+  for (const double share : shares_of_room(both)) EXPECT_NEAR(share, (7.0 + 10.0 / 7.0) / 12.0, 1e-12);
+}
+
+TEST(SharesOfRoom, IsWholeWherePressesAreShallowOrGoTheSameWayOrPart) {
+  const Indentation down{Vec3(0, 0, 0.010), -Vec3::UnitZ(), 0.006, 0.003, 0.0};
+  const Indentation shallow{Vec3::Zero(), Vec3::UnitZ(), 0.0009, 0.003, 0.0};
+  const Indentation beside{Vec3(0.002, 0, 0.010), Vec3(-0.9, 0, -0.3).normalized(), 0.012, 0.003, 0.0};
+  const Indentation away{Vec3::Zero(), -Vec3::UnitZ(), 0.012, 0.003, 0.0};
+  const Indentation apart{Vec3(0, 0, 0.020), Vec3::UnitZ(), 0.020, 0.003, 0.0};
+  for (const Indentation& other : {shallow, beside, away, apart})
+    EXPECT_EQ(shares_of_room(std::vector{down, other}), (std::vector{1.0, 1.0}));
+  EXPECT_TRUE(shares_of_room({}).empty());
+}
+
+TEST(MeanDirection, IsMadeAUnitVectorUnlessDirectionsOppose) {
+  EXPECT_DOUBLE_EQ(mean_direction_gain(1.0), 1.0);
+  EXPECT_DOUBLE_EQ(mean_direction_gain(0.81), 1.0 / 0.9);
+  EXPECT_NEAR(mean_direction_gain(kAlike - 1e-9), mean_direction_gain(kAlike), 1e-8);
+  EXPECT_DOUBLE_EQ(mean_direction_gain(0.0), 1.5 / 0.8);
+}
+
 }  // namespace
 }  // namespace palpate::deform

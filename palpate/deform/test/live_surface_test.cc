@@ -1,6 +1,9 @@
 #include "palpate/deform/live_surface.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -80,6 +83,49 @@ TEST(LiveSurface, ComesToTheSameWithinSomePicturesAsAtOnce) {
   EXPECT_LT(largest_difference(surface, plain(ball, contacts)), 0.02 * 0.008);
 }
 
+// The same with its vertices in the order of cubes 4 mm wide, as the picture has them in an order of places.
+geometry::TriangleMesh ordered_by_place(const geometry::TriangleMesh& mesh) {
+  const auto cube = [&mesh](std::size_t v) {
+    const Vec3 p = mesh.vertices[v] / 0.004;
+    return std::array{std::floor(p.z()), std::floor(p.y()), std::floor(p.x())};
+  };
+  std::vector<std::size_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&cube](std::size_t a, std::size_t b) { return cube(a) < cube(b); });
+  geometry::TriangleMesh ordered = mesh;
+  std::vector<std::int32_t> now_at(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    ordered.vertices[i] = mesh.vertices[order[i]];
+    now_at[order[i]] = static_cast<std::int32_t>(i);
+  }
+  for (geometry::Triangle& t : ordered.triangles)
+    for (std::int32_t& v : t) v = now_at[static_cast<std::size_t>(v)];
+  return ordered;
+}
+
+TEST(LiveSurface, WhileItMovesLittleNoVertexIsOffByATwentiethOfAMillimetre) {
+  const geometry::TriangleMesh ball = ordered_by_place(geometry::make_ball(kBall, 20480));
+  LiveSurface moving(ball, {}, kRounding);
+  LiveSurface settled(ball, {}, kRounding);
+  std::size_t changed = 0;
+  for (int i = 1; i <= 60; ++i) {
+    // Two contacts that go in and come out again by 0.1 mm a picture; the second one later.
+    const double depth = 0.0001 * std::min(i, 80 - i);
+    const std::vector contacts = {top_press(depth),
+                                  press_at(Vec3(0.5, 0.2, 1.0).normalized(), depth - 0.001)};
+    moving.update(contacts, 1'000'000);
+    settled.update(contacts, LiveSurface::kSettle);
+    for (const LiveSurface::Range& range : moving.take_changes()) changed += i > 30 ? range.count : 0;
+    for (std::size_t v = 0; v < ball.vertices.size(); ++v) {
+      const LiveVertex& a = moving.vertices()[v];
+      const LiveVertex& b = settled.vertices()[v];
+      ASSERT_LT((a.position - b.position).norm(), 0.00005F) << i << " " << v;
+      ASSERT_GT(a.normal.dot(b.normal), 0.9998F) << i << " " << v;  // 1.1 degrees
+    }
+  }
+  EXPECT_LT(changed, 30 * ball.vertices.size() / 3);
+}
+
 TEST(LiveSurface, FollowsAContactThatSlidesWithoutWaitingForItsFront) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 20480);
   LiveSurface surface(ball, {}, kRounding);
@@ -114,6 +160,47 @@ TEST(LiveSurface, TurnsNoTriangleOver) {
       ASSERT_GT(area(surface, t).dot(normal), 0.0);
     }
   }
+}
+
+// How many triangles face away from their own vertices' normals.
+int turned_over(const LiveSurface& surface) {
+  int count = 0;
+  for (const geometry::Triangle& t : surface.rest().triangles) {
+    Vec3 normal = Vec3::Zero();
+    for (const std::int32_t v : t)
+      normal += surface.vertices()[static_cast<std::size_t>(v)].normal.cast<double>();
+    count += area(surface, t).dot(normal) > 0.0 ? 0 : 1;
+  }
+  return count;
+}
+
+TEST(LiveSurface, TheCrestBetweenTwoDeepPressesThatConvergeDoesNotFold) {
+  LiveSurface surface(geometry::make_ball(kBall, 20480), {}, kRounding);
+  for (const double apart : {0.2, 0.3, 0.4, 0.5, 0.6}) {  // rad: 6 to 18 mm
+    for (const auto& [a, b] : {std::pair{0.010, 0.010}, {0.012, 0.007}, {0.008, 0.008}}) {
+      surface.update(std::vector{press_at(Vec3(std::sin(apart), 0.1, std::cos(apart)).normalized(), a),
+                                 press_at(Vec3(0.0, 0.1, 1.0).normalized(), b)},
+                     LiveSurface::kSettle);
+      EXPECT_EQ(turned_over(surface), 0) << apart << " rad, " << a << " and " << b << " m";
+    }
+  }
+}
+
+TEST(LiveSurface, TwoPressesFromBothSidesOfASlabDoNotMeet) {
+  // 8 mm thick, 6 mm from either side: alone each is held back only to 5.8 mm.
+  LiveSurface surface(geometry::make_box(Vec3(0.06, 0.06, 0.008), 0.001), {}, kRounding);
+  const Indentation above{Vec3(0, 0, 0.004), -Vec3::UnitZ(), 0.006, 0.003, 0.0};
+  const Indentation below{Vec3(0, 0, -0.004), Vec3::UnitZ(), 0.006, 0.003, 0.0};
+  surface.update(std::vector{above, below}, LiveSurface::kSettle);
+  float top = 1.0F;
+  float bottom = -1.0F;
+  for (std::size_t v = 0; v < surface.vertices().size(); ++v) {
+    const float z = surface.vertices()[v].position.z();
+    if (surface.rest_vertices()[v].z() > 0.0039F) top = std::min(top, z);
+    if (surface.rest_vertices()[v].z() < -0.0039F) bottom = std::max(bottom, z);
+  }
+  EXPECT_GT(top, bottom + 0.0007F);
+  EXPECT_EQ(turned_over(surface), 0);
 }
 
 TEST(LiveSurface, ItsNormalsAreThoseOfItsTriangles) {

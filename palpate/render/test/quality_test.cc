@@ -21,6 +21,22 @@ TEST(QualityChoice, GoesDownAfterSomeSlowPictures) {
   EXPECT_EQ(choice.now(), Quality::kFast);
 }
 
+TEST(QualityChoice, ThreeSlowPicturesInARowAreEnough) {
+  QualityChoice choice;
+  add(choice, 5, 20.0);
+  add(choice, 2, 45.0);
+  EXPECT_EQ(choice.now(), Quality::kBalanced);
+  add(choice, 1, 45.0);
+  EXPECT_EQ(choice.now(), Quality::kFast);
+}
+
+TEST(QualityChoice, TheFirstPictureOfALevelDoesNotCount) {
+  QualityChoice choice;
+  choice.add(400.0);  // shaders are compiled
+  add(choice, 1000, 30.0);
+  EXPECT_EQ(choice.now(), Quality::kBalanced);
+}
+
 TEST(QualityChoice, OneSlowPictureChangesNothing) {
   QualityChoice choice;
   add(choice, 50, 20.0);
