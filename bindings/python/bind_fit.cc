@@ -75,7 +75,9 @@ py::dict dictionary_of(const fit::PooledFit& pooled) {
   result["nrmse"] = pooled.nrmse;
   result["points"] = pooled.points;
   result["warnings"] = pooled.warnings;
-  result["tissue"] = pooled.tissue;
+  model::TissueParameters tissue = pooled.tissue;
+  if (tissue.name.empty()) tissue.name = "fitted";  // a tissue file has to have a name
+  result["tissue"] = tissue;
   return result;
 }
 
@@ -133,7 +135,8 @@ void bind_fit(py::module_& module) {
       py::arg("t1") = 1e-6, py::arg("bootstrap") = 0, py::arg("seed") = 1,
       "Fits each specimen and all together, as `palpate fit` does. Returns a dictionary: `specimens`, one a "
       "specimen with `parameters` (name to value, low and high end of the 95 % interval, in the unit of the "
-      "name), rms_N, nrmse, points, warnings and the fitted curve in SI; and `pooled`, with `tissue`. Raises "
+      "name), rms_N, nrmse, points, warnings and the fitted curve in SI; and `pooled`, with `tissue`, named "
+      "fitted. Raises "
       "InputError.");
 }
 

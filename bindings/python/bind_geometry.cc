@@ -91,6 +91,7 @@ void bind_findings(py::module_& module) {
 
 void bind_geometry(py::module_& module) {
   const py::call_guard<py::gil_scoped_release> others_may_run;
+  bind_findings(module);
   py::class_<TriangleMesh>(module, "Mesh", doc("TriangleMesh"))
       .def(py::init(&mesh_of), py::arg("vertices"), py::arg("triangles"))
       .def_property_readonly("vertices", &vertices_of, "n x 3, metres; a copy.")
@@ -103,7 +104,6 @@ void bind_geometry(py::module_& module) {
         return "<palpate.Mesh of " + std::to_string(mesh.vertices.size()) + " vertices, " +
                std::to_string(mesh.triangles.size()) + " triangles>";
       });
-  bind_findings(module);
   module.def(
       "read_mesh",
       [](const std::filesystem::path& file, const std::optional<std::string>& unit) {

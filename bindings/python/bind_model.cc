@@ -1,8 +1,8 @@
 // Tissues, the two laws and the noise.
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <string>
+#include <tuple>
 
 #include "palpate/model/layered_law.h"
 #include "palpate/model/smooth_law.h"
@@ -140,11 +140,12 @@ void bind_tissue(py::module_& module) {
           "reach",
           [](const TissueParameters& tissue) {
             const model::ReachParameters& reach = tissue.reach;
-            return std::array{reach.contact_ratio, reach.first_bar_ratio, reach.bar_ratio,
-                              reach.weight_ratio};
+            return std::tuple(reach.contact_ratio, reach.first_bar_ratio, reach.bar_ratio,
+                              reach.weight_ratio);
           },
-          [](TissueParameters& tissue, const std::array<double, 4>& ratios) {
-            tissue.reach = {ratios[0], ratios[1], ratios[2], ratios[3]};
+          [](TissueParameters& tissue, const std::tuple<double, double, double, double>& ratios) {
+            const auto& [c, a, s, g] = ratios;
+            tissue.reach = {c, a, s, g};
           },
           "contact_ratio c, first_bar_ratio a, bar_ratio s and weight_ratio g: how the surface gives way "
           "around "

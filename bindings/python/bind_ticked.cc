@@ -20,7 +20,7 @@ namespace palpate::python {
 namespace {
 
 namespace fs = std::filesystem;
-using Samples = py::array_t<palpate_sample, py::array::c_style>;
+using Samples = py::array_t<palpate_sample, py::array::c_style | py::array::forcecast>;
 
 /// One tick or one look at a time, whatever threads Python has.
 class TickedSimulation final {
@@ -90,7 +90,12 @@ py::array_t<palpate_sample> scripted_samples(TickedSimulation& ticked, std::uint
 }
 
 /// As many ticks as the samples are for.
-py::array_t<palpate_result> tick(TickedSimulation& ticked, const Samples& samples) {
+py::array_t<palpate_result> tick(TickedSimulation& ticked, const py::array& given) {
+  // Its fields count, not where they lie: numpy.stack() packs them closer.
+  if (!given.dtype().attr("names").equal(py::dtype::of<palpate_sample>().attr("names"))) {
+    throw InputError("samples: must be an array of the type that samples() gives");
+  }
+  const Samples samples(given);  // without gaps
   const auto hands = static_cast<py::ssize_t>(info_of(ticked).hands);
   const bool fits =
       (samples.ndim() == 1 || samples.ndim() == 2) && samples.shape(samples.ndim() - 1) == hands;

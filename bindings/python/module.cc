@@ -41,9 +41,9 @@ PYBIND11_MODULE(_palpate, module) {
       "A parameter out of its range; the message names the field, its value and its unit.";
   palpate::python::bind_model(module);
   palpate::python::bind_geometry(module);
+  palpate::python::bind_surface(module);
   palpate::python::bind_runs(module);
   palpate::python::bind_fit(module);
-  palpate::python::bind_surface(module);
   palpate::python::bind_live(module);
   palpate::python::bind_ticked(module);
   palpate::python::bind_validate(module);

@@ -240,6 +240,9 @@ class Fit(WithFolder):
             self.assertEqual(ours['parameters'][name][0], theirs['parameters'][name])
         self.assertAlmostEqual(found['pooled']['tissue'].k1, ours['parameters']['k1_N_per_m'][0])
         self.assertEqual(len(ours['fitted']), len(ours['measured']))
+        written = self.folder / 'liver.toml'
+        written.write_text(found['pooled']['tissue'].to_toml())
+        self.assertEqual(palpate.load_tissue(str(written)).name, 'fitted')
 
     def test_refuses_what_cannot_be_fitted(self):
         with self.assertRaisesRegex(palpate.InputError, 'at least 10'):

@@ -411,5 +411,12 @@ TEST(Loop, WhatWasNotGrantedIsSaidInWords) {
   EXPECT_TRUE(run_with(again, {.ticks = 2, .offline = true}).report.remarks.empty()) << "not asked offline";
 }
 
+TEST(StallLimit, IsThereWhereAHandHoldsADevice) {
+  SimulationWorld world = block_and_balls(2, 1000.0);
+  EXPECT_EQ(stall_limit_ns(world), 0);
+  world.mappings[1].held = true;
+  EXPECT_EQ(stall_limit_ns(world), 20'000'000);
+}
+
 }  // namespace
 }  // namespace palpate::haptics

@@ -1,5 +1,9 @@
 #include "palpate/record/flight_recorder.h"
 
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
@@ -90,6 +94,25 @@ TEST(FlightRecorder, WritesARecordingThatOpens) {
   EXPECT_TRUE(same_bits(recording.rows.front(), recorder.rows().front()));
   EXPECT_TRUE(same_bits(recording.rows.back(), recorder.rows().back()));
   EXPECT_EQ(recording.facts.started_unix_ns, kStarted);
+}
+
+TEST(KeepFlight, PutsWhatLedToAFaultIntoTheUsersStateFolder) {
+  const TemporaryFolder folder;
+  const char* const before = std::getenv("XDG_STATE_HOME");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("XDG_STATE_HOME", folder.path().c_str(), 1);
+  const scene::Setup setup = two_hands();
+  FlightRecorder recorder(nullptr, setup);
+  recorder.put(row_of(0, 0, haptics::Fault::kDevice));
+  recorder.put(row_of(0, 1));
+  const std::filesystem::path file = keep_flight(recorder, {});
+  if (before == nullptr) {
+    unsetenv("XDG_STATE_HOME");
+  } else {
+    setenv("XDG_STATE_HOME", kept.c_str(), 1);
+  }
+  EXPECT_EQ(file.parent_path(), folder / "palpate" / "faults");
+  EXPECT_EQ(read_recording(file).rows.size(), 2U);
 }
 
 TEST(FlightRecorder, AFolderThatIsNotThereIsNamed) {

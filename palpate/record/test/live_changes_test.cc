@@ -265,5 +265,18 @@ TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
   EXPECT_THAT(accepted.warnings, testing::Contains(HasSubstr("the device may tremble")));
 }
 
+TEST(RadiusRemarks, NameAnIndenterOfAnotherSizeThanTheTip) {
+  scene::Setup setup = block_and_ball();
+  const haptics::SimulationWorld world = assemble(setup);
+  EXPECT_THAT(radius_remarks(setup, world), testing::IsEmpty()) << "the tissue does not say";
+  setup.tissue.source = model::SourceParameters{"ball", 0.6 * kBallRadius};
+  EXPECT_THAT(radius_remarks(setup, world), testing::IsEmpty()) << "less than twofold";
+  setup.tissue.source->radius = 0.4 * kBallRadius;
+  EXPECT_THAT(radius_remarks(setup, world),
+              testing::ElementsAre(AllOf(HasSubstr("1.2 mm radius"), HasSubstr("'ball' has 3 mm"))));
+  setup.tissue.source->radius = 2.5 * kBallRadius;
+  EXPECT_THAT(radius_remarks(setup, world), testing::SizeIs(1));
+}
+
 }  // namespace
 }  // namespace palpate::record

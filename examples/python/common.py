@@ -1,0 +1,34 @@
+"""What the examples share: the folder for their pictures, and how those look."""
+import argparse
+import pathlib
+
+import matplotlib
+
+matplotlib.use('Agg')  # no display is needed
+import matplotlib.pyplot as plt  # noqa: E402
+
+BLUE, ORANGE, GREEN, GREY = '#0072B2', '#D55E00', '#009E73', '#777777'  # told apart by everyone [Okabe and Ito 2008]
+
+
+def out_folder(document):
+    """The folder of --out, else the current one."""
+    parser = argparse.ArgumentParser(description=document)
+    parser.add_argument('--out', type=pathlib.Path, default=pathlib.Path('.'), help='folder for the pictures')
+    folder = parser.parse_args().out
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def figure(rows, height):
+    """Panes above one another, over one axis."""
+    made, panes = plt.subplots(rows, 1, figsize=(7.5, height), sharex=True, constrained_layout=True, squeeze=False)
+    for pane in panes[:, 0]:
+        pane.grid(color='#e4e4e4')
+        pane.spines[['top', 'right']].set_visible(False)
+    return made, panes[:, 0]
+
+
+def save(made, file):
+    made.savefig(file, dpi=150)
+    plt.close(made)
+    print(file)
