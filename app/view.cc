@@ -108,58 +108,39 @@ Wanted checked(const ViewFlags& flags) {
 // One recording, drawn.
 class Viewer final {
  public:
-  Viewer(const record::Recording& recording, const std::string& file, const Wanted& wanted, bool close_up,
-         const contact::Preparation& how)
-      : recording_(recording),
-        file_(file),
-        frames_(recording, how),
+  Viewer(RecordedView& seen, const Wanted& wanted, bool close_up)
+      : seen_(seen),
         map_range_(wanted.map_range),
-        renderer_(subject(), wanted.size.width, wanted.size.height, wanted.quality) {
-    const haptics::Snapshot deepest = frames_.at(frames_.deepest());
-    const contact::ToolResult& result = deepest.results[0];
-    const bool contact = result.view_count > 0;
-    camera_ = render::frame_contact(subject(), deepest, contact ? result.contact_W : result.nearest_W,
-                                    contact ? result.normal_W : result.away_W, close_up);
+        camera_(seen.camera(0, close_up)),
+        renderer_(seen.subject(), wanted.size.width, wanted.size.height, wanted.quality) {
     renderer_.set_map_range(map_range_);
   }
 
-  [[nodiscard]] double duration_s() const { return static_cast<double>(frames_.ticks()) / rate(); }
-  [[nodiscard]] double deepest_s() const { return static_cast<double>(frames_.deepest()) / rate(); }
-
   [[nodiscard]] render::Image at(double time) {
-    const auto last = static_cast<double>(frames_.ticks() - 1);
-    const double tick = std::min(last, std::round(time * rate()));
-    render::Image picture = renderer_.draw(frames_.at(static_cast<std::uint64_t>(tick)), camera_);
+    render::Image picture = renderer_.draw(seen_.frames().at(seen_.tick_at(time)), camera_);
     render::draw_map_legend(picture, map_range_);
     return picture;
   }
 
-  void require_within(const char* flag, double time) const {
-    if (time > duration_s())
-      throw InputError(std::string(flag) + " " + shortest(time) + ": " + file_ + " ends at " +
-                       shortest(duration_s()) + " s");
-  }
-
  private:
-  [[nodiscard]] double rate() const { return recording_.setup.rate_Hz; }
-  [[nodiscard]] render::Subject subject() const {
-    const scene::Setup& setup = recording_.setup;
-    return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
-  }
-
-  const record::Recording& recording_;
-  std::string file_;
-  record::RecordingFrames frames_;
+  RecordedView& seen_;
   double map_range_;  // m; 0: no map
-  render::OffscreenRenderer renderer_;
   render::Camera camera_;
+  render::OffscreenRenderer renderer_;
 };
 
-void make_film(Viewer& viewer, const ViewFlags& flags, const Wanted& wanted, Progress& bar) {
+void require_within(const char* flag, double time, const RecordedView& seen) {
+  if (time > seen.duration_s())
+    throw InputError(std::string(flag) + " " + shortest(time) + ": " + seen.file().string() + " ends at " +
+                     shortest(seen.duration_s()) + " s");
+}
+
+void make_film(Viewer& viewer, const RecordedView& seen, const ViewFlags& flags, const Wanted& wanted,
+               Progress& bar) {
   const double from = wanted.from.value_or(0.0);
-  const double to = wanted.to.value_or(viewer.duration_s());
-  viewer.require_within("--from-s", from);
-  viewer.require_within("--to-s", to);
+  const double to = wanted.to.value_or(seen.duration_s());
+  require_within("--from-s", from, seen);
+  require_within("--to-s", to, seen);
   if (from > to) throw InputError("--from-s " + shortest(from) + ": later than --to-s " + shortest(to));
   const double count = std::floor((to - from) * wanted.slow * wanted.fps) + 1.0;
   if (!(count <= kMostFrames))
@@ -178,20 +159,22 @@ void make_film(Viewer& viewer, const ViewFlags& flags, const Wanted& wanted, Pro
 int view(const ViewFlags& flags) {
   const Wanted wanted = checked(flags);
   Progress bar("view");
-  const record::Recording recording = record::read_recording(
-      flags.file, [&](double share) { bar.update(0.1 * share, "reading " + flags.file); });
-  if (recording.rows.empty()) throw InputError(flags.file + ": no tick is in it, so there is nothing to see");
-  const OrganPreparation preparation(flags.no_cache);
-  Viewer viewer(recording, flags.file, wanted, flags.close_up, preparation.how());
+  RecordedView seen(flags.file, flags.no_cache,
+                    [&](double share) { bar.update(0.1 * share, "reading " + flags.file); });
+  if (wanted.at) require_within("--at-s", *wanted.at, seen);
+  if (wanted.window) {
+    bar.clear();
+    return view_in_window(seen, flags, wanted);
+  }
+  Viewer viewer(seen, wanted, flags.close_up);
   if (!flags.screenshot.empty()) {
-    const double time = wanted.at.value_or(viewer.deepest_s());
-    viewer.require_within("--at-s", time);
+    const double time = wanted.at.value_or(seen.time_of(seen.frames().deepest()));
     render::write_png(viewer.at(time), flags.screenshot);
     bar.clear();
     tell(flags.screenshot + " shows " + shortest(time) + " s" +
          (wanted.at ? "" : ", where the contact is deepest"));
   }
-  if (!flags.video.empty()) make_film(viewer, flags, wanted, bar);
+  if (!flags.video.empty()) make_film(viewer, seen, flags, wanted, bar);
   return kDone;
 }
 

@@ -92,6 +92,7 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
       {"R", "reset a fault"},
       {"N", "touch noise on or off"},
       {"Ctrl + R", "run again and record; or end the recording"},
+      {"V", "look at the recording, in the viewer's window"},
       {"P", "save a picture of the window (PNG)"},
       {"Ctrl + O", "choose an organ's file (or drop any file here)"},
       {"Ctrl + S", "save the tissue"},
@@ -109,7 +110,7 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
   const ImVec2 all = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos(ImVec2(0.5F * all.x, 0.5F * all.y), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
   ImGui::SetNextWindowBgAlpha(0.97F);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(22.0F, 16.0F));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(1.5F * ImGui::GetFontSize(), 1.1F * ImGui::GetFontSize()));
   if (ImGui::Begin("Keys", &state.help,
                    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize |
                        ImGuiWindowFlags_NoSavedSettings)) {

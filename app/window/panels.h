@@ -12,6 +12,7 @@
 #include "palpate/scene/load.h"
 
 #include "app/window/file_chooser.h"
+#include "app/window/stage.h"
 #include "app/window/traces.h"
 
 namespace palpate::app {
@@ -40,6 +41,7 @@ struct Shown {
   const noise::NoiseSettings& noise;      // as felt
   std::vector<HandWords> hands;
   std::string recording{};  // file being written; empty: none
+  std::string looked_at{};  // file that could be looked at: the same, or the last one; empty: none
   bool ended = false;       // the run has
   bool paused = false;      // the picture is
   bool preparing = false;   // the next session is being
@@ -64,6 +66,7 @@ struct Wishes {
   bool reset_faults = false;
   bool full_screen = false;
   bool home = false;  // the camera
+  bool look = false;  // at the recording, in a window of its own
   bool leave = false;
 };
 
@@ -75,14 +78,6 @@ struct PanelState {
   double user_threshold = 20e-3;  // N
   double noise_share = 0.6;
   FileChooser files;
-};
-
-/// Where things are in the window [window units, y down].
-struct Rectangle {
-  float x = 0.0F;
-  float y = 0.0F;
-  float width = 0.0F;
-  float height = 0.0F;
 };
 
 /// How the window is shared out: the panels are beside the picture, never on it.

@@ -101,6 +101,16 @@ void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
   ImGui::SameLine();
   if (ImGui::Button("Picture", ImVec2(half, 0.0F))) wishes.screenshot = true;
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("P: saves the window as a PNG in the working folder");
+  ImGui::BeginDisabled(shown.looked_at.empty());
+  if (ImGui::Button("Look at the recording  (V)", ImVec2(-1.0F, 0.0F))) wishes.look = true;
+  ImGui::EndDisabled();
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
+    ImGui::SetTooltip("%s", shown.looked_at.empty()
+                                ? "nothing is recorded yet: Record, or palpate run --record FILE"
+                                : ("the viewer opens " + short_name(shown.looked_at) +
+                                   " in a window of its own, as far as it is written")
+                                      .c_str());
+  }
   if (recording) ImGui::TextColored(colour::kForce, "recording to %s", short_name(shown.recording).c_str());
   ImGui::Spacing();
 }

@@ -1,5 +1,4 @@
 // The sessions that a window plays, one after the other.
-#include <ctime>
 #include <exception>
 #include <fstream>
 #include <utility>
@@ -25,28 +24,25 @@ bool same(const model::ReachParameters& a, const model::ReachParameters& b) {
 void Window::begin(std::unique_ptr<LiveRun> run) {
   run_ = std::move(run);
   ++runs_begun_;
+  if (!run_->recording().empty()) last_recording_ = run_->recording();
   const scene::Setup& setup = run_->session().setup;
   tissue_ = setup.tissue;
   noise_ = setup.noise;
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(setup.rate_Hz);
   make_renderer();
-  frame_times_.clear();
+  live_.forget_times();
   snapshot_there_ = false;
   paused_ = false;
   steering_.take(run_->session());
-  display_.set_title("Palpate: " + title_of(setup));
+  stage_.display().set_title("Palpate: " + title_of(setup));
 }
 
 /// The renderer of the session's organ, which gives way as the tissue does that is felt now, in the colours
 /// of the tissue that the session began with.
 void Window::make_renderer() {
-  renderer_.reset();  // the old one's memory goes before the new one's comes
-  drawn_size_ = {64, 64};
-  renderer_ = std::make_unique<render::OffscreenRenderer>(subject(), drawn_size_.width, drawn_size_.height,
-                                                          render::OffscreenRenderer::InCurrentContext{});
+  live_.take(subject());
   reach_changed_ = false;
-  picture_stale_ = true;
 }
 
 render::Subject Window::subject() const {
@@ -114,13 +110,15 @@ void Window::restart(scene::Request request, bool keep_edits, fs::path recording
   next_ = std::make_unique<NextSession>(std::move(request), std::move(kept), std::move(recording));
 }
 
-fs::path Window::new_recording() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  localtime_r(&now, &parts);
-  char text[64];
-  (void)std::strftime(text, sizeof text, "palpate-%Y%m%d-%H%M%S.h5", &parts);
-  return fs::current_path() / text;
+/// In a program of its own, so that the loop that still plays is not held up. What is being written is seen as
+/// far as it has come.
+void Window::look_at(const fs::path& recording) {
+  try {
+    onlookers_.open(options_.viewer, recording);
+    say(recording.filename().string() + " opens in a window of its own");
+  } catch (const InputError& error) {
+    say(error.what());
+  }
 }
 
 /// While a run goes on the loop takes the change at one of its next ticks; afterwards the next run begins
@@ -181,6 +179,9 @@ void Window::take_file(const ChosenFile& file) {
         say(error.what());
       }
       return;
+    case FileUse::kRecording:
+      look_at(file.path);
+      return;
     case FileUse::kSaveTissue: {
       std::ofstream out(file.path);
       out << scene::to_toml(tissue_) << std::flush;
@@ -198,10 +199,17 @@ void Window::grant(const Wishes& wishes) {
   if (wishes.reset_faults) reset_faults();
   if (wishes.pause) paused_ = !paused_;
   if (wishes.home) camera_set_ = false;
-  if (wishes.full_screen) display_.toggle_full_screen();
+  if (wishes.full_screen) stage_.display().toggle_full_screen();
+  if (wishes.look) {
+    if (last_recording_.empty()) {
+      say("nothing is recorded yet: Ctrl + R records");
+    } else {
+      look_at(last_recording_);
+    }
+  }
   if (wishes.file) take_file(*wishes.file);
   if (wishes.request) restart(*wishes.request, false, {});
-  if (wishes.record) restart(request_, true, *wishes.record ? new_recording() : fs::path());
+  if (wishes.record) restart(request_, true, *wishes.record ? named_by_time(".h5") : fs::path());
   if (wishes.again) restart(request_, true, {});
 }
 

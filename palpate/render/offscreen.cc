@@ -142,10 +142,15 @@ OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int heig
 }
 
 OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height,
-                                     InCurrentContext /*here*/) {
-  check_size(width, height);
-  impl_ = std::make_unique<Impl>(subject, width, height, Quality::kBalanced);
+                                     InCurrentContext here)
+    : OffscreenRenderer(subject, width, height, here, Quality::kBalanced) {
   impl_->choice.emplace();
+}
+
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext /*here*/,
+                                     Quality quality) {
+  check_size(width, height);
+  impl_ = std::make_unique<Impl>(subject, width, height, quality);
 }
 
 OffscreenRenderer::~OffscreenRenderer() {
