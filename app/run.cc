@@ -37,6 +37,7 @@ struct RunFlags {
   std::optional<std::uint64_t> max_missed;
   std::optional<int> igtl_port;
   std::optional<int> core;
+  std::string ui_scale;
   OutputFiles files;
 };
 
@@ -93,6 +94,7 @@ bool wants_outputs(const RunFlags& flags) {
 struct Played {
   RunAccount account;
   bool later_fault = false;
+  bool display_lost = false;
 };
 
 Played play_in_window(Session& session, const RunFlags& flags, const fs::path& recording,
@@ -103,6 +105,7 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
   options.duration_s = flags.duration_s;
   options.no_cache = flags.no_cache;
   options.stays = !wants_outputs(flags);
+  options.scale = UiScale::asked(flags.ui_scale);
   options.stop = &stop;
   WindowOutcome outcome = run_in_window(session, flags.request, options);
   const auto in_ms = [](double time) { return shortest(std::round(1e3 * time)) + " ms"; };
@@ -112,7 +115,7 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
     tell(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
          " in the window; what follows is the first");
   }
-  return {std::move(outcome.account), outcome.later_fault};
+  return {std::move(outcome.account), outcome.later_fault, outcome.display_lost};
 }
 
 /// In a window where there can be one.
@@ -126,7 +129,7 @@ Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& re
       require_window(session, flags, false);
     }
   }
-  return {play(session, {recording, flags.offline, flags.core}, signals.flag()), false};
+  return {play(session, {recording, flags.offline, flags.core}, signals.flag()), false, false};
 }
 
 int run(const RunFlags& flags, const std::string& command_line) {
@@ -135,6 +138,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
                      ": OpenIGTLink is not in this version of palpate; run without --igtl");
   }
   require_usable_core(flags.core);
+  (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
   Session session = prepare(flags.request, flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);
   require_window(session, flags, window);
@@ -152,7 +156,11 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const std::string title = title_of(session.setup);
   const Played played = play_as_asked(session, flags, recorded, window);
   const RunAccount& account = played.account;
-  const bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
+  bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
+  if (draw && played.display_lost) {  // SDL holds on to the display that is gone, and cannot have another
+    tell("no pictures can be drawn now: palpate view " + recorded.string() + " --screenshot FILE.png does");
+    draw = false;
+  }
   if (draw) {
     const record::Recording recording = record::read_recording(recorded);
     if (!files.screenshot.empty())
@@ -204,6 +212,8 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--report", flags.files.report, "write report.html and its figures to this folder");
   command.add_option("--screenshot", flags.files.screenshot, "write a PNG of the deepest moment");
   command.add_flag("--headless", flags.headless, "no window, also where there is a display");
+  command.add_option("--ui-scale", flags.ui_scale,
+                     "the window's letters and panels, 0.5 to 4 (default: as the display says)");
   command.add_option("--max-missed", flags.max_missed, "exit 4 when more deadlines were missed");
   command.add_option("--core", flags.core, kCoreHelp);
   command.add_option("--igtl", flags.igtl_port, "OpenIGTLink port (not in this version)");

@@ -1,8 +1,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -91,11 +94,42 @@ struct Layout {
 /// [any] @param scale of all things. A window too small for panels and picture has the picture alone.
 [[nodiscard]] Layout lay_out(float width, float height, float scale, const PanelState& state);
 
+/// What the plots show of a run.
+struct Plotted {
+  struct Hand {
+    const std::deque<RowSample>& rows;  // of the time shown
+    RowSample now;                      // the newest, or where the cursor is
+  };
+  const model::TissueParameters& tissue;  // whose law is drawn
+  model::Direction direction = model::Direction::kPress;
+  double rate_Hz = 1000.0;
+  std::vector<Hand> hands{};
+  std::size_t strong = 0;  // the hand whose lines are drawn strongly
+  double from = 0.0;       // s
+  double to = 8.0;
+  std::optional<double> cursor{};  // s: what comes after it is drawn faintly over depth
+};
+
 // Each draws one panel (between ImGui's NewFrame and Render) and notes what is asked for.
 void draw_left(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes);
 void draw_right(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes);
-void draw_plots(const Rectangle& place, const Shown& shown);
+void draw_plots(const Rectangle& place, const Plotted& plotted);
 void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
+[[nodiscard]] Plotted plotted(const Shown& shown);
+
+/// A key and what it does.
+struct KeyLine {
+  const char* keys;
+  const char* what;
+};
+/// A window "Keys" in the middle, while `open`; `more` draws below the lines.
+void draw_keys(bool& open, std::span<const KeyLine> lines, const std::function<void()>& more);
+/// Lines of keys, as a table.
+void draw_key_lines(const char* name, std::span<const KeyLine> lines);
+/// A heading that opens and closes its panel. @return whether it is open
+[[nodiscard]] bool panel_heading(const char* text, bool& open);
+/// Begins the ImGui window of a column of panels.
+void begin_column(const char* name, const Rectangle& place);
 
 // The parts of the above that have a file of their own.
 void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes);

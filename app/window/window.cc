@@ -206,7 +206,7 @@ void Window::compose() {
   const Shown all = shown();
   if (layout_.left.width > 0.0F) draw_left(layout_.left, all, panels_, wishes_);
   if (layout_.right.width > 0.0F) draw_right(layout_.right, all, panels_, wishes_);
-  if (layout_.bottom.height > 0.0F) draw_plots(layout_.bottom, all);
+  if (layout_.bottom.height > 0.0F) draw_plots(layout_.bottom, plotted(all));
   draw_overlay();
   draw_help(panels_, steering_.mouse_steers(), steering_.gamepad_steers());
   if (std::optional<ChosenFile> file = panels_.files.draw()) wishes_.file = std::move(file);
