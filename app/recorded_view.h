@@ -10,8 +10,8 @@
 
 namespace palpate::app {
 
-/// A recording that is opened to be looked at: the same moments, seen from the same place, in a file, in a film
-/// and in the viewer's window. One thread, unless said.
+/// A recording that is opened to be looked at: the same moments, seen from the same place, in a file, in a
+/// film and in the viewer's window. One thread, unless said.
 class RecordedView final {
  public:
   /// [setup] Reads the file and prepares its organ. @param no_cache the organ is prepared anew

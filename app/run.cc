@@ -158,8 +158,13 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const RunAccount& account = played.account;
   bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
   if (draw && played.display_lost) {  // SDL holds on to the display that is gone, and cannot have another
-    tell("no pictures can be drawn now: palpate view " + recorded.string() + " --screenshot FILE.png does");
+    tell("no pictures can be drawn now: no report and no screenshot were made" +
+         (files.recording.empty()
+              ? std::string()
+              : "; palpate view " + files.recording.string() + " --screenshot does that"));
     draw = false;
+    files.report.clear();
+    files.screenshot.clear();
   }
   if (draw) {
     const record::Recording recording = record::read_recording(recorded);

@@ -86,9 +86,10 @@ Wanted checked(const ViewFlags& flags) {
   Wanted wanted;
   wanted.window = flags.screenshot.empty() && flags.video.empty();
   if (wanted.window && !display_there())
-    throw InputError("view " + flags.file +
-                     ": there is no display for a window: want --screenshot FILE.png (one moment, --at-s T) or "
-                     "--video FILE.mp4 (--from-s, --to-s, --fps, --slow)");
+    throw InputError(
+        "view " + flags.file +
+        ": there is no display for a window: want --screenshot FILE.png (one moment, --at-s T) or "
+        "--video FILE.mp4 (--from-s, --to-s, --fps, --slow)");
   const auto seconds = [](const char* flag, const std::optional<std::string>& text) {
     return text ? std::optional(parse_not_negative(flag, *text)) : std::nullopt;
   };
@@ -229,7 +230,8 @@ void add_flags(CLI::App& command, ViewFlags& flags) {
 
 void add_view(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<ViewFlags>();
-  CLI::App* command = program.add_subcommand("view", "Look at a recording: in a window, a picture of a moment, or a film");
+  CLI::App* command =
+      program.add_subcommand("view", "Look at a recording: in a window, a picture of a moment, or a film");
   add_flags(*command, *flags);
   command->callback([flags, &exit_code] { exit_code = view(*flags); });
 }

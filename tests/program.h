@@ -69,6 +69,12 @@ class Program final {
     _exit(127);
   }
   void signal(int number) const { kill(child_, number); }
+  /// Whether it has ended by itself.
+  [[nodiscard]] bool ended() const {
+    siginfo_t how{};
+    return waitid(P_PID, static_cast<id_t>(child_), &how, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           how.si_pid == child_;
+  }
   Outcome wait() {
     int status = 0;
     waitpid(child_, &status, 0);

@@ -25,23 +25,30 @@ std::atomic<bool> display_is_lost{false};
 
 constexpr const char* kGone = "the display is gone";
 
-/// X would end the program at once, with the device's force as it is. The exception goes through X, SDL and Mesa,
-/// which are C with unwind tables; none of them is called again.
+/// X would end the program at once, with the device's force as it is. The exception goes through X, SDL and
+/// Mesa, which are C with unwind tables; none of them is called again.
 extern "C" int x_connection_is_lost(void* /*display*/) {
   display_is_lost = true;
   throw DisplayLost(kGone);
 }
 
+/// A request that X refuses (a window that another program has destroyed, memory that ran out) would end the
+/// program, too. What it was for is not seen; the run goes on.
+extern "C" int x_request_is_refused(void* /*display*/, void* /*event*/) { return 0; }
+
 /// X is loaded by SDL, if it is at all.
 void hear_of_lost_display() {
-  using Handler = int (*)(void*);
-  using Setter = Handler (*)(Handler);
+  using LossHandler = int (*)(void*);
+  using ErrorHandler = int (*)(void*, void*);
   display_is_lost = false;
   const char* driver = SDL_GetCurrentVideoDriver();
   if (driver == nullptr || std::string(driver) != "x11") return;  // Wayland's loss is told by SDL_QUIT
   void* library = dlopen("libX11.so.6", RTLD_NOW | RTLD_NOLOAD);
   if (library == nullptr) return;
-  if (auto setter = reinterpret_cast<Setter>(dlsym(library, "XSetIOErrorHandler"))) setter(&x_connection_is_lost);
+  const auto of_loss = reinterpret_cast<LossHandler (*)(LossHandler)>(dlsym(library, "XSetIOErrorHandler"));
+  const auto of_error = reinterpret_cast<ErrorHandler (*)(ErrorHandler)>(dlsym(library, "XSetErrorHandler"));
+  if (of_loss != nullptr) of_loss(&x_connection_is_lost);
+  if (of_error != nullptr) of_error(&x_request_is_refused);
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ class NoWindow final : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The display has gone while there was a window on it (its server ended, its cable of a network was cut), or the
-/// graphics card lost what was on it. Nothing can be drawn any more; everything else goes on.
+/// The display has gone while there was a window on it (its server ended, its cable of a network was cut), or
+/// the graphics card lost what was on it. Nothing can be drawn any more; everything else goes on.
 class DisplayLost final : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -52,8 +52,8 @@ void LivePicture::set_map_range(double range) {
   stale_ = true;
 }
 
-bool LivePicture::show(const haptics::Snapshot& snapshot, const render::Camera& camera, const Rectangle& place,
-                       const Stage& stage) {
+bool LivePicture::show(const haptics::Snapshot& snapshot, const render::Camera& camera,
+                       const Rectangle& place, const Stage& stage) {
   drew_ = false;
   const PixelRectangle there = in_pixels(place, stage);
   if (there.width < 1 || there.height < 1) return false;

@@ -9,9 +9,9 @@
 
 namespace palpate::app {
 
-/// The picture of organ and tools in a window. Its quality and then its resolution follow what the machine can
-/// draw in time; a picture that would be the same is not drawn again. All members: [setup], the thread whose
-/// OpenGL context is current.
+/// The picture of organ and tools in a window. Its quality and then its resolution follow what the machine
+/// can draw in time; a picture that would be the same is not drawn again. All members: [setup], the thread
+/// whose OpenGL context is current.
 class LivePicture final {
  public:
   /// From here on pictures of this subject.
@@ -39,7 +39,7 @@ class LivePicture final {
   void fit(int width, int height);
 
   std::unique_ptr<render::OffscreenRenderer> renderer_;
-  Display::Size drawn_size_;   // of the renderer's pictures
+  Display::Size drawn_size_;    // of the renderer's pictures
   std::size_t resolution_ = 0;  // index of kResolutions
   bool held_ = false;
   double map_range_ = 0.0;  // m

@@ -27,7 +27,8 @@ void OrbitCamera::look(const render::Camera& camera, const Quat& world_P) {
 void OrbitCamera::look_as(const render::Camera& camera, double aspect) {
   exact_.reset();
   look(camera, Quat::Identity());
-  distance_ = std::clamp(distance_ * std::max(1.0, kUsualAspect / std::max(0.1, aspect)), kNearest, kFarthest);
+  distance_ =
+      std::clamp(distance_ * std::max(1.0, kUsualAspect / std::max(0.1, aspect)), kNearest, kFarthest);
 }
 
 void OrbitCamera::look_exactly_as(const render::Camera& camera) {

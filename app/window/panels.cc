@@ -113,6 +113,7 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
       {"wheel, + and -", "nearer, farther"},
       {"Home", "the view of the beginning"},
       {"Space", "hold the picture; the run goes on"},
+      {"Ctrl + Space", "pause the run, where no hand holds the device"},
       {"Enter", "run again from the start"},
       {"R", "reset a fault"},
       {"N", "touch noise on or off"},
@@ -125,13 +126,13 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
       {"Esc", "leave: zero force, recording closed"},
   };
   static constexpr KeyLine kMouse[] = {{"mouse", "moves the tool sideways (Shift: finely)"},
-                                    {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
-                                    {"left button", "closes the jaws; G: which way they rest"},
-                                    {"right, middle drag, Ctrl + wheel", "the view; 1 to 4: which hand"}};
+                                       {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
+                                       {"left button", "closes the jaws; G: which way they rest"},
+                                       {"right, middle drag, Ctrl + wheel", "the view; 1 to 4: which hand"}};
   static constexpr KeyLine kPad[] = {{"left stick", "moves the tool sideways"},
-                                  {"right stick", "down presses, up lifts"},
-                                  {"right trigger", "presses, up to 25 mm"},
-                                  {"left trigger", "closes the jaws"}};
+                                     {"right stick", "down presses, up lifts"},
+                                     {"right trigger", "presses, up to 25 mm"},
+                                     {"left trigger", "closes the jaws"}};
   draw_keys(state.help, kLines, [=] {
     if (mouse_steers) {
       ImGui::Separator();

@@ -47,6 +47,8 @@ struct Shown {
   std::string looked_at{};  // file that could be looked at: the same, or the last one; empty: none
   bool ended = false;       // the run has
   bool paused = false;      // the picture is
+  bool pausing = false;     // the run is: no time passes
+  bool may_pause = true;    // no hand holds a device
   bool preparing = false;   // the next session is being
   double frames_a_second = 0.0;
   double frame_time = 0.0;   // s, of the window's own work
@@ -64,7 +66,8 @@ struct Wishes {
   std::optional<ChosenFile> file;
   bool again = false;  // the same session anew; tissue and noise as they are
   std::optional<bool> record;
-  bool pause = false;  // or go on
+  bool pause = false;      // the picture, or go on
+  bool pause_run = false;  // the run, or go on
   bool screenshot = false;
   bool reset_faults = false;
   bool full_screen = false;

@@ -36,7 +36,8 @@ void Playback::choose_speed(std::size_t which) { speed_ = std::min(which, kSpeed
 
 void Playback::change_speed(int by) {
   const auto most = static_cast<std::int64_t>(kSpeeds.size()) - 1;
-  speed_ = static_cast<std::size_t>(std::clamp<std::int64_t>(static_cast<std::int64_t>(speed_) + by, 0, most));
+  speed_ =
+      static_cast<std::size_t>(std::clamp<std::int64_t>(static_cast<std::int64_t>(speed_) + by, 0, most));
 }
 
 }  // namespace palpate::app

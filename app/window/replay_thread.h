@@ -10,8 +10,8 @@
 
 namespace palpate::app {
 
-/// Runs a recording's ticks again on a thread of its own, towards whatever tick is wanted last, so that a window
-/// stays fluid on a long way. All members: [any], one thread.
+/// Runs a recording's ticks again on a thread of its own, towards whatever tick is wanted last, so that a
+/// window stays fluid on a long way. All members: [any], one thread.
 class ReplayThread final {
  public:
   /// @param frames are this thread's alone until its end

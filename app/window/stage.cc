@@ -33,7 +33,8 @@ std::optional<float> UiScale::asked(const std::string& flag) {
   std::string name = "--ui-scale";
   std::string text = flag;
   if (text.empty()) {
-    const char* variable = std::getenv("PALPATE_UI_SCALE");  // NOLINT(concurrency-mt-unsafe): nothing writes it
+    const char* variable =
+        std::getenv("PALPATE_UI_SCALE");  // NOLINT(concurrency-mt-unsafe): nothing writes it
     if (variable == nullptr || *variable == '\0') return std::nullopt;
     name = "PALPATE_UI_SCALE";
     text = variable;
@@ -50,7 +51,6 @@ Stage::Stage(const std::string& title, Display::Size size, std::optional<float> 
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // nothing is written that nobody asked for
-  io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
   ImGui_ImplSDL2_InitForOpenGL(display_.window(), display_.context());
   ImGui_ImplOpenGL3_Init("#version 330 core");
   scale_ = asked_.value_or(display_.scale());
@@ -74,10 +74,20 @@ void Stage::take(const SDL_Event& event) {
   ImGui_ImplSDL2_ProcessEvent(&event);
   if (event.type == SDL_MOUSEMOTION) mouse_at_ = {event.motion.x, event.motion.y};
   if (event.type == SDL_MOUSEBUTTONDOWN || event.type == SDL_MOUSEBUTTONUP) take_mouse(event.button);
+  if (event.type == SDL_KEYDOWN) take_key(event.key.keysym);
+  if (event.type == SDL_MOUSEBUTTONDOWN) keys_in_panels_ = false;
   if (event.type != SDL_WINDOWEVENT) return;
   // Onto a display of other dots an inch, or the system's own scale has changed.
-  if (event.window.event == SDL_WINDOWEVENT_DISPLAY_CHANGED || event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)
+  if (event.window.event == SDL_WINDOWEVENT_DISPLAY_CHANGED ||
+      event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)
     scale_may_differ_ = true;
+}
+
+/// Keys are the picture's, also after a click on a panel, until Ctrl + Tab goes into the panels and Esc, or
+/// the mouse, comes out again.
+void Stage::take_key(const SDL_Keysym& key) {
+  if (key.sym == SDLK_TAB && (key.mod & KMOD_CTRL) != 0) keys_in_panels_ = true;
+  if (key.sym == SDLK_ESCAPE) keys_in_panels_ = false;
 }
 
 void Stage::take_mouse(const SDL_MouseButtonEvent& button) {
@@ -121,6 +131,12 @@ void Stage::begin_panels() {
     io.MouseDown[button] = (((mouse_down_ | mouse_pressed_) >> button) & 1U) != 0;
   }
   mouse_pressed_ = 0;
+  const bool dialog = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+  if (keys_in_panels_ || dialog) {
+    io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  } else {
+    io.ConfigFlags &= ~ImGuiConfigFlags_NavEnableKeyboard;
+  }
   ImGui::NewFrame();
 }
 
@@ -155,8 +171,7 @@ render::Image Stage::picture() const {
 bool Stage::graphics_lost() const {
   const bool can_say = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_ARB_robustness");
   if (!can_say) return false;
-  const GLenum status =
-      epoxy_gl_version() >= 45 ? glGetGraphicsResetStatus() : glGetGraphicsResetStatusARB();
+  const GLenum status = epoxy_gl_version() >= 45 ? glGetGraphicsResetStatus() : glGetGraphicsResetStatusARB();
   return status != GL_NO_ERROR;
 }
 
@@ -181,8 +196,8 @@ float draw_strip(float x, float y, float width, const std::string& words, bool f
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddRectFilled(ImVec2(x, y), ImVec2(x + width, y + height),
                      packed(fault ? colour::kFault : colour::kNews, 0.94F));
-  list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), words.c_str(), nullptr,
-               width - 2.0F * margin);
+  list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), words.c_str(),
+               nullptr, width - 2.0F * margin);
   return height;
 }
 

@@ -26,8 +26,8 @@ struct UiScale {
   static constexpr double kLeast = 0.5;
   static constexpr double kMost = 4.0;
 
-  /// [setup] From --ui-scale, else from PALPATE_UI_SCALE. @throws InputError naming it when it is no number from
-  /// kLeast to kMost.
+  /// [setup] From --ui-scale, else from PALPATE_UI_SCALE. @throws InputError naming it when it is no number
+  /// from kLeast to kMost.
   [[nodiscard]] static std::optional<float> asked(const std::string& flag);
 };
 
@@ -74,6 +74,7 @@ class Stage final {
   [[nodiscard]] static bool out_of_memory();
 
  private:
+  void take_key(const SDL_Keysym& key);
   void take_mouse(const SDL_MouseButtonEvent& button);
   void look_at_scale();
 
@@ -82,6 +83,7 @@ class Stage final {
   float scale_ = 1.0F;
   double pixels_a_unit_ = 1.0;
   bool scale_may_differ_ = false;
+  bool keys_in_panels_ = false;  // arrows, Space and Enter go there
   std::pair<int, int> mouse_at_{-1, -1};
   std::uint32_t mouse_down_ = 0;     // ImGui's buttons, a bit each
   std::uint32_t mouse_pressed_ = 0;  // in this frame: a click within a frame counts

@@ -13,7 +13,8 @@
 namespace palpate::app {
 namespace {
 
-constexpr std::array<const char*, Playback::kSpeeds.size()> kSpeedNames = {"1/10", "1/4", "1/2", "1\u00d7", "2\u00d7"};
+constexpr std::array<const char*, Playback::kSpeeds.size()> kSpeedNames = {"1/10", "1/4", "1/2", "1\u00d7",
+                                                                           "2\u00d7"};
 
 /// A button of the row; the next one stands beside it. @return whether it was pressed
 bool button(const char* text, const char* explanation, float width = 0.0F) {
@@ -26,7 +27,8 @@ bool button(const char* text, const char* explanation, float width = 0.0F) {
 void play_buttons(const Seen& seen, ViewerWishes& wishes) {
   if (button("|\u25c0", "Home: to the beginning")) wishes.go_to = 0;
   if (button("\u25c0 tick", "Shift + left: a tick back")) wishes.ticks = -1;
-  if (button("\u25c0 picture", "left: a picture back, as far as pictures are apart at this speed")) wishes.pictures = -1;
+  if (button("\u25c0 picture", "left: a picture back, as far as pictures are apart at this speed"))
+    wishes.pictures = -1;
   if (button(seen.playback.playing() ? "Pause" : "Play", "Space", 4.6F)) wishes.play = true;
   if (button("picture \u25b6", "right: a picture on")) wishes.pictures = 1;
   if (button("tick \u25b6", "Shift + right: a tick on")) wishes.ticks = 1;
@@ -44,11 +46,14 @@ void speed_buttons(const Seen& seen, ViewerWishes& wishes) {
 
 void jump_buttons(const Seen& seen, const HandOverview& hand, ViewerWishes& wishes) {
   ImGui::BeginDisabled(hand.contacts.empty());
-  if (button("First contact", "C: where this hand first touches the tissue")) wishes.go_to = hand.contacts.front().first;
+  if (button("First contact", "C: where this hand first touches the tissue"))
+    wishes.go_to = hand.contacts.front().first;
   ImGui::EndDisabled();
-  if (button("Deepest", "D: where this hand is deepest (without contact: nearest)")) wishes.go_to = hand.deepest;
+  if (button("Deepest", "D: where this hand is deepest (without contact: nearest)"))
+    wishes.go_to = hand.deepest;
   ImGui::BeginDisabled(hand.faults.empty());
-  if (button("Fault", "F: where a fault is latched; again: the next one")) wishes.go_to = next_fault(hand, seen.tick);
+  if (button("Fault", "F: where a fault is latched; again: the next one"))
+    wishes.go_to = next_fault(hand, seen.tick);
   ImGui::EndDisabled();
 }
 
@@ -74,16 +79,19 @@ void draw_run(const Strip& strip, const Seen& seen, const HandOverview& hand) {
   list.AddRectFilled(strip.low, strip.high, packed(ImVec4(0.125F, 0.13F, 0.14F, 1.0F)));
   for (const HandOverview::Contact& contact : hand.contacts) {
     list.AddRectFilled(ImVec2(strip.x(view.time_of(contact.first)), strip.low.y),
-                       ImVec2(strip.x(view.time_of(contact.last + 1)), strip.high.y), packed(colour::kDepth, 0.10F));
+                       ImVec2(strip.x(view.time_of(contact.last + 1)), strip.high.y),
+                       packed(colour::kDepth, 0.10F));
   }
   const double most = std::max(1.0, hand.deepest_mm);
   const auto height = [&](double depth_mm) {
     return strip.low.y + 2.0F + static_cast<float>(depth_mm / most) * (strip.high.y - strip.low.y - 4.0F);
   };
-  for (const PlotColumn& column : hand.depth) {  // downwards, as the tool goes
-    const float left = strip.x(column.x);
-    const float right = std::max(left + 1.0F, strip.x(column.x + seen.overview.column_width));
-    list.AddRectFilled(ImVec2(left, height(0.0)), ImVec2(right, height(column.most)), packed(colour::kDepth, 0.28F));
+  for (const PlotColumn& column : hand.depth) {        // downwards, as the tool goes
+    const float left = std::floor(strip.x(column.x));  // whole pixels: what overlaps is seen as stripes
+    const float right = std::floor(strip.x(column.x + seen.overview.column_width));
+    if (right <= left) continue;
+    list.AddRectFilled(ImVec2(left, height(0.0)), ImVec2(right, height(column.most)),
+                       packed(colour::kDepth, 0.28F));
     list.AddRectFilled(ImVec2(left, height(column.least) - 1.0F), ImVec2(right, height(column.most) + 1.0F),
                        packed(colour::kDepth, 0.9F));
   }
@@ -95,7 +103,8 @@ void draw_run(const Strip& strip, const Seen& seen, const HandOverview& hand) {
   for (const std::uint64_t fault : hand.faults) {
     const float x = strip.x(view.time_of(fault));
     list.AddLine(ImVec2(x, strip.low.y), ImVec2(x, strip.high.y), packed(colour::kFault), 0.15F * text);
-    list.AddRectFilled(ImVec2(x, strip.low.y), ImVec2(x + 0.5F * text, strip.low.y + 0.4F * text), packed(colour::kFault));
+    list.AddRectFilled(ImVec2(x, strip.low.y), ImVec2(x + 0.5F * text, strip.low.y + 0.4F * text),
+                       packed(colour::kFault));
   }
 }
 
@@ -106,14 +115,15 @@ void draw_cursor(const Strip& strip, const Seen& seen) {
   const float x = strip.x(seen.view.time_of(seen.tick));
   if (!seen.there) {
     const float to = strip.x(seen.view.time_of(seen.playback.tick()));
-    list.AddRectFilled(ImVec2(std::min(x, to), strip.high.y - 0.2F * text), ImVec2(std::max(x, to), strip.high.y),
-                       packed(colour::kWarning, 0.8F));
+    list.AddRectFilled(ImVec2(std::min(x, to), strip.high.y - 0.2F * text),
+                       ImVec2(std::max(x, to), strip.high.y), packed(colour::kWarning, 0.8F));
     list.AddLine(ImVec2(to, strip.low.y), ImVec2(to, strip.high.y), packed(colour::kWarning), 0.08F * text);
   }
-  list.AddLine(ImVec2(x, strip.low.y - 0.2F * text), ImVec2(x, strip.high.y), packed(colour::kText), 0.13F * text);
+  list.AddLine(ImVec2(x, strip.low.y - 0.2F * text), ImVec2(x, strip.high.y), packed(colour::kText),
+               0.13F * text);
   list.AddTriangleFilled(ImVec2(x - 0.4F * text, strip.low.y - 0.45F * text),
-                         ImVec2(x + 0.4F * text, strip.low.y - 0.45F * text), ImVec2(x, strip.low.y + 0.15F * text),
-                         packed(colour::kText));
+                         ImVec2(x + 0.4F * text, strip.low.y - 0.45F * text),
+                         ImVec2(x, strip.low.y + 0.15F * text), packed(colour::kText));
 }
 
 /// Numbers of the time under the strip.
@@ -123,13 +133,17 @@ void draw_times(const Strip& strip) {
   const float room = std::max(1.0F, strip.high.x - strip.low.x);
   const double step = round_step(strip.duration * std::min(1.0, static_cast<double>(6.0F * text / room)));
   for (int i = 0; i * step <= strip.duration * (1.0 + 1e-9); ++i) {
-    const std::string words = formatted(step < 0.01 ? "%.3f s" : step < 0.1 ? "%.2f s" : step < 1.0 ? "%.1f s" : "%.0f s",
+    const std::string words = formatted(step < 0.01  ? "%.3f s"
+                                        : step < 0.1 ? "%.2f s"
+                                        : step < 1.0 ? "%.1f s"
+                                                     : "%.0f s",
                                         i * step);
     const float width = ImGui::CalcTextSize(words.c_str()).x;
     const float x = strip.x(i * step);
     list.AddLine(ImVec2(x, strip.high.y), ImVec2(x, strip.high.y + 0.2F * text), packed(colour::kFaint));
-    list.AddText(ImVec2(std::clamp(x - 0.5F * width, strip.low.x, strip.high.x - width), strip.high.y + 0.2F * text),
-                 packed(colour::kFaint), words.c_str());
+    list.AddText(
+        ImVec2(std::clamp(x - 0.5F * width, strip.low.x, strip.high.x - width), strip.high.y + 0.2F * text),
+        packed(colour::kFaint), words.c_str());
   }
 }
 
@@ -139,7 +153,8 @@ void scrub(const Strip& strip, const Seen& seen, const HandOverview& hand, Viewe
   const double time = strip.time(ImGui::GetIO().MousePos.x);
   if (ImGui::IsItemActive()) wishes.go_to = seen.view.tick_at(time);
   if (!ImGui::IsItemHovered() || hand.depth.empty()) return;
-  const auto column = static_cast<std::size_t>(time / strip.duration * static_cast<double>(hand.depth.size()));
+  const auto column =
+      static_cast<std::size_t>(time / strip.duration * static_cast<double>(hand.depth.size()));
   ImGui::SetTooltip("%.3f s   %.1f mm", time, hand.depth[std::min(column, hand.depth.size() - 1)].most);
 }
 

@@ -21,9 +21,10 @@ namespace {
 
 constexpr std::int64_t kFrameNs = 16'000'000;  // no more than 62 frames a second
 constexpr std::int64_t kMessageNs = 8'000'000'000;
-constexpr std::int64_t kStillAfterNs = 250'000'000;  // without movement: then the picture is drawn as a file's
-constexpr double kLongestFrame = 0.1;                // s that playback goes on in a frame, at most
-constexpr double kPlotted = 8.0;                     // s
+constexpr std::int64_t kStillAfterNs =
+    250'000'000;                       // without movement: then the picture is drawn as a file's
+constexpr double kLongestFrame = 0.1;  // s that playback goes on in a frame, at most
+constexpr double kPlotted = 8.0;       // s
 
 }  // namespace
 
@@ -127,7 +128,8 @@ bool Viewer::frame() {
   Stage::draw_panels();
   if (wishes_.save_window) save(stage_.picture());
   glFinish();
-  if (Stage::out_of_memory() && live_.shrink()) say("the graphics card's memory ran out: the picture is coarser");
+  if (Stage::out_of_memory() && live_.shrink())
+    say("the graphics card's memory ran out: the picture is coarser");
   if (stage_.graphics_lost()) stage_.display().give_up();
   live_.adapt(1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_));
   stage_.show();
@@ -149,7 +151,8 @@ void Viewer::go_on() {
 /// The rows of the time plotted: 8 s around the moment shown.
 void Viewer::gather_rows() {
   const double whole = view().duration_s();
-  const double from = std::clamp(view().time_of(shown_.tick) - 0.5 * kPlotted, 0.0, std::max(0.0, whole - kPlotted));
+  const double from =
+      std::clamp(view().time_of(shown_.tick) - 0.5 * kPlotted, 0.0, std::max(0.0, whole - kPlotted));
   const std::pair wanted{view().tick_at(from), view().tick_at(std::min(whole, from + kPlotted))};
   if (wanted == ticks_plotted_) return;
   ticks_plotted_ = wanted;
@@ -169,13 +172,15 @@ void Viewer::compose() {
     gather_rows();
     const double from = view().time_of(ticks_plotted_.first);
     const double to = std::max(from + 1e-3, view().time_of(ticks_plotted_.second + 1));
-    const Seen seen{view(), overview(), *playback_, shown_.tick, in_force_, rows_, from, to, there_, still_shown_};
+    const Seen seen{view(), overview(), *playback_, shown_.tick, in_force_,
+                    rows_,  from,       to,         there_,      still_shown_};
     if (layout_.left.width > 0.0F) draw_viewer_panels(layout_.left, seen, state_, wishes_);
     if (layout_.timeline.height > 0.0F) draw_timeline(layout_.timeline, seen, state_, wishes_);
     if (layout_.plots.height > 0.0F) {
       const scene::Setup& setup = view().recording().setup;
       const bool pull = setup.task == scene::Task::kPull;
-      Plotted plots{in_force_.tissue, pull ? model::Direction::kPull : model::Direction::kPress, setup.rate_Hz};
+      Plotted plots{in_force_.tissue, pull ? model::Direction::kPull : model::Direction::kPress,
+                    setup.rate_Hz};
       for (std::uint32_t hand = 0; hand < view().hands(); ++hand) {
         plots.hands.push_back({rows_[hand], sample_of_row(view().row(shown_.tick, hand))});
       }
@@ -198,7 +203,8 @@ std::string Viewer::banner_words() const {
   for (std::uint32_t hand = 0; snapshot_there_ && hand < view().hands(); ++hand) {
     const auto fault = static_cast<haptics::Fault>(view().row(shown_.tick, hand).fault);
     if (fault == haptics::Fault::kNone) continue;
-    const std::string whose = view().hands() > 1 ? "Hand " + std::to_string(hand + 1) + ": zero force" : "Zero force";
+    const std::string whose =
+        view().hands() > 1 ? "Hand " + std::to_string(hand + 1) + ": zero force" : "Zero force";
     return whose + ": " + haptics::words_of(fault);
   }
   return {};
@@ -214,7 +220,8 @@ void Viewer::draw_overlay() {
   const float margin = 0.7F * text;
   float y = place.y;
   if (!banner_.empty()) y += draw_strip(place.x, y, place.width, banner_, true);
-  if (opener_.joinable()) y += draw_strip(place.x, y, place.width, next_name_ + " is being opened ...", false);
+  if (opener_.joinable())
+    y += draw_strip(place.x, y, place.width, next_name_ + " is being opened ...", false);
   const std::string title = title_of(view().recording().setup) +
                             formatted("   %.3f s", view().time_of(shown_.tick)) +
                             formatted(" of %.3f s", view().duration_s());
@@ -222,11 +229,13 @@ void Viewer::draw_overlay() {
   const char* help = "F1: keys";
   const ImVec2 size = ImGui::CalcTextSize(help);
   if (place.width > ImGui::CalcTextSize(title.c_str()).x + size.x + 4.0F * margin) {
-    list.AddText(ImVec2(place.x + place.width - size.x - margin, y + 0.5F * margin), packed(colour::kText, 0.7F), help);
+    list.AddText(ImVec2(place.x + place.width - size.x - margin, y + 0.5F * margin),
+                 packed(colour::kText, 0.7F), help);
   }
   if (state_.map) draw_map_scale(place, y + 1.2F * text, state_.map_range);
   if (message_.empty()) return;
-  draw_strip(place.x, place.y + place.height - strip_height(place.width, message_), place.width, message_, false);
+  draw_strip(place.x, place.y + place.height - strip_height(place.width, message_), place.width, message_,
+             false);
 }
 
 void Viewer::draw_picture() {

@@ -46,8 +46,8 @@ struct ViewerOptions {
   std::optional<float> scale;  // of letters and panels; nothing: as the display says
 };
 
-/// The window of `palpate view`: a recording's picture, plots and numbers at any moment. All members: [setup], one
-/// thread, the one that made it.
+/// The window of `palpate view`: a recording's picture, plots and numbers at any moment. All members:
+/// [setup], one thread, the one that made it.
 class Viewer final {
  public:
   /// @throws NoWindow
@@ -115,7 +115,7 @@ class Viewer final {
   bool snapshot_there_ = false;
   bool there_ = false;
   InForce in_force_;
-  std::vector<std::deque<RowSample>> rows_;       // of the time plotted, a hand each
+  std::vector<std::deque<RowSample>> rows_;                      // of the time plotted, a hand each
   std::pair<std::uint64_t, std::uint64_t> ticks_plotted_{1, 0};  // first and last of rows_
   OrbitCamera camera_;
   ViewerState state_;

@@ -59,7 +59,8 @@ void Viewer::take_event(const SDL_Event& event) {
       if (use_of_file(file) == FileUse::kRecording) {
         wishes_.open = file.string();
       } else {
-        say(file.filename().string() + ": a recording (.h5) can be looked at here; palpate run takes other files");
+        say(file.filename().string() +
+            ": a recording (.h5) can be looked at here; palpate run takes other files");
       }
       break;
     }
@@ -189,7 +190,13 @@ void Viewer::grant(const ViewerWishes& wishes) {
   if (wishes.hand && *wishes.hand < view().hands()) state_.hand = *wishes.hand;
   if (wishes.home) camera_.look_exactly_as(first_camera());
   if (wishes.full_screen) stage_.display().toggle_full_screen();
-  if (wishes.save_picture && snapshot_there_) save(still_picture());
+  if (wishes.save_picture) {
+    if (there_) {
+      save(still_picture());
+    } else {
+      wishes_.save_picture = true;  // of the moment that was asked for: when it is there
+    }
+  }
   if (wishes.open) begin_to_open(*wishes.open);
 }
 

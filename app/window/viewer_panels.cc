@@ -49,7 +49,8 @@ void recording_rows(const Seen& seen, ViewerState& state) {
   }
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", seen.view.file().c_str());
   rows.words("Begun", begun(facts.started_unix_ns));
-  rows.words("Length", formatted("%.3f s, ", seen.view.duration_s()) + formatted("%.0f ticks", static_cast<double>(seen.view.ticks())));
+  rows.words("Length", formatted("%.3f s, ", seen.view.duration_s()) +
+                           formatted("%.0f ticks", static_cast<double>(seen.view.ticks())));
   rows.words("Loop", formatted("%.0f Hz", setup.rate_Hz) + (facts.offline ? ", offline" : ""));
   if (!facts.offline) {
     rows.words("Tick", "p99.9 " + microseconds(facts.tick_time.p999_ns), "computing time of a tick");
@@ -86,7 +87,8 @@ void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishe
   rows.words("Force", formatted("%.3f N", row.force), "what went to the hand, after the gate");
   rows.words("Tissue", formatted("%.3f N", row.tissue_force), "before the gate");
   rows.words("Noise", formatted("%+.1f mN", 1e3 * row.noise_force), "along the normal");
-  if (whole.cutoff_layer > 0) rows.words("Layer", formatted("%.0f", whole.cutoff_layer), "the cut-off layer, the last that gives way");
+  if (whole.cutoff_layer > 0)
+    rows.words("Layer", formatted("%.0f", whole.cutoff_layer), "the cut-off layer, the last that gives way");
   rows.words("Felt as", seen.in_force.tissue.name + formatted(", k\u2081 %.2f N/m", seen.in_force.tissue.k1),
              "the tissue in force at this moment");
   if (whole.fault != 0) {
@@ -101,8 +103,8 @@ void picture_rows(const Seen& seen, ViewerState& state, ViewerWishes& wishes) {
   {
     const Rows rows("map", 0.30F);
     ImGui::BeginDisabled(!state.map);
-    rows.number("Up to", state.map_range, 1e-3, 0.05, 1e3 * ViewerState::kLeastMap, 1e3 * ViewerState::kMostMap,
-                "%.1f mm", "displacement at the upper end of the colours");
+    rows.number("Up to", state.map_range, 1e-3, 0.05, 1e3 * ViewerState::kLeastMap,
+                1e3 * ViewerState::kMostMap, "%.1f mm", "displacement at the upper end of the colours");
     ImGui::EndDisabled();
   }
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
@@ -114,12 +116,15 @@ void picture_rows(const Seen& seen, ViewerState& state, ViewerWishes& wishes) {
   }
   if (ImGui::Button("Save picture", ImVec2(half, 0.0F))) wishes.save_picture = true;
   if (ImGui::IsItemHovered()) {
-    ImGui::SetTooltip("Ctrl + P: organ and tool alone, as a PNG in the working folder;\nthe same as palpate view --screenshot --at-s makes");
+    ImGui::SetTooltip(
+        "Ctrl + P: organ and tool alone, as a PNG in the working folder;\nthe same as palpate view "
+        "--screenshot --at-s makes");
   }
   ImGui::SameLine();
   if (ImGui::Button("Save window", ImVec2(half, 0.0F))) wishes.save_window = true;
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("P: the whole window, as a PNG in the working folder");
-  ImGui::TextColored(colour::kFaint, "%s", seen.still ? "full quality" : "moving: quality follows the machine");
+  ImGui::TextColored(colour::kFaint, "%s",
+                     seen.still ? "full quality" : "moving: quality follows the machine");
 }
 
 }  // namespace
@@ -147,7 +152,8 @@ ViewerLayout lay_out(float width, float height, float scale, const ViewerState& 
     all.picture.x = side;
     all.picture.width -= side;
   }
-  const float timeline = (all.picture.width < kNarrow * scale ? kNarrowTimelineHeight : kTimelineHeight) * scale;
+  const float timeline =
+      (all.picture.width < kNarrow * scale ? kNarrowTimelineHeight : kTimelineHeight) * scale;
   if (height < least + timeline) return all;
   all.picture.height -= timeline;
   const bool plots = state.plots && height >= least + timeline + kPlotsHeight * scale;
@@ -176,11 +182,13 @@ void draw_map_scale(const Rectangle& picture, float top, double range) {
   const ImVec2 low(high.x - 4.2F * text, high.y - height);
   if (picture.width < 16.0F * text || height < 4.0F * text) return;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  list.AddRectFilled(ImVec2(low.x - 0.6F * text, low.y - 2.0F * text), ImVec2(high.x + 0.6F * text, high.y + 0.9F * text),
-                     packed(colour::kBackground, 0.85F), 0.3F * text);
+  list.AddRectFilled(ImVec2(low.x - 0.6F * text, low.y - 2.0F * text),
+                     ImVec2(high.x + 0.6F * text, high.y + 0.9F * text), packed(colour::kBackground, 0.85F),
+                     0.3F * text);
   list.AddText(ImVec2(low.x, low.y - 1.7F * text), packed(colour::kText), "moved by");
   const auto encoded = [](double linear) {
-    return static_cast<float>(linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055);
+    return static_cast<float>(linear <= 0.0031308 ? 12.92 * linear
+                                                  : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055);
   };
   for (int i = 0; i < kSteps; ++i) {
     const Vec3 colour = render::map_colour((i + 0.5) / kSteps);

@@ -24,8 +24,8 @@ struct ViewerState {
   bool plots = true;
   bool hidden = false;  // all of them
   bool help = false;
-  std::uint32_t hand = 0;  // whose numbers are shown
-  bool map = false;        // the organ is coloured by its displacement
+  std::uint32_t hand = 0;    // whose numbers are shown
+  bool map = false;          // the organ is coloured by its displacement
   double map_range = 10e-3;  // m
   bool close_up = false;     // of the view of the beginning
   FileChooser files;

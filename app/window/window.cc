@@ -17,7 +17,7 @@
 namespace palpate::app {
 namespace {
 
-constexpr std::int64_t kFrameNs = 16'000'000;        // no more than 62 frames a second
+constexpr std::int64_t kFrameNs = 16'000'000;  // no more than 62 frames a second
 constexpr std::int64_t kMessageNs = 8'000'000'000;
 constexpr std::int64_t kAgesKeptNs = 3'000'000'000;
 
@@ -54,7 +54,9 @@ std::string state_words(const RowSample& row, const contact::ToolResult& result)
 }  // namespace
 
 Window::Window(Session& first, scene::Request request, WindowOptions options)
-    : request_(std::move(request)), options_(std::move(options)), stage_("Palpate", options_.size, options_.scale) {
+    : request_(std::move(request)),
+      options_(std::move(options)),
+      stage_("Palpate", options_.size, options_.scale) {
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there are no gamepads, no more
   SDL_PumpEvents();
   begin(std::make_unique<LiveRun>(first, options_.recording, options_.core));
@@ -97,7 +99,7 @@ bool Window::frame() {
   frame_time_ = 1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_);
   live_.adapt(frame_time_);
   stage_.show();
-  if (snapshot_there_ && !paused_ && !run_->ended()) {
+  if (snapshot_there_ && !paused_ && !run_->ended() && !run_->pausing()) {
     const std::int64_t now = monotonic_ns();
     all_ages_.add(now - shown_.taken_ns);
     age_ = 1e-9 * static_cast<double>(now - shown_.taken_ns);
@@ -179,6 +181,7 @@ std::string Window::banner_words(bool& fault) const {
   }
   if (next_ != nullptr) return "The next session is being prepared ...";
   if (run_->ended()) return "The run has ended.  Enter: once more.  Esc: leave.";
+  if (run_->pausing()) return "The run is paused: no time passes in it.  Ctrl + Space: on with it.";
   if (paused_) return "The picture is held; the run goes on.  Space: on with it.";
   return {};
 }
@@ -189,6 +192,8 @@ Shown Window::shown() const {
   shown.looked_at = last_recording_.string();
   shown.ended = run_->ended();
   shown.paused = paused_;
+  shown.pausing = run_->pausing();
+  shown.may_pause = run_->may_pause();
   shown.preparing = next_ != nullptr;
   shown.frames_a_second = frames_a_second_;
   shown.frame_time = frame_time_;

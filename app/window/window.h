@@ -18,8 +18,8 @@
 #include "app/window/live_picture.h"
 #include "app/window/live_run.h"
 #include "app/window/next_session.h"
-#include "app/window/orbit_camera.h"
 #include "app/window/onlookers.h"
+#include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
 #include "app/window/stage.h"
 #include "app/window/steering.h"
@@ -36,8 +36,8 @@ struct WindowOptions {
   bool stays = true;                        // when the run has ended, until the user leaves
   const std::atomic<bool>* stop = nullptr;  // Ctrl-C
   Display::Size size{1440, 900};
-  std::optional<float> scale;                             // of letters and panels; nothing: as the display says
-  std::filesystem::path viewer = "/proc/self/exe";        // the program whose `view` looks at a recording
+  std::optional<float> scale;                       // of letters and panels; nothing: as the display says
+  std::filesystem::path viewer = "/proc/self/exe";  // the program whose `view` looks at a recording
 };
 
 /// How it went.
@@ -80,6 +80,7 @@ class Window final {
   [[nodiscard]] const std::string& message() const noexcept { return message_; }
   [[nodiscard]] const haptics::Snapshot& snapshot() const noexcept { return shown_; }
   [[nodiscard]] const Traces& traces() const noexcept { return *traces_; }
+  [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return stage_.mouse_at(); }
   [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
   [[nodiscard]] PanelState& panels() noexcept { return panels_; }
   [[nodiscard]] const LiveRun& run() const noexcept { return *run_; }
@@ -108,6 +109,7 @@ class Window final {
   void end_run();
   void grant(const Wishes& wishes);
   void take_file(const ChosenFile& file);
+  void pause_run();
   void apply_tissue(const model::TissueParameters& tissue);
   void apply_noise(const noise::NoiseSettings& noise);
   void restart(scene::Request request, bool keep_edits, std::filesystem::path recording);
@@ -145,6 +147,8 @@ class Window final {
   model::TissueParameters tissue_;  // as felt
   noise::NoiseSettings noise_;
   std::string tissue_note_;
+  bool tissue_waits_ = false;  // for the run to go on
+  bool noise_waits_ = false;
   PanelState panels_;
   Wishes wishes_;  // of the keys, until the panels have added theirs
   Layout layout_;

@@ -34,6 +34,8 @@ void Window::begin(std::unique_ptr<LiveRun> run) {
   live_.forget_times();
   snapshot_there_ = false;
   paused_ = false;
+  tissue_waits_ = false;
+  noise_waits_ = false;
   steering_.take(run_->session());
   stage_.display().set_title("Palpate: " + title_of(setup));
 }
@@ -110,8 +112,8 @@ void Window::restart(scene::Request request, bool keep_edits, fs::path recording
   next_ = std::make_unique<NextSession>(std::move(request), std::move(kept), std::move(recording));
 }
 
-/// In a program of its own, so that the loop that still plays is not held up. What is being written is seen as
-/// far as it has come.
+/// In a program of its own, so that the loop that still plays is not held up. What is being written is seen
+/// as far as it has come.
 void Window::look_at(const fs::path& recording) {
   try {
     onlookers_.open(options_.viewer, recording);
@@ -129,6 +131,9 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
     tissue_note_.clear();
     if (run_->ended()) {
       tissue_note_ = "felt from the next run on (Enter)";
+    } else if (run_->pausing()) {
+      tissue_note_ = "felt when the run goes on (Ctrl + Space)";
+      tissue_waits_ = true;
     } else {
       for (const std::string& warning : run_->changes().offer(tissue).warnings) {
         tissue_note_ += (tissue_note_.empty() ? "" : "\n") + warning;
@@ -144,12 +149,28 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
 void Window::apply_noise(const noise::NoiseSettings& noise) {
   try {
     noise::validate(noise, run_->session().setup.rate_Hz);
-    if (!run_->ended())
+    if (run_->pausing()) {
+      noise_waits_ = true;
+    } else if (!run_->ended()) {
       (void)run_->changes().offer(haptics::LiveNoise{noise.enabled, noise.gain, noise.threshold});
+    }
     noise_ = noise;
   } catch (const InputError& error) {
     say(error.what());
   }
+}
+
+/// A loop that is paused takes no changes: they wait here, the newest of each kind.
+void Window::pause_run() {
+  if (!run_->may_pause()) {
+    say("a hand holds the device: its run is never paused; Space holds the picture");
+    return;
+  }
+  if (run_->ended()) return;
+  run_->pause(!run_->pausing());
+  if (run_->pausing()) return;
+  if (std::exchange(tissue_waits_, false)) apply_tissue(tissue_);
+  if (std::exchange(noise_waits_, false)) apply_noise(noise_);
 }
 
 void Window::take_file(const ChosenFile& file) {
@@ -198,6 +219,7 @@ void Window::grant(const Wishes& wishes) {
   if (wishes.noise) apply_noise(*wishes.noise);
   if (wishes.reset_faults) reset_faults();
   if (wishes.pause) paused_ = !paused_;
+  if (wishes.pause_run) pause_run();
   if (wishes.home) camera_set_ = false;
   if (wishes.full_screen) stage_.display().toggle_full_screen();
   if (wishes.look) {

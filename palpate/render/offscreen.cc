@@ -141,8 +141,7 @@ OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int heig
   context_->release();
 }
 
-OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height,
-                                     InCurrentContext here)
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here)
     : OffscreenRenderer(subject, width, height, here, Quality::kBalanced) {
   impl_->choice.emplace();
 }

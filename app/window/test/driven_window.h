@@ -54,7 +54,7 @@ class Driven {
       SDL_PushEvent(&event);
       frames(1);
     }
-    SDL_SetModState(KMOD_NONE);
+    if (modifiers != KMOD_NONE) release_modifiers();
   }
   /// Letters into the field that has the keyboard.
   void type(const std::string& words) {
@@ -92,6 +92,18 @@ class Driven {
       frames(2);
     }
   }
+  /// The same with a key held, KMOD_CTRL or another.
+  void click_with(Uint16 modifiers) {
+    SDL_SetModState(static_cast<SDL_Keymod>(modifiers));
+    SDL_Event event{};  // ImGui asks for the keys that are held when one is pressed
+    event.type = SDL_KEYDOWN;
+    event.key.keysym.sym = SDLK_LCTRL;
+    event.key.keysym.scancode = SDL_SCANCODE_LCTRL;
+    event.key.keysym.mod = modifiers;
+    SDL_PushEvent(&event);
+    click();
+    release_modifiers();
+  }
   static void wheel(int notches) {
     SDL_Event event{};
     event.type = SDL_MOUSEWHEEL;
@@ -122,9 +134,9 @@ class Driven {
     for (const std::string_view name : path) wanted = ImHashStr(name.data(), name.size(), wanted);
     const ImGuiWindow* window = ImGui::FindWindowByName(std::string(*path.begin()).c_str());
     if (window == nullptr) return false;
-    const float step = 0.6F * ImGui::GetFontSize();
+    const float step = 0.9F * ImGui::GetFontSize();
     const ImRect& inside = window->InnerClipRect;
-    for (const float share : {0.72F, 0.28F, 0.1F, 0.9F, 0.5F, 0.18F, 0.4F, 0.6F, 0.82F}) {
+    for (const float share : {0.72F, 0.28F, 0.04F, 0.1F, 0.9F, 0.5F, 0.18F, 0.4F, 0.6F, 0.82F}) {
       for (float y = inside.Min.y + 0.5F * step; y < inside.Max.y; y += step) {
         move(static_cast<int>(inside.Min.x + share * inside.GetWidth()), static_cast<int>(y));
         frames(1);
@@ -147,6 +159,16 @@ class Driven {
   virtual bool frame() = 0;
 
  private:
+  void release_modifiers() {
+    SDL_SetModState(KMOD_NONE);
+    SDL_Event event{};
+    event.type = SDL_KEYUP;
+    event.key.keysym.sym = SDLK_LCTRL;
+    event.key.keysym.scancode = SDL_SCANCODE_LCTRL;
+    SDL_PushEvent(&event);
+    frames(1);
+  }
+
   bool alive_ = true;
   int x_ = 0;
   int y_ = 0;

@@ -177,7 +177,8 @@ TEST(LiveChangesRecorded, SnapshotsCarryTheReachAndNumberInForce) {
 }
 
 bool same_scene(const haptics::Snapshot& a, const haptics::Snapshot& b) {
-  return a.tick == b.tick && a.change == b.change && a.tools[0].pose_W.position == b.tools[0].pose_W.position &&
+  return a.tick == b.tick && a.change == b.change &&
+         a.tools[0].pose_W.position == b.tools[0].pose_W.position &&
          a.results[0].depth == b.results[0].depth && a.results[0].contact_W == b.results[0].contact_W &&
          a.commands[0].force == b.commands[0].force;
 }
