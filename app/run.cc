@@ -39,6 +39,7 @@ struct RunFlags {
   std::optional<std::uint64_t> max_missed;
   std::optional<std::string> igtl;
   std::optional<int> core;
+  std::string ui_scale;
   OutputFiles files;
 };
 
@@ -95,6 +96,7 @@ bool wants_outputs(const RunFlags& flags) {
 struct Played {
   RunAccount account;
   bool later_fault = false;
+  bool display_lost = false;
 };
 
 Played play_in_window(Session& session, const RunFlags& flags, const fs::path& recording,
@@ -105,6 +107,7 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
   options.duration_s = flags.duration_s;
   options.no_cache = flags.no_cache;
   options.stays = !wants_outputs(flags);
+  options.scale = UiScale::asked(flags.ui_scale);
   options.stop = &stop;
   options.igtl = igtl;
   WindowOutcome outcome = run_in_window(session, flags.request, options);
@@ -115,7 +118,7 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
     tell(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
          " in the window; what follows is the first");
   }
-  return {std::move(outcome.account), outcome.later_fault};
+  return {std::move(outcome.account), outcome.later_fault, outcome.display_lost};
 }
 
 /// In a window where there can be one.
@@ -132,12 +135,13 @@ Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& re
   }
   PlayOptions how{recording, flags.offline, flags.core};
   how.igtl = igtl;
-  return {play(session, how, signals.flag()), false};
+  return {play(session, how, signals.flag()), false, false};
 }
 
 int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   require_usable_core(flags.core);
+  (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
   Session session = prepare(flags.request, flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);
   require_window(session, flags, window);
@@ -157,7 +161,16 @@ int run(const RunFlags& flags, const std::string& command_line) {
   Played played = play_as_asked(session, flags, recorded, window, igtl.server());
   played.account.igtl = igtl.finish();
   const RunAccount& account = played.account;
-  const bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
+  bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
+  if (draw && played.display_lost) {  // SDL holds on to the display that is gone, and cannot have another
+    tell("no pictures can be drawn now: no report and no screenshot were made" +
+         (files.recording.empty()
+              ? std::string()
+              : "; palpate view " + files.recording.string() + " --screenshot does that"));
+    draw = false;
+    files.report.clear();
+    files.screenshot.clear();
+  }
   if (draw) {
     const record::Recording recording = record::read_recording(recorded);
     if (!files.screenshot.empty())
@@ -185,6 +198,8 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--report", flags.files.report, "write report.html and its figures to this folder");
   command.add_option("--screenshot", flags.files.screenshot, "write a PNG of the deepest moment");
   command.add_flag("--headless", flags.headless, "no window, also where there is a display");
+  command.add_option("--ui-scale", flags.ui_scale,
+                     "the window's letters and panels, 0.5 to 4 (default: as the display says)");
   command.add_option("--max-missed", flags.max_missed, "exit 4 when more deadlines were missed");
   command.add_option("--core", flags.core, kCoreHelp);
   command.add_option("--igtl", flags.igtl, kIgtlHelp);

@@ -123,6 +123,8 @@ void reset_faults() noexcept {
   resets_asked.store(std::numeric_limits<std::uint32_t>::max(), std::memory_order_relaxed);
 }
 
+bool may_pause(const Session& session) { return haptics::stall_limit_ns(session.world) == 0; }
+
 Session prepare(const scene::Request& request, std::optional<double> duration_s, bool no_cache) {
   return prepare(scene::load(request), duration_s, no_cache);
 }
@@ -224,7 +226,8 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
                                       .changes = how.changes,
                                       .fault_news = &companion.fault_news(),
                                       .core = how.core,
-                                      .stalled_after_ns = haptics::stall_limit_ns(session.world)});
+                                      .stalled_after_ns = haptics::stall_limit_ns(session.world),
+                                      .pause = how.pause});
   }
   if (recorder) recorder->finish(account.loop);
   if (flight && flight->fault_met()) keep_flight(*flight, session.setup, account);

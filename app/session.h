@@ -59,9 +59,13 @@ struct PlayOptions {
   haptics::LiveChanges* changes = nullptr;  // to tissue and noise while the session is played
   // For who watches the run, a window; they outlive it:
   SnapshotCell<haptics::Snapshot>* snapshots = nullptr;
-  haptics::TickSink* onlooker = nullptr;  // sees every row, too
-  net::IgtlServer* igtl = nullptr;        // shows the run to other programs
+  haptics::TickSink* onlooker = nullptr;     // sees every row, too
+  net::IgtlServer* igtl = nullptr;           // shows the run to other programs
+  const std::atomic<bool>* pause = nullptr;  // LoopOptions::pause
 };
+
+/// [any] Whether a session may be paused: no hand holds one of its devices.
+[[nodiscard]] bool may_pause(const Session& session);
 
 /// [any] Clears the faults of all hands of the session that plays, as SIGUSR1 does.
 void reset_faults() noexcept;

@@ -1,16 +1,13 @@
 // `palpate view`: pictures and films of a recording.
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
-#include "palpate/record/recording.h"
-#include "palpate/record/recording_frames.h"
 #include "palpate/render/map_legend.h"
 #include "palpate/render/offscreen.h"
 
@@ -20,7 +17,9 @@
 #include "app/numbers.h"
 #include "app/preparation.h"
 #include "app/progress.h"
+#include "app/recorded_view.h"
 #include "app/session.h"
+#include "app/window/viewer.h"
 
 namespace palpate::app {
 namespace {
@@ -36,9 +35,10 @@ struct ViewFlags {
   std::optional<std::string> to_s;
   std::string fps = "30";
   std::string slow = "1";
-  std::string size = "1280x720";
+  std::optional<std::string> size;
   std::optional<std::string> map_mm;
   std::string quality;
+  std::string ui_scale;
   bool close_up = false;
   bool no_cache = false;
 };
@@ -78,18 +78,23 @@ struct Wanted {
   double slow = 1.0;
   double map_range = 0.0;  // m
   render::Quality quality = render::Quality::kFull;
+  bool window = false;
+  std::optional<float> ui_scale;
 };
 
 Wanted checked(const ViewFlags& flags) {
-  if (flags.screenshot.empty() && flags.video.empty())
-    throw InputError("view " + flags.file +
-                     ": want --screenshot FILE.png (one moment, --at-s T) or --video FILE.mp4 (--from-s, "
-                     "--to-s, --fps, --slow)");
+  Wanted wanted;
+  wanted.window = flags.screenshot.empty() && flags.video.empty();
+  if (wanted.window && !display_there())
+    throw InputError(
+        "view " + flags.file +
+        ": there is no display for a window: want --screenshot FILE.png (one moment, --at-s T) or "
+        "--video FILE.mp4 (--from-s, --to-s, --fps, --slow)");
   const auto seconds = [](const char* flag, const std::optional<std::string>& text) {
     return text ? std::optional(parse_not_negative(flag, *text)) : std::nullopt;
   };
-  Wanted wanted;
-  wanted.size = parse_size(flags.size);
+  wanted.ui_scale = UiScale::asked(flags.ui_scale);
+  wanted.size = parse_size(flags.size.value_or(wanted.window ? "1440x900" : "1280x720"));
   wanted.at = seconds("--at-s", flags.at_s);
   wanted.from = seconds("--from-s", flags.from_s);
   wanted.to = seconds("--to-s", flags.to_s);
@@ -99,67 +104,48 @@ Wanted checked(const ViewFlags& flags) {
   wanted.quality =
       parse_quality(flags.quality, flags.video.empty() ? render::Quality::kFull : render::Quality::kBalanced);
   if (!flags.video.empty() && (wanted.size.width % 2 != 0 || wanted.size.height % 2 != 0))
-    throw InputError("--size " + flags.size + ": a film's width and height must be even");
+    throw InputError("--size " + *flags.size + ": a film's width and height must be even");
   if (!flags.screenshot.empty()) require_writable_file(flags.screenshot, "--screenshot");
   if (!flags.video.empty()) require_writable_file(flags.video, "--video");
   return wanted;
 }
 
-// One recording, drawn.
-class Viewer final {
+// One recording, drawn for files.
+class FilePictures final {
  public:
-  Viewer(const record::Recording& recording, const std::string& file, const Wanted& wanted, bool close_up,
-         const contact::Preparation& how)
-      : recording_(recording),
-        file_(file),
-        frames_(recording, how),
+  FilePictures(RecordedView& seen, const Wanted& wanted, bool close_up)
+      : seen_(seen),
         map_range_(wanted.map_range),
-        renderer_(subject(), wanted.size.width, wanted.size.height, wanted.quality) {
-    const haptics::Snapshot deepest = frames_.at(frames_.deepest());
-    const contact::ToolResult& result = deepest.results[0];
-    const bool contact = result.view_count > 0;
-    camera_ = render::frame_contact(subject(), deepest, contact ? result.contact_W : result.nearest_W,
-                                    contact ? result.normal_W : result.away_W, close_up);
+        camera_(seen.camera(0, close_up)),
+        renderer_(seen.subject(), wanted.size.width, wanted.size.height, wanted.quality) {
     renderer_.set_map_range(map_range_);
   }
 
-  [[nodiscard]] double duration_s() const { return static_cast<double>(frames_.ticks()) / rate(); }
-  [[nodiscard]] double deepest_s() const { return static_cast<double>(frames_.deepest()) / rate(); }
-
   [[nodiscard]] render::Image at(double time) {
-    const auto last = static_cast<double>(frames_.ticks() - 1);
-    const double tick = std::min(last, std::round(time * rate()));
-    render::Image picture = renderer_.draw(frames_.at(static_cast<std::uint64_t>(tick)), camera_);
+    render::Image picture = renderer_.draw(seen_.frames().at(seen_.tick_at(time)), camera_);
     render::draw_map_legend(picture, map_range_);
     return picture;
   }
 
-  void require_within(const char* flag, double time) const {
-    if (time > duration_s())
-      throw InputError(std::string(flag) + " " + shortest(time) + ": " + file_ + " ends at " +
-                       shortest(duration_s()) + " s");
-  }
-
  private:
-  [[nodiscard]] double rate() const { return recording_.setup.rate_Hz; }
-  [[nodiscard]] render::Subject subject() const {
-    const scene::Setup& setup = recording_.setup;
-    return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
-  }
-
-  const record::Recording& recording_;
-  std::string file_;
-  record::RecordingFrames frames_;
+  RecordedView& seen_;
   double map_range_;  // m; 0: no map
-  render::OffscreenRenderer renderer_;
   render::Camera camera_;
+  render::OffscreenRenderer renderer_;
 };
 
-void make_film(Viewer& viewer, const ViewFlags& flags, const Wanted& wanted, Progress& bar) {
+void require_within(const char* flag, double time, const RecordedView& seen) {
+  if (time > seen.duration_s())
+    throw InputError(std::string(flag) + " " + shortest(time) + ": " + seen.file().string() + " ends at " +
+                     shortest(seen.duration_s()) + " s");
+}
+
+void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags& flags, const Wanted& wanted,
+               Progress& bar) {
   const double from = wanted.from.value_or(0.0);
-  const double to = wanted.to.value_or(viewer.duration_s());
-  viewer.require_within("--from-s", from);
-  viewer.require_within("--to-s", to);
+  const double to = wanted.to.value_or(seen.duration_s());
+  require_within("--from-s", from, seen);
+  require_within("--to-s", to, seen);
   if (from > to) throw InputError("--from-s " + shortest(from) + ": later than --to-s " + shortest(to));
   const double count = std::floor((to - from) * wanted.slow * wanted.fps) + 1.0;
   if (!(count <= kMostFrames))
@@ -167,7 +153,7 @@ void make_film(Viewer& viewer, const ViewFlags& flags, const Wanted& wanted, Pro
                      " pictures; want at most a million: shorten it, or lower --fps or --slow");
   Film film(flags.video, wanted.size.width, wanted.size.height, wanted.fps);
   for (int i = 0; i < static_cast<int>(count); ++i) {
-    film.add(viewer.at(from + i / (wanted.fps * wanted.slow)));
+    film.add(pictures.at(from + i / (wanted.fps * wanted.slow)));
     bar.update(i / count, "drawing " + flags.video);
   }
   const std::string made = film.finish();
@@ -175,23 +161,43 @@ void make_film(Viewer& viewer, const ViewFlags& flags, const Wanted& wanted, Pro
   tell(made);
 }
 
+int view_in_window(std::unique_ptr<RecordedView> seen, const ViewFlags& flags, const Wanted& wanted) {
+  ViewerOptions options;
+  options.at_s = wanted.at;
+  options.map_range = wanted.map_range;
+  options.close_up = flags.close_up;
+  options.no_cache = flags.no_cache;
+  options.size = {wanted.size.width, wanted.size.height};
+  options.scale = wanted.ui_scale;
+  const StopOnSignal signals;
+  options.stop = &signals.flag();
+  try {
+    view_in_window(std::move(seen), options);
+  } catch (const NoWindow& error) {
+    throw InputError("view " + flags.file + ": " + error.what() + "; --screenshot and --video need none");
+  }
+  return kDone;
+}
+
 int view(const ViewFlags& flags) {
   const Wanted wanted = checked(flags);
   Progress bar("view");
-  const record::Recording recording = record::read_recording(
-      flags.file, [&](double share) { bar.update(0.1 * share, "reading " + flags.file); });
-  if (recording.rows.empty()) throw InputError(flags.file + ": no tick is in it, so there is nothing to see");
-  const OrganPreparation preparation(flags.no_cache);
-  Viewer viewer(recording, flags.file, wanted, flags.close_up, preparation.how());
+  auto seen = std::make_unique<RecordedView>(
+      flags.file, flags.no_cache, [&](double share) { bar.update(0.1 * share, "reading " + flags.file); });
+  if (wanted.at) require_within("--at-s", *wanted.at, *seen);
+  if (wanted.window) {
+    bar.clear();
+    return view_in_window(std::move(seen), flags, wanted);
+  }
+  FilePictures pictures(*seen, wanted, flags.close_up);
   if (!flags.screenshot.empty()) {
-    const double time = wanted.at.value_or(viewer.deepest_s());
-    viewer.require_within("--at-s", time);
-    render::write_png(viewer.at(time), flags.screenshot);
+    const double time = wanted.at.value_or(seen->time_of(seen->frames().deepest()));
+    render::write_png(pictures.at(time), flags.screenshot);
     bar.clear();
     tell(flags.screenshot + " shows " + shortest(time) + " s" +
          (wanted.at ? "" : ", where the contact is deepest"));
   }
-  if (!flags.video.empty()) make_film(viewer, flags, wanted, bar);
+  if (!flags.video.empty()) make_film(pictures, *seen, flags, wanted, bar);
   return kDone;
 }
 
@@ -204,15 +210,19 @@ void add_flags(CLI::App& command, ViewFlags& flags) {
   command.add_option("--to-s", flags.to_s, "Where it ends (default: with the recording)");
   command.add_option("--fps", flags.fps, "Its pictures a second")->capture_default_str();
   command.add_option("--slow", flags.slow, "How many times slower than it was")->capture_default_str();
-  command.add_option("--size", flags.size, "Pixels, WIDTHxHEIGHT")->capture_default_str();
+  command.add_option("--size", flags.size,
+                     "Pixels, WIDTHxHEIGHT (default: 1280x720); of the window: its size (default: 1440x900)");
   command.add_flag("--close-up", flags.close_up, "The contact fills the picture, instead of the organ");
   command.add_option("--map-mm", flags.map_mm,
                      "Colour the organ by its displacement, up to this many mm, with a legend");
   command.add_option("--quality", flags.quality,
                      "full, balanced or fast (default: full for a picture, balanced for a film)");
+  command.add_option("--ui-scale", flags.ui_scale,
+                     "The window's letters and panels, 0.5 to 4 (default: as the display says)");
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
   command.footer(
-      "Examples:\n  palpate view run.h5 --screenshot deepest.png --close-up\n"
+      "Without --screenshot and --video a window opens (F1: its keys).\n"
+      "Examples:\n  palpate view run.h5\n  palpate view run.h5 --screenshot deepest.png --close-up\n"
       "  palpate view run.h5 --video press.mp4 --from-s 1 --to-s 3 --slow 2");
 }
 
@@ -220,7 +230,8 @@ void add_flags(CLI::App& command, ViewFlags& flags) {
 
 void add_view(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<ViewFlags>();
-  CLI::App* command = program.add_subcommand("view", "Look at a recording: a picture of a moment, or a film");
+  CLI::App* command =
+      program.add_subcommand("view", "Look at a recording: in a window, a picture of a moment, or a film");
   add_flags(*command, *flags);
   command->callback([flags, &exit_code] { exit_code = view(*flags); });
 }

@@ -71,6 +71,12 @@ class Program final {
   void signal(int number) const { kill(child_, number); }
   /// What it has printed on standard output up to now.
   [[nodiscard]] std::string out_so_far() const { return text_of(output_ / "out"); }
+  /// Whether it has ended by itself.
+  [[nodiscard]] bool ended() const {
+    siginfo_t how{};
+    return waitid(P_PID, static_cast<id_t>(child_), &how, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           how.si_pid == child_;
+  }
   Outcome wait() {
     int status = 0;
     waitpid(child_, &status, 0);

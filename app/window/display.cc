@@ -1,10 +1,12 @@
 #include "app/window/display.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 
 #include <SDL.h>
+#include <dlfcn.h>
 #include <epoxy/gl.h>
 
 namespace palpate::app {
@@ -16,6 +18,37 @@ constexpr int kSmallestSide = 1;
 bool names_something(const char* variable) {
   const char* value = std::getenv(variable);
   return value != nullptr && *value != '\0';
+}
+
+/// A program has one display, and X tells a function without an object that it is gone.
+std::atomic<bool> display_is_lost{false};
+
+constexpr const char* kGone = "the display is gone";
+
+/// X would end the program at once, with the device's force as it is. The exception goes through X, SDL and
+/// Mesa, which are C with unwind tables; none of them is called again.
+extern "C" int x_connection_is_lost(void* /*display*/) {
+  display_is_lost = true;
+  throw DisplayLost(kGone);
+}
+
+/// A request that X refuses (a window that another program has destroyed, memory that ran out) would end the
+/// program, too. What it was for is not seen; the run goes on.
+extern "C" int x_request_is_refused(void* /*display*/, void* /*event*/) { return 0; }
+
+/// X is loaded by SDL, if it is at all.
+void hear_of_lost_display() {
+  using LossHandler = int (*)(void*);
+  using ErrorHandler = int (*)(void*, void*);
+  display_is_lost = false;
+  const char* driver = SDL_GetCurrentVideoDriver();
+  if (driver == nullptr || std::string(driver) != "x11") return;  // Wayland's loss is told by SDL_QUIT
+  void* library = dlopen("libX11.so.6", RTLD_NOW | RTLD_NOLOAD);
+  if (library == nullptr) return;
+  const auto of_loss = reinterpret_cast<LossHandler (*)(LossHandler)>(dlsym(library, "XSetIOErrorHandler"));
+  const auto of_error = reinterpret_cast<ErrorHandler (*)(ErrorHandler)>(dlsym(library, "XSetErrorHandler"));
+  if (of_loss != nullptr) of_loss(&x_connection_is_lost);
+  if (of_error != nullptr) of_error(&x_request_is_refused);
 }
 
 }  // namespace
@@ -33,14 +66,23 @@ Display::Display(const std::string& title, Size size) {
   if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) {
     throw NoWindow(std::string("no window can be opened: ") + SDL_GetError());
   }
+  hear_of_lost_display();
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_DOUBLEBUFFER, 1);
+  // Where the driver can say that it lost everything, it shall: else its calls would do nothing, in silence.
+  SDL_GL_SetAttribute(SDL_GL_CONTEXT_FLAGS, SDL_GL_CONTEXT_ROBUST_ACCESS_FLAG);
+  SDL_GL_SetAttribute(SDL_GL_CONTEXT_RESET_NOTIFICATION, SDL_GL_CONTEXT_RESET_LOSE_CONTEXT);
   window_ =
       SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, size.width, size.height,
                        SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
   if (window_ != nullptr) context_ = SDL_GL_CreateContext(window_);
+  if (window_ != nullptr && context_ == nullptr) {  // a driver without robust contexts
+    SDL_GL_SetAttribute(SDL_GL_CONTEXT_FLAGS, 0);
+    SDL_GL_SetAttribute(SDL_GL_CONTEXT_RESET_NOTIFICATION, SDL_GL_CONTEXT_RESET_NO_NOTIFICATION);
+    context_ = SDL_GL_CreateContext(window_);
+  }
   if (context_ == nullptr || epoxy_gl_version() < kWantedVersion) {
     const std::string why = context_ == nullptr ? SDL_GetError() : "its OpenGL is older than 3.3";
     close();
@@ -53,7 +95,15 @@ Display::Display(const std::string& title, Size size) {
 
 Display::~Display() { close(); }
 
+bool Display::lost() const noexcept { return display_is_lost; }
+
+void Display::give_up() const {
+  display_is_lost = true;
+  throw DisplayLost("the graphics card has lost the window's picture");
+}
+
 void Display::close() noexcept {
+  if (display_is_lost) return;
   if (context_ != nullptr) SDL_GL_DeleteContext(context_);
   if (window_ != nullptr) SDL_DestroyWindow(window_);
   SDL_QuitSubSystem(SDL_INIT_VIDEO);

@@ -15,6 +15,13 @@ class NoWindow final : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The display has gone while there was a window on it (its server ended, its cable of a network was cut), or
+/// the graphics card lost what was on it. Nothing can be drawn any more; everything else goes on.
+class DisplayLost final : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// The program's one window with an OpenGL 3.3 core context, current on the thread that made it. All members:
 /// [setup], that thread.
 class Display final {
@@ -24,8 +31,8 @@ class Display final {
     int height = 0;
   };
 
-  /// @param size in the window system's units
-  /// @throws NoWindow
+  /// From here on every member throws DisplayLost when the display goes, instead of ending the program as X
+  /// would. @param size in the window system's units @throws NoWindow
   Display(const std::string& title, Size size);
   ~Display();
   Display(const Display&) = delete;
@@ -41,6 +48,10 @@ class Display final {
   [[nodiscard]] float scale() const;
   void set_title(const std::string& title);
   void toggle_full_screen();
+  /// Whether the display has gone; then nothing here may be called any more, and its end touches nothing.
+  [[nodiscard]] bool lost() const noexcept;
+  /// The graphics card has lost what was on it, so that the display is as good as gone. @throws DisplayLost
+  [[noreturn]] void give_up() const;
   /// Shows what was drawn.
   void swap();
 

@@ -38,6 +38,7 @@ bool wants_mesh(FileUse use) {
 
 bool fits(FileUse use, const fs::path& file) {
   if (wants_mesh(use)) return is_mesh(file);
+  if (use == FileUse::kRecording) return ending_of(file) == ".h5";
   return ending_of(file) == (use == FileUse::kToolPath ? ".csv" : ".toml");
 }
 
@@ -55,6 +56,8 @@ const char* what_for(FileUse use) {
       return "Scene (.toml)";
     case FileUse::kToolPath:
       return "Tool path (.csv)";
+    case FileUse::kRecording:
+      return "Recording (.h5)";
     case FileUse::kSaveTissue:
       return "Save the tissue as (.toml)";
   }
@@ -67,6 +70,7 @@ std::optional<FileUse> use_of_file(const fs::path& file) {
   if (is_mesh(file)) return FileUse::kOrgan;
   const std::string ending = ending_of(file);
   if (ending == ".csv") return FileUse::kToolPath;
+  if (ending == ".h5") return FileUse::kRecording;
   if (ending != ".toml") return std::nullopt;
   std::ifstream text(file);
   std::string line;

@@ -8,7 +8,7 @@
 namespace palpate::app {
 
 /// What a file that the user names is for.
-enum class FileUse { kOrgan, kTool, kFurtherJaw, kTissue, kScene, kToolPath, kSaveTissue };
+enum class FileUse { kOrgan, kTool, kFurtherJaw, kTissue, kScene, kToolPath, kRecording, kSaveTissue };
 
 /// A file that the user has chosen.
 struct ChosenFile {

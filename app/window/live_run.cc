@@ -22,10 +22,12 @@ LiveRun::LiveRun(std::unique_ptr<Session> session, std::filesystem::path recordi
 LiveRun::~LiveRun() { stop(); }
 
 void LiveRun::start(std::optional<int> core, net::IgtlServer* igtl) {
+  may_pause_ = app::may_pause(session_);
   changes_ = record::live_changes(session_.setup, session_.world);
   thread_ = std::thread([this, core, igtl] {
     try {
-      account_ = play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_, igtl}, stop_);
+      account_ =
+          play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_, igtl, &pause_}, stop_);
     } catch (const std::exception& error) {
       failure_ = error.what();
     }

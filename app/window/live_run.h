@@ -31,6 +31,10 @@ class LiveRun final {
 
   /// Ends the run in good order and waits for it: zero force, recording closed.
   void stop();
+  /// No time passes in the run, and its devices are stopped, until it is to go on; only where may_pause().
+  void pause(bool on) noexcept { pause_.store(on && may_pause_, std::memory_order_relaxed); }
+  [[nodiscard]] bool may_pause() const noexcept { return may_pause_; }
+  [[nodiscard]] bool pausing() const noexcept { return pause_.load(std::memory_order_relaxed); }
   /// Whether the run has ended.
   [[nodiscard]] bool ended() const noexcept { return ended_.load(std::memory_order_acquire); }
   /// After its end: how it went; nothing when it failed.
@@ -57,6 +61,8 @@ class LiveRun final {
   RowTap rows_;
   std::unique_ptr<haptics::LiveChanges> changes_;
   std::atomic<bool> stop_{false};
+  std::atomic<bool> pause_{false};
+  bool may_pause_ = false;
   std::atomic<bool> ended_{false};
   std::optional<RunAccount> account_;
   std::string failure_;

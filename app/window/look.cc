@@ -9,8 +9,8 @@ namespace {
 constexpr float kFontHeight = 15.0F;  // units at scale 1
 
 /// Letters that the panels use: Latin, Greek, and a few signs.
-constexpr ImWchar kLetters[] = {0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010, 0x2026,
-                                0x2070, 0x209F, 0x2190, 0x21FF, 0};
+constexpr ImWchar kLetters[] = {0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010, 0x2026, 0x2070,
+                                0x209F, 0x2190, 0x21FF, 0x25A0, 0x25FF, 0};
 
 void add_font(ImGuiIO& io, float height) {
   constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // fonts-dejavu-core

@@ -14,33 +14,50 @@ constexpr double kUsualAspect = 4.0 / 3.0;
 
 }  // namespace
 
-void OrbitCamera::look_as(const render::Camera& camera, double aspect) {
-  const Vec3 way = camera.eye - camera.target;
+void OrbitCamera::look(const render::Camera& camera, const Quat& world_P) {
+  world_P_ = world_P;
+  const Vec3 way = world_P_.conjugate() * Vec3(camera.eye - camera.target);
   target_ = camera.target;
-  distance_ =
-      std::clamp(way.norm() * std::max(1.0, kUsualAspect / std::max(0.1, aspect)), kNearest, kFarthest);
+  distance_ = std::clamp(way.norm(), kNearest, kFarthest);
   azimuth_ = std::atan2(way.y(), way.x());
   elevation_ = std::clamp(std::asin(std::clamp(way.z() / way.norm(), -1.0, 1.0)), -kHighest, kHighest);
   vertical_view_deg_ = camera.vertical_view_deg;
 }
 
+void OrbitCamera::look_as(const render::Camera& camera, double aspect) {
+  exact_.reset();
+  look(camera, Quat::Identity());
+  distance_ =
+      std::clamp(distance_ * std::max(1.0, kUsualAspect / std::max(0.1, aspect)), kNearest, kFarthest);
+}
+
+void OrbitCamera::look_exactly_as(const render::Camera& camera) {
+  look(camera, Quat::FromTwoVectors(Vec3::UnitZ(), camera.up));
+  exact_ = camera;
+}
+
 void OrbitCamera::orbit(double right, double up) {
+  exact_.reset();
   azimuth_ = std::remainder(azimuth_ - right, 2.0 * std::numbers::pi);
   elevation_ = std::clamp(elevation_ + up, -kHighest, kHighest);
 }
 
 void OrbitCamera::pan(double right_share, double up_share) {
+  exact_.reset();
   target_ -= height_at_target() * (right_share * right() + up_share * up());
 }
 
-void OrbitCamera::zoom(double factor) { distance_ = std::clamp(distance_ * factor, kNearest, kFarthest); }
-
-Vec3 OrbitCamera::to_eye() const {
-  return {std::cos(elevation_) * std::cos(azimuth_), std::cos(elevation_) * std::sin(azimuth_),
-          std::sin(elevation_)};
+void OrbitCamera::zoom(double factor) {
+  exact_.reset();
+  distance_ = std::clamp(distance_ * factor, kNearest, kFarthest);
 }
 
-Vec3 OrbitCamera::right() const { return {-std::sin(azimuth_), std::cos(azimuth_), 0.0}; }
+Vec3 OrbitCamera::to_eye() const {
+  return world_P_ * Vec3(std::cos(elevation_) * std::cos(azimuth_), std::cos(elevation_) * std::sin(azimuth_),
+                         std::sin(elevation_));
+}
+
+Vec3 OrbitCamera::right() const { return world_P_ * Vec3(-std::sin(azimuth_), std::cos(azimuth_), 0.0); }
 
 Vec3 OrbitCamera::up() const { return to_eye().cross(right()); }
 
@@ -49,7 +66,8 @@ double OrbitCamera::height_at_target() const {
 }
 
 render::Camera OrbitCamera::camera() const {
-  return {target_ + distance_ * to_eye(), target_, Vec3::UnitZ(), vertical_view_deg_};
+  if (exact_) return *exact_;
+  return {target_ + distance_ * to_eye(), target_, world_P_ * Vec3::UnitZ(), vertical_view_deg_};
 }
 
 }  // namespace palpate::app

@@ -1,14 +1,18 @@
 #pragma once
+#include <optional>
+
 #include "palpate/render/offscreen.h"
 
 namespace palpate::app {
 
-/// A camera that goes round a point, with z up. All members: [any], one thread.
+/// A camera that goes round a point, upright. All members: [any], one thread.
 class OrbitCamera final {
  public:
   /// What another camera sees, as far as a camera with z up can.
   /// @param aspect width over height of the picture: a narrow one is seen from farther away
   void look_as(const render::Camera& camera, double aspect);
+  /// What another camera sees, its own up and all; until it is moved, camera() is that camera bit for bit.
+  void look_exactly_as(const render::Camera& camera);
 
   /// Round the point [rad]: to the right, upwards. The eye stays off the poles.
   void orbit(double right, double up);
@@ -26,7 +30,10 @@ class OrbitCamera final {
 
  private:
   [[nodiscard]] Vec3 to_eye() const;
+  void look(const render::Camera& camera, const Quat& world_P);
 
+  Quat world_P_ = Quat::Identity();  // from the pole's frame, in which up is z
+  std::optional<render::Camera> exact_;
   Vec3 target_ = Vec3::Zero();
   double azimuth_ = -1.2;  // rad
   double elevation_ = 0.5;

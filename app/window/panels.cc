@@ -15,9 +15,13 @@ constexpr float kLeastPicture = 240.0F;  // a side
 
 bool is_open(const PanelState& state, Panel panel) { return state.open[static_cast<std::size_t>(panel)]; }
 
-/// A heading that opens and closes its panel. @return whether it is open
 bool heading(const char* text, PanelState& state, Panel panel) {
-  bool& open = state.open[static_cast<std::size_t>(panel)];
+  return panel_heading(text, state.open[static_cast<std::size_t>(panel)]);
+}
+
+}  // namespace
+
+bool panel_heading(const char* text, bool& open) {
   ImGui::SetNextItemOpen(open);
   open = ImGui::CollapsingHeader(text);
   return open;
@@ -28,10 +32,8 @@ void begin_column(const char* name, const Rectangle& place) {
   ImGui::SetNextWindowSize(ImVec2(place.width, place.height));
   ImGui::Begin(name, nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_AlwaysVerticalScrollbar * 0);
+                   ImGuiWindowFlags_NoBringToFrontOnFocus);
 }
-
-}  // namespace
 
 Layout lay_out(float width, float height, float scale, const PanelState& state) {
   Layout all;
@@ -72,13 +74,36 @@ void draw_right(const Rectangle& place, const Shown& shown, PanelState& state, W
   ImGui::End();
 }
 
+void draw_key_lines(const char* name, std::span<const KeyLine> lines) {
+  if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return;
+  for (const KeyLine& line : lines) {
+    ImGui::TableNextColumn();
+    ImGui::TextColored(colour::kDepth, "%s   ", line.keys);
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(line.what);
+  }
+  ImGui::EndTable();
+}
+
+void draw_keys(bool& open, std::span<const KeyLine> lines, const std::function<void()>& more) {
+  if (!open) return;
+  const ImVec2 all = ImGui::GetIO().DisplaySize;
+  const float text = ImGui::GetFontSize();
+  ImGui::SetNextWindowPos(ImVec2(0.5F * all.x, 0.5F * all.y), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
+  ImGui::SetNextWindowBgAlpha(0.97F);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(1.5F * text, 1.1F * text));
+  if (ImGui::Begin("Keys", &open,
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize |
+                       ImGuiWindowFlags_NoSavedSettings)) {
+    draw_key_lines("all", lines);
+    more();
+  }
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
 void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
-  if (!state.help) return;
-  struct Line {
-    const char* keys;
-    const char* what;
-  };
-  static constexpr Line kLines[] = {
+  static constexpr KeyLine kLines[] = {
       {"F1", "these keys"},
       {"F2 to F7", "scene, tissue, noise, device, timing, plots: open or close"},
       {"F8", "all panels away, or back"},
@@ -88,55 +113,38 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
       {"wheel, + and -", "nearer, farther"},
       {"Home", "the view of the beginning"},
       {"Space", "hold the picture; the run goes on"},
+      {"Ctrl + Space", "pause the run, where no hand holds the device"},
       {"Enter", "run again from the start"},
       {"R", "reset a fault"},
       {"N", "touch noise on or off"},
       {"Ctrl + R", "run again and record; or end the recording"},
+      {"V", "look at the recording, in the viewer's window"},
       {"P", "save a picture of the window (PNG)"},
       {"Ctrl + O", "choose an organ's file (or drop any file here)"},
       {"Ctrl + S", "save the tissue"},
       {"Ctrl + Tab", "into the panels; arrows, Space and Enter there"},
       {"Esc", "leave: zero force, recording closed"},
   };
-  static constexpr Line kMouse[] = {{"mouse", "moves the tool sideways (Shift: finely)"},
-                                    {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
-                                    {"left button", "closes the jaws; G: which way they rest"},
-                                    {"right, middle drag, Ctrl + wheel", "the view; 1 to 4: which hand"}};
-  static constexpr Line kPad[] = {{"left stick", "moves the tool sideways"},
-                                  {"right stick", "down presses, up lifts"},
-                                  {"right trigger", "presses, up to 25 mm"},
-                                  {"left trigger", "closes the jaws"}};
-  const ImVec2 all = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos(ImVec2(0.5F * all.x, 0.5F * all.y), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
-  ImGui::SetNextWindowBgAlpha(0.97F);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(22.0F, 16.0F));
-  if (ImGui::Begin("Keys", &state.help,
-                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize |
-                       ImGuiWindowFlags_NoSavedSettings)) {
-    const auto lines = [](const char* name, const auto& all_lines) {
-      if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return;
-      for (const Line& line : all_lines) {
-        ImGui::TableNextColumn();
-        ImGui::TextColored(colour::kDepth, "%s   ", line.keys);
-        ImGui::TableNextColumn();
-        ImGui::TextUnformatted(line.what);
-      }
-      ImGui::EndTable();
-    };
-    lines("all", kLines);
+  static constexpr KeyLine kMouse[] = {{"mouse", "moves the tool sideways (Shift: finely)"},
+                                       {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
+                                       {"left button", "closes the jaws; G: which way they rest"},
+                                       {"right, middle drag, Ctrl + wheel", "the view; 1 to 4: which hand"}};
+  static constexpr KeyLine kPad[] = {{"left stick", "moves the tool sideways"},
+                                     {"right stick", "down presses, up lifts"},
+                                     {"right trigger", "presses, up to 25 mm"},
+                                     {"left trigger", "closes the jaws"}};
+  draw_keys(state.help, kLines, [=] {
     if (mouse_steers) {
       ImGui::Separator();
       ImGui::TextUnformatted("The mouse holds the tool");
-      lines("mouse", kMouse);
+      draw_key_lines("mouse", kMouse);
     }
     if (gamepad_steers) {
       ImGui::Separator();
       ImGui::TextUnformatted("The gamepad holds the tool");
-      lines("pad", kPad);
+      draw_key_lines("pad", kPad);
     }
-  }
-  ImGui::End();
-  ImGui::PopStyleVar();
+  });
 }
 
 }  // namespace palpate::app

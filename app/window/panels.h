@@ -1,8 +1,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +15,7 @@
 #include "palpate/scene/load.h"
 
 #include "app/window/file_chooser.h"
+#include "app/window/stage.h"
 #include "app/window/traces.h"
 
 namespace palpate::app {
@@ -40,8 +44,11 @@ struct Shown {
   const noise::NoiseSettings& noise;      // as felt
   std::vector<HandWords> hands;
   std::string recording{};  // file being written; empty: none
+  std::string looked_at{};  // file that could be looked at: the same, or the last one; empty: none
   bool ended = false;       // the run has
   bool paused = false;      // the picture is
+  bool pausing = false;     // the run is: no time passes
+  bool may_pause = true;    // no hand holds a device
   bool preparing = false;   // the next session is being
   double frames_a_second = 0.0;
   double frame_time = 0.0;   // s, of the window's own work
@@ -59,11 +66,13 @@ struct Wishes {
   std::optional<ChosenFile> file;
   bool again = false;  // the same session anew; tissue and noise as they are
   std::optional<bool> record;
-  bool pause = false;  // or go on
+  bool pause = false;      // the picture, or go on
+  bool pause_run = false;  // the run, or go on
   bool screenshot = false;
   bool reset_faults = false;
   bool full_screen = false;
   bool home = false;  // the camera
+  bool look = false;  // at the recording, in a window of its own
   bool leave = false;
 };
 
@@ -77,14 +86,6 @@ struct PanelState {
   FileChooser files;
 };
 
-/// Where things are in the window [window units, y down].
-struct Rectangle {
-  float x = 0.0F;
-  float y = 0.0F;
-  float width = 0.0F;
-  float height = 0.0F;
-};
-
 /// How the window is shared out: the panels are beside the picture, never on it.
 struct Layout {
   Rectangle picture;
@@ -96,11 +97,42 @@ struct Layout {
 /// [any] @param scale of all things. A window too small for panels and picture has the picture alone.
 [[nodiscard]] Layout lay_out(float width, float height, float scale, const PanelState& state);
 
+/// What the plots show of a run.
+struct Plotted {
+  struct Hand {
+    const std::deque<RowSample>& rows;  // of the time shown
+    RowSample now;                      // the newest, or where the cursor is
+  };
+  const model::TissueParameters& tissue;  // whose law is drawn
+  model::Direction direction = model::Direction::kPress;
+  double rate_Hz = 1000.0;
+  std::vector<Hand> hands{};
+  std::size_t strong = 0;  // the hand whose lines are drawn strongly
+  double from = 0.0;       // s
+  double to = 8.0;
+  std::optional<double> cursor{};  // s: what comes after it is drawn faintly over depth
+};
+
 // Each draws one panel (between ImGui's NewFrame and Render) and notes what is asked for.
 void draw_left(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes);
 void draw_right(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes);
-void draw_plots(const Rectangle& place, const Shown& shown);
+void draw_plots(const Rectangle& place, const Plotted& plotted);
 void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
+[[nodiscard]] Plotted plotted(const Shown& shown);
+
+/// A key and what it does.
+struct KeyLine {
+  const char* keys;
+  const char* what;
+};
+/// A window "Keys" in the middle, while `open`; `more` draws below the lines.
+void draw_keys(bool& open, std::span<const KeyLine> lines, const std::function<void()>& more);
+/// Lines of keys, as a table.
+void draw_key_lines(const char* name, std::span<const KeyLine> lines);
+/// A heading that opens and closes its panel. @return whether it is open
+[[nodiscard]] bool panel_heading(const char* text, bool& open);
+/// Begins the ImGui window of a column of panels.
+void begin_column(const char* name, const Rectangle& place);
 
 // The parts of the above that have a file of their own.
 void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes);

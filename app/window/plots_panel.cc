@@ -1,5 +1,6 @@
 // Force, depth and noise over the last seconds, and force over depth with the law behind it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -54,16 +55,15 @@ struct Strip {
   bool both_signs;
 };
 
-void strips(const ImVec2& low, const ImVec2& high, const Shown& shown) {
+void strips(const ImVec2& low, const ImVec2& high, const Plotted& shown) {
   static const std::vector<Strip> kStrips = {
       {"Force to the hand [N]", colour::kForce, [](const RowSample& row) { return row.force; }, 0.5, false},
       {"Depth, or stretch [mm]", colour::kDepth, [](const RowSample& row) { return 1e3 * row.depth; }, 2.0,
        false},
       {"Touch noise [mN]", colour::kNoise, [](const RowSample& row) { return 1e3 * row.noise_force; }, 10.0,
        true}};
-  const double newest = shown.traces.of_hand(0).empty() ? 0.0 : shown.traces.of_hand(0).back().time;
-  const double to = std::max(newest, Traces::kKept);
-  const double from = to - Traces::kKept;
+  const double from = shown.from;
+  const double to = shown.to;
   const float text = ImGui::GetFontSize();
   const float last = 2.0F * text;  // numbers and title of the time axis
   const float each = (high.y - low.y - last) / static_cast<float>(kStrips.size());
@@ -72,35 +72,35 @@ void strips(const ImVec2& low, const ImVec2& high, const Shown& shown) {
     const Strip& strip = kStrips[i];
     const bool bottom = i + 1 == kStrips.size();
     double most = strip.least_range;
-    for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
-      most = std::max(most, largest(shown.traces.of_hand(hand), strip.quantity));
-    }
+    for (const Plotted::Hand& hand : shown.hands) most = std::max(most, largest(hand.rows, strip.quantity));
     most = strip.both_signs ? round_step(most * 1.02) : round_end(most * 1.02);
     const float top = low.y + static_cast<float>(i) * each;
     const Plot plot(list, ImVec2(low.x, top), ImVec2(high.x, top + each + (bottom ? last : 0.0F)),
                     {from, to, bottom ? "time [s]" : "", bottom},
                     {strip.both_signs ? -most : 0.0, most, strip.title, true});
-    for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
+    for (std::size_t hand = 0; hand < shown.hands.size(); ++hand) {
       const double width = (to - from) / std::max(1.0, static_cast<double>(high.x - low.x));
-      plot.columns(in_columns(shown.traces.of_hand(hand), strip.quantity, from, width), width,
-                   packed(strip.colour, hand == 0 ? 1.0F : 0.5F));
+      plot.columns(in_columns(shown.hands[hand].rows, strip.quantity, from, width), width,
+                   packed(strip.colour, hand == shown.strong ? 1.0F : 0.5F));
     }
+    if (!shown.cursor) continue;
+    const double level = strip.both_signs ? -most : 0.0;
+    const std::array<PlotPoint, 2> line = {PlotPoint{*shown.cursor, level}, PlotPoint{*shown.cursor, most}};
+    plot.line(line, packed(colour::kText, 0.8F), 1.2F);
   }
 }
 
 /// The law as felt, in N over mm.
-std::vector<PlotPoint> law_curve(const Shown& shown, double deepest_mm) {
+std::vector<PlotPoint> law_curve(const Plotted& shown, double deepest_mm) {
   constexpr int kPoints = 120;
-  const auto direction =
-      shown.setup.task == scene::Task::kPull ? model::Direction::kPull : model::Direction::kPress;
-  const double period = 1.0 / shown.setup.rate_Hz;
+  const double period = 1.0 / shown.rate_Hz;
   std::function<double(double)> force;
   if (shown.tissue.law == model::LawKind::kSmooth) {
-    force = [law = model::SmoothSpringLaw(shown.tissue, direction, period)](double depth) {
+    force = [law = model::SmoothSpringLaw(shown.tissue, shown.direction, period)](double depth) {
       return law.force_at(depth).force;
     };
   } else {
-    force = [law = model::LayeredSpringLaw(shown.tissue, direction, period)](double depth) {
+    force = [law = model::LayeredSpringLaw(shown.tissue, shown.direction, period)](double depth) {
       return law.force_at(depth).force;
     };
   }
@@ -112,11 +112,24 @@ std::vector<PlotPoint> law_curve(const Shown& shown, double deepest_mm) {
   return points;
 }
 
-void force_over_depth(const ImVec2& low, const ImVec2& high, const Shown& shown) {
+/// What was felt, as a line: 200 points a second, of the rows before a time or from it on.
+std::vector<PlotPoint> felt(const std::deque<RowSample>& rows, double rate_Hz, double from, double to) {
+  std::vector<PlotPoint> path;
+  std::uint64_t next = 0;
+  const auto every = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / 200.0));
+  for (const RowSample& row : rows) {
+    if (row.tick < next || row.phase == 0 || row.time < from || row.time > to) continue;
+    path.push_back({1e3 * row.depth, row.tissue_force});
+    next = row.tick + every;
+  }
+  return path;
+}
+
+void force_over_depth(const ImVec2& low, const ImVec2& high, const Plotted& shown) {
   double deepest = 2.0;
   double strongest = 0.5;
-  for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
-    for (const RowSample& row : shown.traces.of_hand(hand)) {
+  for (const Plotted::Hand& hand : shown.hands) {
+    for (const RowSample& row : hand.rows) {
       deepest = std::max(deepest, 1e3 * row.depth);
       strongest = std::max(strongest, row.tissue_force);
     }
@@ -127,26 +140,35 @@ void force_over_depth(const ImVec2& low, const ImVec2& high, const Shown& shown)
   const Plot plot(*ImGui::GetWindowDrawList(), low, high, {0.0, deepest, "depth, or stretch [mm]", true},
                   {0.0, strongest, "Tissue force [N]", true});
   plot.line(law, packed(colour::kLaw), 4.0F);
-  for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
-    std::vector<PlotPoint> path;
-    std::uint64_t next = 0;
-    const auto every =
-        static_cast<std::uint64_t>(std::max(1.0, shown.setup.rate_Hz / 200.0));  // 200 points a second
-    for (const RowSample& row : shown.traces.of_hand(hand)) {
-      if (row.tick < next || row.phase == 0) continue;
-      path.push_back({1e3 * row.depth, row.tissue_force});
-      next = row.tick + every;
+  const double now = shown.cursor.value_or(shown.to);
+  for (std::size_t hand = 0; hand < shown.hands.size(); ++hand) {
+    const float strength = hand == shown.strong ? 0.9F : 0.5F;
+    const std::deque<RowSample>& rows = shown.hands[hand].rows;
+    if (shown.cursor) {
+      plot.line(felt(rows, shown.rate_Hz, now, shown.to), packed(colour::kForce, 0.35F * strength), 1.2F);
     }
-    plot.line(path, packed(colour::kForce, hand == 0 ? 0.9F : 0.5F), 1.2F);
-    const RowSample& now = shown.traces.newest(hand);
-    if (now.phase != 0) plot.dot({1e3 * now.depth, now.tissue_force}, packed(colour::kText), 4.0F);
+    plot.line(felt(rows, shown.rate_Hz, shown.from, now), packed(colour::kForce, strength), 1.2F);
+    const RowSample& at = shown.hands[hand].now;
+    if (at.phase != 0) plot.dot({1e3 * at.depth, at.tissue_force}, packed(colour::kText), 4.0F);
   }
   plot.note("wide: the law; fine: felt", packed(colour::kFaint));
 }
 
 }  // namespace
 
-void draw_plots(const Rectangle& place, const Shown& shown) {
+Plotted plotted(const Shown& shown) {
+  const bool pull = shown.setup.task == scene::Task::kPull;
+  Plotted all{shown.tissue, pull ? model::Direction::kPull : model::Direction::kPress, shown.setup.rate_Hz};
+  for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
+    all.hands.push_back({shown.traces.of_hand(hand), shown.traces.newest(hand)});
+  }
+  const std::deque<RowSample>& first = shown.traces.of_hand(0);
+  all.to = std::max(first.empty() ? 0.0 : first.back().time, Traces::kKept);
+  all.from = all.to - Traces::kKept;
+  return all;
+}
+
+void draw_plots(const Rectangle& place, const Plotted& shown) {
   ImGui::SetNextWindowPos(ImVec2(place.x, place.y));
   ImGui::SetNextWindowSize(ImVec2(place.width, place.height));
   ImGui::Begin("plots", nullptr,

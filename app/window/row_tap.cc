@@ -6,7 +6,7 @@ namespace palpate::app {
 
 void RowTap::begin(std::int64_t /*started_unix_ns*/) noexcept {}
 
-void RowTap::put(const haptics::TickRow& row) noexcept {
+RowSample sample_of_row(const haptics::TickRow& row) noexcept {
   RowSample sample;
   sample.time = row.time;
   sample.tick = row.tick;
@@ -23,7 +23,11 @@ void RowTap::put(const haptics::TickRow& row) noexcept {
   sample.late_ns = row.late_ns;
   sample.status = row.status;
   sample.fault = row.fault;
-  if (!ring_.push(sample)) left_out_.fetch_add(1, std::memory_order_relaxed);
+  return sample;
+}
+
+void RowTap::put(const haptics::TickRow& row) noexcept {
+  if (!ring_.push(sample_of_row(row))) left_out_.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace palpate::app

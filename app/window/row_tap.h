@@ -25,6 +25,9 @@ struct RowSample {
   std::uint32_t fault = 0;
 };
 
+/// [any] What of a row the window needs.
+[[nodiscard]] RowSample sample_of_row(const haptics::TickRow& row) noexcept;
+
 /// Lets a window see the rows of a running loop. When the window does not keep up, rows are left out and
 /// counted: the loop never waits.
 class RowTap final : public haptics::TickSink {

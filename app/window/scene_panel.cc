@@ -66,6 +66,47 @@ void choose_task(const Shown& shown, Wishes& wishes) {
   if (ImGui::RadioButton("pull", pull) && !pull) want("pull");
 }
 
+/// A button of half the width that says more when the mouse is over it. @return whether it was pressed
+bool half_button(const char* text, bool enabled, const std::string& explanation) {
+  const float half = 0.5F * (ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x -
+                             ImGui::GetStyle().ItemSpacing.x);
+  ImGui::BeginDisabled(!enabled);
+  const bool pressed = ImGui::Button(text, ImVec2(half, 0.0F));
+  ImGui::EndDisabled();
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explanation.c_str());
+  return pressed;
+}
+
+void run_buttons(const Shown& shown, Wishes& wishes) {
+  if (half_button("Run again", true, "Enter: zero force, then the same from the start")) wishes.again = true;
+  ImGui::SameLine();
+  const char* pause = shown.may_pause ? "Ctrl + Space: no time passes in the run, and its devices are stopped"
+                                      : "a hand holds the device: its run is never paused; Hold picture is";
+  if (half_button(shown.pausing ? "Go on###pause" : "Pause###pause", shown.may_pause && !shown.ended,
+                  pause)) {
+    wishes.pause_run = true;
+  }
+  const bool recording = !shown.recording.empty() && !shown.ended;
+  if (half_button(recording ? "End recording" : "Record", true,
+                  "Ctrl + R: the session begins anew, so that the recording has it whole\n"
+                  "and replays bit for bit; ending it begins a session without")) {
+    wishes.record = !recording;
+  }
+  ImGui::SameLine();
+  const std::string look = shown.looked_at.empty()
+                               ? "V: nothing is recorded yet; Record, or palpate run --record FILE"
+                               : "V: the viewer opens " + short_name(shown.looked_at) +
+                                     "\nin a window of its own, as far as it is written";
+  if (half_button("Look at it", !shown.looked_at.empty(), look)) wishes.look = true;
+  if (half_button(shown.paused ? "Picture on###hold" : "Hold picture###hold", true,
+                  "Space: picture and plots stand still; the run goes on")) {
+    wishes.pause = true;
+  }
+  ImGui::SameLine();
+  if (half_button("Picture", true, "P: saves the window as a PNG in the working folder"))
+    wishes.screenshot = true;
+}
+
 }  // namespace
 
 void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
@@ -85,22 +126,8 @@ void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
     rows.name("Task", "press: the law's limit when pressed; pull: the jaws grasp");
     choose_task(shown, wishes);
   }
-  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-  if (ImGui::Button("Run again", ImVec2(half, 0.0F))) wishes.again = true;
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Enter: zero force, then the same from the start");
-  ImGui::SameLine();
-  if (ImGui::Button(shown.paused ? "Go on" : "Hold picture", ImVec2(half, 0.0F))) wishes.pause = true;
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Space: picture and plots stand still; the run goes on");
+  run_buttons(shown, wishes);
   const bool recording = !shown.recording.empty() && !shown.ended;
-  if (ImGui::Button(recording ? "End recording" : "Record", ImVec2(half, 0.0F))) wishes.record = !recording;
-  if (ImGui::IsItemHovered()) {
-    ImGui::SetTooltip(
-        "Ctrl + R: the session begins anew, so that the recording has it whole\n"
-        "and replays bit for bit; ending it begins a session without");
-  }
-  ImGui::SameLine();
-  if (ImGui::Button("Picture", ImVec2(half, 0.0F))) wishes.screenshot = true;
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("P: saves the window as a PNG in the working folder");
   if (recording) ImGui::TextColored(colour::kForce, "recording to %s", short_name(shown.recording).c_str());
   ImGui::Spacing();
 }

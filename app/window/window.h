@@ -15,10 +15,13 @@
 
 #include "app/session.h"
 #include "app/window/display.h"
+#include "app/window/live_picture.h"
 #include "app/window/live_run.h"
 #include "app/window/next_session.h"
+#include "app/window/onlookers.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
+#include "app/window/stage.h"
 #include "app/window/steering.h"
 #include "app/window/traces.h"
 
@@ -34,6 +37,8 @@ struct WindowOptions {
   const std::atomic<bool>* stop = nullptr;  // Ctrl-C
   net::IgtlServer* igtl = nullptr;          // shows all runs to other programs; outlives the window
   Display::Size size{1440, 900};
+  std::optional<float> scale;                       // of letters and panels; nothing: as the display says
+  std::filesystem::path viewer = "/proc/self/exe";  // the program whose `view` looks at a recording
 };
 
 /// How it went.
@@ -44,6 +49,7 @@ struct WindowOutcome {
   std::uint64_t frames = 0;     // that showed a running session
   double median_age = 0.0;      // s, of what they showed when they were shown
   double largest_age = 0.0;     // s
+  bool display_lost = false;    // the window ended because its display did
 };
 
 /// The window of `palpate run`: the picture, the panels beside it, and the session that plays meanwhile on
@@ -58,6 +64,7 @@ class Window final {
   Window& operator=(const Window&) = delete;
 
   /// One frame: events, what they ask for, the picture. @return false when the window is to close
+  /// @throws DisplayLost; finish() is to be called then, too.
   bool frame();
   /// After the last frame: ends what still plays (zero force, recording closed) and says how it went.
   /// @throws InputError when the first session's recording could not be written.
@@ -65,15 +72,16 @@ class Window final {
 
   // What the window shows, for tests and for pictures of it:
   /// All of it, as last drawn.
-  [[nodiscard]] render::Image picture();
+  [[nodiscard]] render::Image picture() const { return stage_.picture(); }
   /// From here on every pixel is drawn, however long a frame takes.
-  void hold_full_quality();
+  void hold_full_quality() { live_.hold_full_quality(); }
   /// The words across the top of the picture; empty: none.
   [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
   /// The words at its lower edge; empty: none.
   [[nodiscard]] const std::string& message() const noexcept { return message_; }
   [[nodiscard]] const haptics::Snapshot& snapshot() const noexcept { return shown_; }
   [[nodiscard]] const Traces& traces() const noexcept { return *traces_; }
+  [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return stage_.mouse_at(); }
   [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
   [[nodiscard]] PanelState& panels() noexcept { return panels_; }
   [[nodiscard]] const LiveRun& run() const noexcept { return *run_; }
@@ -90,10 +98,10 @@ class Window final {
   void letter_key(SDL_Keycode key);
   void view_key(const SDL_KeyboardEvent& key);
   void mouse_button(const SDL_MouseButtonEvent& button);
-  void mouse_motion(const SDL_MouseMotionEvent& motion);
+  void mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way);
   void mouse_wheel(const SDL_MouseWheelEvent& wheel);
   void file_dropped(const std::filesystem::path& file);
-  [[nodiscard]] bool over_picture(int x, int y) const;
+  [[nodiscard]] bool over_picture(int x, int y) const { return Stage::over(layout_.picture, x, y); }
 
   // window_runs.cc
   void begin(std::unique_ptr<LiveRun> run);
@@ -102,22 +110,21 @@ class Window final {
   void end_run();
   void grant(const Wishes& wishes);
   void take_file(const ChosenFile& file);
+  void pause_run();
   void apply_tissue(const model::TissueParameters& tissue);
   void apply_noise(const noise::NoiseSettings& noise);
   void restart(scene::Request request, bool keep_edits, std::filesystem::path recording);
-  [[nodiscard]] static std::filesystem::path new_recording();
+  void look_at(const std::filesystem::path& recording);
   void make_renderer();
   [[nodiscard]] render::Subject subject() const;
 
   // window.cc
-  void start_imgui();
   void take_newest();
   void compose();
   void draw_overlay();
   void draw_picture();
-  void fit_renderer(int width, int height);
   void save_picture();
-  void adapt(double frame_time);
+  void mind_graphics();
   void say(std::string message);
   [[nodiscard]] Shown shown() const;
   [[nodiscard]] std::vector<HandWords> hand_words() const;
@@ -125,16 +132,11 @@ class Window final {
 
   scene::Request request_;
   WindowOptions options_;
-  Display display_;
-  std::unique_ptr<render::OffscreenRenderer> renderer_;
-  Display::Size drawn_size_;  // of the renderer's pictures
-  std::size_t quality_ = 0;   // index of kQualities
-  bool quality_held_ = false;
-  std::deque<double> frame_times_;
+  std::filesystem::path last_recording_;
+  Stage stage_;
+  LivePicture live_;
+  Onlookers onlookers_;
   bool reach_changed_ = false;  // of the dent; the renderer does not know yet
-  bool picture_stale_ = true;   // what the renderer keeps is not what is to be shown
-  bool drew_ = false;           // in this frame
-  render::Camera drawn_camera_;
   OrbitCamera camera_;
   bool camera_set_ = false;
   Steering steering_;
@@ -146,18 +148,16 @@ class Window final {
   model::TissueParameters tissue_;  // as felt
   noise::NoiseSettings noise_;
   std::string tissue_note_;
+  bool tissue_waits_ = false;  // for the run to go on
+  bool noise_waits_ = false;
   PanelState panels_;
   Wishes wishes_;  // of the keys, until the panels have added theirs
   Layout layout_;
-  float scale_ = 1.0F;
   bool paused_ = false;
   bool leaving_ = false;
   bool turning_ = false;  // the view, by the mouse
   bool moving_ = false;
   bool mouse_over_ = false;  // the picture, at its last motion
-  std::pair<int, int> mouse_at_{-1, -1};
-  std::uint32_t mouse_down_ = 0;     // ImGui's buttons, a bit each
-  std::uint32_t mouse_pressed_ = 0;  // in this frame: a click within a frame counts
   std::string banner_;
   std::string message_;
   std::int64_t message_until_ns_ = 0;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <utility>
 
-#include <backends/imgui_impl_sdl.h>
 #include <imgui.h>
 
 #include "app/window/window.h"
@@ -16,19 +15,15 @@ constexpr double kKeyTurn = 0.06;  // rad a press
 constexpr double kKeyMove = 0.03;  // of the picture's height
 constexpr double kNearer = 0.88;   // a notch
 
-/// ImGui's number of a mouse button; -1: none.
-int imgui_button(Uint8 button) {
-  if (button == SDL_BUTTON_LEFT) return 0;
-  if (button == SDL_BUTTON_RIGHT) return 1;
-  return button == SDL_BUTTON_MIDDLE ? 2 : -1;
-}
-
 }  // namespace
 
 void Window::take_events() {
   SDL_Event event;
   while (SDL_PollEvent(&event) != 0) {
-    ImGui_ImplSDL2_ProcessEvent(&event);
+    const std::pair<int, int> way =
+        event.type == SDL_MOUSEMOTION ? stage_.way_to(event.motion) : std::pair<int, int>();
+    stage_.take(event);
+    if (event.type == SDL_MOUSEMOTION) mouse_motion(event.motion, way);
     take_event(event);
     if (event.type == SDL_DROPFILE) SDL_free(event.drop.file);
   }
@@ -51,9 +46,6 @@ void Window::take_event(const SDL_Event& event) {
     case SDL_MOUSEBUTTONUP:
       mouse_button(event.button);
       break;
-    case SDL_MOUSEMOTION:
-      mouse_motion(event.motion);
-      break;
     case SDL_MOUSEWHEEL:
       mouse_wheel(event.wheel);
       break;
@@ -69,23 +61,8 @@ void Window::take_event(const SDL_Event& event) {
   }
 }
 
-bool Window::over_picture(int x, int y) const {
-  const auto fx = static_cast<float>(x);
-  const auto fy = static_cast<float>(y);
-  const Rectangle& place = layout_.picture;
-  return fx >= place.x && fx < place.x + place.width && fy >= place.y && fy < place.y + place.height &&
-         !ImGui::GetIO().WantCaptureMouse;
-}
-
 void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   const bool down = button.type == SDL_MOUSEBUTTONDOWN;
-  mouse_at_ = {button.x, button.y};
-  const int number = imgui_button(button.button);
-  if (number >= 0) {
-    const std::uint32_t bit = 1U << static_cast<std::uint32_t>(number);
-    mouse_down_ = down ? mouse_down_ | bit : mouse_down_ & ~bit;
-    if (down) mouse_pressed_ |= bit;
-  }
   const bool left_grips = steering_.mouse_steers();
   if (!down) {
     if (button.button == SDL_BUTTON_LEFT) steering_.grip(false);
@@ -101,11 +78,9 @@ void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   if (button.button == SDL_BUTTON_MIDDLE) moving_ = true;
 }
 
-void Window::mouse_motion(const SDL_MouseMotionEvent& motion) {
+void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way) {
   const double height = std::max(1.0F, layout_.picture.height);
-  const int right = motion.x - mouse_at_.first;
-  const int down = motion.y - mouse_at_.second;
-  mouse_at_ = {motion.x, motion.y};
+  const auto [right, down] = way;
   const bool was_over = mouse_over_;
   mouse_over_ = over_picture(motion.x, motion.y);
   if (turning_) {
@@ -119,7 +94,7 @@ void Window::mouse_motion(const SDL_MouseMotionEvent& motion) {
 }
 
 void Window::mouse_wheel(const SDL_MouseWheelEvent& wheel) {
-  if (!over_picture(mouse_at_.first, mouse_at_.second)) return;
+  if (!over_picture(stage_.mouse_at().first, stage_.mouse_at().second)) return;
   const bool control = (SDL_GetModState() & KMOD_CTRL) != 0;
   if (steering_.mouse_steers() && !control) {
     steering_.wheel_turned(wheel.y, (SDL_GetModState() & KMOD_SHIFT) != 0);
@@ -159,6 +134,7 @@ void Window::key_down(const SDL_KeyboardEvent& key) {
 
 void Window::control_key(SDL_Keycode key) {
   if (key == SDLK_r) wishes_.record = run_->recording().empty() || run_->ended();
+  if (key == SDLK_SPACE) wishes_.pause_run = true;
   if (key == SDLK_o) panels_.files.open(FileUse::kOrgan, std::filesystem::current_path());
   if (key == SDLK_s) {
     panels_.files.open(FileUse::kSaveTissue, std::filesystem::current_path() / (tissue_.name + ".toml"));
@@ -168,6 +144,7 @@ void Window::control_key(SDL_Keycode key) {
 void Window::letter_key(SDL_Keycode key) {
   if (key == SDLK_r) wishes_.reset_faults = true;
   if (key == SDLK_p) wishes_.screenshot = true;
+  if (key == SDLK_v) wishes_.look = true;
   if (key == SDLK_g) steering_.toggle_rest_of_jaws();
   if (key == SDLK_n) {
     wishes_.noise = noise_;
@@ -194,9 +171,11 @@ void Window::view_key(const SDL_KeyboardEvent& key) {
 
 void Window::file_dropped(const std::filesystem::path& file) {
   const std::optional<FileUse> use = use_of_file(file);
-  if (!use) {
+  if (use == FileUse::kRecording) {
+    look_at(file);
+  } else if (!use) {
     say(file.filename().string() +
-        ": palpate reads meshes, scenes and tissues (.toml) and tool paths (.csv)");
+        ": palpate reads meshes, scenes and tissues (.toml), tool paths (.csv) and recordings (.h5)");
   } else if (*use == FileUse::kOrgan) {
     panels_.files.open(*use, file);  // its unit is to be asked for
   } else {

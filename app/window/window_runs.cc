@@ -1,5 +1,4 @@
 // The sessions that a window plays, one after the other.
-#include <ctime>
 #include <exception>
 #include <fstream>
 #include <utility>
@@ -25,28 +24,27 @@ bool same(const model::ReachParameters& a, const model::ReachParameters& b) {
 void Window::begin(std::unique_ptr<LiveRun> run) {
   run_ = std::move(run);
   ++runs_begun_;
+  if (!run_->recording().empty()) last_recording_ = run_->recording();
   const scene::Setup& setup = run_->session().setup;
   tissue_ = setup.tissue;
   noise_ = setup.noise;
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(setup.rate_Hz);
   make_renderer();
-  frame_times_.clear();
+  live_.forget_times();
   snapshot_there_ = false;
   paused_ = false;
+  tissue_waits_ = false;
+  noise_waits_ = false;
   steering_.take(run_->session());
-  display_.set_title("Palpate: " + title_of(setup));
+  stage_.display().set_title("Palpate: " + title_of(setup));
 }
 
 /// The renderer of the session's organ, which gives way as the tissue does that is felt now, in the colours
 /// of the tissue that the session began with.
 void Window::make_renderer() {
-  renderer_.reset();  // the old one's memory goes before the new one's comes
-  drawn_size_ = {64, 64};
-  renderer_ = std::make_unique<render::OffscreenRenderer>(subject(), drawn_size_.width, drawn_size_.height,
-                                                          render::OffscreenRenderer::InCurrentContext{});
+  live_.take(subject());
   reach_changed_ = false;
-  picture_stale_ = true;
 }
 
 render::Subject Window::subject() const {
@@ -114,13 +112,15 @@ void Window::restart(scene::Request request, bool keep_edits, fs::path recording
   next_ = std::make_unique<NextSession>(std::move(request), std::move(kept), std::move(recording));
 }
 
-fs::path Window::new_recording() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  localtime_r(&now, &parts);
-  char text[64];
-  (void)std::strftime(text, sizeof text, "palpate-%Y%m%d-%H%M%S.h5", &parts);
-  return fs::current_path() / text;
+/// In a program of its own, so that the loop that still plays is not held up. What is being written is seen
+/// as far as it has come.
+void Window::look_at(const fs::path& recording) {
+  try {
+    onlookers_.open(options_.viewer, recording);
+    say(recording.filename().string() + " opens in a window of its own");
+  } catch (const InputError& error) {
+    say(error.what());
+  }
 }
 
 /// While a run goes on the loop takes the change at one of its next ticks; afterwards the next run begins
@@ -131,6 +131,9 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
     tissue_note_.clear();
     if (run_->ended()) {
       tissue_note_ = "felt from the next run on (Enter)";
+    } else if (run_->pausing()) {
+      tissue_note_ = "felt when the run goes on (Ctrl + Space)";
+      tissue_waits_ = true;
     } else {
       for (const std::string& warning : run_->changes().offer(tissue).warnings) {
         tissue_note_ += (tissue_note_.empty() ? "" : "\n") + warning;
@@ -146,12 +149,28 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
 void Window::apply_noise(const noise::NoiseSettings& noise) {
   try {
     noise::validate(noise, run_->session().setup.rate_Hz);
-    if (!run_->ended())
+    if (run_->pausing()) {
+      noise_waits_ = true;
+    } else if (!run_->ended()) {
       (void)run_->changes().offer(haptics::LiveNoise{noise.enabled, noise.gain, noise.threshold});
+    }
     noise_ = noise;
   } catch (const InputError& error) {
     say(error.what());
   }
+}
+
+/// A loop that is paused takes no changes: they wait here, the newest of each kind.
+void Window::pause_run() {
+  if (!run_->may_pause()) {
+    say("a hand holds the device: its run is never paused; Space holds the picture");
+    return;
+  }
+  if (run_->ended()) return;
+  run_->pause(!run_->pausing());
+  if (run_->pausing()) return;
+  if (std::exchange(tissue_waits_, false)) apply_tissue(tissue_);
+  if (std::exchange(noise_waits_, false)) apply_noise(noise_);
 }
 
 void Window::take_file(const ChosenFile& file) {
@@ -181,6 +200,9 @@ void Window::take_file(const ChosenFile& file) {
         say(error.what());
       }
       return;
+    case FileUse::kRecording:
+      look_at(file.path);
+      return;
     case FileUse::kSaveTissue: {
       std::ofstream out(file.path);
       out << scene::to_toml(tissue_) << std::flush;
@@ -197,11 +219,19 @@ void Window::grant(const Wishes& wishes) {
   if (wishes.noise) apply_noise(*wishes.noise);
   if (wishes.reset_faults) reset_faults();
   if (wishes.pause) paused_ = !paused_;
+  if (wishes.pause_run) pause_run();
   if (wishes.home) camera_set_ = false;
-  if (wishes.full_screen) display_.toggle_full_screen();
+  if (wishes.full_screen) stage_.display().toggle_full_screen();
+  if (wishes.look) {
+    if (last_recording_.empty()) {
+      say("nothing is recorded yet: Ctrl + R records");
+    } else {
+      look_at(last_recording_);
+    }
+  }
   if (wishes.file) take_file(*wishes.file);
   if (wishes.request) restart(*wishes.request, false, {});
-  if (wishes.record) restart(request_, true, *wishes.record ? new_recording() : fs::path());
+  if (wishes.record) restart(request_, true, *wishes.record ? named_by_time(".h5") : fs::path());
   if (wishes.again) restart(request_, true, {});
 }
 

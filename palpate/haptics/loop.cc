@@ -57,6 +57,10 @@ class Loop final {
     const auto period = static_cast<std::int64_t>(1e9 / world_.rate_Hz);
     Schedule schedule(world_.rate_Hz, monotonic_ns() + period);
     for (std::uint64_t number = 0; number < options_.ticks; ++number) {
+      if (pause_wanted()) {
+        wait_through_pause();
+        schedule = Schedule(world_.rate_Hz, monotonic_ns() + period);
+      }
       if (stop_wanted()) break;
       if (!options_.offline) sleep_until_ns(schedule.due());
       if (stop_wanted()) break;
@@ -77,6 +81,23 @@ class Loop final {
 
   [[nodiscard]] bool stop_wanted() const noexcept {
     return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
+  }
+
+  [[nodiscard]] bool pause_wanted() const noexcept {
+    return options_.pause != nullptr && watchdog_ == nullptr && !options_.offline &&
+           options_.pause->load(std::memory_order_relaxed);
+  }
+
+  /// Zero force on every device until the run is to go on, or to end. No tick is late for it.
+  void wait_through_pause() noexcept {
+    constexpr std::int64_t kLookEvery = 2'000'000;  // ns
+    for (Device* device : devices_) device->stop();
+    const std::int64_t from = monotonic_ns();
+    while (pause_wanted() && !stop_wanted()) sleep_until_ns(monotonic_ns() + kLookEvery);
+    const std::int64_t lasted = monotonic_ns() - from;
+    ++report_.pauses;
+    report_.paused_ns += lasted;
+    last_begin_ += lasted;
   }
 
   /// Accounts for when a tick begins, and sees whether the loop had stood still. @return how late it is [ns].
@@ -304,6 +325,12 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
   if (watchdog) {
     report.stops = watchdog->finish();
     report.watchdog_stops = watchdog->stops();
+  }
+  if (report.pauses > 0) {
+    const std::string times = report.pauses == 1 ? "once" : std::to_string(report.pauses) + " times";
+    report.remarks.push_back("the run was paused " + times + ", for " +
+                             shortest(std::round(static_cast<double>(report.paused_ns) * 1e-8) * 0.1) +
+                             " s; its times leave that out");
   }
   if (report.watchdog_stops > 0) {
     report.remarks.push_back(told(report.watchdog_stops, report.stops, stalled_after));

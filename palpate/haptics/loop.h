@@ -71,6 +71,10 @@ struct LoopOptions {
   // nobody watches, for runs whose devices no hand holds: there a gap is a late tick, and rows are those of
   // an offline run.
   std::int64_t stalled_after_ns = static_cast<std::int64_t>(kStalledAfter * 1e9);
+  // While it is set, by any thread, no tick begins: the devices are stopped and the simulation's time stands.
+  // In real time, and only where nobody watches for stalls: a held device is never paused
+  // (docs/decisions/0011-pause).
+  const std::atomic<bool>* pause = nullptr;
 };
 
 inline constexpr double kStalledPeriods = 4.0;
@@ -94,6 +98,8 @@ struct LoopReport {
   std::int64_t longest_gap_ns = 0;     // between two tick starts
   bool realtime_priority = false;      // SCHED_FIFO granted
   bool memory_locked = false;          // mlockall granted
+  std::uint64_t pauses = 0;            // how often it was paused
+  std::int64_t paused_ns = 0;          // for how long, in all
   std::uint64_t watchdog_stops = 0;    // how often the watchdog stopped the devices
   std::vector<WatchdogStop> stops;     // the first Watchdog::kMostKept
   std::vector<std::string> remarks;    // what was not granted, what the watchdog did, in words

@@ -9,7 +9,8 @@
 namespace palpate::record {
 
 /// What a recording looked like at any tick, in any order: for viewers and films. It runs the recording again
-/// up to that tick; going back starts anew from the first. One thread.
+/// up to that tick, from the nearest place before it that was kept: about every half second of a run, farther
+/// apart in long ones. One thread.
 class RecordingFrames final {
  public:
   /// [setup] The recording must outlive this. @throws InputError when rows are missing in the middle or the
@@ -23,8 +24,11 @@ class RecordingFrames final {
   /// [setup] The snapshot after `tick`; its taken_ns is the time since tick 0.
   /// @throws InputError when the recording has no such tick.
   [[nodiscard]] haptics::Snapshot at(std::uint64_t tick);
-  /// [any] The tick at which hand 0's depth is largest (without contact: its distance smallest).
-  [[nodiscard]] std::uint64_t deepest() const noexcept;
+  /// [setup] Goes towards `tick`, by at most `most` ticks, so that a caller can think again on a long way.
+  /// @return whether it is there, so that at(tick) costs nothing more @throws InputError as at()
+  [[nodiscard]] bool approach(std::uint64_t tick, std::uint64_t most);
+  /// [any] The tick at which a hand's depth is largest (without contact: its distance smallest).
+  [[nodiscard]] std::uint64_t deepest(std::uint32_t hand = 0) const noexcept;
 
  private:
   struct Impl;

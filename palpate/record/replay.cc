@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include "palpate/base/error.h"
@@ -71,6 +72,19 @@ class Replay final {
     return std::span(recording_.rows).subspan(tick * hands(), hands());
   }
   [[nodiscard]] std::span<const TickRow> rows() const noexcept { return rows_; }
+
+  /// All that the next tick depends on.
+  struct Place {
+    haptics::SimulationState state;
+    std::vector<haptics::ForceCommand> commands;
+    std::size_t next_change = 0;
+  };
+  [[nodiscard]] Place place() const { return {state_, commands_, next_change_}; }
+  void go_back_to(const Place& place) {
+    state_ = place.state;
+    commands_ = place.commands;
+    next_change_ = place.next_change;
+  }
 
   /// As the loop publishes it, but with the recording's own time.
   [[nodiscard]] haptics::Snapshot snapshot(std::uint64_t number) const {
@@ -184,36 +198,61 @@ std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
 }
 
 struct RecordingFrames::Impl {
+  Impl(const Recording& recorded, const contact::Preparation& how)
+      : recording(recorded), again(recorded, how), apart(std::max(kLeastApart, again.ticks() / kMostKept)) {
+    kept.push_back(again.place());
+  }
+
+  /// Continues from the kept place that is nearest before `tick`, unless the way from here is shorter.
+  void jump_towards(std::uint64_t tick) {
+    const std::uint64_t from = std::min<std::uint64_t>(tick / apart, kept.size() - 1) * apart;
+    if (next <= tick + 1 && next >= from) return;
+    again.go_back_to(kept[from / apart]);
+    next = from;
+  }
+
+  void run_one() {
+    again.run_tick(next++);
+    if (next == kept.size() * apart) kept.push_back(again.place());
+  }
+
+  static constexpr std::uint64_t kLeastApart = 512;  // ticks
+  static constexpr std::uint64_t kMostKept = 512;
+
   const Recording& recording;
-  contact::Preparation how;
-  std::unique_ptr<Replay> again;
-  std::uint64_t next = 0;  // tick to run
+  Replay again;
+  std::uint64_t apart;              // ticks from one kept place to the next
+  std::vector<Replay::Place> kept;  // before ticks 0, apart, 2 apart ...
+  std::uint64_t next = 0;           // tick to run
 };
 
 RecordingFrames::RecordingFrames(const Recording& recording, const contact::Preparation& how)
-    : impl_(std::make_unique<Impl>(Impl{recording, how, std::make_unique<Replay>(recording, how), 0})) {}
+    : impl_(std::make_unique<Impl>(recording, how)) {}
 
 RecordingFrames::~RecordingFrames() = default;
 
-std::uint64_t RecordingFrames::ticks() const noexcept { return impl_->again->ticks(); }
+std::uint64_t RecordingFrames::ticks() const noexcept { return impl_->again.ticks(); }
 
-haptics::Snapshot RecordingFrames::at(std::uint64_t tick) {
+bool RecordingFrames::approach(std::uint64_t tick, std::uint64_t most) {
   if (tick >= ticks()) {
     throw InputError("the recording has no tick " + std::to_string(tick) + "; it has " +
                      std::to_string(ticks()) + " ticks");
   }
-  if (tick + 1 < impl_->next) {
-    impl_->again = std::make_unique<Replay>(impl_->recording, impl_->how);
-    impl_->next = 0;
-  }
-  for (; impl_->next <= tick; ++impl_->next) impl_->again->run_tick(impl_->next);
-  return impl_->again->snapshot(tick);
+  impl_->jump_towards(tick);
+  for (std::uint64_t done = 0; impl_->next <= tick && done < most; ++done) impl_->run_one();
+  return impl_->next == tick + 1;
 }
 
-std::uint64_t RecordingFrames::deepest() const noexcept {
+haptics::Snapshot RecordingFrames::at(std::uint64_t tick) {
+  while (!approach(tick, std::numeric_limits<std::uint64_t>::max())) {
+  }
+  return impl_->again.snapshot(tick);
+}
+
+std::uint64_t RecordingFrames::deepest(std::uint32_t hand) const noexcept {
   const TickRow* best = nullptr;
   for (const TickRow& row : impl_->recording.rows) {
-    if (row.hand != 0) continue;
+    if (row.hand != hand) continue;
     if (best == nullptr || row.depth > best->depth ||
         (row.depth == best->depth && best->depth == 0.0 && row.distance < best->distance))
       best = &row;

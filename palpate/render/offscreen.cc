@@ -153,11 +153,15 @@ OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int heig
   context_->release();
 }
 
-OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height,
-                                     InCurrentContext /*here*/) {
-  check_size(width, height);
-  impl_ = std::make_unique<Impl>(subject, width, height, Quality::kBalanced);
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here)
+    : OffscreenRenderer(subject, width, height, here, Quality::kBalanced) {
   impl_->follow_time();
+}
+
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext /*here*/,
+                                     Quality quality) {
+  check_size(width, height);
+  impl_ = std::make_unique<Impl>(subject, width, height, quality);
 }
 
 OffscreenRenderer::~OffscreenRenderer() {

@@ -64,6 +64,8 @@ class OffscreenRenderer final {
   /// pictures take (QualityChoice).
   struct InCurrentContext {};
   OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here);
+  /// [setup] The same, but all pictures have this quality and are those of a context of its own.
+  OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here, Quality quality);
   ~OffscreenRenderer();
 
   /// [setup] The picture of one snapshot; organ deformed as model.md section 3 says, tool at its pose and

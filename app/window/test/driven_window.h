@@ -2,48 +2,66 @@
 // A window that a test drives by synthetic events.
 #include <chrono>
 #include <functional>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <SDL.h>
+#include <imgui_internal.h>
 
+#include "app/window/viewer.h"
 #include "app/window/window.h"
 
 namespace palpate::app {
 
-/// The window on a session of its own, and what a user does with it.
-class DrivenWindow final {
+/// What a user does with a window.
+class Driven {
  public:
-  explicit DrivenWindow(const scene::Request& request, WindowOptions options = {})
-      : session_(prepare(request, options.duration_s, true)),
-        window_(session_, request, std::move(options)) {}
-
-  [[nodiscard]] Window& window() noexcept { return window_; }
-  [[nodiscard]] Session& session() noexcept { return session_; }
+  virtual ~Driven() = default;
+  Driven() = default;
+  Driven(const Driven&) = delete;
+  Driven& operator=(const Driven&) = delete;
 
   /// Frames until `done` says so. @return whether it did within the time; the time is for slow machines
   bool until(const std::function<bool()>& done, double seconds = 60.0) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (!done()) {
       if (!alive_ || std::chrono::steady_clock::now() > give_up) return done();
-      alive_ = window_.frame();
+      alive_ = frame();
     }
     return true;
   }
   void frames(int number) {
-    for (int i = 0; i < number && alive_; ++i) alive_ = window_.frame();
+    for (int i = 0; i < number && alive_; ++i) alive_ = frame();
   }
   /// Whether the last frame said that the window stays.
   [[nodiscard]] bool alive() const noexcept { return alive_; }
 
   /// Pressed for a frame.
   void key(SDL_Keycode which, Uint16 modifiers = KMOD_NONE) {
+    SDL_SetModState(static_cast<SDL_Keymod>(modifiers));
     for (const Uint32 type : {SDL_KEYDOWN, SDL_KEYUP}) {
       SDL_Event event{};
       event.type = type;
       event.key.keysym.sym = which;
       event.key.keysym.scancode = SDL_GetScancodeFromKey(which);
       event.key.keysym.mod = modifiers;
+      SDL_PushEvent(&event);
+      frames(1);
+    }
+    if (modifiers != KMOD_NONE) release_modifiers();
+  }
+  /// Letters into the field that has the keyboard.
+  void type(const std::string& words) {
+    for (const char letter : words) {
+      SDL_Event event{};
+      event.type = SDL_TEXTINPUT;
+      event.text.text[0] = letter;
       SDL_PushEvent(&event);
       frames(1);
     }
@@ -67,6 +85,25 @@ class DrivenWindow final {
     event.button.y = y_;
     SDL_PushEvent(&event);
   }
+  /// The left button, where the mouse is.
+  void click() {
+    for (const bool down : {true, false}) {
+      button(SDL_BUTTON_LEFT, down);
+      frames(2);
+    }
+  }
+  /// The same with a key held, KMOD_CTRL or another.
+  void click_with(Uint16 modifiers) {
+    SDL_SetModState(static_cast<SDL_Keymod>(modifiers));
+    SDL_Event event{};  // ImGui asks for the keys that are held when one is pressed
+    event.type = SDL_KEYDOWN;
+    event.key.keysym.sym = SDLK_LCTRL;
+    event.key.keysym.scancode = SDL_SCANCODE_LCTRL;
+    event.key.keysym.mod = modifiers;
+    SDL_PushEvent(&event);
+    click();
+    release_modifiers();
+  }
   static void wheel(int notches) {
     SDL_Event event{};
     event.type = SDL_MOUSEWHEEL;
@@ -85,20 +122,97 @@ class DrivenWindow final {
     event.window.event = SDL_WINDOWEVENT_CLOSE;
     SDL_PushEvent(&event);
   }
-  void resize(int width, int height) { SDL_SetWindowSize(SDL_GetWindowFromID(1), width, height); }
-  /// To the middle of the picture.
-  void move_to_picture() {
-    const Rectangle& place = window_.layout().picture;
+  static void resize(int width, int height) { SDL_SetWindowSize(SDL_GetWindowFromID(1), width, height); }
+  void move_to_middle(const Rectangle& place) {
     move(static_cast<int>(place.x + 0.5F * place.width), static_cast<int>(place.y + 0.5F * place.height));
   }
-  WindowOutcome finish() { return window_.finish(); }
+
+  /// Moves the mouse onto a button, a box or a field of a panel. @param path its ImGui window, what pushes an
+  /// identity within it, and its label @return whether it was found; it must be in sight
+  bool point_at(std::initializer_list<std::string_view> path) {
+    ImGuiID wanted = 0;
+    for (const std::string_view name : path) wanted = ImHashStr(name.data(), name.size(), wanted);
+    const ImGuiWindow* window = ImGui::FindWindowByName(std::string(*path.begin()).c_str());
+    if (window == nullptr) return false;
+    const float step = 0.9F * ImGui::GetFontSize();
+    const ImRect& inside = window->InnerClipRect;
+    for (const float share : {0.72F, 0.28F, 0.04F, 0.1F, 0.9F, 0.5F, 0.18F, 0.4F, 0.6F, 0.82F}) {
+      for (float y = inside.Min.y + 0.5F * step; y < inside.Max.y; y += step) {
+        move(static_cast<int>(inside.Min.x + share * inside.GetWidth()), static_cast<int>(y));
+        frames(1);
+        if (ImGui::GetCurrentContext()->HoveredIdPreviousFrame == wanted ||
+            ImGui::GetCurrentContext()->HoveredId == wanted) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+  /// Points at it and presses the left button. @return whether it was found
+  bool press(std::initializer_list<std::string_view> path) {
+    if (!point_at(path)) return false;
+    click();
+    return true;
+  }
+
+ protected:
+  virtual bool frame() = 0;
 
  private:
-  Session session_;
-  Window window_;
+  void release_modifiers() {
+    SDL_SetModState(KMOD_NONE);
+    SDL_Event event{};
+    event.type = SDL_KEYUP;
+    event.key.keysym.sym = SDLK_LCTRL;
+    event.key.keysym.scancode = SDL_SCANCODE_LCTRL;
+    SDL_PushEvent(&event);
+    frames(1);
+  }
+
   bool alive_ = true;
   int x_ = 0;
   int y_ = 0;
+};
+
+/// The window on a session of its own.
+class DrivenWindow final : public Driven {
+ public:
+  explicit DrivenWindow(const scene::Request& request, WindowOptions options = {})
+      : session_(prepare(request, options.duration_s, true)),
+        window_(session_, request, std::move(options)) {}
+
+  [[nodiscard]] Window& window() noexcept { return window_; }
+  [[nodiscard]] Session& session() noexcept { return session_; }
+  void move_to_picture() { move_to_middle(window_.layout().picture); }
+  WindowOutcome finish() { return window_.finish(); }
+
+ private:
+  bool frame() override { return window_.frame(); }
+
+  Session session_;
+  Window window_;
+};
+
+/// A viewer on a recording.
+class DrivenViewer final : public Driven {
+ public:
+  explicit DrivenViewer(const std::filesystem::path& recording, const ViewerOptions& options = {})
+      : viewer_(std::make_unique<RecordedView>(recording, true), options) {}
+
+  [[nodiscard]] Viewer& viewer() noexcept { return viewer_; }
+  /// Frames until the picture shows where playback is.
+  bool until_there() {
+    frames(2);
+    return until([this] { return viewer_.there(); });
+  }
+  bool until_still() {
+    return until([this] { return viewer_.still(); });
+  }
+
+ private:
+  bool frame() override { return viewer_.frame(); }
+
+  Viewer viewer_;
 };
 
 }  // namespace palpate::app

@@ -38,11 +38,9 @@ class VirtualDisplay final {
     setenv("SDL_VIDEODRIVER", "x11", 1);
     setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
   }
-  ~VirtualDisplay() {
-    if (child_ <= 0) return;
-    kill(child_, SIGTERM);
-    waitpid(child_, nullptr, 0);
-  }
+  ~VirtualDisplay() { end(SIGTERM); }
+  /// As when the server crashes.
+  void crash() { end(SIGKILL); }
   VirtualDisplay(const VirtualDisplay&) = delete;
   VirtualDisplay& operator=(const VirtualDisplay&) = delete;
 
@@ -50,6 +48,13 @@ class VirtualDisplay final {
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
  private:
+  void end(int signal) {
+    if (child_ <= 0) return;
+    kill(child_, signal);
+    waitpid(child_, nullptr, 0);
+    child_ = -1;
+  }
+
   pid_t child_ = -1;
   std::string name_;
 };

@@ -1,4 +1,5 @@
 // Pictures of the window for docs/pictures, on a display of their own: palpate_window_pictures FOLDER
+#include <atomic>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
@@ -52,6 +53,27 @@ void experiment(const std::filesystem::path& file, const char* task) {
   (void)driven.finish();
 }
 
+/// The viewer on a recording of a press, paused where it is nearly deepest, with the displacement map.
+void viewer(const std::filesystem::path& file) {
+  const std::filesystem::path recording = std::filesystem::temp_directory_path() / "press.h5";
+  palpate::app::Session session = palpate::app::prepare(palpate::scene::Request{}, std::nullopt, true);
+  const std::atomic<bool> stop{false};
+  (void)palpate::app::play(session, {recording, true}, stop);
+  {
+    palpate::app::ViewerOptions options;
+    options.at_s = 2.4;
+    options.map_range = 10e-3;
+    palpate::app::DrivenViewer driven(recording, options);
+    driven.until_there();
+    driven.until_still();
+    driven.frames(2);
+    palpate::render::write_png(driven.viewer().picture(), file);
+    driven.close();
+    driven.frames(1);
+  }
+  std::filesystem::remove(recording);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -60,6 +82,7 @@ int main(int argc, char** argv) {
     const palpate::app::VirtualDisplay display;
     if (!display.there()) throw std::runtime_error("there is no Xvfb (Debian package xvfb)");
     const std::filesystem::path folder = argv[1];
+    viewer(folder / "window-view.png");
     experiment(folder / "window.png", "press");
     experiment(folder / "window-pull.png", "pull");
     return 0;

@@ -1,5 +1,7 @@
 #include "palpate/haptics/loop.h"
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -216,6 +218,65 @@ TEST(Loop, WhereNobodyWatchesAStallIsALateTick) {
   EXPECT_EQ(outcome.report.fault, Fault::kNone);
   EXPECT_GE(outcome.report.longest_gap_ns, 30'000'000);
   EXPECT_EQ(outcome.report.watchdog_stops, 0u);
+}
+
+TEST(Loop, DISABLED_APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
+  std::atomic<bool> pause{false};
+  std::thread releaser;
+  FakeDevice device([&](std::uint64_t tick, double time) {
+    if (tick == 100 && !releaser.joinable()) {
+      pause.store(true);
+      releaser = std::thread([&] {
+        std::this_thread::sleep_for(std::chrono::seconds(2));
+        pause.store(false);
+      });
+    }
+    return pressing(time);
+  });
+  LoopOptions options = calm({.ticks = 200});
+  options.pause = &pause;
+  const std::int64_t from = monotonic_ns();
+  const Outcome paused = run_with(device, options);
+  releaser.join();
+  EXPECT_GE(monotonic_ns() - from, 2'000'000'000);
+  FakeDevice other = presser();
+  const Outcome offline = run_with(other, {.ticks = 200, .offline = true});
+  ASSERT_EQ(paused.rows.size(), 200U);
+  for (std::size_t i = 0; i < 200; ++i) ASSERT_TRUE(test::same_bits(offline.rows[i], paused.rows[i])) << i;
+  EXPECT_EQ(paused.report.pauses, 1U);
+  EXPECT_GE(paused.report.paused_ns, 1'900'000'000);
+  EXPECT_LT(paused.report.longest_gap_ns, 1'900'000'000) << "the pause is no gap";
+  EXPECT_LT(paused.report.lateness.max(), 1'900'000'000) << "nor is a tick late for it";
+  EXPECT_EQ(device.stops.load(), 2) << "at the pause and at the end";
+  EXPECT_NE(paused.report.remarks.back().find("paused once"), std::string::npos)
+      << paused.report.remarks.back();
+}
+
+TEST(Loop, DISABLED_WhereSomebodyWatchesForStallsAndOfflineNothingIsPaused) {
+  std::atomic<bool> pause{true};
+  FakeDevice device = presser();
+  LoopOptions watched{.ticks = 50, .stalled_after_ns = 60'000'000'000};
+  watched.pause = &pause;
+  EXPECT_EQ(run_with(device, watched).report.ticks, 50U);
+  LoopOptions offline = calm({.ticks = 50, .offline = true});
+  offline.pause = &pause;
+  EXPECT_EQ(run_with(device, offline).report.ticks, 50U);
+}
+
+TEST(Loop, DISABLED_APausedRunCanBeEnded) {
+  std::atomic<bool> pause{true};
+  std::atomic<bool> stop{false};
+  LoopOptions options = calm({.ticks = 50, .stop = &stop});
+  options.pause = &pause;
+  std::thread ender([&stop] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    stop.store(true);
+  });
+  FakeDevice device = presser();
+  const Outcome outcome = run_with(device, options);
+  ender.join();
+  EXPECT_EQ(outcome.report.ticks, 0U);
+  EXPECT_TRUE(outcome.report.stopped_early);
 }
 
 TEST(Loop, OfflineNothingIsAStall) {

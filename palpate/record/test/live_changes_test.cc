@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <numeric>
 #include <random>
 #include <sstream>
 
@@ -12,6 +13,7 @@
 #include "palpate/geometry/builtin.h"
 #include "palpate/record/assemble.h"
 #include "palpate/record/flight_recorder.h"
+#include "palpate/record/recording_frames.h"
 #include "palpate/record/replay.h"
 #include "palpate/record/test/sample_recording.h"
 
@@ -172,6 +174,43 @@ TEST(LiveChangesRecorded, SnapshotsCarryTheReachAndNumberInForce) {
   EXPECT_EQ(snapshots[0].reach.bar_ratio, 1.8);
   EXPECT_EQ(snapshots[1].change, 1U);
   EXPECT_EQ(snapshots[1].reach.bar_ratio, 2.5);
+}
+
+bool same_scene(const haptics::Snapshot& a, const haptics::Snapshot& b) {
+  return a.tick == b.tick && a.change == b.change &&
+         a.tools[0].pose_W.position == b.tools[0].pose_W.position &&
+         a.results[0].depth == b.results[0].depth && a.results[0].contact_W == b.results[0].contact_W &&
+         a.commands[0].force == b.commands[0].force;
+}
+
+TEST(RecordingFrames, AreTheSameInAnyOrderAndByAnyWay) {
+  const Recording recording = restless_run(8, 3000);
+  std::vector<std::uint64_t> all(3000);
+  std::iota(all.begin(), all.end(), 0);
+  const std::vector<haptics::Snapshot> expected = snapshots_at(recording, all);
+  RecordingFrames frames(recording);
+  for (const std::uint64_t tick : {2999U, 511U, 512U, 513U, 100U, 0U, 2048U, 2047U, 1U, 2999U, 2998U}) {
+    EXPECT_TRUE(same_scene(frames.at(tick), expected[tick])) << tick;
+  }
+  RecordingFrames by_steps(recording);
+  int steps = 0;
+  while (!by_steps.approach(2500, 300)) ++steps;
+  EXPECT_EQ(steps, 8) << "2501 ticks in pieces of 300";
+  EXPECT_TRUE(same_scene(by_steps.at(2500), expected[2500]));
+  EXPECT_FALSE(by_steps.approach(600, 88)) << "from the place before tick 512 on";
+  EXPECT_TRUE(by_steps.approach(600, 1));
+  EXPECT_THROW((void)by_steps.approach(3000, 1), InputError);
+  EXPECT_THROW((void)by_steps.at(3000), InputError);
+}
+
+TEST(RecordingFrames, TheDeepestTickIsThatOfTheHandAskedFor) {
+  Recording recording = restless_run(8, 4);
+  for (haptics::TickRow& row : recording.rows) row.depth = 0.0;
+  recording.rows[1].depth = 1e-3;
+  recording.rows[3].depth = 2e-3;
+  const RecordingFrames frames(recording);
+  EXPECT_EQ(frames.deepest(), 3U);
+  EXPECT_EQ(frames.deepest(1), 0U) << "there is no such hand";
 }
 
 TEST(LiveChangesRecorded, TheFlightRecorderKeepsThem) {

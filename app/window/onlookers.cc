@@ -1,0 +1,43 @@
+#include "app/window/onlookers.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "palpate/base/error.h"
+
+namespace palpate::app {
+
+void Onlookers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(recording, error))
+    throw InputError(recording.string() + ": there is no such recording (it appears with the first tick)");
+  std::string name = program.string();
+  std::string command = "view";
+  std::string file = std::filesystem::absolute(recording).string();
+  const std::array<char*, 4> words = {name.data(), command.data(), file.data(), nullptr};
+  posix_spawn_file_actions_t actions{};
+  posix_spawn_file_actions_init(&actions);
+  // Not the devices, and not the recording's own lock, which would outlive its writer.
+  posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+  pid_t child = -1;
+  const int failed = posix_spawn(&child, name.c_str(), &actions, nullptr, words.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) throw InputError(file + ": the viewer does not start: " + std::strerror(failed));
+  children_.push_back(child);
+  (void)look_after();
+}
+
+std::size_t Onlookers::look_after() {
+  const auto ended = [](pid_t child) { return waitpid(child, nullptr, WNOHANG) != 0; };
+  children_.erase(std::remove_if(children_.begin(), children_.end(), ended), children_.end());
+  return children_.size();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,213 @@
+#include "app/window/stage.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <vector>
+
+#include <backends/imgui_impl_opengl3.h>
+#include <backends/imgui_impl_sdl.h>
+#include <epoxy/gl.h>
+#include <imgui.h>
+
+#include "palpate/base/error.h"
+
+#include "app/numbers.h"
+#include "app/window/look.h"
+
+namespace palpate::app {
+namespace {
+
+/// ImGui's number of a mouse button; -1: none.
+int imgui_button(Uint8 button) {
+  if (button == SDL_BUTTON_LEFT) return 0;
+  if (button == SDL_BUTTON_RIGHT) return 1;
+  return button == SDL_BUTTON_MIDDLE ? 2 : -1;
+}
+
+}  // namespace
+
+std::optional<float> UiScale::asked(const std::string& flag) {
+  std::string name = "--ui-scale";
+  std::string text = flag;
+  if (text.empty()) {
+    const char* variable =
+        std::getenv("PALPATE_UI_SCALE");  // NOLINT(concurrency-mt-unsafe): nothing writes it
+    if (variable == nullptr || *variable == '\0') return std::nullopt;
+    name = "PALPATE_UI_SCALE";
+    text = variable;
+  }
+  const double scale = parse_positive(name, text);
+  if (!(scale >= kLeast && scale <= kMost))
+    throw InputError(name + " " + text + ": want a number from 0.5 to 4; 1 is 96 dots an inch");
+  return static_cast<float>(scale);
+}
+
+Stage::Stage(const std::string& title, Display::Size size, std::optional<float> scale)
+    : display_(title, size), asked_(scale) {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // nothing is written that nobody asked for
+  ImGui_ImplSDL2_InitForOpenGL(display_.window(), display_.context());
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+  scale_ = asked_.value_or(display_.scale());
+  pixels_a_unit_ = enlarged();
+  set_look(scale_, static_cast<float>(pixels_a_unit_));
+}
+
+Stage::~Stage() {
+  if (display_.lost()) return;  // every call would speak to a display that is not there
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplSDL2_Shutdown();
+  ImGui::DestroyContext();
+}
+
+double Stage::enlarged() const {
+  const Display::Size units = display_.size();
+  return units.width > 0 ? std::max(1.0, static_cast<double>(display_.pixels().width) / units.width) : 1.0;
+}
+
+void Stage::take(const SDL_Event& event) {
+  ImGui_ImplSDL2_ProcessEvent(&event);
+  if (event.type == SDL_MOUSEMOTION) mouse_at_ = {event.motion.x, event.motion.y};
+  if (event.type == SDL_MOUSEBUTTONDOWN || event.type == SDL_MOUSEBUTTONUP) take_mouse(event.button);
+  if (event.type == SDL_KEYDOWN) take_key(event.key.keysym);
+  if (event.type == SDL_MOUSEBUTTONDOWN) keys_in_panels_ = false;
+  if (event.type != SDL_WINDOWEVENT) return;
+  // Onto a display of other dots an inch, or the system's own scale has changed.
+  if (event.window.event == SDL_WINDOWEVENT_DISPLAY_CHANGED ||
+      event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)
+    scale_may_differ_ = true;
+}
+
+/// Keys are the picture's, also after a click on a panel, until Ctrl + Tab goes into the panels and Esc, or
+/// the mouse, comes out again.
+void Stage::take_key(const SDL_Keysym& key) {
+  if (key.sym == SDLK_TAB && (key.mod & KMOD_CTRL) != 0) keys_in_panels_ = true;
+  if (key.sym == SDLK_ESCAPE) keys_in_panels_ = false;
+}
+
+void Stage::take_mouse(const SDL_MouseButtonEvent& button) {
+  mouse_at_ = {button.x, button.y};
+  const int number = imgui_button(button.button);
+  if (number < 0) return;
+  const bool down = button.type == SDL_MOUSEBUTTONDOWN;
+  const std::uint32_t bit = 1U << static_cast<std::uint32_t>(number);
+  mouse_down_ = down ? mouse_down_ | bit : mouse_down_ & ~bit;
+  if (down) mouse_pressed_ |= bit;
+}
+
+void Stage::look_at_scale() {
+  if (!scale_may_differ_) return;
+  scale_may_differ_ = false;
+  const float scale = asked_.value_or(display_.scale());
+  const double pixels_a_unit = enlarged();
+  if (scale == scale_ && std::abs(pixels_a_unit - pixels_a_unit_) < 0.01) return;
+  scale_ = scale;
+  pixels_a_unit_ = pixels_a_unit;
+  set_look(scale_, static_cast<float>(pixels_a_unit_));
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+bool Stage::over(const Rectangle& place, int x, int y) {
+  const auto fx = static_cast<float>(x);
+  const auto fy = static_cast<float>(y);
+  return fx >= place.x && fx < place.x + place.width && fy >= place.y && fy < place.y + place.height &&
+         !ImGui::GetIO().WantCaptureMouse;
+}
+
+void Stage::begin_panels() {
+  look_at_scale();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplSDL2_NewFrame();
+  // The mouse as its events say, not as the system does: the two differ when events come from elsewhere.
+  ImGuiIO& io = ImGui::GetIO();
+  io.MousePos = ImVec2(static_cast<float>(mouse_at_.first), static_cast<float>(mouse_at_.second));
+  for (std::uint32_t button = 0; button < 3; ++button) {
+    io.MouseDown[button] = (((mouse_down_ | mouse_pressed_) >> button) & 1U) != 0;
+  }
+  mouse_pressed_ = 0;
+  const bool dialog = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+  if (keys_in_panels_ || dialog) {
+    io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  } else {
+    io.ConfigFlags &= ~ImGuiConfigFlags_NavEnableKeyboard;
+  }
+  ImGui::NewFrame();
+}
+
+void Stage::end_panels() { ImGui::Render(); }
+
+void Stage::clear() {
+  const Display::Size size = display_.pixels();
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, size.width, size.height);
+  glClearColor(colour::kBackground.x, colour::kBackground.y, colour::kBackground.z, 1.0F);
+  glClear(GL_COLOR_BUFFER_BIT);
+}
+
+void Stage::draw_panels() { ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData()); }
+
+render::Image Stage::picture() const {
+  const Display::Size size = display_.pixels();
+  render::Image image{size.width, size.height, {}};
+  const std::size_t row = static_cast<std::size_t>(size.width) * 3;
+  std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(size.height));
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, size.width, size.height, GL_RGB, GL_UNSIGNED_BYTE, bottom_up.data());
+  image.rgb.reserve(bottom_up.size());
+  for (std::size_t line = static_cast<std::size_t>(size.height); line-- > 0;) {
+    const auto from = bottom_up.begin() + static_cast<std::ptrdiff_t>(line * row);
+    image.rgb.insert(image.rgb.end(), from, from + static_cast<std::ptrdiff_t>(row));
+  }
+  return image;
+}
+
+bool Stage::graphics_lost() const {
+  const bool can_say = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_ARB_robustness");
+  if (!can_say) return false;
+  const GLenum status = epoxy_gl_version() >= 45 ? glGetGraphicsResetStatus() : glGetGraphicsResetStatusARB();
+  return status != GL_NO_ERROR;
+}
+
+bool Stage::out_of_memory() {
+  bool ran_out = false;
+  for (int i = 0; i < 16; ++i) {  // a lost context may say errors without end
+    const GLenum error = glGetError();
+    if (error == GL_NO_ERROR) break;
+    ran_out = ran_out || error == GL_OUT_OF_MEMORY;
+  }
+  return ran_out;
+}
+
+float strip_height(float width, const std::string& words) {
+  const float margin = 0.7F * ImGui::GetFontSize();
+  return ImGui::CalcTextSize(words.c_str(), nullptr, false, width - 2.0F * margin).y + margin;
+}
+
+float draw_strip(float x, float y, float width, const std::string& words, bool fault) {
+  const float margin = 0.7F * ImGui::GetFontSize();
+  const float height = strip_height(width, words);
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled(ImVec2(x, y), ImVec2(x + width, y + height),
+                     packed(fault ? colour::kFault : colour::kNews, 0.94F));
+  list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), words.c_str(),
+               nullptr, width - 2.0F * margin);
+  return height;
+}
+
+std::filesystem::path named_by_time(const std::string& ending) {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  localtime_r(&now, &parts);
+  std::array<char, 64> text{};
+  (void)std::strftime(text.data(), text.size(), "palpate-%Y%m%d-%H%M%S", &parts);
+  return std::filesystem::current_path() / (text.data() + ending);
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,260 @@
+// The panels of a run's window, used by mouse clicks and typing.
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include "palpate/record/recording.h"
+#include "palpate/record/replay.h"
+#include "palpate/scene/tissue_file.h"
+
+#include "app/window/test/window_fixture.h"
+
+namespace palpate::app {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::string_view kFirstHand("\0\0\0\0", 4);  // ImGui's identity of the number 0
+
+class PanelsTest : public WindowTest {
+ protected:
+  PanelsTest() { std::filesystem::current_path(folder()); }
+  ~PanelsTest() override { std::filesystem::current_path(before_); }
+
+  static WindowOptions tall(std::filesystem::path recording = {}) {
+    WindowOptions options = small(std::move(recording));
+    options.size = {1100, 900};
+    options.no_cache = true;
+    return options;
+  }
+  /// The first file in the folder with that ending that comes to be; empty: none did.
+  std::filesystem::path wait_for_file(DrivenWindow& driven, const std::string& ending) {
+    std::filesystem::path found;
+    driven.until([&] {
+      for (const auto& entry : std::filesystem::directory_iterator(folder())) {
+        if (entry.path().extension() == ending) found = entry.path();
+      }
+      return !found.empty();
+    });
+    return found;
+  }
+
+ private:
+  std::filesystem::path before_ = std::filesystem::current_path();
+};
+
+/// A device that fails in a way and at a time, in the emulated hand.
+scene::Request failing(const std::filesystem::path& file, const std::string& kind, const std::string& time_s,
+                       const std::string& duration_s) {
+  std::ofstream(file) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
+                         "[device]\nkind = \"emulated\"\n[[device.fault]]\nkind = \"" +
+                             kind + "\"\ntime_s = " + time_s + "\nduration_s = " + duration_s + "\n";
+  scene::Request request;
+  request.scene = file;
+  return request;
+}
+
+TEST_F(PanelsTest, SliderPresetAndNoiseBoxChangeWhatIsFeltAndTheRecordingKnows) {
+  if (!display_is_there()) return;
+  const std::filesystem::path recording = file("changed.h5");
+  {
+    DrivenWindow driven(ball("mouse"), tall(recording));
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+    ASSERT_TRUE(driven.point_at({"left", "springs", "##k\u2081"}));
+    const auto [x, y] = driven.window().mouse_at();
+    driven.button(SDL_BUTTON_LEFT, true);
+    driven.frames(2);
+    driven.move(x + 40, y);
+    driven.frames(2);
+    driven.button(SDL_BUTTON_LEFT, false);
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change >= 1; }));
+    ASSERT_TRUE(driven.press({"left", "preset", "##preset"}));
+    ASSERT_TRUE(driven.press({"##Combo_00", "heart"}));
+    const std::uint64_t so_far = driven.window().snapshot().change;
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change > so_far; }));
+    ASSERT_TRUE(driven.press({"left", "On  (N)"}));
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change > so_far + 1; }));
+    close_and_expect_order(driven);
+    (void)driven.finish();
+  }
+  const record::Recording read = record::read_recording(recording);
+  ASSERT_GE(read.changes.size(), 3U);
+  const double preset = model::tissue_preset("liver").k1;
+  EXPECT_GT(read.changes.front().k1, preset + 1.0) << "40 units to the right at 0.1 N/m a unit";
+  EXPECT_STREQ(read.changes[read.changes.size() - 2].tissue.data(), "heart");
+  EXPECT_EQ(read.changes.back().noise_enabled, 0U);
+  EXPECT_EQ(record::replay(read).rows_different, 0U);
+}
+
+TEST_F(PanelsTest, DISABLED_ANumberIsTypedAndTheTissueSavedByItsDialog) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("mouse"), tall());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  ASSERT_TRUE(driven.point_at({"left", "springs", "##k\u2081"}));
+  driven.click_with(KMOD_CTRL);  // as a double click does, whatever the time between
+  driven.key(SDLK_a, KMOD_CTRL);
+  driven.type("77.5");
+  driven.key(SDLK_RETURN);
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change >= 1; }));
+  ASSERT_TRUE(driven.press({"left", "Save as a file ..."}));
+  ASSERT_TRUE(driven.window().panels().files.is_open());
+  driven.frames(2);
+  driven.key(SDLK_a, KMOD_CTRL);
+  driven.type("mine.toml");
+  ASSERT_TRUE(driven.press({"Choose a file", "Save"}));
+  EXPECT_FALSE(driven.window().panels().files.is_open());
+  EXPECT_THAT(driven.window().message(), HasSubstr("mine.toml"));
+  EXPECT_EQ(scene::read_tissue_file(file("mine.toml")).k1, 77.5);
+  close_and_expect_order(driven);
+}
+
+TEST_F(PanelsTest, RecordsTakesAPictureRunsAgainAndOpensTheViewer) {
+  if (!display_is_there()) return;
+  WindowOptions options = tall();
+  options.viewer = file("viewer.sh");
+  std::ofstream(options.viewer) << "#!/bin/sh\necho \"$@\" > " << file("looked").string() << "\n";
+  std::filesystem::permissions(options.viewer, std::filesystem::perms::owner_all);
+  DrivenWindow driven(ball("mouse"), options);
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  driven.key(SDLK_v);
+  driven.frames(1);
+  EXPECT_THAT(driven.window().message(), HasSubstr("nothing is recorded yet"));
+  ASSERT_TRUE(driven.press({"left", "Record"}));
+  const std::filesystem::path recording = wait_for_file(driven, ".h5");
+  ASSERT_FALSE(recording.empty());
+  ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.3; }));
+  ASSERT_TRUE(driven.press({"left", "Look at it"}));
+  ASSERT_TRUE(driven.until([&] { return std::filesystem::exists(file("looked")); }))
+      << driven.window().message();
+  const LiveRun* recorded = &driven.window().run();
+  ASSERT_TRUE(driven.press({"left", "End recording"}));
+  ASSERT_TRUE(
+      driven.until([&] { return &driven.window().run() != recorded && !driven.window().preparing(); }));
+  const record::Recording read = record::read_recording(recording);
+  EXPECT_TRUE(read.facts.complete);
+  EXPECT_EQ(record::replay(read).rows_different, 0U);
+  ASSERT_TRUE(driven.press({"left", "Picture"}));
+  EXPECT_FALSE(wait_for_file(driven, ".png").empty());
+  const LiveRun* before = &driven.window().run();
+  ASSERT_TRUE(driven.press({"left", "Run again"}));
+  ASSERT_TRUE(driven.until([&] { return &driven.window().run() != before && !driven.window().preparing(); }));
+  std::string words;
+  ASSERT_TRUE(driven.until([&] {
+    std::getline(std::ifstream(file("looked")), words);
+    return !words.empty();
+  }));
+  EXPECT_EQ(words, "view " + recording.string());
+  close_and_expect_order(driven);
+  EXPECT_EQ(driven.finish().more_runs, 3U);
+}
+
+TEST_F(PanelsTest, DISABLED_FilesAreChosenByMouseAndByKeyboard) {
+  if (!display_is_there()) return;
+  std::ofstream(file("other.toml"))
+      << "[organ]\nmesh = \"ball\"\ntissue = \"kidney\"\n[tool]\nmesh = \"sphere:3\"\n";
+  DrivenWindow driven(ball("scripted"), tall());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  ASSERT_TRUE(driven.press({"left", "scene", "built in ...##scene"}));
+  driven.frames(2);
+  const ImGuiWindow* dialog = ImGui::FindWindowByName("Choose a file");
+  ASSERT_NE(dialog, nullptr);
+  std::array<char, 64> entries{};
+  std::snprintf(entries.data(), entries.size(), "Choose a file/entries_%08X",
+                ImHashStr("entries", 0, ImHashStr("Choose a file")));
+  ASSERT_TRUE(driven.press({entries.data(), "other.toml"}));
+  ASSERT_TRUE(driven.press({"Choose a file", "Open"}));
+  const auto tissue = [&] { return driven.window().run().session().setup.tissue.name; };
+  ASSERT_TRUE(driven.until([&] { return tissue() == "kidney"; })) << driven.window().message();
+  driven.key(SDLK_o, KMOD_CTRL);
+  driven.frames(2);
+  driven.type("nothing.stl");
+  driven.key(SDLK_RETURN);
+  EXPECT_TRUE(driven.window().panels().files.is_open()) << "no such file, and no unit";
+  driven.key(SDLK_ESCAPE);
+  driven.frames(2);
+  EXPECT_FALSE(driven.window().panels().files.is_open());
+  EXPECT_TRUE(driven.alive());
+  close_and_expect_order(driven);
+}
+
+TEST_F(PanelsTest, DISABLED_ALostDeviceIsSaidInWordsAndResetByAClick) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(failing(file("lost.toml"), "drop-out", "0.3", "0.4"), tall());
+  ASSERT_TRUE(driven.until([&] { return !driven.window().banner().empty(); }));
+  EXPECT_THAT(driven.window().banner(), HasSubstr("Zero force: the device"));
+  EXPECT_EQ(driven.window().snapshot().commands[0].gripper_force, 0.0);
+  ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.8; }));
+  EXPECT_EQ(driven.window().traces().newest(0).force, 0.0) << "latched";
+  // The rows above the button come and go with the hand's state: as a user would, it is clicked until it was
+  // hit.
+  for (int attempt = 0; attempt < 5 && !driven.window().banner().empty(); ++attempt) {
+    (void)driven.press({"right", kFirstHand, "Reset the fault  (R)"});
+    driven.frames(10);
+  }
+  EXPECT_EQ(driven.window().banner(), "");
+  close_and_expect_order(driven);
+  EXPECT_EQ(driven.finish().account.loop.fault, haptics::Fault::kDevice) << "the account keeps it";
+}
+
+TEST_F(PanelsTest, DISABLED_ARunIsPausedWhereNoHandHoldsTheDevice) {
+  if (!display_is_there()) return;
+  const std::filesystem::path recording = file("paused.h5");
+  {
+    DrivenWindow driven(ball("mouse"), tall(recording));
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+    ASSERT_TRUE(driven.press({"left", "###pause"}));
+    ASSERT_TRUE(driven.until([&] { return driven.window().run().pausing(); }));
+    EXPECT_THAT(driven.window().banner(), HasSubstr("The run is paused"));
+    std::uint64_t stands = 0;
+    ASSERT_TRUE(driven.until([&] {
+      const std::uint64_t before = std::exchange(stands, driven.window().snapshot().tick);
+      return before == stands;
+    }));
+    driven.frames(5);
+    EXPECT_EQ(driven.window().snapshot().tick, stands);
+    for (int i = 0; i < 12; ++i) driven.key(SDLK_n);  // more than may wait for a loop
+    driven.key(SDLK_SPACE, KMOD_CTRL);
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().tick > stands + 20; }));
+    EXPECT_EQ(driven.window().snapshot().change, 1U) << "the newest of what was changed meanwhile";
+    close_and_expect_order(driven);
+    EXPECT_EQ(driven.finish().account.loop.pauses, 1U);
+  }
+  EXPECT_EQ(record::replay(record::read_recording(recording)).rows_different, 0U);
+}
+
+TEST_F(PanelsTest, DISABLED_ARunOfAHeldDeviceIsNotPaused) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("emulated"), tall());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  driven.key(SDLK_SPACE, KMOD_CTRL);
+  driven.frames(2);
+  EXPECT_FALSE(driven.window().run().pausing());
+  EXPECT_THAT(driven.window().message(), HasSubstr("a hand holds the device"));
+  const std::uint64_t tick = driven.window().snapshot().tick;
+  EXPECT_TRUE(driven.until([&] { return driven.window().snapshot().tick > tick; }));
+  close_and_expect_order(driven);
+}
+
+TEST_F(PanelsTest, DISABLED_HoldAtTwiceTheScale) {
+  if (!display_is_there()) return;
+  WindowOptions options = tall();
+  options.size = {2200, 1800};
+  options.scale = 2.0F;
+  DrivenWindow driven(ball("scripted"), options);
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  const Layout& all = driven.window().layout();
+  EXPECT_EQ(all.left.width, 636.0F);
+  EXPECT_EQ(all.right.width, 636.0F);
+  EXPECT_EQ(ImGui::GetFontSize(), 30.0F);
+  for (const char* name : {"left", "right"}) {
+    const ImGuiWindow* column = ImGui::FindWindowByName(name);
+    ASSERT_NE(column, nullptr);
+    EXPECT_EQ(column->ScrollMax.x, 0.0F) << "nothing is cut off at the side of " << name;
+  }
+  EXPECT_TRUE(driven.press({"left", "Run again"})) << "the mouse is where things are";
+  close_and_expect_order(driven);
+}
+
+}  // namespace
+}  // namespace palpate::app

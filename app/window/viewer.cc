@@ -1,0 +1,314 @@
+#include "app/window/viewer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include <epoxy/gl.h>
+#include <imgui.h>
+
+#include "palpate/base/clock.h"
+#include "palpate/base/error.h"
+#include "palpate/render/map_legend.h"
+
+#include "app/messages.h"
+#include "app/session.h"
+#include "app/window/look.h"
+#include "app/window/rows.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr std::int64_t kFrameNs = 16'000'000;  // no more than 62 frames a second
+constexpr std::int64_t kMessageNs = 8'000'000'000;
+constexpr std::int64_t kStillAfterNs =
+    250'000'000;                       // without movement: then the picture is drawn as a file's
+constexpr double kLongestFrame = 0.1;  // s that playback goes on in a frame, at most
+constexpr double kPlotted = 8.0;       // s
+
+}  // namespace
+
+OpenRecording::OpenRecording(const std::filesystem::path& file, bool no_cache)
+    : OpenRecording(std::make_unique<RecordedView>(file, no_cache)) {}
+
+OpenRecording::OpenRecording(std::unique_ptr<RecordedView> seen)
+    : view(std::move(seen)), overview(overview_of(*view)) {
+  for (std::uint32_t hand = 0; hand < view->hands(); ++hand) {
+    whole.push_back(view->camera(hand, false));
+    close_up.push_back(view->camera(hand, true));
+  }
+}
+
+Viewer::Viewer(std::unique_ptr<RecordedView> seen, ViewerOptions options)
+    : options_(std::move(options)), stage_("Palpate", options_.size, options_.scale) {
+  state_.close_up = options_.close_up;
+  if (options_.map_range > 0.0) {
+    state_.map = true;
+    state_.map_range = options_.map_range;
+  }
+  show(std::make_unique<OpenRecording>(std::move(seen)));
+  if (options_.at_s) playback_->go_to(view().tick_at(*options_.at_s));
+}
+
+Viewer::~Viewer() {
+  if (opener_.joinable()) opener_.join();
+  ticks_.reset();
+  if (!stage_.display().lost()) return;
+  live_.abandon();
+  (void)still_.release();
+}
+
+void Viewer::show(std::unique_ptr<OpenRecording> open) {
+  ticks_.reset();
+  open_ = std::move(open);
+  const scene::Setup& setup = view().recording().setup;
+  playback_.emplace(view().ticks(), setup.rate_Hz);
+  state_.hand = 0;
+  snapshot_there_ = false;
+  there_ = false;
+  still_.reset();
+  live_.take(view().subject());
+  camera_.look_exactly_as(first_camera());
+  rows_.assign(view().hands(), {});
+  ticks_plotted_ = {1, 0};
+  ticks_ = std::make_unique<ReplayThread>(open_->view->frames());
+  stage_.display().set_title("Palpate: " + view().file().filename().string());
+}
+
+const render::Camera& Viewer::first_camera() const {
+  return (state_.close_up ? open_->close_up : open_->whole)[state_.hand];
+}
+
+void Viewer::begin_to_open(const std::filesystem::path& file) {
+  if (opener_.joinable()) {
+    say("another recording is being opened already");
+    return;
+  }
+  next_name_ = file.filename().string();
+  opened_.store(false);
+  opener_ = std::thread([this, file] {
+    try {
+      next_ = std::make_unique<OpenRecording>(file, options_.no_cache);
+    } catch (const std::exception& error) {
+      next_failure_ = error.what();
+    }
+    opened_.store(true, std::memory_order_release);
+  });
+}
+
+void Viewer::look_after_opening() {
+  if (!opener_.joinable() || !opened_.load(std::memory_order_acquire)) return;
+  opener_.join();
+  if (next_ != nullptr) {
+    show(std::move(next_));
+  } else {
+    say(std::exchange(next_failure_, {}));
+  }
+}
+
+void Viewer::say(std::string message) {
+  message_ = std::move(message);
+  message_until_ns_ = monotonic_ns() + kMessageNs;
+}
+
+bool Viewer::frame() {
+  const std::int64_t before = frame_began_ns_;
+  frame_began_ns_ = monotonic_ns();
+  take_events();
+  look_after_opening();
+  if (frame_began_ns_ > message_until_ns_) message_.clear();
+  if (leaving_) return false;
+  // Playback waits for what it has asked for, so that nothing is left out on a slow machine.
+  const double passed = before == 0 ? 0.0 : 1e-9 * static_cast<double>(frame_began_ns_ - before);
+  if (there_) playback_->advance(std::min(passed, kLongestFrame));
+  ticks_->want(playback_->tick());
+  compose();
+  go_on();
+  draw_picture();
+  Stage::draw_panels();
+  if (wishes_.save_window) save(stage_.picture());
+  glFinish();
+  if (Stage::out_of_memory() && live_.shrink())
+    say("the graphics card's memory ran out: the picture is coarser");
+  if (stage_.graphics_lost()) stage_.display().give_up();
+  live_.adapt(1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_));
+  stage_.show();
+  grant(std::exchange(wishes_, {}));
+  sleep_until_ns(frame_began_ns_ + kFrameNs);
+  return true;
+}
+
+/// Takes the moment that the replay has come to.
+void Viewer::go_on() {
+  there_ = ticks_->there();
+  if (!ticks_->take(shown_)) return;
+  snapshot_there_ = true;
+  moved_ns_ = frame_began_ns_;
+  in_force_ = in_force(view().recording(), shown_.tick);
+  live_.refresh();
+}
+
+/// The rows of the time plotted: 8 s around the moment shown.
+void Viewer::gather_rows() {
+  const double whole = view().duration_s();
+  const double from =
+      std::clamp(view().time_of(shown_.tick) - 0.5 * kPlotted, 0.0, std::max(0.0, whole - kPlotted));
+  const std::pair wanted{view().tick_at(from), view().tick_at(std::min(whole, from + kPlotted))};
+  if (wanted == ticks_plotted_) return;
+  ticks_plotted_ = wanted;
+  for (std::uint32_t hand = 0; hand < view().hands(); ++hand) {
+    rows_[hand].clear();
+    for (std::uint64_t tick = wanted.first; tick <= wanted.second; ++tick) {
+      rows_[hand].push_back(sample_of_row(view().row(tick, hand)));
+    }
+  }
+}
+
+void Viewer::compose() {
+  stage_.begin_panels();
+  const ImGuiIO& io = ImGui::GetIO();
+  layout_ = lay_out(io.DisplaySize.x, io.DisplaySize.y, stage_.scale(), state_);
+  if (snapshot_there_) {
+    gather_rows();
+    const double from = view().time_of(ticks_plotted_.first);
+    const double to = std::max(from + 1e-3, view().time_of(ticks_plotted_.second + 1));
+    const Seen seen{view(), overview(), *playback_, shown_.tick, in_force_,
+                    rows_,  from,       to,         there_,      still_shown_};
+    if (layout_.left.width > 0.0F) draw_viewer_panels(layout_.left, seen, state_, wishes_);
+    if (layout_.timeline.height > 0.0F) draw_timeline(layout_.timeline, seen, state_, wishes_);
+    if (layout_.plots.height > 0.0F) {
+      const scene::Setup& setup = view().recording().setup;
+      const bool pull = setup.task == scene::Task::kPull;
+      Plotted plots{in_force_.tissue, pull ? model::Direction::kPull : model::Direction::kPress,
+                    setup.rate_Hz};
+      for (std::uint32_t hand = 0; hand < view().hands(); ++hand) {
+        plots.hands.push_back({rows_[hand], sample_of_row(view().row(shown_.tick, hand))});
+      }
+      plots.strong = state_.hand;
+      plots.from = from;
+      plots.to = to;
+      plots.cursor = view().time_of(shown_.tick);
+      draw_plots(layout_.plots, plots);
+    }
+  }
+  draw_overlay();
+  draw_viewer_help(state_);
+  if (const std::optional<ChosenFile> file = state_.files.draw()) wishes_.open = file->path.string();
+  Stage::end_panels();
+}
+
+std::string Viewer::banner_words() const {
+  const std::string failure = ticks_->failure();
+  if (!failure.empty()) return failure;
+  for (std::uint32_t hand = 0; snapshot_there_ && hand < view().hands(); ++hand) {
+    const auto fault = static_cast<haptics::Fault>(view().row(shown_.tick, hand).fault);
+    if (fault == haptics::Fault::kNone) continue;
+    const std::string whose =
+        view().hands() > 1 ? "Hand " + std::to_string(hand + 1) + ": zero force" : "Zero force";
+    return whose + ": " + haptics::words_of(fault);
+  }
+  return {};
+}
+
+/// Title, banner, scale of the map and message over the picture.
+void Viewer::draw_overlay() {
+  banner_ = banner_words();
+  const Rectangle& place = layout_.picture;
+  const float text = ImGui::GetFontSize();
+  if (place.width < 12.0F * text || place.height < 5.0F * text) return;
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float margin = 0.7F * text;
+  float y = place.y;
+  if (!banner_.empty()) y += draw_strip(place.x, y, place.width, banner_, true);
+  if (opener_.joinable())
+    y += draw_strip(place.x, y, place.width, next_name_ + " is being opened ...", false);
+  const std::string title = title_of(view().recording().setup) +
+                            formatted("   %.3f s", view().time_of(shown_.tick)) +
+                            formatted(" of %.3f s", view().duration_s());
+  list.AddText(ImVec2(place.x + margin, y + 0.5F * margin), packed(colour::kText, 0.9F), title.c_str());
+  const char* help = "F1: keys";
+  const ImVec2 size = ImGui::CalcTextSize(help);
+  if (place.width > ImGui::CalcTextSize(title.c_str()).x + size.x + 4.0F * margin) {
+    list.AddText(ImVec2(place.x + place.width - size.x - margin, y + 0.5F * margin),
+                 packed(colour::kText, 0.7F), help);
+  }
+  if (state_.map) draw_map_scale(place, y + 1.2F * text, state_.map_range);
+  if (message_.empty()) return;
+  draw_strip(place.x, place.y + place.height - strip_height(place.width, message_), place.width, message_,
+             false);
+}
+
+void Viewer::draw_picture() {
+  stage_.clear();
+  still_shown_ = false;
+  const PixelRectangle place = in_pixels(layout_.picture, stage_);
+  if (!snapshot_there_ || place.width < 1 || place.height < 1) return;
+  const render::Camera camera = camera_.camera();
+  const double map = state_.map ? state_.map_range : 0.0;
+  live_.set_map_range(map);
+  if (!same(camera, last_camera_)) moved_ns_ = frame_began_ns_;
+  last_camera_ = camera;
+  const bool quiet = there_ && !playback_->playing() && frame_began_ns_ - moved_ns_ > kStillAfterNs &&
+                     !ImGui::IsAnyItemActive() && !turning_ && !moving_;
+  if (quiet) {
+    draw_still(place, camera);
+  } else {
+    live_.show(shown_, camera, layout_.picture, stage_);
+  }
+}
+
+/// As `palpate view --screenshot` draws it, bit for bit: by a renderer that has drawn nothing else.
+void Viewer::draw_still(const PixelRectangle& place, const render::Camera& camera) {
+  const double map = state_.map ? state_.map_range : 0.0;
+  const bool same_moment = still_ != nullptr && still_tick_ == shown_.tick;
+  const bool same_size = still_size_.width == place.width && still_size_.height == place.height;
+  if (!same_moment) {
+    still_.reset();
+    still_ = std::make_unique<render::OffscreenRenderer>(view().subject(), place.width, place.height,
+                                                         render::OffscreenRenderer::InCurrentContext{},
+                                                         render::Quality::kFull);
+    still_tick_ = shown_.tick;
+  } else if (!same_size) {
+    still_->resize(place.width, place.height);
+  }
+  if (!same_moment || !same_size || map != still_map_ || !same(camera, still_camera_)) {
+    still_size_ = {place.width, place.height};
+    still_map_ = map;
+    still_camera_ = camera;
+    still_->set_map_range(map);
+    still_->draw_and_keep(shown_, camera);
+  }
+  still_->show_at(place.x, place.y, place.width, place.height);
+  const Display::Size pixels = stage_.pixels();
+  glViewport(0, 0, pixels.width, pixels.height);
+  still_shown_ = true;
+}
+
+render::Image Viewer::still_picture() {
+  draw_still(in_pixels(layout_.picture, stage_), camera_.camera());
+  render::Image image = still_->kept();
+  render::draw_map_legend(image, still_map_);
+  return image;
+}
+
+void Viewer::save(const render::Image& image) {
+  const std::filesystem::path file = named_by_time(".png");
+  try {
+    render::write_png(image, file);
+    say("the picture is in " + file.string());
+  } catch (const InputError& error) {
+    say(error.what());
+  }
+}
+
+void view_in_window(std::unique_ptr<RecordedView> seen, const ViewerOptions& options) {
+  Viewer viewer(std::move(seen), options);
+  try {
+    while (viewer.frame()) {
+    }
+  } catch (const DisplayLost& lost) {
+    tell(std::string(lost.what()) + ": the viewer ends");
+  }
+}
+
+}  // namespace palpate::app

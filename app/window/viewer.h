@@ -1,0 +1,154 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <SDL.h>
+
+#include "app/recorded_view.h"
+#include "app/window/live_picture.h"
+#include "app/window/orbit_camera.h"
+#include "app/window/overview.h"
+#include "app/window/playback.h"
+#include "app/window/replay_thread.h"
+#include "app/window/stage.h"
+#include "app/window/viewer_panels.h"
+
+namespace palpate::app {
+
+/// A recording with all that a viewer needs of it, worked out once.
+struct OpenRecording {
+  /// [setup] Any thread. @throws InputError as RecordedView.
+  OpenRecording(const std::filesystem::path& file, bool no_cache);
+  explicit OpenRecording(std::unique_ptr<RecordedView> seen);
+
+  std::unique_ptr<RecordedView> view;
+  Overview overview;
+  std::vector<render::Camera> whole;     // a hand each
+  std::vector<render::Camera> close_up;  // a hand each
+};
+
+/// How a viewer is opened.
+struct ViewerOptions {
+  std::optional<double> at_s;  // where it begins; nothing: at the beginning
+  double map_range = 0.0;      // m; 0: no map
+  bool close_up = false;
+  bool no_cache = false;
+  const std::atomic<bool>* stop = nullptr;  // Ctrl-C
+  Display::Size size{1440, 900};
+  std::optional<float> scale;  // of letters and panels; nothing: as the display says
+};
+
+/// The window of `palpate view`: a recording's picture, plots and numbers at any moment. All members:
+/// [setup], one thread, the one that made it.
+class Viewer final {
+ public:
+  /// @throws NoWindow
+  Viewer(std::unique_ptr<RecordedView> seen, ViewerOptions options);
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  /// One frame. @return false when the window is to close @throws DisplayLost
+  bool frame();
+
+  // What the window shows, for tests and for pictures of it:
+  [[nodiscard]] render::Image picture() const { return stage_.picture(); }
+  /// Organ and tool alone at the moment shown: what `palpate view --screenshot` draws.
+  [[nodiscard]] render::Image still_picture();
+  [[nodiscard]] const RecordedView& view() const noexcept { return *open_->view; }
+  [[nodiscard]] const Overview& overview() const noexcept { return open_->overview; }
+  [[nodiscard]] const haptics::Snapshot& snapshot() const noexcept { return shown_; }
+  [[nodiscard]] const Playback& playback() const noexcept { return *playback_; }
+  [[nodiscard]] const ViewerLayout& layout() const noexcept { return layout_; }
+  [[nodiscard]] ViewerState& state() noexcept { return state_; }
+  [[nodiscard]] Stage& stage() noexcept { return stage_; }
+  [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
+  [[nodiscard]] const std::string& message() const noexcept { return message_; }
+  /// Whether the picture shows where playback is.
+  [[nodiscard]] bool there() const noexcept { return there_; }
+  /// Whether the picture is of full quality, as a file's.
+  [[nodiscard]] bool still() const noexcept { return still_shown_; }
+
+ private:
+  // viewer_events.cc
+  void take_events();
+  void take_event(const SDL_Event& event);
+  void key_down(const SDL_KeyboardEvent& key);
+  void panel_key(SDL_Keycode which);
+  void time_key(const SDL_KeyboardEvent& key);
+  void letter_key(SDL_Keycode which);
+  void view_key(const SDL_KeyboardEvent& key);
+  void mouse_button(const SDL_MouseButtonEvent& button);
+  void mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way);
+  void grant(const ViewerWishes& wishes);
+
+  // viewer.cc
+  void show(std::unique_ptr<OpenRecording> open);
+  void begin_to_open(const std::filesystem::path& file);
+  void look_after_opening();
+  void go_on();
+  void gather_rows();
+  void compose();
+  void draw_overlay();
+  void draw_picture();
+  void draw_still(const PixelRectangle& place, const render::Camera& camera);
+  void save(const render::Image& image);
+  void say(std::string message);
+  [[nodiscard]] const render::Camera& first_camera() const;
+  [[nodiscard]] std::string banner_words() const;
+
+  ViewerOptions options_;
+  Stage stage_;
+  LivePicture live_;
+  std::unique_ptr<OpenRecording> open_;
+  std::unique_ptr<ReplayThread> ticks_;  // goes before open_
+  std::optional<Playback> playback_;
+  haptics::Snapshot shown_;
+  bool snapshot_there_ = false;
+  bool there_ = false;
+  InForce in_force_;
+  std::vector<std::deque<RowSample>> rows_;                      // of the time plotted, a hand each
+  std::pair<std::uint64_t, std::uint64_t> ticks_plotted_{1, 0};  // first and last of rows_
+  OrbitCamera camera_;
+  ViewerState state_;
+  ViewerWishes wishes_;  // of the keys, until the panels have added theirs
+  ViewerLayout layout_;
+
+  // The picture of full quality, while nothing moves:
+  std::unique_ptr<render::OffscreenRenderer> still_;
+  std::uint64_t still_tick_ = 0;
+  render::Camera still_camera_;
+  Display::Size still_size_;
+  double still_map_ = 0.0;
+  bool still_shown_ = false;
+  std::int64_t moved_ns_ = 0;  // when something last did
+  render::Camera last_camera_;
+
+  // A recording that is being opened:
+  std::thread opener_;
+  std::atomic<bool> opened_{false};
+  std::unique_ptr<OpenRecording> next_;
+  std::string next_failure_;
+  std::string next_name_;
+
+  bool turning_ = false;  // the view, by the mouse
+  bool moving_ = false;
+  bool leaving_ = false;
+  std::string banner_;
+  std::string message_;
+  std::int64_t message_until_ns_ = 0;
+  std::int64_t frame_began_ns_ = 0;
+};
+
+/// [setup] Opens a window on a recording, until the user leaves. @throws NoWindow
+void view_in_window(std::unique_ptr<RecordedView> seen, const ViewerOptions& options);
+
+}  // namespace palpate::app

@@ -1,0 +1,203 @@
+// What mouse, keyboard and dropped files ask of a viewer.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <imgui.h>
+
+#include "app/window/viewer.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr double kTurn = 0.008;    // rad a unit of mouse way
+constexpr double kKeyTurn = 0.06;  // rad a press
+constexpr double kKeyMove = 0.03;  // of the picture's height
+constexpr double kNearer = 0.88;   // a notch
+
+/// 1, -1 or 0 for a pair of keys.
+int sign_of(SDL_Keycode key, SDL_Keycode positive, SDL_Keycode negative) {
+  return (key == positive ? 1 : 0) - (key == negative ? 1 : 0);
+}
+
+}  // namespace
+
+void Viewer::take_events() {
+  SDL_Event event;
+  while (SDL_PollEvent(&event) != 0) {
+    const std::pair<int, int> way =
+        event.type == SDL_MOUSEMOTION ? stage_.way_to(event.motion) : std::pair<int, int>();
+    stage_.take(event);
+    if (event.type == SDL_MOUSEMOTION) mouse_motion(event.motion, way);
+    take_event(event);
+    if (event.type == SDL_DROPFILE) SDL_free(event.drop.file);
+  }
+  if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leaving_ = true;
+}
+
+void Viewer::take_event(const SDL_Event& event) {
+  switch (event.type) {
+    case SDL_QUIT:
+      leaving_ = true;
+      break;
+    case SDL_WINDOWEVENT:
+      if (event.window.event == SDL_WINDOWEVENT_CLOSE) leaving_ = true;
+      break;
+    case SDL_KEYDOWN:
+      key_down(event.key);
+      break;
+    case SDL_MOUSEBUTTONDOWN:
+    case SDL_MOUSEBUTTONUP:
+      mouse_button(event.button);
+      break;
+    case SDL_MOUSEWHEEL:
+      if (Stage::over(layout_.picture, stage_.mouse_at().first, stage_.mouse_at().second))
+        camera_.zoom(std::pow(kNearer, event.wheel.y));
+      break;
+    case SDL_DROPFILE: {
+      const std::filesystem::path file = event.drop.file;
+      if (use_of_file(file) == FileUse::kRecording) {
+        wishes_.open = file.string();
+      } else {
+        say(file.filename().string() +
+            ": a recording (.h5) can be looked at here; palpate run takes other files");
+      }
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+void Viewer::mouse_button(const SDL_MouseButtonEvent& button) {
+  const bool turns = button.button == SDL_BUTTON_LEFT || button.button == SDL_BUTTON_RIGHT;
+  const bool moves = button.button == SDL_BUTTON_MIDDLE;
+  if (button.type == SDL_MOUSEBUTTONUP) {
+    if (turns) turning_ = false;
+    if (moves) moving_ = false;
+    return;
+  }
+  if (!Stage::over(layout_.picture, button.x, button.y)) return;
+  ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
+  if (turns) turning_ = true;
+  if (moves) moving_ = true;
+}
+
+void Viewer::mouse_motion(const SDL_MouseMotionEvent& /*motion*/, std::pair<int, int> way) {
+  const double height = std::max(1.0F, layout_.picture.height);
+  if (turning_) {
+    camera_.orbit(kTurn * way.first, kTurn * way.second);
+  } else if (moving_) {
+    camera_.pan(way.first / height, -way.second / height);
+  }
+}
+
+void Viewer::key_down(const SDL_KeyboardEvent& key) {
+  const SDL_Keycode which = key.keysym.sym;
+  panel_key(which);
+  if (state_.files.is_open() || ImGui::GetIO().WantTextInput) return;
+  if (which == SDLK_ESCAPE) {
+    const bool in_panels = state_.help || ImGui::GetIO().NavVisible;
+    state_.help = false;
+    ImGui::SetWindowFocus(nullptr);
+    if (!in_panels) leaving_ = true;
+    return;
+  }
+  const bool control = (key.keysym.mod & KMOD_CTRL) != 0;
+  if (control && which == SDLK_o) {
+    state_.files.open(FileUse::kRecording, std::filesystem::absolute(view().file()).parent_path());
+  }
+  if (control && which == SDLK_p) wishes_.save_picture = true;
+  if (!control) letter_key(which);
+  if (ImGui::GetIO().NavVisible) return;  // arrows and Space are the panels'
+  if ((key.keysym.mod & KMOD_ALT) != 0) {
+    view_key(key);
+  } else {
+    time_key(key);
+  }
+}
+
+void Viewer::panel_key(SDL_Keycode which) {
+  if (which >= SDLK_F2 && which <= SDLK_F4) {
+    bool& open = state_.open[static_cast<std::size_t>(which - SDLK_F2)];
+    open = state_.hidden || !open;
+    state_.hidden = false;
+  }
+  if (which == SDLK_F7) {
+    state_.plots = state_.hidden || !state_.plots;
+    state_.hidden = false;
+  }
+  if (which == SDLK_F1) state_.help = !state_.help;
+  if (which == SDLK_F8) state_.hidden = !state_.hidden;
+  if (which == SDLK_F11) wishes_.full_screen = true;
+}
+
+void Viewer::time_key(const SDL_KeyboardEvent& key) {
+  const SDL_Keycode which = key.keysym.sym;
+  const int on = sign_of(which, SDLK_RIGHT, SDLK_LEFT);
+  if ((key.keysym.mod & KMOD_CTRL) != 0) {
+    wishes_.seconds += on;
+  } else if ((key.keysym.mod & KMOD_SHIFT) != 0) {
+    wishes_.ticks += on;
+  } else {
+    wishes_.pictures += on;
+  }
+  const int faster = sign_of(which, SDLK_UP, SDLK_DOWN);
+  if (faster != 0) playback_->change_speed(faster);
+  if (which == SDLK_SPACE) wishes_.play = true;
+  if (which == SDLK_HOME) wishes_.go_to = 0;
+  if (which == SDLK_END) wishes_.go_to = playback_->last();
+}
+
+void Viewer::letter_key(SDL_Keycode which) {
+  const HandOverview& hand = overview().hands[state_.hand];
+  if (which == SDLK_c && !hand.contacts.empty()) wishes_.go_to = hand.contacts.front().first;
+  if (which == SDLK_c && hand.contacts.empty()) say("this hand never touches the tissue");
+  if (which == SDLK_d) wishes_.go_to = hand.deepest;
+  if (which == SDLK_f && !hand.faults.empty()) wishes_.go_to = next_fault(hand, shown_.tick);
+  if (which == SDLK_f && hand.faults.empty()) say("no fault was latched on this hand");
+  if (which == SDLK_m) state_.map = !state_.map;
+  if (which == SDLK_p) wishes_.save_window = true;
+  if (which == SDLK_v) wishes_.home = true;
+  if (which == SDLK_z) {
+    state_.close_up = !state_.close_up;
+    wishes_.home = true;
+  }
+  if (which == SDLK_PLUS || which == SDLK_EQUALS || which == SDLK_KP_PLUS) camera_.zoom(kNearer);
+  if (which == SDLK_MINUS || which == SDLK_KP_MINUS) camera_.zoom(1.0 / kNearer);
+  if (which >= SDLK_1 && which <= SDLK_4) wishes_.hand = static_cast<std::uint32_t>(which - SDLK_1);
+}
+
+void Viewer::view_key(const SDL_KeyboardEvent& key) {
+  const double right = sign_of(key.keysym.sym, SDLK_RIGHT, SDLK_LEFT);
+  const double up = sign_of(key.keysym.sym, SDLK_UP, SDLK_DOWN);
+  if (right == 0.0 && up == 0.0) return;
+  if ((key.keysym.mod & KMOD_SHIFT) != 0) {
+    camera_.pan(-kKeyMove * right, -kKeyMove * up);
+  } else {
+    camera_.orbit(-kKeyTurn * right, kKeyTurn * up);
+  }
+}
+
+void Viewer::grant(const ViewerWishes& wishes) {
+  if (wishes.leave) leaving_ = true;
+  if (wishes.go_to) playback_->go_to(*wishes.go_to);
+  if (wishes.ticks != 0) playback_->step_ticks(wishes.ticks);
+  if (wishes.pictures != 0) playback_->step_pictures(wishes.pictures);
+  if (wishes.seconds != 0.0) playback_->skip(wishes.seconds);
+  if (wishes.speed) playback_->choose_speed(*wishes.speed);
+  if (wishes.play) playback_->toggle();
+  if (wishes.hand && *wishes.hand < view().hands()) state_.hand = *wishes.hand;
+  if (wishes.home) camera_.look_exactly_as(first_camera());
+  if (wishes.full_screen) stage_.display().toggle_full_screen();
+  if (wishes.save_picture) {
+    if (there_) {
+      save(still_picture());
+    } else {
+      wishes_.save_picture = true;  // of the moment that was asked for: when it is there
+    }
+  }
+  if (wishes.open) begin_to_open(*wishes.open);
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,235 @@
+// What a recording is, what happens at the moment that is shown, and how its picture is wanted.
+#include "app/window/viewer_panels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+
+#include <imgui.h>
+
+#include "palpate/base/text.h"
+#include "palpate/render/map_legend.h"
+
+#include "app/session.h"
+#include "app/window/look.h"
+#include "app/window/rows.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr float kSideWidth = 318.0F;  // at scale 1
+constexpr float kTimelineHeight = 128.0F;
+constexpr float kNarrowTimelineHeight = 158.0F;  // its buttons in two rows
+constexpr float kNarrow = 930.0F;
+constexpr float kPlotsHeight = 250.0F;
+constexpr float kLeastPicture = 240.0F;  // a side
+
+std::string begun(std::int64_t unix_ns) {
+  if (unix_ns == 0) return "not known";
+  const auto seconds = static_cast<std::time_t>(unix_ns / 1'000'000'000);
+  std::tm parts{};
+  localtime_r(&seconds, &parts);
+  std::array<char, 64> text{};
+  (void)std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &parts);
+  return text.data();
+}
+
+std::string microseconds(std::int64_t ns) {
+  return formatted("%.1f \u00b5s", static_cast<double>(ns) * 1e-3);
+}
+
+void recording_rows(const Seen& seen, ViewerState& state) {
+  const scene::Setup& setup = seen.view.recording().setup;
+  const record::RunFacts& facts = seen.view.recording().facts;
+  const Rows rows("recording", 0.30F);
+  rows.name("File", "Ctrl + O, or drop another one on the window");
+  if (ImGui::Button((seen.view.file().filename().string() + " ...##file").c_str(), ImVec2(-1.0F, 0.0F))) {
+    state.files.open(FileUse::kRecording, std::filesystem::absolute(seen.view.file()).parent_path());
+  }
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", seen.view.file().c_str());
+  rows.words("Begun", begun(facts.started_unix_ns));
+  rows.words("Length", formatted("%.3f s, ", seen.view.duration_s()) +
+                           formatted("%.0f ticks", static_cast<double>(seen.view.ticks())));
+  rows.words("Loop", formatted("%.0f Hz", setup.rate_Hz) + (facts.offline ? ", offline" : ""));
+  if (!facts.offline) {
+    rows.words("Tick", "p99.9 " + microseconds(facts.tick_time.p999_ns), "computing time of a tick");
+    rows.words("Missed", formatted("%.0f ticks", static_cast<double>(facts.missed_deadlines)),
+               "ticks that began a full period or more late");
+  }
+  rows.name("State", "palpate repair makes one that was cut off open in every tool");
+  if (facts.complete) {
+    ImGui::TextColored(colour::kGood, "closed in good order");
+  } else {
+    ImGui::TextColored(colour::kWarning, "cut off, or still being written");
+  }
+}
+
+void choose_hand(const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
+  for (std::uint32_t hand = 0; hand < seen.view.hands(); ++hand) {
+    if (hand > 0) ImGui::SameLine();
+    if (ImGui::RadioButton(std::to_string(hand + 1).c_str(), state.hand == hand)) wishes.hand = hand;
+  }
+}
+
+void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
+  const RowSample row = sample_of_row(seen.view.row(seen.tick, state.hand));
+  const haptics::TickRow& whole = seen.view.row(seen.tick, state.hand);
+  const scene::Setup& setup = seen.view.recording().setup;
+  const Rows rows("moment", 0.30F);
+  if (seen.view.hands() > 1) {
+    rows.name("Hand", "1 to 4");
+    choose_hand(seen, state, wishes);
+  }
+  rows.words("Device", setup.devices[state.hand].kind);
+  rows.words("Time", formatted("%.3f s, ", row.time) + formatted("tick %.0f", static_cast<double>(row.tick)));
+  rows.words("State", moment_words(row));
+  rows.words("Force", formatted("%.3f N", row.force), "what went to the hand, after the gate");
+  rows.words("Tissue", formatted("%.3f N", row.tissue_force), "before the gate");
+  rows.words("Noise", formatted("%+.1f mN", 1e3 * row.noise_force), "along the normal");
+  if (whole.cutoff_layer > 0)
+    rows.words("Layer", formatted("%.0f", whole.cutoff_layer), "the cut-off layer, the last that gives way");
+  rows.words("Felt as", seen.in_force.tissue.name + formatted(", k\u2081 %.2f N/m", seen.in_force.tissue.k1),
+             "the tissue in force at this moment");
+  if (whole.fault != 0) {
+    rows.name("Fault");
+    ImGui::TextColored(colour::kWarning, "%s", haptics::words_of(static_cast<haptics::Fault>(whole.fault)));
+  }
+}
+
+void picture_rows(const Seen& seen, ViewerState& state, ViewerWishes& wishes) {
+  ImGui::Checkbox("Displacement map  (M)", &state.map);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("colours the organ by how far it has moved");
+  {
+    const Rows rows("map", 0.30F);
+    ImGui::BeginDisabled(!state.map);
+    rows.number("Up to", state.map_range, 1e-3, 0.05, 1e3 * ViewerState::kLeastMap,
+                1e3 * ViewerState::kMostMap, "%.1f mm", "displacement at the upper end of the colours");
+    ImGui::EndDisabled();
+  }
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  if (ImGui::Button("First view  (V)", ImVec2(half, 0.0F))) wishes.home = true;
+  ImGui::SameLine();
+  if (ImGui::Button(state.close_up ? "Whole organ  (Z)" : "Close-up  (Z)", ImVec2(half, 0.0F))) {
+    state.close_up = !state.close_up;
+    wishes.home = true;
+  }
+  if (ImGui::Button("Save picture", ImVec2(half, 0.0F))) wishes.save_picture = true;
+  if (ImGui::IsItemHovered()) {
+    ImGui::SetTooltip(
+        "Ctrl + P: organ and tool alone, as a PNG in the working folder;\nthe same as palpate view "
+        "--screenshot --at-s makes");
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Save window", ImVec2(half, 0.0F))) wishes.save_window = true;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("P: the whole window, as a PNG in the working folder");
+  ImGui::TextColored(colour::kFaint, "%s",
+                     seen.still ? "full quality" : "moving: quality follows the machine");
+}
+
+}  // namespace
+
+std::string moment_words(const RowSample& row) {
+  switch (static_cast<contact::Phase>(row.phase)) {
+    case contact::Phase::kPress:
+      return formatted("pressing, %.2f mm deep", 1e3 * row.depth);
+    case contact::Phase::kPull:
+      return formatted("pulling, stretched %.2f mm", 1e3 * row.depth);
+    case contact::Phase::kApproach:
+      break;
+  }
+  return formatted("%.2f mm from the tissue", 1e3 * row.distance);
+}
+
+ViewerLayout lay_out(float width, float height, float scale, const ViewerState& state) {
+  ViewerLayout all;
+  all.picture = {0.0F, 0.0F, width, height};
+  const float side = kSideWidth * scale;
+  const float least = kLeastPicture * scale;
+  if (state.hidden || width < least) return all;
+  if (width >= side + 2.0F * least && height >= least) {
+    all.left = {0.0F, 0.0F, side, height};
+    all.picture.x = side;
+    all.picture.width -= side;
+  }
+  const float timeline =
+      (all.picture.width < kNarrow * scale ? kNarrowTimelineHeight : kTimelineHeight) * scale;
+  if (height < least + timeline) return all;
+  all.picture.height -= timeline;
+  const bool plots = state.plots && height >= least + timeline + kPlotsHeight * scale;
+  if (plots) {
+    all.picture.height -= kPlotsHeight * scale;
+    all.plots = {all.picture.x, height - kPlotsHeight * scale, all.picture.width, kPlotsHeight * scale};
+  }
+  all.timeline = {all.picture.x, all.picture.height, all.picture.width, timeline};
+  return all;
+}
+
+void draw_viewer_panels(const Rectangle& place, const Seen& seen, ViewerState& state, ViewerWishes& wishes) {
+  begin_column("left", place);
+  if (panel_heading("Recording  (F2)###recording", state.open[0])) recording_rows(seen, state);
+  if (panel_heading("Moment  (F3)###moment", state.open[1])) moment_rows(seen, state, wishes);
+  if (panel_heading("Picture  (F4)###picture", state.open[2])) picture_rows(seen, state, wishes);
+  ImGui::End();
+}
+
+void draw_map_scale(const Rectangle& picture, float top, double range) {
+  constexpr int kSteps = 48;
+  constexpr int kMarks = 5;
+  const float text = ImGui::GetFontSize();
+  const float height = std::min(12.0F * text, 0.5F * picture.height);
+  const ImVec2 high(picture.x + picture.width - 1.2F * text, top + 2.4F * text + height);
+  const ImVec2 low(high.x - 4.2F * text, high.y - height);
+  if (picture.width < 16.0F * text || height < 4.0F * text) return;
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled(ImVec2(low.x - 0.6F * text, low.y - 2.0F * text),
+                     ImVec2(high.x + 0.6F * text, high.y + 0.9F * text), packed(colour::kBackground, 0.85F),
+                     0.3F * text);
+  list.AddText(ImVec2(low.x, low.y - 1.7F * text), packed(colour::kText), "moved by");
+  const auto encoded = [](double linear) {
+    return static_cast<float>(linear <= 0.0031308 ? 12.92 * linear
+                                                  : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055);
+  };
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec3 colour = render::map_colour((i + 0.5) / kSteps);
+    const float lower = high.y - height * static_cast<float>(i) / kSteps;
+    const float upper = high.y - height * static_cast<float>(i + 1) / kSteps;
+    list.AddRectFilled(ImVec2(low.x, upper), ImVec2(low.x + text, lower + 0.5F),
+                       packed(ImVec4(encoded(colour.x()), encoded(colour.y()), encoded(colour.z()), 1.0F)));
+  }
+  for (int mark = 0; mark < kMarks; ++mark) {
+    const double share = mark / (kMarks - 1.0);
+    const float y = high.y - height * static_cast<float>(share);
+    const std::string words = formatted("%.3g", 1e3 * share * range) + (mark + 1 == kMarks ? " mm" : "");
+    list.AddText(ImVec2(low.x + 1.4F * text, y - 0.5F * text), packed(colour::kText), words.c_str());
+  }
+}
+
+void draw_viewer_help(ViewerState& state) {
+  static constexpr KeyLine kLines[] = {
+      {"F1", "these keys"},
+      {"F2 to F4, F7", "recording, moment, picture, plots: open or close"},
+      {"F8", "all panels away, or back"},
+      {"F11", "full screen"},
+      {"Space", "play, or pause"},
+      {"left, right", "a picture back, on"},
+      {"Shift + left, right", "a tick back, on"},
+      {"Ctrl + left, right", "a second back, on"},
+      {"Home, End", "to the beginning, to the end"},
+      {"down, up", "slower, faster: 1/10, 1/4, 1/2, 1, 2"},
+      {"C, D, F", "to the first contact, the deepest place, the next fault"},
+      {"1 to 4", "whose hand's numbers are shown"},
+      {"M", "displacement map on or off"},
+      {"left or right drag, Alt + arrows", "turn the view"},
+      {"middle drag, Alt + Shift + arrows", "move the view"},
+      {"wheel, + and -", "nearer, farther"},
+      {"V, Z", "the first view; close-up or whole organ"},
+      {"P, Ctrl + P", "save the window, the picture alone (PNG)"},
+      {"Ctrl + O", "open another recording (or drop it here)"},
+      {"Ctrl + Tab", "into the panels; arrows, Space and Enter there"},
+      {"Esc", "leave"},
+  };
+  draw_keys(state.help, kLines, [] {});
+}
+
+}  // namespace palpate::app

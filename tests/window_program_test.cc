@@ -1,0 +1,148 @@
+// The program's windows on a display of their own, used by the X server's own mouse and keyboard (xdotool).
+#include <chrono>
+#include <iostream>
+#include <optional>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "palpate/base/error.h"
+#include "palpate/record/recording.h"
+
+#include "app/window/test/virtual_display.h"
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+using namespace std::chrono_literals;
+
+bool installed(const std::string& program) {
+  const char* path = getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+class WindowProgram : public testing::Test {
+ protected:
+  /// Whether there is all that this needs; else the reason is said, and the test can show nothing.
+  [[nodiscard]] bool possible() const {
+    if (!display_.there()) std::cerr << "not tested: there is no Xvfb (Debian package xvfb)\n";
+    if (!installed("xdotool")) std::cerr << "not tested: there is no xdotool (Debian package xdotool)\n";
+    return display_.there() && installed("xdotool");
+  }
+  [[nodiscard]] std::map<std::string, std::string> on_display() const {
+    return {{"DISPLAY", display_.name()}, {"SDL_VIDEODRIVER", "x11"}, {"LIBGL_ALWAYS_SOFTWARE", "1"}};
+  }
+  /// As a hand at mouse and keyboard.
+  void use(const std::string& what) const {
+    const std::string command = "DISPLAY=" + display_.name() + " xdotool " + what;
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(cert-env33-c)
+  }
+  /// Waits until the recording, which is being written, says so. @return whether it did
+  static bool wait_until(const std::string& file, const std::function<bool(const record::Recording&)>& done) {
+    for (int i = 0; i < 300; ++i) {
+      std::this_thread::sleep_for(200ms);
+      try {
+        if (done(record::read_recording(file))) return true;
+      } catch (const InputError&) {  // it is not there yet
+      }
+    }
+    return false;
+  }
+  /// The middle of the picture: the window is in the middle of the screen of 3840 x 2160.
+  void mouse_to_picture() const { use("mousemove 1920 900 mousemove 1920 905"); }
+
+  Folder folder_;
+  app::VirtualDisplay display_;
+};
+
+double deepest(const record::Recording& recording) {
+  double depth = 0.0;
+  for (const haptics::TickRow& row : recording.rows) depth = std::max(depth, row.depth);
+  return depth;
+}
+
+TEST_F(WindowProgram, DISABLED_IsPressedByTheMouseAndClosedAndTheRecordingReplays) {
+  if (!possible()) return;
+  Program program(folder_.path(),
+                  {"run", "--organ", "ball", "--tissue", "liver", "--tool", "sphere:5", "--device", "mouse",
+                   "--record", "a.h5"},
+                  on_display());
+  ASSERT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) { return r.rows.size() > 100; }));
+  mouse_to_picture();
+  use("click --repeat 14 --delay 20 4");  // the wheel away from the user: 10 mm to the organ, and 4 mm on
+  EXPECT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) { return deepest(r) > 2e-3; }));
+  use("key Escape");
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const record::Recording read = record::read_recording(folder_ / "a.h5");
+  EXPECT_TRUE(read.facts.complete);
+  EXPECT_NE(read.rows.back().phase, 0U) << "closed in mid-contact";
+  EXPECT_EQ(run(folder_, {"replay", "a.h5", "--verify"}).exit_code, 0);
+}
+
+TEST_F(WindowProgram, DISABLED_ADisplayThatGoesInMidContactEndsTheRunInGoodOrder) {
+  if (!possible()) return;
+  Program program(folder_.path(),
+                  {"run", "--organ", "ball", "--tissue", "liver", "--tool", "sphere:5", "--device",
+                   "emulated", "--record", "a.h5", "--duration-s", "300"},
+                  on_display());
+  ASSERT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) {
+    return !r.rows.empty() && r.rows.back().phase != 0 && r.rows.back().tissue_force > 0.01;
+  }));
+  display_.crash();
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("the display is gone"), std::string::npos) << outcome.err;
+  const record::Recording read = record::read_recording(folder_ / "a.h5");
+  EXPECT_TRUE(read.facts.complete) << "closed, its devices stopped before";
+  EXPECT_EQ(run(folder_, {"replay", "a.h5", "--verify"}).exit_code, 0);
+}
+
+TEST_F(WindowProgram, DISABLED_TheViewerShowsWhatAScreenshotOfThatMomentShows) {
+  if (!possible()) return;
+  ASSERT_EQ(run(folder_, {"run", "--offline", "--duration-s", "2.5", "--record", "a.h5"}).exit_code, 0);
+  Program program(folder_.path(), {"view", "a.h5", "--at-s", "2.1", "--map-mm", "10"}, on_display());
+  const auto saved = [this]() -> std::optional<std::string> {
+    for (const std::string& name : folder_.names())
+      if (name.rfind("palpate-", 0) == 0) return name;
+    return std::nullopt;
+  };
+  for (int i = 0; i < 60 && !saved(); ++i) {  // a key that comes before the window is heard by nobody
+    std::this_thread::sleep_for(1s);
+    if (i == 0) mouse_to_picture();
+    use("key ctrl+p");
+  }
+  for (int i = 0; i < 30; ++i) {
+    std::this_thread::sleep_for(500ms);
+    use("key Escape");
+    if (program.ended()) break;
+  }
+  EXPECT_EQ(program.wait().exit_code, 0);
+  ASSERT_TRUE(saved());
+  const std::string picture = text_of(folder_ / *saved());
+  const auto side = [&picture](std::size_t at) {  // of a PNG's header, big end first
+    unsigned value = 0;
+    for (std::size_t i = at; i < at + 4; ++i) value = value << 8U | static_cast<unsigned char>(picture.at(i));
+    return std::to_string(value);
+  };
+  const Outcome drawn = run(folder_,
+                            {"view", "a.h5", "--screenshot", "b.png", "--at-s", "2.1", "--map-mm", "10",
+                             "--size", side(16) + "x" + side(20)},
+                            {{"LIBGL_ALWAYS_SOFTWARE", "1"}});
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_TRUE(picture == text_of(folder_ / "b.png")) << "the same file, byte for byte";
+}
+
+TEST_F(WindowProgram, ABadScaleIsRefusedInOneLine) {
+  const Outcome outcome = run(folder_, {"run", "--headless", "--duration-s", "0.1", "--ui-scale", "9"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
+  EXPECT_NE(outcome.err.find("--ui-scale 9"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace palpate::tests
