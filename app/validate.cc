@@ -32,8 +32,9 @@ struct ValidateFlags {
   std::string law;  // empty: the tissue's
   std::string direction = "press";
   std::string rate = "1000";
-  std::string first_contact = "0";
-  std::string offset = "0";
+  std::string zeros = "given";
+  std::string first_contact;  // empty: 0
+  std::string offset;
   std::string depth;
   std::string force;
   std::string tip_radius;
@@ -43,6 +44,8 @@ struct ValidateFlags {
   ImageFlags image;
   std::string against;
   bool fit_reach = false;
+  bool as_drawn = false;
+  std::string rest_radius;
   std::string out;
   std::string report;
   bool as_json = false;
@@ -119,7 +122,11 @@ void compare_profiles(const ValidateFlags& flags, const std::vector<fit::Deforma
                       report::Validation& validation) {
   const double radius = tip_radius_of(flags, validation.law);
   const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
-  fit::compare_profiles(profiles, depths, radius, flags.fit_reach, validation);
+  fit::SurfaceRule rule{flags.as_drawn, 0.0};
+  if (!flags.rest_radius.empty()) {
+    rule.rest_radius = parse_positive("--surface-radius-mm", flags.rest_radius) * kMillimetre;
+  }
+  fit::compare_profiles(profiles, depths, radius, flags.fit_reach, validation, rule);
 }
 
 void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
@@ -135,6 +142,31 @@ void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
   }
 }
 
+/// The zeros that flags state.
+fit::Zeros given_zeros(const ValidateFlags& flags) {
+  fit::Zeros zeros;
+  if (!flags.first_contact.empty()) {
+    zeros.first_contact = parse_number("--first-contact-mm", flags.first_contact) * kMillimetre;
+  }
+  if (!flags.offset.empty()) zeros.force = parse_number("--offset-N", flags.offset);
+  return zeros;
+}
+
+/// Refuses flags about zeros that would do nothing or contradict each other.
+void check_zeros(const ValidateFlags& flags) {
+  if (flags.zeros != "given" && flags.zeros != "fitted") {
+    throw InputError("--zeros " + flags.zeros + ": must be given or fitted");
+  }
+  const bool stated = !(flags.first_contact.empty() && flags.offset.empty());
+  if (flags.zeros == "fitted" && stated) {
+    throw InputError(
+        "--zeros fitted: finds the zeros, --first-contact-mm and --offset-N give them: one of the two");
+  }
+  if (flags.files.empty() && (stated || flags.zeros == "fitted")) {
+    throw InputError("--zeros, --first-contact-mm and --offset-N: are of force curves, need DATA");
+  }
+}
+
 /// Refuses flags that would do nothing.
 void check_use(const ValidateFlags& flags) {
   const bool no_image = flags.image.files.empty();
@@ -142,10 +174,16 @@ void check_use(const ValidateFlags& flags) {
     throw InputError(
         "nothing to compare with: give force curves (DATA), --profile FILE or --image BEFORE AFTER");
   }
+  check_zeros(flags);
   if (no_image && (flags.image.fixed_camera || !flags.image.scale.empty())) {
     throw InputError("--scale-mm-per-px and --fixed-camera: are of photographs, need --image BEFORE AFTER");
   }
   if (flags.fit_reach && flags.profiles.empty()) throw InputError("--fit-reach: needs --profile FILE");
+  if (flags.as_drawn && (flags.profiles.empty() || flags.direction == "pull")) {
+    throw InputError("--as-drawn: is of a ball pressed in, needs --profile FILE and --direction press");
+  }
+  if (!flags.rest_radius.empty() && !flags.as_drawn)
+    throw InputError("--surface-radius-mm: needs --as-drawn");
   if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
   if (flags.profiles.empty() && no_image &&
       !(flags.depth.empty() && flags.force.empty() && flags.tip_radius.empty())) {
@@ -174,30 +212,19 @@ report::Validation validate(const ValidateFlags& flags) {
   check_use(flags);
   report::Validation validation;
   validation.law = law_of(flags);
-  const fit::Zeros zeros{parse_number("--first-contact-mm", flags.first_contact) * kMillimetre,
-                         parse_number("--offset-N", flags.offset)};
+  const fit::Zeros zeros = given_zeros(flags);
   const std::vector<fit::RivalKind> rivals = fit::parse_rivals(flags.against);
   const std::vector<fit::Specimen> specimens = read_forces(flags);
   const std::vector<fit::Deformation> profiles = read_profiles(flags);
   for (const fit::Specimen& specimen : specimens) {
-    report::ForceSet set;
-    set.ours = fit::compare_force(specimen, validation.law, zeros);
-    validation.forces.push_back(std::move(set));
+    validation.forces.push_back(
+        fit::compare_forces(specimen, validation.law, zeros, flags.zeros == "fitted"));
   }
   if (!profiles.empty()) compare_profiles(flags, profiles, validation);
   if (!flags.image.files.empty()) add_image(flags, validation);
-  if (!rivals.empty()) fit::compare_with_rivals(rivals, zeros, validation);
+  if (!rivals.empty()) fit::compare_with_rivals(rivals, validation);
   hold_goals(flags, validation);
   return validation;
-}
-
-/// Says, where forces were compared with the zeros as they are, that a fit finds others: a hundredth of a
-/// millimetre can be most of the error.
-void tell_zeros(const ValidateFlags& flags, const report::Validation& validation) {
-  if (validation.forces.empty() || flags.first_contact != "0" || flags.offset != "0") return;
-  tell(
-      "first contact at 0 mm and a sensor that shows 0 N without load are taken as given; palpate fit finds "
-      "offset_mm and offset_N, for --first-contact-mm and --offset-N");
 }
 
 /// The tissue with the reach that was fitted.
@@ -239,6 +266,9 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
   command->add_option("--first-contact-mm", flags->first_contact,
                       "displacement at which the tool touched (default 0)");
   command->add_option("--offset-N", flags->offset, "what the sensor shows without load (default 0)");
+  command->add_option("--zeros", flags->zeros,
+                      "given: first contact and the sensor's zero are as stated (default); fitted: as a fit "
+                      "finds them. Both errors are told; this says which one is judged and drawn");
   CLI::Option* depth = command->add_option(
       "--depth-mm", flags->depth, "depth of the tool in the profiles: one, or one each between commas");
   command->add_option("--force-N", flags->force, "instead: the load, from which the law gives the depth")
@@ -251,6 +281,13 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
                       "laws of others, fitted to the same data: hertz,linear,exponential,mass-spring");
   command->add_flag("--fit-reach", flags->fit_reach,
                     "fit how far the tissue is drawn along (reach) to all profiles together first");
+  command->add_flag(
+      "--as-drawn", flags->as_drawn,
+      "compare (and fit) the surface as the picture shows it, nowhere above the ball, instead of "
+      "u(r) alone");
+  command->add_option(
+      "--surface-radius-mm", flags->rest_radius,
+      "with --as-drawn: radius of a surface at rest that bulges towards the ball (default: flat)");
   command->add_option("--out", flags->out, "with --fit-reach: tissue file to write, with the reach found");
   command->add_option("--report", flags->report, "folder for a page with a picture a data set");
   command->add_flag("--json", flags->as_json, "one JSON document");
@@ -271,7 +308,6 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
     if (!flags->report.empty()) {
       tell("report: " + report::write_validation_report(validation, command_line, flags->report).string());
     }
-    tell_zeros(*flags, validation);
     std::cout << (flags->as_json ? validation_json(validation) : validation_text(validation));
     exit_code = validation.missed.empty() ? kDone : kGoalMissed;
   });

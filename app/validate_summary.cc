@@ -49,6 +49,14 @@ void add_rivals(Json& json, double cost_ns, const std::vector<report::RivalResul
   }
 }
 
+Json zeros_json(const fit::ZeroedErrors& with) {
+  return {{"first_contact_mm", with.zeros.first_contact / kMillimetre},
+          {"offset_N", with.zeros.force},
+          {"rms", with.errors.rms},
+          {"max", with.errors.max},
+          {"nrmse", with.errors.nrmse}};
+}
+
 Json force_json(const report::ForceSet& set) {
   const fit::ForceComparison& force = set.ours;
   Json json = errors_json(force.measured.name, "force", force.errors, 1.0);
@@ -57,6 +65,10 @@ Json force_json(const report::ForceSet& set) {
   json["rows"] = force.rows;
   json["within_jnd"] = force.within_jnd;
   json["extrapolated_points"] = force.beyond;
+  json["zeros"] = set.zeros_fitted ? "fitted" : "given";
+  json["zeros_given"] = zeros_json(set.given);
+  json["zeros_fitted"] = zeros_json(set.fitted);
+  json["zeros_fitted"]["at_limit"] = set.fitted.at_limit;
   add_rivals(json, set.cost_ns, set.rivals, 1.0);
   return json;
 }
@@ -68,6 +80,7 @@ Json profile_json(const report::ProfileSet& set) {
   json["points"] = profile.measured.size();
   json["depth_mm"] = profile.depth / kMillimetre;
   json["tip_radius_mm"] = profile.tip_radius / kMillimetre;
+  json["as_drawn"] = profile.rule.as_drawn;
   add_rivals(json, set.cost_ns, set.rivals, kMillimetre);
   return json;
 }
@@ -101,6 +114,7 @@ std::string force_text(const report::ForceSet& set) {
                      " N; RMS " + percent(force.errors.nrmse) + " of the force range; " +
                      percent(force.within_jnd) + " of the points within the " +
                      brief(100.0 * fit::kForceJnd) + " % of their force that a hand notices\n";
+  text += report::zeros_text(set);
   if (force.rows > force.measured.size()) {
     text += "  of " + std::to_string(force.rows) + " rows: means of neighbours\n";
   }

@@ -52,6 +52,38 @@ TEST(ValidateCommand, FindsNoErrorInTheTissuesOwnForces) {
   EXPECT_EQ(set["extrapolated_points"], 0);
 }
 
+// The tool touched at 0.2 mm and the sensor shows 3 mN without load: 0.018 N/mm makes that 0.6 mN too much
+// everywhere past the contact's first 0.2 mm.
+TEST(ValidateCommand, TellsTheErrorWithTheZerosAsGivenAndAsFitted) {
+  const Folder folder;
+  {
+    std::ofstream out(folder / "off.csv");
+    out << "displacement_mm,force_N\n";
+    for (int i = 0; i <= 30; ++i)
+      out << 0.25 * i << ',' << 0.003 + 0.018 * std::max(0.0, 0.25 * i - 0.2) << '\n';
+  }
+  const std::vector<std::string> words = {"validate", "off.csv", "--tissue", "gallbladder", "--json"};
+  const auto set_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), more.begin(), more.end());
+    return json::parse(run(folder, all).out)["sets"][0];
+  };
+  const json given = set_of({});
+  EXPECT_EQ(given["zeros"], "given");
+  EXPECT_NEAR(given["max"], 0.003, 1e-9);
+  EXPECT_EQ(given["zeros_given"]["nrmse"], given["nrmse"]);
+  EXPECT_NEAR(given["zeros_fitted"]["first_contact_mm"], 0.2, 1e-3);
+  EXPECT_NEAR(given["zeros_fitted"]["offset_N"], 0.003, 1e-5);
+  EXPECT_FALSE(given["zeros_fitted"]["at_limit"]);
+  const json fitted = set_of({"--zeros", "fitted"});
+  EXPECT_EQ(fitted["zeros"], "fitted");
+  EXPECT_LT(fitted["nrmse"], 1e-4);
+  EXPECT_EQ(fitted["zeros_given"], given["zeros_given"]);
+  const json stated = set_of({"--first-contact-mm", "0.2", "--offset-N", "0.003"});
+  EXPECT_LT(stated["nrmse"], 1e-5);
+  EXPECT_EQ(stated["zeros_given"]["first_contact_mm"], 0.2);
+}
+
 // Forces 10 % too small: the largest error is 0.1 x 0.018 x 7.5 N.
 TEST(ValidateCommand, EndsWithFourWhenAGoalIsMissed) {
   const Folder folder;
@@ -125,6 +157,13 @@ TEST(ValidateCommand, RefusesBadInputInOneLineAndWritesNothing) {
       {"own.csv", "--fit-reach"},
       {"own.csv", "--out", "a.toml"},
       {"own.csv", "--depth-mm", "5"},
+      {"own.csv", "--zeros", "maybe"},
+      {"own.csv", "--as-drawn"},
+      {"--profile", "side.csv", "--tip-radius-mm", "5", "--depth-mm", "5", "--surface-radius-mm", "20"},
+      {"--profile", "side.csv", "--tip-radius-mm", "5", "--depth-mm", "5", "--as-drawn", "--direction",
+       "pull"},
+      {"own.csv", "--zeros", "fitted", "--offset-N", "0"},
+      {"--profile", "side.csv", "--tip-radius-mm", "5", "--depth-mm", "5", "--zeros", "fitted"},
       {"--profile", "side.csv", "--depth-mm", "5"},
       {"--profile", "side.csv", "--tip-radius-mm", "5"},
       {"--profile", "side.csv", "--tip-radius-mm", "5", "--depth-mm", "1"},

@@ -138,7 +138,7 @@ fit::Validation compare(const ValidationWish& wish, const fit::Law& law) {
     set.ours = validation.image->comparison;
     validation.profiles.push_back(std::move(set));
   }
-  if (!wish.rivals.empty()) fit::compare_with_rivals(wish.rivals, wish.zeros, validation);
+  if (!wish.rivals.empty()) fit::compare_with_rivals(wish.rivals, validation);
   return validation;
 }
 

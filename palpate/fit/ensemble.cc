@@ -16,7 +16,7 @@ constexpr std::uint32_t kRandomPart = 1;  // of a specimen's job
 constexpr int kGenerations = 1500;        // of one round
 constexpr int kMostRounds = 4;            // the first is thrown away; more when halves differ
 constexpr int kKeepEvery = 4;
-constexpr double kSmallestSigma = 1e-7;  // of the range of force: figures in a file have no more digits
+constexpr double kSmallestSigma = 1e-5;  // of the range of force: no sensor tells more digits
 
 /// ln of the posterior, up to a constant.
 class Posterior final {

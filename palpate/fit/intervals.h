@@ -24,9 +24,9 @@ namespace palpate::fit {
 /// has.
 [[nodiscard]] std::vector<Point> nearly_best(const Ensemble& ensemble, double effective);
 
-/// [setup] Points along the profiles of k_1, beta, q and L_1: each moved away from the best fit, all others
-/// fitted again, as far as a likelihood-ratio test at 95 % leaves. They find the far end of a narrow bent
-/// valley that an ensemble hardly enters. From every minimum that the same test leaves.
+/// [setup] Points along the profiles of k_1, beta, q, L_1, first contact and offset: each moved away from the
+/// best fit, all others fitted again, as far as a likelihood-ratio test at 95 % leaves. They find the far end
+/// of a narrow bent valley that an ensemble hardly enters. From every minimum that the same test leaves.
 [[nodiscard]] std::vector<Point> profile_points(const Minima& minima, double effective);
 
 /// [setup] 95 % intervals from the curvature at the best minimum; a parameter along which the cost is flat

@@ -54,7 +54,8 @@ void residuals(const Problem& problem, const Part& part, std::span<const double>
 
 /// [setup] Levenberg and Marquardt's method within the bounds, from `start` (clamped into them), by Ceres in
 /// one thread: the same input gives the same bits.
-/// @param held index of a shared parameter that stays as it is; none when negative
+/// @param held index of a parameter that stays as it is, shared ones first, then the first part's own; none
+/// when negative
 [[nodiscard]] Solution solve(const Problem& problem, const Solution& start, int most_iterations = 60,
                              int held = -1);
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "palpate/base/portable_math.h"
 #include "palpate/fit/forward.h"
 #include "palpate/fit/starts.h"
 
@@ -12,8 +13,10 @@ namespace palpate::fit {
 namespace {
 
 constexpr std::size_t kStarts = 12;
-constexpr std::size_t kKept = 5;  // minima that are descended to again with the loss
-constexpr double kSmallestSigma = 1e-7;
+constexpr std::size_t kKept = 5;         // minima that are descended to again with the loss
+constexpr std::size_t kDescended = 10;   // starts that are descended from to the end
+constexpr double kSmallestSigma = 1e-5;  // of the range of force: no sensor tells more digits
+constexpr double kLoss = 4.0;  // spreads: Cauchy's loss there costs a normal noise 1 % of its information
 
 void sort_by_cost(std::vector<Solution>& all) {
   std::stable_sort(all.begin(), all.end(),
@@ -39,10 +42,26 @@ std::vector<Solution> distinct(std::vector<Solution> all, std::size_t most) {
   return kept;
 }
 
-std::vector<Solution> descend(const Problem& problem, const std::vector<Solution>& from) {
+std::vector<Solution> descend(const Problem& problem, const std::vector<Solution>& from, int most = 60) {
   std::vector<Solution> reached;
-  for (const Solution& start : from) reached.push_back(solve(problem, start));
+  for (const Solution& start : from) reached.push_back(solve(problem, start, most));
   return reached;
+}
+
+/// Laws that take the first two layers of a minimum for one, or split its first in two: minima of their own,
+/// which a search from far away can miss.
+std::vector<Solution> neighbours(const Problem& problem, const Solution& minimum) {
+  const Point& at = minimum.shared;                                // ln k_1, ln beta, ln q, ln L_1
+  const double step = portable::log(4.0) + portable::exp(-at[1]);  // of ln k_i from layer to layer
+  const double both = portable::log1p(portable::exp(at[2]));       // ln (L_1 + L_2)/L_1
+  std::vector<Solution> all;
+  for (const double way : {-1.0, 1.0}) {
+    Solution moved = minimum;
+    moved.shared[0] += way * step;
+    moved.shared[3] += way * both;
+    all.push_back(solve(problem, moved));
+  }
+  return all;
 }
 
 /// Spread of the residuals around a solution that outliers do not change: 1.4826 x the median of their sizes.
@@ -65,6 +84,55 @@ double sigma_of(const Problem& problem, const Solution& solution) {
   const std::size_t parameters = solution.shared.size() + kOwnParameters * problem.parts.size();
   const std::size_t freedom = points > parameters ? points - parameters : 1;
   return std::max(std::sqrt(solution.cost / static_cast<double>(freedom)), kSmallestSigma);
+}
+
+/// Descends to the very bottom of a minimum, and sets the loss and sigma by what is left there. The priors
+/// hold a fit back by sigma, and many outliers widen the loss: each round frees it further, until both stay
+/// the same.
+void polish(Problem& problem, Solution& best) {
+  constexpr int kMostRounds = 10;
+  constexpr int kSteps = 400;  // along a narrow valley, where the data leave parameters hardly any hold
+  constexpr double kSame = 0.8;
+  for (int round = 0; round < kMostRounds; ++round) {
+    best = solve(problem, best, kSteps);
+    const double sigma = sigma_of(problem, best);
+    const double loss_scale = kLoss * robust_spread(problem, best);
+    const bool settled = sigma > kSame * problem.sigma && loss_scale > kSame * problem.loss_scale;
+    problem.sigma = sigma;
+    if (settled) return;
+    problem.loss_scale = loss_scale;
+  }
+}
+
+/// The best few minima that starts lead to, and those beside the best.
+std::vector<Solution> search(const Problem& problem, const std::vector<Solution>& from) {
+  constexpr int kFirstSteps = 10;
+  const std::vector<Solution> near = distinct(descend(problem, from, kFirstSteps), kDescended);
+  std::vector<Solution> found = distinct(descend(problem, near), kKept);
+  if (found.empty()) return found;
+  const std::vector<Solution> beside = neighbours(problem, found.front());
+  found.insert(found.end(), beside.begin(), beside.end());
+  return distinct(std::move(found), kKept);
+}
+
+/// A law to go on with when no start makes one.
+Solution at_lowest(const Problem& problem) {
+  Solution lowest;
+  lowest.shared = problem.bounds.low;
+  for (const Part& part : problem.parts) lowest.own.push_back({part.prior.first_contact, part.prior.offset});
+  lowest.cost = cost_of(problem, lowest.shared, lowest.own);
+  return lowest;
+}
+
+/// The largest residual, in shares of its part's range of force.
+double farthest(const Problem& problem, const Solution& solution) {
+  double largest = 0.0;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    for (const double r : plain_residuals(problem, problem.parts[p], solution.shared, solution.own[p])) {
+      largest = std::max(largest, std::abs(r));
+    }
+  }
+  return largest;
 }
 
 }  // namespace
@@ -101,17 +169,22 @@ double effective_count(const std::vector<double>& residuals) {
 }
 
 Minima find_minima(Problem problem, const std::vector<Solution>& more) {
-  constexpr double kLoss = 4.0;  // spreads: Cauchy's loss there costs a normal noise 1 % of its information
   std::vector<Solution> from = starts(problem, kStarts);
   from.insert(from.begin(), more.begin(), more.end());
-  std::vector<Solution> found = distinct(descend(problem, from), kKept);
-  if (found.empty()) found = {Solution{problem.bounds.low, {}, 0.0}};
+  std::vector<Solution> found = search(problem, from);
+  if (found.empty()) found = {at_lowest(problem)};
   for (int round = 0; round < 2; ++round) {
     problem.loss_scale = kLoss * robust_spread(problem, found.front());
     problem.sigma = sigma_of(problem, found.front());
+    // Outliers may have drawn the search without a loss elsewhere.
+    if (round == 0 && farthest(problem, found.front()) > 2.0 * problem.loss_scale) {
+      const std::vector<Solution> again = search(problem, from);
+      found.insert(found.end(), again.begin(), again.end());
+    }
     found = distinct(descend(problem, found), kKept);
+    if (found.empty()) found = {at_lowest(problem)};
   }
-  problem.sigma = sigma_of(problem, found.front());
+  polish(problem, found.front());
   Minima minima;
   double effective = 0.0;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {

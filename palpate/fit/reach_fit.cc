@@ -9,7 +9,6 @@
 #include <ceres/ceres.h>
 
 #include "palpate/base/error.h"
-#include "palpate/deform/displacement.h"
 #include "palpate/fit/validation.h"
 
 namespace palpate::fit {
@@ -29,24 +28,24 @@ model::ReachParameters reach_of(const double* shape) {
 /// (u of the model - u of the sample)/D at every place, over the root of their number.
 class SampleErrors final {
  public:
-  explicit SampleErrors(const ReachSample& sample) : sample_(sample) {}
+  SampleErrors(const ReachSample& sample, const SurfaceRule& rule) : sample_(sample), rule_(rule) {}
 
   bool operator()(double const* const* shape, double* errors) const {
-    const deform::SurfaceProfile profile(reach_of(shape[0]), sample_.depth, sample_.tip_radius,
-                                         sample_.tip_radius);
+    const BallSurface surface(reach_of(shape[0]), sample_.depth, sample_.tip_radius, rule_);
     const Deformation& measured = sample_.deformation;
     const double scale = sample_.depth * std::sqrt(static_cast<double>(measured.size()));
     for (std::size_t i = 0; i < measured.size(); ++i) {
-      errors[i] = (profile.at(measured.distance[i]) - measured.displacement[i]) / scale;
+      errors[i] = (surface.at(measured.distance[i]) - measured.displacement[i]) / scale;
     }
     return true;
   }
 
  private:
   const ReachSample& sample_;
+  SurfaceRule rule_;
 };
 
-double solve_from(const std::vector<ReachSample>& samples, Shape& shape) {
+double solve_from(const std::vector<ReachSample>& samples, const SurfaceRule& rule, Shape& shape) {
   ceres::Problem problem;
   problem.AddParameterBlock(shape.data(), kParameters);
   for (int i = 0; i < kParameters; ++i) {
@@ -55,7 +54,7 @@ double solve_from(const std::vector<ReachSample>& samples, Shape& shape) {
     problem.SetParameterUpperBound(shape.data(), i, kHigh[n]);
   }
   for (const ReachSample& sample : samples) {
-    auto errors = std::make_unique<SampleErrors>(sample);
+    auto errors = std::make_unique<SampleErrors>(sample, rule);
     auto cost = std::make_unique<ceres::DynamicNumericDiffCostFunction<SampleErrors, ceres::CENTRAL>>(
         errors.release());
     cost->AddParameterBlock(kParameters);
@@ -74,7 +73,7 @@ double solve_from(const std::vector<ReachSample>& samples, Shape& shape) {
 
 }  // namespace
 
-ReachFit fit_reach(const std::vector<ReachSample>& samples) {
+ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& rule) {
   if (samples.empty()) throw InputError("a reach needs at least one deformation");
   for (const ReachSample& sample : samples) {
     if (!(sample.depth > 0.0) || !(sample.tip_radius > 0.0)) {
@@ -88,7 +87,7 @@ ReachFit fit_reach(const std::vector<ReachSample>& samples) {
       for (const double s : {1.4, 2.0}) {
         for (const double g : {0.4, 0.7}) {
           Shape shape = {std::log(c), std::log(a), std::log(s - 1.0), g};
-          const double cost = solve_from(samples, shape);
+          const double cost = solve_from(samples, rule, shape);
           if (cost < best_cost) {
             best_cost = cost;
             best = shape;
@@ -105,7 +104,8 @@ ReachFit fit_reach(const std::vector<ReachSample>& samples) {
   }
   for (const ReachSample& sample : samples) {
     fit.nrmse.push_back(
-        compare_deformation(sample.deformation, fit.reach, sample.depth, sample.tip_radius).errors.nrmse);
+        compare_deformation(sample.deformation, fit.reach, sample.depth, sample.tip_radius, rule)
+            .errors.nrmse);
   }
   return fit;
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "palpate/fit/ball_surface.h"
 #include "palpate/fit/deformation.h"
 #include "palpate/model/tissue.h"
 
@@ -24,6 +25,6 @@ struct ReachFit {
 /// [setup] Least squares of u(r)/D over c, a, s and g, each sample counting the same however many places and
 /// millimetres it has; from several starts, by Ceres in one thread: the same data give the same bits.
 /// @throws InputError when there is no sample, or one without depth or radius.
-[[nodiscard]] ReachFit fit_reach(const std::vector<ReachSample>& samples);
+[[nodiscard]] ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& rule = {});
 
 }  // namespace palpate::fit

@@ -108,11 +108,12 @@ struct Curve {
   std::vector<double> force;
   double deepest = 0.0;
 };
-Curve curve_of(const ForceComparison& comparison, const Zeros& zeros) {
+Curve curve_of(const ForceComparison& comparison) {
   Curve curve;
   for (std::size_t i = 0; i < comparison.measured.size(); ++i) {
-    curve.depth.push_back(std::max(0.0, comparison.measured.displacement[i] - zeros.first_contact));
-    curve.force.push_back(comparison.measured.force[i] - zeros.force);
+    curve.depth.push_back(
+        std::max(0.0, comparison.measured.displacement[i] - comparison.zeros.first_contact));
+    curve.force.push_back(comparison.measured.force[i] - comparison.zeros.force);
     curve.deepest = std::max(curve.deepest, curve.depth.back());
   }
   return curve;
@@ -202,8 +203,8 @@ std::vector<RivalKind> parse_rivals(std::string_view text) {
   return kinds;
 }
 
-RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison, const Zeros& zeros) {
-  const Curve curve = curve_of(comparison, zeros);
+RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison) {
+  const Curve curve = curve_of(comparison);
   RivalFit fit;
   if (!(curve.deepest > 0.0)) {
     throw InputError(comparison.measured.name + ": no point is deeper than the first contact");
@@ -224,7 +225,7 @@ RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison, cons
       fit = mass_spring_force(curve);
       break;
   }
-  for (double& force : fit.computed) force += zeros.force;
+  for (double& force : fit.computed) force += comparison.zeros.force;
   fit.errors = errors_of(comparison.measured.force, fit.computed, comparison.errors.scale);
   return fit;
 }

@@ -32,9 +32,9 @@ struct RivalFit {
                                            // mass-spring patch, one relaxation of all its nodes
 };
 
-/// [setup] Fits the force curve that was compared: its depths and forces with the zeros taken off. The rivals
+/// [setup] Fits the force curve that was compared: its depths and forces with its zeros taken off. The rivals
 /// know no relaxation.
-[[nodiscard]] RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison, const Zeros& zeros);
+[[nodiscard]] RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison);
 
 /// [setup] Fits the profile that was compared; the depth is given, as to ours.
 [[nodiscard]] RivalFit fit_profile_rival(RivalKind kind, const DeformationComparison& comparison);

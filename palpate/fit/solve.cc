@@ -60,6 +60,17 @@ void set_bounds(ceres::Problem& problem, double* block, const Bounds& bounds) {
   }
 }
 
+/// Keeps one parameter as it is: a shared one, or one of the first part's own; none when negative.
+void hold(ceres::Problem& problem, Solution& solution, int held) {
+  if (held < 0) return;
+  const auto shared = static_cast<int>(solution.shared.size());
+  std::vector<double>& block = held < shared ? solution.shared : solution.own.front();
+  const int within = held < shared ? held : held - shared;
+  auto manifold =
+      std::make_unique<ceres::SubsetManifold>(static_cast<int>(block.size()), std::vector<int>{within});
+  problem.SetManifold(block.data(), manifold.release());  // the problem owns it
+}
+
 }  // namespace
 
 Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held) {
@@ -70,11 +81,6 @@ Solution solve(const Problem& problem, const Solution& start, int most_iteration
   ceres::Problem all(ownership);
   all.AddParameterBlock(found.shared.data(), static_cast<int>(found.shared.size()));
   set_bounds(all, found.shared.data(), problem.bounds);
-  if (held >= 0) {
-    auto manifold = std::make_unique<ceres::SubsetManifold>(static_cast<int>(found.shared.size()),
-                                                            std::vector<int>{held});
-    all.SetManifold(found.shared.data(), manifold.release());  // the problem owns it
-  }
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     const Bounds bounds = own_bounds(problem.parts[p].prior);
     clamp_into(found.own[p], bounds);
@@ -82,6 +88,7 @@ Solution solve(const Problem& problem, const Solution& start, int most_iteration
     all.AddResidualBlock(cost.release(), nullptr, found.shared.data(), found.own[p].data());
     set_bounds(all, found.own[p].data(), bounds);
   }
+  hold(all, found, held);
   const Solution clamped = found;
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;

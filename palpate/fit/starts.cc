@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "palpate/base/portable_math.h"
 #include "palpate/fit/forward.h"
@@ -76,6 +77,37 @@ std::vector<Point> relaxation_guesses(const Problem& problem) {
   return guesses;
 }
 
+/// Whether a start is a neighbour of one of `others` in the search.
+bool is_near(const Solution& start, const std::vector<Solution>& others) {
+  constexpr double kApart = 0.3;
+  return std::any_of(others.begin(), others.end(), [&start](const Solution& other) {
+    double distance = 0.0;
+    for (std::size_t i = 1; i < start.shared.size(); ++i) {
+      distance = std::max(distance, std::abs(start.shared[i] - other.shared[i]));
+    }
+    return distance < kApart;
+  });
+}
+
+/// Of starts, best first: the best `most` that are no neighbours, then the best of each other L_1.
+std::vector<Solution> chosen_of(const std::vector<Solution>& all, std::size_t most) {
+  constexpr std::size_t kLimit = 3;  // index of ln L_1
+  std::vector<Solution> chosen;
+  std::set<double> limits;
+  for (const Solution& start : all) {
+    if (chosen.size() == most) break;
+    if (is_near(start, chosen)) continue;
+    chosen.push_back(start);
+    limits.insert(start.shared[kLimit]);
+  }
+  for (const Solution& start : all) {
+    if (limits.contains(start.shared[kLimit]) || is_near(start, chosen)) continue;
+    chosen.push_back(start);
+    limits.insert(start.shared[kLimit]);
+  }
+  return chosen;
+}
+
 }  // namespace
 
 std::vector<Solution> starts(const Problem& problem, std::size_t most) {
@@ -88,9 +120,9 @@ std::vector<Solution> starts(const Problem& problem, std::size_t most) {
   const double stiffness = problem.parts.front().ranges.force / deepest;
   std::vector<Solution> all;
   for (const Point& relaxation : relaxation_guesses(problem)) {
-    for (const double limit : {0.1, 0.17, 0.25, 0.33, 0.42, 0.52, 0.64, 0.8, 1.1}) {
-      for (const double q : {0.2, 0.35, 0.5, 0.65, 0.8, 1.0, 1.3}) {
-        for (const double beta : {0.5, 1.0, 1.7, 3.0, 8.0}) {
+    for (const double limit : {0.1, 0.17, 0.25, 0.33, 0.37, 0.42, 0.47, 0.52, 0.64, 0.8, 1.1}) {
+      for (const double q : {0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.3}) {
+        for (const double beta : {0.5, 1.0, 1.3, 1.7, 2.2, 3.0, 8.0}) {
           Solution start;
           start.shared = {log(stiffness), log(beta), log(q), log(limit * deepest)};
           start.shared.insert(start.shared.end(), relaxation.begin(), relaxation.end());
@@ -104,21 +136,7 @@ std::vector<Solution> starts(const Problem& problem, std::size_t most) {
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
-  // the best few, no two of them neighbours in the search
-  constexpr double kApart = 0.3;
-  std::vector<Solution> chosen;
-  for (const Solution& start : all) {
-    const bool near = std::any_of(chosen.begin(), chosen.end(), [&start](const Solution& other) {
-      double distance = 0.0;
-      for (std::size_t i = 1; i < start.shared.size(); ++i) {
-        distance = std::max(distance, std::abs(start.shared[i] - other.shared[i]));
-      }
-      return distance < kApart;
-    });
-    if (!near) chosen.push_back(start);
-    if (chosen.size() == most) break;
-  }
-  return chosen;
+  return chosen_of(all, most);
 }
 
 }  // namespace palpate::fit

@@ -6,7 +6,6 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
-#include "palpate/deform/displacement.h"
 #include "palpate/fit/forward.h"
 #include "palpate/model/layered_law.h"
 #include "palpate/model/smooth_law.h"
@@ -68,6 +67,7 @@ ForceComparison compare_force(const Specimen& specimen, const Law& law, const Ze
   ForceComparison comparison;
   comparison.measured = thinned(specimen, kMostPoints);
   comparison.rows = specimen.size();
+  comparison.zeros = zeros;
   const Specimen& measured = comparison.measured;
   std::vector<double> depths;
   for (const double displacement : measured.displacement)
@@ -90,8 +90,9 @@ ForceComparison compare_force(const Specimen& specimen, const Law& law, const Ze
 }
 
 DeformationComparison compare_deformation(const Deformation& deformation, const model::ReachParameters& reach,
-                                          double depth, double tip_radius) {
+                                          double depth, double tip_radius, const SurfaceRule& rule) {
   DeformationComparison comparison;
+  comparison.rule = rule;
   comparison.measured = deformation;
   comparison.depth = depth > 0.0 ? depth : deformation.depth;
   comparison.tip_radius = tip_radius;
@@ -105,8 +106,8 @@ DeformationComparison compare_deformation(const Deformation& deformation, const 
                      ", must be at most twice the depth, " + shortest(comparison.depth / kMillimetre) +
                      " mm");
   }
-  const deform::SurfaceProfile profile(reach, comparison.depth, tip_radius, tip_radius);
-  for (const double r : deformation.distance) comparison.computed.push_back(profile.at(r));
+  const BallSurface surface(reach, comparison.depth, tip_radius, rule);
+  for (const double r : deformation.distance) comparison.computed.push_back(surface.at(r));
   comparison.errors = errors_of(deformation.displacement, comparison.computed, comparison.depth);
   return comparison;
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/fit/ball_surface.h"
 #include "palpate/fit/deformation.h"
 #include "palpate/fit/specimen.h"
 #include "palpate/model/tissue.h"
@@ -51,6 +52,7 @@ struct ForceComparison {
   double within_jnd = 0.0;       // share of the points with an error of at most kForceJnd of their force
   std::size_t beyond = 0;        // points deeper than the tissue's layers go: extrapolated
   std::size_t rows = 0;          // of the file
+  Zeros zeros;                   // that were taken
 };
 
 /// Files with more rows are thinned to this many by means of neighbours.
@@ -63,17 +65,18 @@ inline constexpr std::size_t kMostPoints = 20'000;
 /// One measured deformation beside the model's u(r). SI.
 struct DeformationComparison {
   Deformation measured;
-  double depth = 0.0;            // D [m]
-  double tip_radius = 0.0;       // R [m]
+  double depth = 0.0;       // D [m]
+  double tip_radius = 0.0;  // R [m]
+  SurfaceRule rule;
   std::vector<double> computed;  // u [m]
   Errors errors;                 // scale: D
 };
 
-/// [setup] Model.md's u(r) at every place, with R_1 at most R. @param depth D [m], 0: the deformation's own
+/// [setup] The surface around a ball at every place. @param depth D [m], 0: the deformation's own
 /// @throws InputError when there is no depth, or the largest displacement is more than twice the depth (a
 /// mistaken unit or depth).
 [[nodiscard]] DeformationComparison compare_deformation(const Deformation& deformation,
                                                         const model::ReachParameters& reach, double depth,
-                                                        double tip_radius);
+                                                        double tip_radius, const SurfaceRule& rule = {});
 
 }  // namespace palpate::fit

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "palpate/base/clock.h"
-#include "palpate/deform/displacement.h"
+#include "palpate/fit/ball_surface.h"
 #include "palpate/model/layered_law.h"
 #include "palpate/model/smooth_law.h"
 
@@ -70,22 +70,35 @@ double within_uncertainty(const ImageSet& set) {
 
 }  // namespace
 
+ForceSet compare_forces(const Specimen& specimen, const Law& law, const Zeros& given, bool fitted) {
+  const ZerosFit best = fit_zeros(specimen, law);
+  ForceComparison with_given = compare_force(specimen, law, given);
+  ForceComparison with_best = compare_force(specimen, law, best.zeros);
+  ForceSet set;
+  set.zeros_fitted = fitted;
+  set.given = {with_given.zeros, with_given.errors};
+  set.fitted = {with_best.zeros, with_best.errors, best.at_limit};
+  set.ours = std::move(fitted ? with_best : with_given);
+  return set;
+}
+
 void compare_profiles(const std::vector<Deformation>& profiles, const std::vector<double>& depths,
-                      double tip_radius, bool fit_first, Validation& validation) {
+                      double tip_radius, bool fit_first, Validation& validation, const SurfaceRule& rule) {
   model::ReachParameters& reach = validation.law.tissue.reach;
   std::vector<ReachSample> samples;
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     // Refuses what has no depth.
-    const DeformationComparison comparison = compare_deformation(profiles[i], reach, depths[i], tip_radius);
+    const DeformationComparison comparison =
+        compare_deformation(profiles[i], reach, depths[i], tip_radius, rule);
     samples.push_back({profiles[i], comparison.depth, tip_radius});
   }
   if (fit_first) {
-    validation.reach = fit_reach(samples);
+    validation.reach = fit_reach(samples, rule);
     reach = validation.reach->reach;
   }
   for (const ReachSample& sample : samples) {
     ProfileSet set;
-    set.ours = compare_deformation(sample.deformation, reach, sample.depth, tip_radius);
+    set.ours = compare_deformation(sample.deformation, reach, sample.depth, tip_radius, rule);
     validation.profiles.push_back(std::move(set));
   }
 }
@@ -108,12 +121,13 @@ ImageSet compare_photographs(const std::filesystem::path& before, const std::fil
   return set;
 }
 
-void compare_with_rivals(const std::vector<RivalKind>& kinds, const Zeros& zeros, Validation& validation) {
+void compare_with_rivals(const std::vector<RivalKind>& kinds, Validation& validation) {
   for (ForceSet& set : validation.forces) {
     const std::vector<double>& displacement = set.ours.measured.displacement;
-    const double deepest = *std::max_element(displacement.begin(), displacement.end()) - zeros.first_contact;
+    const double deepest =
+        *std::max_element(displacement.begin(), displacement.end()) - set.ours.zeros.first_contact;
     for (const RivalKind kind : kinds) {
-      add(fit_force_rival(kind, set.ours, zeros), deepest, set.rivals);
+      add(fit_force_rival(kind, set.ours), deepest, set.rivals);
     }
     set.cost_ns = law_ns(validation.law, deepest);
   }
@@ -122,9 +136,9 @@ void compare_with_rivals(const std::vector<RivalKind>& kinds, const Zeros& zeros
     for (const RivalKind kind : kinds) {
       add(fit_profile_rival(kind, set.ours), farthest, set.rivals);
     }
-    const deform::SurfaceProfile profile(validation.law.tissue.reach, set.ours.depth, set.ours.tip_radius,
-                                         set.ours.tip_radius);
-    set.cost_ns = call_ns([&profile](double r) { return profile.at(r); }, farthest);
+    const BallSurface surface(validation.law.tissue.reach, set.ours.depth, set.ours.tip_radius,
+                              set.ours.rule);
+    set.cost_ns = call_ns([&surface](double r) { return surface.at(r); }, farthest);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "palpate/fit/reach_fit.h"
 #include "palpate/fit/rivals.h"
 #include "palpate/fit/validation.h"
+#include "palpate/fit/zeros_fit.h"
 
 namespace palpate::fit {
 
@@ -22,6 +23,9 @@ struct RivalResult {
 /// One measured force curve, ours and the others'.
 struct ForceSet {
   ForceComparison ours;
+  bool zeros_fitted = false;  // whether ours is with the zeros that fit best, or with those that were given
+  ZeroedErrors given;         // what ours leaves with the one
+  ZeroedErrors fitted;        // and with the other
   double cost_ns = 0.0;
   std::vector<RivalResult> rivals;
 };
@@ -55,12 +59,18 @@ struct Validation {
   std::vector<std::string> missed;  // goals, in words
 };
 
-/// [setup] Adds the profiles beside the law's u(r) to `validation`.
+/// [setup] A force curve beside the law, with the zeros that were given and with those that fit best.
+/// @param fitted which of the two becomes `ours` @throws InputError, ParameterError as fit_zeros().
+[[nodiscard]] ForceSet compare_forces(const Specimen& specimen, const Law& law, const Zeros& given,
+                                      bool fitted);
+
+/// [setup] Adds the profiles beside the law's surface to `validation`.
 /// @param depths one a profile [m]; 0: the profile's own @param tip_radius R [m]
 /// @param fit_first the law's reach is first fitted to the profiles together
 /// @throws InputError as compare_deformation() and fit_reach().
 void compare_profiles(const std::vector<Deformation>& profiles, const std::vector<double>& depths,
-                      double tip_radius, bool fit_first, Validation& validation);
+                      double tip_radius, bool fit_first, Validation& validation,
+                      const SurfaceRule& rule = {});
 
 /// [setup] Measures two photographs and compares with the tissue's u(r).
 /// @param depth D [m]; 0: the largest u, or, where the tool hides it, the depth that suits the line best
@@ -71,6 +81,6 @@ void compare_profiles(const std::vector<Deformation>& profiles, const std::vecto
 
 /// [setup] Fits the laws of others to every data set of `validation` and measures what one evaluation of
 /// each, and of ours, costs in processor time.
-void compare_with_rivals(const std::vector<RivalKind>& kinds, const Zeros& zeros, Validation& validation);
+void compare_with_rivals(const std::vector<RivalKind>& kinds, Validation& validation);
 
 }  // namespace palpate::fit

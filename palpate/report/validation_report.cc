@@ -125,6 +125,11 @@ std::string brief(double value) {
 
 std::string percent(double share) { return fixed(100.0 * share, 2) + " %"; }
 
+std::string zeros_of(const fit::ZeroedErrors& with) {
+  return "first contact " + brief(with.zeros.first_contact / kMillimetre) + " mm, sensor " +
+         brief(with.zeros.force) + " N: RMS " + percent(with.errors.nrmse) + " of the force range";
+}
+
 TableRows error_table(const fit::Errors& ours, double cost_ns, const std::string& words,
                       const std::vector<RivalResult>& rivals, double unit, const std::string& unit_name) {
   TableRows rows = {{"law", "parameters", "RMS, " + unit_name, "largest, " + unit_name, "RMS, relative",
@@ -191,10 +196,10 @@ void write_sets(Page& page, const Validation& validation, const std::filesystem:
   const auto file = [&] { return folder / ("set-" + std::to_string(++number) + ".svg"); };
   for (const ForceSet& set : validation.forces) {
     const Figure figure = draw_force(set, !tissue.relaxation.empty(), file());
-    std::string note;
+    std::string note = zeros_text(set);
     if (set.ours.beyond > 0) {
-      note = std::to_string(set.ours.beyond) +
-             " points are deeper than the tissue's layers go: the law holds its largest force there.";
+      note += std::to_string(set.ours.beyond) +
+              " points are deeper than the tissue's layers go: the law holds its largest force there.";
     }
     const TableRows table =
         error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.rivals, 1.0, "N");
@@ -211,6 +216,19 @@ void write_sets(Page& page, const Validation& validation, const std::filesystem:
 }
 
 }  // namespace
+
+std::string zeros_text(const ForceSet& set) {
+  std::string text = std::string("  zeros as ") + (set.zeros_fitted ? "fitted (" : "given (") +
+                     zeros_of(set.zeros_fitted ? set.fitted : set.given) + "); as " +
+                     (set.zeros_fitted ? "given (" : "fitted (") +
+                     zeros_of(set.zeros_fitted ? set.given : set.fitted) + ")\n";
+  if (set.fitted.at_limit) {
+    text +=
+        "  ! the fitted zeros lie where their search ends: cut off the way without contact, take off the "
+        "sensor's zero\n";
+  }
+  return text;
+}
 
 std::filesystem::path write_validation_report(const Validation& validation, const std::string& command,
                                               const std::filesystem::path& folder) {

@@ -12,6 +12,9 @@ using fit::ProfileSet;
 using fit::RivalResult;
 using fit::Validation;
 
+/// [setup] Both pairs of zeros of a force curve and what ours leaves with each, indented lines of text.
+[[nodiscard]] std::string zeros_text(const ForceSet& set);
+
 /// [setup] Writes `folder`/report.html (self-contained) and its figures as files: per data set the measured
 /// and the computed curve and their absolute error, as figure 7 of [Zhang 2011], and a table of errors.
 /// @param command the command line that made it

@@ -35,16 +35,16 @@ DeformationComparison profile(double depth, const std::function<double(double)>&
 
 TEST(ForceRivals, FindTheLawThatMadeTheData) {
   const auto hertz = curve([](double d) { return 150.0 * std::pow(d, 1.5); });
-  EXPECT_LT(fit_force_rival(RivalKind::kHertz, hertz, {}).errors.nrmse, 1e-12);
+  EXPECT_LT(fit_force_rival(RivalKind::kHertz, hertz).errors.nrmse, 1e-12);
   const auto line = curve([](double d) { return 20.0 * d; });
-  EXPECT_LT(fit_force_rival(RivalKind::kLinear, line, {}).errors.nrmse, 1e-12);
+  EXPECT_LT(fit_force_rival(RivalKind::kLinear, line).errors.nrmse, 1e-12);
   const auto exponential = curve([](double d) { return 0.05 * std::expm1(300.0 * d); });
-  const RivalFit fit = fit_force_rival(RivalKind::kExponential, exponential, {});
+  const RivalFit fit = fit_force_rival(RivalKind::kExponential, exponential);
   EXPECT_LT(fit.errors.nrmse, 1e-5);
   EXPECT_THAT(fit.parameters, testing::HasSubstr("b = 300 1/m"));
   MassSpringPatch patch(40.0);
   const auto springs = curve([&patch](double d) { return 3.0 * patch.press(d); });
-  EXPECT_LT(fit_force_rival(RivalKind::kMassSpring, springs, {}).errors.nrmse, 1e-2);
+  EXPECT_LT(fit_force_rival(RivalKind::kMassSpring, springs).errors.nrmse, 1e-2);
 }
 
 // Least squares of a line through 0 by hand: points (1 mm, 2 N), (2 mm, 2 N) and (0, 1 N): a = (2 + 4)/5
@@ -54,16 +54,17 @@ TEST(ForceRivals, FitALineAsByHand) {
   comparison.measured.displacement = {0.0, 1e-3, 2e-3};
   comparison.measured.force = {1.0, 2.0, 2.0};
   comparison.errors.scale = 1.0;
-  const RivalFit fit = fit_force_rival(RivalKind::kLinear, comparison, {});
+  const RivalFit fit = fit_force_rival(RivalKind::kLinear, comparison);
   EXPECT_NEAR(fit.evaluate(1e-3), 1.2, 1e-12);
   EXPECT_NEAR(fit.errors.max, 1.0, 1e-12);
 }
 
 TEST(ForceRivals, TakeTheZerosOff) {
-  const auto line = curve([](double d) { return 0.3 + 20.0 * std::max(0.0, d - 2e-3); });
-  const RivalFit fit = fit_force_rival(RivalKind::kLinear, line, {2e-3, 0.3});
-  EXPECT_LT(fit.errors.nrmse, 1e-12);
-  EXPECT_THROW((void)fit_force_rival(RivalKind::kLinear, line, {20e-3, 0.0}), InputError);
+  auto line = curve([](double d) { return 0.3 + 20.0 * std::max(0.0, d - 2e-3); });
+  line.zeros = {2e-3, 0.3};
+  EXPECT_LT(fit_force_rival(RivalKind::kLinear, line).errors.nrmse, 1e-12);
+  line.zeros = {20e-3, 0.0};
+  EXPECT_THROW((void)fit_force_rival(RivalKind::kLinear, line), InputError);
 }
 
 TEST(ProfileRivals, FindTheShapeThatMadeTheData) {
