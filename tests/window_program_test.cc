@@ -65,7 +65,7 @@ double deepest(const record::Recording& recording) {
   return depth;
 }
 
-TEST_F(WindowProgram, DISABLED_IsPressedByTheMouseAndClosedAndTheRecordingReplays) {
+TEST_F(WindowProgram, IsPressedByTheMouseAndClosedAndTheRecordingReplays) {
   if (!possible()) return;
   Program program(folder_.path(),
                   {"run", "--organ", "ball", "--tissue", "liver", "--tool", "sphere:5", "--device", "mouse",
@@ -84,7 +84,7 @@ TEST_F(WindowProgram, DISABLED_IsPressedByTheMouseAndClosedAndTheRecordingReplay
   EXPECT_EQ(run(folder_, {"replay", "a.h5", "--verify"}).exit_code, 0);
 }
 
-TEST_F(WindowProgram, DISABLED_ADisplayThatGoesInMidContactEndsTheRunInGoodOrder) {
+TEST_F(WindowProgram, ADisplayThatGoesInMidContactEndsTheRunInGoodOrder) {
   if (!possible()) return;
   Program program(folder_.path(),
                   {"run", "--organ", "ball", "--tissue", "liver", "--tool", "sphere:5", "--device",
@@ -102,7 +102,7 @@ TEST_F(WindowProgram, DISABLED_ADisplayThatGoesInMidContactEndsTheRunInGoodOrder
   EXPECT_EQ(run(folder_, {"replay", "a.h5", "--verify"}).exit_code, 0);
 }
 
-TEST_F(WindowProgram, DISABLED_TheViewerShowsWhatAScreenshotOfThatMomentShows) {
+TEST_F(WindowProgram, TheViewerShowsWhatAScreenshotOfThatMomentShows) {
   if (!possible()) return;
   ASSERT_EQ(run(folder_, {"run", "--offline", "--duration-s", "2.5", "--record", "a.h5"}).exit_code, 0);
   Program program(folder_.path(), {"view", "a.h5", "--at-s", "2.1", "--map-mm", "10"}, on_display());

@@ -87,7 +87,7 @@ TEST_F(PanelsTest, SliderPresetAndNoiseBoxChangeWhatIsFeltAndTheRecordingKnows) 
   EXPECT_EQ(record::replay(read).rows_different, 0U);
 }
 
-TEST_F(PanelsTest, DISABLED_ANumberIsTypedAndTheTissueSavedByItsDialog) {
+TEST_F(PanelsTest, ANumberIsTypedAndTheTissueSavedByItsDialog) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("mouse"), tall());
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
@@ -149,7 +149,7 @@ TEST_F(PanelsTest, RecordsTakesAPictureRunsAgainAndOpensTheViewer) {
   EXPECT_EQ(driven.finish().more_runs, 3U);
 }
 
-TEST_F(PanelsTest, DISABLED_FilesAreChosenByMouseAndByKeyboard) {
+TEST_F(PanelsTest, FilesAreChosenByMouseAndByKeyboard) {
   if (!display_is_there()) return;
   std::ofstream(file("other.toml"))
       << "[organ]\nmesh = \"ball\"\ntissue = \"kidney\"\n[tool]\nmesh = \"sphere:3\"\n";
@@ -178,7 +178,7 @@ TEST_F(PanelsTest, DISABLED_FilesAreChosenByMouseAndByKeyboard) {
   close_and_expect_order(driven);
 }
 
-TEST_F(PanelsTest, DISABLED_ALostDeviceIsSaidInWordsAndResetByAClick) {
+TEST_F(PanelsTest, ALostDeviceIsSaidInWordsAndResetByAClick) {
   if (!display_is_there()) return;
   DrivenWindow driven(failing(file("lost.toml"), "drop-out", "0.3", "0.4"), tall());
   ASSERT_TRUE(driven.until([&] { return !driven.window().banner().empty(); }));
@@ -197,7 +197,7 @@ TEST_F(PanelsTest, DISABLED_ALostDeviceIsSaidInWordsAndResetByAClick) {
   EXPECT_EQ(driven.finish().account.loop.fault, haptics::Fault::kDevice) << "the account keeps it";
 }
 
-TEST_F(PanelsTest, DISABLED_ARunIsPausedWhereNoHandHoldsTheDevice) {
+TEST_F(PanelsTest, ARunIsPausedWhereNoHandHoldsTheDevice) {
   if (!display_is_there()) return;
   const std::filesystem::path recording = file("paused.h5");
   {
@@ -223,7 +223,7 @@ TEST_F(PanelsTest, DISABLED_ARunIsPausedWhereNoHandHoldsTheDevice) {
   EXPECT_EQ(record::replay(record::read_recording(recording)).rows_different, 0U);
 }
 
-TEST_F(PanelsTest, DISABLED_ARunOfAHeldDeviceIsNotPaused) {
+TEST_F(PanelsTest, ARunOfAHeldDeviceIsNotPaused) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("emulated"), tall());
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
@@ -236,7 +236,7 @@ TEST_F(PanelsTest, DISABLED_ARunOfAHeldDeviceIsNotPaused) {
   close_and_expect_order(driven);
 }
 
-TEST_F(PanelsTest, DISABLED_HoldAtTwiceTheScale) {
+TEST_F(PanelsTest, HoldAtTwiceTheScale) {
   if (!display_is_there()) return;
   WindowOptions options = tall();
   options.size = {2200, 1800};

@@ -157,7 +157,7 @@ TEST_F(ViewerTest, TheMapAndTheViewChangeThePictureAndTheFirstViewComesBack) {
   close_and_expect_order(driven);
 }
 
-TEST_F(ViewerTest, DISABLED_AnotherRecordingIsDroppedOntoItAndABadOneIsRefused) {
+TEST_F(ViewerTest, AnotherRecordingIsDroppedOntoItAndABadOneIsRefused) {
   if (!display_is_there()) return;
   const std::filesystem::path first = recorded("a.h5");
   scene::Request pull = ball("scripted");

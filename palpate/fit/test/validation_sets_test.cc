@@ -59,7 +59,7 @@ TEST(CompareProfiles, RefusesAProfileWithoutDepth) {
 TEST(CompareWithRivals, FitsEachAndSaysWhatAnEvaluationCosts) {
   Validation validation = of_liver();
   compare_profiles({profile_of(validation.law.tissue.reach, 3e-3)}, {0.0}, 5e-3, false, validation);
-  compare_with_rivals({RivalKind::kHertz, RivalKind::kLinear}, {}, validation);
+  compare_with_rivals({RivalKind::kHertz, RivalKind::kLinear}, validation);
   ASSERT_EQ(validation.profiles[0].rivals.size(), 2U);
   for (const RivalResult& rival : validation.profiles[0].rivals) {
     EXPECT_GT(rival.cost_ns, 0.0);

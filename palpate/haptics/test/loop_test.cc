@@ -220,7 +220,7 @@ TEST(Loop, WhereNobodyWatchesAStallIsALateTick) {
   EXPECT_EQ(outcome.report.watchdog_stops, 0u);
 }
 
-TEST(Loop, DISABLED_APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
+TEST(Loop, APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
   std::atomic<bool> pause{false};
   std::thread releaser;
   FakeDevice device([&](std::uint64_t tick, double time) {
@@ -252,7 +252,7 @@ TEST(Loop, DISABLED_APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
       << paused.report.remarks.back();
 }
 
-TEST(Loop, DISABLED_WhereSomebodyWatchesForStallsAndOfflineNothingIsPaused) {
+TEST(Loop, WhereSomebodyWatchesForStallsAndOfflineNothingIsPaused) {
   std::atomic<bool> pause{true};
   FakeDevice device = presser();
   LoopOptions watched{.ticks = 50, .stalled_after_ns = 60'000'000'000};
@@ -263,7 +263,7 @@ TEST(Loop, DISABLED_WhereSomebodyWatchesForStallsAndOfflineNothingIsPaused) {
   EXPECT_EQ(run_with(device, offline).report.ticks, 50U);
 }
 
-TEST(Loop, DISABLED_APausedRunCanBeEnded) {
+TEST(Loop, APausedRunCanBeEnded) {
   std::atomic<bool> pause{true};
   std::atomic<bool> stop{false};
   LoopOptions options = calm({.ticks = 50, .stop = &stop});
