@@ -11,10 +11,9 @@ class FetchList final {
  public:
   /// [setup] Adds the lines of the cache that memory from `begin` to `end` lies in.
   void add(const void* begin, const void* end) {
-    auto line = reinterpret_cast<std::uintptr_t>(begin) / kLine * kLine;
-    for (; line < reinterpret_cast<std::uintptr_t>(end); line += kLine) {
-      lines_.push_back(reinterpret_cast<const void*>(line));
-    }
+    const auto* line = static_cast<const std::byte*>(begin);
+    line -= reinterpret_cast<std::uintptr_t>(begin) % kLine;
+    for (; line < end; line += kLine) lines_.push_back(line);
   }
 
   /// [setup] Adds all of one object, without what it points to.

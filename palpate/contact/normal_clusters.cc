@@ -132,7 +132,8 @@ Patch patch_of(const SurfaceView& surface, std::span<const std::int32_t> triangl
   patch.sum_Aq = rounded(sum_Aq);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
-      patch.sum_Am[static_cast<std::size_t>(3 * row + column)] = static_cast<float>(sum_Am(row, column));
+      const int place = 3 * row + column;
+      patch.sum_Am[static_cast<std::size_t>(place)] = static_cast<float>(sum_Am(row, column));
     }
   }
   return patch;

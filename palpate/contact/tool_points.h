@@ -22,7 +22,7 @@ struct PartPoints {
     std::uint32_t end = 0;
   };
 
-  static_assert(kMostPoints <= 64 * kClusterSize);  // PartState has one bit a cluster
+  static_assert(kMostPoints <= std::size_t{64} * kClusterSize);  // PartState has one bit a cluster
 
   /// A run of up to kGroupSize clusters within a ball.
   static constexpr std::uint32_t kGroupSize = 16;

@@ -70,11 +70,12 @@ TEST_F(PanelsTest, SliderPresetAndNoiseBoxChangeWhatIsFeltAndTheRecordingKnows) 
     driven.button(SDL_BUTTON_LEFT, false);
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change >= 1; }));
     ASSERT_TRUE(driven.press({"left", "preset", "##preset"}));
+    driven.frames(20);  // the slider's last change has been taken by now
+    const std::uint64_t before_heart = driven.window().snapshot().change;
     ASSERT_TRUE(driven.press({"##Combo_00", "heart"}));
-    const std::uint64_t so_far = driven.window().snapshot().change;
-    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change > so_far; }));
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change > before_heart; }));
     ASSERT_TRUE(driven.press({"left", "On  (N)"}));
-    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change > so_far + 1; }));
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change > before_heart + 1; }));
     close_and_expect_order(driven);
     (void)driven.finish();
   }

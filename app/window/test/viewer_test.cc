@@ -142,7 +142,7 @@ TEST_F(ViewerTest, TheMapAndTheViewChangeThePictureAndTheFirstViewComesBack) {
   EXPECT_EQ(viewer.still_picture().rgb, first);
   driven.move_to_middle(viewer.layout().picture);
   driven.frames(1);
-  driven.wheel(2);
+  Driven::wheel(2);
   driven.frames(1);
   EXPECT_NE(viewer.still_picture().rgb, first) << "nearer";
   driven.key(SDLK_v);
@@ -166,15 +166,15 @@ TEST_F(ViewerTest, AnotherRecordingIsDroppedOntoItAndABadOneIsRefused) {
   DrivenViewer driven(first, small_viewer());
   Viewer& viewer = driven.viewer();
   ASSERT_TRUE(driven.until_there());
-  driven.drop(second.string());
+  Driven::drop(second.string());
   ASSERT_TRUE(driven.until([&] { return viewer.view().file() == second; }));
   ASSERT_TRUE(driven.until_there());
   EXPECT_EQ(viewer.view().recording().setup.tissue.name, "heart");
   std::ofstream(file("bad.h5")) << "no recording";
-  driven.drop(file("bad.h5").string());
+  Driven::drop(file("bad.h5").string());
   ASSERT_TRUE(driven.until([&] { return viewer.message().find("bad.h5") != std::string::npos; }));
   EXPECT_EQ(viewer.view().file(), second);
-  driven.drop(file("organ.stl").string());
+  Driven::drop(file("organ.stl").string());
   driven.frames(2);
   EXPECT_THAT(viewer.message(), HasSubstr("organ.stl"));
   driven.key(SDLK_o, KMOD_CTRL);
@@ -245,7 +245,7 @@ TEST_F(ViewerTest, LivesThroughAnySizeAndScale) {
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(2880, 1800), std::pair(300, 900), std::pair(1000, 600)}) {
     const int wide = width;  // clang 14 lets no lambda have a structured binding
-    driven.resize(width, height);
+    Driven::resize(width, height);
     ASSERT_TRUE(driven.until([&] { return viewer.picture().width == wide; })) << wide;
     driven.frames(2);
     EXPECT_TRUE(driven.alive());

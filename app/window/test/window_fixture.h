@@ -83,7 +83,7 @@ inline double red_share(const render::Image& image, const Rectangle& place) {
 
 /// The user closes the window.
 inline void close_and_expect_order(Driven& driven) {
-  driven.close();
+  Driven::close();
   driven.frames(2);
   EXPECT_FALSE(driven.alive());
 }

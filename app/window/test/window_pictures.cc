@@ -12,6 +12,7 @@
 
 namespace {
 
+using palpate::app::Driven;
 using palpate::app::DrivenWindow;
 
 constexpr double kSlow = 240.0;  // s: this machine may have no graphics card
@@ -20,7 +21,7 @@ constexpr double kSlow = 240.0;  // s: this machine may have no graphics card
 void wheel(DrivenWindow& driven, int notches) {
   const int one = notches > 0 ? 1 : -1;
   for (int i = 0; i != notches; i += one) {
-    driven.wheel(one);
+    Driven::wheel(one);
     const double from = driven.window().traces().newest_time();
     driven.until([&] { return driven.window().traces().newest_time() > from + 0.08; }, kSlow);
   }
@@ -48,7 +49,7 @@ void experiment(const std::filesystem::path& file, const char* task) {
   driven.window().hold_full_quality();
   driven.frames(4);
   palpate::render::write_png(driven.window().picture(), file);
-  driven.close();
+  Driven::close();
   driven.frames(1);
   (void)driven.finish();
 }
@@ -68,7 +69,7 @@ void viewer(const std::filesystem::path& file) {
     driven.until_still();
     driven.frames(2);
     palpate::render::write_png(driven.viewer().picture(), file);
-    driven.close();
+    Driven::close();
     driven.frames(1);
   }
   std::filesystem::remove(recording);

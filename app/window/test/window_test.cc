@@ -49,7 +49,7 @@ TEST_F(WindowTest, AMousePressesAndTheRecordingReplaysToTheBit) {
     DrivenWindow driven(ball("mouse"), small(recording));
     driven.frames(3);
     driven.move_to_picture();
-    for (int notch = 0; notch < 14; ++notch) driven.wheel(1);  // 10 mm to the organ, and 4 mm on
+    for (int notch = 0; notch < 14; ++notch) Driven::wheel(1);  // 10 mm to the organ, and 4 mm on
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 3e-3; }));
     depth = driven.window().snapshot().results[0].depth;
     EXPECT_EQ(driven.window().snapshot().results[0].phase, contact::Phase::kPress);
@@ -108,12 +108,12 @@ TEST_F(WindowTest, AMouseGraspsAndPulls) {
   DrivenWindow driven(request, small());
   driven.frames(3);
   driven.move_to_picture();
-  for (int notch = 0; notch < 10; ++notch) driven.wheel(1);
+  for (int notch = 0; notch < 10; ++notch) Driven::wheel(1);
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].distance < 0.9e-3; }));
   driven.button(SDL_BUTTON_LEFT, true);
   ASSERT_TRUE(
       driven.until([&] { return driven.window().snapshot().results[0].phase == contact::Phase::kPull; }));
-  for (int notch = 0; notch < 6; ++notch) driven.wheel(-1);
+  for (int notch = 0; notch < 6; ++notch) Driven::wheel(-1);
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 4e-3; }));
   EXPECT_LT(driven.window().snapshot().commands[0].force.z(), -0.01) << "the tissue pulls back";
   driven.button(SDL_BUTTON_LEFT, false);
@@ -183,7 +183,7 @@ TEST_F(WindowTest, TissueAndNoiseChangeWhileTheyAreFelt) {
     DrivenWindow driven(ball("mouse"), small(recording));
     driven.frames(3);
     driven.move_to_picture();
-    for (int notch = 0; notch < 14; ++notch) driven.wheel(1);
+    for (int notch = 0; notch < 14; ++notch) Driven::wheel(1);
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 3.5e-3; }));
     driven.key(SDLK_n);
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change == 1; }));
@@ -193,7 +193,7 @@ TEST_F(WindowTest, TissueAndNoiseChangeWhileTheyAreFelt) {
     stiff.k1 *= 3.0;
     std::ofstream(tissue) << scene::to_toml(stiff);
     const double before = driven.window().traces().newest(0).tissue_force;
-    driven.drop(tissue.string());
+    Driven::drop(tissue.string());
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change == 2; }));
     ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest(0).tissue_force > 2.0 * before; }));
     EXPECT_EQ(driven.window().traces().newest(0).noise_force, 0.0);
@@ -215,7 +215,7 @@ TEST_F(WindowTest, ADroppedMeshIsAskedForItsUnitAndThenTouched) {
   }
   DrivenWindow driven(ball("scripted"), small());
   driven.frames(3);
-  driven.drop(mesh.string());
+  Driven::drop(mesh.string());
   driven.frames(3);
   EXPECT_TRUE(driven.window().panels().files.is_open());
   EXPECT_FALSE(driven.window().preparing()) << "a unit is never guessed";
@@ -224,11 +224,11 @@ TEST_F(WindowTest, ADroppedMeshIsAskedForItsUnitAndThenTouched) {
   ASSERT_TRUE(
       driven.until([&] { return driven.window().run().session().setup.organ_name == mesh.string(); }));
   ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.2; }));
-  driven.drop(file("holiday.jpg").string());
+  Driven::drop(file("holiday.jpg").string());
   driven.frames(2);
   EXPECT_THAT(driven.window().message(), HasSubstr("holiday.jpg: palpate reads meshes"));
   std::ofstream(file("bad.toml")) << "[organ]\nmesh = 3\n";
-  driven.drop(file("bad.toml").string());
+  Driven::drop(file("bad.toml").string());
   ASSERT_TRUE(driven.until([&] { return driven.window().message().find("bad.toml") != std::string::npos; }));
   EXPECT_FALSE(driven.window().run().ended()) << "what is touched goes on";
   close_and_expect_order(driven);
@@ -242,7 +242,7 @@ TEST_F(WindowTest, LivesThroughAnySize) {
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(3840, 2160), std::pair(300, 900), std::pair(1000, 600)}) {
     const int wide = width;  // clang 14 lets no lambda have a structured binding
-    driven.resize(width, height);
+    Driven::resize(width, height);
     ASSERT_TRUE(driven.until([&] { return driven.window().picture().width == wide; })) << wide;
     driven.frames(2);
     EXPECT_EQ(driven.window().picture().height, height);
