@@ -230,6 +230,7 @@ class LiveServer::Desk final : public LiveDesk {
           "token");
     }
     from.greeted = true;
+    someone_came_ = true;
     Json members = version();
     members["client"] = from.number();
     members["limits"] = {{"message_bytes", kLargestRequest},
@@ -246,10 +247,13 @@ class LiveServer::Desk final : public LiveDesk {
   /// Every few milliseconds: what the host has to say, who has not said hello, who is gone, whether to stop.
   void look_after(const std::atomic<bool>& stop) {
     const bool ends = stop.load(std::memory_order_relaxed);  // before the host looks, which may want to know
-    const auto clients = std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
+    const auto present = std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
       return entry.second->greeted && entry.second->is_open();
     });
-    for (const News& news : host_.look_after(static_cast<std::size_t>(clients))) tell(news);
+    const std::size_t clients =
+        std::max<std::size_t>(static_cast<std::size_t>(present), someone_came_ ? 1 : 0);
+    someone_came_ = false;
+    for (const News& news : host_.look_after(clients)) tell(news);
     const std::int64_t now = monotonic_ns();
     for (const auto& [number, connection] : connections_) {
       if (connection->is_open() && !connection->greeted && now - connection->opened_ns() > kHelloLimit) {
@@ -318,6 +322,7 @@ class LiveServer::Desk final : public LiveDesk {
   tcp::endpoint place_;
   asio::steady_timer timer_{context_};
   bool accept_later_ = false;
+  bool someone_came_ = false;  // since the host last looked
   std::int64_t farewell_until_ns_ = 0;
   std::pair<std::uint64_t, std::uint64_t> written_{0, 0};  // run and tick of:
   std::string written_text_;

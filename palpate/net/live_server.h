@@ -41,7 +41,8 @@ class LiveHost {
   [[nodiscard]] virtual nlohmann::ordered_json about_run() = 0;
   /// The newest tick of the newest run; its `tick` is null before the first.
   [[nodiscard]] virtual LiveState newest() = 0;
-  /// Called every LiveServer::kLookAfterMs. @param clients that have said hello
+  /// Called every LiveServer::kLookAfterMs. @param clients that have said hello; one that came and went since
+  /// the last call counts this once
   virtual std::vector<News> look_after(std::size_t clients) = 0;
 };
 

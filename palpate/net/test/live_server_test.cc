@@ -39,19 +39,21 @@ class Host final : public LiveHost {
     return {1, {}, &tick_};
   }
   std::vector<News> look_after(std::size_t clients) override {
-    clients_ = clients;
+    if (clients_.exchange(clients) == 0 && clients > 0) ++arrivals_;
     std::vector<News> news;
     if (late_) news.push_back({std::exchange(late_, std::nullopt), "", {{"late", true}}});
     if (alarm_.exchange(false)) news.push_back({std::nullopt, "fault", {{"fault", 1}}});
     return news;
   }
   [[nodiscard]] std::size_t clients() const { return clients_; }
+  [[nodiscard]] std::size_t arrivals() const { return arrivals_; }
   void alarm() { alarm_ = true; }
 
  private:
   LiveTick tick_;
   std::optional<Asker> late_;
   std::atomic<std::size_t> clients_{0};
+  std::atomic<std::size_t> arrivals_{0};  // from nobody to somebody
   std::atomic<bool> alarm_{false};
 };
 
@@ -291,6 +293,18 @@ TEST_F(Served, AClientThatVanishesIsForgotten) {
   goes.vanish();
   EXPECT_TRUE(clients_become(1));
   EXPECT_EQ(stays.ask(R"({"do": "version"})")["answer"], "version");
+}
+
+TEST_F(Served, AClientThatComesAndGoesAtOnceIsSeenByTheHost) {
+  serve();
+  for (std::size_t i = 1; i <= 20; ++i) {
+    test::LiveClient client(port());
+    client.greet();
+    client.vanish();
+    for (int wait = 0; wait < 6000 && host_.arrivals() < i; ++wait) std::this_thread::sleep_for(10ms);
+    ASSERT_EQ(host_.arrivals(), i);
+    ASSERT_TRUE(clients_become(0));
+  }
 }
 
 TEST_F(Served, ALateAnswerReachesItsAskerAndAnEventReachesAll) {
