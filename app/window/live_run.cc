@@ -26,8 +26,8 @@ void LiveRun::start(std::optional<int> core, net::IgtlServer* igtl) {
   changes_ = record::live_changes(session_.setup, session_.world);
   thread_ = std::thread([this, core, igtl] {
     try {
-      account_ =
-          play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_, igtl, &pause_}, stop_);
+      account_ = play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_, igtl, &pause_},
+                      stop_);
     } catch (const std::exception& error) {
       failure_ = error.what();
     }
