@@ -55,9 +55,12 @@ py::dict dictionary_of(const fit::SpecimenFit& one) {
   py::dict result;
   result["name"] = one.name;
   result["law"] = model::to_string(one.law);
+  result["layers"] = one.layers_allowed;
+  result["layers_reached"] = one.layers_reached;
   result["parameters"] = parameters_of(one.estimates, one.terms);
   result["rms_N"] = one.rms;
   result["nrmse"] = one.nrmse;
+  result["leave_out_nrmse"] = one.leave_out;
   result["points"] = one.points;
   result["warnings"] = one.warnings;
   result["displacement"] = array_of(one.curve.displacement);
@@ -135,7 +138,7 @@ void bind_fit(py::module_& module) {
       py::arg("t1") = 1e-6, py::arg("bootstrap") = 0, py::arg("seed") = 1,
       "Fits each specimen and all together, as `palpate fit` does. Returns a dictionary: `specimens`, one a "
       "specimen with `parameters` (name to value, low and high end of the 95 % interval, in the unit of the "
-      "name), rms_N, nrmse, points, warnings and the fitted curve in SI; and `pooled`, with `tissue`, named "
+      "name), rms_N, nrmse, leave_out_nrmse, points, warnings and the fitted curve in SI; and `pooled`, with `tissue`, named "
       "fitted. Raises "
       "InputError.");
 }

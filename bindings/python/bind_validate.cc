@@ -61,15 +61,46 @@ struct ValidationWish {
   double pixel = 0.0;                                  // m
   bool fixed_camera = false;
   fit::Zeros zeros;
+  std::string zeros_from;  // given or fitted
   PerProfile depth;
   PerProfile force;
   std::optional<double> tip_radius;  // m
   bool fit_reach = false;
+  bool as_drawn = false;
+  std::optional<double> surface_radius;  // m
   std::vector<fit::RivalKind> rivals;
 };
 
+/// Refuses zeros that would do nothing or contradict each other.
+void check_zeros(const ValidationWish& wish) {
+  const bool fitted = wish.zeros_from == "fitted";
+  if (!fitted && wish.zeros_from != "given") {
+    throw InputError("zeros = \"" + wish.zeros_from + "\": must be given or fitted");
+  }
+  const bool stated = wish.zeros.first_contact != 0.0 || wish.zeros.force != 0.0;
+  if (fitted && stated) {
+    throw InputError(
+        "zeros = \"fitted\": finds the zeros, first_contact and offset give them: one of the two");
+  }
+  if (wish.forces.empty() && (stated || fitted)) {
+    throw InputError("zeros, first_contact and offset: are of force curves, need forces");
+  }
+}
+
+/// Refuses a surface as drawn where there is none.
+void check_surface(const ValidationWish& wish, model::Direction direction) {
+  if (wish.as_drawn && (wish.profiles.empty() || direction == model::Direction::kPull)) {
+    throw InputError("as_drawn: is of a ball pressed in, needs profiles and direction = \"press\"");
+  }
+  if (!wish.surface_radius) return;
+  if (!wish.as_drawn) throw InputError("surface_radius: needs as_drawn");
+  if (!(*wish.surface_radius > 0.0)) throw ParameterError("surface_radius", *wish.surface_radius, "> 0 (m)");
+}
+
 /// Refuses what would do nothing or could not be done.
-void check(const ValidationWish& wish) {
+void check(const ValidationWish& wish, model::Direction direction) {
+  check_zeros(wish);
+  check_surface(wish, direction);
   const bool places = !wish.profiles.empty() || wish.image;
   if (wish.forces.empty() && !places)
     throw InputError("nothing to compare with: give forces, profiles or image");
@@ -113,13 +144,11 @@ double tip_radius_of(const ValidationWish& wish, const fit::Law& law) {
 }
 
 fit::Validation compare(const ValidationWish& wish, const fit::Law& law) {
-  check(wish);
+  check(wish, law.direction);
   fit::Validation validation;
   validation.law = law;
   for (const fit::Specimen& specimen : wish.forces) {
-    fit::ForceSet set;
-    set.ours = fit::compare_force(specimen, law, wish.zeros);
-    validation.forces.push_back(std::move(set));
+    validation.forces.push_back(fit::compare_forces(specimen, law, wish.zeros, wish.zeros_from == "fitted"));
   }
   if (!wish.profiles.empty()) {
     std::vector<Deformation> profiles;
@@ -127,7 +156,7 @@ fit::Validation compare(const ValidationWish& wish, const fit::Law& law) {
       profiles.push_back(fit::thinned(profile, fit::kMostPoints));
     }
     fit::compare_profiles(profiles, depths_of(wish, law, profiles.size()), tip_radius_of(wish, law),
-                          wish.fit_reach, validation);
+                          wish.fit_reach, validation, {wish.as_drawn, wish.surface_radius.value_or(0.0)});
   }
   if (wish.image) {
     const fit::ImageSettings settings{wish.pixel, law.direction, wish.fixed_camera};
@@ -165,6 +194,15 @@ void put(const std::vector<fit::RivalResult>& rivals, double cost_ns, py::dict& 
   result["against"] = others;
 }
 
+py::dict dictionary_of(const fit::ZeroedErrors& with) {
+  py::dict result;
+  result["first_contact"] = with.zeros.first_contact;
+  result["offset"] = with.zeros.force;
+  put(with.errors, result);
+  result["at_limit"] = with.at_limit;
+  return result;
+}
+
 py::dict dictionary_of(const fit::ForceSet& set) {
   const fit::ForceComparison& ours = set.ours;
   py::dict result;
@@ -173,6 +211,9 @@ py::dict dictionary_of(const fit::ForceSet& set) {
   result["within_jnd"] = ours.within_jnd;
   result["extrapolated_points"] = ours.beyond;
   result["rows"] = ours.rows;
+  result["zeros"] = set.zeros_fitted ? "fitted" : "given";
+  result["zeros_given"] = dictionary_of(set.given);
+  result["zeros_fitted"] = dictionary_of(set.fitted);
   result["time"] = array_of(ours.measured.time);
   result["displacement"] = array_of(ours.measured.displacement);
   result["measured"] = array_of(ours.measured.force);
@@ -188,6 +229,7 @@ py::dict dictionary_of(const fit::ProfileSet& set) {
   put(ours.errors, result);
   result["depth"] = ours.depth;
   result["tip_radius"] = ours.tip_radius;
+  result["as_drawn"] = ours.rule.as_drawn;
   result["distance"] = array_of(ours.measured.distance);
   result["measured"] = array_of(ours.measured.displacement);
   result["computed"] = array_of(ours.computed);
@@ -252,8 +294,9 @@ py::dict validate(const TissueWish& tissue, std::vector<fit::Specimen> forces,
                   std::vector<Deformation> profiles, std::optional<std::pair<fs::path, fs::path>> image,
                   double pixel, bool fixed_camera, const std::optional<std::string>& law,
                   const std::string& direction, double loop_period, double first_contact, double offset,
-                  PerProfile depth, PerProfile force, std::optional<double> tip_radius, bool fit_reach,
-                  const std::vector<std::string>& against) {
+                  const std::string& zeros, PerProfile depth, PerProfile force,
+                  std::optional<double> tip_radius, bool fit_reach, bool as_drawn,
+                  std::optional<double> surface_radius, const std::vector<std::string>& against) {
   if (!(loop_period > 0.0)) throw ParameterError("loop_period", loop_period, "> 0 (s)");
   fit::Law ours{tissue_of(tissue), direction_of(direction), loop_period};
   if (law) ours.tissue.law = model::parse_law(*law);
@@ -263,10 +306,13 @@ py::dict validate(const TissueWish& tissue, std::vector<fit::Specimen> forces,
                       pixel,
                       fixed_camera,
                       {first_contact, offset},
+                      zeros,
                       std::move(depth),
                       std::move(force),
                       tip_radius,
                       fit_reach,
+                      as_drawn,
+                      surface_radius,
                       {}};
   std::string names;
   for (const std::string& name : against) names += (names.empty() ? "" : ",") + name;
@@ -289,17 +335,19 @@ void bind_validate(py::module_& module) {
       py::arg("forces") = std::vector<fit::Specimen>{}, py::arg("profiles") = std::vector<Deformation>{},
       py::arg("image") = none, py::arg("pixel") = 0.0, py::arg("fixed_camera") = false, py::arg("law") = none,
       py::arg("direction") = "press", py::arg("loop_period") = 1e-3, py::arg("first_contact") = 0.0,
-      py::arg("offset") = 0.0, py::arg("depth") = none, py::arg("force") = none, py::arg("tip_radius") = none,
-      py::arg("fit_reach") = false, py::arg("against") = std::vector<std::string>{},
-      "How true a tissue (a Tissue, a built-in name or a tissue file) is, as `palpate validate` finds it "
-      "(docs/validation.md). forces: from read_specimens(); first_contact (m) and offset (N) are their "
-      "zeros. "
-      "profiles: from read_deformations(); depth (m) or force (N), one or one each, unless they say it "
-      "themselves; tip_radius (m), unless the tissue's source says it. image: two photographs, before and "
-      "after, with pixel (m). against: hertz, linear, exponential, mass-spring. Returns a dictionary, SI: "
-      "tissue, forces and profiles (each with rms, max, nrmse, measured and computed, and against), and "
-      "reach "
-      "and image when asked for. Raises InputError.");
+      py::arg("offset") = 0.0, py::arg("zeros") = "given", py::arg("depth") = none, py::arg("force") = none,
+      py::arg("tip_radius") = none, py::arg("fit_reach") = false, py::arg("as_drawn") = false,
+      py::arg("surface_radius") = none, py::arg("against") = std::vector<std::string>{},
+      "How true a tissue (a Tissue, a built-in name or a tissue file) is, as `palpate validate` "
+      "finds it (docs/validation.md). forces: from read_specimens(); first_contact (m) and offset "
+      "(N) are their zeros, or zeros='fitted' finds them. profiles: from read_deformations(); depth"
+      " (m) or force (N), one or one each, unless they say it themselves; tip_radius (m), unless "
+      "the tissue's source says it; as_drawn: the surface as the picture shows it, nowhere above "
+      "the ball, with surface_radius (m) of a surface that bulges at rest. image: two photographs, "
+      "before and after, with pixel (m). against: hertz, linear, exponential, mass-spring. Returns "
+      "a dictionary, SI: tissue, forces (each with zeros_given and zeros_fitted) and profiles, each"
+      " with rms, max, nrmse, measured and computed, and against; and reach and image when asked "
+      "for. Raises InputError.");
 }
 
 }  // namespace palpate::python

@@ -1,22 +1,18 @@
 """The examples run and draw."""
-import importlib.util
 import os
 import pathlib
 import re
 import subprocess
 import sys
-import tempfile
-import unittest
 
 import numpy as np
+import pytest
 
 import palpate
-from test_validate import profile_of, side_view, write_columns, write_gray_png
+from measurements import profile_of, side_view, write_columns, write_gray_png
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / 'examples' / 'python'
 DRAWING = ('law_curves', 'simulated_press', 'fit_specimens', 'compare_tissues', 'live_control', 'validate_tissue')
-
-
 ROOT = EXAMPLES.parents[1]
 
 
@@ -33,42 +29,39 @@ def measure(folder):
     write_gray_png(folder / 'after.png', side_view(4e-3, 8e-5, 3e-3))
 
 
-class Docs(unittest.TestCase):
-    @unittest.skipUnless(importlib.util.find_spec('pandas'), 'pandas (package python3-pandas) is not there')
-    def test_of_python_run_as_they_stand(self):
-        blocks = re.findall(r'^```python\n(.*?)^```', (ROOT / 'docs' / 'python.md').read_text(), re.MULTILINE | re.DOTALL)
-        self.assertGreater(len(blocks), 8)
-        with tempfile.TemporaryDirectory() as folder:
-            measure(pathlib.Path(folder))
-            (pathlib.Path(folder) / 'examples').symlink_to(ROOT / 'examples')
-            done = subprocess.run([sys.executable, '-B', '-c', '\n'.join(blocks)], cwd=folder, timeout=240,
-                                  capture_output=True, text=True, env={**os.environ, 'XDG_STATE_HOME': folder})
-            self.assertEqual((done.returncode, done.stderr), (0, ''))
-            self.assertIn('every bit the same', done.stdout)
-
-    def test_of_python_name_all_that_is_public_once(self):
-        page = (ROOT / 'docs' / 'python.md').read_text()
-        table = page[page.index('| what |'):page.index('[`examples/python`]')]
-        named = re.findall(r'`(\w+)`', table)
-        self.assertEqual(sorted(named), sorted(name for name in palpate.__all__ if not name.endswith('Error')))
+def run(folder, *words):
+    return subprocess.run([sys.executable, '-B', *map(str, words)], cwd=folder, timeout=240, capture_output=True,
+                          text=True, env={**os.environ, 'MPLCONFIGDIR': str(folder)})
 
 
-class Examples(unittest.TestCase):
-    def test_are_short(self):
-        for file in EXAMPLES.glob('*.py'):
-            self.assertLess(len(file.read_text().splitlines()), 150, file.name)
-
-    @unittest.skipUnless(importlib.util.find_spec('matplotlib'), 'matplotlib (package python3-matplotlib) is not there')
-    def test_draw(self):
-        for name in DRAWING:
-            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
-                done = subprocess.run([sys.executable, '-B', EXAMPLES / f'{name}.py', '--out', folder], timeout=240,
-                                      capture_output=True, text=True, env={**os.environ, 'MPLCONFIGDIR': folder})
-                self.assertEqual((done.returncode, done.stderr), (0, ''), done.stderr)
-                picture = (pathlib.Path(folder) / f'{name}.png').read_bytes()
-                self.assertEqual(picture[:8], b'\x89PNG\r\n\x1a\n')
-                self.assertGreater(len(picture), 20_000)
+def test_docs_of_python_run_as_they_stand(tmp_path):
+    pytest.importorskip('pandas', reason='pandas (package python3-pandas) is not there')
+    blocks = re.findall(r'^```python\n(.*?)^```', (ROOT / 'docs' / 'python.md').read_text(), re.MULTILINE | re.DOTALL)
+    assert len(blocks) > 8
+    measure(tmp_path)
+    (tmp_path / 'examples').symlink_to(ROOT / 'examples')
+    done = run(tmp_path, '-c', '\n'.join(blocks))
+    assert (done.returncode, done.stderr) == (0, '')
+    assert 'every bit the same' in done.stdout
 
 
-if __name__ == '__main__':
-    unittest.main()
+def test_docs_of_python_name_all_that_is_public_once():
+    page = (ROOT / 'docs' / 'python.md').read_text()
+    table = page[page.index('| what |'):page.index('[`examples/python`]')]
+    named = re.findall(r'`(\w+)`', table)
+    assert sorted(named) == sorted(name for name in palpate.__all__ if not name.endswith('Error'))
+
+
+def test_examples_are_short():
+    for file in EXAMPLES.glob('*.py'):
+        assert len(file.read_text().splitlines()) < 150, file.name
+
+
+@pytest.mark.parametrize('name', DRAWING)
+def test_example_draws(name, tmp_path):
+    pytest.importorskip('matplotlib', reason='matplotlib (package python3-matplotlib) is not there')
+    done = run(tmp_path, EXAMPLES / f'{name}.py', '--out', tmp_path)
+    assert (done.returncode, done.stderr) == (0, '')
+    picture = (tmp_path / f'{name}.png').read_bytes()
+    assert picture[:8] == b'\x89PNG\r\n\x1a\n'
+    assert len(picture) > 20_000

@@ -5,8 +5,8 @@ import inspect
 import pathlib
 import subprocess
 import sys
-import tempfile
-import unittest
+
+import pytest
 
 import palpate
 
@@ -29,50 +29,44 @@ BAD = ('palpate.tissue_preset(3)', 'palpate.tissue_preset("liver").k2', 'palpate
        'palpate.Simulation().state().tick')
 
 
-class Stubs(unittest.TestCase):
-    def test_name_everything_that_is_public(self):
-        self.assertTrue((FOLDER / 'py.typed').is_file())
-        tree = ast.parse((FOLDER / '__init__.pyi').read_text())
-        named = {node.name: node for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
-        self.assertEqual(sorted(named), sorted(palpate.__all__))
-        for name, node in named.items():
-            found = getattr(palpate, name)
-            if not inspect.isclass(found):
-                continue
-            members = {part.name for part in node.body if isinstance(part, ast.FunctionDef)}
-            for member in vars(found):
-                if not member.startswith('_'):
-                    self.assertIn(member, members, name)
-
-    @unittest.skipUnless(importlib.util.find_spec('mypy'), 'mypy (package mypy) is not there')
-    def test_let_mypy_see_what_is_right_and_wrong(self):
-        with tempfile.TemporaryDirectory() as folder:
-            file = pathlib.Path(folder) / 'use.py'
-            lines = GOOD.splitlines()
-            file.write_text('\n'.join(lines + list(BAD)) + '\n')
-            done = subprocess.run([sys.executable, '-m', 'mypy', '--cache-dir', folder, file], capture_output=True, text=True,
-                                  env={'MYPYPATH': str(FOLDER.parent), 'PATH': '/usr/bin'})
-            wrong = {int(line.split(':')[1]) for line in done.stdout.splitlines() if ' error: ' in line}
-            self.assertEqual(wrong, set(range(len(lines) + 1, len(lines) + 1 + len(BAD))), done.stdout)
+def test_stubs_name_everything_that_is_public():
+    assert (FOLDER / 'py.typed').is_file()
+    tree = ast.parse((FOLDER / '__init__.pyi').read_text())
+    named = {node.name: node for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    assert sorted(named) == sorted(palpate.__all__)
+    for name, node in named.items():
+        found = getattr(palpate, name)
+        if not inspect.isclass(found):
+            continue
+        members = {part.name for part in node.body if isinstance(part, ast.FunctionDef)}
+        for member in vars(found):
+            if not member.startswith('_'):
+                assert member in members, name
 
 
-class Tables(unittest.TestCase):
-    @unittest.skipUnless(importlib.util.find_spec('pandas'), 'pandas (package python3-pandas) is not there')
-    def test_have_the_rows_with_phase_and_fault_in_words(self):
-        with tempfile.TemporaryDirectory() as folder:
-            rows = palpate.simulate(duration_s=3.0, record=pathlib.Path(folder) / 'run.h5')
-            frame = palpate.to_pandas(rows)
-            self.assertEqual(list(frame.columns), list(rows.dtype.names))
-            self.assertTrue((frame['depth_m'].to_numpy() == rows['depth_m']).all())
-            self.assertEqual(list(frame['phase']), [('approach', 'press', 'pull')[phase] for phase in rows['phase']])
-            self.assertEqual(set(frame['fault']), {'none'})
-            self.assertTrue(frame.equals(palpate.read_recording(pathlib.Path(folder) / 'run.h5').to_pandas()))
-
-    @unittest.skipIf(importlib.util.find_spec('pandas'), 'pandas is there')
-    def test_need_pandas(self):
-        with self.assertRaises(ImportError):
-            palpate.to_pandas(palpate.simulate(duration_s=0.01))
+def test_stubs_let_mypy_see_what_is_right_and_wrong(tmp_path):
+    pytest.importorskip('mypy', reason='mypy (package mypy) is not there')
+    file = tmp_path / 'use.py'
+    lines = GOOD.splitlines()
+    file.write_text('\n'.join(lines + list(BAD)) + '\n')
+    done = subprocess.run([sys.executable, '-m', 'mypy', '--cache-dir', tmp_path, file], capture_output=True, text=True,
+                          env={'MYPYPATH': str(FOLDER.parent), 'PATH': '/usr/bin'})
+    wrong = {int(line.split(':')[1]) for line in done.stdout.splitlines() if ' error: ' in line}
+    assert wrong == set(range(len(lines) + 1, len(lines) + 1 + len(BAD))), done.stdout
 
 
-if __name__ == '__main__':
-    unittest.main()
+def test_tables_have_the_rows_with_phase_and_fault_in_words(tmp_path):
+    pytest.importorskip('pandas', reason='pandas (package python3-pandas) is not there')
+    rows = palpate.simulate(duration_s=3.0, record=tmp_path / 'run.h5')
+    frame = palpate.to_pandas(rows)
+    assert list(frame.columns) == list(rows.dtype.names)
+    assert (frame['depth_m'].to_numpy() == rows['depth_m']).all()
+    assert list(frame['phase']) == [('approach', 'press', 'pull')[phase] for phase in rows['phase']]
+    assert set(frame['fault']) == {'none'}
+    assert frame.equals(palpate.read_recording(tmp_path / 'run.h5').to_pandas())
+
+
+@pytest.mark.skipif(importlib.util.find_spec('pandas') is not None, reason='pandas is there')
+def test_tables_need_pandas():
+    with pytest.raises(ImportError):
+        palpate.to_pandas(palpate.simulate(duration_s=0.01))

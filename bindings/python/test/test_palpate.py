@@ -1,280 +1,343 @@
 """The Python package against the program: the same numbers, the same messages."""
-import json
-import os
 import pathlib
-import subprocess
-import tempfile
 import threading
 import time
-import unittest
 
 import numpy as np
+import pytest
+from numpy.lib.recfunctions import repack_fields
 
 import palpate
+from measurements import write_columns
 
-PROGRAM = os.environ['PALPATE_PROGRAM']
-
-
-def program(*words):
-    """What the program prints, and what it says on standard error."""
-    done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True)
-    return done.stdout, done.stderr
+EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / 'examples'
+GOLDEN = EXAMPLES.parent / 'tests' / 'golden_hashes.txt'
 
 
-class WithFolder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+@pytest.mark.parametrize('direction', ['press', 'pull'])
+@pytest.mark.parametrize('kind, name', [(palpate.LayeredSpringLaw, 'layered'), (palpate.SmoothSpringLaw, 'smooth')])
+def test_law_is_the_programs_both_ways(program, kind, name, direction):
+    law = kind(palpate.tissue_preset('liver'), direction, 1e-3)
+    asked = ('model', '--tissue', 'liver', '--law', name, '--direction', direction)
+    depths_mm = [0.0, 0.4, 3.0, 9.5, 14.0, 40.0]
+    said = program.json(*asked, '--depth-mm', ','.join(map(str, depths_mm)))
+    for one, answer in zip(law.deformation_at(np.array(depths_mm) * 1e-3), said['results'], strict=True):
+        assert one['force'] == answer['force_N']
+        assert one['depth'] / 1e-3 == answer['depth_mm']
+        assert one['stiffness'] == answer['tangent_stiffness_N_per_m']
+        assert one['cutoff_layer'] == answer['cutoff_layer']
+        assert one['saturated'] == answer['saturated']
+    forces = [0.0, 0.1, 0.7, 50.0]
+    said = program.json(*asked, '--force-N', ','.join(map(str, forces)))
+    for one, answer in zip(law.deformation_under(forces), said['results'], strict=True):
+        assert one['depth'] / 1e-3 == answer['depth_mm']
+        assert list(one['deformation'][:one['cutoff_layer']] / 1e-3) == answer['layer_deformation_mm']
 
 
-class Law(unittest.TestCase):
-    def test_is_the_programs_both_ways(self):
-        for kind, name in ((palpate.LayeredSpringLaw, 'layered'), (palpate.SmoothSpringLaw, 'smooth')):
-            for direction in ('press', 'pull'):
-                law = kind(palpate.tissue_preset('liver'), direction, 1e-3)
-                depths_mm = [0.0, 0.4, 3.0, 9.5, 14.0, 40.0]
-                said = json.loads(program('model', '--tissue', 'liver', '--law', name, '--direction', direction,
-                                          '--depth-mm', ','.join(map(str, depths_mm)), '--json')[0])
-                found = law.deformation_at(np.array(depths_mm) * 1e-3)
-                for one, answer in zip(found, said['results']):
-                    self.assertEqual(one['force'], answer['force_N'])
-                    self.assertEqual(one['depth'] / 1e-3, answer['depth_mm'])
-                    self.assertEqual(one['stiffness'], answer['tangent_stiffness_N_per_m'])
-                    self.assertEqual(one['cutoff_layer'], answer['cutoff_layer'])
-                    self.assertEqual(one['saturated'], answer['saturated'])
-                forces = [0.0, 0.1, 0.7, 50.0]
-                said = json.loads(program('model', '--tissue', 'liver', '--law', name, '--direction', direction,
-                                          '--force-N', ','.join(map(str, forces)), '--json')[0])
-                for one, answer in zip(law.deformation_under(forces), said['results']):
-                    self.assertEqual(one['depth'] / 1e-3, answer['depth_mm'])
-                    self.assertEqual(list(one['deformation'][:one['cutoff_layer']] / 1e-3),
-                                     answer['layer_deformation_mm'])
-
-    def test_keeps_the_shape_of_what_it_is_asked(self):
-        law = palpate.LayeredSpringLaw(palpate.tissue_preset('heart'), 'pull')
-        self.assertIsInstance(float(law.force_at(0.005)), float)
-        self.assertEqual(law.force_at(np.zeros((3, 4, 2))).shape, (3, 4, 2))
-        self.assertEqual(law.force_at([]).shape, (0,))
-        backwards = np.linspace(0.0, 0.01, 7)[::-2]  # neither in order nor without gaps
-        self.assertTrue((law.force_at(backwards) == [law.force_at(depth) for depth in backwards]).all())
-        np.testing.assert_allclose(law.depth_under(law.force_at(backwards)), backwards, rtol=1e-12, atol=1e-15)
-
-    def test_refuses_in_the_programs_words(self):
-        with self.assertRaisesRegex(palpate.InputError, 'direction = "push": must be press or pull'):
-            palpate.LayeredSpringLaw(palpate.tissue_preset('heart'), 'push')
-        tissue = palpate.tissue_preset('heart')
-        tissue.k1 = -1.0
-        with self.assertRaisesRegex(palpate.ParameterError, 'k1_N_per_m = -1: must be'):
-            palpate.LayeredSpringLaw(tissue)
-        with self.assertRaises(TypeError):
-            palpate.LayeredSpringLaw(palpate.tissue_preset('heart')).force_at('deep')
+@pytest.mark.parametrize('tissue', ['gallbladder', 'heart', 'liver', 'kidney'])
+def test_law_of_every_tissue_is_the_programs(program, tissue):
+    depths_mm = np.linspace(0.0, 12.0, 25)
+    said = program.json('model', '--tissue', tissue, '--depth-mm', ','.join(map(repr, depths_mm.tolist())),
+                        '--direction', 'press')
+    law = palpate.LayeredSpringLaw(palpate.tissue_preset(tissue), 'press', loop_period=1e-3)
+    assert law.force_at(depths_mm * 1e-3).tolist() == [answer['force_N'] for answer in said['results']]
+    assert law.stiffness_at(depths_mm * 1e-3).tolist() == [answer['tangent_stiffness_N_per_m']
+                                                           for answer in said['results']]
 
 
-class Tissue(WithFolder):
-    def test_goes_to_a_file_and_back(self):
-        tissue = palpate.tissue_preset('kidney')
-        tissue.law = 'smooth'
-        tissue.relaxation = [(0.3, 1.5)]
-        file = self.folder / 'kidney.toml'
-        file.write_text(tissue.to_toml())
-        back = palpate.load_tissue(str(file))
-        self.assertEqual((back.k1, back.beta, back.law, back.relaxation),
-                         (tissue.k1, tissue.beta, 'smooth', [(0.3, 1.5)]))
-
-    def test_refuses_in_the_programs_words(self):
-        _, said = program('model', '--tissue', 'hearth', '--depth-mm', '1')
-        with self.assertRaises(palpate.InputError) as refused:
-            palpate.load_tissue('hearth')
-        self.assertIn(str(refused.exception), said)
-        self.assertIsInstance(refused.exception, ValueError)
-        tissue = palpate.tissue_preset('heart')
-        with self.assertRaises(palpate.InputError):
-            tissue.law = 'quadratic'
-        with self.assertRaises(palpate.ParameterError):
-            tissue.relaxation = [(1.5, 1.0)]
-        tissue.q = float('nan')
-        with self.assertRaises(palpate.ParameterError):
-            tissue.validate()
+def test_law_keeps_the_shape_of_what_it_is_asked():
+    law = palpate.LayeredSpringLaw(palpate.tissue_preset('heart'), 'pull')
+    assert isinstance(float(law.force_at(0.005)), float)
+    assert law.force_at(np.zeros((3, 4, 2))).shape == (3, 4, 2)
+    assert law.force_at([]).shape == (0,)
+    backwards = np.linspace(0.0, 0.01, 7)[::-2]  # neither in order nor without gaps
+    assert (law.force_at(backwards) == [law.force_at(depth) for depth in backwards]).all()
+    np.testing.assert_allclose(law.depth_under(law.force_at(backwards)), backwards, rtol=1e-12, atol=1e-15)
 
 
-class Noise(unittest.TestCase):
-    def test_is_the_programs_line_by_line(self):
-        said, _ = program('noise', '--gain-N-m', '5e-5', '--threshold-mm', '5', '--distance-mm', '3', '--samples', '200',
-                          '--seed', '7')
-        noise = palpate.TouchNoise(gain=5e-5, threshold=5e-3, seed=7)
-        forces = noise.forces(200, distance=3e-3)
-        self.assertEqual(list(forces), [float(line) for line in said.split()])
-        self.assertTrue((noise.forces(50, distance=3e-3, first=100) == forces[100:150]).all())
-        self.assertAlmostEqual(float(noise.sigma(3e-3)), 5e-5 / 8e-3)
-
-    def test_refuses_a_bad_setting(self):
-        with self.assertRaisesRegex(palpate.ParameterError, 'threshold_mm'):
-            palpate.TouchNoise(threshold=0.0)
+def test_law_refuses_in_the_programs_words():
+    with pytest.raises(palpate.InputError, match='direction = "push": must be press or pull'):
+        palpate.LayeredSpringLaw(palpate.tissue_preset('heart'), 'push')
+    tissue = palpate.tissue_preset('heart')
+    tissue.k1 = -1.0
+    with pytest.raises(palpate.ParameterError, match='k1_N_per_m = -1: must be'):
+        palpate.LayeredSpringLaw(tissue)
+    with pytest.raises(TypeError):
+        palpate.LayeredSpringLaw(palpate.tissue_preset('heart')).force_at('deep')
 
 
-class Meshes(WithFolder):
-    def test_are_what_the_program_says_of_them(self):
-        file = self.folder / 'gallbladder.obj'
-        organ = palpate.make_organ('gallbladder')
-        with file.open('w') as out:
-            for vertex in organ.vertices * 1e3:
-                out.write('v {} {} {}\n'.format(*vertex))
-            for triangle in organ.triangles + 1:
-                out.write('f {} {} {}\n'.format(*triangle))
-        said = json.loads(program('inspect', file, '--unit', 'mm', '--json')[0])
-        mesh, findings = palpate.read_mesh(file, 'mm')
-        self.assertEqual(mesh.vertices.shape, (said['vertices'], 3))
-        self.assertEqual(mesh.triangles.shape, (said['triangles'], 3))
-        self.assertEqual((findings.closed, findings.manifold, findings.shells),
-                         (said['closed'], said['manifold'], said['shells']))
-        self.assertAlmostEqual(findings.volume * 1e9, said['volume_mm3'], places=6)
-        # The reader keeps the triangles in their order, not the vertices.
-        np.testing.assert_allclose(mesh.vertices[mesh.triangles], organ.vertices[organ.triangles], atol=1e-8)
-
-    def test_are_made_from_arrays(self):
-        box = palpate.make_organ('box')
-        again = palpate.Mesh(box.vertices, box.triangles)
-        self.assertTrue(again.findings().closed)
-        self.assertFalse(palpate.Mesh(box.vertices, box.triangles[1:]).findings().closed)
-        radius = np.linalg.norm(palpate.make_ball(0.01).vertices, axis=1)
-        np.testing.assert_allclose(radius, 0.01, rtol=1e-12)
-        self.assertEqual([name for name, _ in palpate.make_tool('curved-forceps')], ['left', 'right', 'shaft'])
-        self.assertIn('heart', palpate.organ_names())
-
-    def test_are_refused_in_words(self):
-        with self.assertRaisesRegex(palpate.InputError, 'must be an index of the 3 vertices'):
-            palpate.Mesh(np.eye(3), [[0, 1, 3]])
-        with self.assertRaisesRegex(palpate.InputError, 'n x 3 numbers'):
-            palpate.Mesh([1.0, 2.0], [[0, 1, 2]])
-        with self.assertRaisesRegex(palpate.InputError, 'n x 3 indices'):
-            palpate.Mesh(np.eye(3), [0, 1, 2])
-        with self.assertRaisesRegex(palpate.InputError, 'none.stl'):
-            palpate.read_mesh('none.stl', 'mm')
-        with self.assertRaises(palpate.InputError):
-            palpate.make_organ('liverr')
+def test_tissue_goes_to_a_file_and_back(tmp_path):
+    tissue = palpate.tissue_preset('kidney')
+    tissue.law = 'smooth'
+    tissue.relaxation = [(0.3, 1.5)]
+    file = tmp_path / 'kidney.toml'
+    file.write_text(tissue.to_toml())
+    back = palpate.load_tissue(str(file))
+    assert (back.k1, back.beta, back.law, back.relaxation) == (tissue.k1, tissue.beta, 'smooth', [(0.3, 1.5)])
 
 
-class Runs(WithFolder):
-    def same_rows(self, rows, csv):
-        """Every number of the program's own export, bit for bit (but for the two that are words there)."""
-        lines = pathlib.Path(csv).read_text().splitlines()
-        names = lines[0].split(',')
-        self.assertEqual(list(rows.dtype.names), names)
-        self.assertEqual(len(rows), len(lines) - 1)
-        words = {'phase', 'fault'}
-        for column, values in zip(names, zip(*(line.split(',') for line in lines[1:]))):
-            if column not in words:
-                self.assertTrue((rows[column] == np.array(values, dtype=rows.dtype[column])).all(), column)
-        phases = [line.split(',')[names.index('phase')] for line in lines[1:]]
-        self.assertEqual([('approach', 'press', 'pull')[phase] for phase in rows['phase']], phases)
-
-    def test_simulated_are_the_programs_bit_for_bit(self):
-        for task in ('press', 'pull'):
-            recording, csv = self.folder / f'{task}.h5', self.folder / f'{task}.csv'
-            program('run', '--offline', '--task', task, '--duration-s', '3', '--record', recording)
-            program('export', recording, '--csv', csv)
-            rows = palpate.simulate(task=task, duration_s=3.0)
-            self.assertEqual(len(rows), 3000)
-            self.assertGreater(rows['tissue_force_N'].max(), 0.0)
-            self.same_rows(rows, csv)
-
-    def test_recorded_here_are_read_and_verified_everywhere(self):
-        file, csv = self.folder / 'two.h5', self.folder / 'two.csv'
-        rows = palpate.simulate(scene_text='[scene]\nname = "from a text"\nrate_Hz = 2000\nseed = 5\n[organ]\n'
-                                'mesh = "box"\n[tool]\nmesh = "sphere:5"\n', duration_s=1.0, record=file)
-        recording = palpate.read_recording(file)
-        self.assertEqual(recording.rows.tobytes(), rows.tobytes())
-        self.assertEqual((recording.name, recording.rate_Hz, recording.seed, recording.offline, recording.complete),
-                         ('from a text', 2000.0, 5, True, True))
-        self.assertEqual(recording.version, palpate.__version__)
-        self.assertEqual(recording.replay_difference(), '')
-        self.assertTrue(recording.organ.findings().closed)
-        program('export', file, '--csv', csv)
-        self.same_rows(recording.rows, csv)
-        kept = palpate.read_recording(file).rows  # the rows outlive the recording they came from
-        self.assertEqual(kept.tobytes(), rows.tobytes())
-
-    def test_are_refused_in_the_programs_words(self):
-        scene = self.folder / 'bad.toml'
-        scene.write_text('[organ]\nmesh = "gallbladder"\n[tool]\nmash = "sphere:3"\n')
-        _, said = program('run', '--offline', scene)
-        with self.assertRaises(palpate.InputError) as refused:
-            palpate.simulate(scene)
-        self.assertIn(str(refused.exception), said)
-        for arguments, words in (({'device': 'haply'}, 'offline'), ({'duration_s': -1.0}, 'duration_s = -1'),
-                                 ({'duration_s': 1e300}, 'duration_s'), ({'rate_Hz': 1.0}, 'rate'),
-                                 ({'scene': 'a.toml', 'scene_text': ''}, 'at most one')):
-            with self.assertRaisesRegex(palpate.InputError, words):
-                palpate.simulate(**arguments)
-        with self.assertRaisesRegex(palpate.InputError, 'none.h5'):
-            palpate.read_recording('none.h5')
-
-    def test_leave_other_threads_running(self):
-        done = threading.Event()
-        counted = 0
-        worker = threading.Thread(target=lambda: (palpate.simulate(duration_s=4.0, cache=False), done.set()))
-        worker.start()
-        while not done.is_set():
-            counted += 1
-            time.sleep(1e-3)
-        worker.join()
-        self.assertGreater(counted, 3, 'a run takes a tenth of a second and more; this thread went on meanwhile')
+def test_tissue_refuses_in_the_programs_words(program):
+    said = program.refusal('model', '--tissue', 'hearth', '--depth-mm', '1')
+    with pytest.raises(palpate.InputError) as refused:
+        palpate.load_tissue('hearth')
+    assert str(refused.value) in said
+    assert isinstance(refused.value, ValueError)
+    tissue = palpate.tissue_preset('heart')
+    with pytest.raises(palpate.InputError):
+        tissue.law = 'quadratic'
+    with pytest.raises(palpate.ParameterError):
+        tissue.relaxation = [(1.5, 1.0)]
+    tissue.q = float('nan')
+    with pytest.raises(palpate.ParameterError):
+        tissue.validate()
 
 
-class Fit(WithFolder):
-    def test_is_the_programs(self):
-        law = palpate.LayeredSpringLaw(palpate.tissue_preset('liver'), 'press')
+def test_noise_is_the_programs_line_by_line(program):
+    asked = ('noise', '--gain-N-m', '5e-5', '--threshold-mm', '5', '--samples', '200', '--seed', '7')
+    noise = palpate.TouchNoise(gain=5e-5, threshold=5e-3, seed=7)
+    forces = noise.forces(200, distance=3e-3)
+    assert forces.tolist() == [float(line) for line in program(*asked, '--distance-mm', '3').split()]
+    assert noise.forces(200, distance=0.0).tolist() == [float(line) for line in program(*asked, '--contact').split()]
+    assert (noise.forces(50, distance=3e-3, first=100) == forces[100:150]).all()
+    assert float(noise.sigma(3e-3)) == pytest.approx(5e-5 / 8e-3, rel=1e-12)
+
+
+def test_noise_gain_from_a_threshold_is_that_of_a_scene(program, tmp_path):
+    scene = tmp_path / 'felt.toml'
+    pressed = '[organ]\nmesh = "box"\n[tool]\nmesh = "sphere:5"\n'
+    scene.write_text(pressed + '[noise]\nuser_threshold_N = 0.02\nshare_of_threshold = 0.6\nthreshold_mm = 5\n')
+    gain = palpate.gain_from_threshold(0.02, 0.6, 5e-3)
+    by_gain = tmp_path / 'gain.toml'
+    by_gain.write_text(f'{pressed}[noise]\ngain_N_m = {gain!r}\nthreshold_mm = 5\n')
+    rows = palpate.simulate(scene, duration_s=1.0)
+    assert rows['noise_force_N'].any()
+    assert rows.tobytes() == palpate.simulate(by_gain, duration_s=1.0).tobytes()
+    recording, csv = tmp_path / 'felt.h5', tmp_path / 'felt.csv'
+    program('run', scene, '--offline', '--duration-s', '1', '--record', recording)
+    program('export', recording, '--csv', csv)
+    assert_rows_of(rows, csv)
+
+
+def test_noise_refuses_a_bad_setting():
+    with pytest.raises(palpate.ParameterError, match='threshold_mm'):
+        palpate.TouchNoise(threshold=0.0)
+
+
+def assert_findings(mesh, findings, said):
+    assert mesh.vertices.shape == (said['vertices'], 3)
+    assert mesh.triangles.shape == (said['triangles'], 3)
+    for name in ('closed', 'manifold', 'shells', 'repairs', 'defects', 'remarks'):
+        assert getattr(findings, name) == said[name], name
+    assert findings.volume * 1e9 == pytest.approx(said['volume_mm3'], rel=1e-12)
+    box = np.array([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
+    np.testing.assert_allclose(box / 1e-3, said['bbox_mm'], rtol=1e-12)
+
+
+@pytest.mark.parametrize('name', [name for name in palpate.organ_names() if not name.endswith('k')])
+def test_organs_are_what_the_program_says_of_them(program, name):
+    organ = palpate.make_organ(name)
+    assert_findings(organ, organ.findings(), program.json('inspect', name))
+
+
+def test_meshes_are_what_the_program_says_of_them(program, tmp_path):
+    file = tmp_path / 'gallbladder.obj'
+    organ = palpate.make_organ('gallbladder')
+    with file.open('w') as out:
+        for vertex in organ.vertices * 1e3:
+            out.write('v {} {} {}\n'.format(*vertex))
+        for triangle in organ.triangles + 1:
+            out.write('f {} {} {}\n'.format(*triangle))
+    mesh, findings = palpate.read_mesh(file, 'mm')
+    assert_findings(mesh, findings, program.json('inspect', file, '--unit', 'mm'))
+    # The reader keeps the triangles in their order, not the vertices.
+    np.testing.assert_allclose(mesh.vertices[mesh.triangles], organ.vertices[organ.triangles], atol=1e-8)
+
+
+def test_meshes_are_made_from_arrays():
+    box = palpate.make_organ('box')
+    again = palpate.Mesh(box.vertices, box.triangles)
+    assert again.findings().closed
+    assert not palpate.Mesh(box.vertices, box.triangles[1:]).findings().closed
+    radius = np.linalg.norm(palpate.make_ball(0.01).vertices, axis=1)
+    np.testing.assert_allclose(radius, 0.01, rtol=1e-12)
+    assert [name for name, _ in palpate.make_tool('curved-forceps')] == ['left', 'right', 'shaft']
+    assert 'heart' in palpate.organ_names()
+
+
+def test_meshes_are_refused_in_words():
+    with pytest.raises(palpate.InputError, match='must be an index of the 3 vertices'):
+        palpate.Mesh(np.eye(3), [[0, 1, 3]])
+    with pytest.raises(palpate.InputError, match='n x 3 numbers'):
+        palpate.Mesh([1.0, 2.0], [[0, 1, 2]])
+    with pytest.raises(palpate.InputError, match='n x 3 indices'):
+        palpate.Mesh(np.eye(3), [0, 1, 2])
+    with pytest.raises(palpate.InputError, match='none.stl'):
+        palpate.read_mesh('none.stl', 'mm')
+    with pytest.raises(palpate.InputError):
+        palpate.make_organ('liverr')
+
+
+def assert_rows_of(rows, csv):
+    """Every number of the program's own export, bit for bit (but for the two that are words there)."""
+    lines = pathlib.Path(csv).read_text().splitlines()
+    names = lines[0].split(',')
+    assert list(rows.dtype.names) == names
+    assert len(rows) == len(lines) - 1
+    words = {'phase', 'fault'}
+    for column, values in zip(names, zip(*(line.split(',') for line in lines[1:]))):
+        if column not in words:
+            assert (rows[column] == np.array(values, dtype=rows.dtype[column])).all(), column
+    phases = [line.split(',')[names.index('phase')] for line in lines[1:]]
+    assert [('approach', 'press', 'pull')[phase] for phase in rows['phase']] == phases
+
+
+@pytest.mark.parametrize('task', ['press', 'pull'])
+def test_runs_simulated_are_the_programs_bit_for_bit(program, tmp_path, task):
+    recording, csv = tmp_path / 'run.h5', tmp_path / 'run.csv'
+    program('run', '--offline', '--task', task, '--duration-s', '3', '--record', recording)
+    program('export', recording, '--csv', csv)
+    rows = palpate.simulate(task=task, duration_s=3.0)
+    assert len(rows) == 3000
+    assert rows['tissue_force_N'].max() > 0.0
+    assert_rows_of(rows, csv)
+
+
+def hash_of(rows):
+    """FNV-1a of the rows' bits without the measured times, as tests/golden_hash.cc has it."""
+    kept = [name for name in rows.dtype.names if name not in ('tick_ns', 'late_ns')]
+    found = 14695981039346656037
+    for byte in repack_fields(rows[kept]).tobytes():
+        found = (found ^ byte) * 1099511628211 & 0xffffffffffffffff
+    return f'{found:016x}'
+
+
+@pytest.mark.parametrize('name, task', [('gallbladder-press', 'press'), ('heart-pull', 'pull')])
+def test_runs_have_the_committed_golden_hashes(name, task):
+    golden = {line.split()[0]: line.split()[1:] for line in GOLDEN.read_text().splitlines() if not line.startswith('#')}
+    rows = palpate.simulate(task=task, duration_s=4.0)
+    assert [str(len(rows)), hash_of(rows)] == golden[name]
+
+
+@pytest.mark.parametrize('scene', ['bimanual.toml', 'beating-heart.toml'])
+def test_runs_of_a_scene_are_the_programs_bit_for_bit(program, tmp_path, scene):
+    recording, csv = tmp_path / 'run.h5', tmp_path / 'run.csv'
+    program('run', EXAMPLES / scene, '--offline', '--duration-s', '2', '--record', recording)
+    program('export', recording, '--csv', csv)
+    assert_rows_of(palpate.simulate(EXAMPLES / scene, duration_s=2.0), csv)
+    program('replay', recording, '--verify')
+    assert palpate.read_recording(recording).replay_difference() == ''
+
+
+def test_runs_recorded_here_are_read_and_verified_everywhere(program, tmp_path):
+    file, csv = tmp_path / 'two.h5', tmp_path / 'two.csv'
+    rows = palpate.simulate(scene_text='[scene]\nname = "from a text"\nrate_Hz = 2000\nseed = 5\n[organ]\n'
+                            'mesh = "box"\n[tool]\nmesh = "sphere:5"\n', duration_s=1.0, record=file)
+    recording = palpate.read_recording(file)
+    assert recording.rows.tobytes() == rows.tobytes()
+    assert (recording.name, recording.rate_Hz, recording.seed) == ('from a text', 2000.0, 5)
+    assert (recording.offline, recording.complete) == (True, True)
+    assert recording.version == palpate.__version__
+    assert recording.replay_difference() == ''
+    assert recording.organ.findings().closed
+    program('replay', file, '--verify')
+    program('export', file, '--csv', csv)
+    assert_rows_of(recording.rows, csv)
+    kept = palpate.read_recording(file).rows  # the rows outlive the recording they came from
+    assert kept.tobytes() == rows.tobytes()
+
+
+def test_runs_are_refused_in_the_programs_words(program, tmp_path):
+    scene = tmp_path / 'bad.toml'
+    scene.write_text('[organ]\nmesh = "gallbladder"\n[tool]\nmash = "sphere:3"\n')
+    said = program.refusal('run', '--offline', scene)
+    with pytest.raises(palpate.InputError) as refused:
+        palpate.simulate(scene)
+    assert str(refused.value) in said
+    for arguments, words in (({'device': 'haply'}, 'offline'), ({'duration_s': -1.0}, 'duration_s = -1'),
+                             ({'duration_s': 1e300}, 'duration_s'), ({'rate_Hz': 1.0}, 'rate'),
+                             ({'scene': 'a.toml', 'scene_text': ''}, 'at most one')):
+        with pytest.raises(palpate.InputError, match=words):
+            palpate.simulate(**arguments)
+    with pytest.raises(palpate.InputError, match='none.h5'):
+        palpate.read_recording('none.h5')
+
+
+def test_runs_leave_other_threads_running():
+    done = threading.Event()
+    counted = 0
+    worker = threading.Thread(target=lambda: (palpate.simulate(duration_s=4.0, cache=False), done.set()))
+    worker.start()
+    while not done.is_set():
+        counted += 1
+        time.sleep(1e-3)
+    worker.join()
+    assert counted > 3, 'a run takes a tenth of a second and more; this thread went on meanwhile'
+
+
+LAW_PARAMETERS = ('k1_N_per_m', 'beta', 'q', 'limit_mm')
+
+
+def assert_fit_is(ours, said, intervals):
+    for name in LAW_PARAMETERS:
+        value, low, high = ours['parameters'][name]
+        assert value == said['parameters'][name], name
+        assert [low, high] == intervals[name], name
+    for name in ('rms_N', 'nrmse', 'points', 'warnings'):
+        assert ours[name] == said[name], name
+
+
+@pytest.mark.parametrize('law', ['layered', 'smooth'])
+def test_fit_is_the_programs(program, tmp_path, law):
+    true = palpate.tissue_preset('liver')
+    kind = palpate.LayeredSpringLaw if law == 'layered' else palpate.SmoothSpringLaw
+    files = []
+    for n, stiffer in enumerate((1.0, 1.1)):
         depth = np.linspace(0.0, 12e-3, 60)
-        wobble = 2e-3 * np.sin(37.0 * np.arange(60.0))
-        force = law.force_at(depth) + wobble
-        file = self.folder / 'liver.csv'
-        file.write_text('displacement_mm,force_N\n' +
-                        ''.join(f'{d * 1e3!r},{f!r}\n' for d, f in zip(depth.tolist(), force.tolist())))
-        said = json.loads(program('fit', file, '--direction', 'press', '--json')[0])
-        found = palpate.fit(palpate.read_specimens(file), direction='press')
-        ours, theirs = found['specimens'][0], said['specimens'][0]
-        self.assertEqual(ours['name'], theirs['name'])
-        self.assertEqual(ours['nrmse'], theirs['nrmse'])
-        for name in ('k1_N_per_m', 'beta', 'q', 'limit_mm'):
-            self.assertEqual(ours['parameters'][name][0], theirs['parameters'][name])
-        self.assertAlmostEqual(found['pooled']['tissue'].k1, ours['parameters']['k1_N_per_m'][0])
-        self.assertEqual(len(ours['fitted']), len(ours['measured']))
-        written = self.folder / 'liver.toml'
-        written.write_text(found['pooled']['tissue'].to_toml())
-        self.assertEqual(palpate.load_tissue(str(written)).name, 'fitted')
-
-    def test_refuses_what_cannot_be_fitted(self):
-        with self.assertRaisesRegex(palpate.InputError, 'at least 10'):
-            palpate.Specimen('few', [0.0, 1e-3], [0.0, 0.1])
-        ramp = np.linspace(0.0, 1e-2, 20)
-        with self.assertRaisesRegex(palpate.InputError, 'same length'):
-            palpate.Specimen('uneven', ramp[1:], ramp)
-        with self.assertRaisesRegex(palpate.InputError, 'one row'):
-            palpate.Specimen('square', ramp.reshape(4, 5), ramp)
-        specimen = palpate.Specimen('ramp', ramp, 10.0 * ramp)
-        with self.assertRaisesRegex(palpate.InputError, 'at least one'):
-            palpate.fit([])
-        for arguments, words in (({'loop_period': 0.0}, 'loop_period'), ({'t1': -1.0}, 't1'),
-                                 ({'bootstrap': -1}, 'bootstrap'), ({'law': 'cubic'}, 'cubic')):
-            with self.assertRaisesRegex(palpate.InputError, words):
-                palpate.fit([specimen], **arguments)
+        force = stiffer * kind(true, 'press').force_at(depth) + 2e-3 * np.sin((37.0 + n) * np.arange(60.0))
+        files.append(tmp_path / f'liver-{n}.csv')
+        write_columns(files[-1], ('displacement_mm', 'force_N'), 1e3 * depth, force)
+    toml = tmp_path / 'fitted.toml'
+    said = program.json('fit', *files, '--direction', 'press', '--law', law, '--out', toml)
+    found = palpate.fit([one for file in files for one in palpate.read_specimens(file)], direction='press', law=law)
+    for ours, theirs in zip(found['specimens'], said['specimens'], strict=True):
+        assert (ours['name'], ours['layers'], ours['layers_reached']) == (
+            theirs['name'], theirs['layers'], theirs['layers_reached'])
+        assert ours['leave_out_nrmse'] == theirs['leave_out_nrmse']
+        assert_fit_is(ours, theirs, theirs['interval_95'])
+        assert len(ours['fitted']) == len(ours['measured'])
+    assert_fit_is(found['pooled'], said['pooled'], said['pooled']['interval_95'])
+    assert found['pooled']['tissue'].name == 'fitted'
+    assert found['pooled']['tissue'].to_toml() == toml.read_text()
 
 
-class Docstrings(unittest.TestCase):
-    def test_are_the_cpp_comments(self):
-        self.assertIn('Node transforms are applied', palpate.read_mesh.__doc__)
-        self.assertIn('stiffness of the first layer', palpate.Tissue.k1.__doc__)
+def test_fit_refuses_what_cannot_be_fitted():
+    with pytest.raises(palpate.InputError, match='at least 10'):
+        palpate.Specimen('few', [0.0, 1e-3], [0.0, 0.1])
+    ramp = np.linspace(0.0, 1e-2, 20)
+    with pytest.raises(palpate.InputError, match='same length'):
+        palpate.Specimen('uneven', ramp[1:], ramp)
+    with pytest.raises(palpate.InputError, match='one row'):
+        palpate.Specimen('square', ramp.reshape(4, 5), ramp)
+    specimen = palpate.Specimen('ramp', ramp, 10.0 * ramp)
+    with pytest.raises(palpate.InputError, match='at least one'):
+        palpate.fit([])
+    for arguments, words in (({'loop_period': 0.0}, 'loop_period'), ({'t1': -1.0}, 't1'),
+                             ({'bootstrap': -1}, 'bootstrap'), ({'law': 'cubic'}, 'cubic')):
+        with pytest.raises(palpate.InputError, match=words):
+            palpate.fit([specimen], **arguments)
 
-    def test_are_there_for_every_class_and_function(self):
-        for name in palpate.__all__:
-            self.assertGreater(len((getattr(palpate, name).__doc__ or '').strip()), 20, name)
 
-    def test_hold_no_mark_for_cpp_callers(self):
-        for name in palpate.__all__:
-            for mark in ('[setup]', '[rt]', '[any]', '@'):
-                self.assertNotIn(mark, getattr(palpate, name).__doc__, name)
+def test_docstrings_are_the_cpp_comments():
+    assert 'Node transforms are applied' in palpate.read_mesh.__doc__
+    assert 'stiffness of the first layer' in palpate.Tissue.k1.__doc__
 
 
-if __name__ == '__main__':
-    unittest.main()
+def test_docstrings_are_there_for_every_class_and_function():
+    for name in palpate.__all__:
+        assert len((getattr(palpate, name).__doc__ or '').strip()) > 20, name
+
+
+def test_docstrings_hold_no_mark_for_cpp_callers():
+    for name in palpate.__all__:
+        for mark in ('[setup]', '[rt]', '[any]', '@'):
+            assert mark not in getattr(palpate, name).__doc__, name

@@ -1,154 +1,146 @@
 """palpate.validate() against `palpate validate`."""
-import json
-import os
-import pathlib
-import struct
-import subprocess
-import tempfile
-import unittest
-import zlib
-
 import numpy as np
+import pytest
 
 import palpate
+from measurements import profile_of, side_view, write_columns, write_gray_png
 
-PROGRAM = os.environ['PALPATE_PROGRAM']
-
-
-def said_by(*words):
-    done = subprocess.run([PROGRAM, 'validate', *map(str, words), '--json'], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise AssertionError(done.stderr)
-    return json.loads(done.stdout)
+REACH = ('contact_ratio', 'first_bar_ratio', 'bar_ratio', 'weight_ratio')
 
 
-def write_columns(file, names, *columns):
-    rows = '\n'.join(','.join(repr(float(value)) for value in row) for row in zip(*columns))
-    file.write_text(','.join(names) + '\n' + rows + '\n')
+def test_validate_finds_of_forces_what_the_program_finds(program, tmp_path):
+    law = palpate.SmoothSpringLaw(palpate.tissue_preset('liver'), 'press')
+    depth = np.linspace(0.0, 9e-3, 40)
+    force = 1.05 * law.force_at(depth) + 1e-3 * np.cos(31.0 * np.arange(40.0))
+    file = tmp_path / 'liver.csv'
+    write_columns(file, ('displacement_mm', 'force_N'), 1e3 * depth, force)
+    said = program.json('validate', file, '--tissue', 'liver', '--law', 'smooth', '--against', 'hertz,exponential',
+                        '--first-contact-mm', '0.1', '--offset-N', '0.002')['sets'][0]
+    found = palpate.validate('liver', forces=palpate.read_specimens(file), law='smooth',
+                             against=['hertz', 'exponential'], first_contact=1e-4, offset=0.002)['forces'][0]
+    for name in ('name', 'rms', 'max', 'nrmse', 'within_jnd', 'extrapolated_points', 'rows'):
+        assert found[name] == said[name], name
+    for ours, theirs in zip(found['against'], said['against']):
+        for name in ('name', 'parameters', 'rms', 'max', 'nrmse'):
+            assert ours[name] == theirs[name], name
+        assert ours['evaluation_ns'] > 0.0
+    error = found['computed'] - found['measured']
+    assert found['rms'] == pytest.approx(np.sqrt(np.mean(error ** 2)), abs=5e-13)
 
 
-def profile_of(reach, depth, radius, distance):
-    """u(r) of docs/model.md, section 3, written once more."""
-    contact, first, ratio, weight = reach
-    r1 = min(contact * np.sqrt(radius * depth), radius)
-    weights = weight ** np.arange(6)
-    radii = r1 * (1.0 + first * (ratio ** np.arange(6) - 1.0) / (ratio - 1.0))
-    bars = np.maximum(0.0, 1.0 - (distance[:, None] / radii) ** 2)
-    return depth * (bars @ (weights / weights.sum()))
+def assert_zeros_are(ours, theirs):
+    assert ours['first_contact'] / 1e-3 == theirs['first_contact_mm']
+    assert ours['offset'] == theirs['offset_N']
+    for name in ('rms', 'max', 'nrmse'):
+        assert ours[name] == theirs[name], name
 
 
-def write_gray_png(file, picture):
-    """8-bit grey, from an array of 0 .. 1."""
-    lines = b''.join(b'\0' + line.tobytes() for line in (255.0 * picture).round().astype(np.uint8))
+@pytest.mark.parametrize('zeros', ['given', 'fitted'])
+def test_validate_takes_the_zeros_that_the_program_takes(program, tmp_path, zeros):
+    depth = np.linspace(0.0, 12e-3, 40)
+    # It touches 0.3 mm late, and the sensor shows 0.02 N without load.
+    force = 0.02 + palpate.LayeredSpringLaw(palpate.tissue_preset('liver')).force_at(np.maximum(0.0, depth - 3e-4))
+    file = tmp_path / 'late.csv'
+    write_columns(file, ('displacement_mm', 'force_N'), 1e3 * depth, force)
+    said = program.json('validate', file, '--tissue', 'liver', '--zeros', zeros)['sets'][0]
+    found = palpate.validate('liver', forces=palpate.read_specimens(file), zeros=zeros)['forces'][0]
+    for name in ('zeros', 'rms', 'max', 'nrmse', 'within_jnd'):
+        assert found[name] == said[name], name
+    assert_zeros_are(found['zeros_given'], said['zeros_given'])
+    assert_zeros_are(found['zeros_fitted'], said['zeros_fitted'])
+    assert found['zeros_fitted']['at_limit'] == said['zeros_fitted']['at_limit']
+    assert found['zeros_fitted']['rms'] < 0.1 * found['zeros_given']['rms']
+    assert found['rms'] == found[f'zeros_{zeros}']['rms']
 
-    def chunk(kind, body):
-        return struct.pack('>I', len(body)) + kind + body + struct.pack('>I', zlib.crc32(kind + body))
-    height, width = picture.shape
-    head = struct.pack('>IIBBBBB', width, height, 8, 0, 0, 0, 0)
-    file.write_bytes(b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', head) + chunk(b'IDAT', zlib.compress(lines)) +
-                     chunk(b'IEND', b''))
 
-
-def side_view(depth, pixel, radius):
-    """Light above, tissue below, a dark ball on a shaft in the dent of that depth [m]."""
-    rows, columns = np.mgrid[0:460, 0:900].astype(float)
+def test_validate_draws_the_surface_as_the_program_does(program, tmp_path):
+    # Of a tissue that gives way so near to the ball that the law alone would have it above the ball's side.
     tissue = palpate.tissue_preset('liver')
-    r = np.abs(np.arange(900) - 450.0) * pixel
-    line = 200.0 + (profile_of(tissue.reach, depth, radius, r) / pixel if depth else 0.0)
-    picture = 0.75 - 0.35 / (1.0 + np.exp(-(rows - line) / 0.5))
-    ball = radius / pixel
-    centre = 200.0 + depth / pixel - ball if depth else 40.0
-    inside = np.hypot(columns - 450.0, rows - centre) < ball
-    shaft = (np.abs(columns - 450.0) < 0.4 * ball) & (rows < centre)
-    picture[inside | shaft] = 0.15
-    texture = np.random.default_rng(3).normal(0.0, 0.01, picture.shape)
-    return np.clip(picture + texture, 0.0, 1.0)
+    tissue.reach = (0.4, 0.3, 1.3, 0.5)
+    toml, file = tmp_path / 'narrow.toml', tmp_path / 'side.csv'
+    toml.write_text(tissue.to_toml())
+    r = np.linspace(0.0, 30e-3, 60)
+    write_columns(file, ('r_mm', 'u_mm'), 1e3 * r, 1e3 * profile_of((1.0, 0.5, 1.7, 0.6), 4e-3, 5e-3, r))
+    asked = ('validate', '--profile', file, '--tissue', toml, '--depth-mm', '4', '--tip-radius-mm', '5')
+    profiles = palpate.read_deformations(file)
+    found = []
+    for flags, arguments in (((), {}), (('--as-drawn',), {'as_drawn': True}),
+                             (('--as-drawn', '--surface-radius-mm', '20'), {'as_drawn': True, 'surface_radius': 0.02})):
+        said = program.json(*asked, *flags)['sets'][0]
+        ours = palpate.validate(tissue, profiles=profiles, depth=4e-3, tip_radius=5e-3, **arguments)['profiles'][0]
+        assert (ours['as_drawn'], ours['nrmse']) == (said['as_drawn'], said['nrmse'])
+        found.append(ours['nrmse'])
+    assert len(set(found)) == 3
 
 
-class Validate(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
-    def test_finds_of_forces_what_the_program_finds(self):
-        law = palpate.SmoothSpringLaw(palpate.tissue_preset('liver'), 'press')
-        depth = np.linspace(0.0, 9e-3, 40)
-        force = 1.05 * law.force_at(depth) + 1e-3 * np.cos(31.0 * np.arange(40.0))
-        file = self.folder / 'liver.csv'
-        write_columns(file, ('displacement_mm', 'force_N'), 1e3 * depth, force)
-        said = said_by(file, '--tissue', 'liver', '--law', 'smooth', '--against', 'hertz,exponential',
-                       '--first-contact-mm', '0.1', '--offset-N', '0.002')['sets'][0]
-        found = palpate.validate('liver', forces=palpate.read_specimens(file), law='smooth',
-                                 against=['hertz', 'exponential'], first_contact=1e-4, offset=0.002)['forces'][0]
-        for name in ('name', 'rms', 'max', 'nrmse', 'within_jnd', 'extrapolated_points', 'rows'):
-            self.assertEqual(found[name], said[name], name)
-        for ours, theirs in zip(found['against'], said['against']):
-            for name in ('name', 'parameters', 'rms', 'max', 'nrmse'):
-                self.assertEqual(ours[name], theirs[name], name)
-            self.assertGreater(ours['evaluation_ns'], 0.0)
-        error = found['computed'] - found['measured']
-        self.assertAlmostEqual(found['rms'], np.sqrt(np.mean(error ** 2)), places=12)
-
-    def test_finds_of_profiles_what_the_program_finds(self):
-        true = (1.0, 0.5, 1.7, 0.6)
-        distance = np.linspace(0.0, 30e-3, 60)
-        u = profile_of(true, 4e-3, 5e-3, distance)
-        file = self.folder / 'side.csv'
-        write_columns(file, ('r_mm', 'u_mm'), 1e3 * distance, 1e3 * u)
-        said = said_by('--profile', file, '--tissue', 'liver', '--depth-mm', '4', '--tip-radius-mm', '5', '--fit-reach')
-        found = palpate.validate('liver', profiles=palpate.read_deformations(file), depth=4e-3, tip_radius=5e-3,
-                                 fit_reach=True)
-        for name in ('contact_ratio', 'first_bar_ratio', 'bar_ratio', 'weight_ratio'):
-            self.assertEqual(found['reach'][name], said['reach'][name])
-        self.assertEqual(found['profiles'][0]['nrmse'], said['sets'][0]['nrmse'])
-        self.assertLess(found['profiles'][0]['nrmse'], 1e-3)
-        self.assertEqual(found['tissue'].reach, tuple(found['reach'][name] for name in (
-            'contact_ratio', 'first_bar_ratio', 'bar_ratio', 'weight_ratio')))
-        by_load = palpate.LayeredSpringLaw(palpate.tissue_preset('liver')).force_at(4e-3)
-        deformation = palpate.Deformation('side', distance, u)
-        again = palpate.validate('liver', profiles=[deformation], force=float(by_load), tip_radius=5e-3)
-        self.assertAlmostEqual(again['profiles'][0]['depth'], 4e-3, places=9)
-
-    def test_finds_in_photographs_what_the_program_finds(self):
-        before, after = self.folder / 'before.png', self.folder / 'after.png'
-        write_gray_png(before, side_view(0.0, 1e-4, 3e-3))
-        write_gray_png(after, side_view(5e-3, 1e-4, 3e-3))
-        said = said_by('--image', before, after, '--scale-mm-per-px', '0.1', '--tissue', 'liver', '--tip-radius-mm', '3',
-                       '--depth-mm', '5')
-        found = palpate.validate('liver', image=(before, after), pixel=1e-4, tip_radius=3e-3, depth=5e-3)
-        self.assertEqual(found['profiles'][0]['rms'] / 1e-3, said['sets'][0]['rms'])
-        image = found['image']
-        self.assertEqual((image['confidence'], image['tip_hidden'], image['within_uncertainty']),
-                         (said['image']['confidence'], said['image']['tip_hidden'], said['image']['within_uncertainty']))
-        self.assertEqual(list(image['u'] / 1e-3), [point['u_mm'] for point in said['image']['points']])
-        self.assertLess(found['profiles'][0]['nrmse'], 0.05)
-
-    def test_is_refused_in_words(self):
-        ramp = np.linspace(0.0, 1e-2, 20)
-        specimen = palpate.Specimen('ramp', ramp, 10.0 * ramp)
-        side = palpate.Deformation('side', ramp, np.exp(-300.0 * ramp) * 1e-3)
-        for arguments, words in (
-                ({}, 'nothing to compare'), ({'forces': [specimen], 'depth': 1e-3}, 'are of profiles'),
-                ({'forces': [specimen], 'fit_reach': True}, 'fit_reach'), ({'profiles': [side]}, 'tip_radius|depth'),
-                ({'profiles': [side], 'tip_radius': 5e-3, 'depth': [1e-3, 2e-3]}, 'has 2 values'),
-                ({'profiles': [side], 'tip_radius': 5e-3, 'depth': -1e-3}, 'depth = -0.001'),
-                ({'profiles': [side], 'tip_radius': -1.0, 'depth': 1e-3}, 'tip_radius = -1'),
-                ({'profiles': [side], 'depth': 1e-3, 'force': 1.0}, 'at most one'),
-                ({'image': ('a.png', 'b.png')}, 'pixel'), ({'forces': [specimen], 'direction': 'up'}, 'direction'),
-                ({'forces': [specimen], 'loop_period': 0.0}, 'loop_period'), ({'forces': [specimen], 'law': 'cubic'}, 'cubic'),
-                ({'forces': [specimen], 'against': ['newton']}, 'newton')):
-            with self.assertRaisesRegex(palpate.InputError, words):
-                palpate.validate('liver', **arguments)
-        with self.assertRaisesRegex(palpate.InputError, 'same length'):
-            palpate.Deformation('side', ramp[1:], ramp)
-        with self.assertRaisesRegex(palpate.InputError, 'one row'):
-            palpate.Deformation('side', ramp.reshape(4, 5), ramp)
-        with self.assertRaisesRegex(palpate.InputError, "deformation 'short'"):
-            palpate.Deformation('short', ramp[:3], ramp[:3][::-1])
-        with self.assertRaisesRegex(palpate.ParameterError, 'depth'):
-            palpate.Deformation('side', ramp, ramp, depth=-1.0)
+def test_validate_finds_of_profiles_what_the_program_finds(program, tmp_path):
+    true = (1.0, 0.5, 1.7, 0.6)
+    distance = np.linspace(0.0, 30e-3, 60)
+    u = profile_of(true, 4e-3, 5e-3, distance)
+    file = tmp_path / 'side.csv'
+    write_columns(file, ('r_mm', 'u_mm'), 1e3 * distance, 1e3 * u)
+    said = program.json('validate', '--profile', file, '--tissue', 'liver', '--depth-mm', '4', '--tip-radius-mm', '5',
+                        '--fit-reach')
+    found = palpate.validate('liver', profiles=palpate.read_deformations(file), depth=4e-3, tip_radius=5e-3,
+                             fit_reach=True)
+    for name in REACH:
+        assert found['reach'][name] == said['reach'][name]
+    assert found['profiles'][0]['nrmse'] == said['sets'][0]['nrmse']
+    assert found['profiles'][0]['nrmse'] < 1e-3
+    assert found['tissue'].reach == tuple(found['reach'][name] for name in REACH)
+    by_load = palpate.LayeredSpringLaw(palpate.tissue_preset('liver')).force_at(4e-3)
+    deformation = palpate.Deformation('side', distance, u)
+    again = palpate.validate('liver', profiles=[deformation], force=float(by_load), tip_radius=5e-3)
+    assert again['profiles'][0]['depth'] == pytest.approx(4e-3, abs=5e-10)
 
 
-if __name__ == '__main__':
-    unittest.main()
+def test_validate_finds_in_photographs_what_the_program_finds(program, tmp_path):
+    before, after = tmp_path / 'before.png', tmp_path / 'after.png'
+    write_gray_png(before, side_view(0.0, 1e-4, 3e-3))
+    write_gray_png(after, side_view(5e-3, 1e-4, 3e-3))
+    said = program.json('validate', '--image', before, after, '--scale-mm-per-px', '0.1', '--tissue', 'liver',
+                        '--tip-radius-mm', '3', '--depth-mm', '5')
+    found = palpate.validate('liver', image=(before, after), pixel=1e-4, tip_radius=3e-3, depth=5e-3)
+    assert found['profiles'][0]['rms'] / 1e-3 == said['sets'][0]['rms']
+    image = found['image']
+    for name in ('confidence', 'tip_hidden', 'within_uncertainty'):
+        assert image[name] == said['image'][name], name
+    assert list(image['u'] / 1e-3) == [point['u_mm'] for point in said['image']['points']]
+    assert found['profiles'][0]['nrmse'] < 0.05
+
+
+def test_validate_is_refused_in_words():
+    ramp = np.linspace(0.0, 1e-2, 20)
+    specimen = palpate.Specimen('ramp', ramp, 10.0 * ramp)
+    side = palpate.Deformation('side', ramp, np.exp(-300.0 * ramp) * 1e-3)
+    for arguments, words in (
+            ({}, 'nothing to compare'), ({'forces': [specimen], 'depth': 1e-3}, 'are of profiles'),
+            ({'forces': [specimen], 'fit_reach': True}, 'fit_reach'), ({'profiles': [side]}, 'tip_radius|depth'),
+            ({'profiles': [side], 'tip_radius': 5e-3, 'depth': [1e-3, 2e-3]}, 'has 2 values'),
+            ({'profiles': [side], 'tip_radius': 5e-3, 'depth': -1e-3}, 'depth = -0.001'),
+            ({'profiles': [side], 'tip_radius': -1.0, 'depth': 1e-3}, 'tip_radius = -1'),
+            ({'profiles': [side], 'depth': 1e-3, 'force': 1.0}, 'at most one'),
+            ({'image': ('a.png', 'b.png')}, 'pixel'), ({'forces': [specimen], 'direction': 'up'}, 'direction'),
+            ({'forces': [specimen], 'loop_period': 0.0}, 'loop_period'),
+            ({'forces': [specimen], 'law': 'cubic'}, 'cubic'),
+            ({'forces': [specimen], 'against': ['newton']}, 'newton'),
+            ({'forces': [specimen], 'zeros': 'free'}, 'zeros = "free": must be given or fitted'),
+            ({'forces': [specimen], 'zeros': 'fitted', 'offset': 0.1}, 'one of the two'),
+            ({'profiles': [side], 'tip_radius': 5e-3, 'depth': 1e-3, 'zeros': 'fitted'}, 'need forces'),
+            ({'profiles': [side], 'tip_radius': 5e-3, 'depth': 1e-3, 'offset': 0.1}, 'need forces'),
+            ({'forces': [specimen], 'as_drawn': True}, 'as_drawn'),
+            ({'profiles': [side], 'tip_radius': 5e-3, 'depth': 1e-3, 'direction': 'pull', 'as_drawn': True},
+             'as_drawn'),
+            ({'profiles': [side], 'tip_radius': 5e-3, 'depth': 1e-3, 'surface_radius': 0.1}, 'needs as_drawn'),
+            ({'profiles': [side], 'tip_radius': 5e-3, 'depth': 1e-3, 'as_drawn': True, 'surface_radius': -1.0},
+             'surface_radius = -1')):
+        with pytest.raises(palpate.InputError, match=words):
+            palpate.validate('liver', **arguments)
+    with pytest.raises(palpate.InputError, match='same length'):
+        palpate.Deformation('side', ramp[1:], ramp)
+    with pytest.raises(palpate.InputError, match='one row'):
+        palpate.Deformation('side', ramp.reshape(4, 5), ramp)
+    with pytest.raises(palpate.InputError, match="deformation 'short'"):
+        palpate.Deformation('short', ramp[:3], ramp[:3][::-1])
+    with pytest.raises(palpate.ParameterError, match='depth'):
+        palpate.Deformation('side', ramp, ramp, depth=-1.0)

@@ -1,0 +1,50 @@
+"""Measurements made of a tissue's own equations, as files that the readers take."""
+import struct
+import zlib
+
+import numpy as np
+
+import palpate
+
+
+def write_columns(file, names, *columns):
+    rows = '\n'.join(','.join(repr(float(value)) for value in row) for row in zip(*columns))
+    file.write_text(','.join(names) + '\n' + rows + '\n')
+
+
+def profile_of(reach, depth, radius, distance):
+    """u(r) of docs/model.md, section 3, written once more."""
+    contact, first, ratio, weight = reach
+    r1 = min(contact * np.sqrt(radius * depth), radius)
+    weights = weight ** np.arange(6)
+    radii = r1 * (1.0 + first * (ratio ** np.arange(6) - 1.0) / (ratio - 1.0))
+    bars = np.maximum(0.0, 1.0 - (distance[:, None] / radii) ** 2)
+    return depth * (bars @ (weights / weights.sum()))
+
+
+def write_gray_png(file, picture):
+    """8-bit grey, from an array of 0 .. 1."""
+    lines = b''.join(b'\0' + line.tobytes() for line in (255.0 * picture).round().astype(np.uint8))
+
+    def chunk(kind, body):
+        return struct.pack('>I', len(body)) + kind + body + struct.pack('>I', zlib.crc32(kind + body))
+    height, width = picture.shape
+    head = struct.pack('>IIBBBBB', width, height, 8, 0, 0, 0, 0)
+    file.write_bytes(b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', head) + chunk(b'IDAT', zlib.compress(lines)) +
+                     chunk(b'IEND', b''))
+
+
+def side_view(depth, pixel, radius):
+    """Light above, tissue below, a dark ball on a shaft in the dent of that depth [m]."""
+    rows, columns = np.mgrid[0:460, 0:900].astype(float)
+    tissue = palpate.tissue_preset('liver')
+    r = np.abs(np.arange(900) - 450.0) * pixel
+    line = 200.0 + (profile_of(tissue.reach, depth, radius, r) / pixel if depth else 0.0)
+    picture = 0.75 - 0.35 / (1.0 + np.exp(-(rows - line) / 0.5))
+    ball = radius / pixel
+    centre = 200.0 + depth / pixel - ball if depth else 40.0
+    inside = np.hypot(columns - 450.0, rows - centre) < ball
+    shaft = (np.abs(columns - 450.0) < 0.4 * ball) & (rows < centre)
+    picture[inside | shaft] = 0.15
+    texture = np.random.default_rng(3).normal(0.0, 0.01, picture.shape)
+    return np.clip(picture + texture, 0.0, 1.0)
