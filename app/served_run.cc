@@ -20,6 +20,7 @@ ServedRun::ServedRun(std::unique_ptr<Session> session, std::uint64_t number, std
     how.core = core;
     how.changes = changes_.get();
     how.onlooker = &tap_;
+    how.snapshots = &snapshots_;
     try {
       account_ = play(*session_, how, stop_);
     } catch (const std::exception& error) {
@@ -32,6 +33,11 @@ ServedRun::ServedRun(std::unique_ptr<Session> session, std::uint64_t number, std
 ServedRun::~ServedRun() {
   stop();
   if (thread_.joinable()) thread_.join();
+}
+
+const haptics::Snapshot* ServedRun::snapshot() noexcept {
+  seen_ = snapshots_.refresh() || seen_;
+  return seen_ ? &snapshots_.value() : nullptr;
 }
 
 void ServedRun::release() {

@@ -41,6 +41,8 @@ class ServedRun final {
   [[nodiscard]] const Session& session() const noexcept { return *session_; }
   [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
   [[nodiscard]] net::LiveTap& tap() noexcept { return tap_; }
+  /// The newest snapshot; nothing before the first tick.
+  [[nodiscard]] const haptics::Snapshot* snapshot() noexcept;
   /// Hands new tissue and noise to the loop.
   [[nodiscard]] haptics::LiveChanges& changes() noexcept { return *changes_; }
 
@@ -49,6 +51,8 @@ class ServedRun final {
   std::uint64_t number_;
   std::filesystem::path recording_;
   net::LiveTap tap_;
+  SnapshotCell<haptics::Snapshot> snapshots_;
+  bool seen_ = false;  // whether there was a snapshot
   std::unique_ptr<haptics::LiveChanges> changes_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};

@@ -4,7 +4,9 @@
 #include <system_error>
 #include <utility>
 
+#include "palpate/base/clock.h"
 #include "palpate/base/error.h"
+#include "palpate/render/indentations.h"
 #include "palpate/scene/device_kinds.h"
 #include "palpate/scene/names.h"
 
@@ -65,6 +67,8 @@ fs::path ServedRuns::next_recording() const {
 void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   run_ = std::make_unique<ServedRun>(std::move(session), ++runs_, std::move(recording), options_.core);
   accounted_ = false;
+  surface_.reset();
+  moved_ns_ = 0;
   first_.reset();
   tissue_ = setup().tissue;
   noise_ = setup().noise;
@@ -91,6 +95,7 @@ void ServedRuns::begin_first() {
 
 ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net::Asker& asker) {
   if (std::holds_alternative<net::AskScene>(command)) return describe();
+  if (const auto* ask = std::get_if<net::AskSurface>(&command)) return surface(ask->at_rest);
   if (const auto* wanted = std::get_if<net::Load>(&command)) return load(*wanted, asker);
   if (std::holds_alternative<net::Start>(command)) return start(asker);
   if (std::holds_alternative<net::Stop>(command)) return stop(asker);
@@ -140,6 +145,24 @@ ServedRuns::Answer ServedRuns::describe() const {
   return Json{{"scene", net::scene_json(setup())},
               {"tissue", net::tissue_json(tissue_)},
               {"noise", net::noise_json(live(noise_))}};
+}
+
+ServedRuns::Answer ServedRuns::surface(bool at_rest) {
+  constexpr std::int64_t kBetween = 20'000'000;  // ns, so that many clients cost no more than one
+  if (!surface_) surface_.emplace(setup().organ);
+  if (at_rest) {
+    Json whole{{"run", runs_}};
+    whole.update(surface_->at_rest());
+    return Json{{"surface", whole}};
+  }
+  const haptics::Snapshot* snapshot = run_ == nullptr ? nullptr : run_->snapshot();
+  if (snapshot == nullptr) throw LiveError("state", "surface: nothing has been played yet");
+  if (const std::int64_t now = monotonic_ns(); now >= moved_ns_) {
+    moved_ns_ = now + kBetween;
+    moved_ = {{"run", runs_}, {"tick", snapshot->tick}};
+    moved_.update(surface_->moved(snapshot->reach, render::indentations_of(*snapshot)));
+  }
+  return Json{{"surface", moved_}};
 }
 
 void ServedRuns::require_no_loading() const {

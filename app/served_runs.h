@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/net/live_server.h"
+#include "palpate/net/live_surface.h"
 
 #include "app/served_run.h"
 #include "app/session.h"
@@ -59,6 +60,7 @@ class ServedRuns final : public net::LiveHost {
   [[nodiscard]] bool running() const noexcept { return run_ != nullptr && !accounted_; }
   [[nodiscard]] const scene::Setup& setup() const;
   Answer describe() const;
+  Answer surface(bool at_rest);
   Answer load(const net::Load& wanted, const net::Asker& asker);
   Answer start(const net::Asker& asker);
   Answer stop(const net::Asker& asker);
@@ -75,9 +77,12 @@ class ServedRuns final : public net::LiveHost {
   void say(const std::string& event, nlohmann::ordered_json members);
 
   ServedOptions options_;
-  std::unique_ptr<Session> first_;  // until one is played; without devices once another is to come
-  std::unique_ptr<ServedRun> run_;  // the newest, also after its end
-  bool accounted_ = false;          // it has ended, and that was dealt with
+  std::unique_ptr<Session> first_;           // until one is played; without devices once another is to come
+  std::unique_ptr<ServedRun> run_;           // the newest, also after its end
+  bool accounted_ = false;                   // it has ended, and that was dealt with
+  std::optional<net::LiveSurface> surface_;  // of the newest run's organ, once it was asked for
+  std::int64_t moved_ns_ = 0;                // when the next moved_ may be made
+  nlohmann::ordered_json moved_;             // of surface_: where it has moved to
   std::unique_ptr<NextSession> next_;
   std::optional<net::Asker> next_asker_;
   std::vector<net::Asker> stop_askers_;

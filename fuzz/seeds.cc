@@ -336,7 +336,9 @@ constexpr const char* kHaplyMessage =
 )";
 
 constexpr const char* kLiveMessages[] = {
-    R"({"palpate":"1","do":"hello","token":"abc","id":1})", R"({"do":"stream","rate_Hz":50,"id":"a"})",
+    R"({"palpate":"1","do":"hello","token":"abc","id":1})",
+    R"({"do":"stream","rate_Hz":50,"id":"a"})",
+    R"({"do":"surface","at_rest":true})",
     R"({"do":"load","scene":"a.toml","task":"pull","organ":"heart","organ_unit":"mm","tissue":"liver",
 "tool":"sphere:3","tool_unit":"cm","device":"emulated","rate_Hz":500,"seed":7,"no_noise":true})",
     R"({"do":"set_tissue","tissue":{"preset":"liver","name":"a","law":"smooth","k1_N_per_m":2.5e1,"beta":2,

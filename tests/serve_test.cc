@@ -94,6 +94,49 @@ TEST(Serve, ChangesThatClientsMakeReachTheTicksAreRecordedAndReplayed) {
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
 }
 
+TEST(Serve, TheSurfaceIsSentOnceAtRestAndThenWhereItHasMoved) {
+  const Folder folder;
+  Serve serve(folder, {"--tool", "sphere:5", "--wait", "--duration-s", "600"});
+  LiveClient client(serve.port());
+  client.greet();
+  const json rest = client.ask(R"({"do": "surface", "at_rest": true})")["surface"];
+  EXPECT_EQ(rest["run"], 0);
+  EXPECT_EQ(rest["triangles"].size(),
+            3 * client.ask(R"({"do": "scene"})")["scene"]["organ_triangles"].get<std::size_t>());
+  EXPECT_EQ(client.ask(R"({"do": "surface"})")["error"]["code"], "state") << "nothing was played";
+  client.ask(R"({"do": "start"})");
+  // The scripted tool touches after 1.3 s and is 10 mm deep after 3 s.
+  json moved;
+  double deepest = 0.0;
+  for (int i = 0; i < 3000 && deepest < 5.0; ++i) {
+    std::this_thread::sleep_for(20ms);
+    moved = client.ask(R"({"do": "surface"})")["surface"];
+    deepest = 0.0;
+    for (std::size_t at = 0; moved.is_object() && at < moved["moved"].size(); ++at) {
+      const auto vertex = moved["moved"][at].get<std::size_t>();
+      const double way =
+          moved["vertices_mm"][3 * at + 2].get<double>() - rest["vertices_mm"][3 * vertex + 2].get<double>();
+      deepest = std::max(deepest, -way);
+    }
+  }
+  EXPECT_GE(deepest, 5.0) << moved;
+  EXPECT_EQ(moved["run"], 1);
+  EXPECT_GT(moved["tick"], 1300);
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
+TEST(Serve, AnOrganThatIsTooFineToBeSentIsToldSoAndPlayed) {
+  const Folder folder;
+  Serve serve(folder, {"--organ", "gallbladder-30k", "--tool", "sphere:5", "--wait"});
+  LiveClient client(serve.port());
+  client.greet();
+  const json refused = client.ask(R"({"do": "surface", "at_rest": true})")["error"];
+  EXPECT_EQ(refused["code"], "refused");
+  EXPECT_NE(refused["words"].get<std::string>().find("must have at most 20000 to be sent"), std::string::npos)
+      << refused;
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
 TEST(Serve, AFaultIsToldToClientsInWordsAndTheyMayResetIt) {
   const Folder folder;
   std::ofstream(folder / "faulty.toml") << "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"sphere:3\"\n"

@@ -269,6 +269,8 @@ const std::map<std::string, Reader>& readers() {
       {"version", [](Members&) { return LiveCommand(AskVersion{}); }},
       {"state", [](Members&) { return LiveCommand(AskState{}); }},
       {"scene", [](Members&) { return LiveCommand(AskScene{}); }},
+      {"surface",
+       [](Members& root) { return LiveCommand(AskSurface{root.flag("at_rest").value_or(false)}); }},
       {"stream", [](Members& root) { return LiveCommand(read_stream(root)); }},
       {"load", [](Members& root) { return LiveCommand(read_load(root)); }},
       {"start", [](Members&) { return LiveCommand(Start{}); }},

@@ -68,6 +68,9 @@ struct Hello {
 struct AskVersion {};
 struct AskState {};
 struct AskScene {};
+struct AskSurface {
+  bool at_rest = false;  // the whole organ at rest; else what has moved
+};
 struct Stream {
   double rate_Hz = 0.0;  // 0: no more
 };
@@ -94,8 +97,8 @@ struct SetNoise {
 };
 struct ResetFaults {};
 
-using LiveCommand = std::variant<Hello, AskVersion, AskState, AskScene, Stream, Load, Start, Stop, SetTissue,
-                                 SetNoise, ResetFaults>;
+using LiveCommand = std::variant<Hello, AskVersion, AskState, AskScene, AskSurface, Stream, Load, Start, Stop,
+                                 SetTissue, SetNoise, ResetFaults>;
 
 /// To which message an answer belongs.
 struct LiveReference {

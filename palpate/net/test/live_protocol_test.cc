@@ -66,6 +66,8 @@ TEST(LiveProtocol, EveryCommandIsReadWithItsFields) {
   (void)read_as<AskVersion>(R"({"do": "version"})");
   (void)read_as<AskState>(R"({"do": "state"})");
   (void)read_as<AskScene>(R"({"do": "scene"})");
+  EXPECT_FALSE(read_as<AskSurface>(R"({"do": "surface"})").at_rest);
+  EXPECT_TRUE(read_as<AskSurface>(R"({"do": "surface", "at_rest": true})").at_rest);
   (void)read_as<Start>(R"({"do": "start"})");
   (void)read_as<Stop>(R"({"do": "stop"})");
   (void)read_as<ResetFaults>(R"({"do": "reset_faults"})");
