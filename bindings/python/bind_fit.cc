@@ -132,15 +132,13 @@ void bind_fit(py::module_& module) {
       .def_property_readonly(
           "time", [](const Specimen& one) { return array_of(one.time); }, doc("Specimen::time"));
   module.def("read_specimens", &fit::read_specimens, py::arg("file"), doc("read_specimens"));
-  module.def(
-      "fit", &fit_specimens, py::arg("specimens"), py::kw_only(), py::arg("law") = "layered",
-      py::arg("direction") = "press", py::arg("relaxation") = false, py::arg("loop_period") = 1e-3,
-      py::arg("t1") = 1e-6, py::arg("bootstrap") = 0, py::arg("seed") = 1,
-      "Fits each specimen and all together, as `palpate fit` does. Returns a dictionary: `specimens`, one a "
-      "specimen with `parameters` (name to value, low and high end of the 95 % interval, in the unit of the "
-      "name), rms_N, nrmse, leave_out_nrmse, points, warnings and the fitted curve in SI; and `pooled`, with `tissue`, named "
-      "fitted. Raises "
-      "InputError.");
+  module.def("fit", &fit_specimens, py::arg("specimens"), py::kw_only(), py::arg("law") = "layered",
+             py::arg("direction") = "press", py::arg("relaxation") = false, py::arg("loop_period") = 1e-3,
+             py::arg("t1") = 1e-6, py::arg("bootstrap") = 0, py::arg("seed") = 1,
+             "Fits each specimen and all together, as `palpate fit` does. Returns a dictionary: `specimens`, "
+             "one a specimen with `parameters` (name to value, low and high end of the 95 % interval, in the "
+             "unit of the name), rms_N, nrmse, leave_out_nrmse, points, warnings and the fitted curve in SI; "
+             "and `pooled`, with `tissue`, named fitted. Raises InputError.");
 }
 
 }  // namespace palpate::python

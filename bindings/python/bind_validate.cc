@@ -340,13 +340,13 @@ void bind_validate(py::module_& module) {
       py::arg("surface_radius") = none, py::arg("against") = std::vector<std::string>{},
       "How true a tissue (a Tissue, a built-in name or a tissue file) is, as `palpate validate` "
       "finds it (docs/validation.md). forces: from read_specimens(); first_contact (m) and offset "
-      "(N) are their zeros, or zeros='fitted' finds them. profiles: from read_deformations(); depth"
-      " (m) or force (N), one or one each, unless they say it themselves; tip_radius (m), unless "
+      "(N) are their zeros, or zeros='fitted' finds them. profiles: from read_deformations(); depth "
+      "(m) or force (N), one or one each, unless they say it themselves; tip_radius (m), unless "
       "the tissue's source says it; as_drawn: the surface as the picture shows it, nowhere above "
       "the ball, with surface_radius (m) of a surface that bulges at rest. image: two photographs, "
       "before and after, with pixel (m). against: hertz, linear, exponential, mass-spring. Returns "
-      "a dictionary, SI: tissue, forces (each with zeros_given and zeros_fitted) and profiles, each"
-      " with rms, max, nrmse, measured and computed, and against; and reach and image when asked "
+      "a dictionary, SI: tissue, forces (each with zeros_given and zeros_fitted) and profiles, each "
+      "with rms, max, nrmse, measured and computed, and against; and reach and image when asked "
       "for. Raises InputError.");
 }
 
