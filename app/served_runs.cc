@@ -70,8 +70,9 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   surface_.reset();
   moved_ns_ = 0;
   first_.reset();
-  tissue_ = setup().tissue;
-  noise_ = setup().noise;
+  const scene::Setup& played = run_->session().setup;
+  tissue_ = played.tissue;
+  noise_ = played.noise;
   say("run", {{"run", about_run()}});
 }
 
