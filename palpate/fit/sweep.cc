@@ -20,6 +20,10 @@ constexpr const char* kWanted =
     ": must be k1_N_per_m, beta, q, limit_mm or all, and after it nothing or =LOW:HIGH or =LOW:HIGH:N with "
     "0 < LOW < HIGH and N from 3 to 1000, e.g. q=0.5:0.9:21";
 
+[[noreturn]] void refuse(const std::string& flag, const std::string& text) {
+  throw InputError(flag + ' ' + text + kWanted);
+}
+
 /// All of `text` as a number.
 template <typename Number>
 bool read(std::string_view text, Number& value) {
@@ -174,11 +178,11 @@ std::vector<SweepRequest> sweep_requests(const std::string& flag, const std::str
     const bool ranged = equals != std::string::npos;
     const bool one_range_for_all = ranged && name == "all";  // their units differ
     if (one_range_for_all || (ranged && !read_range(text.substr(equals + 1), names[i].unit, request))) {
-      throw InputError(flag + ' ' + text + kWanted);
+      refuse(flag, text);
     }
     requests.push_back(request);
   }
-  if (requests.empty()) throw InputError(flag + ' ' + text + kWanted);
+  if (requests.empty()) refuse(flag, text);
   return requests;
 }
 
