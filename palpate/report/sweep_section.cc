@@ -35,10 +35,11 @@ std::string axis(const std::string& name, double low, double high) {
   if (high < kLogarithmFrom * low)
     return text + "unset logscale " + name + "\nset " + name + "tics autofreq\n";
   std::string tics;
-  for (double decade = std::pow(10.0, std::floor(std::log10(low))); decade <= high; decade *= 10.0) {
+  const int last = static_cast<int>(std::floor(std::log10(high)));
+  for (int n = static_cast<int>(std::floor(std::log10(low))); n <= last; ++n) {
     for (const double step : {1.0, 2.0, 5.0}) {
-      if (step * decade >= low && step * decade <= high)
-        tics += (tics.empty() ? "" : ",") + shortest(step * decade);
+      const double tic = step * std::pow(10.0, n);
+      if (tic >= low && tic <= high) tics += (tics.empty() ? "" : ",") + shortest(tic);
     }
   }
   return text + "set logscale " + name + "\nset " + name + "tics (" + tics + ")\n";
