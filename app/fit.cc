@@ -13,6 +13,7 @@
 #include "palpate/base/units.h"
 #include "palpate/fit/crew.h"
 #include "palpate/fit/fit_many.h"
+#include "palpate/fit/sweep.h"
 #include "palpate/report/fit_report.h"
 #include "palpate/scene/tissue_file.h"
 
@@ -21,6 +22,7 @@
 #include "app/messages.h"
 #include "app/numbers.h"
 #include "app/progress.h"
+#include "app/sweep_summary.h"
 
 namespace palpate::app {
 namespace {
@@ -36,6 +38,8 @@ struct FitFlags {
   std::string seed = "1";
   std::string out;
   std::string report;
+  std::vector<std::string> sweeps;
+  std::string sweep_csv;
   bool as_json = false;
 };
 
@@ -100,38 +104,64 @@ std::vector<fit::Specimen> read_for(fit::Crew& crew, const FitFlags& flags) {
   return specimens;
 }
 
+std::vector<fit::SweepRequest> requests_of(const FitFlags& flags) {
+  std::vector<fit::SweepRequest> requests;
+  for (const std::string& text : flags.sweeps) {
+    for (const fit::SweepRequest& request : fit::sweep_requests("--sweep", text)) requests.push_back(request);
+  }
+  if (requests.empty() && !flags.sweep_csv.empty()) {
+    throw InputError("--sweep-csv " + flags.sweep_csv + ": needs --sweep, which says what to sweep");
+  }
+  return requests;
+}
+
+void write_text(const std::string& flag, const std::string& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw InputError(flag + ' ' + file + ": cannot be written");
+}
+
 void write_tissue(const std::string& file, model::TissueParameters tissue) {
   tissue.name = std::filesystem::path(file).stem().string();
-  std::ofstream out(file, std::ios::binary);
-  out << scene::to_toml(tissue);
-  out.close();
-  if (!out) throw InputError("--out " + file + ": cannot be written");
+  write_text("--out", file, scene::to_toml(tissue));
 }
 
 void fit_all(const FitFlags& flags, const std::string& command_line) {
   const fit::Settings settings = settings_of(flags);
+  const std::vector<fit::SweepRequest> requests = requests_of(flags);
   const std::unique_ptr<fit::Crew> crew = fit::make_crew();
   std::vector<fit::Specimen> specimens = read_for(*crew, flags);
   const std::string results = flags.out.empty() ? "" : flags.out + ".fits.jsonl";
   fit::ManyFits many;
   {
     Progress bar("fit");
-    many = fit::fit_many(std::move(specimens), settings, *crew, results,
+    many = fit::fit_many(specimens, settings, *crew, results,
                          [&bar](double share, const std::string& what) { bar.update(share, what); });
+  }
+  fit::Sweeps sweeps;
+  if (!requests.empty()) {
+    Progress bar("sweep");
+    sweeps = fit::sweep_many(std::move(specimens), many, requests, settings, *crew, results,
+                             [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
   if (crew->rank() != 0) return;
   if (many.resumed > 0) {
     tell(std::to_string(many.resumed) + " of " + std::to_string(many.specimens.size()) +
          " specimens were finished before: taken from " + results);
   }
+  if (sweeps.resumed > 0) {
+    tell(std::to_string(sweeps.resumed) + " pieces of sweeps were finished before: taken from " + results);
+  }
+  if (!flags.sweep_csv.empty()) write_text("--sweep-csv", flags.sweep_csv, sweeps_csv(sweeps.all));
   if (!flags.out.empty()) write_tissue(flags.out, many.pooled.tissue);
   if (!flags.report.empty()) {
-    const auto page =
-        report::write_fit_report(many.specimens, many.pooled, settings, command_line, flags.report);
+    const auto page = report::write_fit_report(many.specimens, many.pooled, sweeps.all, settings,
+                                               command_line, flags.report);
     tell("report: " + page.string());
   }
-  std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, settings)
-                              : fit_text(many.specimens, many.pooled, settings));
+  std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, sweeps.all, settings)
+                              : fit_text(many.specimens, many.pooled, settings) + sweeps_text(sweeps.all));
   std::error_code ignored;
   if (!results.empty()) std::filesystem::remove(results, ignored);  // all of it stands in what was written
 }
@@ -158,11 +188,18 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
   command->add_option("--seed", flags->seed, "of the random numbers behind the intervals (default 1)");
   command->add_option("--out", flags->out, "tissue file to write: the fit of all specimens together");
   command->add_option("--report", flags->report, "folder for a page with a picture a specimen");
+  command->add_option(
+      "--sweep", flags->sweeps,
+      "PARAM or PARAM=LOW:HIGH[:N]: holds k1_N_per_m, beta, q or limit_mm (all: each of them) at "
+      "N values, fits the others again, and tells which the data leave (again for more; default 21 "
+      "values around the interval)");
+  command->add_option("--sweep-csv", flags->sweep_csv, "file for the sweeps, a line a value");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"
       "  palpate fit liver-1.csv liver-2.csv --law smooth --out liver.toml --report liver-fit\n"
       "  palpate fit hold.csv --direction press --relaxation --bootstrap 200 --json\n"
+      "  palpate fit liver-1.csv liver-2.csv --sweep q=0.5:0.9:41 --sweep-csv q.csv --report liver-fit\n"
       "  mpirun -n 8 palpate fit specimens/*.csv --bootstrap 200 --out liver.toml\n"
       "With --out a run that was broken off goes on where it was when it is called again.\n"
       "docs/fitting.md says how to measure and how to read the intervals.");

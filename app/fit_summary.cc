@@ -9,6 +9,8 @@
 
 #include "palpate/base/text.h"
 
+#include "app/sweep_summary.h"
+
 namespace palpate::app {
 namespace {
 
@@ -57,6 +59,16 @@ Json all_json(const fit::SpecimenFit& fit, const Part& part) {
   return json;
 }
 
+/// Names of the parameters that the data leave open.
+Json open_json(const std::vector<Estimate>& estimates, std::size_t terms) {
+  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+  Json names = Json::array();
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    if (!estimates[i].determined) names.push_back(labels[i].name);
+  }
+  return names;
+}
+
 Json specimen_json(const fit::SpecimenFit& fit) {
   const std::vector<fit::ParameterLabel> labels = fit::labels(fit.terms);
   const std::size_t own = fit::shared_count(fit.terms);
@@ -71,6 +83,7 @@ Json specimen_json(const fit::SpecimenFit& fit) {
   json["interval_95"] = all_json(fit, interval_part);
   json["covariance_95"] = all_json(fit, covariance_part);
   if (fit.estimates.front().bootstrap) json["bootstrap_95"] = all_json(fit, bootstrap_part);
+  json["not_determined"] = open_json(fit.estimates, fit.terms);
   json["rms_N"] = fit.rms;
   json["nrmse"] = fit.nrmse;
   json["leave_out_nrmse"] = fit.leave_out;
@@ -105,7 +118,8 @@ std::string estimate_lines(const std::vector<Estimate>& estimates, std::size_t t
     const double unit = labels[i].unit;
     text += "  " + padded(labels[i].name, kNameWidth) +
             padded(brief(estimates[i].value / unit), kValueWidth) + brief(estimates[i].interval.low / unit) +
-            " to " + brief(estimates[i].interval.high / unit) + '\n';
+            " to " + brief(estimates[i].interval.high / unit) +
+            (estimates[i].determined ? "\n" : ", not determined\n");
   }
   return text;
 }
@@ -119,7 +133,7 @@ std::string warning_lines(const std::vector<std::string>& warnings) {
 }  // namespace
 
 std::string fit_json(const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
-                     const fit::Settings& settings) {
+                     const std::vector<fit::Sweep>& sweeps, const fit::Settings& settings) {
   Json json;
   json["specimens"] = Json::array();
   for (const fit::SpecimenFit& fit : fits) json["specimens"].push_back(specimen_json(fit));
@@ -130,10 +144,12 @@ std::string fit_json(const std::vector<fit::SpecimenFit>& fits, const fit::Poole
                     {"layers_reached", pooled.layers_reached},
                     {"parameters", shared_json(pooled.estimates, pooled.terms, value_part)},
                     {"interval_95", shared_json(pooled.estimates, pooled.terms, interval_part)},
+                    {"not_determined", open_json(pooled.estimates, pooled.terms)},
                     {"rms_N", pooled.rms},
                     {"nrmse", pooled.nrmse},
                     {"points", pooled.points},
                     {"warnings", pooled.warnings}};
+  if (!sweeps.empty()) json["sweeps"] = sweeps_json(sweeps);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

@@ -3,14 +3,15 @@
 #include <vector>
 
 #include "palpate/fit/fit.h"
+#include "palpate/fit/sweep.h"
 
 namespace palpate::app {
 
 /// [setup] Everything that was fitted as one JSON document (docs/fitting.md has its fields).
 [[nodiscard]] std::string fit_json(const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
-                                   const fit::Settings& settings);
+                                   const std::vector<fit::Sweep>& sweeps, const fit::Settings& settings);
 
-/// [setup] The same for people: a block a specimen, the pooled one, then warnings.
+/// [setup] Fits for people: a block a specimen, the pooled one, then warnings.
 [[nodiscard]] std::string fit_text(const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
                                    const fit::Settings& settings);
 

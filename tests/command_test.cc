@@ -113,16 +113,47 @@ TEST(FitCommand, PrintsTheFieldsWritesTheTissueAndTheReport) {
   EXPECT_NE(text_of(folder / "page/report.html").find("95 % interval"), std::string::npos);
 }
 
+TEST(FitCommand, SweepsAParameterIntoJsonCsvAndReport) {
+  const Folder folder;
+  write_curve(folder, "a.csv");
+  const Outcome outcome = run(folder, {"fit", "a.csv", "--sweep", "limit_mm=4:6:5", "--sweep-csv", "s.csv",
+                                       "--report", "page", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json sweep = json::parse(outcome.out)["sweeps"][0];
+  EXPECT_EQ(sweep["specimen"], "a");
+  EXPECT_EQ(sweep["parameter"], "limit_mm");
+  EXPECT_NEAR(sweep["best"], 5.0, 0.1);
+  EXPECT_FALSE(sweep["open_below"]);
+  EXPECT_FALSE(sweep["open_above"]);
+  ASSERT_EQ(sweep["points"].size(), 5U);
+  const json& last = sweep["points"][4];
+  EXPECT_NEAR(last["value"], 6.0, 1e-9);
+  EXPECT_NEAR(last["parameters"]["limit_mm"], 6.0, 1e-9);
+  EXPECT_GT(last["nrmse"], sweep["best_nrmse"]);
+  EXPECT_FALSE(last["within_95"]);
+  EXPECT_GT(last["deviance"], 0.0);
+  const std::string csv = text_of(folder / "s.csv");
+  EXPECT_EQ(csv.substr(0, csv.find('\n')),
+            "specimen,parameter,value,nrmse,deviance,within_95,k1_N_per_m,beta,q,limit_mm");
+  EXPECT_EQ(lines(csv), 6U);
+  EXPECT_NE(text_of(folder / "page/report.html").find("Sweeps"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder / "page/sweep-1.svg"));
+}
+
 TEST(FitCommand, RefusesBadInputInOneLineAndWritesNothing) {
   const Folder folder;
   write_curve(folder, "a.csv");
   std::ofstream(folder / "bad.csv") << "displacement_mm,force_N\n1,nan\n";
-  const std::vector<std::vector<std::string>> all = {{"fit", "a.csv", "bad.csv", "--out", "a.toml"},
-                                                     {"fit", "a.csv", "--law", "hertz", "--out", "a.toml"},
-                                                     {"fit", "a.csv", "--direction", "up", "--out", "a.toml"},
-                                                     {"fit", "a.csv", "--relaxation", "--out", "a.toml"},
-                                                     {"fit", "a.csv", "--bootstrap", "-1", "--out", "a.toml"},
-                                                     {"fit", "none.csv", "--out", "a.toml"}};
+  const std::vector<std::vector<std::string>> all = {
+      {"fit", "a.csv", "bad.csv", "--out", "a.toml"},
+      {"fit", "a.csv", "--law", "hertz", "--out", "a.toml"},
+      {"fit", "a.csv", "--direction", "up", "--out", "a.toml"},
+      {"fit", "a.csv", "--relaxation", "--out", "a.toml"},
+      {"fit", "a.csv", "--bootstrap", "-1", "--out", "a.toml"},
+      {"fit", "a.csv", "--sweep", "k=1:2", "--out", "a.toml"},
+      {"fit", "a.csv", "--sweep", "q=1:0.5", "--out", "a.toml"},
+      {"fit", "a.csv", "--sweep-csv", "s.csv", "--out", "a.toml"},
+      {"fit", "none.csv", "--out", "a.toml"}};
   for (const std::vector<std::string>& words : all) {
     const Outcome outcome = run(folder, words);
     EXPECT_EQ(outcome.exit_code, 2);

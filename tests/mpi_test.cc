@@ -1,4 +1,5 @@
 // `mpirun palpate fit`: the same bytes on any number of ranks, and what a lost rank loses.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -70,14 +71,18 @@ std::size_t results_in(const Folder& folder) {
 TEST(Mpi, GivesTheSameBytesOnOneTwoAndFourRanks) {
   const Folder folder;
   write_curves(folder, 4);
-  const std::string words = "fit" + curves(4) + " --bootstrap 4 --json --out t.toml";
+  const std::string words =
+      "fit" + curves(4) + " --bootstrap 4 --sweep q=0.3:1.2:5 --sweep-csv q.csv --json --out t.toml";
   ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words), 0) << text_of(folder / "err");
   const std::string alone = text_of(folder / "out");
+  const std::string swept = text_of(folder / "q.csv");
+  EXPECT_EQ(std::count(swept.begin(), swept.end(), '\n'), 1 + 5 * 5);  // each of four, and all together
   const std::string tissue = text_of(folder / "t.toml");
   for (const int ranks : {1, 2, 4}) {  // four ranks share each specimen's bootstrap, two share specimens
     ASSERT_EQ(shell(folder, by_mpi(ranks, words)), 0) << text_of(folder / "err");
     EXPECT_EQ(text_of(folder / "out"), alone) << ranks << " ranks";
     EXPECT_EQ(text_of(folder / "t.toml"), tissue) << ranks << " ranks";
+    EXPECT_EQ(text_of(folder / "q.csv"), swept) << ranks << " ranks";
   }
   EXPECT_FALSE(fs::exists(folder / "t.toml.fits.jsonl"));  // done: nothing to go on from
 }
@@ -89,6 +94,24 @@ TEST(Mpi, OnlyTheFirstRankTellsOfBadInput) {
   const std::size_t first = err.find("nowhere.csv: there is no such file");
   ASSERT_NE(first, std::string::npos) << err;
   EXPECT_EQ(err.find("nowhere.csv", first + 20), std::string::npos) << err;
+}
+
+TEST(Mpi, ASweepGoesOnWhereItWasBrokenOff) {
+  const Folder folder;
+  write_curves(folder, 1);
+  const std::string words = "fit s0.csv --json --out t.toml";
+  const std::string alone = "'" + std::string(PALPATE_PROGRAM) + "' " + words;
+  const std::string sweeps = " --sweep q=0.3:1.2:4 --sweep beta=1:5:4";
+  ASSERT_EQ(shell(folder, alone + sweeps), 0) << text_of(folder / "err");
+  const std::string whole = text_of(folder / "out");
+  fs::create_directory(folder / "r");
+  std::ofstream(folder / "r/report.html") << "a page that stands where a folder must be";
+  // the report cannot be written, so the results stay
+  ASSERT_EQ(shell(folder, alone + " --sweep q=0.3:1.2:4 --report r/report.html/x"), 2);
+  EXPECT_EQ(results_in(folder), 3U);  // the fit and both halves of the sweep
+  ASSERT_EQ(shell(folder, by_mpi(2, words + sweeps)), 0) << text_of(folder / "err");
+  EXPECT_THAT(text_of(folder / "err"), testing::HasSubstr("2 pieces of sweeps were finished before"));
+  EXPECT_EQ(text_of(folder / "out"), whole);
 }
 
 TEST(Mpi, ALostRankLosesOnlyWhatWasUnderWay) {

@@ -24,6 +24,7 @@ struct Estimate {
   Interval interval;                   // 95 %: the one to believe
   std::optional<Interval> covariance;  // 95 % from the covariance alone; none where it is singular
   std::optional<Interval> bootstrap;   // 95 % of Settings::bootstrap resamples
+  bool determined = true;              // false: the interval ends where the search ends, or spans most of it
 };
 
 /// What a specimen's curve was and what the fit makes of it, point by point. SI.
@@ -67,6 +68,8 @@ struct PooledFit {
   std::size_t specimens = 0;
   std::vector<std::string> warnings;
   model::TissueParameters tissue;
+  Point shared;            // of the best fit
+  std::vector<Point> own;  // of each specimen
 };
 
 /// Told what share is done, 0..1, and what is being done now.
@@ -80,7 +83,8 @@ using Progress = std::function<void(double, const std::string&)>;
 
 /// [setup] Fits specimens together, from their own fits (one a specimen, as many relaxation terms as most of
 /// them have); each counts the same, however many points and newtons it has. The intervals are of the mean
-/// tissue: specimens are resampled, so they hold how much specimens differ. One specimen: its own fit.
+/// tissue: specimens are resampled, so they hold how much specimens differ, and besides every value that
+/// leaves the specimens as well fitted when the others are fitted again. One specimen: its own fit.
 /// @param crew shares the resamples when there is one: then all its members make this call
 [[nodiscard]] PooledFit fit_pooled(const std::vector<Specimen>& specimens,
                                    const std::vector<SpecimenFit>& fits, const Settings& settings,

@@ -10,15 +10,17 @@
 #include "palpate/fit/forward.h"
 #include "palpate/fit/intervals.h"
 #include "palpate/fit/minima.h"
+#include "palpate/fit/parts.h"
 #include "palpate/fit/random.h"
+#include "palpate/fit/valley.h"
+#include "palpate/fit/warnings.h"
 
 namespace palpate::fit {
 namespace {
 
 constexpr std::uint32_t kPooledJob = 0xffff'ffff;  // the random numbers of no specimen
 constexpr std::uint32_t kRandomPart = 3;
-constexpr std::size_t kMostPoints = 400;  // of a specimen, pooled
-constexpr int kResamples = 100;           // of specimens, for the intervals
+constexpr int kResamples = 100;  // of specimens, for the intervals
 
 /// As many terms as most specimens have, the fewer on a tie.
 std::size_t usual_terms(const std::vector<SpecimenFit>& fits) {
@@ -77,7 +79,7 @@ std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Pro
   };
   int done = 0;
   const auto arrived = [&](std::size_t, const std::string&) {
-    if (progress) progress(0.3 + 0.7 * ++done / kResamples, "pooled intervals");
+    if (progress) progress(0.3 + 0.4 * ++done / kResamples, "pooled intervals");
   };
   LocalCrew alone;
   Crew& members = crew == nullptr ? alone : *crew;
@@ -99,21 +101,65 @@ PooledFit of_one(const SpecimenFit& fit, const Settings& settings) {
   pooled.nrmse = fit.nrmse;
   pooled.points = fit.points;
   pooled.specimens = 1;
+  pooled.shared = fit.shared;
+  pooled.own = {fit.own};
   pooled.tissue = tissue_of(fit.shared, settings);
   return pooled;
 }
 
-/// Whether a shared parameter alone can be moved by a factor 1.5 either way without the fit getting worse by
-/// 1 %: then drawing specimens again does not move it, and its interval says nothing.
-bool does_nothing(const Minima& minima, std::size_t index) {
+/// For each parameter of the law the lowest and highest value [logarithms] to which it can go, all others
+/// fitted again, without the specimens telling it from the best: what drawing specimens again cannot show,
+/// because a fit that begins at the best stays where nothing pulls it away.
+std::vector<Interval> valleys(const Minima& minima, const Progress& progress, Crew* crew) {
+  const Problem& problem = minima.problem;
   const Solution& best = minima.all.front();
-  const double factor = portable::log(1.5);
-  for (const double way : {-factor, factor}) {
-    Point moved = best.shared;
-    moved[index] += way;
-    if (cost_of(minima.problem, moved, best.own) > 1.01 * best.cost) return false;
+  const std::vector<double> costs = part_costs(problem, best);
+  const auto end_of = [&](std::size_t item) {
+    const std::size_t index = item / 2;
+    double end = best.shared[index];
+    walk_valley(
+        problem, best, index, item % 2 == 0 ? -1.0 : 1.0,
+        [&](const Solution& at) { return specimens_leave(costs, part_costs(problem, at)); },
+        [&](const Solution& at) { end = at.shared[index]; });
+    return bytes_of(std::span<const double>(&end, 1));
+  };
+  int done = 0;
+  const auto arrived = [&](std::size_t, const std::string&) {
+    if (progress) progress(0.7 + 0.3 * ++done / (2.0 * kLawParameters), "what the specimens leave open");
+  };
+  LocalCrew alone;
+  Crew& members = crew == nullptr ? alone : *crew;
+  const std::vector<std::string> ends = members.share_out(2 * kLawParameters, end_of, arrived);
+  std::vector<Interval> intervals;
+  for (std::size_t i = 0; i < kLawParameters; ++i) {
+    intervals.push_back({doubles_of(ends[2 * i]).front(), doubles_of(ends[2 * i + 1]).front()});
   }
-  return true;
+  return intervals;
+}
+
+/// The shared parameters with their intervals, and a warning for each that the specimens leave open.
+void add_estimates(const Minima& minima, const std::vector<Interval>& intervals,
+                   const std::vector<Interval>& valley, PooledFit& pooled) {
+  const Point none(kOwnParameters, 0.0);
+  const Bounds& bounds = minima.problem.bounds;
+  const std::vector<double> values = values_of(minima.all.front().shared, none, {});
+  for (std::size_t i = 0; i < shared_count(pooled.terms); ++i) {
+    Estimate estimate;
+    estimate.value = values[i];
+    estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
+    if (i < kLawParameters) {
+      estimate.interval.low = std::min(estimate.interval.low, portable::exp(valley[i].low));
+      estimate.interval.high = std::max(estimate.interval.high, portable::exp(valley[i].high));
+      const Determined how =
+          determined_by(portable::log(estimate.interval.low), portable::log(estimate.interval.high),
+                        bounds.low[i], bounds.high[i]);
+      estimate.determined = how == Determined::kYes;
+      if (!estimate.determined) {
+        pooled.warnings.push_back(undetermined_warning(how, labels(pooled.terms)[i], estimate.interval));
+      }
+    }
+    pooled.estimates.push_back(estimate);
+  }
 }
 
 void add_errors(const Minima& minima, PooledFit& pooled) {
@@ -144,41 +190,22 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
     throw InputError("pooled fit: needs at least one specimen, and a fit of each");
   }
   if (specimens.size() == 1) return of_one(fits.front(), settings);
-  std::vector<Specimen> used;
-  for (const Specimen& specimen : specimens) used.push_back(thinned(specimen, kMostPoints));
-  std::vector<Part> parts;
-  for (const Specimen& specimen : used) {
-    parts.push_back(make_part(specimen));
-    const double equal = 100.0 / static_cast<double>(specimen.size());  // each specimen counts the same
-    for (double& weight : parts.back().weight) weight = equal;
-  }
+  const std::vector<Specimen> used = as_pooled(specimens);
   const std::size_t terms = usual_terms(fits);
-  Problem problem = make_problem(settings, terms, std::move(parts));
+  Problem problem = make_problem(settings, terms, pooled_parts(used));
   if (progress) progress(0.05, "pooled fit");
   const std::vector<Solution> from = own_starts(problem, fits);
   const Minima minima = find_minima(std::move(problem), from);
-  const Solution& best = minima.all.front();
   const std::vector<Interval> intervals =
       intervals_of(resampled(minima, settings.seed, progress, crew), {}, terms);
-  const Point none(kOwnParameters, 0.0);
-  const std::vector<double> values = values_of(best.shared, none, {});
   PooledFit pooled;
   pooled.terms = terms;
   pooled.specimens = specimens.size();
-  for (std::size_t i = 0; i < shared_count(terms); ++i) {
-    Estimate estimate;
-    estimate.value = values[i];
-    estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
-    if (i < kLawParameters && does_nothing(minima, i)) {
-      estimate.interval = {portable::exp(minima.problem.bounds.low[i]),
-                           portable::exp(minima.problem.bounds.high[i])};
-      pooled.warnings.push_back(labels(terms)[i].name +
-                                " is not determined by the data: the fit is as good without it");
-    }
-    pooled.estimates.push_back(estimate);
-  }
+  add_estimates(minima, intervals, valleys(minima, progress, crew), pooled);
   add_errors(minima, pooled);
-  pooled.tissue = tissue_of(best.shared, settings);
+  pooled.shared = minima.all.front().shared;
+  pooled.own = minima.all.front().own;
+  pooled.tissue = tissue_of(pooled.shared, settings);
   constexpr std::size_t kFewSpecimens = 6;
   if (specimens.size() < kFewSpecimens) {
     pooled.warnings.push_back("the pooled intervals come from how " + std::to_string(specimens.size()) +

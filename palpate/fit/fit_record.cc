@@ -65,7 +65,8 @@ Json estimate_json(const Estimate& estimate) {
   return {{"value", number_json(estimate.value)},
           {"interval", interval_json(estimate.interval)},
           {"covariance", interval_json(estimate.covariance)},
-          {"bootstrap", interval_json(estimate.bootstrap)}};
+          {"bootstrap", interval_json(estimate.bootstrap)},
+          {"determined", estimate.determined}};
 }
 
 Estimate estimate_of(const Json& json) {
@@ -74,6 +75,7 @@ Estimate estimate_of(const Json& json) {
   estimate.interval = interval_of(json.at("interval"));
   estimate.covariance = maybe_interval_of(json.at("covariance"));
   estimate.bootstrap = maybe_interval_of(json.at("bootstrap"));
+  estimate.determined = json.at("determined").get<bool>();
   return estimate;
 }
 
@@ -141,7 +143,7 @@ std::string take(const std::string& bytes, std::size_t& at) {
 }  // namespace
 
 std::string key_of(const Specimen& specimen, const Settings& settings, std::uint32_t job) {
-  constexpr std::uint64_t kFormat = 1;  // of the line
+  constexpr std::uint64_t kFormat = 2;  // of the line
   const std::string version = kVersion;
   ContentHasher hasher;
   hasher.add(kFormat);
@@ -153,6 +155,17 @@ std::string key_of(const Specimen& specimen, const Settings& settings, std::uint
   hasher.add(static_cast<int>(settings.law)).add(static_cast<int>(settings.direction));
   hasher.add(settings.relaxation ? 1 : 0).add(settings.period).add(settings.t1);
   hasher.add(settings.bootstrap).add(settings.seed).add(job);
+  return hasher.hash().hexadecimal();
+}
+
+std::string sweep_key_of(const std::string& request, std::size_t piece,
+                         const std::vector<Specimen>& specimens, const Settings& settings) {
+  ContentHasher hasher;
+  hasher.add(std::as_bytes(std::span<const char>(request))).add(static_cast<std::uint64_t>(piece));
+  for (std::size_t i = 0; i < specimens.size(); ++i) {
+    const std::string key = key_of(specimens[i], settings, static_cast<std::uint32_t>(i));
+    hasher.add(std::as_bytes(std::span<const char>(key)));
+  }
   return hasher.hash().hexadecimal();
 }
 
@@ -192,7 +205,7 @@ std::map<std::string, std::string> read_lines(const std::string& file) {
   for (std::string line; std::getline(in, line);) {
     try {
       const Json json = Json::parse(line);
-      (void)fit_of_json(json);
+      if (!json.contains("points_swept")) (void)fit_of_json(json);
       lines[json.at("key").get<std::string>()] = line;
     } catch (const std::exception&) {
       continue;  // cut off as it was written: its specimen is fitted again
@@ -208,7 +221,7 @@ std::string bytes_of(std::span<const double> values) {
 std::vector<double> doubles_of(const std::string& bytes) {
   if (bytes.size() % sizeof(double) != 0) throw InputError("numbers between ranks: cut off");
   std::vector<double> values(bytes.size() / sizeof(double));
-  std::memcpy(values.data(), bytes.data(), bytes.size());
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());  // of none data() may be null
   return values;
 }
 

@@ -19,8 +19,13 @@ namespace palpate::fit {
 /// [setup] The fit of such a line. @throws InputError when the line is not one.
 [[nodiscard]] SpecimenFit fit_of(const std::string& line);
 
-/// [setup] The lines of a results file by their keys; none of a file that is missing, and none of lines that
-/// are cut off or not such lines.
+/// [setup] What a piece of a sweep depends on: the fits that it begins at, the request (as text) and which
+/// piece it is.
+[[nodiscard]] std::string sweep_key_of(const std::string& request, std::size_t piece,
+                                       const std::vector<Specimen>& specimens, const Settings& settings);
+
+/// [setup] The lines of a results file, of fits and of sweeps, by their keys; none of a file that is missing,
+/// and none of lines that are cut off or not such lines.
 [[nodiscard]] std::map<std::string, std::string> read_lines(const std::string& file);
 
 /// [any] Numbers as bytes and back; for between ranks, not for files. @throws InputError when the bytes are

@@ -9,14 +9,12 @@
 #include "palpate/fit/forward.h"
 #include "palpate/fit/intervals.h"
 #include "palpate/fit/minima.h"
+#include "palpate/fit/parts.h"
 #include "palpate/fit/resampling.h"
 #include "palpate/fit/warnings.h"
 
 namespace palpate::fit {
 namespace {
-
-constexpr std::size_t kMostPoints = 1000;       // of a specimen without relaxation
-constexpr std::size_t kMostTimedPoints = 2000;  // with relaxation, whose fast terms need dense samples
 
 void check(const Specimen& specimen, const Settings& settings) {
   if (specimen.size() < kFewestPoints) {
@@ -154,7 +152,7 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
       if (progress) progress(from + share * (to - from), what);
     };
   };
-  const Specimen used = thinned(specimen, settings.relaxation ? kMostTimedPoints : kMostPoints);
+  const Specimen used = as_fitted(specimen, settings);
   const Part part = make_part(used);
   const Minima minima = with_terms(part, settings, progress);
   SpecimenFit fit;
@@ -169,15 +167,16 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   fit.layers_allowed = layers.allowed;
   fit.layers_reached = layers.reached;
   const double most = settings.bootstrap > 0 ? 0.6 : 0.95;
-  // fewer than three a parameter would let the ensemble wander where the curve plainly is not
-  const double fewest = std::min(static_cast<double>(fit.points),
-                                 3.0 * static_cast<double>(fit.shared.size() + kOwnParameters));
-  const double effective = std::max(minima.effective, fewest);
+  const double effective = trusted_count(minima.effective, fit.points, fit.shared.size() + kOwnParameters);
   const Ensemble ensemble =
       draw_ensemble(minima.problem, minima.all, effective, settings.seed, job, told(0.3, most, "intervals"));
   const std::vector<Point> resampled =
       bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"), crew);
   add_estimates(minima, both_intervals(minima, ensemble, effective), resampled, fit);
+  const std::vector<Determined> determined = determined_of(minima, ensemble.points);
+  for (std::size_t i = 0; i < determined.size(); ++i) {
+    fit.estimates[i].determined = determined[i] == Determined::kYes;
+  }
   add_errors(minima, fit);
   fit.curve = curve_of(minima, ensemble.points);
   fit.warnings = warnings_of(minima, ensemble, fit);

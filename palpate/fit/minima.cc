@@ -137,6 +137,15 @@ double farthest(const Problem& problem, const Solution& solution) {
 
 }  // namespace
 
+void set_loss(Problem& problem, Solution best) {
+  constexpr int kRounds = 3;  // the priors' weight in the cost depends on sigma
+  problem.loss_scale = kLoss * robust_spread(problem, best);
+  for (int round = 0; round < kRounds; ++round) {
+    best.cost = cost_of(problem, best.shared, best.own);
+    problem.sigma = sigma_of(problem, best);
+  }
+}
+
 std::vector<double> plain_residuals(const Problem& problem, const Part& part, const Point& shared,
                                     const Point& own) {
   const Specimen& specimen = *part.specimen;
@@ -166,6 +175,11 @@ double effective_count(const std::vector<double>& residuals) {
   }
   const double likeness = all > 0.0 ? std::clamp(together / all, 0.0, 0.99) : 0.0;
   return n * (1.0 - likeness) / (1.0 + likeness);
+}
+
+double trusted_count(double effective, std::size_t points, std::size_t parameters) {
+  const double fewest = std::min(static_cast<double>(points), 3.0 * static_cast<double>(parameters));
+  return std::max(effective, fewest);
 }
 
 Minima find_minima(Problem problem, const std::vector<Solution>& more) {

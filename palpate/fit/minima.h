@@ -18,6 +18,9 @@ struct Minima {
 /// @param more starts to descend from besides
 [[nodiscard]] Minima find_minima(Problem problem, const std::vector<Solution>& more = {});
 
+/// [setup] Sets the loss and sigma of a problem by what a solution leaves, its best one.
+void set_loss(Problem& problem, Solution best);
+
 /// [setup] Residuals of a part's points in shares of its range of force, without loss and weights; in order
 /// of time, or without times of displacement.
 [[nodiscard]] std::vector<double> plain_residuals(const Problem& problem, const Part& part,
@@ -26,5 +29,9 @@ struct Minima {
 /// [setup] How many independent values carry as much as these: n (1 - r)/(1 + r), r the correlation of
 /// neighbours, where that is above 0. Noise of a sensor leaves n, a law that misses the curve much less.
 [[nodiscard]] double effective_count(const std::vector<double>& residuals);
+
+/// [any] The same, but at least three a parameter where there are so many points: fewer would let intervals
+/// wander where the curve plainly is not.
+[[nodiscard]] double trusted_count(double effective, std::size_t points, std::size_t parameters);
 
 }  // namespace palpate::fit

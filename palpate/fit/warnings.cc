@@ -17,25 +17,12 @@ std::string brief(double value) {
   return text;
 }
 
-/// Parameters whose interval reaches a bound of what was tried, or most of the way between both.
-void add_undetermined(const Minima& minima, const std::vector<Point>& points, const SpecimenFit& fit,
+void add_undetermined(const std::vector<Determined>& determined, const SpecimenFit& fit,
                       std::vector<std::string>& out) {
-  const Problem& problem = minima.problem;
   const std::vector<ParameterLabel> names = labels(fit.terms);
-  for (std::size_t i = 0; i < problem.bounds.low.size(); ++i) {
-    std::vector<double> column;
-    for (const Point& point : points) column.push_back(point[i]);
-    const double low = quantile(column, 0.025);
-    const double high = quantile(column, 0.975);
-    const double whole = problem.bounds.high[i] - problem.bounds.low[i];
-    const bool wide = high - low > 0.5 * whole;
-    const bool at_low = low - problem.bounds.low[i] < 0.03 * whole;
-    const bool at_high = problem.bounds.high[i] - high < 0.03 * whole;
-    if (!wide && !at_low && !at_high) continue;
-    const Interval& interval = fit.estimates[i].interval;
-    out.push_back(names[i].name + " is not determined by the data: its interval, " +
-                  brief(interval.low / names[i].unit) + " to " + brief(interval.high / names[i].unit) +
-                  (wide ? ", spans most of what was tried" : ", ends where the search ends"));
+  for (std::size_t i = 0; i < determined.size(); ++i) {
+    if (determined[i] == Determined::kYes) continue;
+    out.push_back(undetermined_warning(determined[i], names[i], fit.estimates[i].interval));
   }
 }
 
@@ -114,9 +101,34 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
 
 }  // namespace
 
+Determined determined_by(double low, double high, double lowest, double highest) {
+  const double whole = highest - lowest;
+  if (high - low > 0.5 * whole) return Determined::kSpansMost;
+  const bool at_end = low - lowest < 0.03 * whole || highest - high < 0.03 * whole;
+  return at_end ? Determined::kEndsWhereTheSearchEnds : Determined::kYes;
+}
+
+std::string undetermined_warning(Determined how, const ParameterLabel& label, const Interval& interval) {
+  return label.name + " is not determined by the data: its interval, " + brief(interval.low / label.unit) +
+         " to " + brief(interval.high / label.unit) +
+         (how == Determined::kSpansMost ? ", spans most of what was tried" : ", ends where the search ends");
+}
+
+std::vector<Determined> determined_of(const Minima& minima, const std::vector<Point>& points) {
+  const Bounds& bounds = minima.problem.bounds;
+  std::vector<Determined> determined;
+  for (std::size_t i = 0; i < bounds.low.size(); ++i) {
+    std::vector<double> column;
+    for (const Point& point : points) column.push_back(point[i]);
+    determined.push_back(
+        determined_by(quantile(column, 0.025), quantile(column, 0.975), bounds.low[i], bounds.high[i]));
+  }
+  return determined;
+}
+
 std::vector<std::string> warnings_of(const Minima& minima, const Ensemble& ensemble, const SpecimenFit& fit) {
   std::vector<std::string> out;
-  add_undetermined(minima, ensemble.points, fit, out);
+  add_undetermined(determined_of(minima, ensemble.points), fit, out);
   add_correlated(ensemble.points, fit, out);
   add_wide_law(fit, out);
   add_data(minima, fit, out);

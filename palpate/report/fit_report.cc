@@ -14,6 +14,7 @@
 #include "palpate/report/figures.h"
 #include "palpate/report/gnuplot.h"
 #include "palpate/report/page.h"
+#include "palpate/report/sweep_section.h"
 #include "palpate/report/text_format.h"
 
 namespace palpate::report {
@@ -101,8 +102,9 @@ TableRows estimate_table(const std::vector<fit::Estimate>& estimates, std::size_
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const fit::Estimate& estimate = estimates[i];
     const double unit = labels[i].unit;
-    std::vector<std::string> row = {escaped(labels[i].name), digits(estimate.value / unit),
-                                    range_text(estimate.interval, unit)};
+    std::vector<std::string> row = {
+        escaped(labels[i].name), digits(estimate.value / unit),
+        range_text(estimate.interval, unit) + (estimate.determined ? "" : ", not determined")};
     if (covariance) row.push_back(estimate.covariance ? range_text(*estimate.covariance, unit) : "none");
     if (bootstrap) row.push_back(estimate.bootstrap ? range_text(*estimate.bootstrap, unit) : "none");
     rows.push_back(std::move(row));
@@ -161,8 +163,9 @@ void write_specimen(Page& page, const fit::SpecimenFit& fit, const Figure& figur
 }  // namespace
 
 std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits,
-                                       const fit::PooledFit& pooled, const fit::Settings& settings,
-                                       const std::string& command, const std::filesystem::path& folder) {
+                                       const fit::PooledFit& pooled, const std::vector<fit::Sweep>& sweeps,
+                                       const fit::Settings& settings, const std::string& command,
+                                       const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder)) {
@@ -176,6 +179,7 @@ std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits
     const std::string number = std::to_string(i + 1);
     write_specimen(page, fits[i], draw_curve(fits[i], folder / ("specimen-" + number + ".svg")), i + 1);
   }
+  write_sweeps(page, sweeps, folder);
   std::filesystem::path file = folder / "report.html";
   std::ofstream out(file, std::ios::binary);
   out << page.html();

@@ -42,6 +42,7 @@ SpecimenFit plain_fit() {
   fit.estimates[0].interval = {-std::numeric_limits<double>::infinity(), 1e-310};
   fit.estimates[1].covariance = Interval{1.0 / 3.0, 2.0 / 3.0};
   fit.estimates[2].bootstrap = Interval{-0.0, std::numeric_limits<double>::quiet_NaN()};
+  fit.estimates[2].determined = false;
   fit.rms = 1e-300;
   fit.points = 7;
   fit.rows = 9;
@@ -74,6 +75,8 @@ TEST(FitRecord, ReadsBackToTheBit) {
   EXPECT_EQ(back.estimates[1].covariance->high, 2.0 / 3.0);
   EXPECT_TRUE(std::signbit(back.estimates[2].bootstrap->low));
   EXPECT_TRUE(std::isnan(back.estimates[2].bootstrap->high));
+  EXPECT_TRUE(back.estimates[1].determined);
+  EXPECT_FALSE(back.estimates[2].determined);
   EXPECT_EQ(back.rms, 1e-300);
   EXPECT_EQ(back.own, fit.own);
 }

@@ -199,6 +199,35 @@ TEST(FitPooled, OneSetOfParametersForSpecimensWithOffsetsOfTheirOwn) {
   EXPECT_NO_THROW(model::validate(pooled.tissue));
 }
 
+// Three lines of 20 N/m, 3 mm deep: L_1 is at least 3 mm, and any beta and q make the same curve.
+TEST(FitPooled, TheIntervalOfWhatNoSpecimenTellsIsAllThatWasTried) {
+  std::vector<Specimen> specimens;
+  std::vector<SpecimenFit> fits;
+  for (std::uint32_t n = 0; n < 3; ++n) {
+    Random random(9, n, 0);
+    Specimen line;
+    line.name = "line";
+    for (int i = 1; i <= 30; ++i) {
+      line.displacement.push_back(1e-4 * i);
+      line.force.push_back(20.0 * 1e-4 * i + 1e-4 * random.normal());
+    }
+    specimens.push_back(line);
+    fits.push_back(fit_specimen(specimens.back(), settings_for(LawKind::kLayered), n, {}));
+  }
+  const PooledFit pooled = fit_pooled(specimens, fits, settings_for(LawKind::kLayered), {});
+  EXPECT_TRUE(pooled.estimates[0].determined);
+  EXPECT_NEAR(pooled.estimates[0].value, 20.0, 0.2);
+  EXPECT_FALSE(pooled.estimates[1].determined);
+  EXPECT_LT(pooled.estimates[1].interval.low, 0.21);
+  EXPECT_GT(pooled.estimates[1].interval.high, 19.9);
+  EXPECT_FALSE(pooled.estimates[2].determined);
+  EXPECT_LT(pooled.estimates[2].interval.low, 0.051);
+  EXPECT_GT(pooled.estimates[2].interval.high, 2.99);
+  EXPECT_FALSE(pooled.estimates[3].determined);
+  EXPECT_GT(pooled.estimates[3].interval.low, 2e-3);
+  EXPECT_THAT(pooled.warnings, testing::Contains(testing::HasSubstr("q is not determined by the data")));
+}
+
 TEST(FitPooled, RefusesNoSpecimensAndFitsOfOthers) {
   EXPECT_THROW((void)fit_pooled({}, {}, {}, {}), InputError);
   EXPECT_THROW((void)fit_pooled({curve(LawKind::kSmooth, 0.0, 1)}, {}, {}, {}), InputError);

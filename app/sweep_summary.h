@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/fit/sweep.h"
+
+namespace palpate::app {
+
+/// [setup] Sweeps as a list (docs/fitting.md has its fields).
+[[nodiscard]] nlohmann::ordered_json sweeps_json(const std::vector<fit::Sweep>& sweeps);
+
+/// [setup] The same as CSV, a line a value; what there is none of is empty.
+[[nodiscard]] std::string sweeps_csv(const std::vector<fit::Sweep>& sweeps);
+
+/// [setup] What each sweep came to, a line each; nothing for none.
+[[nodiscard]] std::string sweeps_text(const std::vector<fit::Sweep>& sweeps);
+
+}  // namespace palpate::app

@@ -1,0 +1,205 @@
+#include "palpate/fit/sweep.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "palpate/base/error.h"
+#include "palpate/base/text.h"
+#include "palpate/fit/fit_record.h"
+#include "palpate/fit/sweep_piece.h"
+
+namespace palpate::fit {
+namespace {
+
+constexpr const char* kWanted =
+    ": must be k1_N_per_m, beta, q, limit_mm or all, and after it nothing or =LOW:HIGH or =LOW:HIGH:N with "
+    "0 < LOW < HIGH and N from 3 to 1000, e.g. q=0.5:0.9:21";
+
+[[noreturn]] void refuse(const std::string& flag, const std::string& text) {
+  throw InputError(flag + ' ' + text + kWanted);
+}
+
+/// All of `text` as a number.
+template <typename Number>
+bool read(std::string_view text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// LOW:HIGH or LOW:HIGH:N, in a parameter's unit; false when it is not that.
+bool read_range(std::string_view text, double unit, SweepRequest& request) {
+  const std::size_t first = text.find(':');
+  if (first == std::string_view::npos) return false;
+  const std::size_t second = text.find(':', first + 1);
+  double low = 0.0;
+  double high = 0.0;
+  if (!read(text.substr(0, first), low) || !read(text.substr(first + 1, second - first - 1), high))
+    return false;
+  if (second != std::string_view::npos && !read(text.substr(second + 1), request.values)) return false;
+  request.low = low * unit;
+  request.high = high * unit;
+  return *request.low > 0.0 && *request.low < *request.high && std::isfinite(*request.high) &&
+         request.values >= kFewestSweepValues && request.values <= kMostSweepValues;
+}
+
+/// A request as text that tells all of it, for keys.
+std::string text_of(const SweepRequest& request) {
+  const auto number = [](const std::optional<double>& value) { return value ? shortest(*value) : "-"; };
+  return std::to_string(request.parameter) + '=' + number(request.low) + ':' + number(request.high) + ':' +
+         std::to_string(request.values);
+}
+
+class Sweeping final {
+ public:
+  Sweeping(std::vector<Specimen> specimens, const ManyFits& fits, const Settings& settings, Crew& crew)
+      : specimens_(std::move(specimens)), fits_(fits), settings_(settings), crew_(crew) {}
+
+  /// Both halves of every request, for each specimen and, of several, for all together.
+  void plan(const std::vector<SweepRequest>& requests) {
+    const std::size_t count = specimens_.size();
+    for (std::size_t target = 0; target < (count > 1 ? count + 1 : 1); ++target) {
+      for (const SweepRequest& request : requests) {
+        for (const bool upwards : {false, true}) pieces_.push_back({target, request, upwards});
+      }
+    }
+    lines_.resize(pieces_.size());
+  }
+
+  /// What the results file has already, the same on every member; rank 0 opens it to add to.
+  void resume(const std::string& file) {
+    std::string shared;
+    if (crew_.rank() == 0 && !file.empty()) {
+      const std::map<std::string, std::string> known = read_lines(file);
+      for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        const auto line = known.find(key_of_piece(i));
+        if (line != known.end()) shared += std::to_string(i) + ' ' + line->second + '\n';
+      }
+      results_.open(file, std::ios::binary | std::ios::app);
+      results_ << '\n';
+    }
+    const bool writable =
+        file.empty() || crew_.from_first(crew_.rank() == 0 && results_ ? "yes" : "no") == "yes";
+    if (!writable) throw InputError("--out: the results beside it, " + file + ", cannot be written");
+    shared = crew_.from_first(std::move(shared));
+    for (std::size_t at = 0; at < shared.size();) {
+      const std::size_t space = shared.find(' ', at);
+      const std::size_t end = shared.find('\n', space);
+      lines_[std::stoul(shared.substr(at, space - at))] = shared.substr(space + 1, end - space - 1);
+      at = end + 1;
+      ++resumed_;
+    }
+  }
+
+  void compute(const Progress& progress) {
+    std::vector<std::size_t> missing;
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      if (lines_[i].empty()) missing.push_back(i);
+    }
+    std::size_t done = lines_.size() - missing.size();
+    const auto tell = [&](std::size_t i) {
+      if (progress)
+        progress(static_cast<double>(done) / static_cast<double>(lines_.size()), name_of(pieces_[i]));
+    };
+    const auto work = [&](std::size_t item) {
+      const std::size_t i = missing[item];
+      return sweep_line(pieces_[i], key_of_piece(i), specimens_, fits_, settings_);
+    };
+    const auto arrived = [&](std::size_t item, const std::string& line) {
+      ++done;
+      if (results_.is_open()) results_ << line << std::endl;  // NOLINT(performance-avoid-endl): at once
+      tell(missing[item]);
+    };
+    if (!missing.empty()) tell(missing.front());
+    const std::vector<std::string> found = crew_.share_out(missing.size(), work, arrived);
+    for (std::size_t item = 0; item < missing.size(); ++item) lines_[missing[item]] = found[item];
+  }
+
+  [[nodiscard]] Sweeps finish() const {
+    Sweeps sweeps;
+    sweeps.resumed = resumed_;
+    for (std::size_t i = 0; i < pieces_.size(); i += 2) {
+      const SweepPiece& piece = pieces_[i];
+      const bool pooled = piece.target == specimens_.size();
+      Sweep sweep;
+      if (!pooled) sweep.specimen = specimens_[piece.target].name;
+      sweep.parameter = piece.request.parameter;
+      sweep.terms = pooled ? fits_.pooled.terms : fits_.specimens[piece.target].terms;
+      sweep.best =
+          (pooled ? fits_.pooled.estimates : fits_.specimens[piece.target].estimates)[sweep.parameter].value;
+      add_sweep_line(lines_[i], sweep);
+      add_sweep_line(lines_[i + 1], sweep);
+      std::stable_sort(sweep.points.begin(), sweep.points.end(),
+                       [](const SweepPoint& a, const SweepPoint& b) { return a.value < b.value; });
+      sweep.open_below = sweep.points.front().within_95;
+      sweep.open_above = sweep.points.back().within_95;
+      sweeps.all.push_back(std::move(sweep));
+    }
+    return sweeps;
+  }
+
+ private:
+  [[nodiscard]] std::string key_of_piece(std::size_t i) const {
+    return sweep_key_of(text_of(pieces_[i].request), 2 * pieces_[i].target + (pieces_[i].upwards ? 1 : 0),
+                        specimens_, settings_);
+  }
+
+  [[nodiscard]] std::string name_of(const SweepPiece& piece) const {
+    const std::string whose =
+        piece.target == specimens_.size() ? "all together" : specimens_[piece.target].name;
+    return whose + ": " + labels(0)[piece.request.parameter].name;
+  }
+
+  std::vector<Specimen> specimens_;
+  const ManyFits& fits_;
+  const Settings& settings_;
+  Crew& crew_;
+  std::vector<SweepPiece> pieces_;
+  std::vector<std::string> lines_;  // one a piece, empty where it is still to be computed
+  std::size_t resumed_ = 0;
+  std::ofstream results_;
+};
+
+}  // namespace
+
+std::vector<SweepRequest> sweep_requests(const std::string& flag, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  const std::vector<ParameterLabel> names = labels(0);
+  std::vector<SweepRequest> requests;
+  for (std::size_t i = 0; i < kLawParameters; ++i) {
+    if (name != names[i].name && name != "all") continue;
+    SweepRequest request;
+    request.parameter = i;
+    const bool ranged = equals != std::string::npos;
+    const bool one_range_for_all = ranged && name == "all";  // their units differ
+    if (one_range_for_all || (ranged && !read_range(text.substr(equals + 1), names[i].unit, request))) {
+      refuse(flag, text);
+    }
+    requests.push_back(request);
+  }
+  if (requests.empty()) refuse(flag, text);
+  return requests;
+}
+
+Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
+                  const std::vector<SweepRequest>& requests, const Settings& settings, Crew& crew,
+                  const std::string& results_file, const Progress& progress) {
+  if (crew.size() > 1) {
+    specimens = specimens_of(crew.from_first(crew.rank() == 0 ? bytes_of(specimens) : std::string()));
+  }
+  if (specimens.empty() || specimens.size() != fits.specimens.size()) {
+    throw InputError("sweep: needs at least one specimen, and a fit of each");
+  }
+  Sweeping sweeping(std::move(specimens), fits, settings, crew);
+  sweeping.plan(requests);
+  sweeping.resume(results_file);
+  sweeping.compute(progress);
+  return sweeping.finish();
+}
+
+}  // namespace palpate::fit
