@@ -100,7 +100,7 @@ void forget_cluster(const OrganSurface& surface, const PartPoints& points, std::
   guess = middle.triangle;
   for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
     part.known[i] = middle.distance;
-    part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
+    part.since[i] = part.travelled - points.offset[i];
     part.floor[i] = part.known[i] + part.since[i];
     part.nearest_triangle[i] = middle.triangle;
     set_inside(part, i, middle.distance);
@@ -165,8 +165,24 @@ void update_point(const OrganSurface& surface, const PartPoints& points, std::si
   }
 }
 
-bool may_have_crossed(const PartState& part, std::size_t point) noexcept {
-  return least_distance(part, point) <= kInside && greatest_distance(part, point) >= kInside;
+/// One bit a point of a cluster, the first lowest: it may have crossed the surface.
+std::uint32_t crossed_in(const PartPoints::Cluster& cluster, const PartState& part) noexcept {
+  const Pair inside(kInside);
+  const Pair travelled(part.travelled);
+  const auto crossed = [&](const Pair& known, const Pair& since) {
+    const Pair way = travelled - since;
+    return lanes_of(known - way <= inside && known + way >= inside);
+  };
+  std::uint32_t points = 0;
+  std::size_t i = cluster.begin;
+  for (; i + kPair <= cluster.end; i += kPair) {
+    points |= crossed(Pair::load_unaligned(&part.known[i]), Pair::load_unaligned(&part.since[i]))
+              << (i - cluster.begin);
+  }
+  if (i < cluster.end) {
+    points |= (crossed(Pair(part.known[i]), Pair(part.since[i])) & 1U) << (i - cluster.begin);
+  }
+  return points;
 }
 
 /// Where a part's contacts are, in the part's frame.
@@ -196,51 +212,57 @@ class ContactPlaces final {
   std::array<Vec3, kContactsPerPart> places_;
 };
 
-/// What a point's distance just asked says of the points after it in its cluster: what is nearer to it than
-/// the surface is, is on its side. Those so near to the surface that they would soon be asked again are left.
-void settle_after(const PartPoints& points, std::size_t i, std::size_t end, double distance,
-                  PartState& part) noexcept {
+/// What point i's distance just asked says of others of its cluster, one bit each: what is nearer to it than
+/// the surface is, is on its side. @return those so near to the surface that they would soon be asked again
+std::uint32_t settle_around(const PartPoints& points, std::size_t c, std::size_t i, double distance,
+                            std::uint32_t others, PartState& part) noexcept {
   const Vec3 asked = points.point(i);
-  for (std::size_t j = i + 1; j < end; ++j) {
-    if (!may_have_crossed(part, j)) continue;
+  std::uint32_t open = 0;
+  for (; others != 0; others &= others - 1) {
+    const std::size_t j = points.clusters[c].begin + static_cast<std::size_t>(std::countr_zero(others));
     const double way = (points.point(j) - asked).norm();
     const double clear = std::abs(distance) - way - kBoundSlack;
-    if (clear < kLeastClear) continue;
+    if (clear < kLeastClear) {
+      open |= others & -others;
+      continue;
+    }
     part.known[j] = distance < 0.0 ? -clear : clear;
     part.since[j] = part.travelled;
     part.floor[j] = std::max(part.floor[j], distance - way - kBoundSlack + part.travelled);
     part.nearest_triangle[j] = part.nearest_triangle[i];
     set_inside(part, j, part.known[j]);
   }
+  return open;
 }
 
 /// A cluster that was left looks where its points are now; what has crossed meanwhile starts nothing by it.
 /// @return distances asked
 int take_up(const OrganSurface& surface, const PartPoints& points, std::size_t c, PartState& part) noexcept {
-  const std::size_t end = points.clusters[c].end;
-  std::int32_t guess = part.nearest_triangle[points.clusters[c].begin];
+  const PartPoints::Cluster& cluster = points.clusters[c];
+  std::int32_t guess = part.nearest_triangle[cluster.begin];
   forget_cluster(surface, points, c, part, guess);
   int asked = 1;
-  for (std::size_t i = points.clusters[c].begin; i < end; ++i) {
-    if (!may_have_crossed(part, i)) continue;
+  for (std::uint32_t open = crossed_in(cluster, part); open != 0; ++asked) {
+    const std::size_t i = cluster.begin + static_cast<std::size_t>(std::countr_zero(open));
     const double distance = ask_distance(surface, points, i, part).distance;
-    settle_after(points, i, end, distance, part);
-    ++asked;
+    open = settle_around(points, c, i, distance, open & (open - 1), part);
   }
   return asked;
 }
 
 /// One question for all points of a cluster: what is nearer to its middle than the surface is, is on the
 /// middle's side, and was there a tick ago if the surface is farther off than the tick's way.
+/// @param crossed the points in question, one bit each
 void settle_by_middle(const OrganSurface& surface, const PartPoints& points, std::size_t c,
-                      PartState& part) noexcept {
+                      std::uint32_t crossed, PartState& part) noexcept {
   const PartPoints::Cluster& cluster = points.clusters[c];
   const geometry::NearestPoint middle =
       surface.nearest(part.placed_S * cluster.centre, part.nearest_triangle[cluster.begin]);
   const bool inside = middle.distance < 0.0;
-  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-    if (!may_have_crossed(part, i) || (part.inside[i] != 0) != inside) continue;
-    const double clear = std::abs(middle.distance) - (points.point(i) - cluster.centre).norm() - kBoundSlack;
+  for (; crossed != 0; crossed &= crossed - 1) {
+    const std::size_t i = cluster.begin + static_cast<std::size_t>(std::countr_zero(crossed));
+    if ((part.inside[i] != 0) != inside) continue;
+    const double clear = std::abs(middle.distance) - points.offset[i] - kBoundSlack;
     if (clear + kInside <= part.motion) continue;
     part.known[i] = inside ? -clear : clear;
     part.since[i] = part.travelled;
@@ -249,19 +271,18 @@ void settle_by_middle(const OrganSurface& surface, const PartPoints& points, std
   }
 }
 
-int count_crossed(const PartPoints::Cluster& cluster, const PartState& part) noexcept {
-  int count = 0;
-  for (std::size_t i = cluster.begin; i < cluster.end; ++i) count += may_have_crossed(part, i) ? 1 : 0;
-  return count;
-}
-
 /// Asks the points of a cluster that may have crossed the surface.
 void ask_crossed(const OrganSurface& surface, const PartPoints& points, std::size_t c, bool placed_anew,
                  PartState& part) noexcept {
   const PartPoints::Cluster& cluster = points.clusters[c];
-  if (count_crossed(cluster, part) > kFewPoints) settle_by_middle(surface, points, c, part);
-  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-    if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
+  std::uint32_t crossed = crossed_in(cluster, part);
+  if (std::popcount(crossed) > kFewPoints) {
+    settle_by_middle(surface, points, c, crossed, part);
+    crossed = crossed_in(cluster, part);
+  }
+  for (; crossed != 0; crossed &= crossed - 1) {
+    const std::size_t i = cluster.begin + static_cast<std::size_t>(std::countr_zero(crossed));
+    update_point(surface, points, i, placed_anew, part);
   }
 }
 
@@ -350,7 +371,7 @@ void raise_floor(const OrganSurface& surface, const PartPoints& points, std::siz
   const geometry::NearestPoint middle =
       surface.nearest(part.placed_S * cluster.centre, part.nearest_triangle[cluster.begin]);
   for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-    const double floor = middle.distance - (points.point(i) - cluster.centre).norm() + part.travelled;
+    const double floor = middle.distance - points.offset[i] + part.travelled;
     part.floor[i] = std::max(part.floor[i], floor);
   }
 }

@@ -51,13 +51,22 @@ struct PlanePair {
         nz(plane.normal.z()),
         inner_squared(0.25 * plane.radius * plane.radius) {}
 
-  [[nodiscard]] Pair depths(const PartPoints::Weighed& a, const PartPoints::Weighed& b,
-                            const Plane& plane) const noexcept {
+  /// Where no depth tapers.
+  [[nodiscard]] Pair untapered(const PartPoints::Weighed& a, const PartPoints::Weighed& b) const noexcept {
+    const Pair dx = pair_of(a.x, b.x) - x;
+    const Pair dy = pair_of(a.y, b.y) - y;
+    const Pair dz = pair_of(a.z, b.z) - z;
+    return -(dx * nx + (dy * ny + dz * nz));
+  }
+
+  /// @param rho_squared becomes the squared distances from the axis
+  [[nodiscard]] Pair depths(const PartPoints::Weighed& a, const PartPoints::Weighed& b, const Plane& plane,
+                            Pair& rho_squared) const noexcept {
     const Pair dx = pair_of(a.x, b.x) - x;
     const Pair dy = pair_of(a.y, b.y) - y;
     const Pair dz = pair_of(a.z, b.z) - z;
     const Pair depth = -(dx * nx + (dy * ny + dz * nz));
-    const Pair rho_squared = dx * dx + (dy * dy + dz * dz) - depth * depth;
+    rho_squared = dx * dx + (dy * dy + dz * dz) - depth * depth;
     if (xsimd::all(rho_squared <= inner_squared)) return depth;
     return pair_of(plane.tapered(depth.get(0), rho_squared.get(0)),
                    plane.tapered(depth.get(1), rho_squared.get(1)));
@@ -107,45 +116,109 @@ constexpr double kKeptBeside = 0.25;
 constexpr double kKeptTurn = 0.1;    // rad, that the plane may have turned since
 constexpr double kKeptSlack = 1e-9;  // m, for rounding in the bound
 
-/// How deep a point that is not on the list may be by now, if that can be said [m].
-double most_of_the_rest(const Shortlist& kept, const Plane& plane) noexcept {
-  const double nowhere = std::numeric_limits<double>::infinity();
-  if (kept.count == 0) return nowhere;
-  const Vec3 moved = plane.point - kept.point;
-  const double way = moved.norm();
-  const double turned = (plane.normal - kept.normal).norm();
-  const double beside = kKeptBeside * plane.radius;
-  if (turned > kKeptTurn || way + (kept.reach + way) * turned > beside) return nowhere;
-  // A point p that counts now is within R_ref of the axis, and was within R_ref + `beside`. Its height over
-  // the plane has changed by moved . n and by |p - c| `turned` at most, and its distance from the axis by
-  // |p - c| `turned` and the way beside it; the taper changes by at most 3 / R_ref of that.
-  const double raised = moved.dot(kept.normal);
-  const double by_turning = 1.5 * (plane.radius + kept.behind) * turned;
-  const double deeper = std::max(0.0, raised) + by_turning;
-  const double across = std::sqrt(std::max(0.0, way * way - raised * raised)) + by_turning;
-  return kept.rest + deeper + (kept.behind + deeper) * (3.0 / plane.radius) * across;
-}
+/// What a shortlist says of a plane that has moved since.
+class Since final {
+ public:
+  Since(const Shortlist& kept, const Plane& plane) noexcept
+      : kept_(kept),
+        plane_(plane),
+        moved_(plane.point - kept.point),
+        way_(moved_.norm()),
+        turned_((plane.normal - kept.normal).norm()),
+        raised_(moved_.dot(kept.normal)),
+        moved_aside_(std::sqrt(std::max(0.0, way_ * way_ - raised_ * raised_))) {}
 
-/// The exact depths of some points [m], two at a time; @return the greatest, 0 when none is behind the plane.
+  /// How deep a point that is not on the list may be by now, if that can be said [m].
+  [[nodiscard]] double most_of_the_rest() const noexcept {
+    const double nowhere = std::numeric_limits<double>::infinity();
+    const double beside = kKeptBeside * plane_.radius;
+    if (kept_.count == 0 || turned_ > kKeptTurn || way_ + (kept_.reach + way_) * turned_ > beside)
+      return nowhere;
+    // A point p that counts now is within R_ref of the axis, and was within R_ref + `beside`. Its height over
+    // the plane has changed by moved . n and by |p - c| `turned` at most, and its distance from the axis by
+    // |p - c| `turned` and the way beside it; the taper changes by at most 3 / R_ref of that.
+    const double by_turning = 1.5 * (plane_.radius + kept_.behind) * turned_;
+    const double deeper = std::max(0.0, raised_) + by_turning;
+    const double across = moved_aside_ + by_turning;
+    return kept_.rest + deeper + (kept_.behind + deeper) * (3.0 / plane_.radius) * across;
+  }
+
+  /// Whether every point of the list is surely so near to the axis that its depth does not taper.
+  [[nodiscard]] bool none_tapers() const noexcept {
+    const double most = kept_.aside + kept_.behind + 2.0 * kKeptMargin;  // that a point was from `point`
+    return kept_.aside + moved_aside_ + (most + way_) * turned_ + kKeptSlack < 0.5 * plane_.radius;
+  }
+
+ private:
+  const Shortlist& kept_;
+  const Plane& plane_;
+  Vec3 moved_;
+  double way_;
+  double turned_;
+  double raised_;
+  double moved_aside_;
+};
+
+/// The exact depths of some points.
+struct Depths {
+  double deepest = 0.0;      // m; 0 when no point is behind the plane
+  double rho_squared = 0.0;  // of the point farthest from the axis [m^2]
+};
+
+/// The exact depths of some points [m], two at a time.
 /// @param depths room for one more than there are points
-double measure(const PartPoints& part, const Plane& given, std::span<const std::uint16_t> points,
+Depths measure(const PartPoints& part, const Plane& given, std::span<const std::uint16_t> points,
                double* depths) noexcept {
   const Plane plane = given;  // here nothing that is written can be part of it
   const PlanePair pair(plane);
   const PartPoints::Weighed* const weighed = part.weighed.data();
   Pair deepest(0.0);
+  Pair farthest(0.0);
   for (std::size_t k = 0; k < points.size(); k += kPair) {
-    const std::size_t next = std::min(k + 1, points.size() - 1);  // the last of an odd number twice
-    const Pair two = pair.depths(weighed[points[k]], weighed[points[next]], plane);
+    const PartPoints::Weighed& a = weighed[points[k]];
+    const PartPoints::Weighed& b = weighed[points[std::min(k + 1, points.size() - 1)]];  // the last one twice
+    Pair rho_squared(0.0);
+    const Pair two = pair.depths(a, b, plane, rho_squared);
     two.store_unaligned(depths + k);
     deepest = xsimd::max(two, deepest);
+    farthest = xsimd::max(rho_squared, farthest);
   }
-  return std::max(deepest.get(0), deepest.get(1));
+  return {largest_of(deepest), largest_of(farthest)};
 }
 
+/// The same where no point is so far from the axis that its depth tapers. @return the greatest depth [m]
+double measure_inner(const PartPoints& part, const Plane& given, std::span<const std::uint16_t> points,
+                     double* depths) noexcept {
+  const PlanePair pair(given);
+  const PartPoints::Weighed* const weighed = part.weighed.data();
+  Pair deepest(0.0);
+  const auto two = [&](std::size_t first, std::size_t second) {
+    const Pair found = pair.untapered(weighed[points[first]], weighed[points[second]]);
+    found.store_unaligned(depths + first);
+    deepest = xsimd::max(found, deepest);
+  };
+  std::size_t k = 0;
+  for (; k + kPair <= points.size(); k += kPair) two(k, k + 1);
+  if (k < points.size()) two(k, k);
+  return largest_of(deepest);
+}
+
+/// Weighted sums over points.
+struct Sums {
+  Pair xy = Pair(0.0);
+  Pair z_radius = Pair(0.0);
+  Pair weight_width = Pair(0.0);
+
+  void add(const PartPoints::Weighed& point, const Pair& weight) noexcept {
+    xy += weight * Pair::load_aligned(&point.x);
+    z_radius += weight * Pair::load_aligned(&point.z);
+    weight_width += weight * Pair::load_aligned(&point.one);
+  }
+};
+
 /// What points of these depths add up to, of which `depth` is the greatest.
-/// @param depths as measure() left them; they become the points' shares
-Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, double* depths,
+/// @param depths as measure() left them
+Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, const double* depths,
                double depth) noexcept {
   Support support;
   if (depth <= 0.0) return support;
@@ -153,25 +226,24 @@ Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, do
   const PartPoints::Weighed* const weighed = part.weighed.data();
   const Pair greatest(depth);
   const Pair width(std::min(kSupportBand, depth));
-  for (std::size_t k = 0; k < points.size(); k += kPair) {
-    const Pair share = Pair(1.0) - (greatest - Pair::load_unaligned(depths + k)) / width;
-    // A point outside the band adds nothing: a weight of 0 changes no bit, and costs less than to ask.
-    xsimd::max(share, Pair(0.0)).store_unaligned(depths + k);
-  }
-  Pair sum_xy(0.0);
-  Pair sum_z_radius(0.0);
-  Pair sum_weight_width(0.0);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const PartPoints::Weighed& point = weighed[points[k]];
-    const Pair weight(point.area * depths[k]);
-    sum_xy += weight * Pair::load_aligned(&point.x);
-    sum_z_radius += weight * Pair::load_aligned(&point.z);
-    sum_weight_width += weight * Pair::load_aligned(&point.one);
-  }
-  const double total = sum_weight_width.get(0);
-  support.mean = Vec3(sum_xy.get(0), sum_xy.get(1), sum_z_radius.get(0)) / total;
-  support.tip_radius = sum_z_radius.get(1) / total;
-  support.half_width = sum_weight_width.get(1) / total;
+  Sums sums;
+  // A point outside the band adds nothing: a weight of 0 changes no bit, and often costs less than to ask.
+  const auto add_two = [&](std::size_t first, std::size_t second) {
+    const Pair share = Pair(1.0) - (greatest - Pair::load_unaligned(depths + first)) / width;
+    if (lanes_of(share > Pair(0.0)) == 0) return;
+    const PartPoints::Weighed& a = weighed[points[first]];
+    const PartPoints::Weighed& b = weighed[points[second]];
+    const Pair weight = pair_of(a.area, b.area) * xsimd::max(share, Pair(0.0));
+    sums.add(a, Pair(_mm_unpacklo_pd(weight, weight)));
+    if (first != second) sums.add(b, Pair(_mm_unpackhi_pd(weight, weight)));
+  };
+  std::size_t k = 0;
+  for (; k + kPair <= points.size(); k += kPair) add_two(k, k + 1);
+  if (k < points.size()) add_two(k, k);
+  const double total = sums.weight_width.get(0);
+  support.mean = Vec3(sums.xy.get(0), sums.xy.get(1), sums.z_radius.get(0)) / total;
+  support.tip_radius = sums.z_radius.get(1) / total;
+  support.half_width = sums.weight_width.get(1) / total;
   return support;
 }
 
@@ -221,7 +293,7 @@ class SupportSearch final {
     }
   }
 
-  /// Keeps what look_at_all found, unless that is too much.
+  /// Keeps what look_at_all found and support() has measured, unless that is too much.
   void keep(Shortlist& kept) const noexcept {
     kept.count = 0;
     if (found_ > Shortlist::kMost) return;
@@ -233,6 +305,7 @@ class SupportSearch final {
     for (const PartPoints::Cluster& group : part_.groups) {
       kept.reach = std::max(kept.reach, (group.centre - plane_.point).norm() + group.radius);
     }
+    kept.aside = aside_;
     std::copy_n(scratch_.found_.begin(), found_, kept.points.begin());
     kept.count = static_cast<std::uint32_t>(found_);
   }
@@ -240,8 +313,9 @@ class SupportSearch final {
   /// The support by what look_at_all found.
   [[nodiscard]] Support support() noexcept {
     const std::span<const std::uint16_t> found = std::span(scratch_.found_).first(found_);
-    const double depth = measure(part_, plane_, found, scratch_.exact_.data());
-    return sum_up(part_, found, scratch_.exact_.data(), depth);
+    const Depths depths = measure(part_, plane_, found, scratch_.exact_.data());
+    aside_ = std::sqrt(depths.rho_squared);
+    return sum_up(part_, found, scratch_.exact_.data(), depths.deepest);
   }
 
  private:
@@ -273,6 +347,7 @@ class SupportSearch final {
   std::size_t found_ = 0;
   double behind_ = 0.0;  // as Shortlist's
   double rest_ = 0.0;
+  double aside_ = 0.0;
 };
 
 void DepthScratch::reserve(std::size_t points) {
@@ -294,18 +369,21 @@ Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal
 Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
                    DepthScratch& scratch, Shortlist& kept) noexcept {
   const Plane plane{point, normal, reference_radius};
-  const double rest = most_of_the_rest(kept, plane);
+  const Since since(kept, plane);
+  const double rest = since.most_of_the_rest();
   if (std::isfinite(rest)) {
     std::array<double, Shortlist::kMost + 1> depths;
     const std::span<const std::uint16_t> points = std::span(kept.points).first(kept.count);
-    const double depth = measure(part, plane, points, depths.data());
+    const double depth = since.none_tapers() ? measure_inner(part, plane, points, depths.data())
+                                             : measure(part, plane, points, depths.data()).deepest;
     if (rest < std::max(0.0, depth - kSupportBand) - kKeptSlack)
       return sum_up(part, points, depths.data(), depth);
   }
   SupportSearch search(part, plane, scratch);
   search.look_at_all(kKeptMargin, kKeptBeside * reference_radius);
+  const Support support = search.support();
   search.keep(kept);
-  return search.support();
+  return support;
 }
 
 }  // namespace palpate::contact

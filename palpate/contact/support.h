@@ -28,6 +28,7 @@ struct Shortlist {
   double rest = 0.0;        // no other point had a greater depth [m]
   double reach = 0.0;       // no point of the part was farther from `point` [m]
   double behind = 0.0;      // no point beside the axis was farther behind the plane [m]
+  double aside = 0.0;       // no point of the list was farther from the axis [m]
   std::uint32_t count = 0;  // 0: nothing is kept
   std::array<std::uint16_t, kMost> points{};
 };
