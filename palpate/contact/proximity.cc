@@ -126,28 +126,41 @@ void add_entry(PartState& part, std::size_t point, const SurfacePoint& at) noexc
   part.entries[part.entry_count++] = {static_cast<std::uint32_t>(point), at};
 }
 
+/// The ball's centre in the part's frame, and what it says of points.
+struct BallBound {
+  Vec3 centre_P;
+  double radius;
+
+  explicit BallBound(const PartState& part) noexcept
+      : centre_P(part.placed_S.bring_back(part.ball.centre_S)), radius(part.ball.radius - kBoundSlack) {}
+
+  /// A point is not nearer to the organ than this [m].
+  [[nodiscard]] double least(const Vec3& point_P) const noexcept {
+    return radius - (point_P - centre_P).norm();
+  }
+};
+
 /// Whether a bound alone says that a point is on the side where it was and has not crossed in this tick: the
 /// balls without surface around it, then and now, must meet, and this one hold the tick's way. Keeps the
-/// bound.
-bool stays_on_its_side(const OrganSurface& surface, const PartPoints& points, std::size_t i,
-                       PartState& part) noexcept {
-  const geometry::Clearance now =
-      surface.clearance(part.placed_S * points.point(i), part.nearest_triangle[i]);
-  part.nearest_triangle[i] = now.triangle;
+/// bound. @param least the point is at least so far from the surface [m]
+bool stays_on_its_side(std::size_t i, double least, PartState& part) noexcept {
   const double way = part.travelled - part.since[i];
   const double before = std::abs(part.known[i]);
-  if (now.least + kInside <= part.motion || before + now.least + kInside <= way) return false;
+  if (least + kInside <= part.motion || before + least + kInside <= way) return false;
   const bool outside = part.known[i] > 0.0;
-  part.known[i] = outside ? now.least : -now.least;
+  part.known[i] = outside ? least : -least;
   part.since[i] = part.travelled;
-  if (outside) part.floor[i] = std::max(part.floor[i], now.least + part.travelled);
+  if (outside) part.floor[i] = std::max(part.floor[i], least + part.travelled);
   return true;
 }
 
 /// Asks one point, and notes an entry when it went in, or in and out again, during this tick.
 void update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i, bool placed_anew,
                   PartState& part) noexcept {
-  if (stays_on_its_side(surface, points, i, part)) return;
+  const geometry::Clearance clear =
+      surface.clearance(part.placed_S * points.point(i), part.nearest_triangle[i]);
+  part.nearest_triangle[i] = clear.triangle;
+  if (stays_on_its_side(i, clear.least, part)) return;
   const bool was_inside = part.inside[i] != 0;
   const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
   const geometry::NearestPoint now = ask_distance(surface, points, i, part);
@@ -271,11 +284,24 @@ void settle_by_middle(const OrganSurface& surface, const PartPoints& points, std
   }
 }
 
+/// Passes over those of the crossed points, one bit each, that the ball shows to be outside still.
+/// @return the others
+std::uint32_t leave_to_ball(const PartPoints& points, const PartPoints::Cluster& cluster,
+                            const BallBound& ball, std::uint32_t crossed, PartState& part) noexcept {
+  std::uint32_t open = 0;
+  for (; crossed != 0; crossed &= crossed - 1) {
+    const std::size_t i = cluster.begin + static_cast<std::size_t>(std::countr_zero(crossed));
+    const bool outside = part.known[i] > 0.0;
+    if (!outside || !stays_on_its_side(i, ball.least(points.point(i)), part)) open |= crossed & -crossed;
+  }
+  return open;
+}
+
 /// Asks the points of a cluster that may have crossed the surface.
-void ask_crossed(const OrganSurface& surface, const PartPoints& points, std::size_t c, bool placed_anew,
-                 PartState& part) noexcept {
+void ask_crossed(const OrganSurface& surface, const PartPoints& points, std::size_t c, const BallBound& ball,
+                 bool placed_anew, PartState& part) noexcept {
   const PartPoints::Cluster& cluster = points.clusters[c];
-  std::uint32_t crossed = crossed_in(cluster, part);
+  std::uint32_t crossed = leave_to_ball(points, cluster, ball, crossed_in(cluster, part), part);
   if (std::popcount(crossed) > kFewPoints) {
     settle_by_middle(surface, points, c, crossed, part);
     crossed = crossed_in(cluster, part);
@@ -295,6 +321,7 @@ void find_crossings(const OrganSurface& surface, const PartPoints& points, doubl
   due |= part.left;
   if (due == 0) return;
   const ContactPlaces contacts(reference_radius, period, part);
+  const BallBound ball(part);
   int asked = 0;
   for (; due != 0; due &= due - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(due));
@@ -304,7 +331,7 @@ void find_crossings(const OrganSurface& surface, const PartPoints& points, doubl
       continue;
     }
     if ((part.left & bit_of(c)) == 0) {
-      ask_crossed(surface, points, c, placed_anew, part);
+      ask_crossed(surface, points, c, ball, placed_anew, part);
     } else if (asked < kMostTakenUp) {
       asked += take_up(surface, points, c, part);
     } else {
@@ -331,27 +358,14 @@ void renew_ball(const OrganSurface& surface, const PartPoints& points, PartState
   ball.behind = std::clamp((rests ? 2.0 : 0.5) * ball.behind, kLeastBehind, kGreatestBehind);
 }
 
-/// The ball's centre in the part's frame, and what it says of points.
-struct BallBound {
-  Vec3 centre_P;
-  double radius;
-
-  explicit BallBound(const PartState& part) noexcept
-      : centre_P(part.placed_S.bring_back(part.ball.centre_S)), radius(part.ball.radius - kBoundSlack) {}
-
-  /// A point is not nearer to the organ than this [m].
-  [[nodiscard]] double least(const Vec3& point_P) const noexcept {
-    return radius - (point_P - centre_P).norm();
-  }
-};
-
-/// Raises the floor of a cluster's points by the ball; @return how many may still be nearer than the nearest
-/// so far. Of a cluster that was left the ball must tell the side too.
-int raise_by_ball(const PartPoints& points, std::size_t c, const BallBound& ball, PartState& part) noexcept {
+/// Raises the floor of a cluster's points by the ball; @return how many may still be nearer than `wanted`. Of
+/// a cluster that was left the ball must tell the side too.
+int raise_by_ball(const PartPoints& points, std::size_t c, const BallBound& ball, double wanted,
+                  PartState& part) noexcept {
   const bool left = (part.left & bit_of(c)) != 0;
   int open = 0;
   for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
-    if (part.floor[i] - part.travelled >= part.nearest.distance) continue;
+    if (part.floor[i] - part.travelled >= wanted) continue;
     const double least = ball.least(points.point(i));
     if (left && least > 0.0) {
       part.known[i] = least;
@@ -359,7 +373,7 @@ int raise_by_ball(const PartPoints& points, std::size_t c, const BallBound& ball
       set_inside(part, i, least);
     }
     if (!left || least > 0.0) part.floor[i] = std::max(part.floor[i], least + part.travelled);
-    if (part.floor[i] - part.travelled < part.nearest.distance) ++open;
+    if (part.floor[i] - part.travelled < wanted) ++open;
   }
   return open;
 }
@@ -427,7 +441,9 @@ void find_nearest(const OrganSurface& surface, const PartPoints& points, PartSta
   part.nearest = ask_distance(surface, points, last_nearest, part);  // its cluster is looked at below, surely
   renew_ball(surface, points, part);
   const BallBound ball(part);
-  const auto limit = [&part] { return part.nearest.distance + kBoundSlack; };
+  // Only what is nearer than this matters.
+  const auto wanted = [&part, enough] { return std::min(part.nearest.distance, enough); };
+  const auto limit = [&wanted] { return wanted() + kBoundSlack; };
   for (std::uint64_t near = clusters_within(part.cluster_floor, part.travelled + limit() + kBoundSlack);
        near != 0; near &= near - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(near));
@@ -437,9 +453,9 @@ void find_nearest(const OrganSurface& surface, const PartPoints& points, PartSta
       part.cluster_floor[c] = std::max(part.cluster_floor[c], least + part.travelled);
       continue;
     }
-    if (raise_by_ball(points, c, ball, part) > kFewPoints) raise_floor(surface, points, c, part);
+    if (raise_by_ball(points, c, ball, wanted(), part) > kFewPoints) raise_floor(surface, points, c, part);
     for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
-      if (i == last_nearest || part.floor[i] - part.travelled >= part.nearest.distance) continue;
+      if (i == last_nearest || part.floor[i] - part.travelled >= wanted()) continue;
       const geometry::NearestPoint found = ask_distance(surface, points, i, part);
       if (found.distance >= part.nearest.distance) continue;
       part.nearest_point = static_cast<std::uint32_t>(i);
