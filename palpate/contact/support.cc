@@ -252,8 +252,7 @@ Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, co
 /// Finds the points that may count for one plane.
 class SupportSearch final {
  public:
-  SupportSearch(const PartPoints& part, const Plane& plane, DepthScratch& scratch) noexcept
-      : part_(part), plane_(plane), scratch_(scratch) {}
+  SupportSearch(const PartPoints& part, const Plane& plane) noexcept : part_(part), plane_(plane) {}
 
   /// Looks at all points: those within `margin` [m] of counting, those that come within `beside` [m] of R_ref
   /// from the axis too.
@@ -265,18 +264,18 @@ class SupportSearch final {
     if (reached_ == 0) return;
 
     float deepest = 0.0F;
-    const auto look_at = [&](DepthScratch::Reached& reached) {
+    const auto look_at = [&](Reached& reached) {
       const std::size_t begin = std::size_t{reached.cluster} * PartPoints::kClusterSize;
-      reached.most = lanes.depths_of(part_, begin, &scratch_.depths_[begin]);
+      reached.most = lanes.depths_of(part_, begin, &depths_[begin]);
       reached.looked_at = true;
       deepest = std::max(deepest, reached.most);
     };
     const auto band = static_cast<float>(kSupportBand);
     const float below = 2.0F * slack + static_cast<float>(margin);
     const auto floor = [&] { return std::max(deepest - band, 0.0F) - below; };
-    look_at(scratch_.reached_[first]);
+    look_at(reached_clusters_[first]);
     for (std::size_t k = 0; k < reached_; ++k) {
-      DepthScratch::Reached& reached = scratch_.reached_[k];
+      Reached& reached = reached_clusters_[k];
       if (!reached.looked_at && reached.most >= floor()) look_at(reached);
     }
 
@@ -284,11 +283,11 @@ class SupportSearch final {
     const float least = floor();
     rest_ = std::max(static_cast<double>(least + slack), -margin);
     for (std::size_t k = 0; k < reached_; ++k) {
-      const DepthScratch::Reached& reached = scratch_.reached_[k];
+      const Reached& reached = reached_clusters_[k];
       if (!reached.looked_at || reached.most < least) continue;
       const PartPoints::Cluster& cluster = part_.clusters[reached.cluster];
       for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-        if (scratch_.depths_[i] >= least) scratch_.found_[found_++] = static_cast<std::uint16_t>(i);
+        if (depths_[i] >= least) points_[found_++] = static_cast<std::uint16_t>(i);
       }
     }
   }
@@ -306,16 +305,16 @@ class SupportSearch final {
       kept.reach = std::max(kept.reach, (group.centre - plane_.point).norm() + group.radius);
     }
     kept.aside = aside_;
-    std::copy_n(scratch_.found_.begin(), found_, kept.points.begin());
+    std::copy_n(points_.begin(), found_, kept.points.begin());
     kept.count = static_cast<std::uint32_t>(found_);
   }
 
   /// The support by what look_at_all found.
   [[nodiscard]] Support support() noexcept {
-    const std::span<const std::uint16_t> found = std::span(scratch_.found_).first(found_);
-    const Depths depths = measure(part_, plane_, found, scratch_.exact_.data());
+    const std::span<const std::uint16_t> found = std::span(points_).first(found_);
+    const Depths depths = measure(part_, plane_, found, exact_.data());
     aside_ = std::sqrt(depths.rho_squared);
-    return sum_up(part_, found, scratch_.exact_.data(), depths.deepest);
+    return sum_up(part_, found, exact_.data(), depths.deepest);
   }
 
  private:
@@ -332,42 +331,63 @@ class SupportSearch final {
         behind_ = std::max(behind_, behind);
         const double most =
             behind > 0.0 && from_axis > 0.0 ? behind * plane_.taper(from_axis * from_axis) : behind;
-        scratch_.reached_[reached_] = {c, static_cast<float>(most) + slack, false};
-        if (scratch_.reached_[reached_].most > scratch_.reached_[first].most) first = reached_;
+        reached_clusters_[reached_] = {c, static_cast<float>(most) + slack, false};
+        if (reached_clusters_[reached_].most > reached_clusters_[first].most) first = reached_;
         ++reached_;
       }
     }
     return first;
   }
 
+  static constexpr std::size_t kMostPoints = PartPoints::kMostPoints;
+  static constexpr std::size_t kMostClusters =
+      (kMostPoints + PartPoints::kClusterSize - 1) / PartPoints::kClusterSize;
+
+  /// A cluster that may hold deep points.
+  struct Reached {
+    std::uint32_t cluster;
+    float most;  // no point is deeper [m]; once looked at, the depth of its deepest point
+    bool looked_at;
+  };
+
   const PartPoints& part_;
   const Plane& plane_;
-  DepthScratch& scratch_;
   std::size_t reached_ = 0;
   std::size_t found_ = 0;
   double behind_ = 0.0;  // as Shortlist's
   double rest_ = 0.0;
   double aside_ = 0.0;
+  // Working memory, on the stack: of the thread, not of every hand's state.
+  std::array<Reached, kMostClusters> reached_clusters_;
+  std::array<float, kMostClusters * PartPoints::kClusterSize> depths_;  // [m], in the clusters looked at
+  std::array<std::uint16_t, kMostPoints> points_;                       // that may count
+  std::array<double, kMostPoints + 1> exact_;                           // their depths [m]
 };
 
-void DepthScratch::reserve(std::size_t points) {
-  const std::size_t clusters = (points + PartPoints::kClusterSize - 1) / PartPoints::kClusterSize;
-  reached_.resize(clusters);
-  depths_.resize(clusters * PartPoints::kClusterSize);
-  found_.resize(points);
-  exact_.resize(points + 1);
-}
-
-Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
-                   DepthScratch& scratch) noexcept {
+Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal,
+                   double reference_radius) noexcept {
   const Plane plane{point, normal, reference_radius};
-  SupportSearch search(part, plane, scratch);
+  SupportSearch search(part, plane);
   search.look_at_all(0.0, 0.0);
   return search.support();
 }
 
+namespace {
+
+/// The support by all points, and the shortlist for the next ones. By itself, so that what it needs on the
+/// stack is not in the way of supports that the list serves.
+[[gnu::noinline]] Support keep_anew(const PartPoints& part, const Plane& plane, Shortlist& kept) noexcept {
+  SupportSearch search(part, plane);
+  search.look_at_all(kKeptMargin, kKeptBeside * plane.radius);
+  const Support support = search.support();
+  search.keep(kept);
+  return support;
+}
+
+}  // namespace
+
 Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
-                   DepthScratch& scratch, Shortlist& kept) noexcept {
+                   Shortlist& kept) noexcept {
   const Plane plane{point, normal, reference_radius};
   const Since since(kept, plane);
   const double rest = since.most_of_the_rest();
@@ -379,11 +399,7 @@ Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal
     if (rest < std::max(0.0, depth - kSupportBand) - kKeptSlack)
       return sum_up(part, points, depths.data(), depth);
   }
-  SupportSearch search(part, plane, scratch);
-  search.look_at_all(kKeptMargin, kKeptBeside * reference_radius);
-  const Support support = search.support();
-  search.keep(kept);
-  return support;
+  return keep_anew(part, plane, kept);
 }
 
 }  // namespace palpate::contact

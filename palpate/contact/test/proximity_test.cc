@@ -201,7 +201,6 @@ TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBit) {
   for (const std::string name : {"curved-forceps", "straight-forceps"}) {
     for (const geometry::ToolPart& tool_part : geometry::make_tool(name).parts) {
       const PartPoints part = sample_part(tool_part, 0.0);
-      DepthScratch scratch(part.size());
       std::uniform_int_distribution<std::size_t> index(0, part.size() - 1);
       for (int i = 0; i < 3000; ++i) {
         const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
@@ -209,7 +208,7 @@ TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBit) {
         const Vec3 point =
             part.point(index(random)) + depth * Vec3(normal(random), normal(random), normal(random));
         const Support plain = plain_support(part, point, direction);
-        const Support found = support_of(part, point, direction, kReference, scratch);
+        const Support found = support_of(part, point, direction, kReference);
         ASSERT_EQ(found.depth, plain.depth);
         ASSERT_EQ(found.mean, plain.mean);
       }
@@ -225,7 +224,6 @@ TEST(Support, OfAKeptShortlistIsThatOfAPlainLoopToTheBitWhileThePlaneWandersAndL
   int asked = 0;
   for (const geometry::ToolPart& tool_part : geometry::make_tool("curved-forceps").parts) {
     const PartPoints part = sample_part(tool_part, 0.0);
-    DepthScratch scratch(part.size());
     std::uniform_int_distribution<std::size_t> index(0, part.size() - 1);
     for (int way = 0; way < 60; ++way) {
       Vec3 direction = any().normalized();
@@ -237,7 +235,7 @@ TEST(Support, OfAKeptShortlistIsThatOfAPlainLoopToTheBitWhileThePlaneWandersAndL
         direction = (direction + leap * 2e-4 * any()).normalized();
         const Vec3 kept_for = kept.point;
         const Support plain = plain_support(part, point, direction);
-        const Support found = support_of(part, point, direction, kReference, scratch, kept);
+        const Support found = support_of(part, point, direction, kReference, kept);
         ASSERT_EQ(found.depth, plain.depth);
         ASSERT_EQ(found.mean, plain.mean);
         served += kept.count > 0 && kept.point == kept_for ? 1 : 0;
