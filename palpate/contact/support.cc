@@ -167,9 +167,8 @@ struct Depths {
 
 /// The exact depths of some points [m], two at a time.
 /// @param depths room for one more than there are points
-Depths measure(const PartPoints& part, const Plane& given, std::span<const std::uint16_t> points,
+Depths measure(const PartPoints& part, const Plane& plane, std::span<const std::uint16_t> points,
                double* depths) noexcept {
-  const Plane plane = given;  // here nothing that is written can be part of it
   const PlanePair pair(plane);
   const PartPoints::Weighed* const weighed = part.weighed.data();
   Pair deepest(0.0);
@@ -187,9 +186,9 @@ Depths measure(const PartPoints& part, const Plane& given, std::span<const std::
 }
 
 /// The same where no point is so far from the axis that its depth tapers. @return the greatest depth [m]
-double measure_inner(const PartPoints& part, const Plane& given, std::span<const std::uint16_t> points,
+double measure_inner(const PartPoints& part, const Plane& plane, std::span<const std::uint16_t> points,
                      double* depths) noexcept {
-  const PlanePair pair(given);
+  const PlanePair pair(plane);
   const PartPoints::Weighed* const weighed = part.weighed.data();
   Pair deepest(0.0);
   const auto two = [&](std::size_t first, std::size_t second) {
@@ -379,7 +378,7 @@ namespace {
 [[gnu::noinline]] Support keep_anew(const PartPoints& part, const Plane& plane, Shortlist& kept) noexcept {
   SupportSearch search(part, plane);
   search.look_at_all(kKeptMargin, kKeptBeside * plane.radius);
-  const Support support = search.support();
+  Support support = search.support();
   search.keep(kept);
   return support;
 }
