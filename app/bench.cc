@@ -96,7 +96,7 @@ Plan plan_of(const BenchFlags& flags) {
   plan.loop = flags.loop || (all && flags.full);
   if (flags.pictures || (all && flags.full))
     plan.pictures = {{"press", 0, 0}, {"pull", 0, 0}, {"press", kFine, 0}, {"press", kFinest, 0}};
-  plan.passes = flags.quick ? 1 : 5;
+  plan.passes = flags.quick ? 3 : 5;
   if (!plan.ticks && !plan.preparation) return plan;
   plan.subjects = {{"press", 0, 0}, {"pull", 0, 0}};
   if (flags.quick) return plan;

@@ -29,6 +29,12 @@ Json ticks_json(const Account& account) {
     add_figures(row, tick.contact);
     row["approach_ticks"] = tick.approach.samples;
     add_figures(row, tick.approach, "approach_");
+    row["repeats"] = tick.repeats;
+    add_figures(row, tick.contact_least, "least_");
+    add_figures(row, tick.approach_least, "approach_least_");
+    row["plain_samples"] = tick.plain.samples;
+    add_figures(row, tick.plain, "plain_");
+    add_figures(row, tick.plain_least, "plain_least_");
     rows.push_back(row);
   }
   return rows;

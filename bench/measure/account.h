@@ -21,6 +21,13 @@ struct TickAccount {
   std::size_t tool_triangles = 0;
   TimeFigures contact;
   TimeFigures approach;  // within 20 mm
+  // The way is gone `repeats` times and every tick is the same each time. Its least time is its own; what
+  // single times have more, the machine adds: interrupts, and caches and tables to fill again afterwards.
+  int repeats = 0;
+  TimeFigures contact_least;
+  TimeFigures approach_least;
+  TimeFigures plain;  // plain arithmetic as long as a median tick in contact, in turns with the ticks
+  TimeFigures plain_least;
 };
 
 /// One exact nearest point of the organ, asked along the way of the tool's tip.

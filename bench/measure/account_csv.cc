@@ -40,20 +40,29 @@ class Table final {
  public:
   explicit Table(std::string head) : text_(std::move(head)) {
     text_ += "section,name,scene,phase,organ_triangles,tool_triangles,samples,p50_us,p99_us,p999_us,max_us,";
-    text_ += "value,unit\n";
+    text_ += "value,unit,repeats,least_p50_us,least_p99_us,least_p999_us,least_max_us\n";
   }
 
   void add(const Of& of, const TimeFigures& figures) {
     begin(of);
     text_ += std::to_string(figures.samples);
-    for (const double value : {figures.p50_us, figures.p99_us, figures.p999_us, figures.max_us})
-      text_ += "," + shortest(value);
-    text_ += ",,us\n";
+    add_times(figures);
+    text_ += ",,us,,,,,\n";
+  }
+
+  /// @param least of each time's least over `repeats`
+  void add(const Of& of, const TimeFigures& figures, int repeats, const TimeFigures& least) {
+    begin(of);
+    text_ += std::to_string(figures.samples);
+    add_times(figures);
+    text_ += ",,us," + std::to_string(repeats);
+    add_times(least);
+    text_ += "\n";
   }
 
   void add(const Of& of, double value, const std::string& unit) {
     begin(of);
-    text_ += ",,,,," + shortest(value) + "," + unit + "\n";
+    text_ += ",,,,," + shortest(value) + "," + unit + ",,,,,\n";
   }
 
   [[nodiscard]] const std::string& text() const { return text_; }
@@ -64,15 +73,25 @@ class Table final {
     text_ += std::to_string(of.organ_triangles) + "," + std::to_string(of.tool_triangles) + ",";
   }
 
+  void add_times(const TimeFigures& figures) {
+    for (const double value : {figures.p50_us, figures.p99_us, figures.p999_us, figures.max_us})
+      text_ += "," + shortest(value);
+  }
+
   std::string text_;
 };
 
 void add_ticks(Table& table, const Account& account) {
   for (const TickAccount& tick : account.ticks) {
     Of of{"tick", "palpate", tick.scene, "contact", tick.organ_triangles, tick.tool_triangles};
-    table.add(of, tick.contact);
+    table.add(of, tick.contact, tick.repeats, tick.contact_least);
     of.phase = "approach";
-    table.add(of, tick.approach);
+    table.add(of, tick.approach, tick.repeats, tick.approach_least);
+    if (tick.plain.samples == 0) continue;
+    of.section = "machine";
+    of.name = "plain arithmetic";
+    of.phase = "contact";
+    table.add(of, tick.plain, tick.repeats - 1, tick.plain_least);
   }
   for (const NearestAccount& one : account.nearest)
     table.add({"nearest", "palpate", "", "", one.organ_triangles, 0}, one.times);

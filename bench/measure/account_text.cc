@@ -52,6 +52,31 @@ void ticks(std::ostream& out, const Account& account) {
   }
 }
 
+/// What a tick costs by itself, and what the machine adds.
+void least_ticks(std::ostream& out, const Account& account) {
+  if (account.ticks.empty() || account.ticks.front().plain.samples == 0) return;
+  head(out,
+       "By themselves: each tick's least of " + std::to_string(account.ticks.front().repeats) +
+           " repeats, us: in contact | in approach",
+       "scene", true);
+  for (const TickAccount& tick : account.ticks) {
+    begin(out, tick.scene, tick.organ_triangles, tick.tool_triangles);
+    figures(out, tick.contact_least);
+    out << " |";
+    figures(out, tick.approach_least);
+    out << '\n';
+  }
+  head(out, "Plain arithmetic as long as a tick in contact, us: every single time | the least", "beside",
+       true);
+  for (const TickAccount& tick : account.ticks) {
+    begin(out, tick.scene, tick.organ_triangles, tick.tool_triangles);
+    figures(out, tick.plain);
+    out << " |";
+    figures(out, tick.plain_least);
+    out << '\n';
+  }
+}
+
 void nearest(std::ostream& out, const Account& account) {
   if (account.nearest.empty()) return;
   head(out, "One exact nearest point, processor time in us (mean of 16)", "", false);
@@ -140,6 +165,7 @@ std::string to_text(const Account& account) {
   out << account.machine << "\n"
       << account.build << "; reading the clock takes " << brief(account.clock_ns) << " ns of every time\n";
   ticks(out, account);
+  least_ticks(out, account);
   nearest(out, account);
   peers(out, account);
   parts(out, account);

@@ -1,6 +1,8 @@
 #include "bench/measure/ticks.h"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -25,23 +27,102 @@ bool approaching(const haptics::TickRow& row) {
   return row.phase == static_cast<std::uint32_t>(contact::Phase::kApproach);
 }
 
-void time_pass(const haptics::SimulationWorld& world, devices::ScriptedDevice& device,
-               ScratchRecorder& recorder, std::vector<double>& contact_us, std::vector<double>& approach_us) {
-  OneHand hand(world);
-  const std::uint64_t last = device.last_tick(world.rate_Hz);
-  for (std::uint64_t number = 0; number < last; ++number) {
-    if (number % kTicksAtOnce == 0) std::this_thread::sleep_for(kWriterTakes);
-    const std::int64_t begun = thread_cpu_ns();
-    const haptics::TickRow& row = hand.tick(device, number);
-    recorder.put(row);
-    const double spent = static_cast<double>(thread_cpu_ns() - begun) / kNanosecondsPerMicrosecond;
-    if (!approaching(row)) {
-      contact_us.push_back(spent);
-    } else if (row.distance <= kNear) {
-      approach_us.push_back(spent);
+/// Times of one kind of work, which is done again and again in the same order.
+class RepeatedTimes final {
+ public:
+  void begin() { next_ = 0; }
+
+  void add(double time_us) {
+    all_us_.push_back(time_us);
+    if (next_ == least_us_.size()) least_us_.push_back(time_us);
+    least_us_[next_] = std::min(least_us_[next_], time_us);
+    ++next_;
+  }
+
+  [[nodiscard]] std::size_t in_this_pass() const { return next_; }
+  [[nodiscard]] TimeFigures all() const { return figures_of(all_us_); }
+  [[nodiscard]] TimeFigures least() const { return figures_of(least_us_); }
+
+ private:
+  std::vector<double> all_us_;
+  std::vector<double> least_us_;
+  std::size_t next_ = 0;
+};
+
+template <typename Work>
+double time_us(Work work) {
+  const std::int64_t begun = thread_cpu_ns();
+  work();
+  return static_cast<double>(thread_cpu_ns() - begun) / kNanosecondsPerMicrosecond;
+}
+
+/// Goes the way again and again.
+class Passes final {
+ public:
+  Passes(const haptics::SimulationWorld& world, const scene::Setup& setup, const scene::ToolPath& path)
+      : world_(world), device_(path), recorder_(setup) {}
+
+  void run(int passes) {
+    for (int pass = 0; pass < passes; ++pass) {
+      go(kTicksAtOnce * static_cast<std::uint64_t>(pass) / static_cast<std::uint64_t>(passes));
+      if (pass == 0) arithmetic_.emplace(contact_.all().p50_us);
     }
   }
-}
+
+  void report(TickAccount& account) const {
+    account.contact = contact_.all();
+    account.approach = approach_.all();
+    account.contact_least = contact_.least();
+    account.approach_least = approach_.least();
+    account.plain = plain_.all();
+    account.plain_least = plain_.least();
+  }
+
+ private:
+  /// @param shift where the writer is waited for: each time at other ticks, which are slow after it
+  void go(std::uint64_t shift) {
+    contact_.begin();
+    approach_.begin();
+    plain_.begin();
+    OneHand hand(world_);
+    const std::uint64_t last = device_.last_tick(world_.rate_Hz);
+    for (std::uint64_t number = 0; number < last; ++number) {
+      if ((number + shift) % kTicksAtOnce == 0) pause();
+      const haptics::TickRow* row = nullptr;
+      const double spent = time_us([&] {
+        row = &hand.tick(device_, number);
+        recorder_.put(*row);
+      });
+      if (!approaching(*row)) {
+        contact_.add(spent);
+      } else if (row->distance <= kNear) {
+        approach_.add(spent);
+      }
+    }
+    time_plain();
+  }
+
+  void pause() {
+    time_plain();
+    std::this_thread::sleep_for(kWriterTakes);
+  }
+
+  /// Plain arithmetic, as often as there were ticks in contact since the last time.
+  void time_plain() {
+    if (!arithmetic_) return;
+    while (plain_.in_this_pass() < contact_.in_this_pass()) {
+      plain_.add(time_us([this] { arithmetic_->run(); }));
+    }
+  }
+
+  const haptics::SimulationWorld& world_;
+  devices::ScriptedDevice device_;
+  ScratchRecorder recorder_;
+  std::optional<PlainArithmetic> arithmetic_;
+  RepeatedTimes contact_;
+  RepeatedTimes approach_;
+  RepeatedTimes plain_;
+};
 
 }  // namespace
 
@@ -64,22 +145,17 @@ std::vector<WayPoint> walk(const scene::Setup& setup, const haptics::SimulationW
 
 TickAccount time_ticks(const scene::Setup& setup, const haptics::SimulationWorld& world,
                        const scene::ToolPath& path, int passes) {
-  std::vector<double> contact_us;
-  std::vector<double> approach_us;
-  ScratchRecorder recorder(setup);
-  devices::ScriptedDevice device(path);
-  for (int pass = 0; pass < passes; ++pass) {
-    time_pass(world, device, recorder, contact_us, approach_us);
-  }
-  if (contact_us.empty())
-    throw std::runtime_error("bench: the " + setup.name + " scene never came into contact");
+  Passes times(world, setup, path);
+  times.run(passes);
   TickAccount account;
   account.scene = setup.name;
   account.phase = setup.task == scene::Task::kPull ? "pull" : "press";
   account.organ_triangles = setup.organ.triangles.size();
   account.tool_triangles = triangle_count(setup.tools[0]);
-  account.contact = figures_of(std::move(contact_us));
-  account.approach = figures_of(std::move(approach_us));
+  account.repeats = passes;
+  times.report(account);
+  if (account.contact.samples == 0)
+    throw std::runtime_error("bench: the " + setup.name + " scene never came into contact");
   return account;
 }
 

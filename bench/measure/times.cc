@@ -4,6 +4,36 @@
 
 namespace palpate::bench {
 
+namespace {
+
+void add_up(std::uint64_t additions) noexcept {
+  volatile double kept = 1.0;
+  double sum = kept;
+  for (std::uint64_t i = 0; i < additions; ++i) sum += 1e-3;
+  kept = sum;
+}
+
+}  // namespace
+
+PlainArithmetic::PlainArithmetic(double length_us) : additions_(0) {
+  constexpr std::uint64_t kTried = 2000;
+  constexpr int kTries = 101;
+  std::vector<double> times_us;
+  for (int i = 0; i < kTries; ++i) {
+    const std::int64_t begun = thread_cpu_ns();
+    add_up(kTried);
+    times_us.push_back(static_cast<double>(thread_cpu_ns() - begun) / kNanosecondsPerMicrosecond);
+  }
+  std::sort(times_us.begin(), times_us.end());
+  // Reading the clock is in both lengths.
+  const double clock_us = clock_cost_ns() / kNanosecondsPerMicrosecond;
+  const double each_us = (nearest_rank(times_us, 0.5) - clock_us) / static_cast<double>(kTried);
+  const double wanted = (length_us - clock_us) / each_us;
+  if (wanted > 1.0 && std::isfinite(wanted)) additions_ = static_cast<std::uint64_t>(wanted);
+}
+
+void PlainArithmetic::run() const noexcept { add_up(additions_); }
+
 double nearest_rank(std::span<const double> sorted, double share) noexcept {
   if (sorted.empty()) return 0.0;
   const double rank = std::ceil(share * static_cast<double>(sorted.size()));

@@ -38,6 +38,11 @@ inline constexpr std::size_t kPair = 2;
   return pair.get(0) < pair.get(1) ? pair.get(0) : pair.get(1);
 }
 
+/// [any] The greater of two numbers.
+[[nodiscard]] inline double largest_of(const Pair& pair) noexcept {
+  return pair.get(0) < pair.get(1) ? pair.get(1) : pair.get(0);
+}
+
 /// [any] The largest of the lanes.
 [[nodiscard]] inline float largest_of(const Lanes& lanes) noexcept {
   alignas(16) float values[kLanes];

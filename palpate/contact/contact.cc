@@ -46,8 +46,7 @@ std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
 
 /// Brings all parts of a tool to where they are now and works out its contacts; shares come later.
 std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
-                          const TissueLaws& laws, const ToolInput& input, ToolState& tool,
-                          DepthScratch& scratch) noexcept {
+                          const TissueLaws& laws, const ToolInput& input, ToolState& tool) noexcept {
   std::uint32_t status = 0;
   tool.pose_S = organ_W.inverse() * input.pose_W;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
@@ -70,7 +69,7 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
   }
   status |= update_pull(world, laws, points, input.gripper, tool);
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
-    status |= update_press(world, laws, points.parts[i], tool.parts[i], scratch);
+    status |= update_press(world, laws, points.parts[i], tool.parts[i]);
   }
   return status;
 }
@@ -214,7 +213,6 @@ const geometry::TriangleMesh& World::rest_surface() const noexcept { return data
 double World::tip_radius(std::size_t tool) const noexcept { return data_->tools[tool].tip_radius; }
 
 State::State(const World& world) : data_(std::make_unique<Data>()) {
-  std::size_t most_points = 0;
   for (const ToolPoints& points : world.data().tools) {
     ToolState tool;
     for (const PartPoints& part_points : points.parts) {
@@ -227,12 +225,10 @@ State::State(const World& world) : data_(std::make_unique<Data>()) {
       const std::size_t pairs = (part_points.clusters.size() + 1) / 2;
       part.cluster_crosses.assign(2 * pairs, std::numeric_limits<double>::infinity());
       part.cluster_floor.assign(2 * pairs, std::numeric_limits<double>::infinity());
-      most_points = std::max(most_points, part_points.size());
       tool.parts.push_back(std::move(part));
     }
     data_->tools.push_back(std::move(tool));
   }
-  data_->scratch.reserve(most_points);
 }
 State::~State() = default;
 State::State(const State& other) : data_(std::make_unique<Data>(*other.data_)) {}
@@ -245,7 +241,7 @@ State& State::operator=(State&&) noexcept = default;
 
 void list_memory(const State& state, FetchList& list) {
   const State::Data& now = state.data();
-  list.add(&now.tools, &now.scratch);
+  list.add(now.tools);
   list.add_elements(now.tools);
   for (const ToolState& tool : now.tools) {
     for (const PartState& part : tool.parts) {
@@ -280,7 +276,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   std::array<Contact*, kMostContacts> all;  // the first `count`
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
-    status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t], now.scratch);
+    status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t]);
     for (PartState& part : now.tools[t].parts) {
       for (Contact& contact : part.active()) all[count++] = &contact;
     }

@@ -25,10 +25,10 @@ constexpr int kMostEvaluations = 8;         // supports looked at for starts, a 
 constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
 
 Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
-                     const Vec3& point_S, const Vec3& normal_S, DepthScratch& scratch) noexcept {
+                     const Vec3& point_S, const Vec3& normal_S) noexcept {
   const Placement& placed = part.placed_S;
   Support support = support_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
-                               world.tissue.contact.reference_radius, scratch);
+                               world.tissue.contact.reference_radius);
   support.mean = placed * support.mean;
   return support;
 }
@@ -60,8 +60,8 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
 
 /// Up to three steps along the surface towards the middle of the support; the normal turns along, so that a
 /// step too far shows in the next one. Leaves the support of where the contact ends.
-void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part, Contact& contact,
-                  DepthScratch& scratch) noexcept {
+void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part,
+                  Contact& contact) noexcept {
   const double own_motion = motion_at(part, contact.at.point).norm();
   const double limit = kWalkSpeed * world.period + own_motion;
   const double reference_radius = world.tissue.contact.reference_radius;
@@ -72,7 +72,7 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   const auto find_support = [&] {
     const Placement& placed = part.placed_S;
     contact.support = support_of(points, placed.bring_back(contact.at.point),
-                                 placed.turn_back(contact.normal), reference_radius, scratch, contact.kept);
+                                 placed.turn_back(contact.normal), reference_radius, contact.kept);
     contact.support.mean = placed * contact.support.mean;
   };
   find_support();
@@ -179,8 +179,8 @@ std::size_t point_nearest_to(const PartPoints& points, const Vec3& wanted) noexc
 /// Starting contacts of one part, with a bound on the supports looked at.
 class Starter final {
  public:
-  Starter(const World::Data& world, const PartPoints& points, PartState& part, DepthScratch& scratch) noexcept
-      : world_(world), points_(points), part_(part), scratch_(scratch) {}
+  Starter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
+      : world_(world), points_(points), part_(part) {}
 
   void try_entries() noexcept {
     for (std::size_t i = 0; i < part_.entry_count; ++i)
@@ -230,7 +230,7 @@ class Starter final {
     }
     ++evaluations_;
     const Vec3 normal = world_.surface.normal_at(at);
-    const Support support = support_in_S(world_, points_, part_, at.point, normal, scratch_);
+    const Support support = support_in_S(world_, points_, part_, at.point, normal);
     if (support.depth <= 0.0 || (part_.contact_count > 0 && support.depth > kDeepestSecond)) return;
     const Vec3 here = part_.placed_S * points_.point(point);
     if ((support.mean - here).norm() > radius() / 5.0) {
@@ -255,7 +255,6 @@ class Starter final {
   const World::Data& world_;
   const PartPoints& points_;
   PartState& part_;
-  DepthScratch& scratch_;
   int evaluations_ = 0;
   std::uint32_t status_ = 0;
 };
@@ -263,11 +262,11 @@ class Starter final {
 }  // namespace
 
 std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
-                           PartState& part, DepthScratch& scratch) noexcept {
+                           PartState& part) noexcept {
   const int before = part.contact_count;
   for (int i = 0; i < part.contact_count;) {
     Contact& contact = part.contacts[static_cast<std::size_t>(i)];
-    walk_contact(world, points, part, contact, scratch);
+    walk_contact(world, points, part, contact);
     if (contact.support.depth > 0.0) {
       ++i;
     } else {
@@ -282,7 +281,7 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
 
   std::uint32_t status = 0;
   if (part.armed) {
-    Starter starter(world, points, part, scratch);
+    Starter starter(world, points, part);
     starter.try_entries();
     if (part.inside_count > 0) starter.try_shallow_points();
     status = starter.status();

@@ -8,6 +8,6 @@ namespace palpate::contact {
 /// (proximity.h).
 /// @return status bits
 std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
-                           PartState& part, DepthScratch& scratch) noexcept;
+                           PartState& part) noexcept;
 
 }  // namespace palpate::contact

@@ -100,7 +100,7 @@ void forget_cluster(const OrganSurface& surface, const PartPoints& points, std::
   guess = middle.triangle;
   for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
     part.known[i] = middle.distance;
-    part.since[i] = part.travelled - (points.point(i) - cluster.centre).norm();
+    part.since[i] = part.travelled - points.offset[i];
     part.floor[i] = part.known[i] + part.since[i];
     part.nearest_triangle[i] = middle.triangle;
     set_inside(part, i, middle.distance);
@@ -126,28 +126,41 @@ void add_entry(PartState& part, std::size_t point, const SurfacePoint& at) noexc
   part.entries[part.entry_count++] = {static_cast<std::uint32_t>(point), at};
 }
 
+/// The ball's centre in the part's frame, and what it says of points.
+struct BallBound {
+  Vec3 centre_P;
+  double radius;
+
+  explicit BallBound(const PartState& part) noexcept
+      : centre_P(part.placed_S.bring_back(part.ball.centre_S)), radius(part.ball.radius - kBoundSlack) {}
+
+  /// A point is not nearer to the organ than this [m].
+  [[nodiscard]] double least(const Vec3& point_P) const noexcept {
+    return radius - (point_P - centre_P).norm();
+  }
+};
+
 /// Whether a bound alone says that a point is on the side where it was and has not crossed in this tick: the
 /// balls without surface around it, then and now, must meet, and this one hold the tick's way. Keeps the
-/// bound.
-bool stays_on_its_side(const OrganSurface& surface, const PartPoints& points, std::size_t i,
-                       PartState& part) noexcept {
-  const geometry::Clearance now =
-      surface.clearance(part.placed_S * points.point(i), part.nearest_triangle[i]);
-  part.nearest_triangle[i] = now.triangle;
+/// bound. @param least the point is at least so far from the surface [m]
+bool stays_on_its_side(std::size_t i, double least, PartState& part) noexcept {
   const double way = part.travelled - part.since[i];
   const double before = std::abs(part.known[i]);
-  if (now.least + kInside <= part.motion || before + now.least + kInside <= way) return false;
+  if (least + kInside <= part.motion || before + least + kInside <= way) return false;
   const bool outside = part.known[i] > 0.0;
-  part.known[i] = outside ? now.least : -now.least;
+  part.known[i] = outside ? least : -least;
   part.since[i] = part.travelled;
-  if (outside) part.floor[i] = std::max(part.floor[i], now.least + part.travelled);
+  if (outside) part.floor[i] = std::max(part.floor[i], least + part.travelled);
   return true;
 }
 
 /// Asks one point, and notes an entry when it went in, or in and out again, during this tick.
 void update_point(const OrganSurface& surface, const PartPoints& points, std::size_t i, bool placed_anew,
                   PartState& part) noexcept {
-  if (stays_on_its_side(surface, points, i, part)) return;
+  const geometry::Clearance clear =
+      surface.clearance(part.placed_S * points.point(i), part.nearest_triangle[i]);
+  part.nearest_triangle[i] = clear.triangle;
+  if (stays_on_its_side(i, clear.least, part)) return;
   const bool was_inside = part.inside[i] != 0;
   const double before = least_distance(part, i) + part.motion;  // at least this far outside a tick ago
   const geometry::NearestPoint now = ask_distance(surface, points, i, part);
@@ -165,8 +178,24 @@ void update_point(const OrganSurface& surface, const PartPoints& points, std::si
   }
 }
 
-bool may_have_crossed(const PartState& part, std::size_t point) noexcept {
-  return least_distance(part, point) <= kInside && greatest_distance(part, point) >= kInside;
+/// One bit a point of a cluster, the first lowest: it may have crossed the surface.
+std::uint32_t crossed_in(const PartPoints::Cluster& cluster, const PartState& part) noexcept {
+  const Pair inside(kInside);
+  const Pair travelled(part.travelled);
+  const auto crossed = [&](const Pair& known, const Pair& since) {
+    const Pair way = travelled - since;
+    return lanes_of(known - way <= inside && known + way >= inside);
+  };
+  std::uint32_t points = 0;
+  std::size_t i = cluster.begin;
+  for (; i + kPair <= cluster.end; i += kPair) {
+    points |= crossed(Pair::load_unaligned(&part.known[i]), Pair::load_unaligned(&part.since[i]))
+              << (i - cluster.begin);
+  }
+  if (i < cluster.end) {
+    points |= (crossed(Pair(part.known[i]), Pair(part.since[i])) & 1U) << (i - cluster.begin);
+  }
+  return points;
 }
 
 /// Where a part's contacts are, in the part's frame.
@@ -196,51 +225,57 @@ class ContactPlaces final {
   std::array<Vec3, kContactsPerPart> places_;
 };
 
-/// What a point's distance just asked says of the points after it in its cluster: what is nearer to it than
-/// the surface is, is on its side. Those so near to the surface that they would soon be asked again are left.
-void settle_after(const PartPoints& points, std::size_t i, std::size_t end, double distance,
-                  PartState& part) noexcept {
+/// What point i's distance just asked says of others of its cluster, one bit each: what is nearer to it than
+/// the surface is, is on its side. @return those so near to the surface that they would soon be asked again
+std::uint32_t settle_around(const PartPoints& points, std::size_t c, std::size_t i, double distance,
+                            std::uint32_t others, PartState& part) noexcept {
   const Vec3 asked = points.point(i);
-  for (std::size_t j = i + 1; j < end; ++j) {
-    if (!may_have_crossed(part, j)) continue;
+  std::uint32_t open = 0;
+  for (; others != 0; others &= others - 1) {
+    const std::size_t j = points.clusters[c].begin + static_cast<std::size_t>(std::countr_zero(others));
     const double way = (points.point(j) - asked).norm();
     const double clear = std::abs(distance) - way - kBoundSlack;
-    if (clear < kLeastClear) continue;
+    if (clear < kLeastClear) {
+      open |= others & -others;
+      continue;
+    }
     part.known[j] = distance < 0.0 ? -clear : clear;
     part.since[j] = part.travelled;
     part.floor[j] = std::max(part.floor[j], distance - way - kBoundSlack + part.travelled);
     part.nearest_triangle[j] = part.nearest_triangle[i];
     set_inside(part, j, part.known[j]);
   }
+  return open;
 }
 
 /// A cluster that was left looks where its points are now; what has crossed meanwhile starts nothing by it.
 /// @return distances asked
 int take_up(const OrganSurface& surface, const PartPoints& points, std::size_t c, PartState& part) noexcept {
-  const std::size_t end = points.clusters[c].end;
-  std::int32_t guess = part.nearest_triangle[points.clusters[c].begin];
+  const PartPoints::Cluster& cluster = points.clusters[c];
+  std::int32_t guess = part.nearest_triangle[cluster.begin];
   forget_cluster(surface, points, c, part, guess);
   int asked = 1;
-  for (std::size_t i = points.clusters[c].begin; i < end; ++i) {
-    if (!may_have_crossed(part, i)) continue;
+  for (std::uint32_t open = crossed_in(cluster, part); open != 0; ++asked) {
+    const std::size_t i = cluster.begin + static_cast<std::size_t>(std::countr_zero(open));
     const double distance = ask_distance(surface, points, i, part).distance;
-    settle_after(points, i, end, distance, part);
-    ++asked;
+    open = settle_around(points, c, i, distance, open & (open - 1), part);
   }
   return asked;
 }
 
 /// One question for all points of a cluster: what is nearer to its middle than the surface is, is on the
 /// middle's side, and was there a tick ago if the surface is farther off than the tick's way.
+/// @param crossed the points in question, one bit each
 void settle_by_middle(const OrganSurface& surface, const PartPoints& points, std::size_t c,
-                      PartState& part) noexcept {
+                      std::uint32_t crossed, PartState& part) noexcept {
   const PartPoints::Cluster& cluster = points.clusters[c];
   const geometry::NearestPoint middle =
       surface.nearest(part.placed_S * cluster.centre, part.nearest_triangle[cluster.begin]);
   const bool inside = middle.distance < 0.0;
-  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-    if (!may_have_crossed(part, i) || (part.inside[i] != 0) != inside) continue;
-    const double clear = std::abs(middle.distance) - (points.point(i) - cluster.centre).norm() - kBoundSlack;
+  for (; crossed != 0; crossed &= crossed - 1) {
+    const std::size_t i = cluster.begin + static_cast<std::size_t>(std::countr_zero(crossed));
+    if ((part.inside[i] != 0) != inside) continue;
+    const double clear = std::abs(middle.distance) - points.offset[i] - kBoundSlack;
     if (clear + kInside <= part.motion) continue;
     part.known[i] = inside ? -clear : clear;
     part.since[i] = part.travelled;
@@ -249,19 +284,31 @@ void settle_by_middle(const OrganSurface& surface, const PartPoints& points, std
   }
 }
 
-int count_crossed(const PartPoints::Cluster& cluster, const PartState& part) noexcept {
-  int count = 0;
-  for (std::size_t i = cluster.begin; i < cluster.end; ++i) count += may_have_crossed(part, i) ? 1 : 0;
-  return count;
+/// Passes over those of the crossed points, one bit each, that the ball shows to be outside still.
+/// @return the others
+std::uint32_t leave_to_ball(const PartPoints& points, const PartPoints::Cluster& cluster,
+                            const BallBound& ball, std::uint32_t crossed, PartState& part) noexcept {
+  std::uint32_t open = 0;
+  for (; crossed != 0; crossed &= crossed - 1) {
+    const std::size_t i = cluster.begin + static_cast<std::size_t>(std::countr_zero(crossed));
+    const bool outside = part.known[i] > 0.0;
+    if (!outside || !stays_on_its_side(i, ball.least(points.point(i)), part)) open |= crossed & -crossed;
+  }
+  return open;
 }
 
 /// Asks the points of a cluster that may have crossed the surface.
-void ask_crossed(const OrganSurface& surface, const PartPoints& points, std::size_t c, bool placed_anew,
-                 PartState& part) noexcept {
+void ask_crossed(const OrganSurface& surface, const PartPoints& points, std::size_t c, const BallBound& ball,
+                 bool placed_anew, PartState& part) noexcept {
   const PartPoints::Cluster& cluster = points.clusters[c];
-  if (count_crossed(cluster, part) > kFewPoints) settle_by_middle(surface, points, c, part);
-  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-    if (may_have_crossed(part, i)) update_point(surface, points, i, placed_anew, part);
+  std::uint32_t crossed = leave_to_ball(points, cluster, ball, crossed_in(cluster, part), part);
+  if (std::popcount(crossed) > kFewPoints) {
+    settle_by_middle(surface, points, c, crossed, part);
+    crossed = crossed_in(cluster, part);
+  }
+  for (; crossed != 0; crossed &= crossed - 1) {
+    const std::size_t i = cluster.begin + static_cast<std::size_t>(std::countr_zero(crossed));
+    update_point(surface, points, i, placed_anew, part);
   }
 }
 
@@ -274,6 +321,7 @@ void find_crossings(const OrganSurface& surface, const PartPoints& points, doubl
   due |= part.left;
   if (due == 0) return;
   const ContactPlaces contacts(reference_radius, period, part);
+  const BallBound ball(part);
   int asked = 0;
   for (; due != 0; due &= due - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(due));
@@ -283,7 +331,7 @@ void find_crossings(const OrganSurface& surface, const PartPoints& points, doubl
       continue;
     }
     if ((part.left & bit_of(c)) == 0) {
-      ask_crossed(surface, points, c, placed_anew, part);
+      ask_crossed(surface, points, c, ball, placed_anew, part);
     } else if (asked < kMostTakenUp) {
       asked += take_up(surface, points, c, part);
     } else {
@@ -310,27 +358,14 @@ void renew_ball(const OrganSurface& surface, const PartPoints& points, PartState
   ball.behind = std::clamp((rests ? 2.0 : 0.5) * ball.behind, kLeastBehind, kGreatestBehind);
 }
 
-/// The ball's centre in the part's frame, and what it says of points.
-struct BallBound {
-  Vec3 centre_P;
-  double radius;
-
-  explicit BallBound(const PartState& part) noexcept
-      : centre_P(part.placed_S.bring_back(part.ball.centre_S)), radius(part.ball.radius - kBoundSlack) {}
-
-  /// A point is not nearer to the organ than this [m].
-  [[nodiscard]] double least(const Vec3& point_P) const noexcept {
-    return radius - (point_P - centre_P).norm();
-  }
-};
-
-/// Raises the floor of a cluster's points by the ball; @return how many may still be nearer than the nearest
-/// so far. Of a cluster that was left the ball must tell the side too.
-int raise_by_ball(const PartPoints& points, std::size_t c, const BallBound& ball, PartState& part) noexcept {
+/// Raises the floor of a cluster's points by the ball; @return how many may still be nearer than `wanted`. Of
+/// a cluster that was left the ball must tell the side too.
+int raise_by_ball(const PartPoints& points, std::size_t c, const BallBound& ball, double wanted,
+                  PartState& part) noexcept {
   const bool left = (part.left & bit_of(c)) != 0;
   int open = 0;
   for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
-    if (part.floor[i] - part.travelled >= part.nearest.distance) continue;
+    if (part.floor[i] - part.travelled >= wanted) continue;
     const double least = ball.least(points.point(i));
     if (left && least > 0.0) {
       part.known[i] = least;
@@ -338,7 +373,7 @@ int raise_by_ball(const PartPoints& points, std::size_t c, const BallBound& ball
       set_inside(part, i, least);
     }
     if (!left || least > 0.0) part.floor[i] = std::max(part.floor[i], least + part.travelled);
-    if (part.floor[i] - part.travelled < part.nearest.distance) ++open;
+    if (part.floor[i] - part.travelled < wanted) ++open;
   }
   return open;
 }
@@ -350,7 +385,7 @@ void raise_floor(const OrganSurface& surface, const PartPoints& points, std::siz
   const geometry::NearestPoint middle =
       surface.nearest(part.placed_S * cluster.centre, part.nearest_triangle[cluster.begin]);
   for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-    const double floor = middle.distance - (points.point(i) - cluster.centre).norm() + part.travelled;
+    const double floor = middle.distance - points.offset[i] + part.travelled;
     part.floor[i] = std::max(part.floor[i], floor);
   }
 }
@@ -406,7 +441,9 @@ void find_nearest(const OrganSurface& surface, const PartPoints& points, PartSta
   part.nearest = ask_distance(surface, points, last_nearest, part);  // its cluster is looked at below, surely
   renew_ball(surface, points, part);
   const BallBound ball(part);
-  const auto limit = [&part] { return part.nearest.distance + kBoundSlack; };
+  // Only what is nearer than this matters.
+  const auto wanted = [&part, enough] { return std::min(part.nearest.distance, enough); };
+  const auto limit = [&wanted] { return wanted() + kBoundSlack; };
   for (std::uint64_t near = clusters_within(part.cluster_floor, part.travelled + limit() + kBoundSlack);
        near != 0; near &= near - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(near));
@@ -416,9 +453,9 @@ void find_nearest(const OrganSurface& surface, const PartPoints& points, PartSta
       part.cluster_floor[c] = std::max(part.cluster_floor[c], least + part.travelled);
       continue;
     }
-    if (raise_by_ball(points, c, ball, part) > kFewPoints) raise_floor(surface, points, c, part);
+    if (raise_by_ball(points, c, ball, wanted(), part) > kFewPoints) raise_floor(surface, points, c, part);
     for (std::size_t i = points.clusters[c].begin; i < points.clusters[c].end; ++i) {
-      if (i == last_nearest || part.floor[i] - part.travelled >= part.nearest.distance) continue;
+      if (i == last_nearest || part.floor[i] - part.travelled >= wanted()) continue;
       const geometry::NearestPoint found = ask_distance(surface, points, i, part);
       if (found.distance >= part.nearest.distance) continue;
       part.nearest_point = static_cast<std::uint32_t>(i);

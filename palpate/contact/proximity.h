@@ -23,7 +23,8 @@ bool move_part(const OrganSurface& surface, const PartPoints& points, const Pose
 
 /// [rt] Finds the part's point nearest to the organ (the deepest, when some are inside), exactly:
 /// part.nearest and part.nearest_point. Again only points that may be it are asked.
-/// @param enough a part that is surely not nearer than this [m] may be left as it was
+/// @param enough only what is nearer than this [m] is wanted: of a part that is not, part.nearest is some
+/// point that is no nearer
 void find_nearest(const OrganSurface& surface, const PartPoints& points, PartState& part,
                   double enough = std::numeric_limits<double>::infinity()) noexcept;
 

@@ -160,7 +160,6 @@ struct ToolState {
 
 struct State::Data {
   std::vector<ToolState> tools;
-  DepthScratch scratch;
   std::optional<TissueLaws> changed;  // while the run went on; none: the world's are in force
 
   [[nodiscard]] const TissueLaws& laws(const World::Data& world) const noexcept {

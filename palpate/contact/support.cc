@@ -51,13 +51,22 @@ struct PlanePair {
         nz(plane.normal.z()),
         inner_squared(0.25 * plane.radius * plane.radius) {}
 
-  [[nodiscard]] Pair depths(const PartPoints::Weighed& a, const PartPoints::Weighed& b,
-                            const Plane& plane) const noexcept {
+  /// Where no depth tapers.
+  [[nodiscard]] Pair untapered(const PartPoints::Weighed& a, const PartPoints::Weighed& b) const noexcept {
+    const Pair dx = pair_of(a.x, b.x) - x;
+    const Pair dy = pair_of(a.y, b.y) - y;
+    const Pair dz = pair_of(a.z, b.z) - z;
+    return -(dx * nx + (dy * ny + dz * nz));
+  }
+
+  /// @param rho_squared becomes the squared distances from the axis
+  [[nodiscard]] Pair depths(const PartPoints::Weighed& a, const PartPoints::Weighed& b, const Plane& plane,
+                            Pair& rho_squared) const noexcept {
     const Pair dx = pair_of(a.x, b.x) - x;
     const Pair dy = pair_of(a.y, b.y) - y;
     const Pair dz = pair_of(a.z, b.z) - z;
     const Pair depth = -(dx * nx + (dy * ny + dz * nz));
-    const Pair rho_squared = dx * dx + (dy * dy + dz * dz) - depth * depth;
+    rho_squared = dx * dx + (dy * dy + dz * dz) - depth * depth;
     if (xsimd::all(rho_squared <= inner_squared)) return depth;
     return pair_of(plane.tapered(depth.get(0), rho_squared.get(0)),
                    plane.tapered(depth.get(1), rho_squared.get(1)));
@@ -107,45 +116,108 @@ constexpr double kKeptBeside = 0.25;
 constexpr double kKeptTurn = 0.1;    // rad, that the plane may have turned since
 constexpr double kKeptSlack = 1e-9;  // m, for rounding in the bound
 
-/// How deep a point that is not on the list may be by now, if that can be said [m].
-double most_of_the_rest(const Shortlist& kept, const Plane& plane) noexcept {
-  const double nowhere = std::numeric_limits<double>::infinity();
-  if (kept.count == 0) return nowhere;
-  const Vec3 moved = plane.point - kept.point;
-  const double way = moved.norm();
-  const double turned = (plane.normal - kept.normal).norm();
-  const double beside = kKeptBeside * plane.radius;
-  if (turned > kKeptTurn || way + (kept.reach + way) * turned > beside) return nowhere;
-  // A point p that counts now is within R_ref of the axis, and was within R_ref + `beside`. Its height over
-  // the plane has changed by moved . n and by |p - c| `turned` at most, and its distance from the axis by
-  // |p - c| `turned` and the way beside it; the taper changes by at most 3 / R_ref of that.
-  const double raised = moved.dot(kept.normal);
-  const double by_turning = 1.5 * (plane.radius + kept.behind) * turned;
-  const double deeper = std::max(0.0, raised) + by_turning;
-  const double across = std::sqrt(std::max(0.0, way * way - raised * raised)) + by_turning;
-  return kept.rest + deeper + (kept.behind + deeper) * (3.0 / plane.radius) * across;
-}
+/// What a shortlist says of a plane that has moved since.
+class Since final {
+ public:
+  Since(const Shortlist& kept, const Plane& plane) noexcept
+      : kept_(kept),
+        plane_(plane),
+        moved_(plane.point - kept.point),
+        way_(moved_.norm()),
+        turned_((plane.normal - kept.normal).norm()),
+        raised_(moved_.dot(kept.normal)),
+        moved_aside_(std::sqrt(std::max(0.0, way_ * way_ - raised_ * raised_))) {}
 
-/// The exact depths of some points [m], two at a time; @return the greatest, 0 when none is behind the plane.
+  /// How deep a point that is not on the list may be by now, if that can be said [m].
+  [[nodiscard]] double most_of_the_rest() const noexcept {
+    const double nowhere = std::numeric_limits<double>::infinity();
+    const double beside = kKeptBeside * plane_.radius;
+    if (kept_.count == 0 || turned_ > kKeptTurn || way_ + (kept_.reach + way_) * turned_ > beside)
+      return nowhere;
+    // A point p that counts now is within R_ref of the axis, and was within R_ref + `beside`. Its height over
+    // the plane has changed by moved . n and by |p - c| `turned` at most, and its distance from the axis by
+    // |p - c| `turned` and the way beside it; the taper changes by at most 3 / R_ref of that.
+    const double by_turning = 1.5 * (plane_.radius + kept_.behind) * turned_;
+    const double deeper = std::max(0.0, raised_) + by_turning;
+    const double across = moved_aside_ + by_turning;
+    return kept_.rest + deeper + (kept_.behind + deeper) * (3.0 / plane_.radius) * across;
+  }
+
+  /// Whether every point of the list is surely so near to the axis that its depth does not taper.
+  [[nodiscard]] bool none_tapers() const noexcept {
+    const double most = kept_.aside + kept_.behind + 2.0 * kKeptMargin;  // that a point was from `point`
+    return kept_.aside + moved_aside_ + (most + way_) * turned_ + kKeptSlack < 0.5 * plane_.radius;
+  }
+
+ private:
+  const Shortlist& kept_;
+  const Plane& plane_;
+  Vec3 moved_;
+  double way_;
+  double turned_;
+  double raised_;
+  double moved_aside_;
+};
+
+/// The exact depths of some points.
+struct Depths {
+  double deepest = 0.0;      // m; 0 when no point is behind the plane
+  double rho_squared = 0.0;  // of the point farthest from the axis [m^2]
+};
+
+/// The exact depths of some points [m], two at a time.
 /// @param depths room for one more than there are points
-double measure(const PartPoints& part, const Plane& given, std::span<const std::uint16_t> points,
+Depths measure(const PartPoints& part, const Plane& plane, std::span<const std::uint16_t> points,
                double* depths) noexcept {
-  const Plane plane = given;  // here nothing that is written can be part of it
   const PlanePair pair(plane);
   const PartPoints::Weighed* const weighed = part.weighed.data();
   Pair deepest(0.0);
+  Pair farthest(0.0);
   for (std::size_t k = 0; k < points.size(); k += kPair) {
-    const std::size_t next = std::min(k + 1, points.size() - 1);  // the last of an odd number twice
-    const Pair two = pair.depths(weighed[points[k]], weighed[points[next]], plane);
+    const PartPoints::Weighed& a = weighed[points[k]];
+    const PartPoints::Weighed& b = weighed[points[std::min(k + 1, points.size() - 1)]];  // the last one twice
+    Pair rho_squared(0.0);
+    const Pair two = pair.depths(a, b, plane, rho_squared);
     two.store_unaligned(depths + k);
     deepest = xsimd::max(two, deepest);
+    farthest = xsimd::max(rho_squared, farthest);
   }
-  return std::max(deepest.get(0), deepest.get(1));
+  return {largest_of(deepest), largest_of(farthest)};
 }
 
+/// The same where no point is so far from the axis that its depth tapers. @return the greatest depth [m]
+double measure_inner(const PartPoints& part, const Plane& plane, std::span<const std::uint16_t> points,
+                     double* depths) noexcept {
+  const PlanePair pair(plane);
+  const PartPoints::Weighed* const weighed = part.weighed.data();
+  Pair deepest(0.0);
+  const auto two = [&](std::size_t first, std::size_t second) {
+    const Pair found = pair.untapered(weighed[points[first]], weighed[points[second]]);
+    found.store_unaligned(depths + first);
+    deepest = xsimd::max(found, deepest);
+  };
+  std::size_t k = 0;
+  for (; k + kPair <= points.size(); k += kPair) two(k, k + 1);
+  if (k < points.size()) two(k, k);
+  return largest_of(deepest);
+}
+
+/// Weighted sums over points.
+struct Sums {
+  Pair xy = Pair(0.0);
+  Pair z_radius = Pair(0.0);
+  Pair weight_width = Pair(0.0);
+
+  void add(const PartPoints::Weighed& point, const Pair& weight) noexcept {
+    xy += weight * Pair::load_aligned(&point.x);
+    z_radius += weight * Pair::load_aligned(&point.z);
+    weight_width += weight * Pair::load_aligned(&point.one);
+  }
+};
+
 /// What points of these depths add up to, of which `depth` is the greatest.
-/// @param depths as measure() left them; they become the points' shares
-Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, double* depths,
+/// @param depths as measure() left them
+Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, const double* depths,
                double depth) noexcept {
   Support support;
   if (depth <= 0.0) return support;
@@ -153,25 +225,24 @@ Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, do
   const PartPoints::Weighed* const weighed = part.weighed.data();
   const Pair greatest(depth);
   const Pair width(std::min(kSupportBand, depth));
-  for (std::size_t k = 0; k < points.size(); k += kPair) {
-    const Pair share = Pair(1.0) - (greatest - Pair::load_unaligned(depths + k)) / width;
-    // A point outside the band adds nothing: a weight of 0 changes no bit, and costs less than to ask.
-    xsimd::max(share, Pair(0.0)).store_unaligned(depths + k);
-  }
-  Pair sum_xy(0.0);
-  Pair sum_z_radius(0.0);
-  Pair sum_weight_width(0.0);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const PartPoints::Weighed& point = weighed[points[k]];
-    const Pair weight(point.area * depths[k]);
-    sum_xy += weight * Pair::load_aligned(&point.x);
-    sum_z_radius += weight * Pair::load_aligned(&point.z);
-    sum_weight_width += weight * Pair::load_aligned(&point.one);
-  }
-  const double total = sum_weight_width.get(0);
-  support.mean = Vec3(sum_xy.get(0), sum_xy.get(1), sum_z_radius.get(0)) / total;
-  support.tip_radius = sum_z_radius.get(1) / total;
-  support.half_width = sum_weight_width.get(1) / total;
+  Sums sums;
+  // A point outside the band adds nothing: a weight of 0 changes no bit, and often costs less than to ask.
+  const auto add_two = [&](std::size_t first, std::size_t second) {
+    const Pair share = Pair(1.0) - (greatest - Pair::load_unaligned(depths + first)) / width;
+    if (lanes_of(share > Pair(0.0)) == 0) return;
+    const PartPoints::Weighed& a = weighed[points[first]];
+    const PartPoints::Weighed& b = weighed[points[second]];
+    const Pair weight = pair_of(a.area, b.area) * xsimd::max(share, Pair(0.0));
+    sums.add(a, Pair(_mm_unpacklo_pd(weight, weight)));
+    if (first != second) sums.add(b, Pair(_mm_unpackhi_pd(weight, weight)));
+  };
+  std::size_t k = 0;
+  for (; k + kPair <= points.size(); k += kPair) add_two(k, k + 1);
+  if (k < points.size()) add_two(k, k);
+  const double total = sums.weight_width.get(0);
+  support.mean = Vec3(sums.xy.get(0), sums.xy.get(1), sums.z_radius.get(0)) / total;
+  support.tip_radius = sums.z_radius.get(1) / total;
+  support.half_width = sums.weight_width.get(1) / total;
   return support;
 }
 
@@ -180,8 +251,7 @@ Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, do
 /// Finds the points that may count for one plane.
 class SupportSearch final {
  public:
-  SupportSearch(const PartPoints& part, const Plane& plane, DepthScratch& scratch) noexcept
-      : part_(part), plane_(plane), scratch_(scratch) {}
+  SupportSearch(const PartPoints& part, const Plane& plane) noexcept : part_(part), plane_(plane) {}
 
   /// Looks at all points: those within `margin` [m] of counting, those that come within `beside` [m] of R_ref
   /// from the axis too.
@@ -193,18 +263,18 @@ class SupportSearch final {
     if (reached_ == 0) return;
 
     float deepest = 0.0F;
-    const auto look_at = [&](DepthScratch::Reached& reached) {
+    const auto look_at = [&](Reached& reached) {
       const std::size_t begin = std::size_t{reached.cluster} * PartPoints::kClusterSize;
-      reached.most = lanes.depths_of(part_, begin, &scratch_.depths_[begin]);
+      reached.most = lanes.depths_of(part_, begin, &depths_[begin]);
       reached.looked_at = true;
       deepest = std::max(deepest, reached.most);
     };
     const auto band = static_cast<float>(kSupportBand);
     const float below = 2.0F * slack + static_cast<float>(margin);
     const auto floor = [&] { return std::max(deepest - band, 0.0F) - below; };
-    look_at(scratch_.reached_[first]);
+    look_at(reached_clusters_[first]);
     for (std::size_t k = 0; k < reached_; ++k) {
-      DepthScratch::Reached& reached = scratch_.reached_[k];
+      Reached& reached = reached_clusters_[k];
       if (!reached.looked_at && reached.most >= floor()) look_at(reached);
     }
 
@@ -212,16 +282,16 @@ class SupportSearch final {
     const float least = floor();
     rest_ = std::max(static_cast<double>(least + slack), -margin);
     for (std::size_t k = 0; k < reached_; ++k) {
-      const DepthScratch::Reached& reached = scratch_.reached_[k];
+      const Reached& reached = reached_clusters_[k];
       if (!reached.looked_at || reached.most < least) continue;
       const PartPoints::Cluster& cluster = part_.clusters[reached.cluster];
       for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-        if (scratch_.depths_[i] >= least) scratch_.found_[found_++] = static_cast<std::uint16_t>(i);
+        if (depths_[i] >= least) points_[found_++] = static_cast<std::uint16_t>(i);
       }
     }
   }
 
-  /// Keeps what look_at_all found, unless that is too much.
+  /// Keeps what look_at_all found and support() has measured, unless that is too much.
   void keep(Shortlist& kept) const noexcept {
     kept.count = 0;
     if (found_ > Shortlist::kMost) return;
@@ -233,15 +303,17 @@ class SupportSearch final {
     for (const PartPoints::Cluster& group : part_.groups) {
       kept.reach = std::max(kept.reach, (group.centre - plane_.point).norm() + group.radius);
     }
-    std::copy_n(scratch_.found_.begin(), found_, kept.points.begin());
+    kept.aside = aside_;
+    std::copy_n(points_.begin(), found_, kept.points.begin());
     kept.count = static_cast<std::uint32_t>(found_);
   }
 
   /// The support by what look_at_all found.
   [[nodiscard]] Support support() noexcept {
-    const std::span<const std::uint16_t> found = std::span(scratch_.found_).first(found_);
-    const double depth = measure(part_, plane_, found, scratch_.exact_.data());
-    return sum_up(part_, found, scratch_.exact_.data(), depth);
+    const std::span<const std::uint16_t> found = std::span(points_).first(found_);
+    const Depths depths = measure(part_, plane_, found, exact_.data());
+    aside_ = std::sqrt(depths.rho_squared);
+    return sum_up(part_, found, exact_.data(), depths.deepest);
   }
 
  private:
@@ -258,54 +330,75 @@ class SupportSearch final {
         behind_ = std::max(behind_, behind);
         const double most =
             behind > 0.0 && from_axis > 0.0 ? behind * plane_.taper(from_axis * from_axis) : behind;
-        scratch_.reached_[reached_] = {c, static_cast<float>(most) + slack, false};
-        if (scratch_.reached_[reached_].most > scratch_.reached_[first].most) first = reached_;
+        reached_clusters_[reached_] = {c, static_cast<float>(most) + slack, false};
+        if (reached_clusters_[reached_].most > reached_clusters_[first].most) first = reached_;
         ++reached_;
       }
     }
     return first;
   }
 
+  static constexpr std::size_t kMostPoints = PartPoints::kMostPoints;
+  static constexpr std::size_t kMostClusters =
+      (kMostPoints + PartPoints::kClusterSize - 1) / PartPoints::kClusterSize;
+
+  /// A cluster that may hold deep points.
+  struct Reached {
+    std::uint32_t cluster;
+    float most;  // no point is deeper [m]; once looked at, the depth of its deepest point
+    bool looked_at;
+  };
+
   const PartPoints& part_;
   const Plane& plane_;
-  DepthScratch& scratch_;
   std::size_t reached_ = 0;
   std::size_t found_ = 0;
   double behind_ = 0.0;  // as Shortlist's
   double rest_ = 0.0;
+  double aside_ = 0.0;
+  // Working memory, on the stack: of the thread, not of every hand's state.
+  std::array<Reached, kMostClusters> reached_clusters_;
+  std::array<float, kMostClusters * PartPoints::kClusterSize> depths_;  // [m], in the clusters looked at
+  std::array<std::uint16_t, kMostPoints> points_;                       // that may count
+  std::array<double, kMostPoints + 1> exact_;                           // their depths [m]
 };
 
-void DepthScratch::reserve(std::size_t points) {
-  const std::size_t clusters = (points + PartPoints::kClusterSize - 1) / PartPoints::kClusterSize;
-  reached_.resize(clusters);
-  depths_.resize(clusters * PartPoints::kClusterSize);
-  found_.resize(points);
-  exact_.resize(points + 1);
-}
-
-Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
-                   DepthScratch& scratch) noexcept {
+Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal,
+                   double reference_radius) noexcept {
   const Plane plane{point, normal, reference_radius};
-  SupportSearch search(part, plane, scratch);
+  SupportSearch search(part, plane);
   search.look_at_all(0.0, 0.0);
   return search.support();
 }
 
+namespace {
+
+/// The support by all points, and the shortlist for the next ones. By itself, so that what it needs on the
+/// stack is not in the way of supports that the list serves.
+[[gnu::noinline]] Support keep_anew(const PartPoints& part, const Plane& plane, Shortlist& kept) noexcept {
+  SupportSearch search(part, plane);
+  search.look_at_all(kKeptMargin, kKeptBeside * plane.radius);
+  Support support = search.support();
+  search.keep(kept);
+  return support;
+}
+
+}  // namespace
+
 Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
-                   DepthScratch& scratch, Shortlist& kept) noexcept {
+                   Shortlist& kept) noexcept {
   const Plane plane{point, normal, reference_radius};
-  const double rest = most_of_the_rest(kept, plane);
+  const Since since(kept, plane);
+  const double rest = since.most_of_the_rest();
   if (std::isfinite(rest)) {
     std::array<double, Shortlist::kMost + 1> depths;
     const std::span<const std::uint16_t> points = std::span(kept.points).first(kept.count);
-    const double depth = measure(part, plane, points, depths.data());
+    const double depth = since.none_tapers() ? measure_inner(part, plane, points, depths.data())
+                                             : measure(part, plane, points, depths.data()).deepest;
     if (rest < std::max(0.0, depth - kSupportBand) - kKeptSlack)
       return sum_up(part, points, depths.data(), depth);
   }
-  SupportSearch search(part, plane, scratch);
-  search.look_at_all(kKeptMargin, kKeptBeside * reference_radius);
-  search.keep(kept);
-  return search.support();
+  return keep_anew(part, plane, kept);
 }
 
 }  // namespace palpate::contact

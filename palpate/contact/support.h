@@ -28,31 +28,9 @@ struct Shortlist {
   double rest = 0.0;        // no other point had a greater depth [m]
   double reach = 0.0;       // no point of the part was farther from `point` [m]
   double behind = 0.0;      // no point beside the axis was farther behind the plane [m]
+  double aside = 0.0;       // no point of the list was farther from the axis [m]
   std::uint32_t count = 0;  // 0: nothing is kept
   std::array<std::uint16_t, kMost> points{};
-};
-
-/// Working memory of support_of, for parts of up to so many points.
-class DepthScratch final {
- public:
-  /// [setup]
-  explicit DepthScratch(std::size_t points = 0) { reserve(points); }
-  /// [setup]
-  void reserve(std::size_t points);
-
- private:
-  friend class SupportSearch;
-
-  /// A cluster that may hold deep points.
-  struct Reached {
-    std::uint32_t cluster;
-    float most;  // no point is deeper [m]; once looked at, the depth of its deepest point
-    bool looked_at;
-  };
-  std::vector<Reached> reached_;
-  std::vector<float> depths_;         // a point, of the clusters looked at [m]
-  std::vector<std::uint16_t> found_;  // points that may count
-  std::vector<double> exact_;         // their depths [m]
 };
 
 /// [rt] The support of a contact at `point` with unit outward `normal`, both in the part's frame P: D is the
@@ -61,11 +39,11 @@ class DepthScratch final {
 /// (model.md, section 4). Below 0.2 mm of depth the band is D itself, so that points come in with weight
 /// nothing.
 [[nodiscard]] Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal,
-                                 double reference_radius, DepthScratch& scratch) noexcept;
+                                 double reference_radius) noexcept;
 
 /// [rt] The same, to the bit, by way of the points of `kept` where these surely hold all that count; else it
 /// is made anew.
 [[nodiscard]] Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal,
-                                 double reference_radius, DepthScratch& scratch, Shortlist& kept) noexcept;
+                                 double reference_radius, Shortlist& kept) noexcept;
 
 }  // namespace palpate::contact

@@ -219,6 +219,11 @@ void make_clusters(PartPoints& points) {
     points.clusters.back().begin = begin;
     points.clusters.back().end = end;
   }
+  for (const PartPoints::Cluster& cluster : points.clusters) {
+    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+      points.offset.push_back((points.point(i) - cluster.centre).norm());
+    }
+  }
   const auto clusters = static_cast<std::uint32_t>(points.clusters.size());
   for (std::uint32_t begin = 0; begin < clusters; begin += PartPoints::kGroupSize) {
     const std::uint32_t end = std::min(clusters, begin + PartPoints::kGroupSize);

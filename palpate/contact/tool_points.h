@@ -43,6 +43,7 @@ struct PartPoints {
   std::vector<Cluster> clusters;
   std::vector<Cluster> groups;   // of clusters: begin and end count those
   std::vector<Weighed> weighed;  // the same numbers, by point
+  std::vector<double> offset;    // of a point from its cluster's centre [m]
   std::vector<float> near_x, near_y,
       near_z;             // x, y, z rounded, whole clusters: the last one's gaps repeat its end
   double rounding = 0.0;  // that near_* may be off by, and what is worked out of it [m]

@@ -14,8 +14,17 @@ Account sample() {
   account.build = "palpate 1";
   account.command = "palpate bench\n--json";
   account.clock_ns = 200.0;
-  account.ticks.push_back(
-      {"press, slow", "press", 2110, 968, {10, 3.0, 4.0, 5.0, 6.0}, {20, 1.0, 2.0, 2.5, 2.75}});
+  account.ticks.push_back({"press, slow",
+                           "press",
+                           2110,
+                           968,
+                           {10, 3.0, 4.0, 5.0, 6.0},
+                           {20, 1.0, 2.0, 2.5, 2.75},
+                           5,
+                           {2, 2.9, 3.9, 4.5, 4.75},
+                           {4, 0.9, 1.9, 2.25, 2.5},
+                           {8, 3.1, 3.2, 9.5, 40.0},
+                           {2, 3.1, 3.125, 3.25, 3.5}});
   account.nearest.push_back({2110, {5, 0.5, 0.6, 0.7, 0.8}});
   account.law_ns = 10.0;
   account.inverse_ns = 11.0;
@@ -41,6 +50,12 @@ TEST(Account, JsonHasTheContractsKeysAndFigures) {
   EXPECT_EQ(tick["max_us"], 6.0);
   EXPECT_EQ(tick["approach_p50_us"], 1.0);
   EXPECT_EQ(tick["approach_max_us"], 2.75);
+  EXPECT_EQ(tick["repeats"], 5);
+  EXPECT_EQ(tick["least_p999_us"], 4.5);
+  EXPECT_EQ(tick["approach_least_p999_us"], 2.25);
+  EXPECT_EQ(tick["plain_samples"], 8);
+  EXPECT_EQ(tick["plain_p999_us"], 9.5);
+  EXPECT_EQ(tick["plain_least_p999_us"], 3.25);
   EXPECT_EQ(json["law_ns"], 10.0);
   EXPECT_EQ(json["inverse_ns"], 11.0);
   EXPECT_EQ(json["noise_ns"], 12.5);
@@ -78,7 +93,7 @@ std::size_t cells(const std::string& line) {
   return count;
 }
 
-TEST(Account, CsvHasThirteenCellsALineAndCommentsOfOneLine) {
+TEST(Account, CsvHasEighteenCellsALineAndCommentsOfOneLine) {
   std::istringstream csv(to_csv(sample()));
   std::string line;
   std::size_t comments = 0;
@@ -88,11 +103,12 @@ TEST(Account, CsvHasThirteenCellsALineAndCommentsOfOneLine) {
       ++comments;
       continue;
     }
-    EXPECT_EQ(cells(line), 13U) << line;
+    EXPECT_EQ(cells(line), 18U) << line;
     ++rows;
   }
-  EXPECT_EQ(comments, 5U);    // machine, build, command, clock, one remark
-  EXPECT_EQ(rows, 1U + 17U);  // head; 2 tick, 1 nearest, 3 parts, 2 preparation, 4 hands, 4 loop, 1 peer
+  EXPECT_EQ(comments, 5U);  // machine, build, command, clock, one remark
+  EXPECT_EQ(rows,
+            1U + 18U);  // head; 2 tick, 1 machine, 1 nearest, 3 parts, 2 preparation, 4 hands, 4 loop, 1 peer
 }
 
 TEST(Account, CsvQuotesACommaAndRoundTrips) {
@@ -100,14 +116,16 @@ TEST(Account, CsvQuotesACommaAndRoundTrips) {
   account.ticks = sample().ticks;
   account.ticks[0].contact.p50_us = 0.1;
   const std::string csv = to_csv(account);
-  EXPECT_NE(csv.find("tick,palpate,\"press, slow\",contact,2110,968,10,0.1,4,5,6,,us\n"), std::string::npos)
+  EXPECT_NE(csv.find("tick,palpate,\"press, slow\",contact,2110,968,10,0.1,4,5,6,,us,5,2.9,3.9,4.5,4.75\n"),
+            std::string::npos)
       << csv;
 }
 
 TEST(Account, TextNamesEveryFigureAndWhatIsMissing) {
   const std::string text = to_text(sample());
-  for (const char* word : {"press, slow", "3.00", "2.75", "FCL", "10.0 | 0.00 times", "12.5 ns", "1000",
-                           "150", "300 hands on 2 threads", "2 missed", "Embree is not compared with"}) {
+  for (const char* word : {"press, slow", "3.00", "2.75", "least of 5 repeats", "2.25", "9.50", "3.25", "FCL",
+                           "10.0 | 0.00 times", "12.5 ns", "1000", "150", "300 hands on 2 threads",
+                           "2 missed", "Embree is not compared with"}) {
     EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
   }
 }

@@ -90,10 +90,44 @@ TEST(Proximity, NearestIsThatOfAllPointsTickByTickWhileABallRestsOnTheOrgan) {
     if (tick % 20 != 0) continue;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 p = part.placed_S * points.point(i);
-      ASSERT_LE(part.ball.radius - (p - part.ball.centre_S).norm(), surface.nearest(p, -1).distance + 1e-12);
+      const double distance = surface.nearest(p, -1).distance;
+      ASSERT_LE(part.ball.radius - (p - part.ball.centre_S).norm(), distance + 1e-12);
+      if (part.known[i] > 0.0) {
+        ASSERT_LE(least_distance(part, i), distance + 1e-12);
+      }
     }
   }
   EXPECT_GT(served, 1000);
+}
+
+TEST(Proximity, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(0.9, 1.1);
+  const OrganSurface surface(geometry::make_organ("heart"), kReference);
+  const PartPoints points = jaw();
+  PartState part = state_for(points);
+  int nearer = 0;
+  int farther = 0;
+  for (int tick = 0; tick < 1200; ++tick) {
+    const double time = tick * kPeriod;
+    const Vec3 aside(10e-3 * std::sin(3.0 * time), 8e-3 * std::sin(4.0 * time), 4e-3 * std::sin(9.0 * time));
+    const Pose pose{rotation_about(Vec3::UnitX(), 0.2 * std::sin(5.0 * time)),
+                    aside - Vec3(0.0, 0.0, 140e-3)};
+    move_part(surface, points, pose, kReference, kPeriod, part);
+    const double nearest = nearest_of_all(surface, points, part);
+    ASSERT_GT(nearest, 0.0);
+    const double enough = share(random) * nearest;
+    find_nearest(surface, points, part, enough);
+    if (nearest < enough) {
+      ASSERT_EQ(part.nearest.distance, nearest) << "tick " << tick;
+      ++nearer;
+    } else {
+      ASSERT_GE(part.nearest.distance, enough) << "tick " << tick;
+      ++farther;
+    }
+  }
+  EXPECT_GT(nearer, 400);
+  EXPECT_GT(farther, 400);
 }
 
 /// Brings the part's tip straight up to the organ, from far below, until it is `depth` [m] inside.
@@ -201,7 +235,6 @@ TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBit) {
   for (const std::string name : {"curved-forceps", "straight-forceps"}) {
     for (const geometry::ToolPart& tool_part : geometry::make_tool(name).parts) {
       const PartPoints part = sample_part(tool_part, 0.0);
-      DepthScratch scratch(part.size());
       std::uniform_int_distribution<std::size_t> index(0, part.size() - 1);
       for (int i = 0; i < 3000; ++i) {
         const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
@@ -209,7 +242,7 @@ TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBit) {
         const Vec3 point =
             part.point(index(random)) + depth * Vec3(normal(random), normal(random), normal(random));
         const Support plain = plain_support(part, point, direction);
-        const Support found = support_of(part, point, direction, kReference, scratch);
+        const Support found = support_of(part, point, direction, kReference);
         ASSERT_EQ(found.depth, plain.depth);
         ASSERT_EQ(found.mean, plain.mean);
       }
@@ -225,7 +258,6 @@ TEST(Support, OfAKeptShortlistIsThatOfAPlainLoopToTheBitWhileThePlaneWandersAndL
   int asked = 0;
   for (const geometry::ToolPart& tool_part : geometry::make_tool("curved-forceps").parts) {
     const PartPoints part = sample_part(tool_part, 0.0);
-    DepthScratch scratch(part.size());
     std::uniform_int_distribution<std::size_t> index(0, part.size() - 1);
     for (int way = 0; way < 60; ++way) {
       Vec3 direction = any().normalized();
@@ -237,7 +269,7 @@ TEST(Support, OfAKeptShortlistIsThatOfAPlainLoopToTheBitWhileThePlaneWandersAndL
         direction = (direction + leap * 2e-4 * any()).normalized();
         const Vec3 kept_for = kept.point;
         const Support plain = plain_support(part, point, direction);
-        const Support found = support_of(part, point, direction, kReference, scratch, kept);
+        const Support found = support_of(part, point, direction, kReference, kept);
         ASSERT_EQ(found.depth, plain.depth);
         ASSERT_EQ(found.mean, plain.mean);
         served += kept.count > 0 && kept.point == kept_for ? 1 : 0;
