@@ -1,5 +1,6 @@
 // An organ at rest from four sides on one sheet, without a display. Usage: organ_sheet ORGAN [SHEET.png]
 // ORGAN is a built-in name, such as liver-30k. Where no OpenGL can be had it says so and draws nothing.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -20,6 +21,7 @@ using palpate::render::Image;
 
 constexpr int kWidth = 560;  // pixels, of each of the four pictures
 constexpr int kHeight = 440;
+constexpr int kGap = 4;  // between them, white
 
 /// Sees the whole organ from a direction, +y up.
 Camera camera_from(const palpate::geometry::TriangleMesh& organ, const Vec3& direction) {
@@ -43,9 +45,9 @@ Camera camera_from(const palpate::geometry::TriangleMesh& organ, const Vec3& dir
 void put(const Image& part, int column, int row, Image& sheet) {
   for (int y = 0; y < part.height; ++y) {
     const std::size_t from = 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(part.width);
-    const std::size_t line = static_cast<std::size_t>(row * part.height + y);
+    const std::size_t line = static_cast<std::size_t>(row * (part.height + kGap) + y);
     const std::size_t to = 3 * (line * static_cast<std::size_t>(sheet.width) +
-                                static_cast<std::size_t>(column) * static_cast<std::size_t>(part.width));
+                                static_cast<std::size_t>(column * (part.width + kGap)));
     for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(part.width); ++i)
       sheet.rgb[to + i] = part.rgb[from + i];
   }
@@ -59,8 +61,8 @@ void draw(const std::string& name, const char* file) {
   // From the front, from behind, from the left and above, and from behind and below.
   const std::array<Vec3, 4> sides{Vec3(0.0, 0.0, 1.0), Vec3(0.0, 0.0, -1.0), Vec3(0.75, 0.45, 0.6),
                                   Vec3(0.1, -0.9, -0.45)};
-  Image sheet{2 * kWidth, 2 * kHeight, {}};
-  sheet.rgb.resize(static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height) * 3);
+  Image sheet{2 * kWidth + kGap, 2 * kHeight + kGap, {}};
+  sheet.rgb.resize(static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height) * 3, 255);
   for (int i = 0; i < 4; ++i) {
     const Camera camera = camera_from(subject.organ, sides[static_cast<std::size_t>(i)]);
     put(renderer.draw(palpate::haptics::Snapshot{}, camera), i % 2, i / 2, sheet);

@@ -85,13 +85,13 @@ class Kidney final : public ImplicitSolid {
   std::vector<CutVessel> vessels_{
       // Renal vein, in front.
       CutVessel(
-          {{{8.0, 2.0, 2.5}, 6.5}, {{19.0, 3.0, 5.0}, 5.6}, {{29.0, 3.5, 6.5}, 5.0}, {{39.0, 4.5, 6.0}, 5.0}},
+          {{{8.0, 2.0, 2.5}, 6.5}, {{19.0, 3.0, 5.0}, 5.6}, {{29.0, 3.5, 6.5}, 5.0}, {{37.0, 4.5, 6.0}, 5.0}},
           kFar),
       // Renal artery.
       CutVessel({{{10.0, 9.0, -1.0}, 4.2},
                  {{20.0, 11.5, -1.5}, 3.4},
                  {{30.0, 13.5, -2.0}, 2.9},
-                 {{40.0, 15.0, -2.5}, 2.9}},
+                 {{37.5, 14.7, -2.5}, 2.9}},
                 kFar),
       // Renal pelvis, narrowing into the ureter, which turns down.
       CutVessel({{{9.0, -2.0, -2.0}, 8.5},

@@ -13,18 +13,18 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr int kVertices = 3002;  // and so 2 (V - 2) = 6,000 triangles
+constexpr int kVertices = 3502;  // and so 2 (V - 2) = 7,000 triangles
 
 constexpr double kFar = 16.5;  // [mm] more than any blend
 
 // Where the inferior vena cava is cut above the liver [mm], and which way it goes there.
-const Vec3 kCavaTop(-13.0, 75.0, -40.0);
+const Vec3 kCavaTop(-3.0, 75.0, -40.0);
 const Vec3 kCavaUp = Vec3(0.0, 0.93, 0.37).normalized();
 
 /// The visceral surface before anything is pressed into it, as its height y over x and z [mm]: it rises to
 /// the left and towards the back, and arches.
 FieldValue visceral_height(const FieldValue& x, const FieldValue& z) {
-  return 0.62 * x + -0.00195 * (x * x) + -0.35 * z + -8.0;
+  return 0.62 * x + -0.00195 * (x * x) + -0.35 * z + -13.0;
 }
 
 /// A place on it, or `inside` [mm] above it, in the liver.
@@ -56,7 +56,9 @@ Ellipsoid swelling(double x, double z, double height, const Vec3& half_axes, con
 /// In millimetres until it is meshed.
 class Liver final : public ImplicitSolid {
  public:
-  explicit Liver(bool with_lumens) : with_lumens_(with_lumens) {}
+  /// @param fine false: without the vessels' lumens, and the falciform ligament's stump lower and broader, as
+  /// a coarse mesh can show it
+  explicit Liver(bool fine) : fine_(fine) {}
 
   [[nodiscard]] FieldValue at(const Vec3& p_m) const noexcept override {
     const Vec3 p = p_m / kMillimetre;
@@ -69,7 +71,7 @@ class Liver final : public ImplicitSolid {
     all = unite(all, cava(p), kCava);
     all = unite(all, round_ligament_.at(p), kRoot);
     for (const CutVessel& vessel : vessels_) all = unite(all, vessel.at(p), kRoot);
-    if (with_lumens_) {
+    if (fine_) {
       for (const Ellipsoid& lumen : lumens_) all = subtract(all, lumen.at(p), kLumenRim);
     }
     return {all.value * kMillimetre, all.gradient};
@@ -96,9 +98,10 @@ class Liver final : public ImplicitSolid {
     FieldValue dome = unite(unite(right_.at(p), flank_.at(p), kDome), left_.at(p), kDome);
     dome = subtract(dome, heart_.at(p), 2.0 * kImpression);
     // The falciform ligament's stump, in a shallow valley between the lobes, on the front and the top.
-    const FieldValue off = x + (-12.0) + 0.06 * y;
+    const FieldValue off = x + (-26.0) + 0.06 * y;
     const FieldValue shown = rise(above, 6.0, 24.0) * rise(z + 0.5 * y, -30.0, -5.0);
-    dome = dome + shown * (1.6 * bump(off, 18.0) + -2.6 * bump(off, 3.6));
+    const FieldValue stump = fine_ ? 2.2 * bump(off, 4.2) : 2.2 * bump(off, 8.0);
+    dome = dome + shown * (1.6 * bump(off, 18.0) - stump);
     constexpr double kSteepness = 0.76;  // brings the height's gradient to about 1
     FieldValue all = intersect(dome, -kSteepness * above, kMargin);
     for (const Ellipsoid& organ : impressions_) all = subtract(all, organ.at(p), kImpression);
@@ -112,70 +115,70 @@ class Liver final : public ImplicitSolid {
     return intersect(vessel, {(p - kCavaTop).dot(kCavaUp), kCavaUp}, CutVessel::kRim);
   }
 
-  bool with_lumens_;
-  Ellipsoid right_ = ellipsoid({-36.0, 2.0, -8.0}, {66.0, 78.0, 69.0}, Vec3::UnitX(), Vec3::UnitY());
-  Ellipsoid flank_ = ellipsoid({-68.0, -30.0, -4.0}, {36.0, 56.0, 55.0}, {1.0, 0.12, 0.0}, Vec3::UnitY());
-  Ellipsoid left_ = ellipsoid({36.0, 27.0, 6.0}, {80.0, 42.0, 47.0}, {0.97, 0.16, -0.08}, Vec3::UnitY());
-  Ellipsoid heart_ = ellipsoid({18.0, 102.0, 2.0}, {58.0, 42.0, 50.0}, Vec3::UnitX(), Vec3::UnitY());
+  bool fine_;
+  Ellipsoid right_ = ellipsoid({-36.0, 2.0, -8.0}, {66.0, 78.0, 65.0}, Vec3::UnitX(), Vec3::UnitY());
+  Ellipsoid flank_ = ellipsoid({-68.0, -30.0, -4.0}, {36.0, 42.0, 51.0}, {1.0, 0.12, 0.0}, Vec3::UnitY());
+  Ellipsoid left_ = ellipsoid({36.0, 27.0, 6.0}, {75.0, 42.0, 47.0}, {0.97, 0.16, -0.08}, Vec3::UnitY());
+  Ellipsoid heart_ = ellipsoid({28.0, 102.0, 2.0}, {58.0, 42.0, 50.0}, Vec3::UnitX(), Vec3::UnitY());
 
   std::vector<Ellipsoid> impressions_{
       dent(-62.0, -30.0, 11.0, {46.0, 32.0, 34.0}, {0.0, 0.6, -1.0}),  // right kidney
-      dent(-70.0, 26.0, 6.0, {40.0, 34.0, 40.0}, {1.0, 0.0, 0.0}),     // right flexure of the colon
-      dent(62.0, 6.0, 10.0, {56.0, 46.0, 52.0}, {1.0, 0.0, -0.2})};    // stomach
+      dent(-76.0, 26.0, 5.0, {64.0, 36.0, 40.0}, {1.0, 0.0, 0.0}),     // right flexure of the colon
+      dent(72.0, 4.0, 10.0, {56.0, 46.0, 52.0}, {1.0, 0.0, -0.2})};    // stomach
   // Quadrate lobe and tuber omentale.
-  std::vector<Ellipsoid> swellings_{swelling(-6.0, 28.0, 8.0, {28.0, 16.0, 18.0}, {0.0, 0.0, 1.0}),
-                                    swelling(28.0, -14.0, 5.0, {16.0, 14.0, 14.0}, {1.0, 0.0, 0.0})};
-  Ellipsoid caudate_ = ellipsoid({2.0, 14.0, -44.0}, {13.5, 30.0, 17.0}, Vec3::UnitX(), {0.0, 1.0, -0.25});
-  Ellipsoid papilla_ = ellipsoid({5.0, -8.0, -30.0}, {9.0, 10.0, 9.0}, Vec3::UnitX(), Vec3::UnitY());
+  std::vector<Ellipsoid> swellings_{swelling(8.0, 21.0, 7.0, {24.0, 16.0, 18.0}, {0.0, 0.0, 1.0}),
+                                    swelling(42.0, -14.0, 5.0, {16.0, 14.0, 14.0}, {1.0, 0.0, 0.0})};
+  Ellipsoid caudate_ = ellipsoid({14.0, 10.0, -44.0}, {13.5, 30.0, 17.0}, Vec3::UnitX(), {0.0, 1.0, -0.25});
+  Ellipsoid papilla_ = ellipsoid({18.0, -9.0, -30.0}, {9.0, 10.0, 9.0}, Vec3::UnitX(), Vec3::UnitY());
   std::vector<Tube> fissures_{// Of the round ligament, with the notch in the margin.
-                              Tube({{under(13.0, 76.0, 2.0), 8.0},
-                                    {under(13.0, 60.0, 2.0), 6.5},
-                                    {under(13.5, 40.0, 2.0), 5.0},
-                                    {under(13.5, 18.0, 2.0), 4.8},
-                                    {under(13.0, 2.0, 2.0), 5.5}},
+                              Tube({{under(27.0, 76.0, 2.0), 8.0},
+                                    {under(27.0, 60.0, 2.0), 6.5},
+                                    {under(27.5, 40.0, 2.0), 5.0},
+                                    {under(27.5, 18.0, 2.0), 4.8},
+                                    {under(27.0, 2.0, 2.0), 5.5}},
                                    kFar),
                               // Porta hepatis.
-                              Tube({{under(-24.0, -5.0, 1.0), 5.5},
-                                    {under(-12.0, -3.0, 2.0), 7.0},
-                                    {under(2.0, -2.0, 2.0), 7.0},
-                                    {under(13.0, 0.0, 2.0), 5.5}},
+                              Tube({{under(-10.0, -5.0, 1.0), 5.5},
+                                    {under(2.0, -3.0, 2.0), 7.0},
+                                    {under(16.0, -2.0, 2.0), 7.0},
+                                    {under(27.0, 0.0, 2.0), 5.5}},
                                    kFar),
                               // Of the venous ligament.
-                              Tube({{under(13.0, 0.0, 2.0), 5.0},
-                                    {under(16.0, -16.0, 2.0), 4.2},
-                                    {under(18.0, -34.0, 2.0), 4.2},
-                                    {under(18.0, -52.0, 6.0), 5.0},
-                                    {under(17.0, -66.0, 14.0), 6.0}},
+                              Tube({{under(27.0, 0.0, 2.0), 5.0},
+                                    {under(30.0, -16.0, 2.0), 4.2},
+                                    {under(32.0, -34.0, 2.0), 4.2},
+                                    {under(32.0, -52.0, 6.0), 5.0},
+                                    {under(31.0, -66.0, 14.0), 6.0}},
                                    kFar)};
-  Ellipsoid fossa_ = dent(-29.0, 18.0, 11.0, {38.0, 17.0, 17.0}, {-0.22, 0.0, 1.0});
-  CutVessel cava_{{{{-13.0, 78.0, -38.8}, 11.0},
-                   {{-13.0, 56.0, -47.5}, 12.0},
-                   {{-13.5, 30.0, -55.0}, 12.5},
-                   {{-13.0, 8.0, -55.0}, 11.8},
-                   {{-12.0, -16.0, -52.0}, 11.2}},
+  Ellipsoid fossa_ = dent(-16.0, 18.0, 11.0, {38.0, 17.0, 17.0}, {-0.22, 0.0, 1.0});
+  CutVessel cava_{{{{-3.0, 78.0, -38.8}, 11.0},
+                   {{-3.0, 56.0, -47.5}, 12.0},
+                   {{-3.5, 30.0, -55.0}, 12.5},
+                   {{-3.0, 8.0, -55.0}, 11.8},
+                   {{-2.0, -16.0, -52.0}, 11.2}},
                   kFar};
-  Tube round_ligament_{{{under(13.3, 30.0, 4.0), 3.2},
-                        {under(13.2, 48.0, 4.0), 3.4},
-                        {under(13.0, 62.0, 1.0), 3.4},
-                        {under(13.0, 74.0, -6.0), 3.2}},
+  Tube round_ligament_{{{under(27.3, 30.0, 4.0), 3.2},
+                        {under(27.2, 44.0, 4.0), 3.4},
+                        {under(27.0, 54.0, 2.0), 3.4},
+                        {under(27.0, 62.0, -3.0), 3.2}},
                        kFar};
   std::vector<CutVessel> vessels_{// Portal vein.
-                                  CutVessel({{{-4.0, 0.0, -1.0}, 8.0},
-                                             {{-3.0, -14.0, -4.0}, 6.6},
-                                             {{0.0, -26.0, -8.0}, 6.3},
-                                             {{3.0, -37.0, -13.0}, 6.3}},
+                                  CutVessel({{{8.0, 0.0, -1.0}, 8.0},
+                                             {{9.0, -14.0, -4.0}, 6.6},
+                                             {{12.0, -26.0, -8.0}, 6.3},
+                                             {{15.0, -37.0, -13.0}, 6.3}},
                                             kFar),
                                   // Bile duct.
-                                  CutVessel({{{-14.0, -6.0, 2.0}, 4.6},
-                                             {{-13.0, -19.0, 4.0}, 3.3},
-                                             {{-11.0, -30.0, 2.0}, 3.0},
-                                             {{-8.0, -41.0, -3.0}, 3.0}},
+                                  CutVessel({{{-2.0, -6.0, 2.0}, 4.6},
+                                             {{-1.0, -19.0, 4.0}, 3.3},
+                                             {{1.0, -30.0, 2.0}, 3.0},
+                                             {{4.0, -41.0, -3.0}, 3.0}},
                                             kFar),
                                   // Hepatic artery.
-                                  CutVessel({{{7.0, -2.0, 2.0}, 4.2},
-                                             {{8.5, -12.0, 3.5}, 2.9},
-                                             {{9.5, -22.0, 2.5}, 2.7},
-                                             {{12.0, -32.0, -1.0}, 2.7}},
+                                  CutVessel({{{19.0, -2.0, 2.0}, 4.2},
+                                             {{20.5, -12.0, 3.5}, 2.9},
+                                             {{21.5, -22.0, 2.5}, 2.7},
+                                             {{24.0, -32.0, -1.0}, 2.7}},
                                             kFar)};
   std::vector<Ellipsoid> lumens_{cava_.lumen(), ellipsoid(kCavaTop, {5.0, 7.0, 7.0}, kCavaUp, Vec3::UnitX()),
                                  vessels_[0].lumen(), vessels_[1].lumen(), vessels_[2].lumen()};

@@ -22,14 +22,14 @@ TissueLook tissue_look(const std::string& tissue_name) {
     look.mottle_per_m = 110.0F;
     look.vessel_per_m = 42.0F;
   } else if (tissue_name == "liver") {
-    look.base = {0.112F, 0.027F, 0.016F};
-    look.mottle = {0.148F, 0.042F, 0.024F};
+    look.base = {0.100F, 0.0225F, 0.0138F};
+    look.mottle = {0.134F, 0.037F, 0.022F};
     look.vessel = {0.085F, 0.016F, 0.012F};
     look.fat = {0.45F, 0.25F, 0.11F};
     look.vessel_share = 0.12F;
   } else if (tissue_name == "kidney") {
-    look.base = {0.180F, 0.036F, 0.024F};
-    look.mottle = {0.225F, 0.060F, 0.040F};
+    look.base = {0.165F, 0.031F, 0.021F};
+    look.mottle = {0.208F, 0.054F, 0.036F};
     look.vessel = {0.13F, 0.016F, 0.013F};
     look.fat = {0.6F, 0.42F, 0.19F};
     look.vessel_share = 0.2F;
