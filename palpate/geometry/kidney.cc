@@ -114,7 +114,7 @@ TriangleMesh make_kidney(Detail detail) {
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.005, .finest = 0.2};
   if (detail == Detail::k300k)
     goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.005, .finest = 0.2};
-  return remesh(Kidney(detail != Detail::kPaper), start, goal);
+  return remesh(Kidney(true), start, goal);
 }
 
 }  // namespace palpate::geometry

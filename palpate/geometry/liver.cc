@@ -24,7 +24,7 @@ const Vec3 kCavaUp = Vec3(0.0, 0.93, 0.37).normalized();
 /// The visceral surface before anything is pressed into it, as its height y over x and z [mm]: it rises to
 /// the left and towards the back, and arches.
 FieldValue visceral_height(const FieldValue& x, const FieldValue& z) {
-  return 0.62 * x + -0.00195 * (x * x) + -0.35 * z + -13.0;
+  return 0.53 * x + -0.0013 * (x * x) + -0.50 * z + -5.5;
 }
 
 /// A place on it, or `inside` [mm] above it, in the liver.
@@ -56,9 +56,10 @@ Ellipsoid swelling(double x, double z, double height, const Vec3& half_axes, con
 /// In millimetres until it is meshed.
 class Liver final : public ImplicitSolid {
  public:
-  /// @param fine false: without the vessels' lumens, and the falciform ligament's stump lower and broader, as
-  /// a coarse mesh can show it
-  explicit Liver(bool fine) : fine_(fine) {}
+  /// What a mesh can show: none of the vessels' lumens; or the veins', as a coarse mesh can; or all of
+  /// them, and the falciform ligament's stump as high and narrow as it is.
+  enum Shown { kNoLumens, kCoarse, kFine };
+  explicit Liver(Shown shown) : shown_(shown) {}
 
   [[nodiscard]] FieldValue at(const Vec3& p_m) const noexcept override {
     const Vec3 p = p_m / kMillimetre;
@@ -71,15 +72,17 @@ class Liver final : public ImplicitSolid {
     all = unite(all, cava(p), kCava);
     all = unite(all, round_ligament_.at(p), kRoot);
     for (const CutVessel& vessel : vessels_) all = unite(all, vessel.at(p), kRoot);
-    if (fine_) {
-      for (const Ellipsoid& lumen : lumens_) all = subtract(all, lumen.at(p), kLumenRim);
+    if (shown_ == kNoLumens) return {all.value * kMillimetre, all.gradient};
+    for (const Ellipsoid& lumen : wide_lumens_) all = subtract(all, lumen.at(p), kLumenRim);
+    if (shown_ == kFine) {
+      for (const Ellipsoid& lumen : narrow_lumens_) all = subtract(all, lumen.at(p), kLumenRim);
     }
     return {all.value * kMillimetre, all.gradient};
   }
 
  private:
   // Widths of the rounding where parts meet [mm].
-  static constexpr double kMargin = 7.0;  // the lower margin: sharp
+  static constexpr double kMargin = 5.0;  // the lower margin: sharp
   static constexpr double kDome = 48.0;
   static constexpr double kImpression = 14.0;
   static constexpr double kSwell = 9.0;
@@ -99,9 +102,9 @@ class Liver final : public ImplicitSolid {
     dome = subtract(dome, heart_.at(p), 2.0 * kImpression);
     // The falciform ligament's stump, in a shallow valley between the lobes, on the front and the top.
     const FieldValue off = x + (-26.0) + 0.06 * y;
-    const FieldValue shown = rise(above, 6.0, 24.0) * rise(z + 0.5 * y, -30.0, -5.0);
-    const FieldValue stump = fine_ ? 2.2 * bump(off, 4.2) : 2.2 * bump(off, 8.0);
-    dome = dome + shown * (1.6 * bump(off, 18.0) - stump);
+    const FieldValue there = rise(above, 6.0, 24.0) * rise(z + 0.5 * y, -30.0, -5.0);
+    const FieldValue stump = shown_ == kFine ? 2.2 * bump(off, 4.2) : 2.2 * bump(off, 8.0);
+    dome = dome + there * (1.6 * bump(off, 18.0) - stump);
     constexpr double kSteepness = 0.76;  // brings the height's gradient to about 1
     FieldValue all = intersect(dome, -kSteepness * above, kMargin);
     for (const Ellipsoid& organ : impressions_) all = subtract(all, organ.at(p), kImpression);
@@ -115,9 +118,9 @@ class Liver final : public ImplicitSolid {
     return intersect(vessel, {(p - kCavaTop).dot(kCavaUp), kCavaUp}, CutVessel::kRim);
   }
 
-  bool fine_;
-  Ellipsoid right_ = ellipsoid({-36.0, 2.0, -8.0}, {66.0, 78.0, 65.0}, Vec3::UnitX(), Vec3::UnitY());
-  Ellipsoid flank_ = ellipsoid({-68.0, -30.0, -4.0}, {36.0, 42.0, 51.0}, {1.0, 0.12, 0.0}, Vec3::UnitY());
+  Shown shown_;
+  Ellipsoid right_ = ellipsoid({-36.0, -12.0, -8.0}, {66.0, 92.0, 71.0}, Vec3::UnitX(), Vec3::UnitY());
+  Ellipsoid flank_ = ellipsoid({-68.0, -38.0, -4.0}, {36.0, 56.0, 50.0}, {1.0, 0.12, 0.0}, Vec3::UnitY());
   Ellipsoid left_ = ellipsoid({36.0, 27.0, 6.0}, {75.0, 42.0, 47.0}, {0.97, 0.16, -0.08}, Vec3::UnitY());
   Ellipsoid heart_ = ellipsoid({28.0, 102.0, 2.0}, {58.0, 42.0, 50.0}, Vec3::UnitX(), Vec3::UnitY());
 
@@ -128,12 +131,12 @@ class Liver final : public ImplicitSolid {
   // Quadrate lobe and tuber omentale.
   std::vector<Ellipsoid> swellings_{swelling(8.0, 21.0, 7.0, {24.0, 16.0, 18.0}, {0.0, 0.0, 1.0}),
                                     swelling(42.0, -14.0, 5.0, {16.0, 14.0, 14.0}, {1.0, 0.0, 0.0})};
-  Ellipsoid caudate_ = ellipsoid({14.0, 10.0, -44.0}, {13.5, 30.0, 17.0}, Vec3::UnitX(), {0.0, 1.0, -0.25});
-  Ellipsoid papilla_ = ellipsoid({18.0, -9.0, -30.0}, {9.0, 10.0, 9.0}, Vec3::UnitX(), Vec3::UnitY());
+  Ellipsoid caudate_ = ellipsoid({14.0, 18.0, -44.0}, {13.5, 30.0, 17.0}, Vec3::UnitX(), {0.0, 1.0, -0.25});
+  Ellipsoid papilla_ = ellipsoid({18.0, 1.0, -30.0}, {9.0, 10.0, 9.0}, Vec3::UnitX(), Vec3::UnitY());
   std::vector<Tube> fissures_{// Of the round ligament, with the notch in the margin.
                               Tube({{under(27.0, 76.0, 2.0), 8.0},
-                                    {under(27.0, 60.0, 2.0), 6.5},
-                                    {under(27.5, 40.0, 2.0), 5.0},
+                                    {under(27.0, 60.0, 2.0), 8.0},
+                                    {under(27.5, 40.0, 2.0), 6.0},
                                     {under(27.5, 18.0, 2.0), 4.8},
                                     {under(27.0, 2.0, 2.0), 5.5}},
                                    kFar),
@@ -154,34 +157,35 @@ class Liver final : public ImplicitSolid {
   CutVessel cava_{{{{-3.0, 78.0, -38.8}, 11.0},
                    {{-3.0, 56.0, -47.5}, 12.0},
                    {{-3.5, 30.0, -55.0}, 12.5},
-                   {{-3.0, 8.0, -55.0}, 11.8},
-                   {{-2.0, -16.0, -52.0}, 11.2}},
+                   {{-3.2, 10.0, -55.0}, 11.8},
+                   {{-2.5, -9.0, -53.5}, 11.3}},
                   kFar};
-  Tube round_ligament_{{{under(27.3, 30.0, 4.0), 3.2},
-                        {under(27.2, 44.0, 4.0), 3.4},
-                        {under(27.0, 54.0, 2.0), 3.4},
-                        {under(27.0, 62.0, -3.0), 3.2}},
+  Tube round_ligament_{{{under(27.3, 30.0, 7.5), 3.2},
+                        {under(27.2, 44.0, 7.5), 3.4},
+                        {under(27.0, 54.0, 5.0), 3.4},
+                        {under(27.0, 63.0, -3.0), 3.2}},
                        kFar};
   std::vector<CutVessel> vessels_{// Portal vein.
-                                  CutVessel({{{8.0, 0.0, -1.0}, 8.0},
-                                             {{9.0, -14.0, -4.0}, 6.6},
-                                             {{12.0, -26.0, -8.0}, 6.3},
-                                             {{15.0, -37.0, -13.0}, 6.3}},
+                                  CutVessel({{{8.0, 7.0, -1.0}, 8.0},
+                                             {{9.0, -7.0, -4.0}, 6.6},
+                                             {{12.0, -19.0, -8.0}, 6.3},
+                                             {{15.0, -30.0, -13.0}, 6.3}},
                                             kFar),
                                   // Bile duct.
-                                  CutVessel({{{-2.0, -6.0, 2.0}, 4.6},
-                                             {{-1.0, -19.0, 4.0}, 3.3},
-                                             {{1.0, -30.0, 2.0}, 3.0},
-                                             {{4.0, -41.0, -3.0}, 3.0}},
+                                  CutVessel({{{-2.0, 1.0, 2.0}, 4.6},
+                                             {{-1.0, -12.0, 4.0}, 3.3},
+                                             {{1.0, -23.0, 2.0}, 3.0},
+                                             {{4.0, -34.0, -3.0}, 3.0}},
                                             kFar),
                                   // Hepatic artery.
-                                  CutVessel({{{19.0, -2.0, 2.0}, 4.2},
-                                             {{20.5, -12.0, 3.5}, 2.9},
-                                             {{21.5, -22.0, 2.5}, 2.7},
-                                             {{24.0, -32.0, -1.0}, 2.7}},
+                                  CutVessel({{{19.0, 5.0, 2.0}, 4.2},
+                                             {{20.5, -5.0, 3.5}, 2.9},
+                                             {{21.5, -15.0, 2.5}, 2.7},
+                                             {{24.0, -25.0, -1.0}, 2.7}},
                                             kFar)};
-  std::vector<Ellipsoid> lumens_{cava_.lumen(), ellipsoid(kCavaTop, {5.0, 7.0, 7.0}, kCavaUp, Vec3::UnitX()),
-                                 vessels_[0].lumen(), vessels_[1].lumen(), vessels_[2].lumen()};
+  std::vector<Ellipsoid> wide_lumens_{
+      cava_.lumen(), ellipsoid(kCavaTop, {5.0, 7.0, 7.0}, kCavaUp, Vec3::UnitX()), vessels_[0].lumen()};
+  std::vector<Ellipsoid> narrow_lumens_{vessels_[1].lumen(), vessels_[2].lumen()};
 };
 
 }  // namespace
@@ -189,12 +193,12 @@ class Liver final : public ImplicitSolid {
 TriangleMesh make_liver(Detail detail) {
   const Bounds box{Vec3(-0.125, -0.105, -0.095), Vec3(0.130, 0.098, 0.085)};
   constexpr double kSpacing = 0.003;  // fine enough for the cut vessels
-  const TriangleMesh start = polygonise(Liver(false), box, kSpacing);
+  const TriangleMesh start = polygonise(Liver(Liver::kNoLumens), box, kSpacing);
   RemeshGoal goal{.vertices = kVertices, .bend_radius = 0.012, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.010, .finest = 0.2};
   if (detail == Detail::k300k)
     goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.010, .finest = 0.2};
-  return remesh(Liver(detail != Detail::kPaper), start, goal);
+  return remesh(Liver(detail == Detail::kPaper ? Liver::kCoarse : Liver::kFine), start, goal);
 }
 
 }  // namespace palpate::geometry
