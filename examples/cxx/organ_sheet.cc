@@ -58,8 +58,8 @@ void draw(const std::string& name, const char* file) {
   subject.organ = palpate::geometry::make_organ(name);
   subject.tissue_name = name.substr(0, name.find('-'));
   palpate::render::OffscreenRenderer renderer(subject, kWidth, kHeight);
-  // From the front, from behind, from the left and above, and from behind and below.
-  const std::array<Vec3, 4> sides{Vec3(0.0, 0.0, 1.0), Vec3(0.0, 0.0, -1.0), Vec3(0.75, 0.45, 0.6),
+  // From the front, from behind and above, from the left and above, and from behind and below.
+  const std::array<Vec3, 4> sides{Vec3(0.0, 0.0, 1.0), Vec3(0.1, 0.55, -1.0), Vec3(0.75, 0.45, 0.6),
                                   Vec3(0.1, -0.9, -0.45)};
   Image sheet{2 * kWidth + kGap, 2 * kHeight + kGap, {}};
   sheet.rgb.resize(static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height) * 3, 255);

@@ -28,8 +28,8 @@ TissueLook tissue_look(const std::string& tissue_name) {
     look.fat = {0.45F, 0.25F, 0.11F};
     look.vessel_share = 0.12F;
   } else if (tissue_name == "kidney") {
-    look.base = {0.165F, 0.031F, 0.021F};
-    look.mottle = {0.208F, 0.054F, 0.036F};
+    look.base = {0.140F, 0.027F, 0.019F};
+    look.mottle = {0.178F, 0.047F, 0.032F};
     look.vessel = {0.13F, 0.016F, 0.013F};
     look.fat = {0.6F, 0.42F, 0.19F};
     look.vessel_share = 0.2F;
