@@ -42,14 +42,13 @@ Camera camera_from(const palpate::geometry::TriangleMesh& organ, const Vec3& dir
   return camera;
 }
 
-void put(const Image& part, int column, int row, Image& sheet) {
-  for (int y = 0; y < part.height; ++y) {
-    const std::size_t from = 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(part.width);
-    const std::size_t line = static_cast<std::size_t>(row * (part.height + kGap) + y);
-    const std::size_t to = 3 * (line * static_cast<std::size_t>(sheet.width) +
-                                static_cast<std::size_t>(column * (part.width + kGap)));
-    for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(part.width); ++i)
-      sheet.rgb[to + i] = part.rgb[from + i];
+void put(const Image& part, std::size_t column, std::size_t row, Image& sheet) {
+  const std::size_t width = static_cast<std::size_t>(part.width);
+  const std::size_t height = static_cast<std::size_t>(part.height);
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::size_t line = row * (height + kGap) + y;
+    const std::size_t to = line * static_cast<std::size_t>(sheet.width) + column * (width + kGap);
+    std::copy_n(part.rgb.data() + 3 * y * width, 3 * width, sheet.rgb.data() + 3 * to);
   }
 }
 
@@ -63,8 +62,8 @@ void draw(const std::string& name, const char* file) {
                                   Vec3(0.1, -0.9, -0.45)};
   Image sheet{2 * kWidth + kGap, 2 * kHeight + kGap, {}};
   sheet.rgb.resize(static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height) * 3, 255);
-  for (int i = 0; i < 4; ++i) {
-    const Camera camera = camera_from(subject.organ, sides[static_cast<std::size_t>(i)]);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const Camera camera = camera_from(subject.organ, sides[i]);
     put(renderer.draw(palpate::haptics::Snapshot{}, camera), i % 2, i / 2, sheet);
   }
   if (file != nullptr) palpate::render::write_png(sheet, file);

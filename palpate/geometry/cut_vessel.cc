@@ -14,7 +14,7 @@ CutVessel::CutVessel(const std::vector<TubeKnot>& knots, double far) : tube_(kno
 }
 
 FieldValue CutVessel::at(const Vec3& p) const noexcept {
-  const FieldValue tube = tube_.at(p);
+  FieldValue tube = tube_.at(p);
   if (tube.value > 2.0 * end_.radius) return tube;
   return intersect(tube, {(p - end_.middle).dot(out_), out_}, kRim);
 }

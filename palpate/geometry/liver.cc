@@ -113,7 +113,7 @@ class Liver final : public ImplicitSolid {
 
   /// The inferior vena cava, whose upper end is cut too.
   [[nodiscard]] FieldValue cava(const Vec3& p) const noexcept {
-    const FieldValue vessel = cava_.at(p);
+    FieldValue vessel = cava_.at(p);
     if (vessel.value > kFar) return vessel;
     return intersect(vessel, {(p - kCavaTop).dot(kCavaUp), kCavaUp}, CutVessel::kRim);
   }

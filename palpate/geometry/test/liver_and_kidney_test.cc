@@ -213,7 +213,8 @@ TEST_F(Kidney, VeinArteryAndUreterAreCutAcrossFromFrontToBack) {
 
 TEST_F(Kidney, OuterBorderShowsTheLobesItGrewFrom) {
   int dents = 0;
-  for (double y = -38.0; y <= 38.0; y += 1.0) {
+  for (int step = -38; step <= 38; ++step) {
+    const double y = step;
     // Below the chord over 12 mm, although the border as a whole is convex.
     if (outer(y, 6.0) < 0.5 * (outer(y - 6.0, 6.0) + outer(y + 6.0, 6.0))) ++dents;
   }
