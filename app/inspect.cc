@@ -157,7 +157,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
   command
       ->add_option("mesh", options->mesh,
                    "a file (.stl .obj .ply .off .3ds .gltf .glb .vtk) or a built-in organ (gallbladder, "
-                   "heart, each also -30k and -300k; ball, box)")
+                   "heart, liver, kidney, each also -30k and -300k; ball, box)")
       ->required();
   command->add_option("--unit", options->unit,
                       "unit of the file's numbers: mm, cm, m or in; without it mm is taken");

@@ -8,6 +8,11 @@ _palpate_flags() {
   "$1" "$2" --help 2>/dev/null | sed -n 's/^  \(-[a-zA-Z],\)\{0,1\}\(--[a-zA-Z][a-zA-Z-]*\).*/\2/p'
 }
 
+# What it says of a name it does not know: built-in organs.
+_palpate_organs() {
+  "$1" inspect ? 2>&1 | sed -n 's/.*(built in: \([^;]*\);.*/\1/p' | tr -d ','
+}
+
 _palpate() {
   local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD - 1]}" program="${COMP_WORDS[0]}"
   COMPREPLY=()
@@ -17,6 +22,7 @@ _palpate() {
   fi
   case "$before" in
     --task | --direction) mapfile -t COMPREPLY < <(compgen -W "press pull" -- "$word") ;;
+    --organ) mapfile -t COMPREPLY < <(compgen -W "$(_palpate_organs "$program")" -- "$word") ;;
     --law) mapfile -t COMPREPLY < <(compgen -W "layered smooth" -- "$word") ;;
     --unit | --organ-unit | --tool-unit) mapfile -t COMPREPLY < <(compgen -W "mm cm m in" -- "$word") ;;
     *)

@@ -13,6 +13,8 @@
 #include "palpate/geometry/forceps.h"
 #include "palpate/geometry/gallbladder.h"
 #include "palpate/geometry/heart.h"
+#include "palpate/geometry/kidney.h"
+#include "palpate/geometry/liver.h"
 
 namespace palpate::geometry {
 
@@ -76,9 +78,20 @@ Tool sphere(const std::string& name) {
 }  // namespace
 
 const std::vector<std::string>& builtin_organ_names() {
-  static const std::vector<std::string> names{
-      "gallbladder",      "heart",     "ball", "box", "gallbladder-30k", "heart-30k",
-      "gallbladder-300k", "heart-300k"};
+  static const std::vector<std::string> names{"gallbladder",
+                                              "heart",
+                                              "liver",
+                                              "kidney",
+                                              "ball",
+                                              "box",
+                                              "gallbladder-30k",
+                                              "heart-30k",
+                                              "liver-30k",
+                                              "kidney-30k",
+                                              "gallbladder-300k",
+                                              "heart-300k",
+                                              "liver-300k",
+                                              "kidney-300k"};
   return names;
 }
 
@@ -86,6 +99,8 @@ TriangleMesh make_organ(const std::string& name) {
   const auto [stem, detail] = split(name);
   if (stem == "gallbladder") return centred(make_gallbladder(detail));
   if (stem == "heart") return centred(make_heart(detail));
+  if (stem == "liver") return centred(make_liver(detail));
+  if (stem == "kidney") return centred(make_kidney(detail));
   if (name == "ball") return centred(make_ball(kBallRadius));
   if (name == "box") return centred(make_box(kBoxSize, kBoxEdge));
   unknown("organ", name, builtin_organ_names(), "");

@@ -15,8 +15,8 @@ namespace palpate::geometry {
 /// into two triangles; closed.
 [[nodiscard]] TriangleMesh make_box(const Vec3& size, double longest);
 
-/// [setup] Names of the built-in organs: "gallbladder", "heart", "ball", "box"; the first two also with
-/// "-30k" or "-300k" behind them, that many triangles.
+/// [setup] Names of the built-in organs: "gallbladder", "heart", "liver", "kidney", "ball", "box"; the first
+/// four also with "-30k" or "-300k" behind them, that many triangles.
 [[nodiscard]] const std::vector<std::string>& builtin_organ_names();
 
 /// [setup] A built-in organ, metres, middle of its bounding box at the origin; 300,000 triangles take some

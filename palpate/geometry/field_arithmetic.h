@@ -66,4 +66,12 @@ struct SinCosField {
   return {t * t * t * (10.0 + t * (6.0 * t - 15.0)), slope * a.gradient};
 }
 
+/// 1 where `a` is 0, 0 farther than `half` from it, with no step in slope or curvature between.
+[[nodiscard]] inline FieldValue bump(const FieldValue& a, double half) noexcept {
+  const FieldValue t = (1.0 / half) * a;
+  if (t.value * t.value >= 1.0) return {};
+  const FieldValue rest = -(t * t) + 1.0;
+  return rest * rest * rest;
+}
+
 }  // namespace palpate::geometry

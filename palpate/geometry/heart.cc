@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "palpate/base/units.h"
+#include "palpate/geometry/cut_vessel.h"
 #include "palpate/geometry/implicit.h"
 #include "palpate/geometry/remesh.h"
 #include "palpate/geometry/tube.h"
@@ -15,46 +16,6 @@ namespace palpate::geometry {
 namespace {
 
 constexpr int kVertices = 3208;  // and so 2 (V - 2) = 6,412 triangles, as in [Zhang 2011, section 3.1]
-
-/// Half axes along `first`, then across it towards `second`, then across both.
-Ellipsoid ellipsoid(const Vec3& middle, const Vec3& half_axes, const Vec3& first, const Vec3& second) {
-  Mat3 axes;
-  axes.col(0) = first.normalized();
-  axes.col(2) = first.cross(second).normalized();
-  axes.col(1) = axes.col(2).cross(axes.col(0));
-  return {middle, half_axes, axes};
-}
-
-constexpr double kRim = 2.0;  // [mm] rounding of a cut vessel's edge
-
-/// A vessel that has been cut across: flat at its end, with the lumen showing as a pit.
-class CutVessel final {
- public:
-  CutVessel(const std::vector<TubeKnot>& knots, double far) : tube_(knots, far), end_(tube_.end()) {
-    out_ = tube_.end_direction();
-  }
-
-  [[nodiscard]] FieldValue at(const Vec3& p) const noexcept {
-    const FieldValue tube = tube_.at(p);
-    if (tube.value > 2.0 * end_.radius) return tube;
-    return intersect(tube, {(p - end_.middle).dot(out_), out_}, kRim);
-  }
-
-  /// The lumen: a bowl sunk into the cut, to be taken out of the whole.
-  [[nodiscard]] Ellipsoid lumen() const {
-    const double width = kLumen * end_.radius;
-    const Vec3 across = out_.cross(Vec3(0.36, 0.48, 0.8));
-    return ellipsoid(end_.middle, {kDepth * end_.radius, width, width}, out_, across);
-  }
-
- private:
-  static constexpr double kLumen = 0.62;  // of the outer radius
-  static constexpr double kDepth = 0.45;
-
-  Tube tube_;
-  TubeKnot end_;
-  Vec3 out_;
-};
 
 /// Chambers and vessels, these cut flat. In millimetres.
 class Chambers {
@@ -338,7 +299,7 @@ class Heart final : public ImplicitSolid {
     for (const Ellipsoid& lumen : lumens_) {
       const double reach = lumen.half_axes.x() + lumen.half_axes.y();
       if ((p - lumen.middle).squaredNorm() > reach * reach) continue;
-      all = subtract(all, lumen.at(p), kRim);
+      all = subtract(all, lumen.at(p), CutVessel::kRim);
     }
     return {all.value * kMillimetre, all.gradient};
   }

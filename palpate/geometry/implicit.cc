@@ -58,6 +58,15 @@ FieldValue Ellipsoid::at(const Vec3& p) const noexcept {
   return {k * (k - 1.0) / g, Vec3(gradient[0] / g, gradient[1] / g, gradient[2] / g)};
 }
 
+Ellipsoid ellipsoid(const Vec3& middle, const Vec3& half_axes, const Vec3& first,
+                    const Vec3& second) noexcept {
+  Mat3 axes;
+  axes.col(0) = first.normalized();
+  axes.col(2) = first.cross(second).normalized();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  return {middle, half_axes, axes};
+}
+
 namespace {
 
 /// The grid of marching tetrahedra: samples, and the surface vertex on each crossed grid edge.

@@ -38,6 +38,10 @@ struct Ellipsoid {
   [[nodiscard]] FieldValue at(const Vec3& p) const noexcept;
 };
 
+/// [setup] An ellipsoid with half axes along `first`, then across it towards `second`, then across both.
+[[nodiscard]] Ellipsoid ellipsoid(const Vec3& middle, const Vec3& half_axes, const Vec3& first,
+                                  const Vec3& second) noexcept;
+
 /// A solid given by its field; sampled many times, always in the same order.
 class ImplicitSolid {
  public:

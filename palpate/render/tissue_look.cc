@@ -22,15 +22,15 @@ TissueLook tissue_look(const std::string& tissue_name) {
     look.mottle_per_m = 110.0F;
     look.vessel_per_m = 42.0F;
   } else if (tissue_name == "liver") {
-    look.base = {0.150F, 0.030F, 0.018F};
-    look.mottle = {0.200F, 0.050F, 0.030F};
-    look.vessel = {0.13F, 0.02F, 0.016F};
+    look.base = {0.100F, 0.0225F, 0.0138F};
+    look.mottle = {0.134F, 0.037F, 0.022F};
+    look.vessel = {0.085F, 0.016F, 0.012F};
     look.fat = {0.45F, 0.25F, 0.11F};
     look.vessel_share = 0.12F;
   } else if (tissue_name == "kidney") {
-    look.base = {0.230F, 0.052F, 0.034F};
-    look.mottle = {0.300F, 0.092F, 0.062F};
-    look.vessel = {0.17F, 0.02F, 0.016F};
+    look.base = {0.140F, 0.027F, 0.019F};
+    look.mottle = {0.178F, 0.047F, 0.032F};
+    look.vessel = {0.13F, 0.016F, 0.013F};
     look.fat = {0.6F, 0.42F, 0.19F};
     look.vessel_share = 0.2F;
     look.fat_share = 0.08F;

@@ -31,8 +31,17 @@ const TriangleMesh& heart() {
   return mesh;
 }
 
+const TriangleMesh& liver() {
+  static const TriangleMesh mesh = make_organ("liver");
+  return mesh;
+}
+const TriangleMesh& kidney() {
+  static const TriangleMesh mesh = make_organ("kidney");
+  return mesh;
+}
+
 // At the paper's counts; builtin_fine_test.cc looks at the finer ones.
-const std::vector<std::string> kOrgans{"gallbladder", "heart", "ball", "box"};
+const std::vector<std::string> kOrgans{"gallbladder", "heart", "liver", "kidney", "ball", "box"};
 const std::vector<std::string> kTools{"curved-forceps", "straight-forceps"};
 
 void expect_one_closed_shell_without_handles(const TriangleMesh& mesh) {
@@ -52,6 +61,11 @@ TEST(BuiltinOrgan, HeartHasThePapersTriangles) {
   EXPECT_EQ(heart().triangles.size(), 6412U);
 }
 
+TEST(BuiltinOrgan, LiverHas7000TrianglesAndKidney6000) {
+  EXPECT_EQ(liver().triangles.size(), 7000U);
+  EXPECT_EQ(kidney().triangles.size(), 6000U);
+}
+
 TEST(BuiltinOrgan, EveryOneIsOneClosedShellTurnedOutwardsAboutTheOrigin) {
   for (const std::string& name : kOrgans) {
     SCOPED_TRACE(name);
@@ -64,6 +78,8 @@ TEST(BuiltinOrgan, EveryOneIsOneClosedShellTurnedOutwardsAboutTheOrigin) {
 TEST(BuiltinOrgan, TrianglesAreWellShaped) {
   EXPECT_GT(testing::smallest_angle(gallbladder()), 25.0);
   EXPECT_GT(testing::smallest_angle(heart()), 15.0);
+  EXPECT_GT(testing::smallest_angle(liver()), 15.0);
+  EXPECT_GT(testing::smallest_angle(kidney()), 25.0);
 }
 
 TEST(BuiltinOrgan, EdgesAreEven) {
@@ -72,11 +88,19 @@ TEST(BuiltinOrgan, EdgesAreEven) {
   const testing::EdgeLengths large = testing::edge_lengths(heart());
   EXPECT_LT(large.longest / large.shortest, 12.0);
   EXPECT_LT(large.longest, 10.0 * kMm);
+  const testing::EdgeLengths largest = testing::edge_lengths(liver());
+  EXPECT_LT(largest.longest / largest.shortest, 18.0);  // its vessels are thin beside it
+  EXPECT_LT(largest.longest, 14.0 * kMm);
+  const testing::EdgeLengths bean = testing::edge_lengths(kidney());
+  EXPECT_LT(bean.longest / bean.shortest, 8.0);
+  EXPECT_LT(bean.longest, 6.0 * kMm);
 }
 
 TEST(BuiltinOrgan, NoTriangleGoesThroughAnother) {
   EXPECT_EQ(crossings(gallbladder(), gallbladder()), 0);
   EXPECT_EQ(crossings(heart(), heart()), 0);
+  EXPECT_EQ(crossings(liver(), liver()), 0);
+  EXPECT_EQ(crossings(kidney(), kidney()), 0);
 }
 
 TEST(BuiltinOrgan, SizesAndVolumesAreThoseOfTheBody) {
@@ -116,6 +140,13 @@ TEST(BuiltinOrgan, HeartShowsItsFrontWallToTheDefaultPull) {
   EXPECT_GT(hits_from_above(heart(), 1.3e-5, 2.7e-5)[0].normal.z(), 0.9);
 }
 
+TEST(BuiltinOrgan, LiverAndKidneyShowTheirFrontToTheDefaultPress) {
+  expect_broad_wall_under_the_tool(liver(), 8.0 * kMm, 30.0 * kMm);
+  expect_broad_wall_under_the_tool(kidney(), 8.0 * kMm, 20.0 * kMm);
+  EXPECT_GT(hits_from_above(liver(), 1.3e-5, 2.7e-5)[0].normal.z(), 0.9);
+  EXPECT_GT(hits_from_above(kidney(), 1.3e-5, 2.7e-5)[0].normal.z(), 0.9);
+}
+
 TEST(BuiltinOrgan, TwiceTheSameBits) {
   for (const std::string& name : kOrgans) {
     const TriangleMesh a = make_organ(name);
@@ -125,10 +156,10 @@ TEST(BuiltinOrgan, TwiceTheSameBits) {
   }
 }
 
-TEST(BuiltinOrgan, GallbladderAndHeartAreListedAtThreeResolutions) {
-  for (const char* name :
-       {"gallbladder", "gallbladder-30k", "gallbladder-300k", "heart", "heart-30k", "heart-300k"}) {
-    EXPECT_THAT(builtin_organ_names(), ::testing::Contains(name));
+TEST(BuiltinOrgan, FourOrgansAreListedAtThreeResolutions) {
+  for (const std::string stem : {"gallbladder", "heart", "liver", "kidney"}) {
+    for (const char* ending : {"", "-30k", "-300k"})
+      EXPECT_THAT(builtin_organ_names(), ::testing::Contains(stem + ending));
   }
   for (const char* name :
        {"curved-forceps-30k", "curved-forceps-300k", "straight-forceps-30k", "straight-forceps-300k"}) {
@@ -146,7 +177,7 @@ TEST(BuiltinOrgan, NameWithAnotherEndingIsRefused) {
 TEST(BuiltinOrgan, UnknownNameIsRefusedWithTheKnownOnes) {
   EXPECT_THAT([] { (void)make_organ("hart"); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("\"hart\""), HasSubstr("did you mean heart"),
-                                              HasSubstr("gallbladder, heart, ball, box"))));
+                                              HasSubstr("gallbladder, heart, liver, kidney, ball, box"))));
 }
 
 void expect_counts_within_a_tenth(const Tool& tool, double vertices, double triangles) {

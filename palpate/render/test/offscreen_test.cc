@@ -297,5 +297,19 @@ TEST(Png, APictureWhoseBytesDoNotFitItsSizeIsRefused) {
   EXPECT_FALSE(std::filesystem::exists("never.png"));
 }
 
+TEST_F(Offscreen, WhatACloseUpShowsOfALargeOrganBeyondTheShadowMapIsLit) {
+  Subject subject = ball_subject();
+  subject.organ = geometry::make_box(Vec3(0.6, 0.6, 0.02), 0.02);
+  Camera camera;
+  camera.target = Vec3(0, 0, 0.01);
+  camera.eye = camera.target + Vec3(0, -0.11, 0.04);
+  OffscreenRenderer renderer(subject, kWidth, kHeight);
+  const Image image = renderer.draw(far_tool(), camera);
+  const double middle = brightness(image, kWidth / 2, kHeight / 2);
+  // To the right and far away, where the key lamp's light comes later than at the map's edge.
+  EXPECT_GT(brightness(image, kWidth - 20, 20), 0.7 * middle);
+  EXPECT_GT(brightness(image, kWidth - 5, 30), 0.7 * middle);
+}
+
 }  // namespace
 }  // namespace palpate::render

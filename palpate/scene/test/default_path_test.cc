@@ -78,7 +78,7 @@ void expect_calm(const ToolPath& path) {
 }
 
 TEST(DefaultPath, PressStarts10MmClearReaches12MmHoldsASecondAndComesBack) {
-  for (const std::string organ : {"gallbladder", "heart", "ball", "box"}) {
+  for (const std::string organ : {"gallbladder", "heart", "liver", "kidney", "ball", "box"}) {
     Request request;
     request.organ = organ;
     const scene::Setup setup = load(request);

@@ -67,6 +67,10 @@ TEST(Load, TissueDefaultsToTheOrgansOwnThenToTheTasks) {
   EXPECT_EQ(load(request).tissue.name, "heart");
   request.organ = "heart-30k";
   EXPECT_EQ(load(request).tissue.name, "heart");
+  request.organ = "liver";
+  EXPECT_EQ(load(request).tissue.name, "liver");
+  request.organ = "kidney-30k";
+  EXPECT_EQ(load(request).tissue.name, "kidney");
   request.organ = "box";
   EXPECT_EQ(load(request).tissue.name, "gallbladder");
   request.task = "pull";
