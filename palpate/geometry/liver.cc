@@ -194,7 +194,7 @@ TriangleMesh make_liver(Detail detail) {
   const Bounds box{Vec3(-0.125, -0.105, -0.095), Vec3(0.130, 0.098, 0.085)};
   constexpr double kSpacing = 0.003;  // fine enough for the cut vessels
   const TriangleMesh start = polygonise(Liver(Liver::kNoLumens), box, kSpacing);
-  RemeshGoal goal{.vertices = kVertices, .bend_radius = 0.012, .finest = 0.2};
+  RemeshGoal goal{.vertices = kVertices, .bend_radius = 0.0115, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.010, .finest = 0.2};
   if (detail == Detail::k300k)
     goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.010, .finest = 0.2};

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/geometry/crossings.h"
 #include "palpate/geometry/test/shape_checks.h"
 
 namespace palpate::geometry {
@@ -101,6 +102,11 @@ TEST(BuiltinOrgan, NoTriangleGoesThroughAnother) {
   EXPECT_EQ(crossings(heart(), heart()), 0);
   EXPECT_EQ(crossings(liver(), liver()), 0);
   EXPECT_EQ(crossings(kidney(), kidney()), 0);
+}
+
+TEST(BuiltinOrgan, NoFoldAtACommonCornerEither) {  // which the count above passes over
+  for (const std::string& name : kOrgans)
+    EXPECT_EQ(find_crossings(make_organ(name)).pairs.size(), 0U) << name;
 }
 
 TEST(BuiltinOrgan, SizesAndVolumesAreThoseOfTheBody) {
