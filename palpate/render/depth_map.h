@@ -34,7 +34,8 @@ class DepthMap final {
   static constexpr int kLeft = 4;
   static constexpr int kStride = 96;
   [[nodiscard]] static constexpr std::size_t place(int i, int j) noexcept {
-    return static_cast<std::size_t>((i + kRowMargin) * kStride + j + kLeft);
+    const int cell = (i + kRowMargin) * kStride + j + kLeft;
+    return static_cast<std::size_t>(cell);
   }
   void clear_margins(int i) noexcept;
   void slopes_from_rows(int i, int step, float rise) noexcept;

@@ -12,7 +12,6 @@ namespace palpate::net {
 namespace {
 
 using test::read_all;
-using test::Received;
 using testing::ElementsAre;
 using testing::FloatEq;
 
