@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <map>
 #include <string_view>
 #include <utility>
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/fit/fit_record.h"
+#include "palpate/fit/result_lines.h"
 #include "palpate/fit/sweep_piece.h"
 
 namespace palpate::fit {
@@ -54,74 +53,48 @@ std::string text_of(const SweepRequest& request) {
          std::to_string(request.values);
 }
 
+/// Both halves of every request, for each specimen and, of several, for all together.
+std::vector<SweepPiece> pieces_of(const std::vector<SweepRequest>& requests, std::size_t specimens) {
+  std::vector<SweepPiece> pieces;
+  for (std::size_t target = 0; target < (specimens > 1 ? specimens + 1 : 1); ++target) {
+    for (const SweepRequest& request : requests) {
+      for (const bool upwards : {false, true}) pieces.push_back({target, request, upwards});
+    }
+  }
+  return pieces;
+}
+
 class Sweeping final {
  public:
-  Sweeping(std::vector<Specimen> specimens, const ManyFits& fits, const Settings& settings, Crew& crew)
-      : specimens_(std::move(specimens)), fits_(fits), settings_(settings), crew_(crew) {}
-
-  /// Both halves of every request, for each specimen and, of several, for all together.
-  void plan(const std::vector<SweepRequest>& requests) {
-    const std::size_t count = specimens_.size();
-    for (std::size_t target = 0; target < (count > 1 ? count + 1 : 1); ++target) {
-      for (const SweepRequest& request : requests) {
-        for (const bool upwards : {false, true}) pieces_.push_back({target, request, upwards});
-      }
-    }
-    lines_.resize(pieces_.size());
-  }
-
-  /// What the results file has already, the same on every member; rank 0 opens it to add to.
-  void resume(const std::string& file) {
-    std::string shared;
-    if (crew_.rank() == 0 && !file.empty()) {
-      const std::map<std::string, std::string> known = read_lines(file);
-      for (std::size_t i = 0; i < pieces_.size(); ++i) {
-        const auto line = known.find(key_of_piece(i));
-        if (line != known.end()) shared += std::to_string(i) + ' ' + line->second + '\n';
-      }
-      results_.open(file, std::ios::binary | std::ios::app);
-      results_ << '\n';
-    }
-    const bool writable =
-        file.empty() || crew_.from_first(crew_.rank() == 0 && results_ ? "yes" : "no") == "yes";
-    if (!writable) throw InputError("--out: the results beside it, " + file + ", cannot be written");
-    shared = crew_.from_first(std::move(shared));
-    for (std::size_t at = 0; at < shared.size();) {
-      const std::size_t space = shared.find(' ', at);
-      const std::size_t end = shared.find('\n', space);
-      lines_[std::stoul(shared.substr(at, space - at))] = shared.substr(space + 1, end - space - 1);
-      at = end + 1;
-      ++resumed_;
-    }
-  }
+  Sweeping(std::vector<Specimen> specimens, const ManyFits& fits, const std::vector<SweepRequest>& requests,
+           const Settings& settings, Crew& crew, const std::string& results_file)
+      : specimens_(std::move(specimens)),
+        fits_(fits),
+        settings_(settings),
+        pieces_(pieces_of(requests, specimens_.size())),
+        lines_(
+            pieces_.size(), [this](std::size_t i) { return key_of_piece(i); }, results_file, crew) {}
 
   void compute(const Progress& progress) {
-    std::vector<std::size_t> missing;
-    for (std::size_t i = 0; i < lines_.size(); ++i) {
-      if (lines_[i].empty()) missing.push_back(i);
-    }
-    std::size_t done = lines_.size() - missing.size();
-    const auto tell = [&](std::size_t i) {
-      if (progress)
-        progress(static_cast<double>(done) / static_cast<double>(lines_.size()), name_of(pieces_[i]));
+    std::size_t done = lines_.resumed();
+    const auto tell = [&](const std::string& what) {
+      if (progress) progress(static_cast<double>(done) / static_cast<double>(lines_.count()), what);
     };
-    const auto work = [&](std::size_t item) {
-      const std::size_t i = missing[item];
+    const auto work = [&](std::size_t i) {
       return sweep_line(pieces_[i], key_of_piece(i), specimens_, fits_, settings_);
     };
-    const auto arrived = [&](std::size_t item, const std::string& line) {
+    const auto arrived = [&](std::size_t i, const std::string& line) {
       ++done;
-      if (results_.is_open()) results_ << line << std::endl;  // NOLINT(performance-avoid-endl): at once
-      tell(missing[item]);
+      lines_.keep(line);
+      tell(name_of(pieces_[i]));
     };
-    if (!missing.empty()) tell(missing.front());
-    const std::vector<std::string> found = crew_.share_out(missing.size(), work, arrived);
-    for (std::size_t item = 0; item < missing.size(); ++item) lines_[missing[item]] = found[item];
+    if (done < lines_.count()) tell("sweeps");
+    lines_.compute(work, arrived);
   }
 
   [[nodiscard]] Sweeps finish() const {
     Sweeps sweeps;
-    sweeps.resumed = resumed_;
+    sweeps.resumed = lines_.resumed();
     for (std::size_t i = 0; i < pieces_.size(); i += 2) {
       const SweepPiece& piece = pieces_[i];
       const bool pooled = piece.target == specimens_.size();
@@ -157,11 +130,8 @@ class Sweeping final {
   std::vector<Specimen> specimens_;
   const ManyFits& fits_;
   const Settings& settings_;
-  Crew& crew_;
   std::vector<SweepPiece> pieces_;
-  std::vector<std::string> lines_;  // one a piece, empty where it is still to be computed
-  std::size_t resumed_ = 0;
-  std::ofstream results_;
+  ResultLines lines_;
 };
 
 }  // namespace
@@ -195,9 +165,7 @@ Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
   if (specimens.empty() || specimens.size() != fits.specimens.size()) {
     throw InputError("sweep: needs at least one specimen, and a fit of each");
   }
-  Sweeping sweeping(std::move(specimens), fits, settings, crew);
-  sweeping.plan(requests);
-  sweeping.resume(results_file);
+  Sweeping sweeping(std::move(specimens), fits, requests, settings, crew, results_file);
   sweeping.compute(progress);
   return sweeping.finish();
 }
