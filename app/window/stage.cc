@@ -70,6 +70,18 @@ double Stage::enlarged() const {
   return units.width > 0 ? std::max(1.0, static_cast<double>(display_.pixels().width) / units.width) : 1.0;
 }
 
+void Stage::take_events(const std::function<void(const SDL_Event& event, std::pair<int, int> way)>& taker) {
+  SDL_Event event;
+  while (SDL_PollEvent(&event) != 0) {
+    std::pair<int, int> way;
+    if (event.type == SDL_MOUSEMOTION)
+      way = {event.motion.x - mouse_at_.first, event.motion.y - mouse_at_.second};
+    take(event);
+    taker(event, way);
+    if (event.type == SDL_DROPFILE) SDL_free(event.drop.file);
+  }
+}
+
 void Stage::take(const SDL_Event& event) {
   ImGui_ImplSDL2_ProcessEvent(&event);
   if (event.type == SDL_MOUSEMOTION) mouse_at_ = {event.motion.x, event.motion.y};
@@ -199,6 +211,17 @@ float draw_strip(float x, float y, float width, const std::string& words, bool f
   list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), words.c_str(),
                nullptr, width - 2.0F * margin);
   return height;
+}
+
+void draw_title(const Rectangle& picture, float y, const std::string& title) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float margin = 0.7F * ImGui::GetFontSize();
+  list.AddText(ImVec2(picture.x + margin, y + 0.5F * margin), packed(colour::kText, 0.9F), title.c_str());
+  const char* help = "F1: keys";
+  const float wide = ImGui::CalcTextSize(help).x;
+  if (picture.width <= ImGui::CalcTextSize(title.c_str()).x + wide + 4.0F * margin) return;
+  list.AddText(ImVec2(picture.x + picture.width - wide - margin, y + 0.5F * margin),
+               packed(colour::kText, 0.7F), help);
 }
 
 std::filesystem::path named_by_time(const std::string& ending) {

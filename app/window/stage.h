@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -48,12 +49,9 @@ class Stage final {
   /// Pixels a window unit.
   [[nodiscard]] double enlarged() const;
 
-  /// Every event goes here first.
-  void take(const SDL_Event& event);
-  /// The way the mouse has come with a motion [window units]; to be asked before take().
-  [[nodiscard]] std::pair<int, int> way_to(const SDL_MouseMotionEvent& motion) const noexcept {
-    return {motion.x - mouse_at_.first, motion.y - mouse_at_.second};
-  }
+  /// Takes all that has happened since the last call, and hands it on with the way that the mouse has come
+  /// with a motion [window units]. Names of dropped files live until `taker` returns.
+  void take_events(const std::function<void(const SDL_Event& event, std::pair<int, int> way)>& taker);
   [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return mouse_at_; }
   /// Whether a place lies in a rectangle and no panel is over it.
   [[nodiscard]] static bool over(const Rectangle& place, int x, int y);
@@ -74,6 +72,7 @@ class Stage final {
   [[nodiscard]] static bool out_of_memory();
 
  private:
+  void take(const SDL_Event& event);
   void take_key(const SDL_Keysym& key);
   void take_mouse(const SDL_MouseButtonEvent& button);
   void look_at_scale();
@@ -93,6 +92,9 @@ class Stage final {
 float draw_strip(float x, float y, float width, const std::string& words, bool fault);
 /// [setup] The height that draw_strip() would need.
 [[nodiscard]] float strip_height(float width, const std::string& words);
+
+/// [setup] What a picture shows, at its upper left from y on, and how to get help, if there is room.
+void draw_title(const Rectangle& picture, float y, const std::string& title);
 
 /// [setup] "palpate-DATE-TIME.ENDING" in the working folder.
 [[nodiscard]] std::filesystem::path named_by_time(const std::string& ending);

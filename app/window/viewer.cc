@@ -216,8 +216,6 @@ void Viewer::draw_overlay() {
   const Rectangle& place = layout_.picture;
   const float text = ImGui::GetFontSize();
   if (place.width < 12.0F * text || place.height < 5.0F * text) return;
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const float margin = 0.7F * text;
   float y = place.y;
   if (!banner_.empty()) y += draw_strip(place.x, y, place.width, banner_, true);
   if (opener_.joinable())
@@ -225,13 +223,7 @@ void Viewer::draw_overlay() {
   const std::string title = title_of(view().recording().setup) +
                             formatted("   %.3f s", view().time_of(shown_.tick)) +
                             formatted(" of %.3f s", view().duration_s());
-  list.AddText(ImVec2(place.x + margin, y + 0.5F * margin), packed(colour::kText, 0.9F), title.c_str());
-  const char* help = "F1: keys";
-  const ImVec2 size = ImGui::CalcTextSize(help);
-  if (place.width > ImGui::CalcTextSize(title.c_str()).x + size.x + 4.0F * margin) {
-    list.AddText(ImVec2(place.x + place.width - size.x - margin, y + 0.5F * margin),
-                 packed(colour::kText, 0.7F), help);
-  }
+  draw_title(place, y, title);
   if (state_.map) draw_map_scale(place, y + 1.2F * text, state_.map_range);
   if (message_.empty()) return;
   draw_strip(place.x, place.y + place.height - strip_height(place.width, message_), place.width, message_,
@@ -249,7 +241,7 @@ void Viewer::draw_picture() {
   if (!same(camera, last_camera_)) moved_ns_ = frame_began_ns_;
   last_camera_ = camera;
   const bool quiet = there_ && !playback_->playing() && frame_began_ns_ - moved_ns_ > kStillAfterNs &&
-                     !ImGui::IsAnyItemActive() && !turning_ && !moving_;
+                     !ImGui::IsAnyItemActive() && !view_hand_.busy();
   if (quiet) {
     draw_still(place, camera);
   } else {

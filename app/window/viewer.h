@@ -13,6 +13,7 @@
 #include <SDL.h>
 
 #include "app/recorded_view.h"
+#include "app/window/camera_hand.h"
 #include "app/window/live_picture.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/overview.h"
@@ -80,14 +81,12 @@ class Viewer final {
  private:
   // viewer_events.cc
   void take_events();
-  void take_event(const SDL_Event& event);
+  void take_event(const SDL_Event& event, std::pair<int, int> way);
   void key_down(const SDL_KeyboardEvent& key);
   void panel_key(SDL_Keycode which);
   void time_key(const SDL_KeyboardEvent& key);
   void letter_key(SDL_Keycode which);
-  void view_key(const SDL_KeyboardEvent& key);
   void mouse_button(const SDL_MouseButtonEvent& button);
-  void mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way);
   void grant(const ViewerWishes& wishes);
 
   // viewer.cc
@@ -118,6 +117,7 @@ class Viewer final {
   std::vector<std::deque<RowSample>> rows_;                      // of the time plotted, a hand each
   std::pair<std::uint64_t, std::uint64_t> ticks_plotted_{1, 0};  // first and last of rows_
   OrbitCamera camera_;
+  CameraHand view_hand_{camera_};
   ViewerState state_;
   ViewerWishes wishes_;  // of the keys, until the panels have added theirs
   ViewerLayout layout_;
@@ -139,8 +139,6 @@ class Viewer final {
   std::string next_failure_;
   std::string next_name_;
 
-  bool turning_ = false;  // the view, by the mouse
-  bool moving_ = false;
   bool leaving_ = false;
   std::string banner_;
   std::string message_;

@@ -1,6 +1,4 @@
 // What mouse, keyboard and dropped files ask of a viewer.
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <imgui.h>
@@ -8,34 +6,13 @@
 #include "app/window/viewer.h"
 
 namespace palpate::app {
-namespace {
-
-constexpr double kTurn = 0.008;    // rad a unit of mouse way
-constexpr double kKeyTurn = 0.06;  // rad a press
-constexpr double kKeyMove = 0.03;  // of the picture's height
-constexpr double kNearer = 0.88;   // a notch
-
-/// 1, -1 or 0 for a pair of keys.
-int sign_of(SDL_Keycode key, SDL_Keycode positive, SDL_Keycode negative) {
-  return (key == positive ? 1 : 0) - (key == negative ? 1 : 0);
-}
-
-}  // namespace
 
 void Viewer::take_events() {
-  SDL_Event event;
-  while (SDL_PollEvent(&event) != 0) {
-    const std::pair<int, int> way =
-        event.type == SDL_MOUSEMOTION ? stage_.way_to(event.motion) : std::pair<int, int>();
-    stage_.take(event);
-    if (event.type == SDL_MOUSEMOTION) mouse_motion(event.motion, way);
-    take_event(event);
-    if (event.type == SDL_DROPFILE) SDL_free(event.drop.file);
-  }
+  stage_.take_events([this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
   if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leaving_ = true;
 }
 
-void Viewer::take_event(const SDL_Event& event) {
+void Viewer::take_event(const SDL_Event& event, std::pair<int, int> way) {
   switch (event.type) {
     case SDL_QUIT:
       leaving_ = true;
@@ -46,13 +23,16 @@ void Viewer::take_event(const SDL_Event& event) {
     case SDL_KEYDOWN:
       key_down(event.key);
       break;
+    case SDL_MOUSEMOTION:
+      (void)view_hand_.mouse_moved(way, layout_.picture.height);
+      break;
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP:
       mouse_button(event.button);
       break;
     case SDL_MOUSEWHEEL:
       if (Stage::over(layout_.picture, stage_.mouse_at().first, stage_.mouse_at().second))
-        camera_.zoom(std::pow(kNearer, event.wheel.y));
+        view_hand_.wheel_turned(event.wheel.y);
       break;
     case SDL_DROPFILE: {
       const std::filesystem::path file = event.drop.file;
@@ -73,23 +53,14 @@ void Viewer::mouse_button(const SDL_MouseButtonEvent& button) {
   const bool turns = button.button == SDL_BUTTON_LEFT || button.button == SDL_BUTTON_RIGHT;
   const bool moves = button.button == SDL_BUTTON_MIDDLE;
   if (button.type == SDL_MOUSEBUTTONUP) {
-    if (turns) turning_ = false;
-    if (moves) moving_ = false;
+    if (turns) view_hand_.turn(false);
+    if (moves) view_hand_.move(false);
     return;
   }
   if (!Stage::over(layout_.picture, button.x, button.y)) return;
   ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
-  if (turns) turning_ = true;
-  if (moves) moving_ = true;
-}
-
-void Viewer::mouse_motion(const SDL_MouseMotionEvent& /*motion*/, std::pair<int, int> way) {
-  const double height = std::max(1.0F, layout_.picture.height);
-  if (turning_) {
-    camera_.orbit(kTurn * way.first, kTurn * way.second);
-  } else if (moving_) {
-    camera_.pan(way.first / height, -way.second / height);
-  }
+  if (turns) view_hand_.turn(true);
+  if (moves) view_hand_.move(true);
 }
 
 void Viewer::key_down(const SDL_KeyboardEvent& key) {
@@ -111,7 +82,7 @@ void Viewer::key_down(const SDL_KeyboardEvent& key) {
   if (!control) letter_key(which);
   if (ImGui::GetIO().NavVisible) return;  // arrows and Space are the panels'
   if ((key.keysym.mod & KMOD_ALT) != 0) {
-    view_key(key);
+    view_hand_.arrow_key(key);
   } else {
     time_key(key);
   }
@@ -163,20 +134,8 @@ void Viewer::letter_key(SDL_Keycode which) {
     state_.close_up = !state_.close_up;
     wishes_.home = true;
   }
-  if (which == SDLK_PLUS || which == SDLK_EQUALS || which == SDLK_KP_PLUS) camera_.zoom(kNearer);
-  if (which == SDLK_MINUS || which == SDLK_KP_MINUS) camera_.zoom(1.0 / kNearer);
+  view_hand_.zoom_key(which);
   if (which >= SDLK_1 && which <= SDLK_4) wishes_.hand = static_cast<std::uint32_t>(which - SDLK_1);
-}
-
-void Viewer::view_key(const SDL_KeyboardEvent& key) {
-  const double right = sign_of(key.keysym.sym, SDLK_RIGHT, SDLK_LEFT);
-  const double up = sign_of(key.keysym.sym, SDLK_UP, SDLK_DOWN);
-  if (right == 0.0 && up == 0.0) return;
-  if ((key.keysym.mod & KMOD_SHIFT) != 0) {
-    camera_.pan(-kKeyMove * right, -kKeyMove * up);
-  } else {
-    camera_.orbit(-kKeyTurn * right, kKeyTurn * up);
-  }
 }
 
 void Viewer::grant(const ViewerWishes& wishes) {

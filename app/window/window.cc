@@ -222,25 +222,13 @@ void Window::compose() {
 void Window::draw_overlay() {
   const Rectangle& place = layout_.picture;
   const float text = ImGui::GetFontSize();
-  if (place.width < 12.0F * text || place.height < 5.0F * text) {
-    bool fault = false;
-    banner_ = banner_words(fault);
-    return;
-  }
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const float margin = 0.7F * text;
   bool fault = false;
   banner_ = banner_words(fault);
+  if (place.width < 12.0F * text || place.height < 5.0F * text) return;
   float y = place.y;
   if (!banner_.empty()) y += draw_strip(place.x, y, place.width, banner_, fault);
   const std::string title = title_of(run_->session().setup) + formatted("   %.1f s", traces_->newest_time());
-  list.AddText(ImVec2(place.x + margin, y + 0.5F * margin), packed(colour::kText, 0.9F), title.c_str());
-  const char* help = "F1: keys";
-  const ImVec2 help_size = ImGui::CalcTextSize(help);
-  if (place.width > ImGui::CalcTextSize(title.c_str()).x + help_size.x + 4.0F * margin) {
-    list.AddText(ImVec2(place.x + place.width - help_size.x - margin, y + 0.5F * margin),
-                 packed(colour::kText, 0.7F), help);
-  }
+  draw_title(place, y, title);
   if (message_.empty()) return;
   const float top = place.y + place.height - strip_height(place.width, message_);
   draw_strip(place.x, top, place.width, message_, false);

@@ -14,6 +14,7 @@
 #include "palpate/render/offscreen.h"
 
 #include "app/session.h"
+#include "app/window/camera_hand.h"
 #include "app/window/display.h"
 #include "app/window/live_picture.h"
 #include "app/window/live_run.h"
@@ -92,7 +93,7 @@ class Window final {
  private:
   // window_events.cc
   void take_events();
-  void take_event(const SDL_Event& event);
+  void take_event(const SDL_Event& event, std::pair<int, int> way);
   void key_down(const SDL_KeyboardEvent& key);
   void control_key(SDL_Keycode key);
   void letter_key(SDL_Keycode key);
@@ -138,6 +139,7 @@ class Window final {
   Onlookers onlookers_;
   bool reach_changed_ = false;  // of the dent; the renderer does not know yet
   OrbitCamera camera_;
+  CameraHand view_hand_{camera_};
   bool camera_set_ = false;
   Steering steering_;
   std::unique_ptr<Traces> traces_;
@@ -155,8 +157,6 @@ class Window final {
   Layout layout_;
   bool paused_ = false;
   bool leaving_ = false;
-  bool turning_ = false;  // the view, by the mouse
-  bool moving_ = false;
   bool mouse_over_ = false;  // the picture, at its last motion
   std::string banner_;
   std::string message_;

@@ -1,6 +1,5 @@
 // What mouse, keyboard, gamepads and dropped files ask of the window.
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <imgui.h>
@@ -8,29 +7,13 @@
 #include "app/window/window.h"
 
 namespace palpate::app {
-namespace {
-
-constexpr double kTurn = 0.008;    // rad a unit of mouse way
-constexpr double kKeyTurn = 0.06;  // rad a press
-constexpr double kKeyMove = 0.03;  // of the picture's height
-constexpr double kNearer = 0.88;   // a notch
-
-}  // namespace
 
 void Window::take_events() {
-  SDL_Event event;
-  while (SDL_PollEvent(&event) != 0) {
-    const std::pair<int, int> way =
-        event.type == SDL_MOUSEMOTION ? stage_.way_to(event.motion) : std::pair<int, int>();
-    stage_.take(event);
-    if (event.type == SDL_MOUSEMOTION) mouse_motion(event.motion, way);
-    take_event(event);
-    if (event.type == SDL_DROPFILE) SDL_free(event.drop.file);
-  }
+  stage_.take_events([this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
   if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leaving_ = true;
 }
 
-void Window::take_event(const SDL_Event& event) {
+void Window::take_event(const SDL_Event& event, std::pair<int, int> way) {
   switch (event.type) {
     case SDL_QUIT:
       leaving_ = true;
@@ -41,6 +24,9 @@ void Window::take_event(const SDL_Event& event) {
       break;
     case SDL_KEYDOWN:
       key_down(event.key);
+      break;
+    case SDL_MOUSEMOTION:
+      mouse_motion(event.motion, way);
       break;
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP:
@@ -64,18 +50,19 @@ void Window::take_event(const SDL_Event& event) {
 void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   const bool down = button.type == SDL_MOUSEBUTTONDOWN;
   const bool left_grips = steering_.mouse_steers();
+  const bool turns = button.button == SDL_BUTTON_RIGHT || (button.button == SDL_BUTTON_LEFT && !left_grips);
+  const bool moves = button.button == SDL_BUTTON_MIDDLE;
   if (!down) {
     if (button.button == SDL_BUTTON_LEFT) steering_.grip(false);
-    if (button.button == SDL_BUTTON_RIGHT || (button.button == SDL_BUTTON_LEFT && !left_grips))
-      turning_ = false;
-    if (button.button == SDL_BUTTON_MIDDLE) moving_ = false;
+    if (turns) view_hand_.turn(false);
+    if (moves) view_hand_.move(false);
     return;
   }
   if (!over_picture(button.x, button.y)) return;
   ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
   if (button.button == SDL_BUTTON_LEFT && left_grips) steering_.grip(true);
-  if (button.button == SDL_BUTTON_RIGHT || (button.button == SDL_BUTTON_LEFT && !left_grips)) turning_ = true;
-  if (button.button == SDL_BUTTON_MIDDLE) moving_ = true;
+  if (turns) view_hand_.turn(true);
+  if (moves) view_hand_.move(true);
 }
 
 void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way) {
@@ -83,11 +70,8 @@ void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int
   const auto [right, down] = way;
   const bool was_over = mouse_over_;
   mouse_over_ = over_picture(motion.x, motion.y);
-  if (turning_) {
-    camera_.orbit(kTurn * right, kTurn * down);
-  } else if (moving_) {
-    camera_.pan(right / height, -down / height);
-  } else if (was_over && mouse_over_) {  // coming in from a panel it does not carry the tool along
+  if (view_hand_.mouse_moved(way, height)) return;
+  if (was_over && mouse_over_) {  // coming in from a panel it does not carry the tool along
     const bool fine = (SDL_GetModState() & KMOD_SHIFT) != 0;
     steering_.mouse_moved(right / height, -down / height, camera_, fine);
   }
@@ -99,7 +83,7 @@ void Window::mouse_wheel(const SDL_MouseWheelEvent& wheel) {
   if (steering_.mouse_steers() && !control) {
     steering_.wheel_turned(wheel.y, (SDL_GetModState() & KMOD_SHIFT) != 0);
   } else {
-    camera_.zoom(std::pow(kNearer, wheel.y));
+    view_hand_.wheel_turned(wheel.y);
   }
 }
 
@@ -155,15 +139,8 @@ void Window::letter_key(SDL_Keycode key) {
 
 void Window::view_key(const SDL_KeyboardEvent& key) {
   const SDL_Keycode which = key.keysym.sym;
-  const double right = (which == SDLK_RIGHT ? 1.0 : 0.0) - (which == SDLK_LEFT ? 1.0 : 0.0);
-  const double up = (which == SDLK_UP ? 1.0 : 0.0) - (which == SDLK_DOWN ? 1.0 : 0.0);
-  if ((key.keysym.mod & KMOD_SHIFT) != 0) {
-    camera_.pan(-kKeyMove * right, -kKeyMove * up);
-  } else {
-    camera_.orbit(-kKeyTurn * right, kKeyTurn * up);
-  }
-  if (which == SDLK_PLUS || which == SDLK_EQUALS || which == SDLK_KP_PLUS) camera_.zoom(kNearer);
-  if (which == SDLK_MINUS || which == SDLK_KP_MINUS) camera_.zoom(1.0 / kNearer);
+  view_hand_.arrow_key(key);
+  view_hand_.zoom_key(which);
   if (which == SDLK_HOME) wishes_.home = true;
   if (which == SDLK_SPACE) wishes_.pause = true;
   if (which == SDLK_RETURN || which == SDLK_KP_ENTER) wishes_.again = true;
