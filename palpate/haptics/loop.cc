@@ -326,16 +326,18 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
     report.stops = watchdog->finish();
     report.watchdog_stops = watchdog->stops();
   }
-  if (report.pauses > 0) {
-    const std::string times = report.pauses == 1 ? "once" : std::to_string(report.pauses) + " times";
-    report.remarks.push_back("the run was paused " + times + ", for " +
-                             shortest(std::round(static_cast<double>(report.paused_ns) * 1e-8) * 0.1) +
-                             " s; its times leave that out");
-  }
+  if (report.pauses > 0) report.remarks.push_back(told_pauses(report.pauses, report.paused_ns));
   if (report.watchdog_stops > 0) {
     report.remarks.push_back(told(report.watchdog_stops, report.stops, stalled_after));
   }
   return report;
+}
+
+std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns) {
+  const std::string times = pauses == 1 ? "once" : std::to_string(pauses) + " times";
+  const double tenths = std::round(static_cast<double>(paused_ns) * 1e-8);
+  const std::string time = tenths < 1.0 ? "less than 0.1 s" : shortest(tenths / 10.0) + " s";
+  return "the run was paused " + times + ", for " + time + "; its times leave that out";
 }
 
 }  // namespace palpate::haptics

@@ -44,6 +44,9 @@ struct Snapshot {
   model::ReachParameters reach;           // of the tissue in force
 };
 
+/// [setup] What a report says of pauses, at least one: "the run was paused once, for 0.3 s; ...".
+[[nodiscard]] std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns);
+
 /// A fault that was latched on one hand.
 struct FaultSeen {
   static constexpr std::uint64_t kNotReset = std::numeric_limits<std::uint64_t>::max();

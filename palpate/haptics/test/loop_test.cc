@@ -252,6 +252,13 @@ TEST(Loop, APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
       << paused.report.remarks.back();
 }
 
+TEST(Loop, SaysPausesInTenthsOfASecond) {
+  EXPECT_EQ(told_pauses(1, 300'000'000), "the run was paused once, for 0.3 s; its times leave that out");
+  EXPECT_EQ(told_pauses(2, 2'260'000'000), "the run was paused 2 times, for 2.3 s; its times leave that out");
+  EXPECT_EQ(told_pauses(1, 49'000'000),
+            "the run was paused once, for less than 0.1 s; its times leave that out");
+}
+
 TEST(Loop, WhereSomebodyWatchesForStallsAndOfflineNothingIsPaused) {
   std::atomic<bool> pause{true};
   FakeDevice device = presser();
