@@ -25,6 +25,7 @@ void ReplayThread::want(std::uint64_t tick) {
     const std::lock_guard lock(mutex_);
     if (tick == wanted_) return;
     wanted_ = tick;
+    failure_.clear();
   }
   news_.notify_one();
 }
@@ -39,7 +40,7 @@ bool ReplayThread::take(haptics::Snapshot& snapshot) {
 
 bool ReplayThread::there() {
   const std::lock_guard lock(mutex_);
-  return !failure_.empty() || (reached_any_ && reached_ == wanted_);
+  return is_there();
 }
 
 std::string ReplayThread::failure() {
@@ -48,20 +49,20 @@ std::string ReplayThread::failure() {
 }
 
 void ReplayThread::work() {
-  try {
-    while (true) {
-      std::uint64_t tick = 0;
-      {
-        std::unique_lock lock(mutex_);
-        news_.wait(lock, [this] { return ending_ || !reached_any_ || reached_ != wanted_; });
-        if (ending_) return;
-        tick = wanted_;
-      }
-      go_to(tick);
+  while (true) {
+    std::uint64_t tick = 0;
+    {
+      std::unique_lock lock(mutex_);
+      news_.wait(lock, [this] { return ending_ || !is_there(); });
+      if (ending_) return;
+      tick = wanted_;
     }
-  } catch (const std::exception& error) {
-    const std::lock_guard lock(mutex_);
-    failure_ = error.what();
+    try {
+      go_to(tick);
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex_);
+      if (tick == wanted_) failure_ = error.what();
+    }
   }
 }
 

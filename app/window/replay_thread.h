@@ -26,12 +26,13 @@ class ReplayThread final {
   [[nodiscard]] bool take(haptics::Snapshot& snapshot);
   /// Whether the tick that was wanted last has been reached (or never will be: failure()).
   [[nodiscard]] bool there();
-  /// Why it cannot go on, in words; empty: it can.
+  /// Why that tick cannot be reached, in words; empty: it can.
   [[nodiscard]] std::string failure();
 
  private:
   void work();
   void go_to(std::uint64_t tick);
+  [[nodiscard]] bool is_there() const { return !failure_.empty() || (reached_any_ && reached_ == wanted_); }
 
   record::RecordingFrames& frames_;
   std::mutex mutex_;  // of what follows
@@ -42,7 +43,7 @@ class ReplayThread final {
   bool taken_ = true;
   bool ending_ = false;
   haptics::Snapshot newest_;
-  std::string failure_;
+  std::string failure_;  // of the tick that is wanted
   std::thread thread_;
 };
 

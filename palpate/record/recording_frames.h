@@ -9,8 +9,8 @@
 namespace palpate::record {
 
 /// What a recording looked like at any tick, in any order: for viewers and films. It runs the recording again
-/// up to that tick, from the nearest place before it that was kept: about every half second of a run, farther
-/// apart in long ones. One thread.
+/// up to that tick, from the nearest place before it that was kept: every 512 ticks, farther apart in runs of
+/// more than 512 x 512. One thread.
 class RecordingFrames final {
  public:
   /// [setup] The recording must outlive this. @throws InputError when rows are missing in the middle or the
@@ -22,7 +22,8 @@ class RecordingFrames final {
 
   [[nodiscard]] std::uint64_t ticks() const noexcept;
   /// [setup] The snapshot after `tick`; its taken_ns is the time since tick 0.
-  /// @throws InputError when the recording has no such tick.
+  /// @throws InputError when the recording has no such tick, or lacks what a tick up to it used; others can
+  /// still be asked for.
   [[nodiscard]] haptics::Snapshot at(std::uint64_t tick);
   /// [setup] Goes towards `tick`, by at most `most` ticks, so that a caller can think again on a long way.
   /// @return whether it is there, so that at(tick) costs nothing more @throws InputError as at()

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
@@ -212,18 +213,21 @@ struct RecordingFrames::Impl {
   }
 
   void run_one() {
-    again.run_tick(next++);
+    const std::uint64_t tick = std::exchange(next, kNowhere);  // if it fails, half of it is done
+    again.run_tick(tick);
+    next = tick + 1;
     if (next == kept.size() * apart) kept.push_back(again.place());
   }
 
   static constexpr std::uint64_t kLeastApart = 512;  // ticks
   static constexpr std::uint64_t kMostKept = 512;
+  static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
   const Recording& recording;
   Replay again;
   std::uint64_t apart;              // ticks from one kept place to the next
   std::vector<Replay::Place> kept;  // before ticks 0, apart, 2 apart ...
-  std::uint64_t next = 0;           // tick to run
+  std::uint64_t next = 0;           // tick to run; kNowhere: only after going back to a kept place
 };
 
 RecordingFrames::RecordingFrames(const Recording& recording, const contact::Preparation& how)

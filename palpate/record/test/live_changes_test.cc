@@ -203,6 +203,22 @@ TEST(RecordingFrames, AreTheSameInAnyOrderAndByAnyWay) {
   EXPECT_THROW((void)by_steps.at(3000), InputError);
 }
 
+TEST(RecordingFrames, ATickThatCannotBeRunLeavesTheOthers) {
+  Recording recording = restless_run(8, 1000);
+  std::vector<std::uint64_t> all(700);
+  std::iota(all.begin(), all.end(), 0);
+  const std::vector<haptics::Snapshot> expected = snapshots_at(recording, all);
+  ASSERT_EQ(recording.rows[700].events & haptics::kLiveChange, 0U);
+  recording.rows[700].events |= haptics::kLiveChange;
+  RecordingFrames frames(recording);
+  for (int times = 0; times < 2; ++times) {
+    EXPECT_THROW((void)frames.at(700), InputError) << "it used a change that is not there";
+    EXPECT_THROW((void)frames.at(900), InputError) << "it comes after it";
+    EXPECT_TRUE(same_scene(frames.at(699), expected[699]));
+    EXPECT_TRUE(same_scene(frames.at(20), expected[20]));
+  }
+}
+
 TEST(RecordingFrames, TheDeepestTickIsThatOfTheHandAskedFor) {
   Recording recording = restless_run(8, 4);
   for (haptics::TickRow& row : recording.rows) row.depth = 0.0;
