@@ -1,7 +1,6 @@
 #include "app/fit_summary.h"
 
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <optional>
 
@@ -91,18 +90,6 @@ Json specimen_json(const fit::SpecimenFit& fit) {
   json["rows"] = fit.rows;
   json["warnings"] = fit.warnings;
   return json;
-}
-
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f %%", 100.0 * share);
-  return text;
-}
-
-std::string brief(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
 }
 
 std::string padded(const std::string& text, std::size_t width) {

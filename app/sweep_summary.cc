@@ -1,7 +1,6 @@
 #include "app/sweep_summary.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "palpate/base/text.h"
 
@@ -30,12 +29,6 @@ Json point_json(const fit::SweepPoint& point, double unit) {
           {"deviance", std::isfinite(point.deviance) ? Json(point.deviance) : Json(nullptr)},
           {"within_95", point.within_95},
           {"parameters", std::move(parameters)}};
-}
-
-std::string brief(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
 }
 
 /// A name as one field of CSV.

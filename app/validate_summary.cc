@@ -1,7 +1,5 @@
 #include "app/validate_summary.h"
 
-#include <cstdio>
-
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/text.h"
@@ -13,18 +11,6 @@ namespace palpate::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string brief(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f %%", 100.0 * share);
-  return text;
-}
 
 Json errors_json(const std::string& name, const char* kind, const fit::Errors& errors, double unit) {
   return {{"name", name},

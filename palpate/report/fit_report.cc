@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <numeric>
 #include <system_error>
@@ -80,14 +79,8 @@ Figure draw_curve(const fit::SpecimenFit& fit, const std::filesystem::path& file
   return figure;
 }
 
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 std::string range_text(const fit::Interval& interval, double unit) {
-  return digits(interval.low / unit) + " to " + digits(interval.high / unit);
+  return brief(interval.low / unit) + " to " + brief(interval.high / unit);
 }
 
 TableRows estimate_table(const std::vector<fit::Estimate>& estimates, std::size_t terms) {
@@ -103,7 +96,7 @@ TableRows estimate_table(const std::vector<fit::Estimate>& estimates, std::size_
     const fit::Estimate& estimate = estimates[i];
     const double unit = labels[i].unit;
     std::vector<std::string> row = {
-        escaped(labels[i].name), digits(estimate.value / unit),
+        escaped(labels[i].name), brief(estimate.value / unit),
         range_text(estimate.interval, unit) + (estimate.determined ? "" : ", not determined")};
     if (covariance) row.push_back(estimate.covariance ? range_text(*estimate.covariance, unit) : "none");
     if (bootstrap) row.push_back(estimate.bootstrap ? range_text(*estimate.bootstrap, unit) : "none");
@@ -134,8 +127,8 @@ void write_summary(Page& page, const std::vector<fit::SpecimenFit>& fits, const 
   TableRows rows = {{"specimen", "points", "error", "on points left out", "k1, N/m", "beta", "q", "L1, mm"}};
   for (const fit::SpecimenFit& fit : fits) {
     rows.push_back({escaped(fit.name), std::to_string(fit.points), percent(fit.nrmse), percent(fit.leave_out),
-                    digits(fit.estimates[0].value), digits(fit.estimates[1].value),
-                    digits(fit.estimates[2].value), digits(fit.estimates[3].value / kMillimetre)});
+                    brief(fit.estimates[0].value), brief(fit.estimates[1].value),
+                    brief(fit.estimates[2].value), brief(fit.estimates[3].value / kMillimetre)});
   }
   page.table(rows);
   page.paragraph("Errors are root mean squares over each specimen's range of force.");

@@ -27,6 +27,19 @@ TEST(Shortest, ReadsBackToTheSameBits) {
   }
 }
 
+TEST(Brief, KeepsSoManyDigitsThatMatter) {
+  EXPECT_EQ(brief(0.123456), "0.1235");
+  EXPECT_EQ(brief(-123456.0), "-1.235e+05");
+  EXPECT_EQ(brief(2.0), "2");
+  EXPECT_EQ(brief(0.123456, 2), "0.12");
+}
+
+TEST(Percent, IsAShareOfAHundred) {
+  EXPECT_EQ(percent(0.123456), "12.35 %");
+  EXPECT_EQ(percent(-0.5, 0), "-50 %");
+  EXPECT_EQ(percent(-1e306, 2).size(), 1U + 309U + 3U + 2U) << "sign, digits, decimals, sign of per cent";
+}
+
 TEST(Shortest, HasNoDigitTooMany) {
   EXPECT_EQ(shortest(0.1), "0.1");
   EXPECT_EQ(shortest(18.0), "18");
