@@ -1,9 +1,12 @@
 // The one program: `palpate SUBCOMMAND`. Bad usage and bad input end with exit code 2 and one line in words.
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "palpate/base/text.h"
 #include "palpate/fit/crew.h"
 #include "palpate/version.h"
 
@@ -29,6 +32,29 @@ std::string joined(int argc, char** argv) {
     line += '\'';
   }
   return line;
+}
+
+/// What is wrong with a command line, in words.
+std::string words_of(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
+  const std::string help = " (--help shows what there is)";
+  const std::string first = argc > 1 ? argv[1] : "";
+  std::vector<std::string> known;
+  std::string names;
+  for (const CLI::App* command : program.get_subcommands({})) {
+    known.push_back(command->get_name());
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  }
+  const bool is_word = !first.empty() && first.front() != '-';
+  if (is_word && std::find(known.begin(), known.end(), first) == known.end()) {
+    const std::string near = palpate::nearest_word(first, known);
+    return first + ": no such command" +
+           (near.empty() ? "; there are " + names : ", did you mean " + near + "?") + help;
+  }
+  // CLI11: "Could not convert: --seed = abc".
+  std::string words = error.what();
+  const std::string convert = "Could not convert: ";
+  if (words.rfind(convert, 0) != 0) return words + help;
+  return words.substr(convert.size()) + ": must be a number" + help;
 }
 
 /// Of several that mpirun started, the first speaks for all: they find the same errors.
@@ -69,7 +95,7 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
-    tell_once(std::string(error.what()) + " (--help shows what there is)");
+    tell_once(words_of(program, error, argc, argv));
     return kBadInput;
   } catch (const std::exception& error) {
     tell_once(error.what());

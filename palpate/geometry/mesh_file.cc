@@ -338,7 +338,7 @@ void check_3ds(const MeshFile& file) {
 MeshFile open_mesh_file(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw InputError(path.string() + ": no such file");
+  if (!std::filesystem::exists(status)) throw InputError(path.string() + ": there is no such file");
   if (!std::filesystem::is_regular_file(status)) throw InputError(path.string() + ": not a file");
   MeshFile file{path, format_of(path), {}};
   const std::uintmax_t size = std::filesystem::file_size(path, error);

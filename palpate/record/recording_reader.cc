@@ -243,7 +243,8 @@ void RecordingReader::open() {
   const Descriptor in(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat facts {};
   if (in.fd < 0 || ::fstat(in.fd, &facts) != 0) {
-    refuse(std::string("cannot be opened: ") + std::strerror(errno));
+    refuse(errno == ENOENT ? "there is no such file"
+                           : std::string("cannot be opened: ") + std::strerror(errno));
   }
   if (!S_ISREG(facts.st_mode)) refuse("not a palpate recording: not a regular file");
   std::array<unsigned char, 8> start{};

@@ -139,7 +139,9 @@ void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   }
   const std::vector<std::string>& known = geometry::builtin_organ_names();
   if (std::find(known.begin(), known.end(), organ.value) == known.end()) {
-    organ.fail("must be " + alternatives(known) + ", or a file (with a / or an ending such as .stl)");
+    const std::string near = nearest_word(organ.value, known);
+    organ.fail("must be " + alternatives(known) + ", or a file (with a / or an ending such as .stl)" +
+               (near.empty() ? "" : "; did you mean " + near + "?"));
   }
   setup.organ = geometry::make_organ(organ.value);
 }

@@ -288,7 +288,7 @@ TEST_F(ReadMesh, AnOpenMeshIsReadAndItsDefectsAreSaid) {
 
 TEST_F(ReadMesh, RefusesWhatIsNoMeshFile) {
   EXPECT_THAT([&] { (void)read_mesh(folder_.path() / "none.stl", LengthUnit::kMetre); },
-              ThrowsMessage<InputError>(HasSubstr("none.stl: no such file")));
+              ThrowsMessage<InputError>(HasSubstr("none.stl: there is no such file")));
   EXPECT_THAT([&] { (void)read_mesh(folder_.path(), LengthUnit::kMetre); },
               ThrowsMessage<InputError>(HasSubstr("not a file")));
   expect_refused("a.txt", "solid", "unknown ending \".txt\"");
