@@ -26,8 +26,14 @@ void Onlookers::open(const std::filesystem::path& program, const std::filesystem
   posix_spawn_file_actions_init(&actions);
   // Not the devices, and not the recording's own lock, which would outlive its writer.
   posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+  // Ctrl-C in the terminal ends the run, not who looks at its recording.
+  posix_spawnattr_t apart{};
+  posix_spawnattr_init(&apart);
+  posix_spawnattr_setpgroup(&apart, 0);
+  posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP);
   pid_t child = -1;
-  const int failed = posix_spawn(&child, name.c_str(), &actions, nullptr, words.data(), environ);
+  const int failed = posix_spawn(&child, name.c_str(), &actions, &apart, words.data(), environ);
+  posix_spawnattr_destroy(&apart);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) throw InputError(file + ": the viewer does not start: " + std::strerror(failed));
   children_.push_back(child);

@@ -5,6 +5,14 @@
 namespace palpate::app {
 namespace {
 
+/// A short run has fewer ticks than columns: what a tick had lasts until the next one's column.
+void last_until(std::vector<PlotColumn>& depth, std::size_t column, double column_width) {
+  while (!depth.empty() && depth.size() < column) {
+    depth.push_back(
+        {static_cast<double>(depth.size()) * column_width, depth.back().least, depth.back().most});
+  }
+}
+
 HandOverview overview_of_hand(RecordedView& seen, std::uint32_t hand, double column_width) {
   HandOverview all;
   all.deepest = seen.frames().deepest(hand);
@@ -15,12 +23,9 @@ HandOverview overview_of_hand(RecordedView& seen, std::uint32_t hand, double col
     const double depth_mm = 1e3 * row.depth;
     all.deepest_mm = std::max(all.deepest_mm, depth_mm);
     const std::size_t column = static_cast<std::size_t>(tick * Overview::kColumns / seen.ticks());
-    if (all.depth.empty() || column != static_cast<std::size_t>(all.depth.size() - 1)) {
-      // A short run has fewer ticks than columns: a column reaches on to the next one's place.
-      while (all.depth.size() <= column) {
-        all.depth.push_back({static_cast<double>(all.depth.size()) * column_width, depth_mm, depth_mm});
-      }
-    }
+    last_until(all.depth, column, column_width);
+    if (all.depth.size() == column)
+      all.depth.push_back({static_cast<double>(column) * column_width, depth_mm, depth_mm});
     all.depth.back().least = std::min(all.depth.back().least, depth_mm);
     all.depth.back().most = std::max(all.depth.back().most, depth_mm);
     if (row.phase != 0 && !contact) all.contacts.push_back({tick, tick});
@@ -29,6 +34,7 @@ HandOverview overview_of_hand(RecordedView& seen, std::uint32_t hand, double col
     if (row.fault != 0 && row.fault != fault) all.faults.push_back(tick);
     fault = row.fault;
   }
+  last_until(all.depth, Overview::kColumns, column_width);
   return all;
 }
 

@@ -1,6 +1,10 @@
 // Where a viewer is in a recording, and what it knows of the whole: without a window.
 #include "app/window/playback.h"
 
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
@@ -8,6 +12,7 @@
 
 #include "app/session.h"
 #include "app/window/overview.h"
+#include "app/window/replay_thread.h"
 #include "app/window/stage.h"
 #include "app/window/viewer_panels.h"
 
@@ -90,6 +95,63 @@ TEST(Overview, KnowsContactsDepthAndFaultsAsTheRowsHaveThem) {
   EXPECT_TRUE(hand.faults.empty());
   EXPECT_EQ(next_fault(hand, 0), std::nullopt);
   EXPECT_EQ(in_force(seen.recording(), 0).tissue.name, "liver");
+}
+
+TEST(Overview, AShortRunFillsItsTimelineAndNothingComesEarly) {
+  const test::TemporaryFolder folder;
+  scene::Request request;
+  request.organ = "ball";
+  request.tissue = "liver";
+  request.tools = {"sphere:5"};
+  request.rate_Hz = 100.0;
+  Session session = prepare(request, 3.0, true);
+  const std::atomic<bool> stop{false};
+  (void)play(session, {folder / "a.h5", true}, stop);
+  RecordedView seen(folder / "a.h5", true);
+  ASSERT_EQ(seen.ticks(), 300U) << "fewer than there are columns";
+  const HandOverview hand = overview_of(seen).hands[0];
+  ASSERT_GT(hand.deepest_mm, 1.0);
+  ASSERT_EQ(hand.depth.size(), Overview::kColumns);
+  for (std::size_t column = 0; column < Overview::kColumns; ++column) {
+    const std::size_t tick = ((column + 1) * 300 - 1) / Overview::kColumns;  // the last that has begun
+    EXPECT_EQ(hand.depth[column].most, 1e3 * seen.row(tick, 0).depth) << column;
+  }
+}
+
+/// What a replay on its thread says of the tick that was asked for.
+struct Answer {
+  std::optional<std::uint64_t> tick;
+  std::string failure;
+};
+
+Answer ask(ReplayThread& replay, std::uint64_t tick) {
+  replay.want(tick);
+  while (!replay.there()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  haptics::Snapshot snapshot;
+  const bool news = replay.take(snapshot);
+  return {news ? std::optional(snapshot.tick) : std::nullopt, replay.failure()};
+}
+
+TEST(ReplayThread, ATickThatCannotBeRunIsSaidAndLeavesTheOthers) {
+  const test::TemporaryFolder folder;
+  scene::Request request;
+  request.organ = "ball";
+  request.tissue = "liver";
+  request.tools = {"sphere:5"};
+  Session session = prepare(request, 1.0, true);
+  const std::atomic<bool> stop{false};
+  (void)play(session, {folder / "a.h5", true}, stop);
+  record::Recording recording = record::read_recording(folder / "a.h5");
+  recording.rows[700].events |= haptics::kLiveChange;
+  record::RecordingFrames frames(recording);
+  ReplayThread replay(frames);
+  EXPECT_EQ(ask(replay, 600).tick, 600U);
+  const Answer bad = ask(replay, 800);
+  EXPECT_EQ(bad.tick, std::nullopt);
+  EXPECT_THAT(bad.failure, testing::HasSubstr("lacks the change of tissue or noise at tick 700"));
+  const Answer good = ask(replay, 650);
+  EXPECT_EQ(good.tick, 650U);
+  EXPECT_EQ(good.failure, "");
 }
 
 TEST(Overview, TheNextFaultComesRoundToTheFirst) {
