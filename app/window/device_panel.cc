@@ -140,10 +140,10 @@ void timing_panel(const Shown& shown) {
     const ImVec4 missed_colour = traces.missed() == 0 ? colour::kGood : colour::kWarning;
     ImGui::TextColored(missed_colour, "%llu of %llu", static_cast<unsigned long long>(traces.missed()),
                        static_cast<unsigned long long>(traces.lateness().count()));
-    rows.words(
-        "Picture",
-        formatted("%.0f frames/s, ", shown.frames_a_second) + formatted("%.0f ms", 1e3 * shown.frame_time),
-        "the window's frames, and its own work for one");
+    rows.words("Picture",
+               formatted("%.0f frames/s, ", shown.frames_a_second) +
+                   formatted("drawn in %.0f ms", 1e3 * shown.frame_time),
+               "the window's frames, and its own work for one");
     rows.name("Age shown", "from the tick until its picture is shown; to be under 50 ms");
     const bool young = shown.largest_age < 0.05;
     ImGui::TextColored(young ? colour::kGood : colour::kWarning, "%.0f ms, at most %.0f ms", 1e3 * shown.age,

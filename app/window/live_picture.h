@@ -1,10 +1,10 @@
 #pragma once
 #include <cstddef>
-#include <deque>
 #include <memory>
 
 #include "palpate/render/offscreen.h"
 
+#include "app/window/resolution_choice.h"
 #include "app/window/stage.h"
 
 namespace palpate::app {
@@ -19,17 +19,20 @@ class LivePicture final {
   /// What is to be shown has changed although the camera has not.
   void refresh() noexcept { stale_ = true; }
   /// Forgets how long pictures took.
-  void forget_times() { times_.clear(); }
+  void forget_times() noexcept { resolution_.forget_times(); }
   /// From here on every pixel is drawn at full quality, however long a frame takes.
   void hold_full_quality();
   /// Colours the organ by how far it has moved, up to `range` [m]; 0: its own colours.
   void set_map_range(double range);
 
-  /// Draws what is to be drawn and puts it into its place. @return whether anything was drawn anew
-  bool show(const haptics::Snapshot& snapshot, const render::Camera& camera, const Rectangle& place,
+  /// Draws what is to be drawn and puts it into its place.
+  void show(const haptics::Snapshot& snapshot, const render::Camera& camera, const Rectangle& place,
             const Stage& stage);
   /// Once a frame: how long the whole of it took [s].
   void adapt(double frame_time);
+  /// The same before anything moves, after a few frames already; the next one draws again. @return whether
+  /// the picture suits the machine
+  [[nodiscard]] bool settle(double frame_time);
   /// The memory for pictures ran out: smaller ones. @return whether there are any
   bool shrink();
   /// The display is gone: what was on it is left as it is.
@@ -37,15 +40,15 @@ class LivePicture final {
 
  private:
   void fit(int width, int height);
+  bool follow(double frame_time, std::size_t judged);
 
   std::unique_ptr<render::OffscreenRenderer> renderer_;
-  Display::Size drawn_size_;    // of the renderer's pictures
-  std::size_t resolution_ = 0;  // index of kResolutions
+  Display::Size drawn_size_;  // of the renderer's pictures
+  ResolutionChoice resolution_;
   bool held_ = false;
   double map_range_ = 0.0;  // m
-  std::deque<double> times_;
-  bool stale_ = true;  // what the renderer keeps is not what is to be shown
-  bool drew_ = false;  // in the last frame
+  bool stale_ = true;       // what the renderer keeps is not what is to be shown
+  bool drew_ = false;       // since the last frame that was judged
   render::Camera drawn_camera_;
 };
 

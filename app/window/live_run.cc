@@ -9,25 +9,26 @@ namespace palpate::app {
 
 LiveRun::LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core,
                  net::IgtlServer* igtl)
-    : session_(session), recording_(std::move(recording)) {
-  start(core, igtl);
-}
+    : session_(session),
+      recording_(std::move(recording)),
+      core_(core),
+      igtl_(igtl),
+      changes_(record::live_changes(session_.setup, session_.world)),
+      may_pause_(app::may_pause(session_)) {}
 
 LiveRun::LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, std::optional<int> core,
                  net::IgtlServer* igtl)
-    : owned_(std::move(session)), session_(*owned_), recording_(std::move(recording)) {
-  start(core, igtl);
+    : LiveRun(*session, std::move(recording), core, igtl) {
+  owned_ = std::move(session);
 }
 
 LiveRun::~LiveRun() { stop(); }
 
-void LiveRun::start(std::optional<int> core, net::IgtlServer* igtl) {
-  may_pause_ = app::may_pause(session_);
-  changes_ = record::live_changes(session_.setup, session_.world);
-  thread_ = std::thread([this, core, igtl] {
+void LiveRun::start() {
+  thread_ = std::thread([this] {
     try {
-      account_ = play(session_, {recording_, false, core, changes_.get(), &snapshots_, &rows_, igtl, &pause_},
-                      stop_);
+      account_ = play(session_,
+                      {recording_, false, core_, changes_.get(), &snapshots_, &rows_, igtl_, &pause_}, stop_);
     } catch (const std::exception& error) {
       failure_ = error.what();
     }

@@ -14,11 +14,11 @@
 
 namespace palpate::app {
 
-/// A session that plays on a thread of its own while a window looks on. All members: [setup], the window's
-/// thread, unless said.
+/// A session that plays on a thread of its own, from start() on, while a window looks on. All members:
+/// [setup], the window's thread, unless said.
 class LiveRun final {
  public:
-  /// Begins to play. @param session outlives this unless it is owned @param recording file; empty: none
+  /// @param session outlives this unless it is owned @param recording file; empty: none
   /// @param igtl shows the run to other programs, outlives this; null: nobody does
   LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core,
           net::IgtlServer* igtl = nullptr);
@@ -29,6 +29,9 @@ class LiveRun final {
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
 
+  /// Begins to play, once.
+  void start();
+  [[nodiscard]] bool started() const noexcept { return thread_.joinable() || ended(); }
   /// Ends the run in good order and waits for it: zero force, recording closed.
   void stop();
   /// No time passes in the run, and its devices are stopped, until it is to go on; only where may_pause().
@@ -52,11 +55,11 @@ class LiveRun final {
   [[nodiscard]] haptics::LiveChanges& changes() noexcept { return *changes_; }
 
  private:
-  void start(std::optional<int> core, net::IgtlServer* igtl);
-
   std::unique_ptr<Session> owned_;
   Session& session_;
   std::filesystem::path recording_;
+  std::optional<int> core_;
+  net::IgtlServer* igtl_;
   SnapshotCell<haptics::Snapshot> snapshots_;
   RowTap rows_;
   std::unique_ptr<haptics::LiveChanges> changes_;

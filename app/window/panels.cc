@@ -32,7 +32,7 @@ void begin_column(const char* name, const Rectangle& place) {
   ImGui::SetNextWindowSize(ImVec2(place.width, place.height));
   ImGui::Begin(name, nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoBringToFrontOnFocus);
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoBackground);
 }
 
 Layout lay_out(float width, float height, float scale, const PanelState& state) {

@@ -173,7 +173,8 @@ void draw_plots(const Rectangle& place, const Plotted& shown) {
   ImGui::SetNextWindowSize(ImVec2(place.width, place.height));
   ImGui::Begin("plots", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav);
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav |
+                   ImGuiWindowFlags_NoBackground);
   const ImVec2 low = ImGui::GetCursorScreenPos();
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const float gap = 1.2F * ImGui::GetFontSize();

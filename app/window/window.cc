@@ -20,6 +20,7 @@ namespace {
 constexpr std::int64_t kFrameNs = 16'000'000;  // no more than 62 frames a second
 constexpr std::int64_t kMessageNs = 8'000'000'000;
 constexpr std::int64_t kAgesKeptNs = 3'000'000'000;
+constexpr std::int64_t kSettlingNs = 1'000'000'000;  // at most, before a run begins
 
 std::string advice_on(haptics::Fault fault) {
   switch (fault) {
@@ -59,7 +60,7 @@ Window::Window(Session& first, scene::Request request, WindowOptions options)
       stage_("Palpate", options_.size, options_.scale) {
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there are no gamepads, no more
   SDL_PumpEvents();
-  begin(std::make_unique<LiveRun>(first, options_.recording, options_.core, options_.igtl));
+  take(std::make_unique<LiveRun>(first, options_.recording, options_.core, options_.igtl));
 }
 
 Window::~Window() {
@@ -81,6 +82,7 @@ bool Window::frame() {
   frame_began_ns_ = monotonic_ns();
   take_events();
   look_after_runs();
+  if (!run_->started()) begin();
   traces_->take(run_->rows(), !paused_);
   if (frame_began_ns_ > message_until_ns_) message_.clear();
   if (leaving_) return false;
@@ -88,29 +90,52 @@ bool Window::frame() {
   const Traces::Felt felt = traces_->take_felt();
   steering_.rumble(felt.tissue, felt.noise);
 
-  compose();
-  take_newest();
-  draw_picture();
-  Stage::draw_panels();
-  if (wishes_.screenshot) save_picture();
-  glFinish();
-  mind_graphics();
-  const Wishes wishes = std::exchange(wishes_, {});
-  frame_time_ = 1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_);
+  draw_frame();
   live_.adapt(frame_time_);
-  stage_.show();
-  if (snapshot_there_ && !paused_ && !run_->ended() && !run_->pausing()) {
-    const std::int64_t now = monotonic_ns();
-    all_ages_.add(now - shown_.taken_ns);
-    age_ = 1e-9 * static_cast<double>(now - shown_.taken_ns);
-    ages_.emplace_back(now, age_);
-    while (ages_.front().first < now - kAgesKeptNs) ages_.pop_front();
-  }
-  grant(wishes);
+  note_age();
+  grant(std::exchange(wishes_, {}));
   sleep_until_ns(frame_began_ns_ + kFrameNs);
   const double whole = 1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_);
   frames_a_second_ += 0.1 * (1.0 / whole - frames_a_second_);
   return true;
+}
+
+void Window::draw_frame() {
+  compose();
+  take_newest();
+  draw_picture();
+  Stage::draw_panels();
+  if (std::exchange(wishes_.screenshot, false)) save_picture();
+  glFinish();
+  mind_graphics();
+  frame_time_ = 1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_);
+  stage_.show();
+}
+
+/// Shows the organ at rest until the picture suits the machine: before the run begins, so that a hand does
+/// not see old pictures meanwhile.
+void Window::settle_picture() {
+  shown_ = {};
+  shown_.organ_W = run_->session().setup.organ_pose;
+  snapshot_there_ = true;
+  const bool camera_was_set = camera_set_;
+  const std::int64_t until = monotonic_ns() + kSettlingNs;
+  do {
+    frame_began_ns_ = monotonic_ns();
+    draw_frame();
+  } while (!live_.settle(frame_time_) && frame_began_ns_ < until);
+  camera_set_ = camera_was_set;
+  snapshot_there_ = false;
+}
+
+/// The age of what this frame has shown of a run.
+void Window::note_age() {
+  if (!snapshot_there_ || paused_ || run_->ended() || run_->pausing()) return;
+  const std::int64_t now = monotonic_ns();
+  all_ages_.add(now - shown_.taken_ns);
+  age_ = 1e-9 * static_cast<double>(now - shown_.taken_ns);
+  ages_.emplace_back(now, age_);
+  while (ages_.front().first < now - kAgesKeptNs) ages_.pop_front();
 }
 
 void Window::take_newest() {
@@ -245,6 +270,7 @@ void Window::save_picture() {
 }
 
 WindowOutcome Window::finish() {
+  if (!run_->started()) run_->start();  // there is no account of a run that never was
   run_->stop();
   next_.reset();
   if (first_ended_) {

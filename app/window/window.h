@@ -57,8 +57,8 @@ struct WindowOutcome {
 /// threads of its own. All members: [setup], one thread, the one that made it.
 class Window final {
  public:
-  /// Opens the window and begins to play. @param first outlives this; @param request what it was made from
-  /// @throws NoWindow before anything is played.
+  /// Opens the window; the first frame begins to play. @param first outlives this; @param request what it was
+  /// made from @throws NoWindow
   Window(Session& first, scene::Request request, WindowOptions options);
   ~Window();
   Window(const Window&) = delete;
@@ -105,7 +105,8 @@ class Window final {
   [[nodiscard]] bool over_picture(int x, int y) const { return Stage::over(layout_.picture, x, y); }
 
   // window_runs.cc
-  void begin(std::unique_ptr<LiveRun> run);
+  void take(std::unique_ptr<LiveRun> run);
+  void begin();
   void look_after_runs();
   void look_after_next();
   void end_run();
@@ -120,6 +121,9 @@ class Window final {
   [[nodiscard]] render::Subject subject() const;
 
   // window.cc
+  void draw_frame();
+  void settle_picture();
+  void note_age();
   void take_newest();
   void compose();
   void draw_overlay();

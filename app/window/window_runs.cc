@@ -21,7 +21,8 @@ bool same(const model::ReachParameters& a, const model::ReachParameters& b) {
 
 }  // namespace
 
-void Window::begin(std::unique_ptr<LiveRun> run) {
+/// The window is for this run from here on; it begins with the next frame.
+void Window::take(std::unique_ptr<LiveRun> run) {
   run_ = std::move(run);
   ++runs_begun_;
   if (!run_->recording().empty()) last_recording_ = run_->recording();
@@ -30,14 +31,19 @@ void Window::begin(std::unique_ptr<LiveRun> run) {
   noise_ = setup.noise;
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(setup.rate_Hz);
-  make_renderer();
-  live_.forget_times();
   snapshot_there_ = false;
   paused_ = false;
   tissue_waits_ = false;
   noise_waits_ = false;
   steering_.take(run_->session());
   stage_.display().set_title("Palpate: " + title_of(setup));
+}
+
+void Window::begin() {
+  make_renderer();
+  live_.forget_times();
+  settle_picture();
+  run_->start();
 }
 
 /// The renderer of the session's organ, which gives way as the tissue does that is felt now, in the colours
@@ -85,7 +91,7 @@ void Window::look_after_next() {
       const std::unique_ptr<NextSession> next = std::move(next_);
       request_ = next->request();
       const std::string organ_before = run_->session().setup.organ_name;
-      begin(std::make_unique<LiveRun>(next->take(), next->recording(), options_.core, options_.igtl));
+      take(std::make_unique<LiveRun>(next->take(), next->recording(), options_.core, options_.igtl));
       camera_set_ = camera_set_ && organ_before == run_->session().setup.organ_name;
       break;
     }

@@ -18,7 +18,6 @@ namespace palpate::render {
 namespace {
 
 constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of what the light must reach
-constexpr int kLargestSide = 8192;  // pixels
 const Vec3 kNowhere(0, 0, 1e3);     // m: where tools are that a snapshot does not know
 
 void check_size(int width, int height) {
@@ -207,6 +206,13 @@ void OffscreenRenderer::hold_quality(Quality quality) {
   const Current current(context_.get());
   impl_->choice.reset();
   impl_->painter.set_quality(quality);
+}
+
+void OffscreenRenderer::limit_quality(Quality best) {
+  if (!impl_->choice) return;
+  impl_->choice->limit(best);
+  const Current current(context_.get());
+  impl_->painter.set_quality(impl_->choice->now());
 }
 
 Quality OffscreenRenderer::quality() const { return impl_->painter.quality(); }

@@ -23,6 +23,9 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
+/// A picture's sides are 1 to this many pixels.
+inline constexpr int kLargestSide = 8192;
+
 /// [setup] Writes a PNG. @throws InputError naming the file when it cannot be written.
 void write_png(const Image& image, const std::filesystem::path& file);
 
@@ -90,6 +93,8 @@ class OffscreenRenderer final {
 
   /// [setup] From here on all pictures have this quality, however long they take.
   void hold_quality(Quality quality);
+  /// [setup] Where the quality follows time: no better one than this from here on.
+  void limit_quality(Quality best);
   /// [any] The quality of the next picture.
   [[nodiscard]] Quality quality() const;
   /// [any] Computing time [ms] that deformation and upload took in the last picture.

@@ -33,4 +33,11 @@ void QualityChoice::add(double frame_ms) noexcept {
   }
 }
 
+void QualityChoice::limit(Quality best) noexcept {
+  best_ = best;
+  if (now_ >= best) return;
+  now_ = best;
+  seen_ = slow_ = 0;
+}
+
 }  // namespace palpate::render

@@ -25,6 +25,8 @@ class QualityChoice final {
 
   /// [any] Takes the time of one picture at now().
   void add(double frame_ms) noexcept;
+  /// [any] From here on no better level than this.
+  void limit(Quality best) noexcept;
   [[nodiscard]] Quality now() const noexcept { return now_; }
 
  private:

@@ -41,6 +41,28 @@ TEST_F(WindowTest, ShowsOrganPanelsAndPlotsSideBySide) {
   close_and_expect_order(driven);
 }
 
+TEST_F(WindowTest, ARunBeginsOnceThePictureSuitsTheMachine) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("scripted"), small());
+  EXPECT_FALSE(driven.window().run().started());
+  EXPECT_TRUE(driven.window().run().recording().empty());
+  driven.frames(1);
+  EXPECT_TRUE(driven.window().run().started());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  close_and_expect_order(driven);
+}
+
+TEST_F(WindowTest, ARunThatNeverBeganIsAccountedForWithZeroForce) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("scripted"), small(file("never.h5")));
+  const WindowOutcome outcome = driven.finish();
+  EXPECT_TRUE(outcome.account.loop.stopped_early);
+  EXPECT_EQ(outcome.account.loop.fault, haptics::Fault::kNone);
+  EXPECT_EQ(outcome.frames, 0U);
+  EXPECT_EQ(outcome.account.loop.ticks, 0U);
+  EXPECT_FALSE(std::filesystem::exists(file("never.h5"))) << "a recording begins with its first tick";
+}
+
 TEST_F(WindowTest, AMousePressesAndTheRecordingReplaysToTheBit) {
   if (!display_is_there()) return;
   const std::filesystem::path recording = file("mouse.h5");
@@ -124,13 +146,7 @@ TEST_F(WindowTest, AMouseGraspsAndPulls) {
 
 TEST_F(WindowTest, AFaultStandsAcrossThePictureInWordsUntilItIsReset) {
   if (!display_is_there()) return;
-  const std::filesystem::path scene = file("lost.toml");
-  std::ofstream(scene) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
-                          "[device]\nkind = \"emulated\"\n"
-                          "[[device.fault]]\nkind = \"freeze\"\ntime_s = 0.3\nduration_s = 0.2\n";
-  scene::Request request;
-  request.scene = scene;
-  DrivenWindow driven(request, small());
+  DrivenWindow driven(failing(file("lost.toml"), "freeze", "0.3", "0.2"), small());
   ASSERT_TRUE(driven.until([&] { return !driven.window().banner().empty(); }));
   EXPECT_THAT(driven.window().banner(), HasSubstr("Zero force"));
   EXPECT_THAT(driven.window().banner(), HasSubstr("the device gave no new sample for 5 ms"));

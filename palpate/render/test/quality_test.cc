@@ -68,5 +68,17 @@ TEST(QualityChoice, NeverExceedsTheBestThatItMayChoose) {
   EXPECT_EQ(strong.now(), Quality::kFull);
 }
 
+TEST(QualityChoice, GoesNoHigherThanItsLimit) {
+  QualityChoice choice;
+  choice.limit(Quality::kFast);
+  EXPECT_EQ(choice.now(), Quality::kFast);
+  add(choice, 4000, 1.0);
+  EXPECT_EQ(choice.now(), Quality::kFast);
+  choice.limit(Quality::kBalanced);
+  EXPECT_EQ(choice.now(), Quality::kFast) << "it rises by the time that pictures take";
+  add(choice, 4000, 1.0);
+  EXPECT_EQ(choice.now(), Quality::kBalanced);
+}
+
 }  // namespace
 }  // namespace palpate::render
