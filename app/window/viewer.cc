@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <utility>
 
 #include <epoxy/gl.h>
 #include <imgui.h>
@@ -67,7 +68,8 @@ void Viewer::show(std::unique_ptr<OpenRecording> open) {
   snapshot_there_ = false;
   there_ = false;
   still_.reset();
-  live_.take(view().subject());
+  stills_fit_ = true;
+  live_knows_ = false;
   camera_.look_exactly_as(first_camera());
   rows_.assign(view().hands(), {});
   ticks_plotted_ = {1, 0};
@@ -122,20 +124,30 @@ bool Viewer::frame() {
   const double passed = before == 0 ? 0.0 : 1e-9 * static_cast<double>(frame_began_ns_ - before);
   if (there_) playback_->advance(std::min(passed, kLongestFrame));
   ticks_->want(playback_->tick());
-  compose();
   go_on();
+  compose();
   draw_picture();
   Stage::draw_panels();
   if (wishes_.save_window) save(stage_.picture());
   glFinish();
-  if (Stage::out_of_memory() && live_.shrink())
-    say("the graphics card's memory ran out: the picture is coarser");
+  if (Stage::out_of_memory()) save_memory();
   if (stage_.graphics_lost()) stage_.display().give_up();
   live_.adapt(1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_));
   stage_.show();
   grant(std::exchange(wishes_, {}));
   sleep_until_ns(frame_began_ns_ + kFrameNs);
   return true;
+}
+
+/// The graphics card's memory ran out.
+void Viewer::save_memory() {
+  if (still_ != nullptr) {
+    still_.reset();
+    stills_fit_ = false;
+    say("the graphics card's memory ran out: pictures at rest are as when they move");
+  } else if (live_.shrink()) {
+    say("the graphics card's memory ran out: the picture is coarser");
+  }
 }
 
 /// Takes the moment that the replay has come to.
@@ -204,7 +216,7 @@ std::string Viewer::banner_words() const {
     const auto fault = static_cast<haptics::Fault>(view().row(shown_.tick, hand).fault);
     if (fault == haptics::Fault::kNone) continue;
     const std::string whose =
-        view().hands() > 1 ? "Hand " + std::to_string(hand + 1) + ": zero force" : "Zero force";
+        view().hands() > 1 ? "Hand " + std::to_string(hand) + ": zero force" : "Zero force";
     return whose + ": " + haptics::words_of(fault);
   }
   return {};
@@ -235,13 +247,15 @@ void Viewer::draw_picture() {
   still_shown_ = false;
   const PixelRectangle place = in_pixels(layout_.picture, stage_);
   if (!snapshot_there_ || place.width < 1 || place.height < 1) return;
+  if (!std::exchange(live_knows_, true)) live_.take(view().subject());
   const render::Camera camera = camera_.camera();
   const double map = state_.map ? state_.map_range : 0.0;
   live_.set_map_range(map);
   if (!same(camera, last_camera_)) moved_ns_ = frame_began_ns_;
   last_camera_ = camera;
-  const bool quiet = there_ && !playback_->playing() && frame_began_ns_ - moved_ns_ > kStillAfterNs &&
-                     !ImGui::IsAnyItemActive() && !view_hand_.busy();
+  const bool quiet = stills_fit_ && there_ && !playback_->playing() &&
+                     frame_began_ns_ - moved_ns_ > kStillAfterNs && !ImGui::IsAnyItemActive() &&
+                     !view_hand_.busy();
   if (quiet) {
     draw_still(place, camera);
   } else {
@@ -253,18 +267,20 @@ void Viewer::draw_picture() {
 void Viewer::draw_still(const PixelRectangle& place, const render::Camera& camera) {
   const double map = state_.map ? state_.map_range : 0.0;
   const bool same_moment = still_ != nullptr && still_tick_ == shown_.tick;
-  const bool same_size = still_size_.width == place.width && still_size_.height == place.height;
+  const Display::Size size{std::clamp(place.width, 1, render::kLargestSide),
+                           std::clamp(place.height, 1, render::kLargestSide)};
+  const bool same_size = still_size_.width == size.width && still_size_.height == size.height;
   if (!same_moment) {
     still_.reset();
-    still_ = std::make_unique<render::OffscreenRenderer>(view().subject(), place.width, place.height,
+    still_ = std::make_unique<render::OffscreenRenderer>(view().subject(), size.width, size.height,
                                                          render::OffscreenRenderer::InCurrentContext{},
                                                          render::Quality::kFull);
     still_tick_ = shown_.tick;
   } else if (!same_size) {
-    still_->resize(place.width, place.height);
+    still_->resize(size.width, size.height);
   }
   if (!same_moment || !same_size || map != still_map_ || !same(camera, still_camera_)) {
-    still_size_ = {place.width, place.height};
+    still_size_ = size;
     still_map_ = map;
     still_camera_ = camera;
     still_->set_map_range(map);
@@ -294,8 +310,8 @@ void Viewer::save(const render::Image& image) {
 }
 
 void view_in_window(std::unique_ptr<RecordedView> seen, const ViewerOptions& options) {
-  Viewer viewer(std::move(seen), options);
   try {
+    Viewer viewer(std::move(seen), options);
     while (viewer.frame()) {
     }
   } catch (const DisplayLost& lost) {

@@ -94,6 +94,7 @@ class Viewer final {
   void begin_to_open(const std::filesystem::path& file);
   void look_after_opening();
   void go_on();
+  void save_memory();
   void gather_rows();
   void compose();
   void draw_overlay();
@@ -107,6 +108,7 @@ class Viewer final {
   ViewerOptions options_;
   Stage stage_;
   LivePicture live_;
+  bool live_knows_ = false;  // what is open now
   std::unique_ptr<OpenRecording> open_;
   std::unique_ptr<ReplayThread> ticks_;  // goes before open_
   std::optional<Playback> playback_;
@@ -124,6 +126,7 @@ class Viewer final {
 
   // The picture of full quality, while nothing moves:
   std::unique_ptr<render::OffscreenRenderer> still_;
+  bool stills_fit_ = true;  // into the graphics card's memory
   std::uint64_t still_tick_ = 0;
   render::Camera still_camera_;
   Display::Size still_size_;

@@ -135,7 +135,7 @@ void Viewer::letter_key(SDL_Keycode which) {
     wishes_.home = true;
   }
   view_hand_.zoom_key(which);
-  if (which >= SDLK_1 && which <= SDLK_4) wishes_.hand = static_cast<std::uint32_t>(which - SDLK_1);
+  if (which >= SDLK_0 && which <= SDLK_3) wishes_.hand = static_cast<std::uint32_t>(which - SDLK_0);
 }
 
 void Viewer::grant(const ViewerWishes& wishes) {

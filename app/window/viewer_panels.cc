@@ -68,7 +68,7 @@ void recording_rows(const Seen& seen, ViewerState& state) {
 void choose_hand(const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
   for (std::uint32_t hand = 0; hand < seen.view.hands(); ++hand) {
     if (hand > 0) ImGui::SameLine();
-    if (ImGui::RadioButton(std::to_string(hand + 1).c_str(), state.hand == hand)) wishes.hand = hand;
+    if (ImGui::RadioButton(std::to_string(hand).c_str(), state.hand == hand)) wishes.hand = hand;
   }
 }
 
@@ -78,7 +78,7 @@ void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishe
   const scene::Setup& setup = seen.view.recording().setup;
   const Rows rows("moment", 0.30F);
   if (seen.view.hands() > 1) {
-    rows.name("Hand", "1 to 4");
+    rows.name("Hand", "0 to 3");
     choose_hand(seen, state, wishes);
   }
   rows.words("Device", setup.devices[state.hand].kind);
@@ -186,10 +186,7 @@ void draw_map_scale(const Rectangle& picture, float top, double range) {
                      ImVec2(high.x + 0.6F * text, high.y + 0.9F * text), packed(colour::kBackground, 0.85F),
                      0.3F * text);
   list.AddText(ImVec2(low.x, low.y - 1.7F * text), packed(colour::kText), "moved by");
-  const auto encoded = [](double linear) {
-    return static_cast<float>(linear <= 0.0031308 ? 12.92 * linear
-                                                  : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055);
-  };
+  const auto encoded = [](double linear) { return static_cast<float>(render::srgb(linear)); };
   for (int i = 0; i < kSteps; ++i) {
     const Vec3 colour = render::map_colour((i + 0.5) / kSteps);
     const float lower = high.y - height * static_cast<float>(i) / kSteps;
@@ -218,7 +215,7 @@ void draw_viewer_help(ViewerState& state) {
       {"Home, End", "to the beginning, to the end"},
       {"down, up", "slower, faster: 1/10, 1/4, 1/2, 1, 2"},
       {"C, D, F", "to the first contact, the deepest place, the next fault"},
-      {"1 to 4", "whose hand's numbers are shown"},
+      {"0 to 3", "whose hand's numbers are shown"},
       {"M", "displacement map on or off"},
       {"left or right drag, Alt + arrows", "turn the view"},
       {"middle drag, Alt + Shift + arrows", "move the view"},

@@ -75,8 +75,7 @@ double smooth_step(double low, double high, double t) {
 }
 
 std::uint8_t encode(double linear) {
-  const double value = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
+  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(srgb(linear), 0.0, 1.0)));
 }
 
 }  // namespace
@@ -88,6 +87,10 @@ Vec3 map_colour(double share) noexcept {
   colour += smooth_step(0.3, 0.65, t) * (Vec3(0.036, 0.370, 0.217) - colour);
   colour += smooth_step(0.6, 1.0, t) * (Vec3(0.980, 0.800, 0.019) - colour);
   return colour;
+}
+
+double srgb(double linear) noexcept {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
 void draw_map_legend(Image& image, double range) {

@@ -44,17 +44,6 @@ class PanelsTest : public WindowTest {
   std::filesystem::path before_ = std::filesystem::current_path();
 };
 
-/// A device that fails in a way and at a time, in the emulated hand.
-scene::Request failing(const std::filesystem::path& file, const std::string& kind, const std::string& time_s,
-                       const std::string& duration_s) {
-  std::ofstream(file) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
-                         "[device]\nkind = \"emulated\"\n[[device.fault]]\nkind = \"" +
-                             kind + "\"\ntime_s = " + time_s + "\nduration_s = " + duration_s + "\n";
-  scene::Request request;
-  request.scene = file;
-  return request;
-}
-
 TEST_F(PanelsTest, SliderPresetAndNoiseBoxChangeWhatIsFeltAndTheRecordingKnows) {
   if (!display_is_there()) return;
   const std::filesystem::path recording = file("changed.h5");

@@ -67,6 +67,19 @@ TEST_F(ViewerTest, ShowsTheMomentsThatItIsAskedForByKeys) {
   EXPECT_FALSE(driven.alive());
 }
 
+TEST_F(ViewerTest, NumbersPlotsAndPictureAreOfTheSameTick) {
+  if (!display_is_there()) return;
+  DrivenViewer driven(recorded("a.h5"), small_viewer());
+  Viewer& viewer = driven.viewer();
+  ASSERT_TRUE(driven.until_there());
+  driven.key(SDLK_END);
+  ASSERT_TRUE(driven.until([&] { return viewer.snapshot().tick == viewer.view().ticks() - 1; }));
+  const std::vector<std::uint8_t> plots = cut_out(viewer.picture(), viewer.layout().plots);
+  driven.frames(1);
+  EXPECT_EQ(cut_out(viewer.picture(), viewer.layout().plots), plots) << "nothing was left to catch up with";
+  close_and_expect_order(driven);
+}
+
 TEST_F(ViewerTest, PlaysPausesAndSlowsDown) {
   if (!display_is_there()) return;
   DrivenViewer driven(recorded("a.h5"), small_viewer());
@@ -188,13 +201,7 @@ TEST_F(ViewerTest, AnotherRecordingIsDroppedOntoItAndABadOneIsRefused) {
 
 TEST_F(ViewerTest, AFaultIsJumpedToAndSaidInWords) {
   if (!display_is_there()) return;
-  const std::filesystem::path scene = file("lost.toml");
-  std::ofstream(scene) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
-                          "[device]\nkind = \"emulated\"\n"
-                          "[[device.fault]]\nkind = \"freeze\"\ntime_s = 0.3\nduration_s = 0.2\n";
-  scene::Request request;
-  request.scene = scene;
-  Session session = prepare(request, 1.0, true);
+  Session session = prepare(failing(file("lost.toml"), "freeze", "0.3", "0.2"), 1.0, true);
   const std::atomic<bool> stop{false};
   (void)play(session, {file("lost.h5"), true}, stop);
   DrivenViewer driven(file("lost.h5"), small_viewer());
@@ -220,15 +227,16 @@ TEST_F(ViewerTest, AHandIsChosenAmongSeveral) {
   DrivenViewer driven(recorded("two.h5", request), small_viewer());
   Viewer& viewer = driven.viewer();
   ASSERT_TRUE(driven.until_there());
-  driven.key(SDLK_2);
+  driven.key(SDLK_1);
   driven.frames(1);
   EXPECT_EQ(viewer.state().hand, 1U);
-  driven.key(SDLK_3);
+  driven.key(SDLK_2);
   driven.frames(1);
   EXPECT_EQ(viewer.state().hand, 1U) << "there is no third";
-  ASSERT_TRUE(driven.press({"left", "moment", "1"}));
+  ASSERT_TRUE(driven.press({"left", "moment", "0"}));
   EXPECT_EQ(viewer.state().hand, 0U);
-  driven.key(SDLK_2);
+  ASSERT_NE(viewer.overview().hands[0].deepest, viewer.overview().hands[1].deepest);
+  driven.key(SDLK_1);
   driven.key(SDLK_d);
   ASSERT_TRUE(driven.until_there());
   EXPECT_EQ(viewer.snapshot().tick, viewer.overview().hands[1].deepest);

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,6 +36,17 @@ inline scene::Request ball(const std::string& device) {
   return request;
 }
 
+/// A device that fails in a way and at a time, in the emulated hand.
+inline scene::Request failing(const std::filesystem::path& file, const std::string& kind,
+                              const std::string& time_s, const std::string& duration_s) {
+  std::ofstream(file) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
+                         "[device]\nkind = \"emulated\"\n[[device.fault]]\nkind = \"" +
+                             kind + "\"\ntime_s = " + time_s + "\nduration_s = " + duration_s + "\n";
+  scene::Request request;
+  request.scene = file;
+  return request;
+}
+
 class WindowTest : public testing::Test {
  protected:
   /// Whether there is a display; else the reason is said, and the test can show nothing.
@@ -51,6 +63,17 @@ class WindowTest : public testing::Test {
   test::TemporaryFolder folder_;
   VirtualDisplay display_;
 };
+
+/// The pixels of a part of a picture, row by row.
+inline std::vector<std::uint8_t> cut_out(const render::Image& image, const Rectangle& place) {
+  std::vector<std::uint8_t> part;
+  for (int y = static_cast<int>(place.y); y < static_cast<int>(place.y + place.height); ++y) {
+    const auto row = image.rgb.begin() + 3 * static_cast<std::ptrdiff_t>(y) * image.width;
+    part.insert(part.end(), row + 3 * static_cast<std::ptrdiff_t>(place.x),
+                row + 3 * static_cast<std::ptrdiff_t>(place.x + place.width));
+  }
+  return part;
+}
 
 /// How many different colours there are in a part of a picture: 1 in an empty one, many where things are.
 inline std::size_t colours_in(const render::Image& image, const Rectangle& place) {
