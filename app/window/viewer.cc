@@ -40,8 +40,8 @@ OpenRecording::OpenRecording(std::unique_ptr<RecordedView> seen)
   }
 }
 
-Viewer::Viewer(std::unique_ptr<RecordedView> seen, ViewerOptions options)
-    : options_(std::move(options)), stage_("Palpate", options_.size, options_.scale) {
+Viewer::Viewer(std::unique_ptr<RecordedView> seen, const ViewerOptions& options)
+    : options_(options), stage_("Palpate", options_.size, options_.scale) {
   state_.close_up = options_.close_up;
   if (options_.map_range > 0.0) {
     state_.map = true;
@@ -210,7 +210,7 @@ void Viewer::compose() {
 }
 
 std::string Viewer::banner_words() const {
-  const std::string failure = ticks_->failure();
+  std::string failure = ticks_->failure();
   if (!failure.empty()) return failure;
   for (std::uint32_t hand = 0; snapshot_there_ && hand < view().hands(); ++hand) {
     const auto fault = static_cast<haptics::Fault>(view().row(shown_.tick, hand).fault);

@@ -52,7 +52,7 @@ struct ViewerOptions {
 class Viewer final {
  public:
   /// @throws NoWindow
-  Viewer(std::unique_ptr<RecordedView> seen, ViewerOptions options);
+  Viewer(std::unique_ptr<RecordedView> seen, const ViewerOptions& options);
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;

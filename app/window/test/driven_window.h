@@ -1,6 +1,7 @@
 #pragma once
 // A window that a test drives by synthetic events.
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <initializer_list>
 #include <map>
@@ -137,7 +138,7 @@ class Driven {
     const float step = 0.9F * ImGui::GetFontSize();
     const ImRect& inside = window->InnerClipRect;
     for (const float share : {0.72F, 0.28F, 0.04F, 0.1F, 0.9F, 0.5F, 0.18F, 0.4F, 0.6F, 0.82F}) {
-      const int rows = static_cast<int>(inside.GetHeight() / step + 0.5F);
+      const int rows = static_cast<int>(std::lround(inside.GetHeight() / step));
       for (int row = 0; row < rows; ++row) {
         move(static_cast<int>(inside.Min.x + share * inside.GetWidth()),
              static_cast<int>(inside.Min.y + (static_cast<float>(row) + 0.5F) * step));

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 class ViewerTest : public WindowTest {
  protected:
   /// A press on the ball that is recorded in no time: 7 s of it.
-  std::filesystem::path recorded(const std::string& name, scene::Request request = ball("scripted")) {
+  std::filesystem::path recorded(const std::string& name, const scene::Request& request = ball("scripted")) {
     Session session = prepare(request, std::nullopt, true);
     const std::atomic<bool> stop{false};
     (void)play(session, {file(name), true}, stop);
