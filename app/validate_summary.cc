@@ -76,6 +76,8 @@ Json reach_json(const fit::ReachFit& fit) {
           {"first_bar_ratio", fit.reach.first_bar_ratio},
           {"bar_ratio", fit.reach.bar_ratio},
           {"weight_ratio", fit.reach.weight_ratio},
+          {"depth_exponent", fit.reach.depth_exponent},
+          {"depth_exponent_kept", fit.exponent_kept},
           {"at_limit", fit.at_limit}};
 }
 
@@ -122,13 +124,17 @@ std::string profile_text(const report::ProfileSet& set) {
 }
 
 std::string reach_text(const fit::ReachFit& fit) {
-  const char* const names[] = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio"};
+  const char* const names[] = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio",
+                               "depth_exponent"};
   const double values[] = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
-                           fit.reach.weight_ratio};
+                           fit.reach.weight_ratio, fit.reach.depth_exponent};
   std::string text = "reach fitted to all profiles together:\n";
   for (std::size_t i = 0; i < fit.at_limit.size(); ++i) {
     text += std::string("  ") + names[i] + " = " + brief(values[i]) +
             (fit.at_limit[i] ? "  ! at the limit of the search: these profiles do not determine it\n" : "\n");
+  }
+  if (fit.exponent_kept) {
+    text.insert(text.size() - 1, ", as the tissue has it: it takes depths that differ more to determine it");
   }
   return text;
 }

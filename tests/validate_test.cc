@@ -128,9 +128,27 @@ TEST(ValidateCommand, FitsTheReachToProfilesAndWritesTissueAndReport) {
   EXPECT_EQ(answer["sets"][1]["depth_mm"], 4.0);
   EXPECT_NEAR(answer["reach"]["contact_ratio"], 0.9, 0.02);
   EXPECT_NEAR(scene::load_tissue(folder / "found.toml").reach.contact_ratio, 0.9, 0.02);
+  EXPECT_NEAR(answer["reach"]["depth_exponent"], 0.5, 0.02);
+  EXPECT_FALSE(answer["reach"]["depth_exponent_kept"]);
+  EXPECT_EQ(answer["reach"]["at_limit"].size(), 5U);
+  EXPECT_EQ(scene::load_tissue(folder / "found.toml").reach.depth_exponent,
+            answer["reach"]["depth_exponent"]);
   const std::string page = text_of(folder / "page/report.html");
   EXPECT_NE(page.find("side at 4 mm"), std::string::npos);
   EXPECT_NE(page.find("data:image/svg+xml"), std::string::npos);
+}
+
+TEST(ValidateCommand, SaysThatOneDepthLeavesTheExponentAsItWas) {
+  const Folder folder;
+  write_profiles(folder, "side.csv", {0.9, 0.5, 1.7, 0.6});
+  std::string text = text_of(folder / "side.csv");
+  std::ofstream(folder / "one.csv") << text.substr(0, text.find("\n4,") + 1);
+  const std::vector<std::string> words = {"validate", "--profile",       "one.csv", "--tissue",
+                                          "liver",    "--tip-radius-mm", "5",       "--fit-reach"};
+  EXPECT_NE(run(folder, words)
+                .out.find("depth_exponent = 0.5, as the tissue has it: it takes depths that "
+                          "differ more to determine it\n"),
+            std::string::npos);
 }
 
 // 0.09 N presses the gallbladder's first layer, 18 N/m, 5 mm in.

@@ -86,12 +86,14 @@ bool relaxation_rows(model::TissueParameters& tissue) {
 bool reach_rows(model::TissueParameters& tissue) {
   const Rows rows("reach");
   model::ReachParameters& reach = tissue.reach;
-  bool changed = rows.number("c", reach.contact_ratio, 1.0, 0.005, 0.1, 5.0, "%.3f", "R_1 = c sqrt(R D)");
+  bool changed = rows.number("c", reach.contact_ratio, 1.0, 0.005, 0.1, 5.0, "%.3f", "R_1 = c R (D/R)^p");
   changed |=
       rows.number("a", reach.first_bar_ratio, 1.0, 0.005, 0.01, 5.0, "%.3f", "first bar to contact radius");
   changed |= rows.number("s", reach.bar_ratio, 1.0, 0.005, 1.01, 5.0, "%.3f", "each bar to the one above");
   changed |= rows.number("g", reach.weight_ratio, 1.0, 0.002, 0.01, 0.99, "%.3f",
                          "weight of each layer to the one above");
+  changed |= rows.number("p", reach.depth_exponent, 1.0, 0.002, 0.01, 1.0, "%.3f",
+                         "how R_1 grows with the depth; 1/2 as the square root");
   return changed;
 }
 

@@ -14,11 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool same(const model::ReachParameters& a, const model::ReachParameters& b) {
-  return a.contact_ratio == b.contact_ratio && a.first_bar_ratio == b.first_bar_ratio &&
-         a.bar_ratio == b.bar_ratio && a.weight_ratio == b.weight_ratio;
-}
-
 }  // namespace
 
 /// The window is for this run from here on; it begins with the next frame.
@@ -145,7 +140,7 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
         tissue_note_ += (tissue_note_.empty() ? "" : "\n") + warning;
       }
     }
-    reach_changed_ = reach_changed_ || !same(tissue.reach, tissue_.reach);
+    reach_changed_ = reach_changed_ || tissue.reach != tissue_.reach;
     tissue_ = tissue;
   } catch (const InputError& error) {
     tissue_note_ = error.what();

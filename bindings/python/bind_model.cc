@@ -145,11 +145,15 @@ void bind_tissue(py::module_& module) {
           },
           [](TissueParameters& tissue, const std::tuple<double, double, double, double>& ratios) {
             const auto& [c, a, s, g] = ratios;
-            tissue.reach = {c, a, s, g};
+            tissue.reach = {c, a, s, g, tissue.reach.depth_exponent};
           },
           "contact_ratio c, first_bar_ratio a, bar_ratio s and weight_ratio g: how the surface gives way "
           "around "
           "a contact (docs/model.md, section 3); all without unit.")
+      .def_property(
+          "depth_exponent", [](const TissueParameters& tissue) { return tissue.reach.depth_exponent; },
+          [](TissueParameters& tissue, double exponent) { tissue.reach.depth_exponent = exponent; },
+          "p, beside the four ratios of reach: R_1 = c R (D/R)^p; 1/2 unless it was fitted")
       .def(
           "first_limit",
           [](const TissueParameters& tissue, const std::string& direction) {

@@ -263,9 +263,10 @@ py::dict dictionary_of(const fit::ImageSet& image) {
 }
 
 py::dict dictionary_of(const fit::ReachFit& fit) {
-  static constexpr std::array kNames = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio"};
+  static constexpr std::array kNames = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio",
+                                        "depth_exponent"};
   const std::array values = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
-                             fit.reach.weight_ratio};
+                             fit.reach.weight_ratio, fit.reach.depth_exponent};
   py::dict result;
   py::list at_limit;
   for (std::size_t i = 0; i < kNames.size(); ++i) {
@@ -273,6 +274,7 @@ py::dict dictionary_of(const fit::ReachFit& fit) {
     if (fit.at_limit[i]) at_limit.append(kNames[i]);
   }
   result["at_limit"] = at_limit;
+  result["depth_exponent_kept"] = fit.exponent_kept;
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "palpate/base/portable_math.h"
 #include "palpate/deform/triangle_grid.h"
 
 namespace palpate::deform {
@@ -22,6 +23,14 @@ double thickness_behind(const geometry::TriangleMesh& mesh, const Vec3& start, c
   for (const geometry::Triangle& t : mesh.triangles)
     nearest = std::min(nearest, way_to_far_side(mesh, t, start, direction));
   return nearest;
+}
+
+// R_1 [m] without its bound: c R (D/R)^p = c sqrt(R D) (D/R)^(p - 1/2), so that p = 1/2 is the root alone.
+double contact_radius(const model::ReachParameters& reach, double depth, double tip_radius) noexcept {
+  constexpr double kRoot = 0.5;
+  const double root = reach.contact_ratio * std::sqrt(tip_radius * depth);
+  if (reach.depth_exponent == kRoot || root == 0.0) return root;
+  return root * portable::exp((reach.depth_exponent - kRoot) * portable::log(depth / tip_radius));
 }
 
 }  // namespace
@@ -63,7 +72,7 @@ SurfaceProfile::SurfaceProfile(const model::ReachParameters& reach, double depth
                                double half_width) noexcept {
   if (!(depth > 0.0)) return;
   depth_ = depth;
-  double first = reach.contact_ratio * std::sqrt(std::max(0.0, tip_radius) * depth);
+  double first = contact_radius(reach, depth, std::max(0.0, tip_radius));
   if (half_width > 0.0) first = std::min(first, half_width);
   first = std::max(first, kSmallestRadius);
   double weight = 1.0;

@@ -20,8 +20,8 @@ struct Indentation {
 };
 
 /// The surface profile u(r) around one contact (model.md, section 3):
-/// u(r) = D sum_i w_i max(0, 1 - (r/R_i)^2), w_i proportional to g^(i-1), R_1 = c sqrt(R D),
-/// R_i = R_1 (1 + a (s^(i-1) - 1)/(s - 1)), i = 1..6.
+/// u(r) = D sum_i w_i max(0, 1 - (r/R_i)^2), w_i proportional to g^(i-1), R_1 = c R (D/R)^p,
+/// R_i = R_1 (1 + a (s^(i-1) - 1)/(s - 1)), i = 1..6. At every r it grows with D.
 class SurfaceProfile final {
  public:
   static constexpr int kLayers = 6;

@@ -14,15 +14,17 @@
 namespace palpate::fit {
 namespace {
 
-constexpr int kParameters = 4;
-using Shape = std::array<double, kParameters>;  // ln c, ln a, ln(s - 1), g
+constexpr std::size_t kParameters = 5;
+constexpr std::size_t kExponent = 4;
+using Shape = std::array<double, kParameters>;  // ln c, ln a, ln(s - 1), g, p
 
 // Wider than any tissue known: a bar of 1/50 to 5 tool sizes, bars that hardly grow or grow fivefold.
-const Shape kLow = {std::log(0.2), std::log(0.02), std::log(0.05), 0.02};
-const Shape kHigh = {std::log(4.0), std::log(5.0), std::log(4.0), 0.98};
+const Shape kLow = {std::log(0.2), std::log(0.02), std::log(0.05), 0.02, 0.02};
+const Shape kHigh = {std::log(4.0), std::log(5.0), std::log(4.0), 0.98, 1.0};
 
-model::ReachParameters reach_of(const double* shape) {
-  return {std::exp(shape[0]), std::exp(shape[1]), 1.0 + std::exp(shape[2]), shape[3]};
+/// @param ratios ln c, ln a, ln(s - 1), g @param exponent p
+model::ReachParameters reach_of(const double* ratios, double exponent) {
+  return {std::exp(ratios[0]), std::exp(ratios[1]), 1.0 + std::exp(ratios[2]), ratios[3], exponent};
 }
 
 /// (u of the model - u of the sample)/D at every place, over the root of their number.
@@ -30,8 +32,9 @@ class SampleErrors final {
  public:
   SampleErrors(const ReachSample& sample, const SurfaceRule& rule) : sample_(sample), rule_(rule) {}
 
-  bool operator()(double const* const* shape, double* errors) const {
-    const BallSurface surface(reach_of(shape[0]), sample_.depth, sample_.tip_radius, rule_);
+  /// @param blocks the four ratios, and p
+  bool operator()(double const* const* blocks, double* errors) const {
+    const BallSurface surface(reach_of(blocks[0], *blocks[1]), sample_.depth, sample_.tip_radius, rule_);
     const Deformation& measured = sample_.deformation;
     const double scale = sample_.depth * std::sqrt(static_cast<double>(measured.size()));
     for (std::size_t i = 0; i < measured.size(); ++i) {
@@ -45,21 +48,31 @@ class SampleErrors final {
   SurfaceRule rule_;
 };
 
-double solve_from(const std::vector<ReachSample>& samples, const SurfaceRule& rule, Shape& shape) {
+double solve_from(const std::vector<ReachSample>& samples, const SurfaceRule& rule, bool keep_exponent,
+                  Shape& shape) {
   ceres::Problem problem;
-  problem.AddParameterBlock(shape.data(), kParameters);
-  for (int i = 0; i < kParameters; ++i) {
-    const auto n = static_cast<std::size_t>(i);
-    problem.SetParameterLowerBound(shape.data(), i, kLow[n]);
-    problem.SetParameterUpperBound(shape.data(), i, kHigh[n]);
+  double* const ratios = shape.data();
+  double* const exponent = &shape[kExponent];
+  problem.AddParameterBlock(ratios, static_cast<int>(kExponent));
+  for (std::size_t i = 0; i < kExponent; ++i) {
+    problem.SetParameterLowerBound(ratios, static_cast<int>(i), kLow[i]);
+    problem.SetParameterUpperBound(ratios, static_cast<int>(i), kHigh[i]);
+  }
+  problem.AddParameterBlock(exponent, 1);
+  if (keep_exponent) {
+    problem.SetParameterBlockConstant(exponent);
+  } else {
+    problem.SetParameterLowerBound(exponent, 0, kLow[kExponent]);
+    problem.SetParameterUpperBound(exponent, 0, kHigh[kExponent]);
   }
   for (const ReachSample& sample : samples) {
     auto errors = std::make_unique<SampleErrors>(sample, rule);
     auto cost = std::make_unique<ceres::DynamicNumericDiffCostFunction<SampleErrors, ceres::CENTRAL>>(
         errors.release());
-    cost->AddParameterBlock(kParameters);
+    cost->AddParameterBlock(static_cast<int>(kExponent));
+    cost->AddParameterBlock(1);
     cost->SetNumResiduals(static_cast<int>(sample.deformation.size()));
-    problem.AddResidualBlock(cost.release(), nullptr, shape.data());  // the problem owns it
+    problem.AddResidualBlock(cost.release(), nullptr, ratios, exponent);  // the problem owns it
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
@@ -71,23 +84,29 @@ double solve_from(const std::vector<ReachSample>& samples, const SurfaceRule& ru
   return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace
-
-ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& rule) {
-  if (samples.empty()) throw InputError("a reach needs at least one deformation");
+/// Whether the samples say how the contact radius goes with depth.
+bool depths_differ(const std::vector<ReachSample>& samples) {
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0.0;
   for (const ReachSample& sample : samples) {
-    if (!(sample.depth > 0.0) || !(sample.tip_radius > 0.0)) {
-      throw InputError(sample.deformation.name + ": a reach needs the tool's depth and radius, both > 0");
-    }
+    least = std::min(least, sample.depth / sample.tip_radius);
+    most = std::max(most, sample.depth / sample.tip_radius);
   }
+  return most >= kLeastSpreadOfDepths * least;
+}
+
+/// The best of several starts.
+Shape best_shape(const std::vector<ReachSample>& samples, const SurfaceRule& rule, bool keep_exponent,
+                 double exponent) {
   double best_cost = std::numeric_limits<double>::infinity();
   Shape best = kLow;
+  best[kExponent] = exponent;
   for (const double c : {0.8, 1.3}) {
     for (const double a : {0.2, 0.6}) {
       for (const double s : {1.4, 2.0}) {
         for (const double g : {0.4, 0.7}) {
-          Shape shape = {std::log(c), std::log(a), std::log(s - 1.0), g};
-          const double cost = solve_from(samples, rule, shape);
+          Shape shape = {std::log(c), std::log(a), std::log(s - 1.0), g, exponent};
+          const double cost = solve_from(samples, rule, keep_exponent, shape);
           if (cost < best_cost) {
             best_cost = cost;
             best = shape;
@@ -96,11 +115,27 @@ ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& r
       }
     }
   }
+  return best;
+}
+
+}  // namespace
+
+ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& rule, double exponent) {
+  if (samples.empty()) throw InputError("a reach needs at least one deformation");
+  for (const ReachSample& sample : samples) {
+    if (!(sample.depth > 0.0) || !(sample.tip_radius > 0.0)) {
+      throw InputError(sample.deformation.name + ": a reach needs the tool's depth and radius, both > 0");
+    }
+  }
   ReachFit fit;
-  fit.reach = reach_of(best.data());
+  fit.exponent_kept = !depths_differ(samples);
+  const double start = fit.exponent_kept ? exponent : model::ReachParameters{}.depth_exponent;
+  const Shape best = best_shape(samples, rule, fit.exponent_kept, start);
+  fit.reach = reach_of(best.data(), best[kExponent]);
   for (std::size_t i = 0; i < kParameters; ++i) {
     const double margin = 1e-6 * (kHigh[i] - kLow[i]);
-    fit.at_limit.push_back(best[i] < kLow[i] + margin || best[i] > kHigh[i] - margin);
+    const bool at_bound = best[i] < kLow[i] + margin || best[i] > kHigh[i] - margin;
+    fit.at_limit.push_back(at_bound && !(i == kExponent && fit.exponent_kept));
   }
   for (const ReachSample& sample : samples) {
     fit.nrmse.push_back(

@@ -93,7 +93,7 @@ void compare_profiles(const std::vector<Deformation>& profiles, const std::vecto
     samples.push_back({profiles[i], comparison.depth, tip_radius});
   }
   if (fit_first) {
-    validation.reach = fit_reach(samples, rule);
+    validation.reach = fit_reach(samples, rule, reach.depth_exponent);
     reach = validation.reach->reach;
   }
   for (const ReachSample& sample : samples) {

@@ -23,6 +23,7 @@ LiveChange live_change(const model::TissueParameters& tissue, const LiveNoise& n
   change.first_bar_ratio = tissue.reach.first_bar_ratio;
   change.bar_ratio = tissue.reach.bar_ratio;
   change.weight_ratio = tissue.reach.weight_ratio;
+  change.depth_exponent = tissue.reach.depth_exponent;
   change.friction = tissue.contact.friction;
   change.tangential_stiffness = tissue.contact.tangential_stiffness.value_or(0.0);
   change.damping = tissue.contact.damping;
@@ -50,13 +51,18 @@ model::TissueParameters tissue_of(const LiveChange& change) {
   for (std::size_t i = 0; i < change.share.size() && change.share[i] != 0.0; ++i) {
     tissue.relaxation.push_back({change.share[i], change.time[i]});
   }
-  tissue.reach = {change.contact_ratio, change.first_bar_ratio, change.bar_ratio, change.weight_ratio};
+  tissue.reach = reach_of(change);
   tissue.contact.friction = change.friction;
   if (change.tangential_stiffness != 0.0) tissue.contact.tangential_stiffness = change.tangential_stiffness;
   tissue.contact.damping = change.damping;
   tissue.contact.reference_radius = change.reference_radius;
   tissue.contact.grip_limit = change.grip_limit;
   return tissue;
+}
+
+model::ReachParameters reach_of(const LiveChange& change) noexcept {
+  return {change.contact_ratio, change.first_bar_ratio, change.bar_ratio, change.weight_ratio,
+          change.depth_exponent};
 }
 
 LiveNoise noise_of(const LiveChange& change) noexcept {

@@ -42,6 +42,7 @@ struct LiveChange {
   double first_bar_ratio = 0.0;
   double bar_ratio = 0.0;
   double weight_ratio = 0.0;
+  double depth_exponent = 0.5;  // as of a recording from before it was a parameter
   double friction = 0.0;
   double tangential_stiffness = 0.0;      // N/m; 0: not given
   double damping = 0.0;                   // N s/m
@@ -62,6 +63,9 @@ static_assert(model::kMostRelaxationTerms == 3, "LiveChange has as many");
 
 /// [setup] The tissue of a change, not checked; it has no [source].
 [[nodiscard]] model::TissueParameters tissue_of(const LiveChange& change);
+
+/// [any] The reach of a change, not checked.
+[[nodiscard]] model::ReachParameters reach_of(const LiveChange& change) noexcept;
 
 /// [any] The noise of a change, not checked.
 [[nodiscard]] LiveNoise noise_of(const LiveChange& change) noexcept;

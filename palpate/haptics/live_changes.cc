@@ -43,7 +43,7 @@ void apply_change(const SimulationWorld& world, SimulationState& state,
   const LiveChange& values = change.values;
   if ((values.what & kTissueChanged) != 0) {
     contact::change_tissue(world.contact, state.contact, change.laws);
-    state.reach = {values.contact_ratio, values.first_bar_ratio, values.bar_ratio, values.weight_ratio};
+    state.reach = reach_of(values);
   }
   if ((values.what & kNoiseChanged) != 0) {
     state.noise_enabled = values.noise_enabled != 0;

@@ -44,6 +44,10 @@ void validate_reach(const ReachParameters& reach) {
   if (!(reach.weight_ratio > 0.0 && reach.weight_ratio < 1.0)) {
     throw ParameterError("reach.weight_ratio", reach.weight_ratio, "> 0 and < 1");
   }
+  // Above 1 a dent, as steep as D/R_1, would be the steeper the shallower it is.
+  if (!(reach.depth_exponent > 0.0 && reach.depth_exponent <= 1.0)) {
+    throw ParameterError("reach.depth_exponent", reach.depth_exponent, "> 0 and <= 1");
+  }
 }
 
 void validate_contact(const ContactParameters& contact) {

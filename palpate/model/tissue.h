@@ -31,10 +31,13 @@ inline constexpr std::size_t kMostRelaxationTerms = 3;
 
 /// How the surface gives way around a contact (docs/model.md, section 3); all without unit.
 struct ReachParameters {
-  double contact_ratio = 1.1;     // c: R_1 = c sqrt(R D)
+  double contact_ratio = 1.1;     // c: R_1 = c R (D/R)^p
   double first_bar_ratio = 0.43;  // a
   double bar_ratio = 1.8;         // s > 1
   double weight_ratio = 0.58;     // g, in (0, 1)
+  double depth_exponent = 0.5;    // p, in (0, 1]; 1/2: R_1 = c sqrt(R D)
+
+  bool operator==(const ReachParameters&) const = default;
 };
 
 /// What the contact rules need of a tissue (docs/model.md, section 4).

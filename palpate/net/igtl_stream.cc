@@ -128,10 +128,7 @@ Bytes IgtlStream::words(const haptics::Snapshot& snapshot, std::int64_t unix_ns)
 
 bool IgtlStream::same(const Shape& a, const Shape& b) {
   return a.organ_W.position == b.organ_W.position &&
-         a.organ_W.rotation.coeffs() == b.organ_W.rotation.coeffs() &&
-         a.reach.contact_ratio == b.reach.contact_ratio &&
-         a.reach.first_bar_ratio == b.reach.first_bar_ratio && a.reach.bar_ratio == b.reach.bar_ratio &&
-         a.reach.weight_ratio == b.reach.weight_ratio &&
+         a.organ_W.rotation.coeffs() == b.organ_W.rotation.coeffs() && a.reach == b.reach &&
          std::equal(a.indentations.begin(), a.indentations.end(), b.indentations.begin(),
                     b.indentations.end(), same_indentation);
 }

@@ -342,6 +342,7 @@ const std::vector<TissueKey>& tissue_keys() {
       {"reach", "first_bar_ratio", 1.0, [](T& t) -> double& { return t.reach.first_bar_ratio; }},
       {"reach", "bar_ratio", 1.0, [](T& t) -> double& { return t.reach.bar_ratio; }},
       {"reach", "weight_ratio", 1.0, [](T& t) -> double& { return t.reach.weight_ratio; }},
+      {"reach", "depth_exponent", 1.0, [](T& t) -> double& { return t.reach.depth_exponent; }},
       {"contact", "friction", 1.0, [](T& t) -> double& { return t.contact.friction; }},
       {"contact", "damping_N_s_per_m", 1.0, [](T& t) -> double& { return t.contact.damping; }},
       {"contact", "reference_radius_mm", kMillimetre,

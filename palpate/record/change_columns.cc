@@ -36,6 +36,7 @@ constexpr Column kColumns[] = {
     number("first_bar_ratio", offsetof(LiveChange, first_bar_ratio)),
     number("bar_ratio", offsetof(LiveChange, bar_ratio)),
     number("weight_ratio", offsetof(LiveChange, weight_ratio)),
+    {"depth_exponent", ColumnType::kF64, offsetof(LiveChange, depth_exponent), true},
     number("friction", offsetof(LiveChange, friction)),
     number("tangential_N_per_m", offsetof(LiveChange, tangential_stiffness)),
     number("damping_N_s_per_m", offsetof(LiveChange, damping)),

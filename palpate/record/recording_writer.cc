@@ -97,6 +97,7 @@ void write_tissue(hid_t file, const model::TissueParameters& tissue) {
       {"first_bar_ratio", tissue.reach.first_bar_ratio},
       {"bar_ratio", tissue.reach.bar_ratio},
       {"weight_ratio", tissue.reach.weight_ratio},
+      {"depth_exponent", tissue.reach.depth_exponent},
       {"friction", tissue.contact.friction},
       {"tangential_N_per_m", tissue.contact.tangential_stiffness.value_or(10.0 * tissue.k1)},
       {"damping_N_s_per_m", tissue.contact.damping},

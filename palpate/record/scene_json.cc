@@ -80,7 +80,8 @@ Json tissue_json(const model::TissueParameters& t) {
   json["reach"] = {{"contact_ratio", t.reach.contact_ratio},
                    {"first_bar_ratio", t.reach.first_bar_ratio},
                    {"bar_ratio", t.reach.bar_ratio},
-                   {"weight_ratio", t.reach.weight_ratio}};
+                   {"weight_ratio", t.reach.weight_ratio},
+                   {"depth_exponent", t.reach.depth_exponent}};
   json["contact"] = {{"friction", t.contact.friction},
                      {"tangential_N_per_m", optional_json(t.contact.tangential_stiffness)},
                      {"damping_N_s_per_m", t.contact.damping},
@@ -111,6 +112,8 @@ model::TissueParameters tissue_from(const Json& json) {
   t.reach.first_bar_ratio = reach.at("first_bar_ratio").get<double>();
   t.reach.bar_ratio = reach.at("bar_ratio").get<double>();
   t.reach.weight_ratio = reach.at("weight_ratio").get<double>();
+  // A recording from before it was a parameter has the default.
+  t.reach.depth_exponent = reach.value("depth_exponent", t.reach.depth_exponent);
   const Json& contact = json.at("contact");
   t.contact.friction = contact.at("friction").get<double>();
   t.contact.tangential_stiffness = optional_from(contact.at("tangential_N_per_m"));

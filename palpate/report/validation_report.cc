@@ -168,7 +168,8 @@ void write_summary(Page& page, const Validation& validation, const std::string& 
     const model::ReachParameters& reach = validation.reach->reach;
     page.paragraph("The reach was fitted to these profiles: c = " + brief(reach.contact_ratio) +
                    ", a = " + brief(reach.first_bar_ratio) + ", s = " + brief(reach.bar_ratio) +
-                   ", g = " + brief(reach.weight_ratio) + ".");
+                   ", g = " + brief(reach.weight_ratio) + ", p = " + brief(reach.depth_exponent) +
+                   (validation.reach->exponent_kept ? " (as the tissue has it)." : "."));
   }
   std::vector<std::string> missed;
   for (const std::string& goal : validation.missed) missed.push_back("missed: " + escaped(goal));

@@ -111,9 +111,10 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
                                              millimetres(tissue.max_length) + ", " +
                                              millimetres(tissue.min_length)},
       {"t1", fixed(tissue.t1 * 1e6, 3) + " µs"},
-      {"reach c, a, s, g", shortest(tissue.reach.contact_ratio) + ", " +
-                               shortest(tissue.reach.first_bar_ratio) + ", " +
-                               shortest(tissue.reach.bar_ratio) + ", " + shortest(tissue.reach.weight_ratio)},
+      {"reach c, a, s, g, p",
+       shortest(tissue.reach.contact_ratio) + ", " + shortest(tissue.reach.first_bar_ratio) + ", " +
+           shortest(tissue.reach.bar_ratio) + ", " + shortest(tissue.reach.weight_ratio) + ", " +
+           shortest(tissue.reach.depth_exponent)},
       {"friction", shortest(tissue.contact.friction)},
       {"tangential stiffness", number(tissue.tangential_stiffness(), "N/m")},
       {"damping", number(tissue.contact.damping, "N s/m")},

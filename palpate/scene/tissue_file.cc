@@ -44,11 +44,12 @@ std::vector<model::RelaxationTerm> read_relaxation(const TomlTable& table) {
 
 model::ReachParameters read_reach(const TomlTable& table) {
   model::ReachParameters reach;
-  table.allow_only({"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio"});
+  table.allow_only({"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio", "depth_exponent"});
   reach.contact_ratio = table.number("contact_ratio").value_or(reach.contact_ratio);
   reach.first_bar_ratio = table.number("first_bar_ratio").value_or(reach.first_bar_ratio);
   reach.bar_ratio = table.number("bar_ratio").value_or(reach.bar_ratio);
   reach.weight_ratio = table.number("weight_ratio").value_or(reach.weight_ratio);
+  reach.depth_exponent = table.number("depth_exponent").value_or(reach.depth_exponent);
   return reach;
 }
 
@@ -153,6 +154,7 @@ std::string to_toml(const model::TissueParameters& tissue) {
   line("first_bar_ratio", real(tissue.reach.first_bar_ratio));
   line("bar_ratio", real(tissue.reach.bar_ratio));
   line("weight_ratio", real(tissue.reach.weight_ratio));
+  line("depth_exponent", real(tissue.reach.depth_exponent));
   out += "[tissue.contact]\n";
   line("friction", real(tissue.contact.friction));
   if (tissue.contact.tangential_stiffness)

@@ -88,10 +88,33 @@ def test_validate_finds_of_profiles_what_the_program_finds(program, tmp_path):
     assert found['profiles'][0]['nrmse'] == said['sets'][0]['nrmse']
     assert found['profiles'][0]['nrmse'] < 1e-3
     assert found['tissue'].reach == tuple(found['reach'][name] for name in REACH)
+    assert found['reach']['depth_exponent_kept'] and said['reach']['depth_exponent_kept']
+    assert found['tissue'].depth_exponent == 0.5
+    assert 'depth_exponent' not in found['reach']['at_limit']
     by_load = palpate.LayeredSpringLaw(palpate.tissue_preset('liver')).force_at(4e-3)
     deformation = palpate.Deformation('side', distance, u)
     again = palpate.validate('liver', profiles=[deformation], force=float(by_load), tip_radius=5e-3)
     assert again['profiles'][0]['depth'] == pytest.approx(4e-3, abs=5e-10)
+
+
+def test_validate_finds_the_exponent_of_several_depths_that_the_program_finds(program, tmp_path):
+    ratios, exponent = (0.8, 0.5, 1.7, 0.6), 0.4
+    distance = np.linspace(0.0, 30e-3, 60)
+    profiles, columns = [], []
+    for depth in (1e-3, 2e-3, 4e-3):
+        # c (D/R)^p for the c sqrt(D/R) that profile_of() has.
+        scaled = (ratios[0] * (depth / 5e-3) ** (exponent - 0.5), *ratios[1:])
+        u = profile_of(scaled, depth, 5e-3, distance)
+        profiles.append(palpate.Deformation('side', distance, u))
+        columns.append(np.column_stack([np.full(60, 1e3 * depth), 1e3 * distance, 1e3 * u]))
+    file = tmp_path / 'side.csv'
+    write_columns(file, ('depth_mm', 'r_mm', 'u_mm'), *np.concatenate(columns).T)
+    found = palpate.validate('liver', profiles=profiles, depth=[1e-3, 2e-3, 4e-3], tip_radius=5e-3, fit_reach=True)
+    assert found['tissue'].depth_exponent == pytest.approx(exponent, abs=1e-3)
+    assert not found['reach']['depth_exponent_kept']
+    said = program.json('validate', '--profile', file, '--tissue', 'liver', '--tip-radius-mm', '5', '--fit-reach')
+    assert said['reach']['depth_exponent'] == pytest.approx(exponent, abs=1e-3)
+    assert f'depth_exponent = {found["tissue"].depth_exponent!r}' in found['tissue'].to_toml()
 
 
 def test_validate_finds_in_photographs_what_the_program_finds(program, tmp_path):

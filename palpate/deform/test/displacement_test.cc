@@ -59,6 +59,62 @@ TEST(Profile, EqualsTheFormulaForManyParameters) {
   }
 }
 
+// The reach R_6 with the square root written out, in the order in which the profile computes it.
+TEST(Profile, AnExponentOfOneHalfIsTheSquareRootToTheBit) {
+  EXPECT_EQ(kReach.depth_exponent, 0.5);
+  double bars = 0.0;
+  double bar = 1.0;
+  for (int i = 0; i < 5; ++i) {
+    bars += bar;
+    bar *= 1.8;
+  }
+  for (int i = 1; i < 1000; ++i) {
+    const double depth = 1.37e-5 * i;
+    const double radius = 2.9e-6 * (1000 - i);
+    EXPECT_EQ(SurfaceProfile(kReach, depth, radius).reach(),
+              1.1 * std::sqrt(radius * depth) * (1.0 + 0.43 * bars));
+  }
+}
+
+TEST(Profile, FollowsHandComputedValuesAtOtherExponents) {
+  // R = 4 mm, D = 0.5 mm, p = 1/3: (1/8)^(1/3) = 1/2, R_1 = 1.1 x 4 mm / 2 = 2.2 mm; R_6 = 10.618928 R_1.
+  const model::ReachParameters third{1.1, 0.43, 1.8, 0.58, 1.0 / 3.0};
+  const SurfaceProfile shallow(third, 0.5e-3, 4e-3);
+  EXPECT_NEAR(shallow.reach(), 23.3616416e-3, 1e-12);
+  for (const double r : {0.5e-3, 2e-3, 5e-3, 20e-3})
+    EXPECT_NEAR(shallow.at(r), by_formula(third, 0.5e-3, 2.2e-3, r), 1e-15);
+  // p = 1: R_1 = c D, whatever the tool: 1.1 x 9 mm.
+  const model::ReachParameters one{1.1, 0.43, 1.8, 0.58, 1.0};
+  EXPECT_NEAR(SurfaceProfile(one, 9e-3, 4e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
+  EXPECT_NEAR(SurfaceProfile(one, 9e-3, 1e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
+  // At D = R every exponent gives the same.
+  EXPECT_NEAR(SurfaceProfile(third, 3e-3, 3e-3).reach(), SurfaceProfile(kReach, 3e-3, 3e-3).reach(), 1e-15);
+}
+
+TEST(Profile, GoesContinuouslyThroughTheExponentOfOneHalf) {
+  model::ReachParameters near = kReach;
+  for (const double off : {-1e-9, 1e-9}) {
+    near.depth_exponent = 0.5 + off;
+    const double ratio =
+        SurfaceProfile(near, 1e-3, 5e-3).reach() / SurfaceProfile(kReach, 1e-3, 5e-3).reach();
+    EXPECT_NEAR(ratio, 1.0 + off * std::log(0.2), 1e-14);
+  }
+}
+
+TEST(Profile, GrowsWithTheDepthAtEveryDistanceWhateverTheExponent) {
+  for (const double exponent : {0.02, 0.3, 0.5, 0.8, 1.0}) {
+    const model::ReachParameters reach{1.1, 0.43, 1.8, 0.58, exponent};
+    for (const double half_width : {0.0, 3e-3}) {
+      for (int i = 1; i < 150; ++i) {
+        const SurfaceProfile shallow(reach, 1e-4 * i, 5e-3, half_width);
+        const SurfaceProfile deep(reach, 1e-4 * (i + 1), 5e-3, half_width);
+        EXPECT_GE(deep.reach(), shallow.reach());
+        for (double r = 0.0; r < shallow.reach(); r += 0.9e-3) EXPECT_GT(deep.at(r), shallow.at(r));
+      }
+    }
+  }
+}
+
 TEST(Profile, FallsAllTheWayAndIsZeroFromTheReachOn) {
   const SurfaceProfile profile(kReach, 0.012, 0.003);
   double last = profile.at(0.0);
@@ -77,6 +133,9 @@ TEST(Profile, FirstRadiusIsNeverMoreThanTheToolsHalfWidth) {
     EXPECT_NEAR(narrow.at(r), by_formula(kReach, 0.01, 0.002, r), 1e-15);
   const SurfaceProfile wide(kReach, 0.01, 0.003, 0.05);
   EXPECT_EQ(wide.reach(), SurfaceProfile(kReach, 0.01, 0.003).reach());
+  const model::ReachParameters steep{1.1, 0.43, 1.8, 0.58, 0.9};
+  EXPECT_EQ(SurfaceProfile(steep, 0.01, 0.005, 0.002).reach(),
+            SurfaceProfile(kReach, 0.01, 0.005, 0.002).reach());
 }
 
 TEST(Profile, WithoutDepthNothingMoves) {
@@ -90,10 +149,12 @@ TEST(Profile, WithoutDepthNothingMoves) {
 }
 
 TEST(Profile, AnIdealPointStillMovesByTheDepth) {
-  const SurfaceProfile point(kReach, 0.01, 0.0);
-  EXPECT_EQ(point.at(0.0), 0.01);
-  EXPECT_TRUE(std::isfinite(point.at(1e-7)));
-  EXPECT_TRUE(std::isfinite(point.steepest()));
+  for (const double exponent : {0.3, 0.5, 1.0}) {
+    const SurfaceProfile point({1.1, 0.43, 1.8, 0.58, exponent}, 0.01, 0.0);
+    EXPECT_EQ(point.at(0.0), 0.01);
+    EXPECT_TRUE(std::isfinite(point.at(1e-7)));
+    EXPECT_TRUE(std::isfinite(point.steepest()));
+  }
 }
 
 TEST(Profile, SteepestIsTheLargestSlope) {

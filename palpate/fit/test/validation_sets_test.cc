@@ -48,6 +48,15 @@ TEST(CompareProfiles, ComparesWithTheReachThatItFittedFirst) {
   EXPECT_LT(validation.profiles[0].ours.errors.nrmse, 1e-3);
 }
 
+TEST(CompareProfiles, KeepsTheTissuesExponentWhereOneDepthDoesNotDetermineIt) {
+  Validation validation = of_liver();
+  validation.law.tissue.reach.depth_exponent = 0.4;
+  compare_profiles({profile_of(validation.law.tissue.reach, 3e-3)}, {0.0}, 5e-3, true, validation);
+  EXPECT_TRUE(validation.reach->exponent_kept);
+  EXPECT_EQ(validation.law.tissue.reach.depth_exponent, 0.4);
+  EXPECT_LT(validation.profiles[0].ours.errors.nrmse, 1e-3);
+}
+
 TEST(CompareProfiles, RefusesAProfileWithoutDepth) {
   Validation validation = of_liver();
   const Deformation unknown = profile_of(validation.law.tissue.reach, 2e-3);

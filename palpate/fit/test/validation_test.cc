@@ -8,6 +8,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/deform/displacement.h"
+#include "palpate/fit/ball_surface.h"
 #include "palpate/fit/reach_fit.h"
 #include "palpate/fit/rivals.h"
 
@@ -137,6 +138,52 @@ TEST(FitReach, FindsTheReachThatMadeTheProfiles) {
   EXPECT_LT(fit.nrmse[0], 1e-3);
   EXPECT_LT(fit.nrmse[1], 1e-3);
   EXPECT_THAT(fit.at_limit, testing::Each(false));
+}
+
+/// Profiles that a reach makes under a ball of 5 mm, as drawn (R_1 without a bound).
+std::vector<ReachSample> samples_of(const model::ReachParameters& reach, const std::vector<double>& depths) {
+  std::vector<ReachSample> samples;
+  for (const double depth : depths) {
+    Deformation made = places(depth);
+    const BallSurface surface(reach, depth, 5e-3, {true, 0.0});
+    for (const double r : made.distance) made.displacement.push_back(surface.at(r));
+    samples.push_back({made, depth, 5e-3});
+  }
+  return samples;
+}
+
+TEST(FitReach, FindsTheExponentThatMadeTheProfilesOfSeveralDepths) {
+  for (const double exponent : {0.25, 0.37, 0.5, 0.8}) {
+    const model::ReachParameters truth{0.9, 0.5, 1.7, 0.6, exponent};
+    const ReachFit fit = fit_reach(samples_of(truth, {1e-3, 2e-3, 4e-3, 8e-3}), {true, 0.0});
+    EXPECT_NEAR(fit.reach.depth_exponent, exponent, 1e-3);
+    EXPECT_NEAR(fit.reach.contact_ratio, 0.9, 0.01);
+    EXPECT_FALSE(fit.exponent_kept);
+    EXPECT_EQ(fit.at_limit, std::vector<bool>(5, false));
+  }
+}
+
+TEST(FitReach, KeepsTheExponentAsGivenWhereTheDepthsAreTooAlikeToDetermineIt) {
+  const model::ReachParameters truth{0.9, 0.5, 1.7, 0.6, 0.3};
+  for (const std::vector<double>& depths : {std::vector{3e-3}, std::vector{3e-3, 3.5e-3}}) {
+    const ReachFit fit = fit_reach(samples_of(truth, depths), {true, 0.0}, 0.7);
+    EXPECT_TRUE(fit.exponent_kept);
+    EXPECT_EQ(fit.reach.depth_exponent, 0.7);
+    EXPECT_FALSE(fit.at_limit[4]);
+  }
+  // One depth: c makes up for p. c (3/5)^0.7 = 0.9 (3/5)^0.3.
+  const ReachFit fit = fit_reach(samples_of(truth, {3e-3}), {true, 0.0}, 0.7);
+  EXPECT_NEAR(fit.reach.contact_ratio, 0.9 * std::pow(0.6, -0.4), 0.01);
+  EXPECT_LT(fit.nrmse[0], 1e-3);
+  EXPECT_FALSE(fit_reach(samples_of(truth, {3e-3, 3.7e-3}), {true, 0.0}).exponent_kept);
+}
+
+TEST(FitReach, SaysThatTheExponentIsAtTheLimitWhereProfilesGrowFasterThanTheirDepth) {
+  std::vector<ReachSample> samples = samples_of({0.9, 0.5, 1.7, 0.6, 1.0}, {2e-3, 4e-3});
+  for (double& r : samples[0].deformation.distance) r *= 0.5;  // half as wide as even p = 1 has it
+  const ReachFit fit = fit_reach(samples, {true, 0.0});
+  EXPECT_TRUE(fit.at_limit[4]);
+  EXPECT_NEAR(fit.reach.depth_exponent, 1.0, 1e-5);
 }
 
 TEST(FitReach, SaysWhichParametersTheDataDoNotDetermine) {

@@ -56,6 +56,7 @@ const std::vector<PositiveField> kPositiveFields{
     {"reach.first_bar_ratio", 1.0, [](TissueParameters& t) -> double& { return t.reach.first_bar_ratio; }},
     {"reach.bar_ratio", 1.0, [](TissueParameters& t) -> double& { return t.reach.bar_ratio; }},
     {"reach.weight_ratio", 1.0, [](TissueParameters& t) -> double& { return t.reach.weight_ratio; }},
+    {"reach.depth_exponent", 1.0, [](TissueParameters& t) -> double& { return t.reach.depth_exponent; }},
     {"contact.tangential_N_per_m", 1.0,
      [](TissueParameters& t) -> double& { return t.contact.tangential_stiffness.emplace(1.0); }},
     {"contact.reference_radius_mm", 1e-3,
@@ -110,6 +111,11 @@ TEST(ValidateTissue, RefusesRatiosOfTheReachOutsideTheirRange) {
   expect_refused({"reach.bar_ratio", "1", [](TissueParameters& t) { t.reach.bar_ratio = 1.0; }});
   expect_refused({"reach.weight_ratio", "1", [](TissueParameters& t) { t.reach.weight_ratio = 1.0; }});
   expect_refused({"reach.weight_ratio", "1.5", [](TissueParameters& t) { t.reach.weight_ratio = 1.5; }});
+  expect_refused(
+      {"reach.depth_exponent", "1.001", [](TissueParameters& t) { t.reach.depth_exponent = 1.001; }});
+  TissueParameters tissue = tissue_preset("liver");
+  tissue.reach.depth_exponent = 1.0;
+  EXPECT_NO_THROW(validate(tissue));
 }
 
 TEST(TissueParameters, FirstLimitIsByDirection) {

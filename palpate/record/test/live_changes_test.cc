@@ -12,8 +12,10 @@
 #include "palpate/base/error.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/record/assemble.h"
+#include "palpate/record/change_columns.h"
 #include "palpate/record/flight_recorder.h"
 #include "palpate/record/recording_frames.h"
+#include "palpate/record/recording_writer.h"
 #include "palpate/record/replay.h"
 #include "palpate/record/test/sample_recording.h"
 
@@ -167,13 +169,16 @@ TEST(LiveChangesRecorded, BadValuesInAFileAreRefusedByName) {
 TEST(LiveChangesRecorded, SnapshotsCarryTheReachAndNumberInForce) {
   Recording recording = restless_run(7, 400);
   recording.changes[0].bar_ratio = 2.5;
+  recording.changes[0].depth_exponent = 0.4;
   recording.changes[0].what = haptics::kTissueChanged;
   const std::uint64_t tick = recording.changes[0].tick;
   const std::vector<haptics::Snapshot> snapshots = snapshots_at(recording, {tick - 1, tick});
   EXPECT_EQ(snapshots[0].change, 0U);
   EXPECT_EQ(snapshots[0].reach.bar_ratio, 1.8);
+  EXPECT_EQ(snapshots[0].reach.depth_exponent, 0.5);
   EXPECT_EQ(snapshots[1].change, 1U);
   EXPECT_EQ(snapshots[1].reach.bar_ratio, 2.5);
+  EXPECT_EQ(snapshots[1].reach.depth_exponent, 0.4);
 }
 
 bool same_scene(const haptics::Snapshot& a, const haptics::Snapshot& b) {
@@ -249,7 +254,7 @@ TEST(LiveChangesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   ASSERT_EQ(lines.size(), recording.changes.size() + 1);
   EXPECT_THAT(lines[0], StartsWith("tick,number,what,law,k1_N_per_m,beta,q,rest_length_m,"));
   EXPECT_EQ(lines[1],
-            "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,1.1,0.43,1.8,0.58,"
+            "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,1.1,0.43,1.8,0.58,0.5,"
             "0.2,0,0.5,0.01,8,1,5e-05,0.005,\"a,\"\"\"");
   EXPECT_EQ(changes_csv_beside("x/run.csv"), std::filesystem::path("x/run-changes.csv"));
   EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
@@ -306,6 +311,46 @@ TEST(LiveChangesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThemIsRe
   EXPECT_EQ(refusal_of({change}, [](hid_t) {}), "") << "as if from before there were changes";
   EXPECT_THAT(refusal_of({change}, make_list_of_numbers), HasSubstr("/changes has no columns"));
   EXPECT_THAT(refusal_of({change}, make_list_with_one_column), HasSubstr("/changes has no column number"));
+}
+
+/// The same changes in columns without depth_exponent, as they were kept before it was a parameter.
+void write_without_exponent(hid_t file, const std::vector<haptics::LiveChange>& changes) {
+  const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(haptics::LiveChange));
+  for (const Column& column : change_columns()) {
+    if (std::string_view(column.name) == "depth_exponent") continue;
+    const hid_t native = column.type == ColumnType::kU32   ? H5T_NATIVE_UINT32
+                         : column.type == ColumnType::kU64 ? H5T_NATIVE_UINT64
+                                                           : H5T_NATIVE_DOUBLE;
+    H5Tinsert(type, column.name, column.offset, native);
+  }
+  const hdf5::Handle name = hdf5::text_type(haptics::LiveChange::kNameBytes);
+  H5Tinsert(type, kChangeName, offsetof(haptics::LiveChange, tissue), name.id());
+  H5Tpack(type);
+  const hsize_t count = changes.size();
+  const hid_t space = H5Screate_simple(1, &count, nullptr);
+  const hid_t set = H5Dcreate2(file, "changes", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  H5Dwrite(set, live_change_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, changes.data());
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Tclose(type);
+}
+
+TEST(LiveChangesRecorded, ChangesFromBeforeTheDepthsExponentHaveOneHalf) {
+  const Recording now = restless_run(6, 500);
+  const TemporaryFolder folder;
+  {
+    Recorder recorder(folder / "a.h5", block_and_ball(), true);
+    recorder.begin(1);
+    recorder.finish({});
+  }
+  const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Ldelete(file, "changes", H5P_DEFAULT);
+  write_without_exponent(file, now.changes);
+  H5Fclose(file);
+  const Recording old = read_recording(folder / "a.h5");
+  ASSERT_GT(old.changes.size(), 3U);
+  EXPECT_EQ(old.changes, now.changes) << "which all have 1/2";
+  EXPECT_EQ(old.changes[2].depth_exponent, 0.5);
 }
 
 TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {

@@ -41,6 +41,7 @@ std::vector<double> numbers(const scene::Setup& s) {
                              t.reach.first_bar_ratio,
                              t.reach.bar_ratio,
                              t.reach.weight_ratio,
+                             t.reach.depth_exponent,
                              t.contact.friction,
                              t.contact.tangential_stiffness.value_or(-1),
                              t.contact.damping,
@@ -214,6 +215,14 @@ TEST(RoundTrip, ARecordingFromBeforeThereWereLawsHasThePapersWithoutRelaxation) 
   const model::TissueParameters got = setup_from_json(text).tissue;
   EXPECT_EQ(got.law, model::LawKind::kLayered);
   EXPECT_TRUE(got.relaxation.empty());
+}
+
+TEST(RoundTrip, ARecordingFromBeforeTheDepthsExponentHasOneHalf) {
+  std::string text = setup_to_json(sample_setup(1));
+  const std::string key = "\"depth_exponent\"";
+  ASSERT_NE(text.find(key), std::string::npos);
+  text.replace(text.find(key), key.size(), "\"was_not\"");
+  EXPECT_EQ(setup_from_json(text).tissue.reach.depth_exponent, 0.5);
 }
 
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {

@@ -42,7 +42,7 @@ inline scene::Setup sample_setup(std::size_t hands) {
   setup.tissue.max_length = 22e-3 / 3;
   setup.tissue.min_length = 4.9406564584124654e-324;
   setup.tissue.t1 = 1e-6 / 3;
-  setup.tissue.reach = {1.1, 0.43, 1.8, 0.58};
+  setup.tissue.reach = {1.1, 0.43, 1.8, 0.58, 1.1 / 3};
   setup.tissue.contact.friction = 0.30000000000000004;
   setup.tissue.contact.tangential_stiffness = 180.0 / 7;
   setup.tissue.contact.damping = 0.25;

@@ -49,6 +49,7 @@ contact_ratio = 1.2
 first_bar_ratio = 0.5
 bar_ratio = 1.9
 weight_ratio = 0.6
+depth_exponent = 0.4
 [tissue.contact]
 friction = 0
 tangential_N_per_m = 200.0
@@ -72,6 +73,7 @@ radius_mm = 3.0
   EXPECT_EQ(tissue.reach.first_bar_ratio, 0.5);
   EXPECT_EQ(tissue.reach.bar_ratio, 1.9);
   EXPECT_EQ(tissue.reach.weight_ratio, 0.6);
+  EXPECT_EQ(tissue.reach.depth_exponent, 0.4);
   EXPECT_EQ(tissue.contact.friction, 0.0);
   EXPECT_EQ(tissue.contact.tangential_stiffness, 200.0);
   EXPECT_EQ(tissue.contact.damping, 0.25);
@@ -90,6 +92,7 @@ TEST(TissueFile, DefaultsAllThatIsNotRequired) {
   EXPECT_EQ(tissue.reach.first_bar_ratio, 0.43);
   EXPECT_EQ(tissue.reach.bar_ratio, 1.8);
   EXPECT_EQ(tissue.reach.weight_ratio, 0.58);
+  EXPECT_EQ(tissue.reach.depth_exponent, 0.5);
   EXPECT_EQ(tissue.contact.friction, 0.2);
   EXPECT_EQ(tissue.tangential_stiffness(), 180.0);
   EXPECT_EQ(tissue.contact.damping, 0.5);
@@ -148,6 +151,8 @@ TEST(TissueFile, RefusesValuesOutOfRangeAtTheirOwnLine) {
               HasSubstr("soft.toml:10: tissue.contact.friction = -0.1: must be"));
   EXPECT_THAT(error_in(kRequired + "[tissue.reach]\nweight_ratio = 1.0\n"),
               HasSubstr("soft.toml:10: tissue.reach.weight_ratio = 1: must be"));
+  EXPECT_THAT(error_in(kRequired + "[tissue.reach]\ndepth_exponent = 1.5\n"),
+              HasSubstr("soft.toml:10: tissue.reach.depth_exponent = 1.5: must be > 0 and <= 1"));
   EXPECT_THAT(error_in(kRequired + "[tissue.source]\nradius_mm = 0\n"),
               HasSubstr("soft.toml:10: tissue.source.radius_mm = 0: must be"));
   EXPECT_THAT(error_in(kRequired + "[tissue.source]\nindenter = \"ball\"\n"),
