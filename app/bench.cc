@@ -199,7 +199,7 @@ class Bench final {
                           [this](double share, const std::string& what) { show(1.5 * share, what); });
     if (plan_.hands > 0) {
       show(1.5, std::to_string(plan_.hands) + " hands");
-      bench::run_hands(setup, prepared.world, path, plan_.hands, *account_.hands);
+      account_.hands->asked = bench::run_hands(setup, prepared.world, path, plan_.hands);
     }
     done_ += 2.0;
   }
@@ -248,7 +248,11 @@ void add_flags(CLI::App& command, BenchFlags& flags) {
   command.add_flag("--ticks", flags.ticks, "only whole ticks (several of these options add up)");
   command.add_flag("--parts", flags.parts, "only the law both ways and the noise");
   command.add_flag("--preparation", flags.preparation, "only what is done before the first tick");
-  command.add_option("--hands", flags.hands, "only hands: how many fit a core, and N of them on all cores")
+  command
+      .add_option(
+          "--hands", flags.hands,
+          "only hands: how many each core carries inside 80 % of a 1 ms period in 99.9 % of 10,000 "
+          "periods, all cores at once (found by halving: a minute or two), and N of them on all cores")
       ->type_name("N");
   command.add_flag("--peers", flags.peers, "only ticks beside other libraries: Bullet, FCL, Embree");
   command.add_flag("--loop", flags.loop, "only the 10 kHz loop against an empty one");

@@ -62,15 +62,22 @@ Json preparation_json(const Account& account) {
   return rows;
 }
 
+void add_run(Json& row, const HandsRun& run) {
+  row["hands"] = run.hands;
+  row["threads"] = run.threads;
+  row["periods"] = run.periods;
+  row["missed"] = run.missed;
+  row["lost"] = run.lost;
+  add_figures(row, run.round, "round_");
+  add_figures(row, run.wall, "wall_");
+  row["worst_core_p999_us"] = run.worst_p999_us;
+}
+
 Json hands_json(const HandsAccount& hands) {
   Json row;
   row["bytes_per_hand"] = hands.bytes_per_hand;
-  if (hands.hands == 0) return row;
-  row["hands"] = hands.hands;
-  row["threads"] = hands.threads;
-  row["periods"] = hands.periods;
-  row["missed"] = hands.missed;
-  add_figures(row, hands.round, "round_");
+  if (hands.most.hands > 0) add_run(row["most"], hands.most);
+  if (hands.asked.hands > 0) add_run(row, hands.asked);
   return row;
 }
 

@@ -44,15 +44,24 @@ struct PreparationAccount {
   std::size_t bytes = 0;  // that stay
 };
 
-/// Independent hands on one organ in one process.
-struct HandsAccount {
-  std::size_t hands_per_core = 0;  // inside 80 % of the period at p99.9
-  double bytes_per_hand = 0.0;     // beyond the shared organ
-  std::size_t hands = 0;           // as asked for, run at 1 kHz on `threads`; 0: not asked
+/// Independent hands on one organ at 1 kHz, one thread a core, all at once.
+struct HandsRun {
+  std::size_t hands = 0;  // of all threads; 0: none ran
   std::size_t threads = 0;
-  TimeFigures round;          // of one thread's hands in one period
-  std::uint64_t missed = 0;   // periods that began a full one late
-  std::uint64_t periods = 0;  // of all threads
+  std::uint64_t periods = 0;   // of all threads
+  std::uint64_t missed = 0;    // of them, that began a full one late
+  std::uint64_t lost = 0;      // rows that found the ring full
+  TimeFigures round;           // of one thread's hands in one period: processor time
+  TimeFigures wall;            // from the period's begin of work to its end
+  double worst_p999_us = 0.0;  // p99.9 of `round`, of the thread where that is greatest
+};
+
+/// Many hands in one process.
+struct HandsAccount {
+  std::size_t hands_per_core = 0;  // inside 80 % of the period at p99.9 on every core
+  double bytes_per_hand = 0.0;     // beyond the shared organ
+  HandsRun most;                   // with `hands_per_core` on each
+  HandsRun asked;                  // as many as were asked for
 };
 
 /// One of the paper's scenes in real time against a loop that does nothing, taken in turns.

@@ -111,14 +111,20 @@ void add_preparation(Table& table, const Account& account) {
   }
 }
 
+void add_hands_run(Table& table, const HandsRun& run) {
+  if (run.hands == 0) return;
+  const std::string name = std::to_string(run.hands) + " hands on " + std::to_string(run.threads) +
+                           (run.threads == 1 ? " thread" : " threads");
+  table.add({"hands", name, "", "", 0, 0}, run.round);
+  table.add({"hands", name + ", wall clock", "", "", 0, 0}, run.wall);
+  table.add({"hands", name + ", missed periods", "", "", 0, 0}, static_cast<double>(run.missed), "1");
+}
+
 void add_hands(Table& table, const HandsAccount& hands) {
   table.add({"hands", "hands a core", "", "", 0, 0}, static_cast<double>(hands.hands_per_core), "1");
   table.add({"hands", "memory a hand", "", "", 0, 0}, hands.bytes_per_hand, "B");
-  if (hands.hands == 0) return;
-  const std::string name = std::to_string(hands.hands) + " hands on " + std::to_string(hands.threads) +
-                           (hands.threads == 1 ? " thread" : " threads");
-  table.add({"hands", name, "", "", 0, 0}, hands.round);
-  table.add({"hands", name + ", missed", "", "", 0, 0}, static_cast<double>(hands.missed), "1");
+  add_hands_run(table, hands.most);
+  add_hands_run(table, hands.asked);
 }
 
 void add_loops(Table& table, const Account& account) {

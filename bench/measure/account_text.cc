@@ -120,16 +120,23 @@ void preparation(std::ostream& out, const Account& account) {
   }
 }
 
+void hands_run(std::ostream& out, const HandsRun& run) {
+  if (run.hands == 0) return;
+  out << run.hands << " hands on " << run.threads << (run.threads == 1 ? " thread" : " threads")
+      << ": a period's work p50 " << brief(run.round.p50_us) << ", p99.9 " << brief(run.round.p999_us)
+      << " (worst core " << brief(run.worst_p999_us) << "), max " << brief(run.round.max_us)
+      << " us; by the wall clock " << brief(run.wall.p50_us) << ", " << brief(run.wall.p999_us) << ", "
+      << brief(run.wall.max_us) << "; " << run.missed << " of " << run.periods << " periods missed\n";
+  if (run.lost > 0) out << "  " << run.lost << " rows were lost: what takes them could not keep up\n";
+}
+
 void hands(std::ostream& out, const HandsAccount& account) {
   constexpr double kKilobyte = 1e3;
-  out << "\nHands at 1 kHz, all in contact, that fit one core inside 80 % of the period at p99.9: "
+  out << "\nHands at 1 kHz, all in contact, that fit each core inside 80 % of the period at p99.9: "
       << account.hands_per_core
       << "\nMemory a hand beyond the organ: " << brief(account.bytes_per_hand / kKilobyte) << " kB\n";
-  if (account.hands == 0) return;
-  out << account.hands << " hands on " << account.threads << (account.threads == 1 ? " thread" : " threads")
-      << ": a period's work p50 " << brief(account.round.p50_us) << ", p99.9 " << brief(account.round.p999_us)
-      << ", max " << brief(account.round.max_us) << " us; " << account.missed << " of " << account.periods
-      << " periods missed\n";
+  hands_run(out, account.most);
+  hands_run(out, account.asked);
 }
 
 void loops(std::ostream& out, const Account& account) {

@@ -5,8 +5,11 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "palpate/base/fetch_list.h"
@@ -22,11 +25,11 @@
 namespace palpate::bench {
 namespace {
 
-constexpr std::uint64_t kPeriods = 3000;  // of one trial: three seconds
-constexpr std::uint64_t kWarmUp = 50;     // of them, not counted
-constexpr std::size_t kFirstTry = 20;
-constexpr std::size_t kMostHands = 4000;
-constexpr int kTries = 7;
+constexpr std::uint64_t kWarmUp = 50;     // periods that are not counted
+constexpr std::size_t kGaugedHands = 20;  // whose median period bounds the search
+constexpr std::uint64_t kGaugedPeriods = 500;
+constexpr double kFirstTry = 0.75;        // of that bound
+constexpr std::size_t kPeriodsKept = 64;  // rows of so many periods wait for who takes them
 constexpr std::size_t kHandsForMemory = 64;
 
 /// The ticks of the way in which the tool is in contact, [first, last].
@@ -60,15 +63,21 @@ struct Exchange {
 /// One of many: its own state, somewhere on the way.
 class Hand final {
  public:
-  Hand(const haptics::SimulationWorld& world, const Window& window, std::uint64_t offset)
-      : world_(&world), window_(window), offset_(offset), state_(world) {}
+  Hand(const haptics::SimulationWorld& world, const Window& window)
+      : world_(&world), window_(window), state_(world) {}
 
-  /// Follows the way from its begin to where this hand shall be. [setup]
+  /// Follows the way from its begin to where contact does. [setup]
   void approach(haptics::Device& device, Exchange& exchange) {
-    for (std::uint64_t way = 0; way < window_.first; ++way) tick(device, way, exchange);
-    for (std::uint64_t step = 0; step < offset_; ++step) tick(device, window_.at(step), exchange);
-    list_ = haptics::memory_of(state_);
+    while (number_ < window_.first) tick(device, number_, exchange);
   }
+
+  /// Goes there and back to the window's step `offset` and stays a hand that starts there. [setup]
+  void go_to(haptics::Device& device, std::uint64_t offset, Exchange& exchange) {
+    while (offset_ < offset) tick(device, window_.at(offset_++), exchange);
+  }
+
+  /// Finds out where its state lies, once it lies there for good. [setup]
+  void settle() { list_ = haptics::memory_of(state_); }
 
   /// [rt] Its turn is next.
   void expect() const noexcept { list_.fetch(); }
@@ -87,31 +96,42 @@ class Hand final {
 
   const haptics::SimulationWorld* world_;
   Window window_;
-  std::uint64_t offset_;
+  std::uint64_t offset_ = 0;
   std::uint64_t number_ = 0;
   haptics::SimulationState state_;
   FetchList list_;
 };
 
-std::vector<Hand> make_hands(const haptics::SimulationWorld& world, const Window& window, std::size_t count) {
+/// Hands spread evenly over the window, there and back: one walks, and leaves a copy at each place.
+std::vector<Hand> make_hands(const haptics::SimulationWorld& world, const Window& window,
+                             const scene::ToolPath& path, std::size_t count) {
+  devices::ScriptedDevice device(path);
+  Exchange exchange;
+  Hand walker(world, window);
+  walker.approach(device, exchange);
   std::vector<Hand> hands;
   hands.reserve(count);
   const std::uint64_t length = 2 * (window.last - window.first);
-  for (std::size_t i = 0; i < count; ++i) hands.emplace_back(world, window, i * length / count);
+  for (std::size_t i = 0; i < count; ++i) {
+    walker.go_to(device, i * length / count, exchange);
+    hands.push_back(walker);
+  }
+  for (Hand& hand : hands) hand.settle();
   return hands;
 }
 
 /// What takes the rows of one thread's hands, as a recorder's thread does.
 class RowTaker final {
  public:
-  explicit RowTaker(std::size_t hands) : ring_(hands * 256), thread_([this] { run(); }) {}
+  explicit RowTaker(std::size_t hands) : ring_(hands * kPeriodsKept), thread_([this] { run(); }) {}
   ~RowTaker() {
     done_.store(true, std::memory_order_release);
     thread_.join();
   }
   RowTaker(const RowTaker&) = delete;
   RowTaker& operator=(const RowTaker&) = delete;
-  void put(const haptics::TickRow& row) noexcept { static_cast<void>(ring_.push(row)); }
+  void put(const haptics::TickRow& row) noexcept { lost_ += ring_.push(row) ? 0 : 1; }
+  [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
 
  private:
   void run() {
@@ -124,121 +144,165 @@ class RowTaker final {
   }
 
   Ring<haptics::TickRow> ring_;
+  std::uint64_t lost_ = 0;
   std::atomic<bool> done_{false};
   std::thread thread_;
 };
 
+/// What one thread's periods took.
 struct Rounds {
-  std::vector<double> times_us;
+  std::vector<double> times_us;  // processor time
+  std::vector<double> wall_us;
   std::uint64_t missed = 0;
+  std::uint64_t lost = 0;
 };
-
-/// All hands once a period, on the calling thread, in real time.
-Rounds run_rounds(std::vector<Hand>& hands, const scene::ToolPath& path) {
-  devices::ScriptedDevice device(path);
-  Exchange exchange;
-  for (Hand& hand : hands) hand.approach(device, exchange);
-  RowTaker taker(hands.size());
-  (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
-  Rounds rounds;
-  rounds.times_us.reserve(kPeriods);
-  haptics::Schedule schedule(kHandsRate, monotonic_ns() + 1'000'000);
-  for (std::uint64_t step = 0; step < kWarmUp + kPeriods; ++step) {
-    sleep_until_ns(schedule.due());
-    const bool missed = schedule.begin(monotonic_ns()).missed;
-    const std::int64_t begun = thread_cpu_ns();
-    for (std::size_t i = 0; i < hands.size(); ++i) {
-      if (i + 1 < hands.size()) hands[i + 1].expect();
-      taker.put(hands[i].go_on(device, step, exchange));
-    }
-    const std::int64_t spent = thread_cpu_ns() - begun;
-    if (step < kWarmUp) continue;
-    rounds.times_us.push_back(static_cast<double>(spent) / kNanosecondsPerMicrosecond);
-    if (missed) ++rounds.missed;
-  }
-  return rounds;
-}
 
 double limit_us() { return kPeriodShare * 1e6 / kHandsRate; }
 
-/// p99.9 of one period's work for so many hands [us], on a thread of its own.
-double try_hands(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path,
-                 std::size_t count) {
-  Rounds rounds;
-  std::thread thread([&] {
-    std::vector<Hand> hands = make_hands(world, window, count);
-    rounds = run_rounds(hands, path);
-  });
-  thread.join();
-  return figures_of(std::move(rounds.times_us)).p999_us;
-}
+/// The same number of hands on every core at once, or as nearly as can be.
+class Crowd final {
+ public:
+  Crowd(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path)
+      : world_(world), window_(window), path_(path), cores_(haptics::usable_cores()) {
+    if (cores_.empty()) cores_.push_back(-1);  // unknown: one thread, wherever it may run
+  }
 
-double bytes_per_hand(const haptics::SimulationWorld& world, const Window& window) {
+  [[nodiscard]] std::size_t cores() const noexcept { return cores_.size(); }
+
+  /// @param give_up ends the run as soon as one thread was over the limit more often than it may
+  HandsRun run(std::size_t hands, std::uint64_t periods, bool give_up) {
+    stop_.store(false, std::memory_order_relaxed);
+    const std::size_t threads = std::min(cores_.size(), hands);
+    std::vector<Rounds> rounds(threads);
+    std::vector<std::thread> running;
+    for (std::size_t t = 0; t < threads; ++t) {
+      const std::size_t mine = hands / threads + (t < hands % threads ? 1 : 0);
+      running.emplace_back(
+          [this, t, mine, periods, give_up, &rounds] { rounds[t] = go(cores_[t], mine, periods, give_up); });
+    }
+    for (std::thread& thread : running) thread.join();
+    return run_of(hands, rounds);
+  }
+
+  /// Whether the last run was given up.
+  [[nodiscard]] bool gave_up() const noexcept { return stop_.load(std::memory_order_relaxed); }
+
+ private:
+  /// All hands once a period, on the calling thread, in real time.
+  Rounds go(int core, std::size_t count, std::uint64_t periods, bool give_up) {
+    std::vector<Hand> hands = make_hands(world_, window_, path_, count);
+    devices::ScriptedDevice device(path_);
+    Exchange exchange;
+    RowTaker taker(hands.size());  // first: it shall have neither this thread's priority nor its core
+    (void)haptics::pin_to_core(core);
+    (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
+    Rounds rounds;
+    rounds.times_us.reserve(periods);
+    rounds.wall_us.reserve(periods);
+    std::uint64_t over = 0;
+    haptics::Schedule schedule(kHandsRate, monotonic_ns() + 1'000'000);
+    for (std::uint64_t step = 0; step < kWarmUp + periods && !gave_up(); ++step) {
+      sleep_until_ns(schedule.due());
+      const std::int64_t woken = monotonic_ns();
+      const bool missed = schedule.begin(woken).missed;
+      const std::int64_t begun = thread_cpu_ns();
+      for (std::size_t i = 0; i < hands.size(); ++i) {
+        if (i + 1 < hands.size()) hands[i + 1].expect();
+        taker.put(hands[i].go_on(device, step, exchange));
+      }
+      const std::int64_t spent = thread_cpu_ns() - begun;
+      if (step < kWarmUp) continue;
+      rounds.times_us.push_back(static_cast<double>(spent) / kNanosecondsPerMicrosecond);
+      rounds.wall_us.push_back(static_cast<double>(monotonic_ns() - woken) / kNanosecondsPerMicrosecond);
+      if (missed) ++rounds.missed;
+      if (rounds.times_us.back() > limit_us() && ++over > kPeriodsExceeded && give_up) stop_ = true;
+    }
+    rounds.lost = taker.lost();
+    return rounds;
+  }
+
+  static HandsRun run_of(std::size_t hands, const std::vector<Rounds>& rounds) {
+    HandsRun run;
+    run.hands = hands;
+    run.threads = rounds.size();
+    std::vector<double> times_us;
+    std::vector<double> wall_us;
+    for (const Rounds& each : rounds) {
+      times_us.insert(times_us.end(), each.times_us.begin(), each.times_us.end());
+      wall_us.insert(wall_us.end(), each.wall_us.begin(), each.wall_us.end());
+      run.missed += each.missed;
+      run.lost += each.lost;
+      run.worst_p999_us = std::max(run.worst_p999_us, figures_of(each.times_us).p999_us);
+    }
+    run.periods = times_us.size();
+    run.round = figures_of(std::move(times_us));
+    run.wall = figures_of(std::move(wall_us));
+    return run;
+  }
+
+  const haptics::SimulationWorld& world_;
+  const Window& window_;
+  const scene::ToolPath& path_;
+  std::vector<int> cores_;
+  std::atomic<bool> stop_{false};
+};
+
+double bytes_per_hand(const haptics::SimulationWorld& world, const Window& window,
+                      const scene::ToolPath& path) {
   const std::size_t before = bytes_in_use();
-  const std::vector<Hand> hands = make_hands(world, window, kHandsForMemory);
+  const std::vector<Hand> hands = make_hands(world, window, path, kHandsForMemory);
   const std::size_t after = bytes_in_use();
   return after > before ? static_cast<double>(after - before) / static_cast<double>(kHandsForMemory) : 0.0;
 }
 
 }  // namespace
 
-std::size_t next_hands(std::size_t hands, double p999_us, double limit_us) noexcept {
-  const double count = static_cast<double>(hands);
-  const double scaled = std::floor(p999_us > 0.0 ? count * limit_us / p999_us : count);
-  const double bounded = std::min(scaled, static_cast<double>(kMostHands));
-  if (p999_us <= limit_us) return std::max(hands + 1, static_cast<std::size_t>(bounded));
-  return std::max<std::size_t>(1, std::min(hands - 1, static_cast<std::size_t>(bounded)));
+std::size_t greatest_that_fits(std::size_t first, std::size_t too_many,
+                               const std::function<bool(std::size_t)>& fits) {
+  std::size_t most = 0;
+  std::size_t tried = first;
+  while (most + 1 < too_many) {
+    tried = std::clamp(tried, most + 1, too_many - 1);
+    (fits(tried) ? most : too_many) = tried;
+    tried = (most + too_many) / 2;
+  }
+  return most;
 }
 
 HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
                         const scene::ToolPath& path, const Watch& watch) {
   const Window window = contact_window(walk(setup, world, path));
   HandsAccount account;
-  account.bytes_per_hand = bytes_per_hand(world, window);
-  std::size_t count = kFirstTry;
-  std::size_t fits = 0;
-  std::size_t too_many = kMostHands + 1;
-  for (int i = 0; i < kTries && fits + 1 < too_many; ++i) {
-    watch(static_cast<double>(i) / kTries, std::to_string(count) + " hands on one core");
-    double p999_us = try_hands(world, window, path, count);
-    // Once more where something else on the machine may have been in the way.
-    if (p999_us > limit_us()) p999_us = std::min(p999_us, try_hands(world, window, path, count));
-    if (p999_us <= limit_us()) {
-      fits = std::max(fits, count);
-    } else {
-      too_many = std::min(too_many, count);
+  account.bytes_per_hand = bytes_per_hand(world, window, path);
+  Crowd crowd(world, window, path);
+  const std::string where = " hands on each of " + std::to_string(crowd.cores()) + " cores";
+  const HandsRun gauged = crowd.run(kGaugedHands * crowd.cores(), kGaugedPeriods, false);
+  // With more than this even the median period is over.
+  const double bound = std::min(limit_us() / gauged.round.p50_us * static_cast<double>(kGaugedHands),
+                                static_cast<double>(kMostHandsTried));
+  const auto too_many = static_cast<std::size_t>(bound) + 1;
+  const double halvings = std::log2(bound + 1.0) + 1.0;
+  double done = 0.0;
+  const auto fits = [&](std::size_t count) {
+    watch(std::min(1.0, done / halvings), std::to_string(count) + where);
+    done += 1.0;
+    for (int turn = 0; turn < 2; ++turn) {  // once more where something else may have been in the way
+      HandsRun run = crowd.run(count * crowd.cores(), kPeriodsHeld, true);
+      if (crowd.gave_up()) continue;
+      account.most = std::move(run);
+      return true;
     }
-    count = next_hands(count, p999_us, limit_us());
-    if (count <= fits || count >= too_many) count = (fits + too_many) / 2;
-  }
-  account.hands_per_core = fits;
+    return false;
+  };
+  account.hands_per_core = greatest_that_fits(static_cast<std::size_t>(kFirstTry * bound), too_many, fits);
   return account;
 }
 
-void run_hands(const scene::Setup& setup, const haptics::SimulationWorld& world, const scene::ToolPath& path,
-               std::size_t hands, HandsAccount& account) {
+HandsRun run_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
+                   const scene::ToolPath& path, std::size_t hands) {
+  if (hands == 0) throw std::invalid_argument("bench: 0 hands: must be at least 1");
   const Window window = contact_window(walk(setup, world, path));
-  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
-  const std::size_t threads = std::min(cores, hands);
-  std::vector<Rounds> rounds(threads);
-  std::vector<std::thread> running;
-  for (std::size_t t = 0; t < threads; ++t) {
-    const std::size_t mine = hands / threads + (t < hands % threads ? 1 : 0);
-    running.emplace_back([&world, &window, &path, mine, &result = rounds[t]] {
-      std::vector<Hand> own = make_hands(world, window, mine);
-      result = run_rounds(own, path);
-    });
-  }
-  for (std::thread& thread : running) thread.join();
-  std::vector<double> times_us;
-  for (const Rounds& each : rounds) {
-    times_us.insert(times_us.end(), each.times_us.begin(), each.times_us.end());
-    account.missed += each.missed;
-  }
-  account.hands = hands;
-  account.threads = threads;
-  account.periods = times_us.size();
-  account.round = figures_of(std::move(times_us));
+  return Crowd(world, window, path).run(hands, kPeriodsHeld, false);
 }
 
 }  // namespace palpate::bench

@@ -30,7 +30,11 @@ Account sample() {
   account.inverse_ns = 11.0;
   account.noise_ns = 12.5;
   account.preparation.push_back({"gallbladder", 2110, 0.25, 1000});
-  account.hands = HandsAccount{150, 90'000.0, 300, 2, {3000, 400.0, 500.0, 600.0, 700.0}, 1, 6000};
+  account.hands =
+      HandsAccount{150,
+                   90'000.0,
+                   {302, 2, 20'000, 3, 4, {20'000, 5, 6, 7, 8}, {20'000, 9, 10, 11, 12}, 7.25},
+                   {300, 2, 6000, 1, 0, {6000, 400, 500, 600, 700}, {6000, 410, 510, 610, 710}, 640}};
   account.loops.push_back({"press", 10'000.0, 100, 1, 2, {100, 1, 2, 3, 4}, {100, 5, 6, 7, 8}});
   account.peers.push_back({"FCL", "distance", "press", 2110, 968, {7, 30, 40, 50, 60}, {}, 10.0, 0.0});
   account.remarks = {"Embree is not compared with"};
@@ -64,6 +68,13 @@ TEST(Account, JsonHasTheContractsKeysAndFigures) {
   EXPECT_EQ(json["preparation"][0]["bytes"], 1000);
   EXPECT_EQ(json["hands_per_core"], 150);
   EXPECT_EQ(json["hands"]["missed"], 1);
+  EXPECT_EQ(json["hands"]["round_p999_us"], 600.0);
+  EXPECT_EQ(json["hands"]["wall_p50_us"], 410.0);
+  EXPECT_EQ(json["hands"]["worst_core_p999_us"], 640.0);
+  EXPECT_EQ(json["hands"]["most"]["hands"], 302);
+  EXPECT_EQ(json["hands"]["most"]["periods"], 20'000);
+  EXPECT_EQ(json["hands"]["most"]["lost"], 4);
+  EXPECT_EQ(json["hands"]["most"]["round_p999_us"], 7.0);
   EXPECT_EQ(json["loop"][0]["missed_empty"], 2);
   EXPECT_EQ(json["peers"][0]["name"], "FCL");
   EXPECT_EQ(json["peers"][0]["organ_triangles"], 2110);
@@ -108,7 +119,7 @@ TEST(Account, CsvHasEighteenCellsALineAndCommentsOfOneLine) {
   }
   EXPECT_EQ(comments, 5U);  // machine, build, command, clock, one remark
   EXPECT_EQ(rows,
-            1U + 18U);  // head; 2 tick, 1 machine, 1 nearest, 3 parts, 2 preparation, 4 hands, 4 loop, 1 peer
+            1U + 22U);  // head; 2 tick, 1 machine, 1 nearest, 3 parts, 2 preparation, 8 hands, 4 loop, 1 peer
 }
 
 TEST(Account, CsvQuotesACommaAndRoundTrips) {
@@ -123,9 +134,10 @@ TEST(Account, CsvQuotesACommaAndRoundTrips) {
 
 TEST(Account, TextNamesEveryFigureAndWhatIsMissing) {
   const std::string text = to_text(sample());
-  for (const char* word : {"press, slow", "3.00", "2.75", "least of 5 repeats", "2.25", "9.50", "3.25", "FCL",
-                           "10.0 | 0.00 times", "12.5 ns", "1000", "150", "300 hands on 2 threads",
-                           "2 missed", "Embree is not compared with"}) {
+  for (const char* word :
+       {"press, slow", "3.00", "2.75", "least of 5 repeats", "2.25", "9.50", "3.25", "FCL",
+        "10.0 | 0.00 times", "12.5 ns", "1000", "150", "300 hands on 2 threads", "2 missed",
+        "302 hands on 2 threads", "worst core 7.25", "4 rows were lost", "Embree is not compared with"}) {
     EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
   }
 }

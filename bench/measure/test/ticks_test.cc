@@ -107,17 +107,48 @@ TEST(Preparation, AWorldKeepsMemoryAndIsReady) {
   EXPECT_EQ(prepared.world.hands(), 1U);
 }
 
-TEST(Hands, TheNextTryIsInProportionAndAlwaysAnother) {
-  EXPECT_EQ(next_hands(20, 200.0, 800.0), 80U);
-  EXPECT_EQ(next_hands(20, 1600.0, 800.0), 10U);
-  EXPECT_EQ(next_hands(20, 799.0, 800.0), 21U);
-  EXPECT_EQ(next_hands(20, 801.0, 800.0), 19U);
-  EXPECT_EQ(next_hands(1, 5000.0, 800.0), 1U);
+TEST(Hands, TheGreatestThatFitsIsFoundByHalving) {
+  for (const std::size_t limit : {0U, 1U, 2U, 99U, 150U, 199U}) {
+    std::size_t tries = 0;
+    const auto fits = [&](std::size_t count) {
+      EXPECT_GE(count, 1U);
+      EXPECT_LT(count, 200U);
+      ++tries;
+      return count <= limit;
+    };
+    EXPECT_EQ(greatest_that_fits(150, 200, fits), limit);
+    EXPECT_LE(tries, 10U);
+  }
+}
+
+TEST(Hands, TheFirstTryIsKeptInsideTheBounds) {
+  std::vector<std::size_t> tried;
+  const auto fits = [&](std::size_t count) {
+    tried.push_back(count);
+    return true;
+  };
+  EXPECT_EQ(greatest_that_fits(0, 3, fits), 2U);
+  EXPECT_EQ(greatest_that_fits(900, 3, fits), 2U);
+  EXPECT_EQ(tried, (std::vector<std::size_t>{1, 2, 2}));
+  EXPECT_EQ(greatest_that_fits(5, 1, fits), 0U);  // nothing to try
 }
 
 TEST(Hands, HandsThatNeverTouchThrow) {
-  HandsAccount account;
-  EXPECT_THROW(run_hands(setup(), world(), still_path(0.2), 2, account), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(run_hands(setup(), world(), still_path(0.2), 2)), std::runtime_error);
+}
+
+TEST(Hands, NoHandsAreRefused) {
+  EXPECT_THROW(static_cast<void>(run_hands(setup(), world(), hand_path(setup()), 0)), std::invalid_argument);
+}
+
+TEST(Hands, EveryHandIsTickedInEveryPeriodOfEveryThread) {
+  const HandsRun run = run_hands(setup(), world(), hand_path(setup()), 3);
+  EXPECT_EQ(run.hands, 3U);
+  EXPECT_LE(run.threads, 3U);
+  EXPECT_EQ(run.periods, run.threads * kPeriodsHeld);
+  EXPECT_EQ(run.round.samples, run.periods);
+  EXPECT_EQ(run.wall.samples, run.periods);
+  EXPECT_GE(run.worst_p999_us, run.round.p999_us);
 }
 
 TEST(LoopContest, BothLoopsRunEveryTickOfThePath) {
