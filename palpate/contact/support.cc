@@ -88,10 +88,13 @@ struct PlaneLanes {
         inverse_inner(static_cast<float>(2.0 / plane.radius)) {}
 
   /// Writes the depths of a cluster's points, @return the greatest.
-  float depths_of(const PartPoints& part, std::size_t begin, float* depths) const noexcept {
+  /// @param aside becomes the greatest of those that are farther than R_ref/2 from the axis
+  float depths_of(const PartPoints& part, std::size_t begin, float* depths, float& aside) const noexcept {
     const Lanes zero(0.0F);
     const Lanes one(1.0F);
-    Lanes greatest(-1.0F);
+    const Lanes none(-1.0F);
+    Lanes greatest = none;
+    Lanes greatest_aside = none;
     for (std::size_t i = begin; i < begin + PartPoints::kClusterSize; i += kLanes) {
       const Lanes dx = Lanes::load_unaligned(&part.near_x[i]) - x;
       const Lanes dy = Lanes::load_unaligned(&part.near_y[i]) - y;
@@ -103,14 +106,16 @@ struct PlaneLanes {
       const Lanes value = xsimd::min(depth, tapered);  // a depth of 0 or less stays as it is
       value.store_unaligned(depths + (i - begin));
       greatest = xsimd::max(greatest, value);
+      greatest_aside = xsimd::max(greatest_aside, xsimd::select(t > zero, value, none));
     }
+    aside = largest_of(greatest_aside);
     return largest_of(greatest);
   }
 };
 
 // A shortlist holds the points within this of counting [m]: the more, the longer it serves and the more it
 // costs.
-constexpr double kKeptMargin = 0.1e-3;
+constexpr double kKeptMargin = 0.04e-3;
 // ... and of R_ref that a point may have come nearer to the axis since.
 constexpr double kKeptBeside = 0.25;
 constexpr double kKeptTurn = 0.1;    // rad, that the plane may have turned since
@@ -140,7 +145,13 @@ class Since final {
     const double by_turning = 1.5 * (plane_.radius + kept_.behind) * turned_;
     const double deeper = std::max(0.0, raised_) + by_turning;
     const double across = moved_aside_ + by_turning;
-    return kept_.rest + deeper + (kept_.behind + deeper) * (3.0 / plane_.radius) * across;
+    const double tapered = deeper + (kept_.behind + deeper) * (3.0 / plane_.radius) * across;
+    // A point within R_ref/2 of the axis had its depth in full, and has no more than that now. Where the
+    // plane has gone down, so have all of them. |p - c| <= R_ref/2 + its depth, or, above the plane, its
+    // height: by that it is less deep than `rest` already.
+    const double inner =
+        kept_.rest + raised_ + (way_ + 0.5 * plane_.radius + kept_.behind + kKeptMargin) * turned_;
+    return std::min(kept_.rest + tapered, std::max(inner, kept_.rest_aside + tapered));
   }
 
   /// Whether every point of the list is surely so near to the axis that its depth does not taper.
@@ -265,7 +276,7 @@ class SupportSearch final {
     float deepest = 0.0F;
     const auto look_at = [&](Reached& reached) {
       const std::size_t begin = std::size_t{reached.cluster} * PartPoints::kClusterSize;
-      reached.most = lanes.depths_of(part_, begin, &depths_[begin]);
+      reached.most = lanes.depths_of(part_, begin, &depths_[begin], reached.most_aside);
       reached.looked_at = true;
       deepest = std::max(deepest, reached.most);
     };
@@ -281,8 +292,10 @@ class SupportSearch final {
     // What may count, in the order of the points.
     const float least = floor();
     rest_ = std::max(static_cast<double>(least + slack), -margin);
+    rest_aside_ = -margin;
     for (std::size_t k = 0; k < reached_; ++k) {
       const Reached& reached = reached_clusters_[k];
+      rest_aside_ = std::max(rest_aside_, static_cast<double>(reached.most_aside + slack));
       if (!reached.looked_at || reached.most < least) continue;
       const PartPoints::Cluster& cluster = part_.clusters[reached.cluster];
       for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
@@ -298,6 +311,7 @@ class SupportSearch final {
     kept.point = plane_.point;
     kept.normal = plane_.normal;
     kept.rest = rest_;
+    kept.rest_aside = rest_aside_;
     kept.behind = behind_;
     kept.reach = 0.0;
     for (const PartPoints::Cluster& group : part_.groups) {
@@ -330,7 +344,9 @@ class SupportSearch final {
         behind_ = std::max(behind_, behind);
         const double most =
             behind > 0.0 && from_axis > 0.0 ? behind * plane_.taper(from_axis * from_axis) : behind;
-        reached_clusters_[reached_] = {c, static_cast<float>(most) + slack, false};
+        const bool aside = from_axis + 2.0 * part_.clusters[c].radius > 0.5 * plane_.radius;
+        const float most_here = static_cast<float>(most) + slack;
+        reached_clusters_[reached_] = {c, most_here, aside ? most_here : -1.0F, false};
         if (reached_clusters_[reached_].most > reached_clusters_[first].most) first = reached_;
         ++reached_;
       }
@@ -345,7 +361,8 @@ class SupportSearch final {
   /// A cluster that may hold deep points.
   struct Reached {
     std::uint32_t cluster;
-    float most;  // no point is deeper [m]; once looked at, the depth of its deepest point
+    float most;        // no point is deeper [m]; once looked at, the depth of its deepest point
+    float most_aside;  // the same of those farther than R_ref/2 from the axis
     bool looked_at;
   };
 
@@ -353,8 +370,9 @@ class SupportSearch final {
   const Plane& plane_;
   std::size_t reached_ = 0;
   std::size_t found_ = 0;
-  double behind_ = 0.0;  // as Shortlist's
-  double rest_ = 0.0;
+  double behind_ = 0.0;
+  double rest_ = 0.0;  // as Shortlist's
+  double rest_aside_ = 0.0;
   double aside_ = 0.0;
   // Working memory, on the stack: of the thread, not of every hand's state.
   std::array<Reached, kMostClusters> reached_clusters_;

@@ -26,6 +26,7 @@ struct Shortlist {
   Vec3 point = Vec3::Zero();  // of the plane, in the part's frame P
   Vec3 normal = Vec3::UnitZ();
   double rest = 0.0;        // no other point had a greater depth [m]
+  double rest_aside = 0.0;  // ... nor one that is farther than R_ref/2 from the axis a greater one than this
   double reach = 0.0;       // no point of the part was farther from `point` [m]
   double behind = 0.0;      // no point beside the axis was farther behind the plane [m]
   double aside = 0.0;       // no point of the list was farther from the axis [m]
