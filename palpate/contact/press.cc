@@ -1,6 +1,7 @@
 #include "palpate/contact/press.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -208,15 +209,18 @@ class Starter final {
  private:
   [[nodiscard]] double radius() const noexcept { return world_.tissue.contact.reference_radius; }
 
-  /// Leads the cursor over eight points at a time while all are outside. @return how many, at most `most`
+  /// Leads the cursor to before the next inside point, eight outside ones at a time. @return over how many,
+  /// at most `most`
   std::uint32_t skip_outside(std::uint32_t most, std::uint32_t count) noexcept {
     std::uint32_t skipped = 0;
-    for (std::uint64_t eight = 0; skipped + sizeof eight <= most; skipped += sizeof eight) {
+    for (std::uint64_t eight = 0; skipped + sizeof eight <= most;) {
       const std::size_t next = std::size_t{part_.cursor} + 1;
       if (next + sizeof eight > count) break;
       std::memcpy(&eight, &part_.inside[next], sizeof eight);
+      const int outside = std::countr_zero(eight) / 8;  // of one byte each, the first lowest
+      part_.cursor += static_cast<std::uint32_t>(outside);
+      skipped += static_cast<std::uint32_t>(outside);
       if (eight != 0) break;
-      part_.cursor += static_cast<std::uint32_t>(sizeof eight);
     }
     return skipped;
   }

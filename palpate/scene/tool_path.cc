@@ -15,9 +15,18 @@ ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper)
     throw InputError("time_s = " + shortest(rows_[i].time) + ": must be later than the row before, " +
                      shortest(rows_[i - 1].time));
   }
+  const double length = rows_.back().time - rows_.front().time;
+  if (length > 0.0) rows_per_second_ = static_cast<double>(rows_.size() - 1) / length;
 }
 
 std::size_t ToolPath::row_before(double time) const noexcept {
+  // Most paths have their rows evenly in time: then the row is where it should be, or by rounding the one
+  // after.
+  const double place = (time - rows_.front().time) * rows_per_second_;
+  std::size_t i = std::min(static_cast<std::size_t>(place), rows_.size() - 1);
+  const auto has_begun = [&](std::size_t row) { return row < rows_.size() && rows_[row].time <= time; };
+  if (has_begun(i + 1)) ++i;
+  if (has_begun(i) && !has_begun(i + 1)) return i;
   const auto after = std::upper_bound(rows_.begin(), rows_.end(), time,
                                       [](double t, const PathRow& row) { return t < row.time; });
   return static_cast<std::size_t>(after - rows_.begin()) - 1;

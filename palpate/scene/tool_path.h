@@ -38,6 +38,7 @@ class ToolPath final {
   [[nodiscard]] std::size_t row_before(double time) const noexcept;
 
   std::vector<PathRow> rows_;
+  double rows_per_second_ = 0.0;  // on average; 0 with one row
   bool has_gripper_;
 };
 

@@ -53,6 +53,23 @@ TEST(ToolPath, SlerpsTheRotationAtConstantSpeed) {
   EXPECT_NEAR(third.z(), std::sin(std::acos(-1.0) / 12.0), 1e-12);
 }
 
+TEST(ToolPath, FindsTheRowOfEvenAndUnevenTimesAlike) {
+  for (const bool even : {true, false}) {
+    std::vector<PathRow> rows;
+    for (int i = 0; i < 200; ++i) {
+      const double time =
+          even ? 0.3 + 0.005 * i : 0.3 + 0.1 * std::sqrt(static_cast<double>(i)) + 1e-4 * i * i;
+      rows.push_back(row(time, {static_cast<double>(i), 0.0, 0.0}));
+    }
+    const ToolPath path(rows);
+    for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+      EXPECT_EQ(path.at(rows[i].time).position.x(), static_cast<double>(i));
+      const double middle = 0.5 * (rows[i].time + rows[i + 1].time);
+      EXPECT_NEAR(path.at(middle).position.x(), static_cast<double>(i) + 0.5, 1e-9);
+    }
+  }
+}
+
 TEST(ToolPath, HoldsBeforeTheFirstAndAfterTheLastRow) {
   const ToolPath path({row(1.0, {1.0, 0.0, 0.0}, 1.0), row(2.0, {2.0, 0.0, 0.0}, 0.0)});
   for (const double time : {-5.0, 0.0, 1.0}) EXPECT_EQ(path.at(time).position.x(), 1.0);
