@@ -69,7 +69,6 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   double left = limit;
   double turn_left = limit / reference_radius;
   contact.step = std::max(contact.step, own_motion / kRestartShare);
-  Vec3 goal = world.surface.normal_at(contact.at);
   const auto find_support = [&] {
     const Placement& placed = part.placed_S;
     contact.support = support_of(points, placed.bring_back(contact.at.point),
@@ -91,12 +90,12 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
     contact.at = world.surface.walk(contact.at, length * direction, contact.normal);
     contact.last_direction = direction;
     left -= length;
-    goal = world.surface.normal_at(contact.at);
-    turn_left -= turn_towards(contact.normal, goal, turn_left);
+    contact.surface_normal = world.surface.normal_at(contact.at);
+    turn_left -= turn_towards(contact.normal, contact.surface_normal, turn_left);
     find_support();
   }
   const Vec3 before = contact.normal;
-  const double turned = turn_towards(contact.normal, goal, turn_left);
+  const double turned = turn_towards(contact.normal, contact.surface_normal, turn_left);
   contact.step = std::max(contact.step, turned * reference_radius / kRestartShare);
   if (contact.normal != before) find_support();
 }
@@ -246,6 +245,7 @@ class Starter final {
     }
     Contact contact;
     contact.at = at;
+    contact.surface_normal = normal;
     contact.normal = normal;
     contact.support = support;
     const double own_motion = motion_at(part_, at.point).norm();

@@ -34,17 +34,18 @@ struct World::Data {
 
 /// One press contact; organ frame S.
 struct Contact {
-  SurfacePoint at;                     // c
-  Vec3 normal = Vec3::UnitZ();         // state: turns towards the surface's normal at a limited rate
-  double step = 0.0;                   // length of the next step of the walk [m]
-  Vec3 last_direction = Vec3::Zero();  // of the walk
-  double offset = 0.0;                 // depth not let in yet [m]
-  double offset_step = 0.0;            // let in a tick [m]
-  double depth = 0.0;                  // D that counts, last tick [m]
-  Vec3 slip = Vec3::Zero();            // of the tangential spring [m]
-  bool leaving = false;                // another contact has come to the same place
-  double presence = 1.0;               // 1 .. 0 while it leaves
-  model::RelaxationState memory;       // of the force
+  SurfacePoint at;                      // c
+  Vec3 surface_normal = Vec3::UnitZ();  // at c
+  Vec3 normal = Vec3::UnitZ();          // state: turns towards the surface's normal at a limited rate
+  double step = 0.0;                    // length of the next step of the walk [m]
+  Vec3 last_direction = Vec3::Zero();   // of the walk
+  double offset = 0.0;                  // depth not let in yet [m]
+  double offset_step = 0.0;             // let in a tick [m]
+  double depth = 0.0;                   // D that counts, last tick [m]
+  Vec3 slip = Vec3::Zero();             // of the tangential spring [m]
+  bool leaving = false;                 // another contact has come to the same place
+  double presence = 1.0;                // 1 .. 0 while it leaves
+  model::RelaxationState memory;        // of the force
   // Of this tick:
   Support support;               // in S
   double elastic_force = 0.0;    // F(D) [N]
