@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace palpate::deform {
@@ -11,14 +12,15 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
-constexpr float kSameContact = 8e-3F;          // m: a contact this near to one of a frame ago is that one
-constexpr float kNewFront = 1.5e-3F;           // m: moved farther than this from where its front began
-constexpr float kLeastChange = 0.02e-3F;       // m: see LiveSurface
-constexpr float kAlwaysWithin = 8e-3F;         // m of a contact
-constexpr float kSmall = 8e-3F;                // m: radius of a run that four samples stand for
-constexpr double kImprintReach = 20e-3;        // m: fronts under a press go at least as far, for near()
-constexpr std::size_t kMostContacts = 24;      // kept, with their fronts
+constexpr float kSameContact = 8e-3F;      // m: a contact this near to one of a frame ago is that one
+constexpr float kNewFront = 1.5e-3F;       // m: moved farther than this from where its front began
+constexpr float kMostOff = 0.045e-3F;      // m: see LiveSurface; leaves room for rounding
+constexpr float kAlwaysWithin = 8e-3F;     // m of a contact
+constexpr float kEarliestEnd = 0.9F;       // u/D where a front has not come farther: the profile ends there
+constexpr double kImprintReach = 20e-3;    // m: fronts under a press go at least as far, for near()
+constexpr std::size_t kMostContacts = 24;  // kept, with their fronts
 constexpr double kFreeShareOfThickness = 0.7;  // as held_back
+constexpr float kFar = std::numeric_limits<float>::infinity();
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -60,13 +62,27 @@ struct LiveSurface::Contact {
   bool begun = false;
   bool next_runs = false;
   bool used = false;
+  bool was_used = false;  // a picture ago
   std::uint64_t last_used = 0;
   SurfacePoint place;
   ContactField field;
   float wanted = 0.0F;  // how far the front must come [m]
 
+  // Of what is drawn from the front, a run of vertices each: the least distance from the front's beginning,
+  // infinite where it has not come.
+  std::vector<float> least;
+  std::size_t noted = 0;  // settled vertices that these know
+  float noted_to = 0.0F;  // all nearer ones had settled then [m]
+  ContactField before;    // the field a picture ago
+  float slack_before = 0.0F;
+  FieldChange change;
+  float slack = 0.0F;    // by how much a vertex may be nearer now, or a picture ago, than `least` says [m]
+  bool is_anew = false;  // what was drawn follows from another front
+
   // How far [m] the contact is from where its front began.
   [[nodiscard]] float way() const { return (field.point - front.source()).norm(); }
+  // By how much a vertex may be nearer to the contact than to where its front began [m].
+  [[nodiscard]] float nearer() const { return way() + std::max(0.0F, field.own_excess); }
 };
 
 LiveSurface::LiveSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding)
@@ -124,7 +140,13 @@ bool LiveSurface::is_near(std::size_t i, std::int32_t vertex, double radius) con
 
 void LiveSurface::begin_frame() {
   ++frame_;
-  for (const auto& contact : contacts_) contact->used = false;
+  for (const auto& contact : contacts_) {
+    contact->was_used = contact->used;
+    contact->used = false;
+    contact->is_anew = false;
+    contact->before = contact->field;
+    contact->slack_before = contact->nearer();
+  }
   now_.clear();
   growing_ = false;
 }
@@ -191,40 +213,107 @@ void LiveSurface::prepare(Contact& contact, const Indentation& indentation, cons
 
 int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
   const geometry::Triangle& corners = rest_.triangles[index(contact.place.triangle)];
-  ContactField& field = contact.field;
   const bool off_source = contact.way() > (settle ? 0.0F : kNewFront);
   if (!contact.begun || (settle && off_source)) {
-    contact.front.begin(corners, field.point);
+    contact.front.begin(corners, contact.field.point);
+    contact.field.own_excess = 0.0F;
     contact.begun = true;
+    contact.is_anew = true;
     contact.next_runs = false;
   } else if (off_source && !contact.next_runs) {
-    contact.next.begin(corners, field.point);
+    contact.next.begin(corners, contact.field.point);
     contact.next_runs = true;
   }
-  const float shifted = contact.wanted + contact.way();
+  const float shifted = contact.wanted + contact.nearer();
   int taken = contact.front.advance(shifted, steps);
   if (contact.next_runs) {
     const float wanted = std::min(shifted, contact.front.radius());
     taken += contact.next.advance(wanted, steps - taken);
     if (contact.next.radius() >= wanted) {
       std::swap(contact.front, contact.next);
+      contact.is_anew = true;
       contact.next_runs = false;
     }
   }
-  const float way = contact.way();
-  growing_ = growing_ || contact.next_runs || contact.front.radius() < contact.wanted + way;
+  growing_ = growing_ || contact.next_runs || contact.front.radius() < contact.wanted + contact.way();
+  return taken;
+}
+
+void LiveSurface::lower_to_front(Contact& contact) {
+  ContactField& field = contact.field;
+  field.excess = contact.front.excess();
+  float least = kFar;
+  for (const std::int32_t v : rest_.triangles[index(contact.place.triangle)])
+    least = std::min(least, field.excess[index(v)]);
+  field.own_excess = std::isfinite(least) ? least : 0.0F;
   // Where the front ends the displacement must have ended, too.
-  const float end = contact.front.radius() - way;
+  const float end = contact.front.radius() - contact.nearer();
   const auto lowered = [this, end](float reach) {
-    return std::clamp(profile_.at(std::max(0.0F, end) / reach).u, kLeastShare, 0.9F);
+    return std::clamp(profile_.at(std::max(0.0F, end) / reach).u, kLeastShare, kEarliestEnd);
   };
   field.lowered = lowered(field.reach);
   field.lowered_side = lowered(field.side_reach);
-  field.excess = contact.front.excess();
-  float least = std::numeric_limits<float>::infinity();
-  for (const std::int32_t v : corners) least = std::min(least, field.excess[index(v)]);
-  field.own_excess = std::isfinite(least) ? least : 0.0F;
-  return taken;
+}
+
+void LiveSurface::note_settled(Contact& contact) {
+  if (contact.is_anew) {
+    contact.least.assign(blocks_.count(), kFar);
+    contact.noted = 0;
+    contact.noted_to = 0.0F;
+  }
+  // Where the front ended the profile had ended, too, so that what has settled since does not move yet; but
+  // not at a front's first steps, nor behind obtuse triangles, which settle late.
+  const bool had_ended = std::max(contact.before.lowered, contact.before.lowered_side) < kEarliestEnd;
+  const float ended_at = had_ended ? contact.noted_to : kFar;
+  const std::span<const std::int32_t> settled = contact.front.settled();
+  for (const std::int32_t v : settled.subspan(contact.noted)) {
+    const std::size_t block = index(v) / SurfaceBlocks::kBlock;
+    const float distance = contact.front.at(v);
+    contact.least[block] = std::min(contact.least[block], distance);
+    if (distance < ended_at) state_[block].off = kFar;
+  }
+  contact.noted = settled.size();
+  contact.noted_to = contact.front.radius();
+}
+
+void LiveSurface::note_change(Contact& contact) {
+  const ContactField& now = contact.field;
+  const ContactField& before = contact.before;
+  float drift = 0.0F;
+  contact.slack = 0.0F;
+  if (contact.used) contact.slack = contact.nearer();
+  if (contact.was_used) contact.slack = std::max(contact.slack, contact.slack_before);
+  if (contact.used && contact.was_used) {
+    drift = (now.point - before.point).norm() + std::abs(now.own_excess - before.own_excess);
+  }
+  contact.change.take(contact.was_used ? &before : nullptr, contact.used ? &now : nullptr, drift, profile_);
+}
+
+float LiveSurface::newly_off(std::size_t block) {
+  near_changes_.clear();
+  for (const Contact* contact : changing_) {
+    if (contact->is_anew && contact->was_used) {
+      if (blocks_.near(block, contact->before.point, contact->before.limit) ||
+          (contact->used && blocks_.near(block, contact->field.point, contact->field.limit)))
+        return kFar;
+      continue;
+    }
+    const float distance = contact->least[block] - contact->slack;
+    if (distance < contact->change.limit()) near_changes_.push_back({&contact->change, distance});
+  }
+  return most_moved(near_changes_);
+}
+
+void LiveSurface::find_changes() {
+  changing_.clear();
+  bool any = false;
+  for (const auto& contact : contacts_) {
+    if (!contact->used && !contact->was_used) continue;
+    note_change(*contact);
+    changing_.push_back(contact.get());
+    any = any || contact->is_anew || !contact->change.is_still();
+  }
+  if (!any) changing_.clear();
 }
 
 void LiveSurface::move_blocks(bool settle) {
@@ -234,22 +323,28 @@ void LiveSurface::move_blocks(bool settle) {
   std::vector<const ContactField*> near;
   for (std::size_t block = 0; block < blocks_.count(); ++block) {
     near.clear();
-    bool close = settle || state_[block].lowered || blocks_.radius(block) > kSmall;
+    bool close = false;
     for (const ContactField* field : fields) {
       if (!blocks_.near(block, field->point, field->limit)) continue;
       near.push_back(field);
       close = close || blocks_.near(block, field->point, kAlwaysWithin);
     }
     BlockState& state = state_[block];
-    if (near.empty() && !state.moved) continue;
     LiveVertex* const out = &vertices_[blocks_.first(block)];
     if (near.empty()) {
-      blocks_.rest(block, out);
-      state = {false, false, true};
-    } else if (close || blocks_.change(block, near, profile_, out) > kLeastChange) {
-      const bool moves = blocks_.move(block, near, profile_, out);
-      state = {moves, false, state.changed || state.moved || moves};
+      if (state.moved) {
+        blocks_.rest(block, out);
+        state.changed = true;
+      }
+      state = {false, false, state.changed, 0.0F};
+      continue;
     }
+    if (!settle && !state.lowered) {
+      state.off += newly_off(block);
+      if (state.off <= (close ? 0.0F : kMostOff)) continue;
+    }
+    const bool moves = blocks_.move(block, near, profile_, out);
+    state = {moves, false, state.changed || state.moved || moves, 0.0F};
   }
 }
 
@@ -268,9 +363,12 @@ void LiveSurface::update(std::span<const Indentation> indentations, int steps) {
     Contact& contact = contact_for(place);
     prepare(contact, indentation, place);
     const int taken = run_fronts(contact, left, settle);
+    lower_to_front(contact);
+    note_settled(contact);
     if (!settle) left -= std::min(left, taken);
     now_.back() = &contact;
   }
+  find_changes();
   move_blocks(settle);
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "palpate/deform/displacement.h"
+#include "palpate/deform/field_change.h"
 #include "palpate/deform/geodesic_front.h"
 #include "palpate/deform/profile_table.h"
 #include "palpate/deform/surface_blocks.h"
@@ -17,9 +18,11 @@ namespace palpate::deform {
 
 /// SurfaceDeformer for moving pictures: the same rules, at a cost that grows with the vertices in reach and
 /// not with the mesh. Vertices and normals are kept from frame to frame, and only those in reach of a
-/// contact, now or a frame ago, are computed again, in runs of 64; and beyond 8 mm from a contact only where
-/// a sample of the run would move by 0.02 mm (no vertex is then off by more than 0.05 mm). Not so when asked
-/// to settle.
+/// contact, now or a frame ago, are computed again, in runs of 64. A run stays as it was drawn while what all
+/// changes since then may have moved a vertex of it is bounded (FieldChange, from the least distance of its
+/// vertices along the surface) by 0.045 mm, or by nothing at all within 8 mm of a contact: no vertex is then
+/// off by more than 0.05 mm from where it would be computed. Not so when asked to settle: then all are
+/// computed.
 ///
 /// Distances along the surface are found by a front that runs on from frame to frame. While a contact moves,
 /// a vertex's distance is its straight distance from the contact as it is now, and what the way along the
@@ -74,11 +77,17 @@ class LiveSurface final {
     bool moved = false;
     bool lowered = false;  // moved further, by move()
     bool changed = true;   // since the last take_changes()
+    float off = 0.0F;      // how far a vertex may be from where it should be, at most [m]
   };
   void begin_frame();
   Contact& contact_for(const SurfacePoint& place);
   void prepare(Contact& contact, const Indentation& indentation, const SurfacePoint& place);
   int run_fronts(Contact& contact, int steps, bool settle);
+  void lower_to_front(Contact& contact);
+  void note_settled(Contact& contact);
+  void note_change(Contact& contact);
+  void find_changes();
+  [[nodiscard]] float newly_off(std::size_t block);
   void move_blocks(bool settle);
   [[nodiscard]] Eigen::Vector3f normal_at(const SurfacePoint& place) const;
 
@@ -96,6 +105,8 @@ class LiveSurface final {
   std::uint64_t frame_ = 0;
   bool growing_ = false;
   std::vector<BlockState> state_;
+  std::vector<Contact*> changing_;  // contacts that are there, or were a picture ago
+  std::vector<NearChange> near_changes_;
   std::vector<Range> changes_;
   std::vector<Range> near_;
 };

@@ -272,28 +272,6 @@ bool SurfaceBlocks::move(std::size_t block, std::span<const ContactField* const>
   return any;
 }
 
-float SurfaceBlocks::change(std::size_t block, std::span<const ContactField* const> contacts,
-                            const ProfileTable& profile, const LiveVertex* now) const noexcept {
-  const std::size_t begin = first(block);
-  std::array<std::size_t, kLanes> sample{};
-  for (std::size_t i = 0; i < kLanes; ++i) sample[i] = (2 * i + 1) * size(block) / (2 * kLanes);
-  const auto gather = [&sample](const float* from) {
-    return Lanes({from[sample[0]], from[sample[1]], from[sample[2]], from[sample[3]]});
-  };
-  const Rest rest{{gather(&x_[begin]), gather(&y_[begin]), gather(&z_[begin])},
-                  {gather(&nx_[begin]), gather(&ny_[begin]), gather(&nz_[begin])}};
-  const Moved moved = under(
-      contacts, profile, [&](const ContactField& contact) { return gather(&contact.excess[begin]); }, rest);
-  const Lanes zero(0.0F);
-  const Lanes3 place = rest.place + select(moved.moves, moved.displacement, {zero, zero, zero});
-  const auto of = [&](Eigen::Index axis) {
-    return Lanes({now[sample[0]].position[axis], now[sample[1]].position[axis], now[sample[2]].position[axis],
-                  now[sample[3]].position[axis]});
-  };
-  const Lanes3 way = place - Lanes3{of(0), of(1), of(2)};
-  return std::sqrt(largest_of(dot(way, way)));
-}
-
 void SurfaceBlocks::rest(std::size_t block, LiveVertex* out) const noexcept {
   const std::size_t begin = first(block);
   for (std::size_t v = begin; v < begin + size(block); ++v)

@@ -51,18 +51,11 @@ class SurfaceBlocks final {
     return (sphere.middle - point).squaredNorm() < reach * reach;
   }
 
-  /// [any] Of the ball around the block's vertices [m].
-  [[nodiscard]] float radius(std::size_t block) const noexcept { return spheres_[block].radius; }
-
   /// [any] Writes where the block's vertices are under these contacts together, several as SurfaceDeformer
   /// says. Normals follow from the displacement's derivative.
   /// @param out as many as the block has @return whether any of them moves
   bool move(std::size_t block, std::span<const ContactField* const> contacts, const ProfileTable& profile,
             LiveVertex* out) const noexcept;
-  /// [any] How far [m] move() would move four of the block's vertices, spread over it, from where they are
-  /// `now`: at an eighth of its cost.
-  [[nodiscard]] float change(std::size_t block, std::span<const ContactField* const> contacts,
-                             const ProfileTable& profile, const LiveVertex* now) const noexcept;
   /// [any] Writes the block's vertices at rest.
   void rest(std::size_t block, LiveVertex* out) const noexcept;
 
