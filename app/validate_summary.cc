@@ -67,6 +67,7 @@ Json profile_json(const report::ProfileSet& set) {
   json["depth_mm"] = profile.depth / kMillimetre;
   json["tip_radius_mm"] = profile.tip_radius / kMillimetre;
   json["as_drawn"] = profile.rule.as_drawn;
+  if (profile.rule.as_drawn) json["surface_radius_mm"] = profile.rule.rest_radius / kMillimetre;
   add_rivals(json, set.cost_ns, set.rivals, kMillimetre);
   return json;
 }
@@ -113,13 +114,20 @@ std::string force_text(const report::ForceSet& set) {
   return text + rivals_text(set.cost_ns, set.rivals, 1.0, "N");
 }
 
+// Which surface under the ball was compared, where it is not the model's own.
+std::string surface_text(const fit::SurfaceRule& rule) {
+  if (!rule.as_drawn) return "";
+  if (!(rule.rest_radius > 0.0)) return ", as drawn on a flat surface";
+  return ", as drawn on a surface of " + brief(rule.rest_radius / kMillimetre) + " mm radius";
+}
+
 std::string profile_text(const report::ProfileSet& set) {
   const fit::DeformationComparison& profile = set.ours;
   return profile.measured.name + ": deformation, " + std::to_string(profile.measured.size()) +
          " points, ball of " + brief(profile.tip_radius / kMillimetre) + " mm at " +
-         brief(profile.depth / kMillimetre) + " mm: RMS " + brief(profile.errors.rms / kMillimetre) +
-         " mm, largest " + brief(profile.errors.max / kMillimetre) + " mm; RMS " +
-         percent(profile.errors.nrmse) + " of the depth\n" +
+         brief(profile.depth / kMillimetre) + " mm" + surface_text(profile.rule) + ": RMS " +
+         brief(profile.errors.rms / kMillimetre) + " mm, largest " + brief(profile.errors.max / kMillimetre) +
+         " mm; RMS " + percent(profile.errors.nrmse) + " of the depth\n" +
          rivals_text(set.cost_ns, set.rivals, kMillimetre, "mm");
 }
 

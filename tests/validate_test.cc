@@ -161,6 +161,22 @@ TEST(ValidateCommand, TakesTheDepthFromTheLoad) {
   EXPECT_NEAR(json::parse(outcome.out)["sets"][0]["depth_mm"], 5.0, 1e-9);
 }
 
+TEST(ValidateCommand, SaysWhichSurfaceUnderTheBallItCompared) {
+  const Folder folder;
+  std::ofstream(folder / "side.csv") << "r_mm,u_mm\n0,10\n1,9.8\n3,6\n9,1\n58,0\n";
+  std::vector<std::string> call = {"validate",        "--profile", "side.csv",   "--tissue", "gallbladder",
+                                   "--tip-radius-mm", "5",         "--depth-mm", "10"};
+  EXPECT_THAT(run(folder, call).out, testing::Not(testing::HasSubstr("as drawn")));
+  call.emplace_back("--as-drawn");
+  EXPECT_THAT(run(folder, call).out, testing::HasSubstr("at 10 mm, as drawn on a flat surface: RMS"));
+  call.insert(call.end(), {"--surface-radius-mm", "3"});
+  EXPECT_THAT(run(folder, call).out, testing::HasSubstr("as drawn on a surface of 3 mm radius: RMS"));
+  call.emplace_back("--json");
+  const json set = json::parse(run(folder, call).out)["sets"][0];
+  EXPECT_EQ(set["surface_radius_mm"], 3.0);
+  EXPECT_LT(set["max"], 4.0);  // was 6.2: the last point, on the far side, rose with the ball
+}
+
 TEST(ValidateCommand, RefusesBadInputInOneLineAndWritesNothing) {
   const Folder folder;
   write_curve(folder, "own.csv", 1.0);

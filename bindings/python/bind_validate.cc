@@ -230,6 +230,7 @@ py::dict dictionary_of(const fit::ProfileSet& set) {
   result["depth"] = ours.depth;
   result["tip_radius"] = ours.tip_radius;
   result["as_drawn"] = ours.rule.as_drawn;
+  if (ours.rule.as_drawn) result["surface_radius"] = ours.rule.rest_radius;
   result["distance"] = array_of(ours.measured.distance);
   result["measured"] = array_of(ours.measured.displacement);
   result["computed"] = array_of(ours.computed);

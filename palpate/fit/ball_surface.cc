@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "palpate/base/portable_math.h"
 
 namespace palpate::fit {
 namespace {
+
+constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
 
 /// How far a ball's surface lies behind its foremost point, at a distance from its axis.
 double sag(double radius, double aside) noexcept {
@@ -26,8 +29,9 @@ double BallSurface::at(double r) const noexcept {
   const double u = profile_.at(r);
   if (!rule_.as_drawn || !(depth_ > 0.0)) return u;
   const double rest = rule_.rest_radius;
-  const double aside =
-      rest > 0.0 ? rest * portable::sin_cos(std::min(r / rest, 1.5)).sine : r;  // r is an arc
+  // Past a quarter turn the surface at rest faces away from the ball, which pushes nothing there.
+  if (rest > 0.0 && r >= kQuarterTurn * rest) return u;
+  const double aside = rest > 0.0 ? rest * portable::sin_cos(r / rest).sine : r;  // r is an arc
   if (!(aside < radius_)) return u;
   const double behind = rest > 0.0 ? sag(rest, aside) : 0.0;  // the surface at rest is that much lower
   return std::max(u, depth_ - sag(radius_, aside) - behind);

@@ -9,7 +9,9 @@ struct SurfaceRule {
   /// False: u(r) of model.md, section 3, R_1 at most the ball's radius. True: as the picture shows it, R_1
   /// without a bound, and nowhere above the ball itself.
   bool as_drawn = false;
-  double rest_radius = 0.0;  // of the surface at rest, bulging towards the ball [m]; 0: flat
+  /// Of the surface at rest, bulging towards the ball [m]; 0: flat. Past a quarter turn it faces away from
+  /// the ball and u(r) alone holds.
+  double rest_radius = 0.0;
 };
 
 /// How far the surface moves around a ball that is pressed into it.
