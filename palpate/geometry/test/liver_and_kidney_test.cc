@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -34,7 +35,7 @@ class Liver : public ::testing::Test {
   /// From the front wall to the next one behind it [mm] at (x, y) [mm]; 0: beside it.
   [[nodiscard]] double thickness(double x, double y) const {
     const std::vector<Hit> hits = hits_from_above(mesh_, x * kMm + 1.3e-5, y * kMm + 2.7e-5);
-    return hits.empty() ? 0.0 : (hits[0].z - hits[1].z) / kMm;
+    return hits.empty() ? 0.0 : (hits[0].z - hits.at(1).z) / kMm;
   }
   /// The lower margin's height [mm] at x [mm], from far below in steps of 1 mm.
   [[nodiscard]] double margin(double x) const {
@@ -77,7 +78,7 @@ double turn_near(const TriangleMesh& mesh, const Vec3& place) {
   for (const Vec3& a : normals) {
     for (const Vec3& b : normals) least = std::min(least, a.dot(b));
   }
-  return std::acos(least) * 180.0 / 3.14159265358979;
+  return std::acos(least) * 180.0 / std::numbers::pi;
 }
 
 TEST_F(Liver, LowerMarginIsSharpAndTheFrontIsNot) {
