@@ -8,6 +8,7 @@
 #include "palpate/base/portable_math.h"
 #include "palpate/fit/forward.h"
 #include "palpate/fit/starts.h"
+#include "palpate/fit/valley.h"
 
 namespace palpate::fit {
 namespace {
@@ -16,6 +17,7 @@ constexpr std::size_t kStarts = 12;
 constexpr std::size_t kKept = 5;         // minima that are descended to again with the loss
 constexpr std::size_t kDescended = 10;   // starts that are descended from to the end
 constexpr double kSmallestSigma = 1e-5;  // of the range of force: no sensor tells more digits
+constexpr double kGain = 1e-3;           // of a sum of squares: less is not worth another round
 constexpr double kLoss = 4.0;  // spreads: Cauchy's loss there costs a normal noise 1 % of its information
 
 void sort_by_cost(std::vector<Solution>& all) {
@@ -104,6 +106,31 @@ void polish(Problem& problem, Solution& best) {
   }
 }
 
+/// The best of what a few short steps along each parameter of the law lead to. The sum of squares of a law
+/// with corners has a kink wherever a corner passes a data point, and with it many small minima close to each
+/// other, of which a descent finds the nearest.
+Solution best_beside(const Problem& problem, const Solution& from) {
+  constexpr int kMostRounds = 6;
+  constexpr int kSteps = 4;
+  constexpr double kStep = 0.05;  // of a logarithm: about the way from one data point to the next
+  Solution best = from;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Solution centre = best;
+    for (std::size_t index = 0; index < kLawParameters; ++index) {
+      for (const double step : {-kStep, kStep}) {
+        Solution at = centre;
+        for (int n = 0; n < kSteps; ++n) {
+          at = moved_along(problem, at, index, step);
+          Solution found = solve(problem, at);
+          if (found.cost < best.cost) best = std::move(found);
+        }
+      }
+    }
+    if (!(best.cost < (1.0 - kGain) * centre.cost)) break;
+  }
+  return best;
+}
+
 /// The best few minima that starts lead to, and those beside the best.
 std::vector<Solution> search(const Problem& problem, const std::vector<Solution>& from) {
   constexpr int kFirstSteps = 10;
@@ -113,6 +140,20 @@ std::vector<Solution> search(const Problem& problem, const std::vector<Solution>
   const std::vector<Solution> beside = neighbours(problem, found.front());
   found.insert(found.end(), beside.begin(), beside.end());
   return distinct(std::move(found), kKept);
+}
+
+/// Sets the loss by the best minimum, descends from all of them by it, and looks beside the best, until that
+/// stays the best.
+void settle(Problem& problem, std::vector<Solution>& found) {
+  constexpr int kMostRounds = 3;
+  for (int round = 0; round < kMostRounds; ++round) {
+    polish(problem, found.front());
+    const double polished = found.front().cost;
+    if (!std::isfinite(polished)) return;
+    found.insert(found.begin(), best_beside(problem, found.front()));
+    found = distinct(descend(problem, found), kKept);
+    if (!(found.front().cost < (1.0 - kGain) * polished)) return;
+  }
 }
 
 /// A law to go on with when no start makes one.
@@ -198,7 +239,7 @@ Minima find_minima(Problem problem, const std::vector<Solution>& more) {
     found = distinct(descend(problem, found), kKept);
     if (found.empty()) found = {at_lowest(problem)};
   }
-  polish(problem, found.front());
+  settle(problem, found);
   Minima minima;
   double effective = 0.0;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {

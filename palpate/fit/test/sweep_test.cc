@@ -66,6 +66,19 @@ TEST(Sweep, AParameterThatTheDataTellIsBoundedOnBothSides) {
   }
 }
 
+// A corner of the law that passes a data point makes a minimum of its own: the fits of these two curves
+// once ended in one of them, up to 4 % above the lowest.
+TEST(Sweep, NoValueFitsBetterThanTheFitOfACurveWithManyMinima) {
+  for (const std::uint32_t number : {5U, 12U}) {
+    const std::vector<Specimen> specimens = {bent(number)};
+    const Sweep sweep = sweeps_of(specimens, fits_of(specimens), "k1_N_per_m=18:22:41").all.front();
+    EXPECT_FALSE(sweep.found_better) << number;
+    for (const SweepPoint& point : sweep.points) {
+      EXPECT_GT(point.deviance, -0.1) << number << ' ' << point.value;
+    }
+  }
+}
+
 /// RMS over the range of force of the best o + k max(0, d - c), |c| at most `farthest`: least squares in o
 /// and k for each of 400 c.
 double best_spring(const Specimen& specimen, double farthest) {
