@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include "palpate/fit/least_squares.h"
 
@@ -71,9 +72,13 @@ void hold(ceres::Problem& problem, Solution& solution, int held) {
   problem.SetManifold(block.data(), manifold.release());  // the problem owns it
 }
 
+/// Keeps from users what Ceres writes of a step that led to no number; cost_of() tells it too.
+void quiet_library() noexcept { FLAGS_minloglevel = google::GLOG_FATAL; }
+
 }  // namespace
 
 Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held) {
+  quiet_library();
   Solution found = start;
   clamp_into(found.shared, problem.bounds);
   ceres::Problem::Options ownership;
