@@ -104,7 +104,10 @@ std::string sweeps_text(const std::vector<fit::Sweep>& sweeps) {
             brief(sweep.points.front().value / label.unit) + " to " +
             brief(sweep.points.back().value / label.unit) + ": " + verdict(sweep, label.unit) + '\n';
     if (sweep.found_better) {
-      text += "  ! a value of it fits clearly better than the fit's own, so the fit is not the best one\n";
+      text +=
+          "  ! a value of it fits clearly better than the fit's own, so the fit is not the best one: take "
+          "that value and "
+          "the others beside it, which --sweep-csv and --json list\n";
     }
   }
   return text;

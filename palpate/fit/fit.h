@@ -54,6 +54,7 @@ struct SpecimenFit {
   Curve curve;
   Point shared;  // of the best fit
   Point own;
+  std::vector<Point> minima;  // the others that the search kept, best first: shared, then own
 };
 
 /// The fit of all specimens together: shared parameters, each specimen's own apart.

@@ -1,5 +1,6 @@
 #include "palpate/fit/fit_record.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -11,6 +12,7 @@
 
 #include "palpate/base/content_hash.h"
 #include "palpate/base/error.h"
+#include "palpate/fit/sweep_piece.h"
 #include "palpate/version.h"
 
 namespace palpate::fit {
@@ -96,6 +98,11 @@ Curve curve_of(const Json& json) {
   return curve;
 }
 
+bool all_as_long(const std::vector<Point>& points, std::size_t size) {
+  return std::all_of(points.begin(), points.end(),
+                     [size](const Point& point) { return point.size() == size; });
+}
+
 SpecimenFit fit_of_json(const Json& json) {
   SpecimenFit fit;
   fit.name = json.at("name").get<std::string>();
@@ -113,8 +120,10 @@ SpecimenFit fit_of_json(const Json& json) {
   fit.curve = curve_of(json.at("curve"));
   fit.shared = list_of(json.at("shared"));
   fit.own = list_of(json.at("own"));
+  for (const Json& minimum : json.at("minima")) fit.minima.push_back(list_of(minimum));
   if (fit.terms > model::kMostRelaxationTerms || fit.shared.size() != shared_count(fit.terms) ||
-      fit.own.size() != kOwnParameters || fit.estimates.size() != fit.shared.size() + kOwnParameters) {
+      fit.own.size() != kOwnParameters || !all_as_long(fit.minima, fit.shared.size() + kOwnParameters) ||
+      fit.estimates.size() != fit.shared.size() + kOwnParameters) {
     throw InputError("results line: does not have as many parameters as it has relaxation terms");
   }
   return fit;
@@ -143,7 +152,7 @@ std::string take(const std::string& bytes, std::size_t& at) {
 }  // namespace
 
 std::string key_of(const Specimen& specimen, const Settings& settings, std::uint32_t job) {
-  constexpr std::uint64_t kFormat = 2;  // of the line
+  constexpr std::uint64_t kFormat = 3;  // of the line
   const std::string version = kVersion;
   ContentHasher hasher;
   hasher.add(kFormat);
@@ -172,6 +181,8 @@ std::string sweep_key_of(const std::string& request, std::size_t piece,
 std::string line_of(const std::string& key, const SpecimenFit& fit) {
   Json estimates = Json::array();
   for (const Estimate& estimate : fit.estimates) estimates.push_back(estimate_json(estimate));
+  Json minima = Json::array();
+  for (const Point& minimum : fit.minima) minima.push_back(list_json(minimum));
   const Json json = {{"key", key},
                      {"name", fit.name},
                      {"law", model::to_string(fit.law)},
@@ -187,7 +198,8 @@ std::string line_of(const std::string& key, const SpecimenFit& fit) {
                      {"warnings", fit.warnings},
                      {"curve", curve_json(fit.curve)},
                      {"shared", list_json(fit.shared)},
-                     {"own", list_json(fit.own)}};
+                     {"own", list_json(fit.own)},
+                     {"minima", std::move(minima)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -205,7 +217,12 @@ std::map<std::string, std::string> read_lines(const std::string& file) {
   for (std::string line; std::getline(in, line);) {
     try {
       const Json json = Json::parse(line);
-      if (!json.contains("points_swept")) (void)fit_of_json(json);
+      if (json.contains("points_swept")) {
+        Sweep sweep;
+        add_sweep_line(line, sweep);
+      } else {
+        (void)fit_of_json(json);
+      }
       lines[json.at("key").get<std::string>()] = line;
     } catch (const std::exception&) {
       continue;  // cut off as it was written: its specimen is fitted again

@@ -163,6 +163,11 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   fit.rows = specimen.size();
   fit.shared = minima.all.front().shared;
   fit.own = minima.all.front().own.front();
+  for (std::size_t i = 1; i < minima.all.size(); ++i) {
+    fit.minima.push_back(minima.all[i].shared);
+    const Point& own = minima.all[i].own.front();
+    fit.minima.back().insert(fit.minima.back().end(), own.begin(), own.end());
+  }
   const LayerCount layers = layers_of(used, part.ranges, settings, fit.shared, fit.own);
   fit.layers_allowed = layers.allowed;
   fit.layers_reached = layers.reached;

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "palpate/base/error.h"
+#include "palpate/base/portable_math.h"
 #include "palpate/base/text.h"
 #include "palpate/fit/fit_record.h"
+#include "palpate/fit/least_squares.h"
 #include "palpate/fit/result_lines.h"
 #include "palpate/fit/sweep_piece.h"
 
@@ -64,6 +66,25 @@ std::vector<SweepPiece> pieces_of(const std::vector<SweepRequest>& requests, std
   return pieces;
 }
 
+/// @throws InputError when a request goes far beyond what the fit of any specimen searches.
+void check_ranges(const std::vector<SweepRequest>& requests, const std::vector<Specimen>& specimens,
+                  const Settings& settings) {
+  constexpr double kBeyond = 1e3;
+  std::vector<Part> parts;
+  for (const Specimen& specimen : specimens) parts.push_back(make_part(specimen));
+  const Bounds bounds = make_problem(settings, 0, std::move(parts)).bounds;
+  for (const SweepRequest& request : requests) {
+    const double low = portable::exp(bounds.low[request.parameter]) / kBeyond;
+    const double high = portable::exp(bounds.high[request.parameter]) * kBeyond;
+    if (request.low.value_or(low) >= low && request.high.value_or(high) <= high) continue;
+    const ParameterLabel label = labels(0)[request.parameter];
+    throw InputError("--sweep " + label.name + '=' + shortest(*request.low / label.unit) + ':' +
+                     shortest(*request.high / label.unit) + ": must lie between " +
+                     shortest(low / label.unit) + " and " + shortest(high / label.unit) +
+                     ", 1000 times beyond what a fit of these data searches");
+  }
+}
+
 class Sweeping final {
  public:
   Sweeping(std::vector<Specimen> specimens, const ManyFits& fits, const std::vector<SweepRequest>& requests,
@@ -108,8 +129,8 @@ class Sweeping final {
       add_sweep_line(lines_[i + 1], sweep);
       std::stable_sort(sweep.points.begin(), sweep.points.end(),
                        [](const SweepPoint& a, const SweepPoint& b) { return a.value < b.value; });
-      sweep.open_below = sweep.points.front().within_95;
-      sweep.open_above = sweep.points.back().within_95;
+      sweep.open_below = !sweep.points.empty() && sweep.points.front().within_95;
+      sweep.open_above = !sweep.points.empty() && sweep.points.back().within_95;
       sweeps.all.push_back(std::move(sweep));
     }
     return sweeps;
@@ -165,6 +186,7 @@ Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
   if (specimens.empty() || specimens.size() != fits.specimens.size()) {
     throw InputError("sweep: needs at least one specimen, and a fit of each");
   }
+  check_ranges(requests, specimens, settings);
   Sweeping sweeping(std::move(specimens), fits, requests, settings, crew, results_file);
   sweeping.compute(progress);
   return sweeping.finish();

@@ -24,10 +24,11 @@ struct SweepRequest {
 
 /// One value of a sweep.
 struct SweepPoint {
-  double value = 0.0;      // SI, of the parameter that is held
-  double nrmse = 0.0;      // RMS of what the others leave, over the range of force; pooled: as PooledFit's
-  double deviance = 0.0;   // one specimen: twice the fall of the log-likelihood from its best; pooled: NaN
-  bool within_95 = false;  // the data leave it
+  double value = 0.0;     // SI, of the parameter that is held
+  double nrmse = 0.0;     // RMS of what the others leave, over the range of force; pooled: as PooledFit's
+  double deviance = 0.0;  // one specimen: twice the fall of the log posterior (squares and the priors of
+                          // first contact and offset) from its best, for as many points as count; pooled: NaN
+  bool within_95 = false;      // the data leave it
   std::vector<double> others;  // the law's and relaxation's parameters, SI, in the order of labels(terms)
 };
 

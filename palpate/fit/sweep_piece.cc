@@ -43,6 +43,10 @@ class Target final {
       problem_ = make_problem(settings, fit.terms, {make_part(used_.front())});
       best_ = {fit.shared, {fit.own}};
       more_ = starts(problem_, kStarts);
+      for (const Point& minimum : fit.minima) {
+        const auto own = minimum.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
+        minima_.push_back({Point(minimum.begin(), own), {Point(own, minimum.end())}});
+      }
     }
     set_loss(problem_, best_);
     best_.cost = cost_of(problem_, best_.shared, best_.own);
@@ -69,14 +73,20 @@ class Target final {
     return std::sqrt(shares / static_cast<double>(used_.size()));
   }
 
-  /// The fits with a parameter at `values` [logarithms], from the best one outwards, and back from what a
-  /// wider search finds at the far end.
+  /// The fits with a parameter at `values` [logarithms], from the best one outwards, from the fit's other
+  /// minima where they lie, and back and out again from what a wider search finds at the far end.
   [[nodiscard]] std::vector<Solution> along(std::size_t index, const std::vector<double>& values) {
     std::vector<Solution> found;
     for (const double value : values) {
       problem_.bounds.low[index] = std::min(problem_.bounds.low[index], value);
       problem_.bounds.high[index] = std::max(problem_.bounds.high[index], value);
-      found.push_back(moved_to(problem_, found.empty() ? best_ : found.back(), index, value));
+      const bool own = value == best_.shared[index];
+      found.push_back(own ? best_ : moved_to(problem_, found.empty() ? best_ : found.back(), index, value));
+    }
+    for (const Solution& minimum : minima_) {
+      if (found.empty()) break;
+      const std::size_t i = nearest(values, minimum.shared[index]);
+      take_better(moved_to(problem_, minimum, index, values[i]), found[i]);
     }
     for (std::size_t i = 0; !found.empty() && i < std::min(kStarts, more_.size()); ++i) {
       Solution start = more_[i];
@@ -85,6 +95,23 @@ class Target final {
     }
     for (std::size_t i = found.size(); i-- > 1;) {
       take_better(moved_to(problem_, found[i], index, values[i - 1]), found[i - 1]);
+    }
+    for (std::size_t i = 1; i < found.size(); ++i) {
+      take_better(moved_to(problem_, found[i - 1], index, values[i]), found[i]);
+    }
+    free_stuck(index, values, found);
+    return found;
+  }
+
+  /// Fits between the best one and `value`, which the data do not leave, nearer and nearer, until one is
+  /// left.
+  [[nodiscard]] std::vector<Solution> nearer(std::size_t index, double value) const {
+    constexpr int kMost = 8;
+    const double best = best_.shared[index];
+    std::vector<Solution> found;
+    for (int n = 0; n < kMost && (found.empty() || !point_of(found.back(), index).within_95); ++n) {
+      value = 0.5 * (best + value);
+      found.push_back(moved_to(problem_, best_, index, value));
     }
     return found;
   }
@@ -112,6 +139,25 @@ class Target final {
   static constexpr std::size_t kStarts = 4;
   static constexpr int kSteps = 60;
 
+  static std::size_t nearest(const std::vector<double>& values, double wanted) {
+    const auto found = std::min_element(values.begin(), values.end(), [wanted](double a, double b) {
+      return std::abs(a - wanted) < std::abs(b - wanted);
+    });
+    return static_cast<std::size_t>(found - values.begin());
+  }
+
+  /// A fit that leaves more than both of its neighbours is stuck: again from each of them, as they are but
+  /// for the value.
+  void free_stuck(std::size_t index, const std::vector<double>& values, std::vector<Solution>& found) const {
+    for (std::size_t i = 1; i + 1 < found.size(); ++i) {
+      if (!(found[i].cost > std::max(found[i - 1].cost, found[i + 1].cost))) continue;
+      for (Solution start : {found[i - 1], found[i + 1]}) {
+        start.shared[index] = values[i];
+        take_better(solve(problem_, start, kSteps, static_cast<int>(index)), found[i]);
+      }
+    }
+  }
+
   static void take_better(Solution found, Solution& kept) {
     if (found.cost < kept.cost) kept = std::move(found);
   }
@@ -127,13 +173,21 @@ class Target final {
   Problem problem_;
   Solution best_;
   std::vector<double> best_costs_;
-  std::vector<Solution> more_;  // other places to begin at
+  std::vector<Solution> more_;    // other places to begin at
+  std::vector<Solution> minima_;  // that the fit kept besides the best
   double effective_ = 0.0;
 };
 
+/// JSON has no infinite numbers: null.
+Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+double number_of(const Json& json) {
+  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+}
+
 Json point_json(const SweepPoint& point) {
-  Json json = Json::array({point.value, point.nrmse, point.within_95 ? 1.0 : 0.0});
-  json.push_back(std::isfinite(point.deviance) ? Json(point.deviance) : Json(nullptr));
+  Json json = Json::array({point.value, number_json(point.nrmse), point.within_95 ? 1.0 : 0.0});
+  json.push_back(number_json(point.deviance));
   for (const double value : point.others) json.push_back(value);
   return json;
 }
@@ -142,10 +196,11 @@ SweepPoint point_of_json(const Json& json) {
   constexpr std::size_t kOthers = 4;  // from there on
   SweepPoint point;
   point.value = json.at(0).get<double>();
-  point.nrmse = json.at(1).get<double>();
+  point.nrmse = number_of(json.at(1));
   point.within_95 = json.at(2).get<double>() > 0.5;
-  point.deviance = json.at(3).is_null() ? std::numeric_limits<double>::quiet_NaN() : json.at(3).get<double>();
+  point.deviance = number_of(json.at(3));
   for (std::size_t i = kOthers; i < json.size(); ++i) point.others.push_back(json.at(i).get<double>());
+  if (point.others.size() < kLawParameters) throw InputError("sweep's line: a point lacks parameters");
   return point;
 }
 
@@ -178,20 +233,30 @@ std::string sweep_line(const SweepPiece& piece, const std::string& key,
   const Estimate& estimate =
       pooled ? fits.pooled.estimates[index] : fits.specimens[piece.target].estimates[index];
   const double best = target.best().shared[index];
+  const std::vector<double> all = sweep_values(piece.request, estimate, target.bounds());
+  const bool across = best >= all.front() && best <= all.back();  // then the fit's own value is swept too
   std::vector<double> values;
-  for (const double value : sweep_values(piece.request, estimate, target.bounds())) {
-    if ((value >= best) == piece.upwards) values.push_back(value);
+  if (across && piece.upwards) values.push_back(best);
+  for (const double value : all) {
+    if (value != best && (value > best) == piece.upwards) values.push_back(value);
   }
   if (!piece.upwards) std::reverse(values.begin(), values.end());
   Json points = Json::array();
   bool better = false;
-  for (const Solution& solution : target.along(index, values)) {
+  std::vector<Solution> found = target.along(index, values);
+  const std::size_t beside = across && piece.upwards ? 1 : 0;
+  if (across && found.size() > beside && !target.point_of(found[beside], index).within_95) {
+    const std::vector<Solution> nearer = target.nearer(index, values[beside]);
+    found.insert(found.end(), nearer.begin(), nearer.end());
+  }
+  for (const Solution& solution : found) {
     better = better || solution.cost < kClearlyBetter * target.best().cost;
     points.push_back(point_json(target.point_of(solution, index)));
   }
   const Json json = {{"key", key},
                      {"best_nrmse", target.nrmse_of(target.best())},
                      {"found_better", better},
+                     {"values", values.size()},
                      {"points_swept", std::move(points)}};
   return json.dump();
 }
@@ -201,7 +266,11 @@ void add_sweep_line(const std::string& line, Sweep& sweep) {
     const Json json = Json::parse(line);
     sweep.best_nrmse = json.at("best_nrmse").get<double>();
     sweep.found_better = sweep.found_better || json.at("found_better").get<bool>();
-    for (const Json& point : json.at("points_swept")) sweep.points.push_back(point_of_json(point));
+    const Json& points = json.at("points_swept");
+    if (points.size() < json.at("values").get<std::size_t>()) {
+      throw InputError("sweep's line: has fewer points than values");
+    }
+    for (const Json& point : points) sweep.points.push_back(point_of_json(point));
   } catch (const Json::exception& error) {
     throw InputError(std::string("sweep's line: ") + error.what());
   }

@@ -15,7 +15,7 @@ struct SweepPiece {
   bool upwards = true;
 };
 
-/// [setup] The values of a request for a target, rising, SI.
+/// [setup] The values of a request for a target as the solver sees them, natural logarithms of SI, rising.
 [[nodiscard]] std::vector<double> sweep_values(const SweepRequest& request, const Estimate& estimate,
                                                const Bounds& bounds);
 

@@ -1,5 +1,6 @@
 #include "palpate/fit/sweep.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -50,7 +51,7 @@ TEST(Sweep, AParameterThatTheDataTellIsBoundedOnBothSides) {
   const Sweep& sweep = sweeps.all.front();
   EXPECT_EQ(sweep.specimen, "bent 1");
   EXPECT_EQ(sweep.parameter, kLimit);
-  ASSERT_EQ(sweep.points.size(), 25U);
+  ASSERT_GE(sweep.points.size(), 26U);  // 25, and the fit's own
   EXPECT_FALSE(sweep.open_below);
   EXPECT_FALSE(sweep.open_above);
   EXPECT_FALSE(sweep.found_better);
@@ -159,13 +160,60 @@ TEST(Sweep, GoesOnWhereABrokenOffRunWas) {
   std::ofstream(file, std::ios::trunc) << text << "\n{\"key\": \"cut o";
   const Sweeps again = sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
   EXPECT_EQ(again.resumed, 1U);
-  ASSERT_EQ(again.all.front().points.size(), 5U);
-  for (std::size_t i = 0; i < 5; ++i) {
+  ASSERT_EQ(again.all.front().points.size(), whole.all.front().points.size());
+  for (std::size_t i = 0; i < whole.all.front().points.size(); ++i) {
     EXPECT_EQ(again.all.front().points[i].nrmse, whole.all.front().points[i].nrmse);
     EXPECT_EQ(again.all.front().points[i].others, whole.all.front().points[i].others);
   }
   EXPECT_THROW((void)sweep_many(specimens, fits, requests, Settings{}, crew, "/nowhere/f", {}), InputError);
   EXPECT_THROW((void)sweep_many({}, fits, requests, Settings{}, crew, "", {}), InputError);
+}
+
+TEST(Sweep, OfFewValuesOverAWideRangeHasTheFitsOwnAndOneBesideItThatTheDataLeave) {
+  const std::vector<Specimen> specimens = {bent(12)};
+  const ManyFits fits = fits_of(specimens);
+  const Sweep sweep = sweeps_of(specimens, fits, "k1_N_per_m=1:1000:3").all.front();
+  const auto own = std::find_if(sweep.points.begin(), sweep.points.end(), [&](const SweepPoint& point) {
+    return std::abs(point.value / sweep.best - 1.0) < 1e-9;
+  });
+  ASSERT_NE(own, sweep.points.end());
+  EXPECT_TRUE(own->within_95);
+  EXPECT_TRUE((own - 1)->within_95);
+  EXPECT_TRUE((own + 1)->within_95);
+}
+
+TEST(Sweep, ComputesAgainWhatALineOfTheResultsFileLacks) {
+  const palpate::test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "fits.jsonl").string();
+  const std::vector<Specimen> specimens = {bent(1)};
+  const ManyFits fits = fits_of(specimens);
+  const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:2:5");
+  LocalCrew crew;
+  const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
+  std::string emptied;
+  {
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+      emptied +=
+          line.substr(0, line.find("\"points_swept\":")) + (line.empty() ? "\n" : "\"points_swept\":[]}\n");
+    }
+  }
+  std::ofstream(file, std::ios::trunc) << emptied;
+  const Sweeps again = sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
+  EXPECT_EQ(again.resumed, 0U);
+  EXPECT_EQ(again.all.front().points.size(), whole.all.front().points.size());
+}
+
+TEST(Sweep, RefusesARangeFarBeyondWhatAFitSearches) {
+  const std::vector<Specimen> specimens = {bent(1)};
+  ManyFits fits;
+  fits.specimens.resize(1);
+  try {
+    (void)sweeps_of(specimens, fits, "k1_N_per_m=1e-300:1e300:3");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith("--sweep k1_N_per_m=1e-300:1e+300: must lie between "));
+  }
 }
 
 TEST(Sweep, RequestsAreReadInTheParametersUnit) {
