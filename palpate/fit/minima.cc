@@ -149,7 +149,7 @@ void settle(Problem& problem, std::vector<Solution>& found) {
   for (int round = 0; round < kMostRounds; ++round) {
     polish(problem, found.front());
     const double polished = found.front().cost;
-    if (!std::isfinite(polished)) return;
+    if (!std::isfinite(polished) || problem.parts.size() > 1) return;  // tried for one specimen only
     found.insert(found.begin(), best_beside(problem, found.front()));
     found = distinct(descend(problem, found), kKept);
     if (!(found.front().cost < (1.0 - kGain) * polished)) return;
