@@ -76,7 +76,8 @@ TEST(Mpi, GivesTheSameBytesOnOneTwoAndFourRanks) {
   ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words), 0) << text_of(folder / "err");
   const std::string alone = text_of(folder / "out");
   const std::string swept = text_of(folder / "q.csv");
-  EXPECT_EQ(std::count(swept.begin(), swept.end(), '\n'), 1 + 5 * 5);  // each of four, and all together
+  // Five values of each of four and of all together, and the fit's own with those added near it.
+  EXPECT_GE(std::count(swept.begin(), swept.end(), '\n'), 1 + 5 * 5);
   const std::string tissue = text_of(folder / "t.toml");
   for (const int ranks : {1, 2, 4}) {  // four ranks share each specimen's bootstrap, two share specimens
     ASSERT_EQ(shell(folder, by_mpi(ranks, words)), 0) << text_of(folder / "err");

@@ -36,7 +36,7 @@ std::filesystem::path changed(const TemporaryFolder& folder, const std::function
 TEST(ForeignFile, MissingFileIsNamed) {
   const TemporaryFolder folder;
   const std::string file = (folder / "none.h5").string();
-  EXPECT_THAT(message_for(file), AllOf(StartsWith(file), HasSubstr("No such file")));
+  EXPECT_THAT(message_for(file), AllOf(StartsWith(file), HasSubstr("there is no such file")));
 }
 
 TEST(ForeignFile, FolderTextAndEmptyFileAreRefused) {
