@@ -25,6 +25,7 @@ void LivePicture::take(const render::Subject& subject) {
   drawn_size_ = {64, 64};
   renderer_ = std::make_unique<render::OffscreenRenderer>(subject, drawn_size_.width, drawn_size_.height,
                                                           render::OffscreenRenderer::InCurrentContext{});
+  renderer_->show_at(0, 0, 96, 96);  // a driver prepares for stretching when it first stretches
   if (held_) renderer_->hold_quality(render::Quality::kFull);
   if (!resolution_.all()) renderer_->limit_quality(render::Quality::kFast);
   renderer_->set_map_range(map_range_);

@@ -164,6 +164,7 @@ void Window::draw_picture() {
     camera_.look_as(render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
                     static_cast<double>(place.width) / place.height);
     camera_set_ = true;
+    take_newest();  // finding the view of a large organ has taken a while
   }
   live_.show(shown_, camera_.camera(), place, stage_);
 }
