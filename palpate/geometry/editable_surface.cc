@@ -114,7 +114,7 @@ void EditableSurface::split(const Edge& edge) {
   const Wing left = wing(edge.a, edge.b);
   const Wing right = wing(edge.b, edge.a);
   const auto middle = static_cast<std::int32_t>(points.size());
-  points.push_back(0.5 * (point(edge.a) + point(edge.b)));
+  points.emplace_back(0.5 * (point(edge.a) + point(edge.b)));
   const Vec3 normal = normals[at(edge.a)] + normals[at(edge.b)];
   const double norm = normal.norm();
   normals.push_back(norm > 0.0 ? Vec3(normal / norm) : normals[at(edge.a)]);

@@ -277,8 +277,9 @@ std::string told(std::uint64_t number, const std::vector<WatchdogStop>& stops, s
                      (number == 1 ? std::string("once") : std::to_string(number) + " times") +
                      ", as no tick had begun for " + milliseconds(stalled_after) + " ms:";
   for (std::size_t i = 0; i < std::min(kMostTold, stops.size()); ++i) {
+    const std::int64_t after_ms = stops[i].after_ns / 1'000'000;
     text += std::string(i == 0 ? "" : ",") + " after tick " + std::to_string(stops[i].tick) + " (" +
-            shortest(static_cast<double>(stops[i].after_ns / 1'000'000) * 1e-3) + " s)";
+            shortest(static_cast<double>(after_ms) / 1e3) + " s)";
   }
   if (number > kMostTold) text += " and " + std::to_string(number - kMostTold) + " more";
   return text;
