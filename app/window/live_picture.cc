@@ -21,7 +21,7 @@ PixelRectangle in_pixels(const Rectangle& place, const Stage& stage) {
 }
 
 void LivePicture::take(const render::Subject& subject) {
-  renderer_.reset();  // the old one's memory goes before the new one's comes
+  renderer_.reset();       // the old one's memory goes before the new one's comes
   drawn_size_ = {60, 44};  // no powers of two, for which Mesa's software renderer has shaders of their own
   renderer_ = std::make_unique<render::OffscreenRenderer>(subject, drawn_size_.width, drawn_size_.height,
                                                           render::OffscreenRenderer::InCurrentContext{});
