@@ -142,7 +142,7 @@ void timing_panel(const Shown& shown) {
                        static_cast<unsigned long long>(traces.lateness().count()));
     rows.words("Picture",
                formatted("%.0f frames/s, ", shown.frames_a_second) +
-                   formatted("drawn in %.0f ms", 1e3 * shown.frame_time),
+                   formatted("each %.0f ms", 1e3 * shown.frame_time),
                "the window's frames, and its own work for one");
     rows.name("Age shown", "from the tick until its picture is shown; to be under 50 ms");
     const bool young = shown.largest_age < 0.05;

@@ -47,7 +47,7 @@ void experiment(const std::filesystem::path& file, const char* task) {
     wheel(driven, 6);
   }
   driven.window().hold_full_quality();
-  driven.frames(4);
+  driven.frames(1);  // the panels still say how the moving pictures before it were
   palpate::render::write_png(driven.window().picture(), file);
   Driven::close();
   driven.frames(1);
