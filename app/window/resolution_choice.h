@@ -9,7 +9,7 @@ namespace palpate::app {
 /// rarely each time that it had to go down again, so that it does not swing. All members: [any], one thread.
 class ResolutionChoice final {
  public:
-  static constexpr double kBudget = 33e-3;      // s, of a frame
+  static constexpr double kBudget = 30e-3;      // s, of a frame
   static constexpr std::size_t kUsual = 8;      // frames judged together
   static constexpr std::size_t kFew = 3;        // the same where it has to be quick
   static constexpr std::size_t kFirstWait = 8;  // judgements before it tries again what was too much

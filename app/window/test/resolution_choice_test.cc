@@ -17,7 +17,7 @@ bool add(ResolutionChoice& choice, int frames, double time, bool may_cheapen = k
 
 TEST(ResolutionChoice, DrawsAllPixelsWhileFramesFitTheBudget) {
   ResolutionChoice choice;
-  EXPECT_TRUE(add(choice, 800, 0.032));
+  EXPECT_TRUE(add(choice, 800, 0.029));
   EXPECT_TRUE(choice.all());
   EXPECT_EQ(choice.now(), 1.0);
 }
@@ -28,7 +28,7 @@ TEST(ResolutionChoice, GoesDownAStepWhenMostOfEightFramesWereSlow) {
   add(choice, 3, 0.050);
   EXPECT_FALSE(choice.add(0.050, kCheapest));
   EXPECT_EQ(choice.now(), 0.8);
-  add(choice, 5, 0.030);
+  add(choice, 5, 0.029);
   EXPECT_TRUE(add(choice, 3, 0.050));
   EXPECT_EQ(choice.now(), 0.8) << "most of these were not";
 }
