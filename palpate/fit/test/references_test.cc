@@ -15,12 +15,19 @@ namespace palpate::fit {
 namespace {
 
 constexpr double kRadius = 5e-3;  // m, of the ball
-const std::string kFolder = PALPATE_REFERENCES;
+
+/// A reference's file: "-profiles.csv" or "-force.csv" after its name.
+std::string file_of(const std::string& name, const char* ending) {
+  std::string file = PALPATE_REFERENCES;
+  file += '/';
+  file += name;
+  return file += ending;
+}
 
 /// The profiles of a reference at depths from `from` to `to`, m.
 std::vector<ReachSample> samples_of(const std::string& name, double from, double to) {
   std::vector<ReachSample> samples;
-  for (const Deformation& profile : read_deformations(kFolder + "/" + name + "-profiles.csv")) {
+  for (const Deformation& profile : read_deformations(file_of(name, "-profiles.csv"))) {
     if (profile.depth > from - 1e-9 && profile.depth < to + 1e-9) {
       samples.push_back({profile, profile.depth, kRadius});
     }
@@ -53,7 +60,7 @@ double worst_together(const std::vector<ReachSample>& samples, const SurfaceRule
 double smooth_error(const std::string& name) {
   Settings settings;
   settings.law = model::LawKind::kSmooth;
-  const Specimen specimen = read_specimens(kFolder + "/" + name + "-force.csv").front();
+  const Specimen specimen = read_specimens(file_of(name, "-force.csv")).front();
   const double error = fit_specimen(specimen, settings, 0, [](double, const std::string&) {}).nrmse;
   std::printf("%s, force: %.2f %%\n", name.c_str(), 100.0 * error);
   return error;
@@ -63,7 +70,7 @@ double smooth_error(const std::string& name) {
 TEST(References, BlockIsNearHertzWhereThePressIsShallow) {
   for (const double nu : {0.45, 0.49}) {
     const std::string name = nu < 0.47 ? "block-nu45" : "block-nu49";
-    const Specimen force = read_specimens(kFolder + "/" + name + "-force.csv").front();
+    const Specimen force = read_specimens(file_of(name, "-force.csv")).front();
     const double modulus = 10e3 / (1.0 - nu * nu);
     ASSERT_NEAR(force.displacement[2], 0.5e-3, 1e-12);
     EXPECT_NEAR(force.force[2] / hertz_force(modulus, kRadius, 0.5e-3), 1.0, 0.05) << name;
