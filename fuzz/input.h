@@ -10,6 +10,7 @@
 #include <string>
 
 #include "palpate/base/error.h"
+#include "palpate/base/temporary.h"
 
 namespace palpate::fuzz {
 
@@ -18,10 +19,8 @@ class InputFile final {
  public:
   /// @param ending with its dot, by which readers tell formats
   explicit InputFile(const std::string& ending) {
-    // mkdtemp replaces the six letters.
-    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-fuzz-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    folder_ = pattern;
+    folder_ = make_temporary_folder(std::filesystem::temp_directory_path() / "palpate-fuzz-");
+    if (folder_.empty()) throw std::runtime_error("no temporary folder");
     file_ = folder_ / ("input" + ending);
   }
   ~InputFile() {

@@ -3,7 +3,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -11,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "palpate/base/temporary.h"
 #include "palpate/version.h"
 
 namespace palpate {
@@ -76,8 +76,8 @@ bool write_at(int descriptor, std::uint64_t offset, std::span<const std::byte> b
 }  // namespace
 
 ArrayFileWriter::ArrayFileWriter(std::filesystem::path file, const ContentHash& key)
-    : file_(std::move(file)), temporary_(file_.string() + ".XXXXXX"), key_(key), written_(kFirstArray) {
-  descriptor_ = mkostemp(temporary_.data(), O_CLOEXEC);
+    : file_(std::move(file)), temporary_(file_.string() + "."), key_(key), written_(kFirstArray) {
+  descriptor_ = open_temporary_file(temporary_);
   if (descriptor_ < 0) {
     temporary_.clear();
     failed_ = true;

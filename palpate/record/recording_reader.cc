@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/temporary.h"
 #include "palpate/base/text.h"
 #include "palpate/record/change_columns.h"
 #include "palpate/record/recording_writer.h"
@@ -284,8 +285,8 @@ bool RecordingReader::open_filled_up() {
   std::memcpy(&end, superblock.data() + kEndOfFileOffset, sizeof(end));
   if (end <= 0 || static_cast<std::uint64_t>(end) <= file_bytes_) return false;
   std::error_code error;
-  std::string name = (std::filesystem::temp_directory_path(error) / "palpate-XXXXXX").string();
-  const Descriptor copy(::mkstemp(name.data()));
+  std::string name = (std::filesystem::temp_directory_path(error) / "palpate-").string();
+  const Descriptor copy(open_temporary_file(name));
   if (copy.fd < 0) return false;
   hid_t id = H5I_INVALID_HID;
   if (copy_bytes(in.fd, copy.fd, file_bytes_) && ::ftruncate(copy.fd, end) == 0) {

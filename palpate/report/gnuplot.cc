@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -12,6 +11,7 @@
 #include <sys/wait.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/temporary.h"
 #include "palpate/base/text.h"
 
 extern char** environ;
@@ -84,11 +84,8 @@ TemporaryFolder::TemporaryFolder() {
   std::error_code error;
   std::filesystem::path parent = std::filesystem::temp_directory_path(error);
   if (error) parent = "/tmp";
-  std::string name = (parent / "palpate-figure-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw FigureError("figure: cannot make a temporary folder in " + parent.string());
-  }
-  path_ = name;
+  path_ = make_temporary_folder(parent / "palpate-figure-");
+  if (path_.empty()) throw FigureError("figure: cannot make a temporary folder in " + parent.string());
 }
 
 TemporaryFolder::~TemporaryFolder() {

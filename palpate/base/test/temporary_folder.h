@@ -1,11 +1,12 @@
 #pragma once
 // A folder for the files of one test; every module's tests may include it.
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <string>
+
+#include "palpate/base/temporary.h"
 
 namespace palpate::test {
 
@@ -13,10 +14,8 @@ namespace palpate::test {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    // mkdtemp replaces the six letters.
-    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-test-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = pattern;
+    path_ = make_temporary_folder(std::filesystem::temp_directory_path() / "palpate-test-");
+    if (path_.empty()) throw std::runtime_error("no temporary folder");
   }
   ~TemporaryFolder() {
     std::error_code ignored;
