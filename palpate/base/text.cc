@@ -28,6 +28,14 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < ' ' || byte == 0x7f) c = ' ';
+  }
+  return text;
+}
+
 std::string shortest(double value) {
   if (std::isnan(value)) return "nan";
   std::array<char, 32> buffer{};

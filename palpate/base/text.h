@@ -14,6 +14,9 @@ namespace palpate {
 /// [setup] A share in per cent, with so many decimals: percent(0.123456) is "12.35 %".
 [[nodiscard]] std::string percent(double share, int decimals = 2);
 
+/// [setup] A foreign text fit for a message of one line: control characters become blanks.
+[[nodiscard]] std::string one_line(std::string text);
+
 /// [setup] The known word nearest to `word` by edit distance, or empty when none is near (for "did you
 /// mean").
 [[nodiscard]] std::string nearest_word(std::string_view word, std::span<const std::string> known);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 
 namespace palpate::record {
 namespace {
@@ -46,7 +47,7 @@ model::OrganMotionParameters motion_from(const Json& json) {
   if (kind == model::to_string(model::OrganMotionKind::kHeartbeat)) {
     motion.kind = model::OrganMotionKind::kHeartbeat;
   } else if (kind != model::to_string(model::OrganMotionKind::kBreathing)) {
-    throw InputError("scene: motion of kind \"" + kind + "\", want breathing or heartbeat");
+    throw InputError("motion of kind \"" + kind + "\", want breathing or heartbeat");
   }
   motion.amplitude = json.at("amplitude_m").get<double>();
   motion.direction_W = vector_from(json.at("direction"));
@@ -175,7 +176,7 @@ scene::EmulatedHand emulated_from(const Json& json) {
   for (const Json& entry : json.at("faults")) {
     const auto word = entry.at("kind").get<std::string>();
     const std::optional<scene::EmulatedFaultKind> kind = scene::find_emulated_fault(word);
-    if (!kind) throw InputError("scene: fault of kind \"" + word + "\" is not known");
+    if (!kind) throw InputError("fault of kind \"" + word + "\" is not known");
     hand.faults.push_back({*kind, entry.at("time_s").get<double>(), entry.at("duration_s").get<double>(),
                            entry.at("age_s").get<double>()});
   }
@@ -248,7 +249,7 @@ scene::SafetySetup safety_from(const Json& json) {
 scene::Task task_from(const std::string& word) {
   if (word == "press") return scene::Task::kPress;
   if (word == "pull") return scene::Task::kPull;
-  throw InputError("scene: task is \"" + word + "\", want press or pull");
+  throw InputError("task is \"" + word + "\", want press or pull");
 }
 
 scene::Setup setup_from(const Json& json) {
@@ -302,7 +303,9 @@ scene::Setup setup_from_json(const std::string& text) {
   try {
     return setup_from(Json::parse(text));
   } catch (const Json::exception& error) {
-    throw InputError(std::string("scene: ") + error.what());
+    throw InputError("scene: " + one_line(error.what()));
+  } catch (const InputError& error) {
+    throw InputError("scene: " + one_line(error.what()));
   }
 }
 

@@ -37,11 +37,7 @@ std::vector<std::string_view> split(std::string_view line) {
 /// Cell text fit for a message: short, printable.
 std::string shown(std::string_view cell) {
   constexpr std::size_t kLongest = 40;
-  std::string text(cell.substr(0, kLongest));
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  }
-  return text + (cell.size() > kLongest ? "..." : "");
+  return one_line(std::string(cell.substr(0, kLongest))) + (cell.size() > kLongest ? "..." : "");
 }
 
 /// Reads one path file line by line; every error is FILE:LINE: column = value: what would be right.

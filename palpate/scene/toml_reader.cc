@@ -14,13 +14,6 @@ namespace {
 
 constexpr std::streamsize kLargestFile = 16 << 20;  // bytes: no scene or tissue comes near
 
-std::string one_line(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  }
-  return text;
-}
-
 std::string value_in_words(const toml::node& node) {
   constexpr std::size_t kLongest = 80;
   if (const auto* number = node.as_floating_point()) return shortest(number->get());

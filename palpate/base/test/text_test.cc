@@ -27,6 +27,11 @@ TEST(Shortest, ReadsBackToTheSameBits) {
   }
 }
 
+TEST(OneLine, HasABlankForEveryControlCharacterAndKeepsTheRest) {
+  EXPECT_EQ(one_line("a\r\nb\tc\x7f"), "a  b c ");
+  EXPECT_EQ(one_line("\xc3\xa4 ~"), "\xc3\xa4 ~") << "letters beyond ASCII stay";
+}
+
 TEST(Brief, KeepsSoManyDigitsThatMatter) {
   EXPECT_EQ(brief(0.123456), "0.1235");
   EXPECT_EQ(brief(-123456.0), "-1.235e+05");

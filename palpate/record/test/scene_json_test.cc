@@ -1,0 +1,63 @@
+#include "palpate/record/scene_json.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/base/error.h"
+#include "palpate/record/test/sample_recording.h"
+
+namespace palpate::record {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// A scene whose organ beats and whose device fails, as JSON with `from` replaced by `to`.
+std::string changed(const std::string& from, const std::string& to) {
+  scene::Setup setup = sample_setup(1);
+  setup.organ_motion.resize(1);
+  setup.organ_motion[0].kind = model::OrganMotionKind::kHeartbeat;
+  setup.devices[0].kind = "emulated";
+  setup.devices[0].emulated.faults = {{scene::EmulatedFaultKind::kFreeze, 0.1, 0.2, 0.05}};
+  std::string text = setup_to_json(setup);
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    (void)setup_from_json(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no refusal";
+}
+
+TEST(SceneJson, EveryWordThatIsNotKnownIsRefusedInTheSceneWithWhatWouldBeRight) {
+  EXPECT_THAT(refusal(changed(R"("law": "smooth")", R"("law": "smoovh")")),
+              AllOf(StartsWith("scene: law"), HasSubstr("smoovh"), HasSubstr("layered or smooth")));
+  EXPECT_THAT(refusal(changed(R"("task": "pull")", R"("task": "push")")),
+              AllOf(StartsWith("scene: task"), HasSubstr("push"), HasSubstr("press or pull")));
+  EXPECT_THAT(refusal(changed(R"("kind": "heartbeat")", R"("kind": "hiccup")")),
+              AllOf(StartsWith("scene: motion"), HasSubstr("hiccup"), HasSubstr("breathing or heartbeat")));
+  EXPECT_THAT(refusal(changed(R"("kind": "freeze")", R"("kind": "found")")),
+              AllOf(StartsWith("scene: fault"), HasSubstr("found")));
+}
+
+TEST(SceneJson, AKeyThatIsMissingAndTextThatIsNoJsonAreRefusedInTheScene) {
+  EXPECT_THAT(refusal(changed(R"("beta":)", R"("beat":)")), AllOf(StartsWith("scene: "), HasSubstr("beta")));
+  EXPECT_THAT(refusal("{"), StartsWith("scene: "));
+}
+
+TEST(SceneJson, ARefusalIsOneLineWhateverWordIsRefused) {
+  EXPECT_THAT(refusal(changed(R"("law": "smooth")", R"("law": "smo\noth")")),
+              AllOf(HasSubstr("smo oth"), Not(HasSubstr("\n"))));
+}
+
+}  // namespace
+}  // namespace palpate::record
