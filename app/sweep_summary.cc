@@ -106,8 +106,7 @@ std::string sweeps_text(const std::vector<fit::Sweep>& sweeps) {
     if (sweep.found_better) {
       text +=
           "  ! a value of it fits clearly better than the fit's own, so the fit is not the best one: take "
-          "that value and "
-          "the others beside it, which --sweep-csv and --json list\n";
+          "that value and the others beside it, which --sweep-csv and --json list\n";
     }
   }
   return text;

@@ -148,6 +148,21 @@ TEST(FitCommand, SweepsAParameterIntoJsonCsvAndReport) {
   EXPECT_TRUE(fs::exists(folder / "page/sweep-1.svg"));
 }
 
+TEST(FitCommand, SaysNothingOfItsLibrariesTroubleFarFromTheBest) {
+  const Folder folder;
+  std::ofstream bent(folder / "bent.csv");  // two springs, 20 and then 100 N/m
+  bent << "displacement_mm,force_N\n";
+  for (int i = 0; i <= 40; ++i) {
+    const double mm = 0.25 * i;
+    bent << mm << ',' << 1e-3 * (20.0 * std::min(mm, 5.0) + 100.0 * std::max(mm - 5.0, 0.0)) << '\n';
+  }
+  bent.close();
+  const Outcome outcome =
+      run(folder, {"fit", "bent.csv", "--law", "smooth", "--sweep", "beta=0.001:100:41", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.err, "");
+}
+
 TEST(FitCommand, RefusesBadInputInOneLineAndWritesNothing) {
   const Folder folder;
   write_curve(folder, "a.csv");

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <system_error>
 
+#include "palpate/base/text.h"
+
 namespace palpate::fit {
 
 std::string_view trimmed(std::string_view text) {
@@ -24,12 +26,7 @@ void split(std::string_view line, std::vector<std::string_view>& cells) {
 
 std::string shown(std::string_view cell) {
   constexpr std::size_t kLongest = 60;
-  std::string text(cell.substr(0, kLongest));
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < ' ' || byte == 0x7f) c = ' ';
-  }
-  return text + (cell.size() > kLongest ? "..." : "");
+  return one_line(std::string(cell.substr(0, kLongest))) + (cell.size() > kLongest ? "..." : "");
 }
 
 bool parse_number(std::string_view cell, double& value) {

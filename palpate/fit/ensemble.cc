@@ -16,7 +16,6 @@ constexpr std::uint32_t kRandomPart = 1;  // of a specimen's job
 constexpr int kGenerations = 1500;        // of one round
 constexpr int kMostRounds = 4;            // the first is thrown away; more when halves differ
 constexpr int kKeepEvery = 4;
-constexpr double kSmallestSigma = 1e-5;  // of the range of force: no sensor tells more digits
 
 /// ln of the posterior, up to a constant.
 class Posterior final {
@@ -91,7 +90,8 @@ Eigen::MatrixXd room_at(const Problem& problem, const Solution& minimum) {
 /// the data leave room.
 std::vector<Walker> first_walkers(Posterior& posterior, const Problem& problem,
                                   const std::vector<Solution>& minima, std::size_t count, Random& random) {
-  constexpr double kRuledOut = 12.0;  // ln of a ratio of probabilities
+  constexpr double kRuledOut = 3.0;  // ln of a ratio of probabilities; walkers seldom leave a minimum again
+  constexpr double kFar = 24.0;
   const double best = posterior.at(joined(minima.front()));
   std::vector<Point> centres;
   std::vector<Eigen::MatrixXd> rooms;
@@ -117,7 +117,7 @@ std::vector<Walker> first_walkers(Posterior& posterior, const Problem& problem,
       }
       walker.log_posterior = posterior.at(walker.point);
       spread *= 0.85;
-    } while (!(walker.log_posterior > best - 2.0 * kRuledOut) && spread > 1e-9);
+    } while (!(walker.log_posterior > best - kFar) && spread > 1e-9);
     if (!std::isfinite(walker.log_posterior)) {
       walker.point = centre;
       walker.log_posterior = posterior.at(centre);

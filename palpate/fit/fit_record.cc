@@ -12,6 +12,7 @@
 
 #include "palpate/base/content_hash.h"
 #include "palpate/base/error.h"
+#include "palpate/fit/number_json.h"
 #include "palpate/fit/sweep_piece.h"
 #include "palpate/version.h"
 
@@ -19,22 +20,6 @@ namespace palpate::fit {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// JSON has no infinite numbers: they stand as words.
-Json number_json(double value) {
-  if (std::isfinite(value)) return value;
-  if (std::isnan(value)) return "nan";
-  return value > 0.0 ? "inf" : "-inf";
-}
-
-double number_of(const Json& json) {
-  if (json.is_number()) return json.get<double>();
-  const auto word = json.get<std::string>();
-  if (word == "nan") return std::numeric_limits<double>::quiet_NaN();
-  if (word == "inf") return std::numeric_limits<double>::infinity();
-  if (word == "-inf") return -std::numeric_limits<double>::infinity();
-  throw InputError("\"" + word + "\" is no number");
-}
 
 Json list_json(const std::vector<double>& values) {
   Json json = Json::array();

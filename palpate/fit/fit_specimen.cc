@@ -31,7 +31,8 @@ double criterion(const Minima& minima) {
   const double n = minima.effective;
   const auto points = static_cast<double>(minima.problem.parts.front().specimen->size());
   const auto parameters = static_cast<double>(shared_count(minima.problem.terms) + kOwnParameters);
-  return n * portable::log(std::max(minima.all.front().cost / points, 1e-14)) + parameters * portable::log(n);
+  const double variance = std::max(minima.all.front().cost / points, kSmallestSigma * kSmallestSigma);
+  return n * portable::log(variance) + parameters * portable::log(n);
 }
 
 /// The minima with as many relaxation terms as the data bear: one more as long as the criterion falls.
@@ -92,16 +93,66 @@ Curve curve_of(const Minima& minima, const std::vector<Point>& points) {
   return curve;
 }
 
+/// What the data leave besides the best fit.
+struct Likely {
+  double effective = 0.0;  // points that count as independent
+  Ensemble ensemble;
+  std::vector<Point> profiles;  // points along them
+};
+
+Solution solution_at(const Problem& problem, const Point& point) {
+  const auto own = point.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
+  Solution solution{Point(point.begin(), own), {Point(own, point.end())}};
+  solution.cost = cost_of(problem, solution.shared, solution.own);
+  return solution;
+}
+
+/// The point of the ensemble and that of the profiles that are closest to the data.
+std::vector<Solution> closest_of(const Problem& problem, const Likely& likely) {
+  const std::vector<double>& chances = likely.ensemble.log_posterior;
+  const auto likeliest = std::max_element(chances.begin(), chances.end()) - chances.begin();
+  std::vector<Solution> closest = {
+      solution_at(problem, likely.ensemble.points[static_cast<std::size_t>(likeliest)])};
+  closest.push_back(closest.front());
+  for (const Point& point : likely.profiles) {
+    Solution solution = solution_at(problem, point);
+    if (solution.cost < closest.back().cost) closest.back() = std::move(solution);
+  }
+  return closest;
+}
+
+/// Draws the ensemble and walks the profiles, and does so again where they lead to a better fit than the
+/// search had found: then that is the fit.
+Likely look_around(Minima& minima, std::size_t points, const Settings& settings, std::uint32_t job,
+                   const std::function<void(double)>& progress) {
+  constexpr int kMostRounds = 3;
+  double furthest = 0.0;  // a bar never goes back
+  const auto part_of = [&](double from, double to) {
+    return [&progress, &furthest, from, to](double share) {
+      furthest = std::max(furthest, from + share * (to - from));
+      if (progress) progress(furthest);
+    };
+  };
+  Likely likely;
+  for (int round = 1;; ++round) {
+    const std::size_t parameters = minima.all.front().shared.size() + kOwnParameters;
+    likely.effective = trusted_count(minima.effective, points, parameters);
+    likely.ensemble =
+        draw_ensemble(minima.problem, minima.all, likely.effective, settings.seed, job, part_of(0.0, 0.5));
+    likely.profiles = profile_points(minima, likely.effective, part_of(0.5, 1.0));
+    if (round == kMostRounds || !descend_further(minima, closest_of(minima.problem, likely))) return likely;
+  }
+}
+
 /// Intervals that hold both what 95 % of the ensemble lie between and what is nearly as likely as the best:
 /// where the data say little, the first alone is drawn to where there is most room, away from a truth that
 /// fits as well.
-std::vector<Interval> both_intervals(const Minima& minima, const Ensemble& ensemble, double effective) {
+std::vector<Interval> both_intervals(const Minima& minima, const Likely& likely) {
   const Ranges& ranges = minima.problem.parts.front().ranges;
   const std::size_t terms = minima.problem.terms;
-  std::vector<Interval> intervals = intervals_of(ensemble.points, ranges, terms);
-  std::vector<Point> near = nearly_best(ensemble, effective);
-  const std::vector<Point> along = profile_points(minima, effective);
-  near.insert(near.end(), along.begin(), along.end());
+  std::vector<Interval> intervals = intervals_of(likely.ensemble.points, ranges, terms);
+  std::vector<Point> near = nearly_best(likely.ensemble, likely.effective);
+  near.insert(near.end(), likely.profiles.begin(), likely.profiles.end());
   for (const Point& point : near) {
     const std::span<const double> all(point);
     const std::size_t shared = shared_count(terms);
@@ -154,7 +205,10 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   };
   const Specimen used = as_fitted(specimen, settings);
   const Part part = make_part(used);
-  const Minima minima = with_terms(part, settings, progress);
+  Minima minima = with_terms(part, settings, progress);
+  const double most = settings.bootstrap > 0 ? 0.6 : 0.95;
+  const Likely likely = look_around(minima, used.size(), settings, job, told(0.3, most, "intervals"));
+  const Ensemble& ensemble = likely.ensemble;
   SpecimenFit fit;
   fit.name = specimen.name;
   fit.law = settings.law;
@@ -171,13 +225,9 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   const LayerCount layers = layers_of(used, part.ranges, settings, fit.shared, fit.own);
   fit.layers_allowed = layers.allowed;
   fit.layers_reached = layers.reached;
-  const double most = settings.bootstrap > 0 ? 0.6 : 0.95;
-  const double effective = trusted_count(minima.effective, fit.points, fit.shared.size() + kOwnParameters);
-  const Ensemble ensemble =
-      draw_ensemble(minima.problem, minima.all, effective, settings.seed, job, told(0.3, most, "intervals"));
   const std::vector<Point> resampled =
       bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"), crew);
-  add_estimates(minima, both_intervals(minima, ensemble, effective), resampled, fit);
+  add_estimates(minima, both_intervals(minima, likely), resampled, fit);
   const std::vector<Determined> determined = determined_of(minima, ensemble.points);
   for (std::size_t i = 0; i < determined.size(); ++i) {
     fit.estimates[i].determined = determined[i] == Determined::kYes;

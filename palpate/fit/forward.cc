@@ -15,7 +15,8 @@ namespace {
 template <typename Law>
 void elastic(const Law& law, const Specimen& specimen, double first_contact, std::span<double> force) {
   for (std::size_t i = 0; i < force.size(); ++i) {
-    force[i] = law.force_at(specimen.displacement[i] - first_contact).force;
+    const bool held = i > 0 && specimen.displacement[i] == specimen.displacement[i - 1];
+    force[i] = held ? force[i - 1] : law.force_at(specimen.displacement[i] - first_contact).force;
   }
 }
 
@@ -24,15 +25,18 @@ void elastic(const Law& law, const Specimen& specimen, double first_contact, std
 void relax(const std::vector<model::RelaxationTerm>& terms, const std::vector<double>& time,
            std::span<double> force) {
   constexpr double kSameStep = 1e-6;  // relative: times in a file have few digits
-  const double usual = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
-  const model::Relaxation relaxation(terms, usual);
+  double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  model::Relaxation relaxation(terms, step);
   model::RelaxationState state;
   state.elastic = force[0];
   state.kept.fill(force[0]);
   for (std::size_t i = 1; i < force.size(); ++i) {
-    const double step = time[i] - time[i - 1];
-    const bool is_usual = std::abs(step - usual) <= kSameStep * usual;
-    force[i] = is_usual ? relaxation.next(state, force[i]) : relaxation.next_after(state, force[i], step);
+    const double wanted = time[i] - time[i - 1];
+    if (std::abs(wanted - step) > kSameStep * step) {
+      step = wanted;
+      relaxation.set_step(step);
+    }
+    force[i] = relaxation.next(state, force[i]);
   }
 }
 

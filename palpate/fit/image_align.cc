@@ -139,7 +139,8 @@ double nearest_reach(std::span<const Shifted> shifts, double centre, double half
   constexpr double kFarthest = 5.0;  // half widths: the dent itself, not what is far
   double best = half_width;
   double least = 1e300;
-  for (double share = 0.4; share < 1.6; share *= 1.04) {
+  double share = 0.4;
+  while (share < 1.6) {
     const double first = share * half_width;
     Eigen::Matrix2d normal = Eigen::Matrix2d::Identity() * 1e-9;
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
@@ -157,6 +158,7 @@ double nearest_reach(std::span<const Shifted> shifts, double centre, double half
       least = left;
       best = first;
     }
+    share *= 1.04;
   }
   return best;
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,7 +28,8 @@ namespace palpate::fit {
 /// [setup] Points along the profiles of k_1, beta, q, L_1, first contact and offset: each moved away from the
 /// best fit, all others fitted again, as far as a likelihood-ratio test at 95 % leaves. They find the far end
 /// of a narrow bent valley that an ensemble hardly enters. From every minimum that the same test leaves.
-[[nodiscard]] std::vector<Point> profile_points(const Minima& minima, double effective);
+[[nodiscard]] std::vector<Point> profile_points(const Minima& minima, double effective,
+                                                const std::function<void(double)>& progress);
 
 /// [setup] 95 % intervals from the curvature at the best minimum; a parameter along which the cost is flat
 /// has none.

@@ -9,6 +9,9 @@
 
 namespace palpate::fit {
 
+/// Of the range of force: no sensor tells more digits, so residuals below say nothing.
+inline constexpr double kSmallestSigma = 1e-5;
+
 /// One specimen's part of a least-squares problem.
 struct Part {
   const Specimen* specimen = nullptr;

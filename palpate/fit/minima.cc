@@ -13,11 +13,10 @@
 namespace palpate::fit {
 namespace {
 
-constexpr std::size_t kStarts = 12;
-constexpr std::size_t kKept = 5;         // minima that are descended to again with the loss
-constexpr std::size_t kDescended = 10;   // starts that are descended from to the end
-constexpr double kSmallestSigma = 1e-5;  // of the range of force: no sensor tells more digits
-constexpr double kGain = 1e-3;           // of a sum of squares: less is not worth another round
+constexpr std::size_t kStarts = 4;      // of each L_1
+constexpr std::size_t kKept = 8;        // minima that are descended to again with the loss
+constexpr std::size_t kDescended = 20;  // starts that are descended from to the end
+constexpr double kGain = 1e-3;          // of a sum of squares: less is not worth another round
 constexpr double kLoss = 4.0;  // spreads: Cauchy's loss there costs a normal noise 1 % of its information
 
 void sort_by_cost(std::vector<Solution>& all) {
@@ -27,11 +26,14 @@ void sort_by_cost(std::vector<Solution>& all) {
 
 /// The best few, without those that are the same as a better one.
 std::vector<Solution> distinct(std::vector<Solution> all, std::size_t most) {
-  constexpr double kSame = 1e-3;
+  constexpr double kSame = 0.03;
+  constexpr double kSameCost = 1e-6;
   sort_by_cost(all);
   std::vector<Solution> kept;
   for (Solution& solution : all) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&solution](const Solution& other) {
+      const bool as_good = solution.cost - other.cost < kSameCost * other.cost;
+      if (as_good) return true;  // apart only along what the data do not tell
       double distance = 0.0;
       for (std::size_t i = 0; i < solution.shared.size(); ++i) {
         distance = std::max(distance, std::abs(solution.shared[i] - other.shared[i]));
@@ -50,17 +52,24 @@ std::vector<Solution> descend(const Problem& problem, const std::vector<Solution
   return reached;
 }
 
-/// Laws that take the first two layers of a minimum for one, or split its first in two: minima of their own,
-/// which a search from far away can miss.
+/// Laws that take the first two layers of a minimum for one, or split its first in two, and leave the curve
+/// past them as it is: minima of their own, which a search from far away can miss.
 std::vector<Solution> neighbours(const Problem& problem, const Solution& minimum) {
   const Point& at = minimum.shared;                                // ln k_1, ln beta, ln q, ln L_1
-  const double step = portable::log(4.0) + portable::exp(-at[1]);  // of ln k_i from layer to layer
-  const double both = portable::log1p(portable::exp(at[2]));       // ln (L_1 + L_2)/L_1
+  const double step = portable::log(4.0) + portable::exp(-at[1]);  // ln k_2/k_1
+  const double softer = portable::exp(-step);
+  const double length =
+      portable::log(portable::exp(at[2]) + softer);  // ln of a layer's to that of one split off it
   std::vector<Solution> all;
   for (const double way : {-1.0, 1.0}) {
     Solution moved = minimum;
     moved.shared[0] += way * step;
-    moved.shared[3] += way * both;
+    moved.shared[3] += way * length;
+    // the softer layer begins earlier, so that the curve past it is the same
+    const double earlier = portable::exp(way > 0.0 ? at[3] : moved.shared[3]) * (1.0 - softer);
+    for (std::size_t p = 0; p < moved.own.size(); ++p) {
+      moved.own[p][0] += way * earlier / problem.parts[p].ranges.displacement;
+    }
     all.push_back(solve(problem, moved));
   }
   return all;
@@ -150,10 +159,21 @@ void settle(Problem& problem, std::vector<Solution>& found) {
     polish(problem, found.front());
     const double polished = found.front().cost;
     if (!std::isfinite(polished) || problem.parts.size() > 1) return;  // tried for one specimen only
+    for (Solution& other : neighbours(problem, found.front())) found.push_back(std::move(other));
     found.insert(found.begin(), best_beside(problem, found.front()));
     found = distinct(descend(problem, found), kKept);
     if (!(found.front().cost < (1.0 - kGain) * polished)) return;
   }
+}
+
+/// How many independent points what a solution leaves amounts to, over all parts.
+double effective_at(const Problem& problem, const Solution& solution) {
+  double effective = 0.0;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    effective +=
+        effective_count(plain_residuals(problem, problem.parts[p], solution.shared, solution.own[p]));
+  }
+  return effective;
 }
 
 /// A law to go on with when no start makes one.
@@ -240,16 +260,19 @@ Minima find_minima(Problem problem, const std::vector<Solution>& more) {
     if (found.empty()) found = {at_lowest(problem)};
   }
   settle(problem, found);
-  Minima minima;
-  double effective = 0.0;
-  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
-    effective += effective_count(
-        plain_residuals(problem, problem.parts[p], found.front().shared, found.front().own[p]));
-  }
-  minima.problem = std::move(problem);
+  const double effective = effective_at(problem, found.front());
+  return {std::move(problem), std::move(found), effective};
+}
+
+bool descend_further(Minima& minima, const std::vector<Solution>& from) {
+  std::vector<Solution> found = descend(minima.problem, from);
+  found.insert(found.end(), minima.all.begin(), minima.all.end());
+  found = distinct(std::move(found), kKept);
+  if (!(found.front().cost < (1.0 - kGain) * minima.all.front().cost)) return false;
+  settle(minima.problem, found);
+  minima.effective = effective_at(minima.problem, found.front());
   minima.all = std::move(found);
-  minima.effective = effective;
-  return minima;
+  return true;
 }
 
 }  // namespace palpate::fit

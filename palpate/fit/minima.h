@@ -18,6 +18,12 @@ struct Minima {
 /// @param more starts to descend from besides
 [[nodiscard]] Minima find_minima(Problem problem, const std::vector<Solution>& more = {});
 
+/// [setup] Descends from more places, which a wider search found to be as good as the best minimum or better,
+/// and looks again for minima where that leads below it.
+/// @param minima of one specimen; left as they are unless a better one is found
+/// @return whether one was
+[[nodiscard]] bool descend_further(Minima& minima, const std::vector<Solution>& from);
+
 /// [setup] Sets the loss and sigma of a problem by what a solution leaves, its best one.
 void set_loss(Problem& problem, Solution best);
 

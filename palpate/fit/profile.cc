@@ -13,14 +13,17 @@ Point joined(const Solution& solution) {
 
 }  // namespace
 
-std::vector<Point> profile_points(const Minima& minima, double effective) {
+std::vector<Point> profile_points(const Minima& minima, double effective,
+                                  const std::function<void(double)>& progress) {
   const Problem& problem = minima.problem;
   const double best = log_posterior_of(problem, joined(minima.all.front()), effective);
   const double t = student(effective - static_cast<double>(problem.bounds.low.size() + kOwnParameters));
   const double floor = best - 0.5 * t * t;
   const std::size_t relaxation = problem.bounds.low.size();  // which is not walked
   std::vector<Point> points;
-  for (const Solution& minimum : minima.all) {
+  for (std::size_t m = 0; m < minima.all.size(); ++m) {
+    const Solution& minimum = minima.all[m];
+    if (progress) progress(static_cast<double>(m) / static_cast<double>(minima.all.size()));
     if (!(log_posterior_of(problem, joined(minimum), effective) >= floor)) continue;
     points.push_back(joined(minimum));
     for (std::size_t i = 0; i < relaxation + kOwnParameters; ++i) {

@@ -15,6 +15,14 @@ double after_loss(double r, double scale) {
   return std::copysign(scale * std::sqrt(portable::log1p(share * share)), r);
 }
 
+/// Its derivative by r.
+double slope_of_loss(double r, double scale) {
+  const double share = std::abs(r / scale);  // 0 when the scale is infinite
+  const double square = share * share;
+  const double loss = portable::log1p(square);
+  return loss > 0.0 ? share / (std::sqrt(loss) * (1.0 + square)) : 1.0;
+}
+
 }  // namespace
 
 Part make_part(const Specimen& specimen) {
@@ -71,23 +79,33 @@ double cost_of(const Problem& problem, const Point& shared, const std::vector<Po
 std::vector<double> jacobian(const Problem& problem, const Part& part, std::span<const double> shared,
                              std::span<const double> own) {
   constexpr double kStep = 1e-6;  // of a logarithm, or of a range
-  const std::size_t rows = residual_count(part);
+  const std::size_t points = part.specimen->size();
   const std::size_t columns = shared.size() + own.size();
   Point moved_shared(shared.begin(), shared.end());
   Point moved_own(own.begin(), own.end());
-  std::vector<double> above(rows);
-  std::vector<double> below(rows);
-  std::vector<double> out(rows * columns);
+  std::vector<double> above(points);
+  std::vector<double> below(points);
+  std::vector<double> unit(points);  // of a residual, for 1 N
+  predict(*part.specimen, part.ranges, problem.settings, shared, own, unit);
+  for (std::size_t r = 0; r < points; ++r) {
+    const double residual = (unit[r] - part.specimen->force[r]) / part.ranges.force;
+    unit[r] = std::sqrt(part.weight[r]) * slope_of_loss(residual, problem.loss_scale) / part.ranges.force;
+  }
+  std::vector<double> out((points + kOwnParameters) * columns);
   for (std::size_t c = 0; c < columns; ++c) {
     double& moved = c < shared.size() ? moved_shared[c] : moved_own[c - shared.size()];
     const double there = moved;
     moved = there + kStep;
-    residuals(problem, part, moved_shared, moved_own, above);
+    predict(*part.specimen, part.ranges, problem.settings, moved_shared, moved_own, above);
     moved = there - kStep;
-    residuals(problem, part, moved_shared, moved_own, below);
+    predict(*part.specimen, part.ranges, problem.settings, moved_shared, moved_own, below);
     moved = there;
-    for (std::size_t r = 0; r < rows; ++r) out[r * columns + c] = (above[r] - below[r]) / (2.0 * kStep);
+    for (std::size_t r = 0; r < points; ++r) {
+      out[r * columns + c] = unit[r] * ((above[r] - below[r]) / (2.0 * kStep));
+    }
   }
+  out[points * columns + shared.size()] = problem.sigma / part.prior.first_contact_spread;
+  out[(points + 1) * columns + shared.size() + 1] = problem.sigma / part.prior.offset_spread;
   return out;
 }
 

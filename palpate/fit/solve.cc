@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -61,42 +62,71 @@ void set_bounds(ceres::Problem& problem, double* block, const Bounds& bounds) {
   }
 }
 
-/// Keeps one parameter as it is: a shared one, or one of the first part's own; none when negative.
-void hold(ceres::Problem& problem, Solution& solution, int held) {
-  if (held < 0) return;
-  const auto shared = static_cast<int>(solution.shared.size());
-  std::vector<double>& block = held < shared ? solution.shared : solution.own.front();
-  const int within = held < shared ? held : held - shared;
-  auto manifold =
-      std::make_unique<ceres::SubsetManifold>(static_cast<int>(block.size()), std::vector<int>{within});
-  problem.SetManifold(block.data(), manifold.release());  // the problem owns it
+/// Keeps one parameter of a block as it is.
+void hold(ceres::Problem& problem, double* block, std::size_t size, std::size_t index) {
+  auto manifold = std::make_unique<ceres::SubsetManifold>(static_cast<int>(size),
+                                                          std::vector<int>{static_cast<int>(index)});
+  problem.SetManifold(block, manifold.release());  // the problem owns it
 }
 
-/// Keeps from users what Ceres writes of a step that led to no number; cost_of() tells it too.
-void quiet_library() noexcept { FLAGS_minloglevel = google::GLOG_FATAL; }
+/// Eliminates each part's own parameters first. Ceres goes by where they lie in memory: in one array, so that
+/// sums have the same order each time.
+std::shared_ptr<ceres::ParameterBlockOrdering> own_before_shared(std::vector<double>& own, double* shared) {
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (std::size_t i = 0; i < own.size(); i += kOwnParameters) ordering->AddElementToGroup(&own[i], 0);
+  ordering->AddElementToGroup(shared, 1);
+  return ordering;
+}
+
+/// Keeps from users what Ceres writes of a step that led to no number, which cost_of() tells too; the log's
+/// level is the whole program's, which may be another's.
+class QuietLibrary final {
+ public:
+  QuietLibrary() noexcept : before_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }
+  ~QuietLibrary() { FLAGS_minloglevel = before_; }
+  QuietLibrary(const QuietLibrary&) = delete;
+  QuietLibrary& operator=(const QuietLibrary&) = delete;
+
+ private:
+  int before_;
+};
 
 }  // namespace
 
 Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held) {
-  quiet_library();
+  const QuietLibrary quiet;
   Solution found = start;
   clamp_into(found.shared, problem.bounds);
+  std::vector<double> all_own;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    clamp_into(found.own[p], own_bounds(problem.parts[p].prior));
+    all_own.insert(all_own.end(), found.own[p].begin(), found.own[p].end());
+  }
+  const Solution clamped = found;
   ceres::Problem::Options ownership;
   ownership.enable_fast_removal = false;
   ceres::Problem all(ownership);
-  all.AddParameterBlock(found.shared.data(), static_cast<int>(found.shared.size()));
-  set_bounds(all, found.shared.data(), problem.bounds);
+  double* const shared = found.shared.data();
+  all.AddParameterBlock(shared, static_cast<int>(found.shared.size()));
+  set_bounds(all, shared, problem.bounds);
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
-    const Bounds bounds = own_bounds(problem.parts[p].prior);
-    clamp_into(found.own[p], bounds);
+    double* const own = &all_own[kOwnParameters * p];
     auto cost = std::make_unique<PartCost>(problem, problem.parts[p]);
-    all.AddResidualBlock(cost.release(), nullptr, found.shared.data(), found.own[p].data());
-    set_bounds(all, found.own[p].data(), bounds);
+    all.AddResidualBlock(cost.release(), nullptr, shared, own);
+    set_bounds(all, own, own_bounds(problem.parts[p].prior));
   }
-  hold(all, found, held);
-  const Solution clamped = found;
+  if (held >= 0) {
+    const auto index = static_cast<std::size_t>(held);
+    const std::size_t count = found.shared.size();
+    if (index < count) hold(all, shared, count, index);
+    if (index >= count) hold(all, all_own.data(), kOwnParameters, index - count);
+  }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
+  if (problem.parts.size() > 1) {  // or what only one part has would make one great matrix
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_ordering = own_before_shared(all_own, shared);
+  }
   options.num_threads = 1;
   options.max_num_iterations = most_iterations;
   options.function_tolerance = 1e-9;
@@ -105,6 +135,9 @@ Solution solve(const Problem& problem, const Solution& start, int most_iteration
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &all, &summary);
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    std::copy_n(&all_own[kOwnParameters * p], kOwnParameters, found.own[p].begin());
+  }
   found.cost = cost_of(problem, found.shared, found.own);
   if (std::isfinite(found.cost)) return found;
   Solution as_it_was = clamped;

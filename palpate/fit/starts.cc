@@ -1,8 +1,10 @@
 #include "palpate/fit/starts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <set>
+#include <initializer_list>
+#include <utility>
 
 #include "palpate/base/portable_math.h"
 #include "palpate/fit/forward.h"
@@ -26,9 +28,9 @@ struct LineSums {
   }
 };
 
-/// The best positive scale of a law whose k_1 is `shared`'s, and what is left. One offset stands for those of
-/// all parts: good enough to start from.
-void scale_and_judge(const Problem& problem, Solution& start) {
+/// The sums of a law's forces beside the measured ones. One offset stands for those of all parts: good enough
+/// to start from.
+LineSums sums_of(const Problem& problem, const Solution& start) {
   LineSums sums;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     const Part& part = problem.parts[p];
@@ -40,18 +42,25 @@ void scale_and_judge(const Problem& problem, Solution& start) {
       sums.add(part.weight[i], force[i] / part.ranges.force, measured);
     }
   }
+  return sums;
+}
+
+/// Gives a start the best offset, and unless its k_1 is held the best positive scale of its law, and judges
+/// it by what is left. A start that cannot be judged keeps its endless cost.
+void scale_and_judge(const Problem& problem, bool stiffness_held, Solution& start) {
+  const LineSums sums = sums_of(problem, start);
   // the offset is held back by its prior, as if some points had measured it as 0
   const double held = 0.05 * sums.n;
   const double n = sums.n + held;
   const double spread = sums.xx - sums.x * sums.x / n;
-  const double scale = (sums.xy - sums.x * sums.y / n) / spread;
+  const double scale = stiffness_held ? 1.0 : (sums.xy - sums.x * sums.y / n) / spread;
   if (!std::isfinite(scale) || !(scale > 0.0)) return;
   const double offset = (sums.y - scale * sums.x) / n;
   start.shared[0] += log(scale);
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     start.own[p][1] = problem.parts[p].prior.offset + offset;
   }
-  start.cost = sums.yy - scale * sums.xy - offset * sums.y;
+  start.cost = sums.yy - 2.0 * scale * sums.xy + scale * scale * sums.xx - n * offset * offset;
 }
 
 /// Relaxation to begin with: every term takes the same share, times spread over what the data can show.
@@ -89,54 +98,89 @@ bool is_near(const Solution& start, const std::vector<Solution>& others) {
   });
 }
 
-/// Of starts, best first: the best `most` that are no neighbours, then the best of each other L_1.
-std::vector<Solution> chosen_of(const std::vector<Solution>& all, std::size_t most) {
-  constexpr std::size_t kLimit = 3;  // index of ln L_1
+/// The best `most` of starts that are no neighbours, best first.
+std::vector<Solution> best_apart(std::vector<Solution> all, std::size_t most) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
   std::vector<Solution> chosen;
-  std::set<double> limits;
   for (const Solution& start : all) {
     if (chosen.size() == most) break;
-    if (is_near(start, chosen)) continue;
-    chosen.push_back(start);
-    limits.insert(start.shared[kLimit]);
-  }
-  for (const Solution& start : all) {
-    if (limits.contains(start.shared[kLimit]) || is_near(start, chosen)) continue;
-    chosen.push_back(start);
-    limits.insert(start.shared[kLimit]);
+    if (!is_near(start, chosen)) chosen.push_back(start);
   }
   return chosen;
 }
 
-}  // namespace
+/// Values of a law's parameters to begin at [logarithms].
+struct Grid {
+  std::vector<double> stiffness, beta, q, limit;
+};
 
-std::vector<Solution> starts(const Problem& problem, std::size_t most) {
+std::vector<double> logs(std::initializer_list<double> values, double unit = 1.0) {
+  std::vector<double> all;
+  for (const double value : values) all.push_back(log(value * unit));
+  return all;
+}
+
+Grid whole_grid(const Problem& problem) {
   double deepest = 0.0;  // m, past first contact
   for (const Part& part : problem.parts) {
     const double way = part.ranges.lowest_displacement + part.ranges.displacement -
                        part.prior.first_contact * part.ranges.displacement;
     deepest = std::max(deepest, way);
   }
-  const double stiffness = problem.parts.front().ranges.force / deepest;
-  std::vector<Solution> all;
-  for (const Point& relaxation : relaxation_guesses(problem)) {
-    for (const double limit : {0.1, 0.17, 0.25, 0.33, 0.37, 0.42, 0.47, 0.52, 0.64, 0.8, 1.1}) {
-      for (const double q : {0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.3}) {
-        for (const double beta : {0.5, 1.0, 1.3, 1.7, 2.2, 3.0, 8.0}) {
+  Grid grid;
+  grid.stiffness = {log(problem.parts.front().ranges.force / deepest)};  // any: it is scaled
+  grid.beta = logs({0.5, 1.0, 1.3, 1.7, 2.2, 3.0, 8.0});
+  grid.q = logs({0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.3, 1.9, 2.8});
+  grid.limit = logs({0.1, 0.17, 0.25, 0.33, 0.37, 0.42, 0.47, 0.52, 0.64, 0.8, 1.1}, deepest);
+  return grid;
+}
+
+/// Adds a start for every point of a grid that can be judged.
+void add_starts(const Problem& problem, const Grid& grid, bool stiffness_held, const Point& relaxation,
+                std::vector<Solution>& all) {
+  std::vector<Point> own;
+  for (const Part& part : problem.parts) own.push_back({part.prior.first_contact, part.prior.offset});
+  for (const double limit : grid.limit) {
+    for (const double q : grid.q) {
+      for (const double beta : grid.beta) {
+        for (const double stiffness : grid.stiffness) {
           Solution start;
-          start.shared = {log(stiffness), log(beta), log(q), log(limit * deepest)};
+          start.shared = {stiffness, beta, q, limit};
           start.shared.insert(start.shared.end(), relaxation.begin(), relaxation.end());
-          for (const Part& part : problem.parts)
-            start.own.push_back({part.prior.first_contact, part.prior.offset});
-          scale_and_judge(problem, start);
+          start.own = own;
+          scale_and_judge(problem, stiffness_held, start);
           if (std::isfinite(start.cost)) all.push_back(std::move(start));
         }
       }
     }
   }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
-  return chosen_of(all, most);
+}
+
+}  // namespace
+
+std::vector<Solution> starts(const Problem& problem, std::size_t most) {
+  const std::vector<Point> relaxations = relaxation_guesses(problem);
+  const Grid whole = whole_grid(problem);
+  std::vector<Solution> chosen;
+  for (const double limit : whole.limit) {
+    Grid grid = whole;
+    grid.limit = {limit};
+    std::vector<Solution> all;
+    for (const Point& relaxation : relaxations) add_starts(problem, grid, false, relaxation, all);
+    const std::vector<Solution> best = best_apart(std::move(all), most);
+    chosen.insert(chosen.end(), best.begin(), best.end());
+  }
+  return chosen;
+}
+
+std::vector<Solution> starts_at(const Problem& problem, std::size_t held, double value,
+                                const Point& relaxation, std::size_t most) {
+  Grid grid = whole_grid(problem);
+  *std::array{&grid.stiffness, &grid.beta, &grid.q, &grid.limit}.at(held) = {value};
+  std::vector<Solution> all;
+  add_starts(problem, grid, held == 0, relaxation, all);
+  return best_apart(std::move(all), most);
 }
 
 }  // namespace palpate::fit

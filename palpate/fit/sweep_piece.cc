@@ -13,6 +13,7 @@
 #include "palpate/fit/ensemble.h"
 #include "palpate/fit/intervals.h"
 #include "palpate/fit/minima.h"
+#include "palpate/fit/number_json.h"
 #include "palpate/fit/parts.h"
 #include "palpate/fit/starts.h"
 #include "palpate/fit/valley.h"
@@ -35,14 +36,14 @@ class Target final {
       problem_ = make_problem(settings, fits.pooled.terms, pooled_parts(used_));
       best_ = {fits.pooled.shared, fits.pooled.own};
       for (const SpecimenFit& fit : fits.specimens) {
-        if (fit.terms == problem_.terms) more_.push_back({fit.shared, fits.pooled.own});
+        if (fit.terms == problem_.terms && more_.size() < kStarts)
+          more_.push_back({fit.shared, fits.pooled.own});
       }
     } else {
       const SpecimenFit& fit = fits.specimens[number];
       used_ = {as_fitted(specimens[number], settings)};
       problem_ = make_problem(settings, fit.terms, {make_part(used_.front())});
       best_ = {fit.shared, {fit.own}};
-      more_ = starts(problem_, kStarts);
       for (const Point& minimum : fit.minima) {
         const auto own = minimum.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
         minima_.push_back({Point(minimum.begin(), own), {Point(own, minimum.end())}});
@@ -73,8 +74,9 @@ class Target final {
     return std::sqrt(shares / static_cast<double>(used_.size()));
   }
 
-  /// The fits with a parameter at `values` [logarithms], from the best one outwards, from the fit's other
-  /// minima where they lie, and back and out again from what a wider search finds at the far end.
+  /// The fits with a parameter at `values` [logarithms]: from the best one outwards, from the fit's other
+  /// minima where they lie, and from a search of its own at each value (of all together, from each specimen's
+  /// fit at the far end), then back and out again from the best of these.
   [[nodiscard]] std::vector<Solution> along(std::size_t index, const std::vector<double>& values) {
     std::vector<Solution> found;
     for (const double value : values) {
@@ -88,10 +90,9 @@ class Target final {
       const std::size_t i = nearest(values, minimum.shared[index]);
       take_better(moved_to(problem_, minimum, index, values[i]), found[i]);
     }
-    for (std::size_t i = 0; !found.empty() && i < std::min(kStarts, more_.size()); ++i) {
-      Solution start = more_[i];
-      start.shared[index] = values.back();
-      take_better(solve(problem_, start, kSteps, static_cast<int>(index)), found.back());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const bool searched = !pooled_ || i + 1 == found.size();  // of all together one costs much
+      if (searched) search_at(index, values[i], found[i]);
     }
     for (std::size_t i = found.size(); i-- > 1;) {
       take_better(moved_to(problem_, found[i], index, values[i - 1]), found[i - 1]);
@@ -114,6 +115,28 @@ class Target final {
       found.push_back(moved_to(problem_, best_, index, value));
     }
     return found;
+  }
+
+  /// Fits between values: where one is better than both its neighbours but the data do not leave it, the best
+  /// of more values on either side, when the data leave that.
+  [[nodiscard]] std::vector<Solution> between(std::size_t index, const std::vector<double>& values,
+                                              const std::vector<Solution>& found) const {
+    std::vector<Solution> left;
+    for (std::size_t i = 1; i + 1 < found.size(); ++i) {
+      const bool dip = found[i].cost < found[i - 1].cost && found[i].cost < found[i + 1].cost;
+      if (!dip || point_of(found[i], index).within_95) continue;
+      Solution lowest = found[i];
+      for (const double end : {values[i - 1], values[i + 1]}) {
+        for (const double share : {0.2, 0.4, 0.6, 0.8}) {
+          const double value = values[i] + share * (end - values[i]);
+          Solution tried = moved_to(problem_, found[i], index, value);
+          search_at(index, value, tried);
+          take_better(std::move(tried), lowest);
+        }
+      }
+      if (point_of(lowest, index).within_95) left.push_back(std::move(lowest));
+    }
+    return left;
   }
 
   [[nodiscard]] SweepPoint point_of(const Solution& solution, std::size_t index) const {
@@ -146,6 +169,15 @@ class Target final {
     return static_cast<std::size_t>(found - values.begin());
   }
 
+  /// Takes the best that a search with a parameter held at `value` finds, when it is better.
+  void search_at(std::size_t index, double value, Solution& kept) const {
+    const Point relaxation(best_.shared.begin() + kLawParameters, best_.shared.end());
+    for (Solution start : pooled_ ? more_ : starts_at(problem_, index, value, relaxation, kStarts)) {
+      start.shared[index] = value;
+      take_better(solve(problem_, start, kSteps, static_cast<int>(index)), kept);
+    }
+  }
+
   /// A fit that leaves more than both of its neighbours is stuck: again from each of them, as they are but
   /// for the value.
   void free_stuck(std::size_t index, const std::vector<double>& values, std::vector<Solution>& found) const {
@@ -173,17 +205,10 @@ class Target final {
   Problem problem_;
   Solution best_;
   std::vector<double> best_costs_;
-  std::vector<Solution> more_;    // other places to begin at
+  std::vector<Solution> more_;    // of all together: fits of one
   std::vector<Solution> minima_;  // that the fit kept besides the best
   double effective_ = 0.0;
 };
-
-/// JSON has no infinite numbers: null.
-Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-double number_of(const Json& json) {
-  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
-}
 
 Json point_json(const SweepPoint& point) {
   Json json = Json::array({point.value, number_json(point.nrmse), point.within_95 ? 1.0 : 0.0});
@@ -244,11 +269,13 @@ std::string sweep_line(const SweepPiece& piece, const std::string& key,
   Json points = Json::array();
   bool better = false;
   std::vector<Solution> found = target.along(index, values);
+  const std::vector<Solution> between = target.between(index, values, found);
   const std::size_t beside = across && piece.upwards ? 1 : 0;
   if (across && found.size() > beside && !target.point_of(found[beside], index).within_95) {
     const std::vector<Solution> nearer = target.nearer(index, values[beside]);
     found.insert(found.end(), nearer.begin(), nearer.end());
   }
+  found.insert(found.end(), between.begin(), between.end());
   for (const Solution& solution : found) {
     better = better || solution.cost < kClearlyBetter * target.best().cost;
     points.push_back(point_json(target.point_of(solution, index)));

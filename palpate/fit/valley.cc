@@ -17,35 +17,17 @@ constexpr int kIterations = 20;  // of each fit along the way
 /// How far a step of 1 goes: 1 of a logarithm, a tenth of a range.
 double unit_of(const Solution& at, std::size_t index) { return index < at.shared.size() ? 1.0 : 0.1; }
 
-/// How the other parameters, shared ones first, then each part's own, go with one, to first order, when they
-/// are fitted again: 1 for that one.
-Point tangent(const Problem& problem, const Solution& at, std::size_t index) {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const auto shared = static_cast<Eigen::Index>(at.shared.size());
-  constexpr auto kOwn = static_cast<Eigen::Index>(kOwnParameters);
-  Eigen::Index rows = 0;
-  for (const Part& part : problem.parts) rows += static_cast<Eigen::Index>(residual_count(part));
-  const auto parts = static_cast<Eigen::Index>(problem.parts.size());
-  Eigen::MatrixXd others = Eigen::MatrixXd::Zero(rows, shared + kOwn * parts);
-  Eigen::Index row = 0;
-  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
-    const Part& part = problem.parts[p];
-    const std::vector<double> derivatives = jacobian(problem, part, at.shared, at.own[p]);
-    const auto count = static_cast<Eigen::Index>(residual_count(part));
-    const Eigen::Map<const RowMajor> all(derivatives.data(), count, shared + kOwn);
-    others.block(row, 0, count, shared) = all.leftCols(shared);
-    others.block(row, shared + kOwn * static_cast<Eigen::Index>(p), count, kOwn) = all.rightCols(kOwn);
-    row += count;
-  }
-  const auto moved = static_cast<Eigen::Index>(index);
-  const Eigen::VectorXd right = -others.col(moved);
-  others.col(moved).setZero();
-  const Eigen::VectorXd along = others.colPivHouseholderQr().solve(right);
-  Point way(along.data(), along.data() + along.size());
-  for (double& value : way) value = std::isfinite(value) ? value : 0.0;
-  way[index] = 1.0;
-  return way;
-}
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using OnePart = Eigen::Matrix<double, Eigen::Dynamic, static_cast<int>(kOwnParameters)>;
+
+/// A part's derivatives by its own parameters, and how these go with what they are not told.
+struct Eliminated {
+  OnePart own;
+  Eigen::MatrixXd rest;   // derivatives by the shared parameters, and the right side, as they are
+  Eigen::MatrixXd taken;  // own parameters that fit each column of `rest` best
+
+  [[nodiscard]] Eigen::MatrixXd left() const { return rest - own * taken; }
+};
 
 /// `at` moved by `step` times `way`, within the bounds.
 Solution moved_by(const Problem& problem, const Solution& at, const Point& way, double step) {
@@ -65,6 +47,46 @@ Solution moved_by(const Problem& problem, const Solution& at, const Point& way, 
 }
 
 }  // namespace
+
+Point tangent(const Problem& problem, const Solution& at, std::size_t index) {
+  const auto shared = static_cast<Eigen::Index>(at.shared.size());
+  const auto moved = static_cast<Eigen::Index>(index);
+  std::vector<Eliminated> parts;
+  Eigen::Index rows = 0;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    const Part& part = problem.parts[p];
+    const std::vector<double> derivatives = jacobian(problem, part, at.shared, at.own[p]);
+    const auto count = static_cast<Eigen::Index>(residual_count(part));
+    RowMajor all = Eigen::Map<const RowMajor>(derivatives.data(), count,
+                                              shared + static_cast<Eigen::Index>(kOwnParameters));
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+    if (moved < shared || p == 0) {
+      right = -all.col(moved);
+      all.col(moved).setZero();
+    }
+    Eliminated& made = parts.emplace_back();
+    made.own = all.rightCols<static_cast<int>(kOwnParameters)>();
+    made.rest.resize(count, shared + 1);
+    made.rest << all.leftCols(shared), right;
+    made.taken = made.own.colPivHouseholderQr().solve(made.rest);
+    rows += count;
+  }
+  Eigen::MatrixXd left(rows, shared + 1);
+  Eigen::Index row = 0;
+  for (const Eliminated& part : parts) {
+    left.middleRows(row, part.rest.rows()) = part.left();
+    row += part.rest.rows();
+  }
+  const Eigen::VectorXd along = left.leftCols(shared).colPivHouseholderQr().solve(left.col(shared));
+  Point way(along.data(), along.data() + along.size());
+  for (const Eliminated& part : parts) {
+    const Eigen::VectorXd own = part.taken.col(shared) - part.taken.leftCols(shared) * along;
+    way.insert(way.end(), own.data(), own.data() + own.size());
+  }
+  for (double& value : way) value = std::isfinite(value) ? value : 0.0;
+  way[index] = 1.0;
+  return way;
+}
 
 double parameter_of(const Solution& solution, std::size_t index) {
   const std::size_t shared = solution.shared.size();

@@ -7,6 +7,11 @@
 
 namespace palpate::fit {
 
+/// [setup] How the other parameters, shared ones first, then each part's own, go with one, to first order,
+/// when they are fitted again: 1 for that one. Each part's own are eliminated before all parts' shared ones
+/// are found. @param index as in parameter_of()
+[[nodiscard]] Point tangent(const Problem& problem, const Solution& at, std::size_t index);
+
 /// [setup] `at` with one shared parameter (or one of the first part's own) moved by `step`, within the
 /// bounds, the others first as the data pull them along, then all fitted again.
 [[nodiscard]] Solution moved_along(const Problem& problem, const Solution& at, std::size_t index,

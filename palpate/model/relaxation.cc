@@ -7,13 +7,6 @@
 
 namespace palpate::model {
 
-void Relaxation::set_step(Term& term, double step) noexcept {
-  const double steps = step / term.time;
-  const double lost = -portable::expm1(-steps);
-  term.keep = 1.0 - lost;
-  term.gain = steps > 0.0 ? lost / steps : 1.0;  // a time too long for the quotient lets nothing go
-}
-
 Relaxation::Relaxation(std::span<const RelaxationTerm> terms, double step) {
   validate_relaxation(terms);
   if (!std::isfinite(step) || !(step > 0.0)) throw ParameterError("step_s", step, "finite and > 0");
@@ -22,8 +15,18 @@ Relaxation::Relaxation(std::span<const RelaxationTerm> terms, double step) {
     ++count_;
     made.share = term.share;
     made.time = term.time;
-    set_step(made, step);
     lasting_ -= term.share;
+  }
+  set_step(step);
+}
+
+void Relaxation::set_step(double step) noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    Term& term = terms_[i];
+    const double steps = step / term.time;
+    const double lost = -portable::expm1(-steps);
+    term.keep = 1.0 - lost;
+    term.gain = steps > 0.0 ? lost / steps : 1.0;  // a time too long for the quotient lets nothing go
   }
 }
 
@@ -33,19 +36,6 @@ double Relaxation::next(RelaxationState& state, double elastic) const noexcept {
   double force = lasting_ * elastic;
   for (std::size_t i = 0; i < count_; ++i) {
     const Term& term = terms_[i];
-    state.kept[i] = term.keep * state.kept[i] + term.gain * rise;
-    force += term.share * state.kept[i];
-  }
-  return force;
-}
-
-double Relaxation::next_after(RelaxationState& state, double elastic, double step) const noexcept {
-  const double rise = elastic - state.elastic;
-  state.elastic = elastic;
-  double force = lasting_ * elastic;
-  for (std::size_t i = 0; i < count_; ++i) {
-    Term term = terms_[i];
-    set_step(term, step);
     state.kept[i] = term.keep * state.kept[i] + term.gain * rise;
     force += term.share * state.kept[i];
   }

@@ -45,9 +45,9 @@ class Relaxation final {
     for (std::size_t i = before.count_; i < count_; ++i) memory.kept[i] = memory.elastic;
   }
 
-  /// [setup] Other times between samples, for measurements whose samples are not equally far apart: the same
-  /// as next() with `step` [s] > 0.
-  [[nodiscard]] double next_after(RelaxationState& state, double elastic, double step) const noexcept;
+  /// [setup] The time [s] from here on between samples, for measurements whose samples are not equally far
+  /// apart. @param step >= 0
+  void set_step(double step) noexcept;
 
  private:
   struct Term {
@@ -56,8 +56,6 @@ class Relaxation final {
     double keep = 0.0;  // e^(-step/time)
     double gain = 0.0;  // (1 - keep) time/step: of a ramp over one step
   };
-
-  static void set_step(Term& term, double step) noexcept;
 
   std::size_t count_ = 0;
   std::array<Term, kMostRelaxationTerms> terms_{};

@@ -29,11 +29,12 @@ std::string script(bool over_time, double largest_residual) {
          "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
          "set key top left Left reverse samplen 2 spacing 1.15 noopaque\nset lmargin 11\n"
          "set multiplot\nset origin 0,0.36\nset size 1,0.64\nset bmargin 0.6\nset format x ''\n"
-         "set ylabel 'force, N'\n"
+         "set ylabel 'force, N'\nset yrange [*<0:*]\nset autoscale yfixmin\n"
          "plot 'curve.dat' using 1:4:5 with filledcurves lc rgb '#c9dfee' title '95 % band of the curve', "
          "'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '" +
          std::string(kOrange) + "' title 'measured', 'curve.dat' using 1:3 with lines lw 2 lc rgb '" + kBlue +
          "' title 'fitted'\n"
+         "set yrange [*:*]\nset autoscale y\n"
          "set origin 0,0\nset size 1,0.36\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\nset nokey\n"
          "set xlabel '" +
          std::string(over_time ? "time, s" : "displacement, mm") +

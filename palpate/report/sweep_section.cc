@@ -59,7 +59,7 @@ std::string script(const fit::Sweep& sweep, double most, double lowest, double h
       "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
       "set key top center horizontal samplen 2 noopaque\nset lmargin 11\nset rmargin 3\n" +
       axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit) +
-      "set multiplot\nset origin 0,0.46\nset size 1,0.54\nset bmargin 0.6\nset format x ''\n"
+      "set multiplot\nset origin 0,0.49\nset size 1,0.51\nset bmargin 0.6\nset format x ''\n"
       "set yrange [0:" +
       shortest(most) +
       "]\nset ylabel 'error, % of force range'\n"
@@ -67,7 +67,8 @@ std::string script(const fit::Sweep& sweep, double most, double lowest, double h
       "'' using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '" +
       std::string(kBlue) + "' title 'error', 'best.dat' using 1:2 with points pt 9 ps 1.1 lc rgb '" + kGrey +
       "' title 'the fit'\n"
-      "set origin 0,0\nset size 1,0.46\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\n" +
+      "set origin 0,0\nset size 1,0.49\nset key outside top center\nset tmargin 2\nset bmargin 3.4\nset "
+      "format x '%g'\n" +
       axis("y", lowest, highest) + "set xlabel '" + axis_name(sweep.parameter) +
       "'\nset ylabel 'others / their best'\nplot 1 with lines lw 1 lc rgb '" + kGrey + "' notitle";
   for (std::size_t i = 0; i < fit::kLawParameters; ++i) {

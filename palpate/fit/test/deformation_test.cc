@@ -1,5 +1,6 @@
 #include "palpate/fit/deformation.h"
 
+#include <cstdint>
 #include <string>
 
 #include <gmock/gmock.h>

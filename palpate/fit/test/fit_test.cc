@@ -141,35 +141,49 @@ TEST(FitSpecimen, SaysWhatTheDataDoNotDetermine) {
   EXPECT_THAT(fit.warnings, testing::Contains(testing::HasSubstr("beta is not determined by the data")));
 }
 
-/// Pressed in 1 s, held for 20 s; relaxes by 30 % in 0.4 s and by 25 % in 6 s; 2 % noise.
-TEST(FitSpecimen, FindsRelaxationOfAPressAndHold) {
-  const std::vector<model::RelaxationTerm> terms = {{0.3, 0.4}, {0.25, 6.0}};
+/// Pressed in 1 s, held for 20 s.
+Specimen press_and_hold(LawKind law, const std::vector<model::RelaxationTerm>& terms) {
   const model::Relaxation relaxation(terms, 0.05);
   model::RelaxationState state;
-  Random random(7, 0, 0);
   Specimen specimen;
   specimen.name = "hold";
-  std::vector<double> exact;
   for (int i = 0; i < 420; ++i) {
     const double time = 0.05 * i;
     const double depth = 15e-3 * std::min(1.0, time);
     specimen.time.push_back(time);
     specimen.displacement.push_back(depth);
-    exact.push_back(relaxation.next(state, force_of(LawKind::kSmooth, depth)));
+    specimen.force.push_back(relaxation.next(state, force_of(law, depth)));
   }
-  const double range = *std::max_element(exact.begin(), exact.end());
-  for (const double force : exact) specimen.force.push_back(force + 0.02 * range * random.normal());
+  return specimen;
+}
+
+TEST(FitSpecimen, FindsRelaxationOfAPressAndHold) {
+  const Specimen exact = press_and_hold(LawKind::kSmooth, {{0.3, 0.4}, {0.25, 6.0}});
+  const double range = *std::max_element(exact.force.begin(), exact.force.end());
+  Random random(7, 0, 0);
+  Specimen noisy = exact;
+  for (double& force : noisy.force) force += 0.02 * range * random.normal();
   Settings settings = settings_for(LawKind::kSmooth);
   settings.relaxation = true;
-  const SpecimenFit fit = fit_specimen(specimen, settings, 0, {});
+  const SpecimenFit fit = fit_specimen(noisy, settings, 0, {});
   ASSERT_EQ(fit.terms, 2U);
   const double wanted[] = {0.3, 0.4, 0.25, 6.0};
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(fit.estimates[4 + i].value / wanted[i], 1.0, 0.5) << i;
   }
   double squares = 0.0;
-  for (std::size_t i = 0; i < exact.size(); ++i) squares += std::pow(fit.curve.fitted[i] - exact[i], 2);
+  for (std::size_t i = 0; i < exact.size(); ++i) squares += std::pow(fit.curve.fitted[i] - exact.force[i], 2);
   EXPECT_LT(std::sqrt(squares / 420.0) / range, 0.03);
+}
+
+TEST(FitSpecimen, RelaxationTooFaintForAnySensorIsNoTerm) {
+  Settings settings = settings_for(LawKind::kLayered);
+  settings.relaxation = true;
+  const Specimen specimen = press_and_hold(LawKind::kLayered, {{0.3, 0.4}, {5e-5, 1.5}, {0.25, 6.0}});
+  const SpecimenFit fit = fit_specimen(specimen, settings, 0, {});
+  ASSERT_EQ(fit.terms, 2U);
+  const double wanted[] = {0.3, 0.4, 0.25, 6.0};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(fit.estimates[4 + i].value / wanted[i], 1.0, 1e-3) << i;
 }
 
 TEST(FitSpecimen, RefusesRelaxationWithoutTimesAndTooFewPoints) {

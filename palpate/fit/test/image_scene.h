@@ -125,18 +125,21 @@ inline void blur(std::vector<float>& gray, int width, int height, double sigma) 
     kernel.push_back(std::exp(-0.5 * k * k / (sigma * sigma)));
     sum += kernel.back();
   }
+  const auto at = [width](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  };
   for (const bool across : {true, false}) {
     const std::vector<float> from = gray;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         double value = 0.0;
-        for (int k = -half; k <= half; ++k) {
+        for (std::size_t i = 0; i < kernel.size(); ++i) {
+          const int k = static_cast<int>(i) - half;
           const int xx = across ? std::clamp(x + k, 0, width - 1) : x;
           const int yy = across ? y : std::clamp(y + k, 0, height - 1);
-          value += kernel[static_cast<std::size_t>(k + half)] *
-                   static_cast<double>(from[static_cast<std::size_t>(yy * width + xx)]);
+          value += kernel[i] * static_cast<double>(from[at(xx, yy)]);
         }
-        gray[static_cast<std::size_t>(y * width + x)] = static_cast<float>(value / sum);
+        gray[at(x, y)] = static_cast<float>(value / sum);
       }
     }
   }

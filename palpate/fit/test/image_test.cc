@@ -65,7 +65,7 @@ Picture flat(int width, int height, unsigned char light) {
 
 Picture pure_noise(std::uint32_t seed) {
   Random random(seed, 0, 0);
-  std::vector<unsigned char> gray(600 * 400);
+  std::vector<unsigned char> gray(std::size_t{600} * 400);
   for (unsigned char& g : gray) g = static_cast<unsigned char>(256.0 * random.uniform());
   return test::picture_of(gray, 600, 400);
 }
@@ -172,7 +172,7 @@ TEST(Image, RefusesTwoEquallyPlausibleLines) {
 
 TEST(Image, RefusesAnEdgeOnASmallPartOnly) {
   SideView view = rest();
-  for (double x = 230.0; x < 900.0; x += 60.0) view.bars.push_back(x);  // hidden from there on
+  for (int x = 230; x < 900; x += 60) view.bars.push_back(x);  // hidden from there on
   view.bar_width = 70.0;
   EXPECT_NE(refusal(test::photograph(view), test::photograph(view)), "");
 }

@@ -1,5 +1,6 @@
 #include "palpate/fit/rivals.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>

@@ -11,7 +11,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/test/temporary_folder.h"
-#include "palpate/fit/random.h"
+#include "palpate/fit/test/springs.h"
 
 namespace palpate::fit {
 namespace {
@@ -20,18 +20,7 @@ constexpr std::size_t kQ = 2;
 constexpr std::size_t kLimit = 3;
 
 /// Two springs one after the other: 20 N/m to 4 mm, 100 N/m from there to 8 mm; noise of 2 mN.
-Specimen bent(std::uint32_t number) {
-  Random random(11, number, 0);
-  Specimen specimen;
-  specimen.name = "bent " + std::to_string(number);
-  for (int i = 1; i <= 40; ++i) {
-    const double depth = 0.2e-3 * i;
-    const double force = 20.0 * std::min(depth, 4e-3) + 100.0 * std::max(0.0, depth - 4e-3);
-    specimen.displacement.push_back(depth);
-    specimen.force.push_back(force + 2e-3 * random.normal());
-  }
-  return specimen;
-}
+Specimen bent(std::uint32_t number) { return springs({}, number); }
 
 ManyFits fits_of(const std::vector<Specimen>& specimens) {
   LocalCrew crew;
@@ -80,6 +69,15 @@ TEST(Sweep, NoValueFitsBetterThanTheFitOfACurveWithManyMinima) {
   }
 }
 
+TEST(Sweep, NoValueFitsClearlyBetterThanTheFitOfRandomSprings) {
+  for (std::uint32_t number = 0; number < 6; ++number) {
+    const std::vector<Specimen> specimens = {springs(random_springs(number), number)};
+    for (const Sweep& sweep : sweeps_of(specimens, fits_of(specimens), "all").all) {
+      EXPECT_FALSE(sweep.found_better) << number << ' ' << sweep.parameter;
+    }
+  }
+}
+
 /// RMS over the range of force of the best o + k max(0, d - c), |c| at most `farthest`: least squares in o
 /// and k for each of 400 c.
 double best_spring(const Specimen& specimen, double farthest) {
@@ -110,6 +108,32 @@ TEST(Sweep, TheErrorIsThatOfTheBestCurveWithThatValue) {
   const double nrmse = sweeps.all.front().points.back().nrmse;
   EXPECT_GT(nrmse, 0.99 * best_spring(specimen, 2e-3));
   EXPECT_LT(nrmse, 1.01 * best_spring(specimen, 0.0));
+}
+
+// A thin weak layer before the first, between 4 and 5 N/m, fits this curve nearly as well as 21 N/m do.
+TEST(Sweep, FindsWhatTheDataLeaveBetweenItsValues) {
+  const std::vector<Specimen> specimens = {bent(12)};
+  const ManyFits fits = fits_of(specimens);
+  for (const char* request : {"k1_N_per_m=0.5:60:12", "k1_N_per_m=0.5:60:16", "k1_N_per_m=0.5:60:24"}) {
+    const Sweep sweep = sweeps_of(specimens, fits, request).all.front();
+    const auto left = std::find_if(sweep.points.begin(), sweep.points.end(),
+                                   [](const SweepPoint& point) { return point.within_95; });
+    ASSERT_NE(left, sweep.points.end()) << request;
+    EXPECT_GT(left->value, 4.0) << request;
+    EXPECT_LT(left->value, 5.0) << request;
+  }
+}
+
+TEST(Sweep, AgreesWithIntervalsOnMinimaFarFromTheBest) {
+  for (std::uint32_t number = 0; number < 3; ++number) {  // one near 4.3 N/m, which the data rule out
+    const std::vector<Specimen> specimens = {bent(number)};
+    const ManyFits fits = fits_of(specimens);
+    EXPECT_GT(fits.specimens.front().estimates[0].interval.low, 18.0) << number;
+    const Sweeps sweeps = sweeps_of(specimens, fits, "k1_N_per_m=3:6:15");
+    for (const SweepPoint& point : sweeps.all.front().points) {
+      EXPECT_FALSE(point.within_95) << number << ' ' << point.value;
+    }
+  }
 }
 
 TEST(Sweep, AParameterThatNoDataTellStaysOpenAtBothEnds) {
