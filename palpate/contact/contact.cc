@@ -101,7 +101,7 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
       sums.friction += counts * contact.friction;
       if (counts <= 0.0 || contact.depth <= 0.0) continue;
       result.phase = Phase::kPress;
-      add_view({contact.at.point, -contact.normal, contact.depth * part.press_level,
+      add_view({contact.at.point, -contact.normal, contact.depth * contact.presence * part.press_level,
                 contact.support.tip_radius, contact.support.half_width, contact.at.triangle, false},
                result);
       if (counts * contact.normal_force <= largest) continue;

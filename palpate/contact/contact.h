@@ -30,7 +30,7 @@ inline constexpr int kMaxViews = kContactsPerPart * kMaxParts + 1;
 struct ContactView {
   Vec3 point_S = Vec3::Zero();      // on the rest surface
   Vec3 direction_S = Vec3::Zero();  // unit, where the surface goes: inwards (press), towards the tool (pull)
-  double depth = 0.0;               // D [m]
+  double depth = 0.0;               // D [m], less while the contact fades
   double tip_radius = 0.0;          // R of the tool there [m]
   double half_width = 0.0;          // of the tool there [m]; 0: no bound
   std::int32_t triangle = -1;       // of the refined rest surface

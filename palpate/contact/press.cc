@@ -17,7 +17,8 @@ constexpr double kWalkSpeed = 0.05;    // m/s, that c may gain on the tool
 constexpr double kStillStep = 0.1e-6;  // m, where the walk stops
 constexpr int kWalkSteps = 3;          // a tick
 constexpr double kRestartShare = 8.0;  // a walk that has stopped starts again with this part of the motion
-constexpr double kLetIn = 50e-3;     // s, over which a start's excess depth counts, and a merged contact goes
+constexpr double kLost = 0.1;        // of R_ref, that a contact is from its deepest place when it has lost it
+constexpr double kLetIn = 50e-3;     // s, over which a start's excess depth counts, and a contact goes
 constexpr double kShallow = 0.5e-3;  // m, an inside point this deep may start a contact
 constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
 constexpr double kDampingDepth = 1e-3;      // m, where the damping counts in full
@@ -132,23 +133,40 @@ void remove_contact(PartState& part, int index) noexcept {
   --part.contact_count;
 }
 
-/// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves within kLetIn, so that what
-/// they and their neighbours share does not jump.
+/// Whether a contact has lost its own deepest place and is on its way to a deeper contact of the part: there
+/// it would press what that one presses already.
+bool is_lost(double reference_radius, PartState& part, const Contact& contact) noexcept {
+  Vec3 away = contact.support.mean - contact.at.point;
+  away -= away.dot(contact.normal) * contact.normal;
+  const double farthest = kLost * reference_radius;
+  if (away.squaredNorm() <= farthest * farthest) return false;
+  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& other) {
+    return !other.merged && other.support.depth > contact.support.depth &&
+           (other.at.point - contact.at.point).dot(away) > 0.0;
+  });
+}
+
+/// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves. So does one that is lost,
+/// unless it finds a deepest place on the way out. All within kLetIn, so that what they and their neighbours
+/// share does not jump.
 void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
   const double closest = reference_radius / 10.0;
   for (int i = 0; i < part.contact_count; ++i) {
     for (int j = i + 1; j < part.contact_count; ++j) {
       Contact& a = part.contacts[static_cast<std::size_t>(i)];
       Contact& b = part.contacts[static_cast<std::size_t>(j)];
-      if (a.leaving || b.leaving) continue;
+      if (a.merged || b.merged) continue;
       if ((a.at.point - b.at.point).squaredNorm() >= closest * closest) continue;
-      (a.depth >= b.depth ? b : a).leaving = true;
+      (a.depth >= b.depth ? b : a).merged = true;
       share_memory(a, b);
     }
   }
+  for (Contact& contact : part.active()) {
+    const bool leaves = contact.merged || is_lost(reference_radius, part, contact);
+    contact.presence = std::min(1.0, contact.presence + (leaves ? -period : period) / kLetIn);
+  }
   for (int i = 0; i < part.contact_count;) {
     Contact& contact = part.contacts[static_cast<std::size_t>(i)];
-    if (contact.leaving) contact.presence -= period / kLetIn;
     if (contact.presence > 0.0) {
       ++i;
     } else {

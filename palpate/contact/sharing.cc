@@ -37,7 +37,7 @@ double share_among(const Contact& one, std::span<Contact* const> contacts, doubl
   std::size_t count = 0;
   double greatest = 0.0;
   for (const Contact* const other : contacts) {
-    if (other == &one || (other->leaving && !with_leaving)) continue;
+    if (other == &one || (other->leaving() && !with_leaving)) continue;
     const double close = closeness(one, *other, reference_radius);
     if (close <= 0.0) continue;
     greatest = std::max(greatest, close);
@@ -62,11 +62,11 @@ double share_among(const Contact& one, std::span<Contact* const> contacts, doubl
 void share_tissue(double reference_radius, std::span<Contact* const> contacts) noexcept {
   double presence = 0.0;  // of what is leaving
   for (const Contact* const contact : contacts) {
-    if (contact->leaving) presence = std::max(presence, contact->presence);
+    if (contact->leaving()) presence = std::max(presence, contact->presence);
   }
   for (Contact* const one : contacts) {
     one->share = share_among(*one, contacts, reference_radius, true);
-    if (one->leaving) {
+    if (one->leaving()) {
       one->share *= one->presence;
     } else if (presence > 0.0) {  // from the shares beside it to those without it
       one->share =

@@ -43,9 +43,12 @@ struct Contact {
   double offset_step = 0.0;             // let in a tick [m]
   double depth = 0.0;                   // D that counts, last tick [m]
   Vec3 slip = Vec3::Zero();             // of the tangential spring [m]
-  bool leaving = false;                 // another contact has come to the same place
-  double presence = 1.0;                // 1 .. 0 while it leaves
-  model::RelaxationState memory;        // of the force
+  bool merged = false;                  // another contact has come to the same place
+  double presence = 1.0;                // 1 .. 0 while it leaves, 0 .. 1 while it comes back
+
+  [[nodiscard]] bool leaving() const noexcept { return presence < 1.0; }
+
+  model::RelaxationState memory;  // of the force
   // Of this tick:
   Support support;               // in S
   double elastic_force = 0.0;    // F(D) [N]

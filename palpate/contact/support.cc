@@ -7,6 +7,7 @@
 #include <span>
 
 #include "palpate/base/lanes.h"
+#include "palpate/contact/point_sums.h"
 
 namespace palpate::contact {
 namespace {
@@ -50,14 +51,6 @@ struct PlanePair {
         ny(plane.normal.y()),
         nz(plane.normal.z()),
         inner_squared(0.25 * plane.radius * plane.radius) {}
-
-  /// Where no depth tapers.
-  [[nodiscard]] Pair untapered(const PartPoints::Weighed& a, const PartPoints::Weighed& b) const noexcept {
-    const Pair dx = pair_of(a.x, b.x) - x;
-    const Pair dy = pair_of(a.y, b.y) - y;
-    const Pair dz = pair_of(a.z, b.z) - z;
-    return -(dx * nx + (dy * ny + dz * nz));
-  }
 
   /// @param rho_squared becomes the squared distances from the axis
   [[nodiscard]] Pair depths(const PartPoints::Weighed& a, const PartPoints::Weighed& b, const Plane& plane,
@@ -196,67 +189,6 @@ Depths measure(const PartPoints& part, const Plane& plane, std::span<const std::
   return {largest_of(deepest), largest_of(farthest)};
 }
 
-/// The same where no point is so far from the axis that its depth tapers. @return the greatest depth [m]
-double measure_inner(const PartPoints& part, const Plane& plane, std::span<const std::uint16_t> points,
-                     double* depths) noexcept {
-  const PlanePair pair(plane);
-  const PartPoints::Weighed* const weighed = part.weighed.data();
-  Pair deepest(0.0);
-  const auto two = [&](std::size_t first, std::size_t second) {
-    const Pair found = pair.untapered(weighed[points[first]], weighed[points[second]]);
-    found.store_unaligned(depths + first);
-    deepest = xsimd::max(found, deepest);
-  };
-  std::size_t k = 0;
-  for (; k + kPair <= points.size(); k += kPair) two(k, k + 1);
-  if (k < points.size()) two(k, k);
-  return largest_of(deepest);
-}
-
-/// Weighted sums over points.
-struct Sums {
-  Pair xy = Pair(0.0);
-  Pair z_radius = Pair(0.0);
-  Pair weight_width = Pair(0.0);
-
-  void add(const PartPoints::Weighed& point, const Pair& weight) noexcept {
-    xy += weight * Pair::load_aligned(&point.x);
-    z_radius += weight * Pair::load_aligned(&point.z);
-    weight_width += weight * Pair::load_aligned(&point.one);
-  }
-};
-
-/// What points of these depths add up to, of which `depth` is the greatest.
-/// @param depths as measure() left them
-Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, const double* depths,
-               double depth) noexcept {
-  Support support;
-  if (depth <= 0.0) return support;
-  support.depth = depth;
-  const PartPoints::Weighed* const weighed = part.weighed.data();
-  const Pair greatest(depth);
-  const Pair width(std::min(kSupportBand, depth));
-  Sums sums;
-  // A point outside the band adds nothing: a weight of 0 changes no bit, and often costs less than to ask.
-  const auto add_two = [&](std::size_t first, std::size_t second) {
-    const Pair share = Pair(1.0) - (greatest - Pair::load_unaligned(depths + first)) / width;
-    if (lanes_of(share > Pair(0.0)) == 0) return;
-    const PartPoints::Weighed& a = weighed[points[first]];
-    const PartPoints::Weighed& b = weighed[points[second]];
-    const Pair weight = pair_of(a.area, b.area) * xsimd::max(share, Pair(0.0));
-    sums.add(a, Pair(_mm_unpacklo_pd(weight, weight)));
-    if (first != second) sums.add(b, Pair(_mm_unpackhi_pd(weight, weight)));
-  };
-  std::size_t k = 0;
-  for (; k + kPair <= points.size(); k += kPair) add_two(k, k + 1);
-  if (k < points.size()) add_two(k, k);
-  const double total = sums.weight_width.get(0);
-  support.mean = Vec3(sums.xy.get(0), sums.xy.get(1), sums.z_radius.get(0)) / total;
-  support.tip_radius = sums.z_radius.get(1) / total;
-  support.half_width = sums.weight_width.get(1) / total;
-  return support;
-}
-
 }  // namespace
 
 /// Finds the points that may count for one plane.
@@ -378,7 +310,7 @@ class SupportSearch final {
   std::array<Reached, kMostClusters> reached_clusters_;
   std::array<float, kMostClusters * PartPoints::kClusterSize> depths_;  // [m], in the clusters looked at
   std::array<std::uint16_t, kMostPoints> points_;                       // that may count
-  std::array<double, kMostPoints + 1> exact_;                           // their depths [m]
+  std::array<double, kMostPoints + kDepthsBehind> exact_;               // their depths [m]
 };
 
 Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal,
@@ -409,9 +341,9 @@ Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal
   const Since since(kept, plane);
   const double rest = since.most_of_the_rest();
   if (std::isfinite(rest)) {
-    std::array<double, Shortlist::kMost + 1> depths;
+    std::array<double, Shortlist::kMost + kDepthsBehind> depths;
     const std::span<const std::uint16_t> points = std::span(kept.points).first(kept.count);
-    const double depth = since.none_tapers() ? measure_inner(part, plane, points, depths.data())
+    const double depth = since.none_tapers() ? full_depths(part, point, normal, points, depths.data())
                                              : measure(part, plane, points, depths.data()).deepest;
     if (rest < std::max(0.0, depth - kSupportBand) - kKeptSlack)
       return sum_up(part, points, depths.data(), depth);

@@ -62,8 +62,10 @@ double layered_by_sum(const model::TissueParameters& t, double first_limit, doub
   double force = 0.0;
   double limit = first_limit;
   double slope = t.k1;
-  for (double left = depth; left > 0.0; left -= limit / t.q) {
+  double left = depth;
+  while (left > 0.0) {
     force += slope * std::min(left, limit);
+    left -= limit;
     limit *= t.q;
     slope *= 4.0 * std::exp(1.0 / t.beta);
   }

@@ -1,4 +1,5 @@
 // Press: the law at the depth of the tool's own deepest point, friction, edges, thin plates, starts.
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -242,6 +243,82 @@ TEST(Press, NoContactIsLostInRandomMotion) {
     ASSERT_GT(result.force_W.norm(), 0.0) << "tick " << i;
   }
   EXPECT_GT(inside, 5000);
+}
+
+/// A plate 34 mm long whose lower side bulges by 1.5 mm at its middle.
+geometry::TriangleMesh bulged_plate() {
+  geometry::TriangleMesh plate = geometry::make_box(Vec3(34e-3, 4e-3, 2e-3), 0.5e-3);
+  for (Vec3& v : plate.vertices) {
+    const double along = v.x() / 4e-3;
+    if (v.z() < 0.0) v.z() -= 1.5e-3 * std::exp(-along * along);
+  }
+  return plate;
+}
+
+/// The plate with its bulge pressed 2 mm in, which then turns about it until its end is far deeper.
+class TurnedPlate final {
+ public:
+  TurnedPlate() : rig_(block(kBox, 1.0), one_part_tool(bulged_plate()), plain_tissue()) {
+    rig_.each_tick([this](const ToolResult& result) { steps_(result); });
+    rig_.tick(place(Vec3(0, 0, 10e-3)));
+    rig_.move_to(kPressed, kSpeed);
+  }
+
+  /// From one angle to another [mrad], so much a tick.
+  const ToolResult& turn(int from, int to, int speed = 1) {
+    for (int angle = from; angle != to;) {
+      angle += to > from ? speed : -speed;
+      rig_.tick({Quat(Eigen::AngleAxisd(1e-3 * angle, Vec3::UnitY())), kPressed});
+      if (rig_.result().view_count != 2) continue;
+      farthest_ = std::max(farthest_, bulge().x());
+      last_drawn_ = rig_.result().views[0].depth;
+    }
+    return rig_.result();
+  }
+
+  const ToolResult& hold(double seconds) { return rig_.hold(seconds); }
+
+  /// Where the bulge's contact is, or the plate's only one.
+  [[nodiscard]] Vec3 bulge() const { return rig_.result().views[0].point_S; }
+  [[nodiscard]] double farthest() const { return farthest_; }
+  /// How deep the picture had the bulge when there last were two contacts [m].
+  [[nodiscard]] double last_drawn() const { return last_drawn_; }
+  [[nodiscard]] const StepMeter& steps() const { return steps_; }
+
+ private:
+  static inline const Vec3 kPressed{0, 0, 0.5e-3};
+  Rig rig_;
+  StepMeter steps_;
+  double farthest_ = 0.0;
+  double last_drawn_ = 0.0;
+};
+
+TEST(Press, AContactThatHasLostItsDeepestPlaceToADeeperOneFadesBeforeItWalksThere) {
+  TurnedPlate plate;
+  const ToolResult before = plate.turn(0, 200);
+  ASSERT_EQ(before.view_count, 2);
+  EXPECT_LT(plate.bulge().x(), 1e-3) << "the bulge is deepest still";
+  EXPECT_GT(before.views[1].point_S.x(), 15e-3) << "the end";
+  plate.turn(200, 280);
+  EXPECT_LT(plate.farthest(), 6e-3) << "gone on its way, which is 15 mm";
+  EXPECT_LT(plate.last_drawn(), 0.2e-3) << "3 mm deep by now, and faded in the picture too";
+  const ToolResult after = plate.turn(280, 400);
+  EXPECT_EQ(after.view_count, 1);
+  EXPECT_GT(after.views[0].point_S.x(), 15e-3);
+  EXPECT_LT(plate.steps().force_step(), 0.02);
+}
+
+TEST(Press, ALostContactThatFindsADeepestPlaceAgainComesBack) {
+  TurnedPlate plate;
+  plate.turn(0, 150);
+  const double before = plate.hold(50e-3).force_W.norm();
+  plate.turn(150, 240, 3);
+  EXPECT_GT(plate.bulge().x(), 1.5e-3) << "on its way";
+  plate.turn(240, 150, 3);
+  const ToolResult again = plate.hold(50e-3);
+  EXPECT_EQ(again.view_count, 2);
+  EXPECT_LT(plate.bulge().x(), 1e-3);
+  EXPECT_NEAR(again.force_W.norm(), before, 0.01 * before);
 }
 
 TEST(Press, AMovedOrganIsFeltWhereItIs) {

@@ -363,7 +363,6 @@ TEST(Sharing, DoesNotJumpWhenOneOfTwoCoincidentContactsHasLeft) {
   for (Contact& contact : contacts) contact.elastic_force = 0.1;
   contacts[2].at.point = Vec3(4e-3, 0, 0);
   std::array<Contact*, 3> three{&contacts[0], &contacts[1], &contacts[2]};
-  contacts[1].leaving = true;
   contacts[1].presence = 1e-9;
   share_tissue(kReference, three);
   const double with_first = contacts[0].share;
@@ -379,7 +378,6 @@ TEST(Sharing, CoincidentContactsWeighAsOneWhileOneLeaves) {
   std::array<Contact, 2> contacts;
   for (Contact& contact : contacts) contact.elastic_force = 0.3;
   std::array<Contact*, 2> both{&contacts[0], &contacts[1]};
-  contacts[1].leaving = true;
   for (const double presence : {1.0, 0.7, 0.3, 0.01}) {
     contacts[1].presence = presence;
     share_tissue(kReference, both);
