@@ -72,15 +72,20 @@ TEST(Playback, SpeedsEndAtATenthAndAtTwice) {
   EXPECT_EQ(Playback::kSpeeds[playback.speed()], 0.1);
 }
 
-TEST(Overview, KnowsContactsDepthAndFaultsAsTheRowsHaveThem) {
-  const test::TemporaryFolder folder;
+void record_a_press(const std::filesystem::path& file, double duration_s, double rate_Hz = 1000.0) {
   scene::Request request;
   request.organ = "ball";
   request.tissue = "liver";
   request.tools = {"sphere:5"};
-  Session session = prepare(request, 3.0, true);
+  request.rate_Hz = rate_Hz;
+  Session session = prepare(request, duration_s, true);
   const std::atomic<bool> stop{false};
-  (void)play(session, {folder / "a.h5", true}, stop);
+  (void)play(session, {file, true}, stop);
+}
+
+TEST(Overview, KnowsContactsDepthAndFaultsAsTheRowsHaveThem) {
+  const test::TemporaryFolder folder;
+  record_a_press(folder / "a.h5", 3.0);
   RecordedView seen(folder / "a.h5", true);
   const Overview all = overview_of(seen);
   ASSERT_EQ(all.hands.size(), 1U);
@@ -99,14 +104,7 @@ TEST(Overview, KnowsContactsDepthAndFaultsAsTheRowsHaveThem) {
 
 TEST(Overview, AShortRunFillsItsTimelineAndNothingComesEarly) {
   const test::TemporaryFolder folder;
-  scene::Request request;
-  request.organ = "ball";
-  request.tissue = "liver";
-  request.tools = {"sphere:5"};
-  request.rate_Hz = 100.0;
-  Session session = prepare(request, 3.0, true);
-  const std::atomic<bool> stop{false};
-  (void)play(session, {folder / "a.h5", true}, stop);
+  record_a_press(folder / "a.h5", 3.0, 100.0);
   RecordedView seen(folder / "a.h5", true);
   ASSERT_EQ(seen.ticks(), 300U) << "fewer than there are columns";
   const HandOverview hand = overview_of(seen).hands[0];
@@ -134,13 +132,7 @@ Answer ask(ReplayThread& replay, std::uint64_t tick) {
 
 TEST(ReplayThread, ATickThatCannotBeRunIsSaidAndLeavesTheOthers) {
   const test::TemporaryFolder folder;
-  scene::Request request;
-  request.organ = "ball";
-  request.tissue = "liver";
-  request.tools = {"sphere:5"};
-  Session session = prepare(request, 1.0, true);
-  const std::atomic<bool> stop{false};
-  (void)play(session, {folder / "a.h5", true}, stop);
+  record_a_press(folder / "a.h5", 1.0);
   record::Recording recording = record::read_recording(folder / "a.h5");
   recording.rows[700].events |= haptics::kLiveChange;
   record::RecordingFrames frames(recording);

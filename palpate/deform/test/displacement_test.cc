@@ -1,5 +1,6 @@
 #include "palpate/deform/displacement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -109,7 +110,8 @@ TEST(Profile, GrowsWithTheDepthAtEveryDistanceWhateverTheExponent) {
         const SurfaceProfile shallow(reach, 1e-4 * i, 5e-3, half_width);
         const SurfaceProfile deep(reach, 1e-4 * (i + 1), 5e-3, half_width);
         EXPECT_GE(deep.reach(), shallow.reach());
-        for (double r = 0.0; r < shallow.reach(); r += 0.9e-3) EXPECT_GT(deep.at(r), shallow.at(r));
+        for (int k = 0; 0.9e-3 * k < shallow.reach(); ++k)
+          EXPECT_GT(deep.at(0.9e-3 * k), shallow.at(0.9e-3 * k));
       }
     }
   }

@@ -1,5 +1,6 @@
 #include "palpate/deform/geodesic.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/deform/live_surface.h"
+#include "palpate/deform/test/reordered.h"
 #include "palpate/geometry/builtin.h"
 
 namespace palpate::deform {
@@ -43,15 +44,7 @@ geometry::TriangleMesh in_runs(const geometry::TriangleMesh& mesh) {
   std::vector<std::size_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   halve(mesh, order);
-  geometry::TriangleMesh ordered = mesh;
-  std::vector<std::int32_t> now_at(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    ordered.vertices[i] = mesh.vertices[order[i]];
-    now_at[order[i]] = static_cast<std::int32_t>(i);
-  }
-  for (geometry::Triangle& t : ordered.triangles)
-    for (std::int32_t& v : t) v = now_at[static_cast<std::size_t>(v)];
-  return ordered;
+  return reordered(mesh, order);
 }
 
 // A sheet with a cleft 2 mm wide and 16 mm deep along y, 90 x 60 mm, edges 1 mm.
@@ -65,7 +58,7 @@ geometry::TriangleMesh sheet_with_cleft() {
   const auto across = static_cast<std::int32_t>(line.size());
   geometry::TriangleMesh sheet;
   for (std::int32_t y = 0; y <= 60; ++y) {
-    for (const Vec3& p : line) sheet.vertices.push_back(1e-3 * (p + Vec3(0, y - 30, 0)));
+    for (const Vec3& p : line) sheet.vertices.emplace_back(1e-3 * (p + Vec3(0, y - 30, 0)));
     for (std::int32_t i = 0; y < 60 && i + 1 < across; ++i) {
       const std::int32_t a = y * across + i;
       sheet.triangles.push_back({a, a + 1, a + across + 1});

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/deform/displacement.h"
+#include "palpate/deform/test/reordered.h"
 #include "palpate/deform/triangle_grid.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/geometry/crossings.h"
@@ -114,15 +115,7 @@ geometry::TriangleMesh ordered_by_place(const geometry::TriangleMesh& mesh) {
   std::vector<std::size_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&cube](std::size_t a, std::size_t b) { return cube(a) < cube(b); });
-  geometry::TriangleMesh ordered = mesh;
-  std::vector<std::int32_t> now_at(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    ordered.vertices[i] = mesh.vertices[order[i]];
-    now_at[order[i]] = static_cast<std::int32_t>(i);
-  }
-  for (geometry::Triangle& t : ordered.triangles)
-    for (std::int32_t& v : t) v = now_at[static_cast<std::size_t>(v)];
-  return ordered;
+  return reordered(mesh, order);
 }
 
 TEST(LiveSurface, WhileItMovesLittleNoVertexIsOffByATwentiethOfAMillimetre) {
