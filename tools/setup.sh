@@ -53,7 +53,8 @@ install_missing() {
 build_release() {
   local -a launcher=()
   [[ -f build/release/build.ninja ]] || {
-    command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    # ccache keeps nothing that was compiled with precompiled headers.
+    command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DPALPATE_PRECOMPILE=OFF)
     say "configuring build/release"
     cmake --preset release "${launcher[@]}"
   }

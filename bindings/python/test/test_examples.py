@@ -29,12 +29,21 @@ def measure(folder):
     write_gray_png(folder / 'after.png', side_view(4e-3, 8e-5, 3e-3))
 
 
-def run(folder, *words):
-    return subprocess.run([sys.executable, '-B', *map(str, words)], cwd=folder, timeout=240, capture_output=True,
-                          text=True, env={**os.environ, 'MPLCONFIGDIR': str(folder)})
+@pytest.fixture(scope='session')
+def run(tmp_path_factory):
+    """run(folder, *words): Python with the words, in the folder."""
+    environment = {**os.environ, 'MPLCONFIGDIR': str(tmp_path_factory.mktemp('matplotlib'))}
+
+    def python(folder, *words):
+        return subprocess.run([sys.executable, '-B', *map(str, words)], cwd=folder, timeout=240, capture_output=True,
+                              text=True, env=environment)
+
+    # Its list of fonts, once: where that takes more than 5 s matplotlib says so on standard error.
+    python(None, '-c', 'import matplotlib.font_manager')
+    return python
 
 
-def test_docs_of_python_run_as_they_stand(tmp_path):
+def test_docs_of_python_run_as_they_stand(run, tmp_path):
     pytest.importorskip('pandas', reason='pandas (package python3-pandas) is not there')
     blocks = re.findall(r'^```python\n(.*?)^```', (ROOT / 'docs' / 'python.md').read_text(), re.MULTILINE | re.DOTALL)
     assert len(blocks) > 8
@@ -58,7 +67,7 @@ def test_examples_are_short():
 
 
 @pytest.mark.parametrize('name', DRAWING)
-def test_example_draws(name, tmp_path):
+def test_example_draws(run, name, tmp_path):
     pytest.importorskip('matplotlib', reason='matplotlib (package python3-matplotlib) is not there')
     done = run(tmp_path, EXAMPLES / f'{name}.py', '--out', tmp_path)
     assert (done.returncode, done.stderr) == (0, '')
