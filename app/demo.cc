@@ -1,4 +1,5 @@
 // `palpate demo`: the paper's two experiments one after the other, in real time, and the report.
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <iostream>

@@ -4,6 +4,7 @@
 // Usage: palpate_golden_hash [EXPECTED]   exit 1 when a hash differs from its line in the file EXPECTED
 // The last line is of the C library's own exp, log, sin and cos: it may differ from processor to processor,
 // and shows that the comparison would notice (no tick uses them).
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>

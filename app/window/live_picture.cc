@@ -7,7 +7,6 @@
 #include <epoxy/gl.h>
 
 namespace palpate::app {
-namespace {}  // namespace
 
 bool same(const render::Camera& a, const render::Camera& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.vertical_view_deg == b.vertical_view_deg;

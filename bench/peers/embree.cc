@@ -1,4 +1,5 @@
 // Embree: one exact nearest point of the organ.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>

@@ -1,4 +1,5 @@
 // A simulation that runs in real time while Python looks on.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>

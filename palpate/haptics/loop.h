@@ -44,9 +44,6 @@ struct Snapshot {
   model::ReachParameters reach;           // of the tissue in force
 };
 
-/// [setup] What a report says of pauses, at least one: "the run was paused once, for 0.3 s; ...".
-[[nodiscard]] std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns);
-
 /// A fault that was latched on one hand.
 struct FaultSeen {
   static constexpr std::uint64_t kNotReset = std::numeric_limits<std::uint64_t>::max();
@@ -107,6 +104,9 @@ struct LoopReport {
   std::vector<WatchdogStop> stops;     // the first Watchdog::kMostKept
   std::vector<std::string> remarks;    // what was not granted, what the watchdog did, in words
 };
+
+/// [setup] What a report says of pauses, at least one: "the run was paused once, for 0.3 s; ...".
+[[nodiscard]] std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns);
 
 /// [setup] Runs the loop on a thread of its own and waits for its end: absolute deadlines, SCHED_FIFO and
 /// mlockall where allowed, and a watchdog (not offline). Commands are turned into each device's frame before

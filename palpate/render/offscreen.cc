@@ -1,5 +1,6 @@
 #include "palpate/render/offscreen.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 

@@ -1,6 +1,7 @@
 #include "bench/measure/subjects.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // The Force Dimension device against a stand-in for the vendor's library: opening, samples, every fault.
 #include "palpate/devices/forcedimension.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <thread>

@@ -1,4 +1,5 @@
 // The tree of discs leaves out nothing that counts.
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>

@@ -1,5 +1,6 @@
 #include "palpate/geometry/mesh.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>

@@ -1,9 +1,11 @@
 #include "palpate/geometry/repair.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <random>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -64,14 +66,23 @@ RepairedSurface repaired(const TriangleMesh& mesh, double volume, double share =
   return first;
 }
 
-TEST(Repair, LeavesBuiltInOrgansAlone) {
-  for (const std::string& name : builtin_organ_names()) {
-    const TriangleMesh organ = make_organ(name);
-    const RepairedSurface result = repaired(organ, signed_volume(organ));
-    EXPECT_THAT(result.repairs, IsEmpty()) << name;
-    expect_same(result.mesh, organ);
-  }
+class BuiltinRepair : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(BuiltinRepair, LeavesTheOrganAlone) {
+  const TriangleMesh organ = make_organ(GetParam());
+  const RepairedSurface result = repaired(organ, signed_volume(organ));
+  EXPECT_THAT(result.repairs, IsEmpty());
+  expect_same(result.mesh, organ);
 }
+
+INSTANTIATE_TEST_SUITE_P(Each, BuiltinRepair, ::testing::ValuesIn(builtin_organ_names()),
+                         [](const auto& tested) {
+                           std::string name = tested.param;
+                           std::replace_if(
+                               name.begin(), name.end(),
+                               [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+                           return name;
+                         });
 
 TEST(Repair, TurnsASurfaceThatIsTurnedInwards) {
   TriangleMesh mesh = ball();
@@ -423,7 +434,7 @@ class Damage final {
   }
   void repeat_some(std::size_t whole) {
     for (int n = 0; n < 7; ++n) {
-      mesh_.triangles.push_back(Triangle(mesh_.triangles[any(whole)]));
+      mesh_.triangles.emplace_back(mesh_.triangles[any(whole)]);
       if (chance()) turn(mesh_.triangles.back());
     }
   }

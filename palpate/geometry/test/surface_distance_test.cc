@@ -1,5 +1,6 @@
 #include "palpate/geometry/surface_distance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -24,7 +25,7 @@ const Vec3& corner(const TriangleMesh& mesh, std::size_t t, std::size_t k) {
 Vec3 oracle_nearest(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   using Long = Eigen::Matrix<long double, 3, 1>;
   const auto on_segment = [&](const Vec3& from, const Vec3& to) -> Long {
-    const Long f = from.cast<long double>();
+    Long f = from.cast<long double>();
     const Long d = to.cast<long double>() - f;
     const long double length = d.squaredNorm();
     if (length == 0.0L) return f;

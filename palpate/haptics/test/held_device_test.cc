@@ -1,4 +1,5 @@
 // What a hand that holds a device meets: engagement, faults, and coming back from them.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>

@@ -1,5 +1,6 @@
 #include "palpate/model/layered_law.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>

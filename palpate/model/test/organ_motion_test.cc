@@ -91,7 +91,8 @@ TEST(ShareOfWay, IsTwiceContinuouslyDifferentiable) {
                (kStep * kStep);
       };
       double last = curvature(0.01);
-      for (double u = 0.01; u < 2.2; u += kStep) {
+      for (int i = 0; 0.01 + kStep * i < 2.2; ++i) {
+        const double u = 0.01 + kStep * i;
         const double now = curvature(u);
         // A jump of the curvature would show at once; the third derivative is below 60 / (1/3)^3 = 1620.
         ASSERT_NEAR(now, last, 2000.0 * kStep) << u;
@@ -108,7 +109,8 @@ TEST(GreatestSpeed, IsThatOfTheSteepestPartOfTheCurve) {
       motion.amplitude = 0.02;
       motion.rotation = -0.1;
       double steepest = 0.0;
-      for (double u = 0.0; u < 3.0; u += 1e-4) {
+      for (int i = 0; i < 30'000; ++i) {
+        const double u = 1e-4 * i;
         steepest =
             std::max(steepest, std::abs(share_of_way(motion, u + 1e-4) - share_of_way(motion, u)) / 1e-4);
       }

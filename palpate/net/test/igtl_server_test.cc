@@ -1,8 +1,10 @@
 // A server with real clients of the library.
 #include "palpate/net/igtl_server.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include <gmock/gmock.h>

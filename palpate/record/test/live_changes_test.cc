@@ -1,5 +1,6 @@
 // Changes of tissue and noise while a run goes on: recorded, read, exported, and run again bit for bit.
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <numeric>

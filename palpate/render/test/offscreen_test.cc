@@ -1,5 +1,7 @@
 #include "palpate/render/offscreen.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
