@@ -434,7 +434,8 @@ class Damage final {
   }
   void repeat_some(std::size_t whole) {
     for (int n = 0; n < 7; ++n) {
-      mesh_.triangles.emplace_back(mesh_.triangles[any(whole)]);
+      const Triangle twin = mesh_.triangles[any(whole)];
+      mesh_.triangles.push_back(twin);
       if (chance()) turn(mesh_.triangles.back());
     }
   }
