@@ -21,8 +21,8 @@ struct Flood {
   std::vector<std::int32_t> queue;
 };
 
-Vec3 normal_of_side(const SurfaceView& surface, std::int32_t side, std::int32_t first_corner, double radius,
-                    Flood& flood) {
+NormalAndSlope normal_of_side(const SurfaceView& surface, std::int32_t side, std::int32_t first_corner,
+                              double radius, Flood& flood) {
   const geometry::TriangleMesh& mesh = surface.mesh;
   flood.fan.collect(surface, first_corner);
   const Vec3& reference = flood.fan.reference();
@@ -33,6 +33,7 @@ Vec3 normal_of_side(const SurfaceView& surface, std::int32_t side, std::int32_t 
   queue.assign(flood.fan.triangles().begin(), flood.fan.triangles().end());
   for (const std::int32_t face : queue) flood.visited_by[at(face)] = side;
   Vec3 sum = Vec3::Zero();
+  Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < queue.size(); ++i) {
     const std::int32_t face = queue[i];
     const geometry::Triangle& triangle = mesh.triangles[at(face)];
@@ -41,12 +42,18 @@ Vec3 normal_of_side(const SurfaceView& surface, std::int32_t side, std::int32_t 
     const Vec3& c = mesh.vertices[at(triangle[2])];
     // The middles of the edges integrate a quadratic weight exactly.
     double weight = 0.0;
+    Vec3 rise = Vec3::Zero();  // of the weight with the centre's place
     for (const Vec3& middle : {Vec3(0.5 * (a + b)), Vec3(0.5 * (b + c)), Vec3(0.5 * (c + a))}) {
-      weight += std::max(0.0, 1.0 - (middle - centre).squaredNorm() / radius_squared);
+      const double share = 1.0 - (middle - centre).squaredNorm() / radius_squared;
+      if (share <= 0.0) continue;
+      weight += share;
+      rise += (2.0 / radius_squared) * (middle - centre);
     }
     const double cosine = reference.dot(surface.face_normals[at(face)]);
     const double turned = std::clamp((cosine - kSharpCosine) / (kFullCosine - kSharpCosine), 0.0, 1.0);
-    sum += weight * turned * geometry::area_vector_doubled(mesh, triangle);
+    const Vec3 area = geometry::area_vector_doubled(mesh, triangle);
+    sum += weight * turned * area;
+    slope += turned * area * rise.transpose();
     for (const std::int32_t other : surface.neighbours[at(face)]) {
       if (other < 0 || flood.visited_by[at(other)] == side) continue;
       const geometry::Triangle& next = mesh.triangles[at(other)];
@@ -58,8 +65,7 @@ Vec3 normal_of_side(const SurfaceView& surface, std::int32_t side, std::int32_t 
       queue.push_back(other);
     }
   }
-  const double length = sum.norm();
-  return length > 0.0 ? Vec3(sum / length) : reference;
+  return NormalAndSlope::of(sum, slope, reference);
 }
 
 /// Triangles that the rule by triangles would look at.
@@ -73,6 +79,13 @@ double work_of(const SurfaceView& surface, const Sides& sides, double radius) {
 }
 
 }  // namespace
+
+NormalAndSlope NormalAndSlope::of(const Vec3& sum, const Eigen::Matrix3d& slope, const Vec3& otherwise) {
+  const double length = sum.norm();
+  if (!(length > 0.0)) return {otherwise, Eigen::Matrix3d::Zero()};
+  const Vec3 normal = sum / length;
+  return {normal, (slope - normal * (normal.transpose() * slope)) / length};
+}
 
 Sides find_sides(const SurfaceView& surface) {
   const std::vector<geometry::Triangle>& triangles = surface.mesh.triangles;
@@ -125,12 +138,12 @@ void SideFan::collect(const SurfaceView& surface, std::int32_t first_corner) {
   reference_.normalize();
 }
 
-std::vector<Vec3> normals_by_triangles(const SurfaceView& surface, const Sides& sides, double radius,
-                                       const Share& share) {
+std::vector<NormalAndSlope> normals_by_triangles(const SurfaceView& surface, const Sides& sides,
+                                                 double radius, const Share& share) {
   constexpr std::size_t kBatch = 8192;  // sides between two words on how far it is
   constexpr std::size_t kGrain = 512;
   const std::size_t count = sides.first_corner.size();
-  std::vector<Vec3> normals(count, Vec3::Zero());
+  std::vector<NormalAndSlope> normals(count);
   std::mutex mutex;
   std::vector<std::unique_ptr<Flood>> idle;
   for (std::size_t from = 0; from < count; from += kBatch) {
@@ -157,8 +170,8 @@ std::vector<Vec3> normals_by_triangles(const SurfaceView& surface, const Sides& 
   return normals;
 }
 
-std::vector<Vec3> averaged_normals(const SurfaceView& surface, const Sides& sides, double radius,
-                                   const Share& share) {
+std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides, double radius,
+                                             const Share& share) {
   return work_of(surface, sides, radius) <= kQuick ? normals_by_triangles(surface, sides, radius, share)
                                                    : normals_by_clusters(surface, sides, radius, share);
 }

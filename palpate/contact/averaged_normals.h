@@ -49,20 +49,32 @@ class SideFan final {
 /// How far, 0..1; on the calling thread.
 using Share = std::function<void(double)>;
 
+/// An averaged normal and how it changes with the place.
+struct NormalAndSlope {
+  Vec3 normal = Vec3::Zero();                       // unit
+  Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();  // [1/m]
+
+  /// [setup] Of a sum [m^2] and its slope [m] the direction and its slope; `otherwise` where the sum is
+  /// nothing.
+  [[nodiscard]] static NormalAndSlope of(const Vec3& sum, const Eigen::Matrix3d& slope,
+                                         const Vec3& otherwise);
+};
+
 /// [setup] The unit normal of every side by the rule itself, triangle by triangle: the area-weighted mean of
 /// the face normals within `radius` [m] along the surface, weight 1 - (r/radius)^2 at the middles of the
-/// edges, without faces turned more than 60 degrees. Time goes with triangles times triangles in reach.
-[[nodiscard]] std::vector<Vec3> normals_by_triangles(const SurfaceView& surface, const Sides& sides,
-                                                     double radius, const Share& share = {});
+/// edges, without faces turned more than 60 degrees; and its slope while the same middles are in reach. Time
+/// goes with triangles times triangles in reach.
+[[nodiscard]] std::vector<NormalAndSlope> normals_by_triangles(const SurfaceView& surface, const Sides& sides,
+                                                               double radius, const Share& share = {});
 
 /// [setup] The same rule with clusters of triangles taken whole where all of one lies within reach and is
 /// turned less than 49 degrees; equal to normals_by_triangles() up to rounding (float, 1e-6 rad). For fine
 /// meshes; docs/decisions/0006-preparation.md.
-[[nodiscard]] std::vector<Vec3> normals_by_clusters(const SurfaceView& surface, const Sides& sides,
-                                                    double radius, const Share& share = {});
+[[nodiscard]] std::vector<NormalAndSlope> normals_by_clusters(const SurfaceView& surface, const Sides& sides,
+                                                              double radius, const Share& share = {});
 
 /// [setup] By triangles where that is quick, else by clusters: small meshes keep their bits.
-[[nodiscard]] std::vector<Vec3> averaged_normals(const SurfaceView& surface, const Sides& sides,
-                                                 double radius, const Share& share = {});
+[[nodiscard]] std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides,
+                                                           double radius, const Share& share = {});
 
 }  // namespace palpate::contact

@@ -38,7 +38,7 @@ class ClusterFlood final {
         reach_(static_cast<float>(radius)),
         state_(clusters.size(), 0) {}
 
-  void average(std::int32_t home, std::vector<Vec3>& normals) {
+  void average(std::int32_t home, std::vector<NormalAndSlope>& normals) {
     collect_targets(home);
     if (targets_.empty()) return;
     spread(home);
@@ -49,11 +49,11 @@ class ClusterFlood final {
       SharedSum sum = *shared_;
       sift(doubtful_, crowd, sum, still_doubtful_);
       for (const Wanted& wanted : group) {
-        Target target{wanted.point, wanted.reference_rounded, sum.at(wanted.point, radius_)};
+        Target target{wanted.point, wanted.reference_rounded, wanted.bends, sum.at(wanted.point, radius_)};
+        if (wanted.bends) target.slope = sum.slope_at(wanted.point, radius_);
         add_doubtful(target);
         ask_for_the_rest(target);
-        const double length = target.sum.norm();
-        normals[at(wanted.side)] = length > 0.0 ? Vec3(target.sum / length) : wanted.reference;
+        normals[at(wanted.side)] = NormalAndSlope::of(target.sum, target.slope, wanted.reference);
       }
     }
     for (const std::vector<std::int32_t>* list : {&within_, &beside_, &rest_}) {
@@ -67,6 +67,7 @@ class ClusterFlood final {
     Vec3 point;
     Vec3 reference;
     std::array<float, 3> reference_rounded;
+    bool bends;  // whether a triangle there is so long that its normals bend
   };
   /// Several points and where they look, as one thing.
   struct Crowd {
@@ -98,9 +99,24 @@ class ClusterFlood final {
         fan_.collect(surface_, 3 * triangle + c);
         const Vec3& reference = fan_.reference();
         targets_.push_back({side, surface_.mesh.vertices[at(surface_.mesh.triangles[at(triangle)][at(c)])],
-                            reference, rounded(reference)});
+                            reference, rounded(reference), has_long_edge(fan_.triangles())});
       }
     }
+  }
+
+  /// Normals of triangles with short edges bend by less than 0.01 degrees where the surface is curved like
+  /// the reach: that is not worked out.
+  [[nodiscard]] bool has_long_edge(std::span<const std::int32_t> triangles) const {
+    const double longest = radius_ * kShortEdge;
+    return std::any_of(triangles.begin(), triangles.end(), [&](std::int32_t triangle) {
+      const geometry::Triangle& corners = surface_.mesh.triangles[at(triangle)];
+      for (std::size_t e = 0; e < 3; ++e) {
+        const Vec3 edge =
+            surface_.mesh.vertices[at(corners[(e + 1) % 3])] - surface_.mesh.vertices[at(corners[e])];
+        if (edge.squaredNorm() > longest * longest) return true;
+      }
+      return false;
+    });
   }
 
   [[nodiscard]] static Crowd crowd_of(std::span<const Wanted> group) {
@@ -160,7 +176,7 @@ class ClusterFlood final {
       const Block& block = clusters_.blocks()[at(near.block)];
       const float inner = kWithin * reach_ - near.reach;
       if (turn == Turn::kTowards && inner > 0.0F && squared <= inner * inner) {
-        add_whole(block.patch, u, inverse, target.sum);
+        add_whole(block.patch, u, inverse, target);
       } else {
         add_singly(clusters_, block, u, reach_, turn == Turn::kTowards, target);
       }
@@ -326,12 +342,12 @@ class ClusterFlood final {
 
 }  // namespace
 
-std::vector<Vec3> normals_by_clusters(const SurfaceView& surface, const Sides& sides, double radius,
-                                      const Share& share) {
+std::vector<NormalAndSlope> normals_by_clusters(const SurfaceView& surface, const Sides& sides, double radius,
+                                                const Share& share) {
   constexpr std::size_t kBatch = 1024;  // clusters between two words on how far it is
   constexpr std::size_t kGrain = 32;
   const NormalClusters clusters(surface, radius / kClustersInRadius, radius * kShortEdge);
-  std::vector<Vec3> normals(sides.first_corner.size(), Vec3::Zero());
+  std::vector<NormalAndSlope> normals(sides.first_corner.size());
   std::mutex mutex;
   std::vector<std::unique_ptr<ClusterFlood>> idle;
   for (std::size_t from = 0; from < clusters.size(); from += kBatch) {

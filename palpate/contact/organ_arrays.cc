@@ -12,7 +12,7 @@ namespace {
 
 // Raise it whenever the arrays of any mesh change: files of an older version are then not taken for new ones.
 // A test holds a hash of them against it.
-constexpr std::uint64_t kArraysVersion = 1;
+constexpr std::uint64_t kArraysVersion = 2;
 
 constexpr std::size_t kMostTriangles =
     2'000'000;  // of the refined surface: a 2 m organ is refined less finely
@@ -40,6 +40,32 @@ void store_sides(const Sides& sides, OrganArrays& arrays) {
   }
 }
 
+/// A quadratic function has half the difference of its slopes along an edge, times the edge, beside the mean
+/// of the ends' values. Both triangles of an edge get the same bits.
+void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sides, OrganArrays& arrays) {
+  constexpr double kMost = 0.1;  // no surface that is smooth within the triangle bends as much
+  arrays.normals.resize(averaged.size());
+  for (std::size_t i = 0; i < averaged.size(); ++i) arrays.normals[i] = averaged[i].normal;
+  const std::vector<geometry::Triangle>& triangles = arrays.mesh.triangles;
+  arrays.bends.resize(triangles.size());
+  for_ranges(triangles.size(), 16384, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      for (std::size_t e = 0; e < 3; ++e) {
+        const std::size_t f = (e + 1) % 3;
+        const Vec3 edge =
+            arrays.mesh.vertices[at(triangles[t][f])] - arrays.mesh.vertices[at(triangles[t][e])];
+        Vec3 bend = 0.5 * ((averaged[at(sides.of_corner[3 * t + e])].slope -
+                            averaged[at(sides.of_corner[3 * t + f])].slope) *
+                           edge);
+        const double size = bend.norm();
+        if (size > kMost) bend *= kMost / size;
+        arrays.bends[t][e] = {static_cast<float>(bend.x()), static_cast<float>(bend.y()),
+                              static_cast<float>(bend.z())};
+      }
+    }
+  });
+}
+
 bool all_within(const std::vector<std::array<std::int32_t, 3>>& rows, std::int32_t lowest, std::size_t end) {
   return std::all_of(rows.begin(), rows.end(), [&](const std::array<std::int32_t, 3>& row) {
     return std::all_of(row.begin(), row.end(),
@@ -57,7 +83,7 @@ bool hangs_together(const OrganArrays& arrays) {
   const std::size_t triangles = arrays.mesh.triangles.size();
   const std::vector<std::int32_t>& start = arrays.sharp_start;
   return arrays.neighbours.size() == triangles && arrays.row_of.size() == triangles &&
-         start.size() == triangles + 1 && start.front() == 0 &&
+         arrays.bends.size() == triangles && start.size() == triangles + 1 && start.front() == 0 &&
          at(start.back()) == arrays.sharp_near.size() && std::is_sorted(start.begin(), start.end()) &&
          arrays.normals.size() >= arrays.mesh.vertices.size() &&
          all_within(arrays.mesh.triangles, 0, arrays.mesh.vertices.size()) &&
@@ -80,6 +106,7 @@ void OrganArrays::put(ArrayFileWriter& file) const {
   file.put("triangles", mesh.triangles);
   file.put("neighbours", neighbours);
   file.put("normals", normals);
+  file.put("bends", bends);
   file.put("row_of", row_of);
   file.put("side_rows", side_rows);
   file.put("sharp_edges", sharp_edges);
@@ -92,8 +119,8 @@ std::optional<OrganArrays> OrganArrays::get(const ArrayFileReader& file) {
   const bool whole = file.get("vertices", arrays.mesh.vertices) &&
                      file.get("triangles", arrays.mesh.triangles) &&
                      file.get("neighbours", arrays.neighbours) && file.get("normals", arrays.normals) &&
-                     file.get("row_of", arrays.row_of) && file.get("side_rows", arrays.side_rows) &&
-                     file.get("sharp_edges", arrays.sharp_edges) &&
+                     file.get("bends", arrays.bends) && file.get("row_of", arrays.row_of) &&
+                     file.get("side_rows", arrays.side_rows) && file.get("sharp_edges", arrays.sharp_edges) &&
                      file.get("sharp_start", arrays.sharp_start) && file.get("sharp_near", arrays.sharp_near);
   if (!whole || !hangs_together(arrays)) return std::nullopt;
   arrays.face_normals = face_normals_of(arrays.mesh);
@@ -122,7 +149,7 @@ std::vector<Vec3> face_normals_of(const geometry::TriangleMesh& mesh) {
 geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius) {
   // Longest-edge splitting leaves triangles of about a quarter of longest^2.
   const double affordable = std::sqrt(4.0 * total_area(organ) / static_cast<double>(kMostTriangles));
-  return geometry::refine(organ, std::max(reference_radius / 4.0, affordable));
+  return geometry::refine(organ, std::max(reference_radius / 5.0, affordable));
 }
 
 OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
@@ -137,9 +164,10 @@ OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
   {
     const SurfaceView view{arrays.mesh, arrays.neighbours, arrays.face_normals};
     const Sides sides = find_sides(view);
-    arrays.normals = averaged_normals(view, sides, reference_radius / 2.0, [&](double done) {
-      share(kNormalsFrom + (kNormalsTo - kNormalsFrom) * done, "normals");
-    });
+    const std::vector<NormalAndSlope> averaged = averaged_normals(
+        view, sides, reference_radius / 2.0,
+        [&](double done) { share(kNormalsFrom + (kNormalsTo - kNormalsFrom) * done, "normals"); });
+    store_normals(averaged, sides, arrays);
     store_sides(sides, arrays);
   }
   share(kNormalsTo, "edges");

@@ -21,12 +21,17 @@ struct SharpEdge {
 
 inline constexpr double kBlendWidth = 1e-3;  // m, over which the two sides of a sharp edge blend
 
+/// What the averaged normal in a triangle is beside the mean of its corners' normals: b_e b_f times the bend
+/// of the edge between corners e and f, with b the barycentric coordinates.
+using NormalBends = std::array<std::array<float, 3>, 3>;  // of the edge after each corner
+
 /// The refined surface and all that contact looks up on it, in the organ's frame, metres.
 struct OrganArrays {
   geometry::TriangleMesh mesh;
   std::vector<std::array<std::int32_t, 3>> neighbours;  // geometry::edge_neighbours
   std::vector<Vec3> face_normals;                       // unit
-  std::vector<Vec3> normals;  // averaged: of the vertices, then of vertices' further sides
+  std::vector<Vec3> normals;       // averaged: of the vertices, then of vertices' further sides
+  std::vector<NormalBends> bends;  // of each triangle
   std::vector<std::int32_t>
       row_of;  // of each triangle, in side_rows; -1: its corners have their vertices' normals
   std::vector<std::array<std::int32_t, 3>>
@@ -47,7 +52,7 @@ struct OrganArrays {
 /// [setup] Unit normals of all triangles' planes.
 [[nodiscard]] std::vector<Vec3> face_normals_of(const geometry::TriangleMesh& mesh);
 
-/// [setup] Refines `organ` until its edges are at most R_ref/4 (a very large organ less finely).
+/// [setup] Refines `organ` until its edges are at most R_ref/5 (a very large organ less finely).
 [[nodiscard]] geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius);
 
 /// [setup] Works out all arrays for a mesh that is refined already. @param share told how far it is, 0..1

@@ -76,9 +76,14 @@ Vec3 OrganSurface::smooth_normal(std::int32_t triangle, const Vec3& point) const
   const std::int32_t row = arrays_.row_of[at(triangle)];
   const std::array<std::int32_t, 3>& side =
       row < 0 ? arrays_.mesh.triangles[at(triangle)] : arrays_.side_rows[at(row)];
-  return (weight[0] * arrays_.normals[at(side[0])] + weight[1] * arrays_.normals[at(side[1])] +
-          weight[2] * arrays_.normals[at(side[2])])
-      .normalized();
+  Vec3 sum = weight[0] * arrays_.normals[at(side[0])] + weight[1] * arrays_.normals[at(side[1])] +
+             weight[2] * arrays_.normals[at(side[2])];
+  const NormalBends& bends = arrays_.bends[at(triangle)];
+  for (std::size_t e = 0; e < 3; ++e) {
+    const double share = weight[e] * weight[(e + 1) % 3];
+    sum += share * Vec3(bends[e][0], bends[e][1], bends[e][2]);
+  }
+  return sum.normalized();
 }
 
 Vec3 OrganSurface::normal_at(const SurfacePoint& where) const noexcept {

@@ -21,7 +21,7 @@ struct SurfacePoint {
 /// walk on it. Everything is in the organ's frame S, metres.
 class OrganSurface final {
  public:
-  /// [setup] Refines `organ` until edges are at most R_ref/4 and averages its normals within R_ref/2, on all
+  /// [setup] Refines `organ` until edges are at most R_ref/5 and averages its normals within R_ref/2, on all
   /// processors; the same bits on any number of them, and from the cache. No thread of it is left at the end.
   /// @throws InputError as geometry::SurfaceDistance.
   OrganSurface(const geometry::TriangleMesh& organ, double reference_radius, const Preparation& how = {});
