@@ -97,7 +97,7 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
     for (const Contact& contact : part.active()) {
       const double counts = contact.share * part.press_level;
       const Vec3 force = counts * (contact.normal_force * contact.normal + contact.friction);
-      sums.add(force, contact.support.mean, tool.pose_S.position);
+      sums.add(force, contact.touch, tool.pose_S.position);
       sums.friction += counts * contact.friction;
       if (counts <= 0.0 || contact.depth <= 0.0) continue;
       result.phase = Phase::kPress;

@@ -14,11 +14,13 @@ namespace {
 
 // The rules' own figures (model.md, section 4).
 constexpr double kWalkSpeed = 0.05;    // m/s, that c may gain on the tool
+constexpr double kTouchSpeed = 0.1;    // m/s, that the force's place may gain on the tool
 constexpr double kStillStep = 0.1e-6;  // m, where the walk stops
 constexpr int kWalkSteps = 3;          // a tick
-constexpr double kRestartShare = 8.0;  // a walk that has stopped starts again with this part of the motion
+constexpr double kRestartShare = 8.0;  // of the motion since it stopped is a walk's next step
 constexpr double kLost = 0.1;        // of R_ref, that a contact is from its deepest place when it has lost it
-constexpr double kLetIn = 50e-3;     // s, over which a start's excess depth counts, and a contact goes
+constexpr double kLetIn = 50e-3;     // s, over which depth that was kept back comes to count
+constexpr double kLeave = 100e-3;    // s, in which a contact that has merged or is lost goes
 constexpr double kShallow = 0.5e-3;  // m, an inside point this deep may start a contact
 constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
 constexpr double kDampingDepth = 1e-3;      // m, where the damping counts in full
@@ -60,6 +62,12 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
   return most;
 }
 
+/// From a contact's place to the middle of its support, along the tangent plane [m].
+Vec3 aside_of(const Contact& contact) noexcept {
+  const Vec3 away = contact.support.mean - contact.at.point;
+  return away - away.dot(contact.normal) * contact.normal;
+}
+
 /// Up to three steps along the surface towards the middle of the support; the normal turns along, so that a
 /// step too far shows in the next one. Leaves the support of where the contact ends.
 void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part,
@@ -69,7 +77,7 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   const double reference_radius = world.tissue.contact.reference_radius;
   double left = limit;
   double turn_left = limit / reference_radius;
-  contact.step = std::max(contact.step, own_motion / kRestartShare);
+  contact.step = std::max(contact.step, (part.travelled - contact.walked) / kRestartShare);
   const auto find_support = [&] {
     const Placement& placed = part.placed_S;
     contact.support = support_of(points, placed.bring_back(contact.at.point),
@@ -79,8 +87,7 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   find_support();
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
     if (contact.support.depth <= 0.0) break;
-    Vec3 away = contact.support.mean - contact.at.point;
-    away -= away.dot(contact.normal) * contact.normal;
+    const Vec3 away = aside_of(contact);
     const double distance = away.norm();
     if (distance < kStillStep) break;
     const Vec3 direction = away / distance;
@@ -90,6 +97,7 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
     const double length = std::min({contact.step, distance, left});
     contact.at = world.surface.walk(contact.at, length * direction, contact.normal);
     contact.last_direction = direction;
+    contact.walked = part.travelled;
     left -= length;
     contact.surface_normal = world.surface.normal_at(contact.at);
     turn_left -= turn_towards(contact.normal, contact.surface_normal, turn_left);
@@ -111,18 +119,54 @@ void compute_force(const World::Data& world, const TissueLaws& laws, const PartS
                              ? contact.elastic_force
                              : laws.relaxation.next(contact.memory, contact.elastic_force);
   // The depth's rate is taken where the tool touches: the same in the limit, without the steps of the walk.
-  const double speed = -motion_at(part, contact.support.mean).dot(contact.normal) / world.period;
+  const Vec3 motion = motion_at(part, contact.touch);
+  const double speed = -motion.dot(contact.normal) / world.period;
   contact.normal_force = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth / kDampingDepth));
   contact.depth = depth;
 
   // Friction [Hayward and Armstrong 2000]: a tangential spring on the slip, trimmed to the cone.
   const double stiffness = laws.tangential_stiffness;
-  contact.slip += motion_at(part, contact.support.mean);
+  contact.slip += motion;
   contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
   const double longest = laws.friction * contact.normal_force / stiffness;
   const double length = contact.slip.norm();
   if (length > longest) contact.slip *= longest / length;
   contact.friction = -stiffness * contact.slip;
+}
+
+/// Keeps `excess` [m] >= 0 of a contact's depth back this tick, and lets it in within kLetIn.
+void hold_back(double period, double excess, Contact& contact) noexcept {
+  contact.offset = excess;
+  contact.offset_step = excess * period / kLetIn;
+  contact.offset += contact.offset_step;  // this tick takes it off again
+}
+
+/// Whether a contact has lost its own deepest place and is on its way to a deeper contact of the part: there
+/// it would press what that one presses already.
+bool is_lost(double reference_radius, PartState& part, const Contact& contact) noexcept {
+  const Vec3 away = aside_of(contact);
+  const double farthest = kLost * reference_radius;
+  if (away.squaredNorm() <= farthest * farthest) return false;
+  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& other) {
+    return !other.merged && other.support.depth > contact.support.depth &&
+           (other.at.point - contact.at.point).dot(away) > 0.0;
+  });
+}
+
+/// The force applies at the middle of the support; from one deepest place to another it goes at a limited
+/// speed.
+void follow_support(double period, const PartState& part, Contact& contact) noexcept {
+  const Vec3 way = contact.support.mean - contact.touch;
+  const double surely = kTouchSpeed * period;
+  const double squared = way.squaredNorm();
+  if (squared > surely * surely) {
+    const double share = (surely + motion_at(part, contact.touch).norm()) / std::sqrt(squared);
+    if (share < 1.0) {
+      contact.touch += share * way;
+      return;
+    }
+  }
+  contact.touch = contact.support.mean;
 }
 
 void remove_contact(PartState& part, int index) noexcept {
@@ -133,21 +177,8 @@ void remove_contact(PartState& part, int index) noexcept {
   --part.contact_count;
 }
 
-/// Whether a contact has lost its own deepest place and is on its way to a deeper contact of the part: there
-/// it would press what that one presses already.
-bool is_lost(double reference_radius, PartState& part, const Contact& contact) noexcept {
-  Vec3 away = contact.support.mean - contact.at.point;
-  away -= away.dot(contact.normal) * contact.normal;
-  const double farthest = kLost * reference_radius;
-  if (away.squaredNorm() <= farthest * farthest) return false;
-  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& other) {
-    return !other.merged && other.support.depth > contact.support.depth &&
-           (other.at.point - contact.at.point).dot(away) > 0.0;
-  });
-}
-
 /// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves. So does one that is lost,
-/// unless it finds a deepest place on the way out. All within kLetIn, so that what they and their neighbours
+/// unless it finds a deepest place on the way out. All within kLeave, so that what they and their neighbours
 /// share does not jump.
 void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
   const double closest = reference_radius / 10.0;
@@ -163,7 +194,11 @@ void merge_contacts(double reference_radius, double period, PartState& part) noe
   }
   for (Contact& contact : part.active()) {
     const bool leaves = contact.merged || is_lost(reference_radius, part, contact);
-    contact.presence = std::min(1.0, contact.presence + (leaves ? -period : period) / kLetIn);
+    contact.presence = std::min(1.0, contact.presence + (leaves ? -period : period) / kLeave);
+    // What leaves presses no deeper on its way to where another presses already.
+    const double deeper = contact.support.depth - contact.depth;
+    const double kept_back = std::max(0.0, contact.offset - contact.offset_step);
+    if (leaves && deeper > kept_back) hold_back(period, deeper, contact);
   }
   for (int i = 0; i < part.contact_count;) {
     Contact& contact = part.contacts[static_cast<std::size_t>(i)];
@@ -266,11 +301,12 @@ class Starter final {
     contact.surface_normal = normal;
     contact.normal = normal;
     contact.support = support;
+    contact.touch = support.mean;
+    if (is_lost(radius(), part_, contact)) return;
     const double own_motion = motion_at(part_, at.point).norm();
     contact.step = own_motion;
-    contact.offset = std::max(0.0, support.depth - own_motion);
-    contact.offset_step = contact.offset * world_.period / kLetIn;
-    contact.offset += contact.offset_step;  // the first tick takes it off again
+    contact.walked = part_.travelled;
+    hold_back(world_.period, std::max(0.0, support.depth - own_motion), contact);
     part_.contacts[static_cast<std::size_t>(part_.contact_count++)] = contact;
   }
 
@@ -311,6 +347,7 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
     status = kStartedInside;
   }
   for (Contact& contact : part.active()) {
+    follow_support(world.period, part, contact);
     compute_force(world, laws, part, contact);
     contact.elastic_force *= part.press_level;  // jaws that hold press nothing, and take no share from others
   }

@@ -39,10 +39,12 @@ struct Contact {
   Vec3 normal = Vec3::UnitZ();          // state: turns towards the surface's normal at a limited rate
   double step = 0.0;                    // length of the next step of the walk [m]
   Vec3 last_direction = Vec3::Zero();   // of the walk
+  double walked = 0.0;                  // PartState::travelled when c last went on
   double offset = 0.0;                  // depth not let in yet [m]
   double offset_step = 0.0;             // let in a tick [m]
   double depth = 0.0;                   // D that counts, last tick [m]
   Vec3 slip = Vec3::Zero();             // of the tangential spring [m]
+  Vec3 touch = Vec3::Zero();            // where the force applies
   bool merged = false;                  // another contact has come to the same place
   double presence = 1.0;                // 1 .. 0 while it leaves, 0 .. 1 while it comes back
 

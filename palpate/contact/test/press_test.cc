@@ -299,13 +299,39 @@ TEST(Press, AContactThatHasLostItsDeepestPlaceToADeeperOneFadesBeforeItWalksTher
   ASSERT_EQ(before.view_count, 2);
   EXPECT_LT(plate.bulge().x(), 1e-3) << "the bulge is deepest still";
   EXPECT_GT(before.views[1].point_S.x(), 15e-3) << "the end";
-  plate.turn(200, 280);
-  EXPECT_LT(plate.farthest(), 6e-3) << "gone on its way, which is 15 mm";
-  EXPECT_LT(plate.last_drawn(), 0.2e-3) << "3 mm deep by now, and faded in the picture too";
-  const ToolResult after = plate.turn(280, 400);
+  plate.turn(200, 340);
+  EXPECT_LT(plate.farthest(), 8e-3) << "gone on its way, which is 15 mm";
+  EXPECT_LT(plate.last_drawn(), 0.1e-3) << "3 mm deep by now, and faded in the picture too";
+  const ToolResult after = plate.turn(340, 400);
   EXPECT_EQ(after.view_count, 1);
   EXPECT_GT(after.views[0].point_S.x(), 15e-3);
-  EXPECT_LT(plate.steps().force_step(), 0.02);
+  EXPECT_LT(plate.steps().force_step(), 0.01);
+  EXPECT_LT(plate.steps().torque_step(), 0.015);
+}
+
+TEST(Press, ALostContactGetsNoDeeperOnItsWay) {
+  TurnedPlate plate;
+  plate.turn(0, 200);
+  constexpr int kSpeed = 10;  // mrad a tick: the plate gets deeper faster than the contact fades
+  int angle = 200;
+  for (double before = 1.0; plate.turn(angle, angle + kSpeed, kSpeed).view_count == 2 && angle < 500;) {
+    angle += kSpeed;
+    const double drawn = plate.last_drawn();
+    if (plate.bulge().x() > 1.5e-3) {
+      EXPECT_LT(drawn, before);
+    }
+    before = drawn;
+  }
+}
+
+TEST(Press, AContactDoesNotStartWhereItWouldBeLostAtOnce) {
+  for (const int angle : {210, 215, 220, 240}) {  // mrad, at which the bulge has no deepest place of its own
+    const Quat turned(Eigen::AngleAxisd(1e-3 * angle, Vec3::UnitY()));
+    Rig rig(block(kBox, 1.0), one_part_tool(bulged_plate()), plain_tissue());
+    rig.tick({turned, Vec3(0, 0, 15e-3)});
+    rig.each_tick([&](const ToolResult& result) { EXPECT_LT(result.view_count, 2) << angle; });
+    rig.move_to(Vec3(0, 0, 0.5e-3), 5e-3);
+  }
 }
 
 TEST(Press, ALostContactThatFindsADeepestPlaceAgainComesBack) {
@@ -319,6 +345,51 @@ TEST(Press, ALostContactThatFindsADeepestPlaceAgainComesBack) {
   EXPECT_EQ(again.view_count, 2);
   EXPECT_LT(plate.bulge().x(), 1e-3);
   EXPECT_NEAR(again.force_W.norm(), before, 0.01 * before);
+}
+
+/// A plate whose lower side has two feet of 1 mm, 6 mm apart.
+geometry::TriangleMesh plate_on_feet() {
+  geometry::TriangleMesh plate = geometry::make_box(Vec3(14e-3, 4e-3, 2e-3), 0.25e-3);
+  for (Vec3& v : plate.vertices) {
+    const double aside = (std::abs(v.x()) - 3e-3) / 1e-3;
+    if (v.z() < 0.0) v.z() -= 1e-3 * std::exp(-aside * aside);
+  }
+  return plate;
+}
+
+TEST(Press, TheForcesPlaceDoesNotJumpFromOneDeepestPlaceToAnother) {
+  Rig rig(block(kBox, 1.0), one_part_tool(plate_on_feet()), plain_tissue());
+  rig.tick(place(Vec3(0, 0, 15e-3)));
+  const Vec3 pressed(0, 0, 1e-3);
+  rig.tick({Quat(Eigen::AngleAxisd(-0.06, Vec3::UnitY())), Vec3(0, 0, 15e-3)});
+  rig.move_to(pressed, kSpeed);
+  rig.hold(0.2);
+  const double before = rig.result().torque_W.y();
+  StepMeter steps;
+  rig.each_tick([&](const ToolResult& result) { steps(result); });
+  for (int i = -6; i <= 6; ++i) rig.tick({Quat(Eigen::AngleAxisd(0.01 * i, Vec3::UnitY())), pressed});
+  rig.hold(0.2);
+  EXPECT_NEAR(rig.result().torque_W.y(), -before, 0.05 * std::abs(before)) << "the other foot's";
+  EXPECT_LT(steps.torque_step(), 0.02);
+}
+
+TEST(Press, ASlowTurnIsFollowedWhicheverWayTheContactWalkedLast) {
+  for (const int way : {1, -1}) {
+    Rig rig(geometry::make_ball(20e-3, 5120), one_part_tool(plate_on_feet()), plain_tissue());
+    const Vec3 pressed(0, 0, 21e-3);
+    const auto turn = [&](int from, int to, int speed) {  // [0.01 mrad]
+      for (int angle = from; angle != to; angle += to > from ? speed : -speed)
+        rig.tick({Quat(Eigen::AngleAxisd(1e-5 * angle * way, Vec3::UnitY())), pressed});
+      return 1e3 * way * rig.result().views[0].point_S.x();  // [mm]
+    };
+    rig.tick(place(Vec3(0, 0, 30e-3)));
+    rig.move_to(pressed, kSpeed);
+    rig.hold(0.2);
+    const double slowly = turn(0, 2000, 1);
+    EXPECT_GT(slowly, 0.25) << way;
+    turn(2000, 3000, 20);
+    EXPECT_NEAR(turn(3000, 2000, 20), slowly, 0.01) << way;
+  }
 }
 
 TEST(Press, AMovedOrganIsFeltWhereItIs) {
