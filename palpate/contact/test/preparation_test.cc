@@ -33,7 +33,7 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 struct Surface {
-  explicit Surface(TriangleMesh organ)
+  explicit Surface(const TriangleMesh& organ)
       : mesh(refined(organ, kReference)),
         neighbours(geometry::edge_neighbours(mesh)),
         face_normals(face_normals_of(mesh)),
