@@ -68,12 +68,13 @@ struct NormalAndSlope {
                                                                double radius, const Share& share = {});
 
 /// [setup] The same rule with clusters of triangles taken whole where all of one lies within reach and is
-/// turned less than 49 degrees; equal to normals_by_triangles() up to rounding (float, 1e-6 rad). For fine
-/// meshes; docs/decisions/0006-preparation.md.
+/// turned less than 49 degrees; equal to normals_by_triangles() up to rounding (float, 1e-6 rad), without a
+/// slope where no triangle of the side has an edge longer than radius/32. For fine meshes;
+/// docs/decisions/0006-preparation.md.
 [[nodiscard]] std::vector<NormalAndSlope> normals_by_clusters(const SurfaceView& surface, const Sides& sides,
                                                               double radius, const Share& share = {});
 
-/// [setup] By triangles where that is quick, else by clusters: small meshes keep their bits.
+/// [setup] By triangles where that is quick, else by clusters: small meshes have the bits of the rule itself.
 [[nodiscard]] std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides,
                                                            double radius, const Share& share = {});
 
