@@ -43,7 +43,6 @@ void store_sides(const Sides& sides, OrganArrays& arrays) {
 /// A quadratic function has half the difference of its slopes along an edge, times the edge, beside the mean
 /// of the ends' values. Both triangles of an edge get the same bits.
 void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sides, OrganArrays& arrays) {
-  constexpr double kMost = 0.1;  // no surface that is smooth within the triangle bends as much
   arrays.normals.resize(averaged.size());
   for (std::size_t i = 0; i < averaged.size(); ++i) arrays.normals[i] = averaged[i].normal;
   const std::vector<geometry::Triangle>& triangles = arrays.mesh.triangles;
@@ -58,9 +57,11 @@ void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sid
                             averaged[at(sides.of_corner[3 * t + f])].slope) *
                            edge);
         const double size = bend.norm();
-        if (size > kMost) bend *= kMost / size;
-        arrays.bends[t][e] = {static_cast<float>(bend.x()), static_cast<float>(bend.y()),
-                              static_cast<float>(bend.z())};
+        if (size > kMostBend) bend *= kMostBend / size;
+        for (std::size_t i = 0; i < 3; ++i) {
+          const double units = bend[static_cast<Eigen::Index>(i)] / kBendUnit;
+          arrays.bends[t][e][i] = static_cast<std::int16_t>(std::lround(units));
+        }
       }
     }
   });

@@ -23,7 +23,10 @@ inline constexpr double kBlendWidth = 1e-3;  // m, over which the two sides of a
 
 /// What the averaged normal in a triangle is beside the mean of its corners' normals: b_e b_f times the bend
 /// of the edge between corners e and f, with b the barycentric coordinates.
-using NormalBends = std::array<std::array<float, 3>, 3>;  // of the edge after each corner
+using NormalBends = std::array<std::array<std::int16_t, 3>, 3>;  // of the edge after each corner [kBendUnit]
+
+inline constexpr double kMostBend = 0.1;  // no surface that is smooth within a triangle bends as much
+inline constexpr double kBendUnit = kMostBend / 32767.0;  // below 0.0001 degrees inside a triangle
 
 /// The refined surface and all that contact looks up on it, in the organ's frame, metres.
 struct OrganArrays {

@@ -80,7 +80,7 @@ Vec3 OrganSurface::smooth_normal(std::int32_t triangle, const Vec3& point) const
              weight[2] * arrays_.normals[at(side[2])];
   const NormalBends& bends = arrays_.bends[at(triangle)];
   for (std::size_t e = 0; e < 3; ++e) {
-    const double share = weight[e] * weight[(e + 1) % 3];
+    const double share = weight[e] * weight[(e + 1) % 3] * kBendUnit;
     sum += share * Vec3(bends[e][0], bends[e][1], bends[e][2]);
   }
   return sum.normalized();
