@@ -58,9 +58,15 @@ if(PALPATE_PRECOMPILE)
   if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
     add_executable(palpate_precompiled_test EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/generated/precompiled.cc)
     target_link_libraries(palpate_precompiled_test PRIVATE Eigen3::Eigen Threads::Threads GTest::gmock)
+    target_compile_options(palpate_precompiled_test PRIVATE $<$<CONFIG:Release>:-O1>)
     target_precompile_headers(palpate_precompiled_test PRIVATE ${PALPATE_PRECOMPILED} <gmock/gmock.h> <gtest/gtest.h>)
   endif()
 endif()
+
+# palpate_compile_quickly(TARGET): little optimised, as no hand, picture or fit waits for its code.
+function(palpate_compile_quickly target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
 
 # palpate_precompile(TARGET REUSE_FROM OTHER | TARGET HEADER...): with headers beside the usual ones, its own.
 function(palpate_precompile target)
