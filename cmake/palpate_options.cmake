@@ -14,7 +14,7 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 add_compile_options(-Wall -Wextra -Wpedantic -Wconversion -Werror -ffp-contract=off)
 add_compile_definitions(EIGEN_DONT_VECTORIZE EIGEN_MPL2_ONLY)
 # Eigen's small functions are inlined everywhere, not where a compiler thinks it pays: a tick in contact takes 8 % less
-# time by it (docs/decisions/0007), and tests with sanitizers that prepare organs half to two thirds less (0014).
+# time by it (docs/decisions/0007), and with the address sanitizer tests that prepare organs half to two thirds less (0014).
 add_compile_options("-DEIGEN_STRONG_INLINE=__attribute__((always_inline)) inline")
 
 set(PALPATE_SANITIZE "" CACHE STRING "Sanitizers to build with, as for -fsanitize= (address,undefined or thread)")
