@@ -11,6 +11,7 @@
 
 #include "palpate/base/array_file.h"
 #include "palpate/base/error.h"
+#include "palpate/fit/fit_record.h"
 #include "palpate/model/tissue.h"
 #include "palpate/record/scene_json.h"
 #include "palpate/record/test/sample_recording.h"
@@ -354,6 +355,24 @@ constexpr char kPicture[] =
     "\xa3\x0c\xac\x8c\x51\x80\x17\x00\x00\x6b\x72\xff\x01\x8d\x03\xbe\xf3\x00\x00\x00\x00\x49\x45\x4e"
     "\x44\xae\x42\x60\x82";
 
+/// A specimen's line, and one of a sweep.
+std::string fit_lines() {
+  fit::SpecimenFit fit;
+  fit.name = "a";
+  fit.layers_allowed = 6;
+  fit.layers_reached = 4;
+  fit.shared = {1, 2, 3, 4};
+  fit.own = {5, 6};
+  fit.estimates.resize(6);
+  fit.estimates[0].covariance = fit::Interval{1, 2};
+  fit.minima = {{1, 2, 3, 4, 5, 6}};
+  fit.curve = {{0, 1}, {1e-3, 2e-3}, {0.1, 0.2}, {0.1, 0.2}, {0, 0.1}, {0.2, 0.3}};
+  fit.warnings = {"a"};
+  return fit::line_of("a", fit) +
+         "\n{\"key\":\"b\",\"best_nrmse\":0.1,\"found_better\":false,\"values\":1,\"points_swept\":"
+         "[[1,\"nan\",1.0,0.5,1,2,3,4]]}\n";
+}
+
 void add_the_rest(const Seeds& seeds) {
   seeds.add("scene", "scene", kScene);
   seeds.add("tissue", "heart", scene::to_toml(model::tissue_preset("heart")));
@@ -369,6 +388,7 @@ void add_the_rest(const Seeds& seeds) {
     curve += n + ',' + n + ".5," + n + "e-2,a\n" + n + ',' + n + ",0." + n + ",b\n";
   }
   seeds.add("fit_data", "two", curve);
+  seeds.add("fit_lines", "two", fit_lines());
   seeds.add("deformation", "two",
             "depth_mm,r_mm,u_mm\n1,0,1\n1,-1,.8\n1,2,.4\n1,5,.2\n1,9,.1\n"
             "3,0,3\n3,1,2.5\n3,-2,1.9\n3,5,.6\n3,9,.3\n");

@@ -12,6 +12,7 @@
 
 #include "palpate/base/content_hash.h"
 #include "palpate/base/error.h"
+#include "palpate/base/whole_json.h"
 #include "palpate/fit/number_json.h"
 #include "palpate/fit/sweep_piece.h"
 #include "palpate/version.h"
@@ -80,6 +81,11 @@ Curve curve_of(const Json& json) {
   curve.fitted = list_of(json.at("fitted"));
   curve.low = list_of(json.at("low"));
   curve.high = list_of(json.at("high"));
+  const std::size_t points = curve.displacement.size();
+  if ((!curve.time.empty() && curve.time.size() != points) || curve.measured.size() != points ||
+      curve.fitted.size() != points || curve.low.size() != points || curve.high.size() != points) {
+    throw InputError("results line: its curve has not as many values in every column");
+  }
   return curve;
 }
 
@@ -92,15 +98,15 @@ SpecimenFit fit_of_json(const Json& json) {
   SpecimenFit fit;
   fit.name = json.at("name").get<std::string>();
   fit.law = model::parse_law(json.at("law").get<std::string>());
-  fit.layers_allowed = json.at("layers_allowed").get<int>();
-  fit.layers_reached = json.at("layers_reached").get<int>();
-  fit.terms = json.at("terms").get<std::size_t>();
+  fit.layers_allowed = whole_number<int>(json, "layers_allowed");
+  fit.layers_reached = whole_number<int>(json, "layers_reached");
+  fit.terms = whole_number<std::size_t>(json, "terms");
   for (const Json& estimate : json.at("estimates")) fit.estimates.push_back(estimate_of(estimate));
   fit.rms = number_of(json.at("rms"));
   fit.nrmse = number_of(json.at("nrmse"));
   fit.leave_out = number_of(json.at("leave_out"));
-  fit.points = json.at("points").get<std::size_t>();
-  fit.rows = json.at("rows").get<std::size_t>();
+  fit.points = whole_number<std::size_t>(json, "points");
+  fit.rows = whole_number<std::size_t>(json, "rows");
   fit.warnings = json.at("warnings").get<std::vector<std::string>>();
   fit.curve = curve_of(json.at("curve"));
   fit.shared = list_of(json.at("shared"));

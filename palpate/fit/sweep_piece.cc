@@ -10,6 +10,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/base/whole_json.h"
 #include "palpate/fit/ensemble.h"
 #include "palpate/fit/intervals.h"
 #include "palpate/fit/minima.h"
@@ -294,7 +295,7 @@ void add_sweep_line(const std::string& line, Sweep& sweep) {
     sweep.best_nrmse = json.at("best_nrmse").get<double>();
     sweep.found_better = sweep.found_better || json.at("found_better").get<bool>();
     const Json& points = json.at("points_swept");
-    if (points.size() < json.at("values").get<std::size_t>()) {
+    if (points.size() < whole_number<std::size_t>(json, "values")) {
       throw InputError("sweep's line: has fewer points than values");
     }
     for (const Json& point : points) sweep.points.push_back(point_of_json(point));

@@ -4,6 +4,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
+#include "palpate/base/whole_json.h"
 
 namespace palpate::record {
 namespace {
@@ -205,8 +206,8 @@ scene::DeviceSetup device_from(const Json& json) {
   device.dynamics.damping = optional_from(json.at("damping_N_s_per_m"));
   device.dynamics.friction = optional_from(json.at("friction_N"));
   device.dynamics.resolution = optional_from(json.at("resolution_m"));
-  if (const Json& button = json.at("clutch_button"); !button.is_null()) {
-    device.clutch_button = button.get<std::uint32_t>();
+  if (!json.at("clutch_button").is_null()) {
+    device.clutch_button = whole_number<std::uint32_t>(json, "clutch_button");
   }
   if (json.contains("emulated")) device.emulated = emulated_from(json.at("emulated"));
   return device;
@@ -226,7 +227,7 @@ noise::NoiseSettings noise_from(const Json& json) {
   noise.gain = json.at("gain_N_m").get<double>();
   noise.threshold = json.at("threshold_m").get<double>();
   noise.rate_Hz = json.at("rate_Hz").get<double>();
-  noise.seed = json.at("seed").get<std::uint64_t>();
+  noise.seed = whole_number<std::uint64_t>(json, "seed");
   return noise;
 }
 
@@ -257,7 +258,7 @@ scene::Setup setup_from(const Json& json) {
   setup.name = json.at("name").get<std::string>();
   setup.task = task_from(json.at("task").get<std::string>());
   setup.rate_Hz = json.at("rate_Hz").get<double>();
-  setup.seed = json.at("seed").get<std::uint64_t>();
+  setup.seed = whole_number<std::uint64_t>(json, "seed");
   setup.organ_name = json.at("organ").at("name").get<std::string>();
   setup.organ_pose = pose_from(json.at("organ").at("pose"));
   // A recording from before organs moved has no motion.

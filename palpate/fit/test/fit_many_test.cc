@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -48,6 +49,10 @@ SpecimenFit plain_fit() {
   fit.rows = 9;
   fit.warnings = {"one", "two"};
   fit.curve.displacement = {1e-3, 2e-3};
+  fit.curve.measured = {0.1, 0.2};
+  fit.curve.fitted = {0.11, 0.19};
+  fit.curve.low = {0.10, 0.18};
+  fit.curve.high = {0.12, 0.21};
   fit.shared = {1.0, 2.0, 3.0, 4.0};
   fit.own = {5.0, 6.0};
   return fit;
@@ -60,6 +65,15 @@ std::vector<std::string> lines_in(const std::string& file) {
     if (!line.empty()) lines.push_back(line);
   }
   return lines;
+}
+
+std::string refusal_of(const std::string& line) {
+  try {
+    (void)fit_of(line);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no refusal";
 }
 
 TEST(FitRecord, ReadsBackToTheBit) {
@@ -87,6 +101,24 @@ TEST(FitRecord, RefusesWhatIsNoWholeLine) {
   EXPECT_THROW((void)fit_of("{}"), InputError);
   EXPECT_THROW((void)doubles_of("seven b"), InputError);
   EXPECT_THROW((void)specimens_of("short"), InputError);
+}
+
+TEST(FitRecord, RefusesACurveWithColumnsOfDifferentLength) {
+  for (const auto column :
+       {&Curve::time, &Curve::displacement, &Curve::measured, &Curve::fitted, &Curve::low, &Curve::high}) {
+    SpecimenFit fit = plain_fit();
+    (fit.curve.*column).push_back(0.1);
+    EXPECT_THROW((void)fit_of(line_of("key", fit)), InputError);
+  }
+}
+
+TEST(FitRecord, ACountThatIsNoWholeNumberIsRefusedByName) {
+  const std::string plain = line_of("key", plain_fit());
+  for (const std::string count : {"layers_allowed", "layers_reached", "terms", "points", "rows"}) {
+    const std::string field = '"' + count + "\":";
+    const std::string line = std::regex_replace(plain, std::regex(field + "\\d+"), field + "1e30");
+    EXPECT_THAT(refusal_of(line), ::testing::HasSubstr(count + " is 1e+30, want a whole number"));
+  }
 }
 
 TEST(FitRecord, AKeyChangesWithDataFlagsAndNumber) {

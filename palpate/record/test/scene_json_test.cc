@@ -1,5 +1,8 @@
 #include "palpate/record/scene_json.h"
 
+#include <cstdint>
+#include <limits>
+#include <regex>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -52,6 +55,33 @@ TEST(SceneJson, EveryWordThatIsNotKnownIsRefusedInTheSceneWithWhatWouldBeRight) 
 TEST(SceneJson, AKeyThatIsMissingAndTextThatIsNoJsonAreRefusedInTheScene) {
   EXPECT_THAT(refusal(changed(R"("beta":)", R"("beat":)")), AllOf(StartsWith("scene: "), HasSubstr("beta")));
   EXPECT_THAT(refusal("{"), StartsWith("scene: "));
+}
+
+TEST(SceneJson, ASeedOrButtonThatIsNoWholeNumberOfItsRangeIsRefusedByName) {
+  scene::Setup setup = sample_setup(1);
+  setup.noise.seed = 77;
+  const std::string written = setup_to_json(setup);
+  const auto with = [&written](const std::string& name, const std::string& value, const std::string& other) {
+    const std::string field = '"' + name + "\": ";
+    return std::regex_replace(written, std::regex(field + value), field + other);
+  };
+  for (const std::string number : {"1.5", "1.83648e+20", "18446744073709551616", "-1", "\"7\"", "[7]"}) {
+    for (const std::string seed : {"77", "18364758544493064720"}) {
+      EXPECT_THAT(refusal(with("seed", seed, number)),
+                  AllOf(StartsWith("scene: seed is "), HasSubstr("from 0 to 18446744073709551615")))
+          << seed << " replaced by " << number;
+    }
+  }
+  for (const std::string number : {"4294967296", "-1", "2.5"}) {
+    EXPECT_EQ(refusal(with("clutch_button", "3", number)),
+              "scene: clutch_button is " + number + ", want a whole number from 0 to 4294967295");
+  }
+}
+
+TEST(SceneJson, TheLargestSeedIsReadBack) {
+  scene::Setup setup = sample_setup(1);
+  setup.seed = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(setup_from_json(setup_to_json(setup)).seed, setup.seed);
 }
 
 TEST(SceneJson, ARefusalIsOneLineWhateverWordIsRefused) {
