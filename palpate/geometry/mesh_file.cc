@@ -278,40 +278,50 @@ class OffCheck final {
   PolygonBudget polygons_;
 };
 
-/// Calls visit(id, begin, end) for each chunk between two bytes of a 3DS file; a chunk that does not fit ends
-/// it.
+/// Calls visit(id, begin, end) for each chunk between two bytes of a 3DS file. A chunk that is longer than
+/// what is left of the one around it is refused: the importer would read it to its end, and only then give
+/// up.
 template <typename Visit>
-void each_3ds_chunk(const std::string& bytes, std::size_t begin, std::size_t end, const Visit& visit) {
+void each_3ds_chunk(const MeshFile& file, std::size_t begin, std::size_t end, const Visit& visit) {
   constexpr std::size_t kHead = 6;
   while (begin + kHead <= end) {
-    const std::size_t length = little_endian_32(bytes, begin + 2);
-    if (length < kHead || length > end - begin) return;
-    const auto low = static_cast<unsigned char>(bytes[begin]);
-    const auto high = static_cast<unsigned char>(bytes[begin + 1]);
+    const std::size_t length = little_endian_32(file.bytes, begin + 2);
+    if (length < kHead || length > end - begin) {
+      throw InputError(file.path.string() + ", byte " + std::to_string(begin) + ": a chunk declares " +
+                       std::to_string(length) + " bytes, must be 6 to " + std::to_string(end - begin) +
+                       ", which are left of the one around it");
+    }
+    const auto low = static_cast<unsigned char>(file.bytes[begin]);
+    const auto high = static_cast<unsigned char>(file.bytes[begin + 1]);
     visit(256U * high + low, begin + kHead, begin + length);
     begin += length;
   }
 }
 
-/// The importer believes how many keys a track of the key frames declares.
-void check_3ds_tracks(const MeshFile& file, std::size_t begin, std::size_t end) {
-  constexpr unsigned kFirstTrack = 0xB020;
-  constexpr unsigned kLastTrack = 0xB029;
+/// The importer believes how many keys a track declares.
+void check_3ds_track(const MeshFile& file, std::size_t begin, std::size_t end) {
   constexpr std::size_t kBeforeCount = 10;  // flags and what is not used
   constexpr std::size_t kLeastKey = 6;      // bytes
-  each_3ds_chunk(file.bytes, begin, end, [&](unsigned, std::size_t node, std::size_t node_end) {
-    each_3ds_chunk(file.bytes, node, node_end, [&](unsigned id, std::size_t track, std::size_t track_end) {
-      if (id < kFirstTrack || id > kLastTrack) return;
-      if (track_end - track < kBeforeCount + 4) {
-        throw InputError(file.path.string() + ", byte " + std::to_string(track) +
-                         ": a track of key frames is too short");
-      }
-      const std::size_t keys = little_endian_32(file.bytes, track + kBeforeCount);
-      if (keys > (track_end - track) / kLeastKey) {
-        throw InputError(file.path.string() + ", byte " + std::to_string(track) +
-                         ": a track of key frames declares " + std::to_string(keys) + " keys in " +
-                         std::to_string(track_end - track) + " bytes");
-      }
+  const std::string where =
+      file.path.string() + ", byte " + std::to_string(begin) + ": a track of key frames ";
+  if (end - begin < kBeforeCount + 4) throw InputError(where + "is too short");
+  const std::size_t keys = little_endian_32(file.bytes, begin + kBeforeCount);
+  if (keys > (end - begin) / kLeastKey) {
+    throw InputError(where + "declares " + std::to_string(keys) + " keys in " + std::to_string(end - begin) +
+                     " bytes");
+  }
+}
+
+/// The tracks of every node of the key frames.
+void check_3ds_key_frames(const MeshFile& file, std::size_t begin, std::size_t end) {
+  constexpr unsigned kFirstNode = 0xB001;
+  constexpr unsigned kLastNode = 0xB007;
+  constexpr unsigned kFirstTrack = 0xB020;
+  constexpr unsigned kLastTrack = 0xB029;
+  each_3ds_chunk(file, begin, end, [&](unsigned node, std::size_t node_begin, std::size_t node_end) {
+    if (node < kFirstNode || node > kLastNode) return;
+    each_3ds_chunk(file, node_begin, node_end, [&](unsigned id, std::size_t from, std::size_t to) {
+      if (id >= kFirstTrack && id <= kLastTrack) check_3ds_track(file, from, to);
     });
   });
 }
@@ -326,10 +336,14 @@ void check_3ds(const MeshFile& file) {
     throw InputError(file.path.string() + ": truncated: declares " + std::to_string(declared) +
                      " bytes, has " + std::to_string(bytes.size()));
   }
+  constexpr unsigned kMain = 0x4D4D;
+  constexpr unsigned kProject = 0xC23D;
   constexpr unsigned kKeyFrames = 0xB000;
-  constexpr std::size_t kHead = 6;
-  each_3ds_chunk(bytes, kHead, bytes.size(), [&](unsigned id, std::size_t begin, std::size_t end) {
-    if (id == kKeyFrames) check_3ds_tracks(file, begin, end);
+  each_3ds_chunk(file, 0, bytes.size(), [&](unsigned whole, std::size_t whole_begin, std::size_t whole_end) {
+    if (whole != kMain && whole != kProject) return;
+    each_3ds_chunk(file, whole_begin, whole_end, [&](unsigned id, std::size_t begin, std::size_t end) {
+      if (id == kKeyFrames) check_3ds_key_frames(file, begin, end);
+    });
   });
 }
 

@@ -415,17 +415,39 @@ TEST_F(ReadMesh, RefusesBadPlyHeaders) {
 }
 
 TEST_F(ReadMesh, Refuses3dsTracksOfMoreKeysThanTheyHoldBytes) {
-  const auto chunk = [](unsigned id, const std::string& body) {
-    const auto length = static_cast<std::uint32_t>(body.size() + 6);
-    std::string bytes{static_cast<char>(id & 255U), static_cast<char>(id >> 8U)};
-    for (unsigned k = 0; k < 4; ++k) bytes += static_cast<char>((length >> (8 * k)) & 255U);
-    return bytes + body;
-  };
   const std::string track = chunk(0xB020, std::string(10, '\0') + "\xff\xff\xff\xff" + std::string(20, '\0'));
   expect_refused("keys.3ds", chunk(0x4D4D, chunk(0xB000, chunk(0xB002, track))),
                  "declares 4294967295 keys in 34 bytes");
   expect_refused("short.3ds", chunk(0x4D4D, chunk(0xB000, chunk(0xB002, chunk(0xB020, "abc")))),
                  "a track of key frames is too short");
+  const std::string whole = three_ds();
+  const std::string second = chunk(0x4D4D, chunk(0xB000, chunk(0xB002, track)));
+  expect_refused("second.3ds", whole + second, "declares 4294967295 keys in 34 bytes");
+  const std::string project = chunk(0xC23D, chunk(0xB000, chunk(0xB004, track)));
+  expect_refused("project.3ds", whole + project, "declares 4294967295 keys in 34 bytes");
+}
+
+TEST_F(ReadMesh, Refuses3dsChunksThatAreLongerThanTheOneAround) {
+  const auto declares = [](std::string bytes, std::uint32_t length) {
+    return bytes.replace(2, 4, bytes_of(length));
+  };
+  // Beside it, so that the file does not end where the chunk around does: the importer would read on.
+  const std::string beside = chunk(0x3D3D, std::string(64, '\0'));
+  const std::string track = chunk(0xB020, std::string(34, '\0'));
+  const auto with_track = [&](const std::string& one) {
+    return chunk(0x4D4D, chunk(0xB000, chunk(0xB002, one)) + beside);
+  };
+  expect_refused("track.3ds", with_track(declares(track, 60)),
+                 "byte 18: a chunk declares 60 bytes, must be 6 to 40, which are left of the one around it");
+  expect_refused("none.3ds", with_track(declares(track, 5)), "byte 18: a chunk declares 5 bytes");
+  const std::string node = chunk(0xB002, track);
+  expect_refused("node.3ds", chunk(0x4D4D, chunk(0xB000, declares(node, 60)) + beside),
+                 "byte 12: a chunk declares 60 bytes, must be 6 to 46");
+  const std::string frames = chunk(0xB000, node);
+  expect_refused("frames.3ds", chunk(0x4D4D, declares(frames, 60)) + beside,
+                 "byte 6: a chunk declares 60 bytes, must be 6 to 52");
+  expect_refused("beside.3ds", chunk(0x4D4D, frames) + declares(beside, 71),
+                 "byte 58: a chunk declares 71 bytes, must be 6 to 70");
 }
 
 TEST_F(ReadMesh, RefusesGltfBuffersOutsideItsFolder) {
