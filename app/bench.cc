@@ -49,6 +49,7 @@ struct BenchFlags {
   bool loop = false;
   bool pictures = false;
   std::optional<std::string> hands;
+  bool poll = false;
   bool json = false;
   std::filesystem::path csv;
 
@@ -74,7 +75,8 @@ struct Plan {
   bool most_hands = false;
   std::size_t hands = 0;
   bool loop = false;
-  std::vector<Subject> pictures;  // drawn
+  haptics::Waiting waiting = haptics::Waiting::kSleep;  // of hands and loop
+  std::vector<Subject> pictures;                        // drawn
   int passes = 5;
   double peer_seconds = 4.0;
 };
@@ -93,6 +95,7 @@ Plan plan_of(const BenchFlags& flags) {
       throw ParameterError("--hands", static_cast<double>(plan.hands), "1 to " + std::to_string(kMostHands));
     }
   }
+  plan.waiting = flags.poll ? haptics::Waiting::kPoll : haptics::Waiting::kSleep;
   plan.loop = flags.loop || (all && flags.full);
   if (flags.pictures || (all && flags.full))
     plan.pictures = {{"press", 0, 0}, {"pull", 0, 0}, {"press", kFine, 0}, {"press", kFinest, 0}};
@@ -117,6 +120,7 @@ class Bench final {
     account_.machine = record::machine_description();
     account_.build = "palpate " + record::palpate_version() + ", " + record::compiler_version();
     account_.command = std::move(command_line);
+    account_.polled = plan_.waiting == haptics::Waiting::kPoll;
     steps_ = static_cast<double>(plan_.subjects.size()) + (plan_.most_hands ? 2.0 : 0.0) +
              (plan_.loop ? 2.0 : 0.0) + static_cast<double>(plan_.pictures.size()) + 1.0;
   }
@@ -195,11 +199,11 @@ class Bench final {
     const bench::Prepared prepared = bench::prepare(setup);
     const scene::ToolPath path = bench::hand_path(setup);
     account_.hands =
-        bench::most_hands(setup, prepared.world, path,
+        bench::most_hands(setup, prepared.world, path, plan_.waiting,
                           [this](double share, const std::string& what) { show(1.5 * share, what); });
     if (plan_.hands > 0) {
       show(1.5, std::to_string(plan_.hands) + " hands");
-      account_.hands->asked = bench::run_hands(setup, prepared.world, path, plan_.hands);
+      account_.hands->asked = bench::run_hands(setup, prepared.world, path, plan_.waiting, plan_.hands);
     }
     done_ += 2.0;
   }
@@ -211,7 +215,7 @@ class Bench final {
     const scene::Setup setup = scene::load(request);
     const bench::Prepared prepared = bench::prepare(setup);
     account_.loops.push_back(
-        bench::against_empty_loop(setup, prepared.world, scene::default_path(setup, 0),
+        bench::against_empty_loop(setup, prepared.world, scene::default_path(setup, 0), plan_.waiting,
                                   [this](double share, const std::string& what) { show(share, what); }));
     done_ += 1.0;
   }
@@ -254,6 +258,10 @@ void add_flags(CLI::App& command, BenchFlags& flags) {
           "only hands: how many each core carries inside 80 % of a 1 ms period in 99.9 % of 10,000 "
           "periods, all cores at once (found by halving: a minute or two), and N of them on all cores")
       ->type_name("N");
+  command.add_flag(
+      "--poll", flags.poll,
+      "with hands and the 10 kHz loop: their threads keep asking for the time between periods, as "
+      "`palpate run --poll`; else they sleep");
   command.add_flag("--peers", flags.peers, "only ticks beside other libraries: Bullet, FCL, Embree");
   command.add_flag("--loop", flags.loop, "only the 10 kHz loop against an empty one");
   command.add_flag("--pictures", flags.pictures,
@@ -261,7 +269,7 @@ void add_flags(CLI::App& command, BenchFlags& flags) {
   command.add_flag("--json", flags.json, "one JSON document");
   command.add_option("--csv", flags.csv, "also write every figure to this file");
   command.footer(
-      "Example:\n  palpate bench --json > bench.json\n  palpate bench --hands 150\n"
+      "Example:\n  palpate bench --json > bench.json\n  palpate bench --hands 150 --poll\n"
       "  palpate bench --full --csv bench.csv");
 }
 

@@ -33,7 +33,7 @@ struct DemoFlags {
   fs::path folder = "out";
   bool json = false;
   bool no_cache = false;
-  std::optional<int> core;
+  haptics::LoopThread thread;
 };
 
 fs::path write_demo_report(const std::vector<Session>& sessions, const std::vector<OutputFiles>& files,
@@ -50,7 +50,7 @@ fs::path write_demo_report(const std::vector<Session>& sessions, const std::vect
 }
 
 int demo(const DemoFlags& flags, const std::string& command_line) {
-  require_usable_core(flags.core);
+  require_usable_core(flags.thread.core);
   std::vector<Session> sessions;
   for (const Experiment& experiment : kExperiments) {
     scene::Request request;
@@ -69,7 +69,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
     RunAccount account;
     {
       const StopOnSignal signals;
-      account = play(sessions[i], {files[i].recording, false, flags.core}, signals.flag());
+      account = play(sessions[i], {files[i].recording, false, flags.thread}, signals.flag());
     }
     stopped = account.loop.stopped_early;
     exit_code = std::max(exit_code, exit_code_of(account, std::nullopt));
@@ -98,7 +98,7 @@ void add_demo(CLI::App& program, const std::string& command_line, int& exit_code
   auto flags = std::make_shared<DemoFlags>();
   command->add_option("--report", flags->folder, "folder of the report and the recordings")
       ->capture_default_str();
-  command->add_option("--core", flags->core, kCoreHelp);
+  add_thread_flags(*command, flags->thread);
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
   command->add_flag("--json", flags->json, "summary as one JSON document");
   command->footer("Example: palpate demo --report out");

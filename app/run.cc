@@ -38,7 +38,7 @@ struct RunFlags {
   std::optional<double> duration_s;
   std::optional<std::uint64_t> max_missed;
   std::optional<std::string> igtl;
-  std::optional<int> core;
+  haptics::LoopThread thread;
   std::string ui_scale;
   OutputFiles files;
 };
@@ -103,7 +103,7 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
                       net::IgtlServer* igtl, const std::atomic<bool>& stop) {
   WindowOptions options;
   options.recording = recording;
-  options.core = flags.core;
+  options.thread = flags.thread;
   options.duration_s = flags.duration_s;
   options.no_cache = flags.no_cache;
   options.stays = !wants_outputs(flags);
@@ -133,14 +133,14 @@ Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& re
       require_window(session, flags, false);
     }
   }
-  PlayOptions how{recording, flags.offline, flags.core};
+  PlayOptions how{recording, flags.offline, flags.thread};
   how.igtl = igtl;
   return {play(session, how, signals.flag()), false, false};
 }
 
 int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
-  require_usable_core(flags.core);
+  require_usable_core(flags.thread.core);
   (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
   Session session = prepare(flags.request, flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);
@@ -201,7 +201,8 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--ui-scale", flags.ui_scale,
                      "the window's letters and panels, 0.5 to 4 (default: as the display says)");
   command.add_option("--max-missed", flags.max_missed, "exit 4 when more deadlines were missed");
-  command.add_option("--core", flags.core, kCoreHelp);
+  add_thread_flags(command, flags.thread);
+  command.get_option("--poll")->excludes("--offline");
   command.add_option("--igtl", flags.igtl, kIgtlHelp);
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
   command.add_flag("--json", flags.json, "summary as one JSON document");

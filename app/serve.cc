@@ -69,7 +69,7 @@ net::LiveOptions server_options(const ServeFlags& flags) {
 }
 
 void check_runs(const ServedOptions& options) {
-  require_usable_core(options.core);
+  require_usable_core(options.thread.core);
   if (!options.recording.empty()) require_writable_file(options.recording, "--record");
   std::error_code error;
   if (!options.scenes.empty() && !fs::is_directory(options.scenes, error)) {
@@ -146,7 +146,7 @@ void add_serve_flags(CLI::App& command, ServeFlags& flags) {
       "--record", flags.runs.recording,
       "write the first run's ticks to this HDF5 file, the others' beside it with their number");
   command.add_option("--duration-s", flags.runs.duration_s, "exactly round(S x rate) ticks a run");
-  command.add_option("--core", flags.runs.core, kCoreHelp);
+  add_thread_flags(command, flags.runs.thread);
   command.add_flag("--no-cache", flags.runs.no_cache, kNoCacheHelp);
   command.add_flag("--json", flags.runs.json, "one JSON document a line: listening, each run, served");
 }

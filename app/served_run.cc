@@ -8,16 +8,16 @@
 namespace palpate::app {
 
 ServedRun::ServedRun(std::unique_ptr<Session> session, std::uint64_t number, std::filesystem::path recording,
-                     std::optional<int> core)
+                     haptics::LoopThread thread)
     : session_(std::move(session)),
       number_(number),
       recording_(std::move(recording)),
       tap_(session_->devices.size()),
       changes_(record::live_changes(session_->setup, session_->world)) {
-  thread_ = std::thread([this, core] {
+  thread_ = std::thread([this, thread] {
     PlayOptions how;
     how.recording = recording_;
-    how.core = core;
+    how.thread = thread;
     how.changes = changes_.get();
     how.onlooker = &tap_;
     how.snapshots = &snapshots_;

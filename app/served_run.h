@@ -20,7 +20,7 @@ class ServedRun final {
  public:
   /// Begins to play. @param recording file; empty: none
   ServedRun(std::unique_ptr<Session> session, std::uint64_t number, std::filesystem::path recording,
-            std::optional<int> core);
+            haptics::LoopThread thread);
   /// Zero force, recording closed.
   ~ServedRun();
   ServedRun(const ServedRun&) = delete;

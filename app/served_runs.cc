@@ -65,7 +65,7 @@ fs::path ServedRuns::next_recording() const {
 }
 
 void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
-  run_ = std::make_unique<ServedRun>(std::move(session), ++runs_, std::move(recording), options_.core);
+  run_ = std::make_unique<ServedRun>(std::move(session), ++runs_, std::move(recording), options_.thread);
   accounted_ = false;
   surface_.reset();
   moved_ns_ = 0;

@@ -24,7 +24,7 @@ struct ServedOptions {
   std::filesystem::path scenes;      // files that clients may name are below it; empty: none may be named
   std::filesystem::path recording;   // of the first run, the others get a number; empty: none
   std::optional<double> duration_s;  // of every run
-  std::optional<int> core;
+  haptics::LoopThread thread;        // of every run's loop
   bool no_cache = false;
   bool stop_when_alone = false;  // the last client's leaving ends a run
   bool json = false;             // how the summaries of runs are printed

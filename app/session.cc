@@ -185,6 +185,15 @@ StopOnSignal::~StopOnSignal() {
 
 const std::atomic<bool>& StopOnSignal::flag() const noexcept { return stop_asked; }
 
+void add_thread_flags(CLI::App& command, haptics::LoopThread& thread) {
+  command.add_option("--core", thread.core, "run the haptic loop on this core only (0 is the first)");
+  command.add_flag_callback(
+      "--poll", [&thread] { thread.waiting = haptics::Waiting::kPoll; },
+      "keep asking for the time between ticks instead of sleeping: ticks begin sooner and take less time, "
+      "but "
+      "one core is busy all the while");
+}
+
 void require_usable_core(std::optional<int> core) {
   if (!core) return;
   const std::vector<int> cores = haptics::usable_cores();
@@ -225,7 +234,7 @@ RunAccount play(Session& session, const PlayOptions& how, const std::atomic<bool
                                       .resets = &resets_asked,
                                       .changes = how.changes,
                                       .fault_news = &companion.fault_news(),
-                                      .core = how.core,
+                                      .thread = how.thread,
                                       .stalled_after_ns = haptics::stall_limit_ns(session.world),
                                       .pause = how.pause});
   }

@@ -15,6 +15,10 @@
 
 #include "app/summary.h"
 
+namespace CLI {
+class App;
+}
+
 namespace palpate::app {
 
 /// A scene, checked and ready to run; nothing has been written yet.
@@ -48,14 +52,14 @@ class StopOnSignal final {
   [[nodiscard]] const std::atomic<bool>& flag() const noexcept;
 };
 
-/// What --core says of itself.
-inline constexpr const char* kCoreHelp = "run the haptic loop on this core only (0 is the first)";
+/// [setup] Gives a command --core and --poll.
+void add_thread_flags(CLI::App& command, haptics::LoopThread& thread);
 
 /// How a session is played.
 struct PlayOptions {
   std::filesystem::path recording;  // file to write; empty: none
   bool offline = false;
-  std::optional<int> core = std::nullopt;   // the one core that the loop runs on
+  haptics::LoopThread thread{};             // of the loop
   haptics::LiveChanges* changes = nullptr;  // to tissue and noise while the session is played
   // For who watches the run, a window; they outlive it:
   SnapshotCell<haptics::Snapshot>* snapshots = nullptr;

@@ -227,6 +227,7 @@ nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& fi
           {"tick_us", histogram_json(run.loop.tick_time)},
           {"realtime_priority", run.loop.realtime_priority},
           {"memory_locked", run.loop.memory_locked},
+          {"polled", run.loop.polled},
           {"peak_force_N", run.highlights.peak_force},
           {"peak_tissue_force_N", run.highlights.peak_tissue},
           {"peak_depth_mm", run.highlights.peak_depth * 1e3},

@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -90,6 +91,27 @@ TEST(RealTime, ACoreThatCannotBeUsedIsRefusedInOneLineAndNothingIsWritten) {
   EXPECT_TRUE(folder.names().empty());
 }
 
+TEST(RealTime, APolledRunIsSaidToBeOneInSummaryAndRecordingAndReplaysToTheBit) {
+  const Folder folder;
+  for (const bool polled : {false, true}) {
+    std::vector<std::string> words{"run", "--duration-s", "0.3", "--record", "r.h5", "--json"};
+    if (polled) words.emplace_back("--poll");
+    const Outcome outcome = run(folder, words);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(nlohmann::json::parse(outcome.out)["polled"], polled);
+    EXPECT_EQ(record::read_recording(folder / "r.h5").facts.polled, polled);
+    EXPECT_EQ(run(folder, {"replay", "r.h5", "--verify"}).exit_code, 0);
+  }
+}
+
+TEST(RealTime, PollingOfflineIsRefusedSinceNothingIsWaitedFor) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {"run", "--offline", "--poll", "--record", "r.h5"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("--poll"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(folder.names().empty());
+}
+
 TEST(RealTime, TheRecordingHoldsTheHistogramsThatTheSummaryIsFrom) {
   const Folder folder;
   const Outcome outcome = run(folder, {"run", "--duration-s", "0.3", "--record", "r.h5", "--json"});
@@ -122,6 +144,8 @@ TEST(Doctor, SaysInWordsAndAsJsonWhatThisMachineLacks) {
   }
   EXPECT_EQ(found["wake_ups"]["samples"], 1000);
   EXPECT_TRUE(found["wake_ups"]["late_us"].contains("p999"));
+  EXPECT_TRUE(found["wake_ups"]["polled_late_us"].contains("p999"));
+  EXPECT_NE(words.out.find("palpate run --poll"), std::string::npos);
   EXPECT_EQ(run(folder, {"doctor", "--help"}).exit_code, 0);
 }
 

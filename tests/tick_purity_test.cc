@@ -115,8 +115,9 @@ TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {
   EXPECT_TRUE(outcome.done) << "child's status " << outcome.exit_status;
 }
 
-TEST_P(TickPurity, NoSystemCallButTheClockInRealTimeWithARecorder) {
-  Rig rig = built_in(GetParam());
+/// Of ticks in real time that a recorder takes.
+void expect_no_system_call_but_the_clock(const char* task, haptics::Waiting waiting) {
+  Rig rig = built_in(task);
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("palpate_purity_" + std::to_string(getpid()) + ".h5");
   const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
@@ -124,11 +125,19 @@ TEST_P(TickPurity, NoSystemCallButTheClockInRealTimeWithARecorder) {
     record::Recorder recorder(file, rig.setup, false);
     Bracket sink(
         kRealTicks, &recorder, [&] { part.start(); }, [&] { part.done(); });
-    (void)rig.run(&sink, {.ticks = kRealTicks, .offline = false});
+    (void)rig.run(&sink, {.ticks = kRealTicks, .offline = false, .thread = {.waiting = waiting}});
   });
   std::filesystem::remove(file);
   EXPECT_EQ(outcome.forbidden, -1) << "number of the system call";
   EXPECT_TRUE(outcome.done) << "child's status " << outcome.exit_status;
+}
+
+TEST_P(TickPurity, NoSystemCallButTheClockInRealTimeWithARecorder) {
+  expect_no_system_call_but_the_clock(GetParam(), haptics::Waiting::kSleep);
+}
+
+TEST_P(TickPurity, NoSystemCallButTheClockInRealTimeThatIsPolled) {
+  expect_no_system_call_but_the_clock(GetParam(), haptics::Waiting::kPoll);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TickPurity, testing::Values("press", "pull", "moving"),

@@ -20,9 +20,9 @@ class LiveRun final {
  public:
   /// @param session outlives this unless it is owned @param recording file; empty: none
   /// @param igtl shows the run to other programs, outlives this; null: nobody does
-  LiveRun(Session& session, std::filesystem::path recording, std::optional<int> core,
+  LiveRun(Session& session, std::filesystem::path recording, haptics::LoopThread thread,
           net::IgtlServer* igtl = nullptr);
-  LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, std::optional<int> core,
+  LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, haptics::LoopThread thread,
           net::IgtlServer* igtl = nullptr);
   /// Zero force, recording closed.
   ~LiveRun();
@@ -58,7 +58,7 @@ class LiveRun final {
   std::unique_ptr<Session> owned_;
   Session& session_;
   std::filesystem::path recording_;
-  std::optional<int> core_;
+  haptics::LoopThread loop_thread_;
   net::IgtlServer* igtl_;
   SnapshotCell<haptics::Snapshot> snapshots_;
   RowTap rows_;

@@ -60,7 +60,7 @@ Window::Window(Session& first, scene::Request request, WindowOptions options)
       stage_("Palpate", options_.size, options_.scale) {
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there are no gamepads, no more
   SDL_PumpEvents();
-  take(std::make_unique<LiveRun>(first, options_.recording, options_.core, options_.igtl));
+  take(std::make_unique<LiveRun>(first, options_.recording, options_.thread, options_.igtl));
 }
 
 Window::~Window() {

@@ -30,8 +30,8 @@ namespace palpate::app {
 
 /// How a window is opened, and what it does with its first session.
 struct WindowOptions {
-  std::filesystem::path recording;  // of the first session; empty: none
-  std::optional<int> core;
+  std::filesystem::path recording;   // of the first session; empty: none
+  haptics::LoopThread thread;        // of every session's loop
   std::optional<double> duration_s;  // of every session
   bool no_cache = false;
   bool stays = true;                        // when the run has ended, until the user leaves

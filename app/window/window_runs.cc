@@ -86,7 +86,7 @@ void Window::look_after_next() {
       const std::unique_ptr<NextSession> next = std::move(next_);
       request_ = next->request();
       const std::string organ_before = run_->session().setup.organ_name;
-      take(std::make_unique<LiveRun>(next->take(), next->recording(), options_.core, options_.igtl));
+      take(std::make_unique<LiveRun>(next->take(), next->recording(), options_.thread, options_.igtl));
       camera_set_ = camera_set_ && organ_before == run_->session().setup.organ_name;
       break;
     }

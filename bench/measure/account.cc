@@ -151,6 +151,7 @@ std::string to_json(const Account& account) {
   json["hands_per_core"] = account.hands ? Json(account.hands->hands_per_core) : Json(nullptr);
   json["hands"] = account.hands ? hands_json(*account.hands) : Json(nullptr);
   json["loop"] = loops_json(account);
+  json["polled"] = account.polled;
   json["pictures"] = pictures_json(account);
   json["peers"] = peers_json(account);
   json["remarks"] = account.remarks;

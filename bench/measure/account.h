@@ -112,6 +112,7 @@ struct Account {
   std::optional<double> noise_ns;
   std::vector<PreparationAccount> preparation;
   std::optional<HandsAccount> hands;
+  bool polled = false;  // hands and loops, between periods; else their threads slept
   std::vector<LoopAccount> loops;
   std::vector<PictureAccount> pictures;
   std::vector<PeerAccount> peers;

@@ -130,10 +130,16 @@ void hands_run(std::ostream& out, const HandsRun& run) {
   if (run.lost > 0) out << "  " << run.lost << " rows were lost: what takes them could not keep up\n";
 }
 
-void hands(std::ostream& out, const HandsAccount& account) {
+/// How threads waited for their periods.
+const char* between(const Account& account) {
+  return account.polled ? ", polling the clock between periods" : "";
+}
+
+void hands(std::ostream& out, const Account& bench) {
+  const HandsAccount& account = *bench.hands;
   constexpr double kKilobyte = 1e3;
-  out << "\nHands at 1 kHz, all in contact, that fit each core inside 80 % of the period at p99.9: "
-      << account.hands_per_core
+  out << "\nHands at 1 kHz, all in contact, that fit each core inside 80 % of the period at p99.9"
+      << between(bench) << ": " << account.hands_per_core
       << "\nMemory a hand beyond the organ: " << brief(account.bytes_per_hand / kKilobyte) << " kB\n";
   hands_run(out, account.most);
   hands_run(out, account.asked);
@@ -142,9 +148,9 @@ void hands(std::ostream& out, const HandsAccount& account) {
 void loops(std::ostream& out, const Account& account) {
   for (const LoopAccount& loop : account.loops) {
     out << '\n'
-        << loop.scene << " at " << brief(loop.rate_Hz) << " Hz: " << loop.missed << " of " << loop.ticks
-        << " deadlines missed, late p50 " << brief(loop.late.p50_us) << ", p99.9 " << brief(loop.late.p999_us)
-        << ", max " << brief(loop.late.max_us)
+        << loop.scene << " at " << brief(loop.rate_Hz) << " Hz" << between(account) << ": " << loop.missed
+        << " of " << loop.ticks << " deadlines missed, late p50 " << brief(loop.late.p50_us) << ", p99.9 "
+        << brief(loop.late.p999_us) << ", max " << brief(loop.late.max_us)
         << " us\n  an empty loop in turns with it: " << loop.missed_empty << " missed, late p50 "
         << brief(loop.late_empty.p50_us) << ", p99.9 " << brief(loop.late_empty.p999_us) << ", max "
         << brief(loop.late_empty.max_us) << " us\n";
@@ -177,7 +183,7 @@ std::string to_text(const Account& account) {
   peers(out, account);
   parts(out, account);
   preparation(out, account);
-  if (account.hands) hands(out, *account.hands);
+  if (account.hands) hands(out, account);
   loops(out, account);
   pictures(out, account);
   for (const std::string& remark : account.remarks) out << "\n" << remark << '\n';

@@ -162,8 +162,9 @@ double limit_us() { return kPeriodShare * 1e6 / kHandsRate; }
 /// The same number of hands on every core at once, or as nearly as can be.
 class Crowd final {
  public:
-  Crowd(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path)
-      : world_(world), window_(window), path_(path), cores_(haptics::usable_cores()) {
+  Crowd(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path,
+        haptics::Waiting waiting)
+      : world_(world), window_(window), path_(path), waiting_(waiting), cores_(haptics::usable_cores()) {
     if (cores_.empty()) cores_.push_back(-1);  // unknown: one thread, wherever it may run
   }
 
@@ -200,9 +201,10 @@ class Crowd final {
     rounds.times_us.reserve(periods);
     rounds.wall_us.reserve(periods);
     std::uint64_t over = 0;
+    haptics::TickWait wait(waiting_, kHandsRate);
     haptics::Schedule schedule(kHandsRate, monotonic_ns() + 1'000'000);
     for (std::uint64_t step = 0; step < kWarmUp + periods && !gave_up(); ++step) {
-      sleep_until_ns(schedule.due());
+      wait.until(schedule.due());
       const std::int64_t woken = monotonic_ns();
       const bool missed = schedule.begin(woken).missed;
       const std::int64_t begun = thread_cpu_ns();
@@ -243,6 +245,7 @@ class Crowd final {
   const haptics::SimulationWorld& world_;
   const Window& window_;
   const scene::ToolPath& path_;
+  haptics::Waiting waiting_;
   std::vector<int> cores_;
   std::atomic<bool> stop_{false};
 };
@@ -270,11 +273,11 @@ std::size_t greatest_that_fits(std::size_t first, std::size_t too_many,
 }
 
 HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                        const scene::ToolPath& path, const Watch& watch) {
+                        const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
   const Window window = contact_window(walk(setup, world, path));
   HandsAccount account;
   account.bytes_per_hand = bytes_per_hand(world, window, path);
-  Crowd crowd(world, window, path);
+  Crowd crowd(world, window, path, waiting);
   const std::string where = " hands on each of " + std::to_string(crowd.cores()) + " cores";
   const HandsRun gauged = crowd.run(kGaugedHands * crowd.cores(), kGaugedPeriods, false);
   // With more than this even the median period is over.
@@ -299,10 +302,10 @@ HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorl
 }
 
 HandsRun run_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                   const scene::ToolPath& path, std::size_t hands) {
+                   const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands) {
   if (hands == 0) throw std::invalid_argument("bench: 0 hands: must be at least 1");
   const Window window = contact_window(walk(setup, world, path));
-  return Crowd(world, window, path).run(hands, kPeriodsHeld, false);
+  return Crowd(world, window, path, waiting).run(hands, kPeriodsHeld, false);
 }
 
 }  // namespace palpate::bench

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "palpate/haptics/simulation.h"
+#include "palpate/haptics/tick_wait.h"
 #include "palpate/scene/setup.h"
 #include "palpate/scene/tool_path.h"
 
@@ -23,12 +24,13 @@ inline constexpr std::size_t kMostHandsTried = 4000;
 /// may be over in more than 10 of them. The number is found by halving; one that does not fit is tried twice,
 /// for what else the machine does comes in bursts. @throws as walk().
 [[nodiscard]] HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                                      const scene::ToolPath& path, const Watch& watch);
+                                      const scene::ToolPath& path, haptics::Waiting waiting,
+                                      const Watch& watch);
 
 /// [setup] Runs `hands` of them at 1 kHz, spread evenly over all cores, for 10,000 periods.
 /// @throws as walk(), and std::invalid_argument for no hands
 [[nodiscard]] HandsRun run_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                                 const scene::ToolPath& path, std::size_t hands);
+                                 const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands);
 
 /// [setup] The greatest number that was seen to fit, by halving between 0 and `too_many`, with `first` as the
 /// first one tried: as if whatever is greater than one that does not fit did not either. 0: none fitted.

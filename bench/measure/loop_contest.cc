@@ -27,11 +27,11 @@ struct Side {
 
 /// `ticks` periods in real time, each calling `work()`.
 template <typename Work>
-void take_turn(double rate_Hz, std::uint64_t ticks, Side& side, Work work) {
+void take_turn(double rate_Hz, std::uint64_t ticks, haptics::TickWait& wait, Side& side, Work work) {
   const auto period = static_cast<std::int64_t>(1e9 / rate_Hz);
   haptics::Schedule schedule(rate_Hz, monotonic_ns() + period);
   for (std::uint64_t i = 0; i < ticks; ++i) {
-    sleep_until_ns(schedule.due());
+    wait.until(schedule.due());
     const haptics::Schedule::Begin begin = schedule.begin(monotonic_ns());
     side.late_us.push_back(static_cast<double>(begin.late_ns) / kNanosecondsPerMicrosecond);
     if (begin.missed) ++side.missed;
@@ -42,7 +42,7 @@ void take_turn(double rate_Hz, std::uint64_t ticks, Side& side, Work work) {
 }  // namespace
 
 LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                               const scene::ToolPath& path, const Watch& watch) {
+                               const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
   devices::ScriptedDevice device(path);
   const std::uint64_t last = device.last_tick(world.rate_Hz);
   const auto turn = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kTurn * world.rate_Hz));
@@ -57,12 +57,13 @@ LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::Simulat
   std::thread thread([&] {
     (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
     haptics::touch_stack();
+    haptics::TickWait wait(waiting, world.rate_Hz);
     for (std::uint64_t number = 0; number < last;) {
       watch(static_cast<double>(number) / static_cast<double>(last),
             "loop of the " + setup.name + " scene against an empty one");
       const std::uint64_t ticks = std::min(turn, last - number);
-      take_turn(world.rate_Hz, ticks, empty, [] {});
-      take_turn(world.rate_Hz, ticks, with, [&] { recorder.put(hand.tick(device, number++)); });
+      take_turn(world.rate_Hz, ticks, wait, empty, [] {});
+      take_turn(world.rate_Hz, ticks, wait, with, [&] { recorder.put(hand.tick(device, number++)); });
     }
   });
   thread.join();

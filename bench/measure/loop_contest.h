@@ -1,5 +1,6 @@
 #pragma once
 #include "palpate/haptics/simulation.h"
+#include "palpate/haptics/tick_wait.h"
 #include "palpate/scene/setup.h"
 #include "palpate/scene/tool_path.h"
 
@@ -8,9 +9,11 @@
 namespace palpate::bench {
 
 /// [setup] The scene in real time at its own rate, recorded, against an empty loop on the same thread, in
-/// turns of a quarter of a second, to the end of the path. Missed: begun a full period or more late.
+/// turns of a quarter of a second, to the end of the path; both wait in the same way. Missed: begun a full
+/// period or more late.
 /// @throws InputError when no temporary file can be made.
 [[nodiscard]] LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                                             const scene::ToolPath& path, const Watch& watch);
+                                             const scene::ToolPath& path, haptics::Waiting waiting,
+                                             const Watch& watch);
 
 }  // namespace palpate::bench

@@ -37,10 +37,12 @@ struct LiveState {
 };
 
 Live open(const SceneWish& wish, std::optional<double> duration_s, std::optional<fs::path> record,
-          std::optional<int> core, double keep_s, double surface_edge, bool cache) {
+          std::optional<int> core, double keep_s, double surface_edge, bool cache, bool poll) {
   const py::gil_scoped_release others_may_run;
+  const haptics::Waiting waiting = poll ? haptics::Waiting::kPoll : haptics::Waiting::kSleep;
   return std::make_shared<LiveSimulation>(
-      wish.load(), LiveSimulation::Options{duration_s, std::move(record), core, keep_s, surface_edge, cache});
+      wish.load(),
+      LiveSimulation::Options{duration_s, std::move(record), {core, waiting}, keep_s, surface_edge, cache});
 }
 
 /// Tells once, after the end, why a run broke off or its recording is not whole.
@@ -162,6 +164,7 @@ py::dict report_of(LiveSimulation& live) {
   report["late_p99_ns"] = loop.lateness.percentile(0.99);
   report["realtime_priority"] = loop.realtime_priority;
   report["memory_locked"] = loop.memory_locked;
+  report["polled"] = loop.polled;
   report["watchdog_stops"] = loop.watchdog_stops;
   report["remarks"] = loop.remarks;
   report["fault_recording"] = outcome.fault_recording.string();
@@ -244,13 +247,16 @@ py::class_<LiveSimulation, Live> bind_simulation(py::module_& module) {
       [&](const auto&... scene) {
         simulation.def(
             py::init(of_a_scene<std::optional<double>, std::optional<fs::path>, std::optional<int>, double,
-                                double, bool>(&open)),
+                                double, bool, bool>(&open)),
             scene..., py::arg("duration_s") = none, py::arg("record") = none, py::arg("core") = none,
             py::arg("keep_s") = 600.0, py::arg("surface_edge") = 0.0, py::arg("cache") = true,
+            py::arg("poll") = false,
             "Opens the devices and prepares the organ. The scene is given as to simulate(). duration_s: none "
             "is until the devices have nothing more to say; record: HDF5 file to write; core: the one that "
             "the loop runs on; keep_s: seconds that rows() keeps; surface_edge: the surface() is divided "
-            "until no edge is longer (m; 0: as the organ's mesh). Raises InputError.");
+            "until no edge is longer (m; 0: as the organ's mesh); poll: the loop keeps asking for the time "
+            "between ticks instead of sleeping, which takes one core and begins ticks sooner. Raises "
+            "InputError.");
       },
       scene_arguments());
   return simulation;

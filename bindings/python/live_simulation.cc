@@ -102,7 +102,7 @@ LiveSimulation::LiveSimulation(scene::Setup setup, Options options)
     : setup_(std::move(setup)),
       options_(std::move(options)),
       world_(record::assemble(setup_, preparation_of(options_.cache))) {
-  require_usable_core(options_.core);
+  require_usable_core(options_.thread.core);
   (void)rows_in(options_.keep_s, world_);
   check_surface_edge(options_.surface_edge);
   open_devices();
@@ -168,7 +168,7 @@ void LiveSimulation::run() {
                                        .progress = &done_,
                                        .resets = &resets_,
                                        .changes = changes_.get(),
-                                       .core = options_.core,
+                                       .thread = options_.thread,
                                        .stalled_after_ns = haptics::stall_limit_ns(world_)});
     finish_sink();
   } catch (const std::exception& error) {

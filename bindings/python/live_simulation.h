@@ -77,7 +77,7 @@ class LiveSimulation final {
   struct Options {
     std::optional<double> duration_s;             // none: until the devices have nothing more to say
     std::optional<std::filesystem::path> record;  // HDF5 file to write
-    std::optional<int> core;                      // the one core that the loop runs on
+    haptics::LoopThread thread;                   // of the loop
     double keep_s = 600.0;                        // how much rows() keeps
     double surface_edge = 0.0;                    // m, of surface(): as visible_surface()
     bool cache = true;

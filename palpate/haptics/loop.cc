@@ -46,6 +46,7 @@ class Loop final {
         watchdog_(watchdog),
         stalled_after_ns_(stalled_after_ns(options, world.rate_Hz)),
         report_(report),
+        wait_(options.thread.waiting, world.rate_Hz),
         samples_(devices.size()),
         commands_(devices.size()),
         rows_(devices.size()),
@@ -62,7 +63,7 @@ class Loop final {
         schedule = Schedule(world_.rate_Hz, monotonic_ns() + period);
       }
       if (stop_wanted()) break;
-      if (!options_.offline) sleep_until_ns(schedule.due());
+      if (!options_.offline) wait_.until(schedule.due());
       if (stop_wanted()) break;
       if (number == 0 && sink_ != nullptr) sink_->begin(unix_ns());
       const std::int64_t late = options_.offline ? 0 : begin_in_time(schedule, number);
@@ -237,6 +238,7 @@ class Loop final {
   Watchdog* watchdog_;
   std::int64_t stalled_after_ns_;
   LoopReport& report_;
+  TickWait wait_;
   std::vector<DeviceState> samples_;
   std::vector<ForceCommand> commands_;
   std::vector<TickRow> rows_;
@@ -249,21 +251,22 @@ class Loop final {
 };
 
 void check_core(const LoopOptions& options) {
-  if (!options.core) return;
+  if (!options.thread.core) return;
   const std::vector<int> cores = usable_cores();
-  if (std::find(cores.begin(), cores.end(), *options.core) == cores.end()) {
-    throw std::invalid_argument("run_loop: core " + std::to_string(*options.core) + " cannot be used");
+  if (std::find(cores.begin(), cores.end(), *options.thread.core) == cores.end()) {
+    throw std::invalid_argument("run_loop: core " + std::to_string(*options.thread.core) + " cannot be used");
   }
 }
 
 /// What the loop's thread asks of the system before its first tick.
 void prepare_thread(const LoopOptions& options, LoopReport& report) {
-  if (options.core && !pin_to_core(*options.core)) {
-    report.remarks.push_back("the loop was not pinned to core " + std::to_string(*options.core));
+  if (options.thread.core && !pin_to_core(*options.thread.core)) {
+    report.remarks.push_back("the loop was not pinned to core " + std::to_string(*options.thread.core));
   }
   if (options.offline) return;
   const std::optional<std::string> refusal = ask_for_priority(Urgency::kLoop);
   report.realtime_priority = !refusal;
+  report.polled = options.thread.waiting == Waiting::kPoll;
   if (refusal) report.remarks.push_back(*refusal);
   touch_stack();
 }

@@ -13,6 +13,7 @@
 #include "palpate/haptics/histogram.h"
 #include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/simulation.h"
+#include "palpate/haptics/tick_wait.h"
 #include "palpate/haptics/watchdog.h"
 
 namespace palpate::haptics {
@@ -63,9 +64,9 @@ struct LoopOptions {
   std::atomic<std::uint64_t>* progress = nullptr;    // ticks done
   // A bit a hand, set by any thread: the hand's latched fault is to be cleared. The next tick takes them all.
   std::atomic<std::uint32_t>* resets = nullptr;
-  LiveChanges* changes = nullptr;          // to tissue and noise while the run goes on, one a tick
-  Ring<FaultSeen>* fault_news = nullptr;   // each fault when it is latched, for who tells it; full: left out
-  std::optional<int> core = std::nullopt;  // the one core that the loop's thread runs on
+  LiveChanges* changes = nullptr;         // to tissue and noise while the run goes on, one a tick
+  Ring<FaultSeen>* fault_news = nullptr;  // each fault when it is latched, for who tells it; full: left out
+  LoopThread thread{};                    // offline it waits for nothing
   // In real time: when no tick began for so long the watchdog stops the devices, and the tick that begins
   // then latches Fault::kStalled on every hand. At low rates it is at least kStalledPeriods periods. 0:
   // nobody watches, for runs whose devices no hand holds: there a gap is a late tick, and rows are those of
@@ -98,6 +99,7 @@ struct LoopReport {
   std::int64_t longest_gap_ns = 0;     // between two tick starts
   bool realtime_priority = false;      // SCHED_FIFO granted
   bool memory_locked = false;          // mlockall granted
+  bool polled = false;                 // between ticks; else the loop slept
   std::uint64_t pauses = 0;            // how often it was paused
   std::int64_t paused_ns = 0;          // for how long, in all
   std::uint64_t watchdog_stops = 0;    // how often the watchdog stopped the devices
@@ -114,7 +116,7 @@ struct LoopReport {
 /// the watchdog zero force is written until the gate's own commands are zero: no jump when the loop wakes.
 /// Device::stop() is called at the end whatever happened.
 /// @param devices one a hand; @param sink may be null
-/// @throws std::invalid_argument when there is not one device a hand, or options.core cannot be used.
+/// @throws std::invalid_argument when there is not one device a hand, or options.thread.core cannot be used.
 [[nodiscard]] LoopReport run_loop(const SimulationWorld& world, SimulationState& state,
                                   std::span<Device* const> devices, TickSink* sink,
                                   const LoopOptions& options);

@@ -114,7 +114,7 @@ MachineCheck throttling(const fs::path& root) {
     check.found = "off";
   } else if (*runtime > 0 && 2 * *runtime >= *period) {
     check.found = "after " + std::to_string(*runtime) + " of " + std::to_string(*period) +
-                  " us; the loop sleeps most of the time";
+                  " us; the loop sleeps most of the time, and with --poll enough of it";
   } else {
     check.verdict = Verdict::kBad;
     check.found = "after " + std::to_string(*runtime) + " of " + std::to_string(*period) + " us";
@@ -245,7 +245,7 @@ std::vector<MachineCheck> check_machine(const fs::path& root) {
           clock_source(root), preemption(root),  processors(root), governor(root)};
 }
 
-WakeUps measure_wake_ups(double rate_Hz, std::uint64_t ticks) {
+WakeUps measure_wake_ups(double rate_Hz, std::uint64_t ticks, Waiting waiting) {
   WakeUps result;
   std::vector<std::string> remarks;
   const MemoryLock memory(remarks);
@@ -253,9 +253,10 @@ WakeUps measure_wake_ups(double rate_Hz, std::uint64_t ticks) {
   std::thread thread([&] {
     result.realtime_priority = !ask_for_priority(Urgency::kLoop).has_value();
     touch_stack();
+    TickWait wait(waiting, rate_Hz);
     Schedule schedule(rate_Hz, monotonic_ns() + static_cast<std::int64_t>(1e9 / rate_Hz));
     for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-      sleep_until_ns(schedule.due());
+      wait.until(schedule.due());
       const Schedule::Begin begin = schedule.begin(monotonic_ns());
       result.late.add(begin.late_ns);
       if (begin.missed) ++result.missed;

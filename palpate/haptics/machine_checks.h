@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "palpate/haptics/histogram.h"
+#include "palpate/haptics/tick_wait.h"
 
 namespace palpate::haptics {
 
@@ -25,7 +26,7 @@ struct MachineCheck {
 /// @param root in place of /, for tests
 [[nodiscard]] std::vector<MachineCheck> check_machine(const std::filesystem::path& root = "/");
 
-/// How late a thread wakes that does nothing but sleep to the loop's deadlines.
+/// How late a thread gets on that does nothing but wait for the loop's deadlines.
 struct WakeUps {
   Histogram late;                  // ns
   std::uint64_t missed = 0;        // a full period or more late
@@ -34,6 +35,6 @@ struct WakeUps {
 };
 
 /// [setup] Measures for ticks / rate_Hz seconds on a thread that asks for all that the loop asks for.
-[[nodiscard]] WakeUps measure_wake_ups(double rate_Hz, std::uint64_t ticks);
+[[nodiscard]] WakeUps measure_wake_ups(double rate_Hz, std::uint64_t ticks, Waiting waiting);
 
 }  // namespace palpate::haptics

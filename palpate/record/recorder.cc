@@ -62,6 +62,7 @@ RunFacts facts_after(const haptics::LoopReport& report, bool complete) {
   facts.longest_gap_ns = report.longest_gap_ns;
   facts.realtime_priority = report.realtime_priority;
   facts.memory_locked = report.memory_locked;
+  facts.polled = report.polled;
   facts.tick_time = figures(report.tick_time);
   facts.lateness = figures(report.lateness);
   facts.tick_histogram = report.tick_time.buckets();

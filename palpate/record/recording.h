@@ -38,6 +38,7 @@ struct RunFacts {
   std::int64_t longest_gap_ns = 0;
   bool realtime_priority = false;
   bool memory_locked = false;
+  bool polled = false;           // between ticks; else the loop slept
   TimeFigures tick_time;         // the tick's own computing time
   TimeFigures lateness;          // how late ticks began
   TimeHistogram tick_histogram;  // of the same; also of offline runs, whose rows hold no times

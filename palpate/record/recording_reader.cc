@@ -159,6 +159,7 @@ RunFacts read_facts(hid_t file) {
   facts.longest_gap_ns = run_value(file, run_names::kLongestGap);
   facts.realtime_priority = run_value(file, run_names::kRealtimePriority) != 0;
   facts.memory_locked = run_value(file, run_names::kMemoryLocked) != 0;
+  facts.polled = run_value(file, run_names::kPolled) != 0;  // none in files from before there was a choice
   facts.tick_time = run_figures(file, run_names::kTickTime);
   facts.lateness = run_figures(file, run_names::kLateness);
   facts.tick_histogram = run_histogram(file, run_names::kTickHistogram);

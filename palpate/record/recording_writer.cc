@@ -128,7 +128,7 @@ void create_summary(hid_t file) {
   using namespace run_names;
   const Handle run = hdf5::create_group(file, "run");
   for (const char* name : {kComplete, kMissedDeadlines, kLongestGap, kRealtimePriority, kMemoryLocked,
-                           kRowsLost, kWatchdogStops}) {
+                           kPolled, kRowsLost, kWatchdogStops}) {
     (void)hdf5::create_dataset(run.id(), name, H5T_NATIVE_INT64, {});
   }
   for (const char* name : {kTickTime, kLateness}) {
@@ -319,6 +319,7 @@ void RecordingWriter::write_summary(const RunFacts& facts, std::uint64_t rows_lo
   fill(run.id(), kLongestGap, facts.longest_gap_ns);
   fill(run.id(), kRealtimePriority, std::int64_t{facts.realtime_priority ? 1 : 0});
   fill(run.id(), kMemoryLocked, std::int64_t{facts.memory_locked ? 1 : 0});
+  fill(run.id(), kPolled, std::int64_t{facts.polled ? 1 : 0});
   fill(run.id(), kRowsLost, static_cast<std::int64_t>(rows_lost));
   fill(run.id(), kTickTime, facts.tick_time);
   fill(run.id(), kLateness, facts.lateness);

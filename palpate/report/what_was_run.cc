@@ -156,6 +156,7 @@ Facts run_facts(const record::RunFacts& facts) {
   if (!facts.offline) {
     rows.emplace_back("real-time priority", granted(facts.realtime_priority));
     rows.emplace_back("memory locked", granted(facts.memory_locked));
+    rows.emplace_back("between ticks", facts.polled ? "the loop polled the clock" : "the loop slept");
   }
   if (!facts.complete) rows.emplace_back("recording", "cut off: it ends with the last row that was written");
   return rows;

@@ -15,6 +15,8 @@
 namespace palpate::bench {
 namespace {
 
+constexpr haptics::Waiting kSleep = haptics::Waiting::kSleep;
+
 const scene::Setup& setup() {
   static const scene::Setup setup = sample_scene();
   return setup;
@@ -134,15 +136,17 @@ TEST(Hands, TheFirstTryIsKeptInsideTheBounds) {
 }
 
 TEST(Hands, HandsThatNeverTouchThrow) {
-  EXPECT_THROW(static_cast<void>(run_hands(setup(), world(), still_path(0.2), 2)), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(run_hands(setup(), world(), still_path(0.2), kSleep, 2)),
+               std::runtime_error);
 }
 
 TEST(Hands, NoHandsAreRefused) {
-  EXPECT_THROW(static_cast<void>(run_hands(setup(), world(), hand_path(setup()), 0)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(run_hands(setup(), world(), hand_path(setup()), kSleep, 0)),
+               std::invalid_argument);
 }
 
 TEST(Hands, EveryHandIsTickedInEveryPeriodOfEveryThread) {
-  const HandsRun run = run_hands(setup(), world(), hand_path(setup()), 3);
+  const HandsRun run = run_hands(setup(), world(), hand_path(setup()), kSleep, 3);
   EXPECT_EQ(run.hands, 3U);
   EXPECT_LE(run.threads, 3U);
   EXPECT_EQ(run.periods, run.threads * kPeriodsHeld);
@@ -155,7 +159,7 @@ TEST(LoopContest, BothLoopsRunEveryTickOfThePath) {
   const scene::ToolPath path = still_path(0.05);
   std::size_t said = 0;
   const LoopAccount account =
-      against_empty_loop(setup(), world(), path, [&](double, const std::string&) { ++said; });
+      against_empty_loop(setup(), world(), path, kSleep, [&](double, const std::string&) { ++said; });
   EXPECT_EQ(account.ticks, 520U);  // 20 ms and half a second at 1 kHz
   EXPECT_EQ(account.late.samples, 520U);
   EXPECT_EQ(account.late_empty.samples, 520U);

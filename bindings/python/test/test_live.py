@@ -51,6 +51,14 @@ def test_run_has_the_rows_of_an_offline_run_bit_for_bit():
     assert without_times(rows) == without_times(palpate.simulate(task='pull', duration_s=1.0))
     report = simulation.report()
     assert (report['ticks'], report['stopped_early'], report['faults']) == (1000, False, [])
+    assert not report['polled']
+
+
+def test_polled_run_has_the_rows_of_an_offline_one():
+    with palpate.Simulation(task='pull', duration_s=0.5, poll=True) as simulation:
+        assert simulation.wait(60.0)
+    assert without_times(simulation.rows()) == without_times(palpate.simulate(task='pull', duration_s=0.5))
+    assert simulation.report()['polled']
 
 
 def test_run_shows_its_newest_tick():

@@ -399,11 +399,34 @@ TEST(Loop, RunsOnTheCoreThatIsAskedForAndRefusesOneThatIsNotThere) {
     seen.push_back(sched_getcpu());
     return pressing(time);
   });
-  (void)run_with(device, {.ticks = 50, .offline = true, .core = core});
+  (void)run_with(device, {.ticks = 50, .offline = true, .thread = {.core = core}});
   EXPECT_EQ(seen, std::vector<int>(50, core));
-  EXPECT_THROW((void)run_with(device, {.ticks = 1, .offline = true, .core = 1'000'000}),
+  EXPECT_THROW((void)run_with(device, {.ticks = 1, .offline = true, .thread = {.core = 1'000'000}}),
                std::invalid_argument);
-  EXPECT_THROW((void)run_with(device, {.ticks = 1, .offline = true, .core = -1}), std::invalid_argument);
+  EXPECT_THROW((void)run_with(device, {.ticks = 1, .offline = true, .thread = {.core = -1}}),
+               std::invalid_argument);
+}
+
+TEST(Loop, PollingGivesTheRowsOfSleepingButForTheirTimes) {
+  constexpr std::uint64_t kTicks = 300;
+  std::vector<std::vector<TickRow>> kept;
+  for (const Waiting waiting : {Waiting::kSleep, Waiting::kPoll}) {
+    const SimulationWorld world = block_and_balls(1, 1000.0);
+    SimulationState state(world);
+    FakeDevice device = presser();
+    Device* devices[] = {&device};
+    RowKeeper rows(kTicks);
+    const LoopReport report =
+        run_loop(world, state, devices, &rows,
+                 {.ticks = kTicks, .thread = {.waiting = waiting}, .stalled_after_ns = 0});
+    EXPECT_EQ(report.polled, waiting == Waiting::kPoll);
+    EXPECT_EQ(report.lateness.count(), kTicks);
+    kept.push_back(std::move(rows.rows));
+  }
+  ASSERT_EQ(kept[1].size(), kept[0].size());
+  for (std::size_t i = 0; i < kept[0].size(); ++i) {
+    EXPECT_TRUE(test::same_bits(kept[1][i], kept[0][i])) << i;
+  }
 }
 
 TEST(Loop, ARefusedCommandIsADeviceFaultAtTheNextTick) {

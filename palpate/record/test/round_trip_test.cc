@@ -283,6 +283,7 @@ TEST(RoundTrip, FactsComeBack) {
   EXPECT_EQ(facts.longest_gap_ns, 123456);
   EXPECT_TRUE(facts.realtime_priority);
   EXPECT_TRUE(facts.memory_locked);
+  EXPECT_TRUE(facts.polled);
   EXPECT_EQ(facts.tick_time.p50_ns, 500);
   EXPECT_EQ(facts.lateness.max_ns, 900);
   ASSERT_EQ(facts.tick_histogram.size(), 1U);

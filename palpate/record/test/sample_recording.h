@@ -130,6 +130,7 @@ inline void record_sample(const std::filesystem::path& file, std::uint64_t ticks
   report.longest_gap_ns = 123456;
   report.realtime_priority = true;
   report.memory_locked = true;
+  report.polled = true;
   report.tick_time.add(500);
   report.lateness.add(900);
   report.watchdog_stops = 3;
