@@ -189,9 +189,8 @@ void add_thread_flags(CLI::App& command, haptics::LoopThread& thread) {
   command.add_option("--core", thread.core, "run the haptic loop on this core only (0 is the first)");
   command.add_flag_callback(
       "--poll", [&thread] { thread.waiting = haptics::Waiting::kPoll; },
-      "keep asking for the time between ticks instead of sleeping: ticks begin sooner and take less time, "
-      "but "
-      "one core is busy all the while");
+      "keep asking for the time between ticks instead of sleeping: ticks begin within a few "
+      "microseconds, and one core is busy all the while");
 }
 
 void require_usable_core(std::optional<int> core) {

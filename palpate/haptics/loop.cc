@@ -266,7 +266,6 @@ void prepare_thread(const LoopOptions& options, LoopReport& report) {
   if (options.offline) return;
   const std::optional<std::string> refusal = ask_for_priority(Urgency::kLoop);
   report.realtime_priority = !refusal;
-  report.polled = options.thread.waiting == Waiting::kPoll;
   if (refusal) report.remarks.push_back(*refusal);
   touch_stack();
 }
@@ -305,6 +304,11 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
   }
   check_core(options);
   LoopReport report;
+  report.polled = !options.offline && options.thread.waiting == Waiting::kPoll;
+  if (report.polled && usable_cores().size() == 1) {
+    report.remarks.emplace_back(
+        "the loop polled on the only core that this program may use: all else had to wait");
+  }
   report.faults.reserve(LoopReport::kMostFaults);
   std::optional<MemoryLock> memory;
   std::optional<Watchdog> watchdog;

@@ -6,12 +6,15 @@
 #include <fstream>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "palpate/base/clock.h"
 #include "palpate/base/test/temporary_folder.h"
+#include "palpate/haptics/realtime.h"
+#include "palpate/haptics/test/test_world.h"
 
 namespace palpate::haptics {
 namespace {
@@ -108,6 +111,24 @@ TEST(TickWait, NeverEndsBeforeTheTickIsDue) {
       }
     }
   }
+}
+
+TEST(Polling, OnTheOnlyCoreThereIsIsSaidInWords) {
+  const auto remarks = [](Waiting waiting) {
+    const SimulationWorld world = test::block_and_balls(1, 1000.0);
+    SimulationState state(world);
+    test::FakeDevice device([](std::uint64_t, double time) { return test::pressing(time); });
+    Device* devices[] = {&device};
+    const LoopOptions options{.ticks = 2, .thread = {.waiting = waiting}, .stalled_after_ns = 0};
+    return run_loop(world, state, devices, nullptr, options).remarks;
+  };
+  std::thread([&] {
+    ASSERT_TRUE(pin_to_core(usable_cores().back()));
+    std::vector<std::string> expected = remarks(Waiting::kSleep);
+    expected.insert(expected.begin(),
+                    "the loop polled on the only core that this program may use: all else had to wait");
+    EXPECT_EQ(remarks(Waiting::kPoll), expected);
+  }).join();
 }
 
 }  // namespace
