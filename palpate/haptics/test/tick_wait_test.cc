@@ -21,7 +21,7 @@ namespace {
 
 /// The share on a machine whose kernel says so of real-time threads; empty: it says nothing.
 double share_where(const std::string& runtime, const std::string& period) {
-  const test::TemporaryFolder folder;
+  const palpate::test::TemporaryFolder folder;
   const std::filesystem::path kernel = folder.path() / "proc/sys/kernel";
   std::filesystem::create_directories(kernel);
   if (!runtime.empty()) std::ofstream(kernel / "sched_rt_runtime_us") << runtime << '\n';
