@@ -290,9 +290,9 @@ HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorl
     watch(std::min(1.0, done / halvings), std::to_string(count) + where);
     done += 1.0;
     for (int turn = 0; turn < 2; ++turn) {  // once more where something else may have been in the way
-      HandsRun run = crowd.run(count * crowd.cores(), kPeriodsHeld, true);
+      const HandsRun run = crowd.run(count * crowd.cores(), kPeriodsHeld, true);
       if (crowd.gave_up()) continue;
-      account.most = std::move(run);
+      account.most = run;
       return true;
     }
     return false;
