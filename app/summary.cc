@@ -73,6 +73,11 @@ void print_phases(std::ostream& out, const Highlights& seen, bool several_hands)
   if (more > 0) out << "  and " << more << " more\n";
 }
 
+const char* pace_of(const RunAccount& run) {
+  if (run.offline) return "offline";
+  return run.loop.polled ? "in real time, polling the clock" : "in real time";
+}
+
 void print_timing(std::ostream& out, const RunAccount& run) {
   out << "Timing [us]                      p50       p99     p99.9       max\n";
   print_times(out, "computing a tick", run.loop.tick_time);
@@ -249,7 +254,7 @@ nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& fi
 
 void print_summary(std::ostream& out, const RunAccount& run, const OutputFiles& files) {
   out << run.setup->name << ": " << run.loop.ticks << " ticks at " << shortest(run.setup->rate_Hz) << " Hz, "
-      << (run.offline ? "offline" : "in real time") << '\n';
+      << pace_of(run) << '\n';
   print_phases(out, run.highlights, run.setup->tools.size() > 1);
   out << std::fixed << std::setprecision(3) << "Deepest: " << run.highlights.peak_depth * 1e3
       << " mm; largest tissue force: " << run.highlights.peak_tissue

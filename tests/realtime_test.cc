@@ -104,6 +104,13 @@ TEST(RealTime, APolledRunIsSaidToBeOneInSummaryAndRecordingAndReplaysToTheBit) {
   }
 }
 
+TEST(RealTime, ThePrintedSummarySaysThatTheRunPolled) {
+  const Folder folder;
+  const std::string words = "in real time, polling the clock";
+  EXPECT_NE(run(folder, {"run", "--duration-s", "0.1", "--poll"}).out.find(words), std::string::npos);
+  EXPECT_EQ(run(folder, {"run", "--duration-s", "0.1"}).out.find(words), std::string::npos);
+}
+
 TEST(RealTime, PollingOfflineIsRefusedSinceNothingIsWaitedFor) {
   const Folder folder;
   const Outcome outcome = run(folder, {"run", "--offline", "--poll", "--record", "r.h5"});
