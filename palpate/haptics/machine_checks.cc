@@ -105,19 +105,21 @@ MachineCheck memory_lock(const fs::path& root) {
 
 MachineCheck throttling(const fs::path& root) {
   MachineCheck check{"real-time throttling", Verdict::kGood, {}, {}};
-  const std::optional<long> runtime = whole_number(first_line(root / "proc/sys/kernel/sched_rt_runtime_us"));
-  const std::optional<long> period = whole_number(first_line(root / "proc/sys/kernel/sched_rt_period_us"));
-  if (!runtime || !period) {
+  const std::optional<RealtimeBudget> budget = realtime_budget(root);
+  if (!budget) {
     check.verdict = Verdict::kUnknown;
     check.found = "sched_rt_runtime_us cannot be read";
-  } else if (*runtime < 0) {
+    return check;
+  }
+  const auto [runtime, period] = *budget;
+  if (runtime < 0) {
     check.found = "off";
-  } else if (*runtime > 0 && 2 * *runtime >= *period) {
-    check.found = "after " + std::to_string(*runtime) + " of " + std::to_string(*period) +
+  } else if (runtime > 0 && 2 * runtime >= period) {
+    check.found = "after " + std::to_string(runtime) + " of " + std::to_string(period) +
                   " us; the loop sleeps most of the time, and with --poll enough of it";
   } else {
     check.verdict = Verdict::kBad;
-    check.found = "after " + std::to_string(*runtime) + " of " + std::to_string(*period) + " us";
+    check.found = "after " + std::to_string(runtime) + " of " + std::to_string(period) + " us";
     check.advice = "sysctl -w kernel.sched_rt_runtime_us=950000";
   }
   return check;

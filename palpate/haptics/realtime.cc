@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <fstream>
 #include <system_error>
 
 #include <pthread.h>
@@ -30,6 +31,14 @@ std::optional<std::string> ask_for_priority(Urgency urgency) {
   if (error == 0) return std::nullopt;
   return "real-time priority (SCHED_FIFO) was not granted: " + words(error) +
          "; ticks may begin late (palpate doctor says how to grant it)";
+}
+
+std::optional<RealtimeBudget> realtime_budget(const std::filesystem::path& root) {
+  RealtimeBudget budget;
+  std::ifstream runtime(root / "proc/sys/kernel/sched_rt_runtime_us");
+  std::ifstream period(root / "proc/sys/kernel/sched_rt_period_us");
+  const bool read = (runtime >> budget.runtime_us) && (period >> budget.period_us) && budget.period_us > 0;
+  return read ? std::optional(budget) : std::nullopt;
 }
 
 std::vector<int> usable_cores() {

@@ -1,5 +1,6 @@
 #pragma once
 #include <csignal>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,16 @@ enum class Urgency { kLoop, kWatchdog };
 /// [setup] Asks for SCHED_FIFO for the calling thread, and for wake-ups that are never put off to be taken
 /// together with others (timer slack). @return why the priority was not granted, in words; none: it was.
 [[nodiscard]] std::optional<std::string> ask_for_priority(Urgency urgency);
+
+/// What Linux lets real-time threads have together: so long of every period; then it stops them until the
+/// next.
+struct RealtimeBudget {
+  long runtime_us = 0;  // below 0: all of it
+  long period_us = 0;   // > 0
+};
+
+/// [setup] This machine's; none where it cannot be read. @param root in place of /, for tests
+[[nodiscard]] std::optional<RealtimeBudget> realtime_budget(const std::filesystem::path& root = "/");
 
 /// [setup] Numbers of the cores that this program may use, ascending.
 [[nodiscard]] std::vector<int> usable_cores();

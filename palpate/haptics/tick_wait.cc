@@ -1,15 +1,15 @@
 #include "palpate/haptics/tick_wait.h"
 
 #include <algorithm>
-#include <fstream>
 
 #include "palpate/base/clock.h"
 
 namespace palpate::haptics {
 namespace {
 
-constexpr double kLeastRest = 0.05;     // share, so that the kernel's own threads get their turn on that core
-constexpr double kRestBeyond = 0.03;    // share, beside what the kernel asks for: a tick more is no stop
+constexpr double kLeastRest = 0.05;  // share, so that the kernel's own threads get their turn on that core
+constexpr double kRestBeyond =
+    0.03;  // share, beside what the kernel asks for, since rests are no exact measure
 constexpr double kLongestDebt = 1.0;    // s, whose rest may be made up for
 constexpr double kShortest = 50e3;      // ns
 constexpr double kMargin = 100e3;       // ns
@@ -25,20 +25,13 @@ void relax() noexcept {
 #endif
 }
 
-std::optional<double> number_in(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  double number = 0.0;
-  return in >> number ? std::optional(number) : std::nullopt;
-}
-
 }  // namespace
 
-double polling_rest_share(const std::filesystem::path& root) {
-  const std::optional<double> runtime = number_in(root / "proc/sys/kernel/sched_rt_runtime_us");
-  const std::optional<double> period = number_in(root / "proc/sys/kernel/sched_rt_period_us");
+double polling_rest_share(const std::optional<RealtimeBudget>& budget) noexcept {
   constexpr double kUsual = 0.05;  // where it cannot be read
   double asked = kUsual;
-  if (runtime && period && *period > 0.0) asked = *runtime < 0.0 ? 0.0 : 1.0 - *runtime / *period;
+  if (budget) asked = 1.0 - static_cast<double>(budget->runtime_us) / static_cast<double>(budget->period_us);
+  if (budget && budget->runtime_us < 0) asked = 0.0;
   return std::clamp(asked + kRestBeyond, kLeastRest, 1.0);
 }
 
@@ -57,7 +50,8 @@ std::int64_t PollingRest::next(std::int64_t now, std::int64_t due) noexcept {
 }
 
 TickWait::TickWait(Waiting waiting, double rate_Hz)
-    : waiting_(waiting), rest_(rate_Hz, waiting == Waiting::kPoll ? polling_rest_share() : 0.0) {}
+    : waiting_(waiting),
+      rest_(rate_Hz, waiting == Waiting::kPoll ? polling_rest_share(realtime_budget()) : 0.0) {}
 
 void TickWait::until(std::int64_t due) noexcept {
   if (waiting_ == Waiting::kSleep) {

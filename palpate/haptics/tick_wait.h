@@ -1,14 +1,15 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <optional>
+
+#include "palpate/haptics/realtime.h"
 
 namespace palpate::haptics {
 
 /// How a loop waits for its next tick.
 enum class Waiting {
   kSleep,  // its core is free for others meanwhile; it wakes some tens of microseconds late, to cold caches
-  kPoll,   // it asks for the time until it is: ticks begin within a microsecond or two, and the core is taken
+  kPoll,   // it asks for the time until it is: ticks begin within some microseconds, and the core is taken
 };
 
 /// What a loop's thread is asked to be.
@@ -17,10 +18,9 @@ struct LoopThread {
   Waiting waiting = Waiting::kSleep;
 };
 
-/// [setup] The share of the time that a polling thread must leave to others, 0..1. Linux stops real-time
-/// threads that together took more than sched_rt_runtime_us of every sched_rt_period_us, for all the rest of
-/// it: 50 ms of each second, as it comes. @param root of the file system; tests have one of their own
-[[nodiscard]] double polling_rest_share(const std::filesystem::path& root = "/");
+/// [any] The share of the time that a polling thread must leave to others, 0..1, so that the kernel never
+/// stops it for having used up its budget. @param budget none: Linux's own, 95 %
+[[nodiscard]] double polling_rest_share(const std::optional<RealtimeBudget>& budget) noexcept;
 
 /// When a polling thread rests: it sleeps a while right after a tick, well before the next one is due, so
 /// that over time it sleeps its share. What a late tick leaves no room for is made up for after later ones.

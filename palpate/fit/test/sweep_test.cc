@@ -11,6 +11,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/test/temporary_folder.h"
+#include "palpate/fit/sweep_piece.h"
 #include "palpate/fit/test/springs.h"
 
 namespace palpate::fit {
@@ -30,6 +31,26 @@ ManyFits fits_of(const std::vector<Specimen>& specimens) {
 Sweeps sweeps_of(const std::vector<Specimen>& specimens, const ManyFits& fits, const std::string& request) {
   LocalCrew crew;
   return sweep_many(specimens, fits, sweep_requests("--sweep", request), Settings{}, crew, "", {});
+}
+
+TEST(SweepLine, WithoutItsPointsTheirParametersOrAWholeNumberOfThemIsRefused) {
+  const auto refused = [](const std::string& values, const std::string& point) {
+    const std::string line = R"({"best_nrmse":0.1,"found_better":false,"values":)" + values +
+                             R"(,"points_swept":[)" + point + "]}";
+    Sweep sweep;
+    try {
+      add_sweep_line(line, sweep);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string point = "[1,0.2,1.0,0.5,1,2,3,4]";
+  EXPECT_EQ(refused("1", point), "");
+  EXPECT_EQ(refused("2", point), "sweep's line: has fewer points than values");
+  EXPECT_EQ(refused("1", "[1,0.2,1.0,0.5,1,2,3]"), "sweep's line: a point lacks parameters");
+  EXPECT_EQ(refused("1e30", point), "values is 1e+30, want a whole number from 0 to 18446744073709551615");
+  EXPECT_EQ(refused("-1", point), "values is -1, want a whole number from 0 to 18446744073709551615");
 }
 
 TEST(Sweep, AParameterThatTheDataTellIsBoundedOnBothSides) {

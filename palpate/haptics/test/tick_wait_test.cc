@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -19,33 +20,44 @@
 namespace palpate::haptics {
 namespace {
 
-/// The share on a machine whose kernel says so of real-time threads; empty: it says nothing.
-double share_where(const std::string& runtime, const std::string& period) {
+TEST(PollingRestShare, IsMoreThanTheKernelAsksOfRealTimeThreads) {
+  EXPECT_NEAR(polling_rest_share(RealtimeBudget{950'000, 1'000'000}), 0.08, 1e-12);  // Linux's own
+  EXPECT_NEAR(polling_rest_share(RealtimeBudget{500'000, 1'000'000}), 0.53, 1e-12);
+  EXPECT_NEAR(polling_rest_share(RealtimeBudget{99'000, 100'000}), 0.05, 1e-12);
+  EXPECT_EQ(polling_rest_share(RealtimeBudget{0, 1'000'000}), 1.0);
+}
+
+TEST(PollingRestShare, LeavesTheKernelsThreadsTheirTurnWhereItAsksForNone) {
+  EXPECT_EQ(polling_rest_share(RealtimeBudget{-1, 1'000'000}), 0.05);
+  EXPECT_EQ(polling_rest_share(RealtimeBudget{1'000'000, 1'000'000}), 0.05);
+}
+
+TEST(PollingRestShare, IsTheUsualWhereTheKernelSaysNothing) {
+  EXPECT_NEAR(polling_rest_share(std::nullopt), 0.08, 1e-12);
+}
+
+/// What is read where the kernel's files say so; empty: there is no such file.
+std::optional<RealtimeBudget> budget_where(const std::string& runtime, const std::string& period) {
   const palpate::test::TemporaryFolder folder;
   const std::filesystem::path kernel = folder.path() / "proc/sys/kernel";
   std::filesystem::create_directories(kernel);
   if (!runtime.empty()) std::ofstream(kernel / "sched_rt_runtime_us") << runtime << '\n';
   if (!period.empty()) std::ofstream(kernel / "sched_rt_period_us") << period << '\n';
-  return polling_rest_share(folder.path());
+  return realtime_budget(folder.path());
 }
 
-TEST(PollingRestShare, IsMoreThanTheKernelAsksOfRealTimeThreads) {
-  EXPECT_NEAR(share_where("950000", "1000000"), 0.08, 1e-12);  // Linux's own
-  EXPECT_NEAR(share_where("500000", "1000000"), 0.53, 1e-12);
-  EXPECT_NEAR(share_where("99000", "100000"), 0.05, 1e-12);
-  EXPECT_EQ(share_where("0", "1000000"), 1.0);
+TEST(RealtimeBudget, IsWhatTheKernelSays) {
+  const std::optional<RealtimeBudget> budget = budget_where("-1", "1000000");
+  ASSERT_TRUE(budget);
+  EXPECT_EQ(budget->runtime_us, -1);
+  EXPECT_EQ(budget->period_us, 1'000'000);
 }
 
-TEST(PollingRestShare, LeavesTheKernelsThreadsTheirTurnWhereItAsksForNone) {
-  EXPECT_EQ(share_where("-1", "1000000"), 0.05);
-  EXPECT_EQ(share_where("1000000", "1000000"), 0.05);
-}
-
-TEST(PollingRestShare, IsTheUsualWhereTheKernelSaysNothingOrNonsense) {
-  EXPECT_NEAR(share_where("", ""), 0.08, 1e-12);
-  EXPECT_NEAR(share_where("950000", ""), 0.08, 1e-12);
-  EXPECT_NEAR(share_where("a", "b"), 0.08, 1e-12);
-  EXPECT_NEAR(share_where("950000", "0"), 0.08, 1e-12);
+TEST(RealtimeBudget, IsNoneWhereTheKernelSaysNothingOrNonsense) {
+  EXPECT_FALSE(budget_where("", ""));
+  EXPECT_FALSE(budget_where("950000", ""));
+  EXPECT_FALSE(budget_where("a", "b"));
+  EXPECT_FALSE(budget_where("950000", "0"));
 }
 
 /// Ticks that take `work(random)` of their period each, on a clock of their own; sleeps last as asked.
