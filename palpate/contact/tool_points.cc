@@ -7,6 +7,7 @@
 #include <span>
 
 #include "palpate/base/error.h"
+#include "palpate/geometry/cell.h"
 
 namespace palpate::contact {
 namespace {
@@ -120,17 +121,19 @@ void thin_out(std::span<Sample> run, std::size_t groups, std::vector<Sample>& th
 class Cells final {
  public:
   explicit Cells(const std::vector<Sample>& samples) : samples_(samples) {
-    for (std::uint32_t i = 0; i < samples.size(); ++i) cells_.emplace_back(key(samples[i].point), i);
+    for (std::uint32_t i = 0; i < samples.size(); ++i) {
+      cells_.emplace_back(geometry::cell_at(samples[i].point, kWidthReach), i);
+    }
     std::sort(cells_.begin(), cells_.end());
   }
 
   template <typename Visit>
   void each_near(const Vec3& p, Visit visit) const {
-    const std::array<std::int64_t, 3> middle = key(p);
+    const geometry::Cell middle = geometry::cell_at(p, kWidthReach);
     for (std::int64_t dx = -1; dx <= 1; ++dx) {
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
         for (std::int64_t dz = -1; dz <= 1; ++dz) {
-          const std::array<std::int64_t, 3> wanted{middle[0] + dx, middle[1] + dy, middle[2] + dz};
+          const geometry::Cell wanted{middle[0] + dx, middle[1] + dy, middle[2] + dz};
           auto it = std::lower_bound(cells_.begin(), cells_.end(), std::pair{wanted, std::uint32_t{0}});
           for (; it != cells_.end() && it->first == wanted; ++it) visit(samples_[it->second]);
         }
@@ -139,14 +142,8 @@ class Cells final {
   }
 
  private:
-  static std::array<std::int64_t, 3> key(const Vec3& p) {
-    return {static_cast<std::int64_t>(std::floor(p.x() / kWidthReach)),
-            static_cast<std::int64_t>(std::floor(p.y() / kWidthReach)),
-            static_cast<std::int64_t>(std::floor(p.z() / kWidthReach))};
-  }
-
   const std::vector<Sample>& samples_;
-  std::vector<std::pair<std::array<std::int64_t, 3>, std::uint32_t>> cells_;
+  std::vector<std::pair<geometry::Cell, std::uint32_t>> cells_;
 };
 
 /// Radius of curvature: least squares of h = rho^2 / (2 R) over the neighbourhood, h the depth below the

@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "palpate/geometry/cell.h"
+
 namespace palpate::geometry {
 namespace {
 
@@ -135,7 +137,7 @@ void pair_around(const WorkSurface& surface, const EdgeSide* first, const EdgeSi
 }
 
 struct CellHash {
-  std::size_t operator()(const std::array<std::int64_t, 3>& cell) const noexcept {
+  std::size_t operator()(const Cell& cell) const noexcept {
     std::uint64_t hash = 0;
     for (const std::int64_t x : cell) hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
     return static_cast<std::size_t>(hash ^ (hash >> 31));
@@ -149,9 +151,7 @@ class NearestBefore final {
 
   std::int32_t find_or_add(std::int32_t vertex) {
     const Vec3& p = surface_.point(vertex);
-    std::array<std::int64_t, 3> home{};
-    for (std::size_t k = 0; k < 3; ++k)
-      home[k] = static_cast<std::int64_t>(std::floor(p[static_cast<int>(k)] / tolerance_));
+    const Cell home = cell_at(p, tolerance_);
     for (int n = 0; n < 27; ++n) {
       const auto found = cells_.find({home[0] + n % 3 - 1, home[1] + n / 3 % 3 - 1, home[2] + n / 9 - 1});
       if (found == cells_.end()) continue;
@@ -164,7 +164,7 @@ class NearestBefore final {
  private:
   const WorkSurface& surface_;
   double tolerance_;
-  std::unordered_map<std::array<std::int64_t, 3>, std::int32_t, CellHash> cells_;
+  std::unordered_map<Cell, std::int32_t, CellHash> cells_;
 };
 
 }  // namespace

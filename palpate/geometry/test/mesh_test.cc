@@ -8,6 +8,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/builtin.h"
+#include "palpate/geometry/cell.h"
 #include "palpate/geometry/tool.h"
 
 namespace palpate::geometry {
@@ -62,6 +63,16 @@ double worst_shape(const TriangleMesh& mesh) {
     worst = std::min(worst, 2.0 * std::sqrt(3.0) * area_vector_doubled(mesh, triangle).norm() / squares);
   }
   return worst;
+}
+
+TEST(CellAt, CountsCellsFromTheOriginDownwards) {
+  EXPECT_EQ(cell_at({0.0, 0.0199, -0.0001}, 0.01), (Cell{0, 1, -1}));
+  EXPECT_EQ(cell_at({-0.02, 1.0, 40.0}, 0.5), (Cell{-1, 2, 80}));
+}
+
+TEST(CellAt, OfAFilesLargestNumbersHasNeighboursToo) {
+  const std::int64_t outermost = std::int64_t{1} << 62;
+  EXPECT_EQ(cell_at({3.4e38, -3.4e38, 1e300}, 1e-9), (Cell{outermost, -outermost, outermost}));
 }
 
 TEST(Mesh, BoundsOfNothingAreZero) {

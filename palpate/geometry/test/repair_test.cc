@@ -262,6 +262,20 @@ TEST(Repair, JoinsBoundariesThatDifferByTheRoundingOfText) {
   EXPECT_THAT(result.repairs, ElementsAre(StartsWith("joined 798 vertices at boundaries")));
 }
 
+TEST(Repair, JudgesAnOpenPatchAlikeHoweverFarOutItLies) {
+  const auto patch_at = [](double x) {
+    TriangleMesh mesh;
+    mesh.vertices = {{x, 0, 0}, {x, 1, 0}, {x, 0, 1}, {x, 1, 1e-9}, {x, 1, 1}, {x, 1e-9, 1}};
+    mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+    return repair_surface(mesh);
+  };
+  for (const double x : {0.0, 1e10, -6e37, 3.4e38}) {
+    const RepairedSurface result = patch_at(x);
+    EXPECT_THAT(result.repairs, ElementsAre(StartsWith("joined 2 vertices at boundaries"))) << x;
+    EXPECT_THAT(result.refusal, StartsWith("a hole of 4 edges, 1410 mm across")) << x;
+  }
+}
+
 TEST(Repair, TakesOutTrianglesWithoutAreaAndStaysClosed) {
   // A vertex in the middle of an edge, used on one side only by a triangle without area.
   TriangleMesh mesh = ball();
