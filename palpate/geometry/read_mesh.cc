@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <unordered_map>
 #include <utility>
 
@@ -18,6 +19,8 @@ namespace {
 
 constexpr double kSmallestOrgan = 5e-3;  // m
 constexpr double kLargestOrgan = 2.0;    // m
+// What a mesh file can hold, and squares of it can be summed.
+constexpr double kLargestCoordinate = std::numeric_limits<float>::max();
 
 struct PlaceHash {
   std::size_t operator()(const std::array<double, 3>& place) const noexcept {
@@ -129,8 +132,10 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
                      (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));
   }
   for (std::size_t v = 0; v < imported.mesh.vertices.size(); ++v) {
-    if (imported.mesh.vertices[v].allFinite()) continue;
-    throw InputError(path.string() + ": vertex " + std::to_string(v + 1) + " is not finite");
+    // Parts within parts may have scaled it past what a file's own numbers can be.
+    if ((imported.mesh.vertices[v].array().abs() <= kLargestCoordinate).all()) continue;  // false of NaN
+    throw InputError(path.string() + ": vertex " + std::to_string(v + 1) +
+                     " is not finite (NaN, infinite or past 3.4e38)");
   }
   Merged merged = merge_equal_vertices(imported.mesh);
   say_merged(file, facts, imported.mesh, merged, imported.repairs);

@@ -340,6 +340,9 @@ TEST_F(ReadMesh, RefusesNumbersThatAreNotFiniteAndNamesTheVertex) {
   std::string binary = binary_stl(kTriangles);
   binary.replace(84 + 50 + 12 + 24, 4, bytes_of(std::nanf("")));  // third corner of the second triangle
   expect_refused("b.stl", binary, "vertex 6 is not finite");
+  // parts within parts, each scaled within a file's numbers
+  expect_refused("a.glb", glb(R"([{"children":[1],"scale":[1e30,1,1]},{"mesh":0,"scale":[1e30,1,1]}])"),
+                 "is not finite (NaN, infinite or past 3.4e38)");
 }
 
 TEST_F(ReadMesh, RefusesAVertexIndexOutOfRange) {
