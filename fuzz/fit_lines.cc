@@ -8,7 +8,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace palpate;
   static const fuzz::InputFile input(".lines");
   for (const auto& [key, line] : fit::read_lines(input.hold({data, size}).string())) {  // never refuses
-    if (line.find("points_swept") != std::string::npos) continue;
+    if (line.find("points_swept") != std::string::npos) continue;  // a sweep's: read_lines() has read it
     const fit::SpecimenFit fit = fit::fit_of(line);
     const fit::Curve& curve = fit.curve;
     fuzz::require(curve.low.size() == curve.fitted.size() && curve.high.size() == curve.fitted.size(),

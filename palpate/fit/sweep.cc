@@ -127,6 +127,10 @@ class Sweeping final {
           (pooled ? fits_.pooled.estimates : fits_.specimens[piece.target].estimates)[sweep.parameter].value;
       add_sweep_line(lines_[i], sweep);
       add_sweep_line(lines_[i + 1], sweep);
+      if (sweep.points.size() < piece.request.values) {
+        throw InputError("sweep's lines of " + name_of(piece) + ": " + std::to_string(sweep.points.size()) +
+                         " points, want " + std::to_string(piece.request.values));
+      }
       std::stable_sort(sweep.points.begin(), sweep.points.end(),
                        [](const SweepPoint& a, const SweepPoint& b) { return a.value < b.value; });
       sweep.open_below = !sweep.points.empty() && sweep.points.front().within_95;

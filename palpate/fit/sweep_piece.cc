@@ -218,14 +218,26 @@ Json point_json(const SweepPoint& point) {
   return json;
 }
 
+/// Of the law, so greater than zero: reports show it on logarithmic axes.
+double parameter_of_json(const Json& json) {
+  const auto value = json.get<double>();
+  if (!(value > 0.0) || !std::isfinite(value)) {
+    throw InputError("sweep's line: a parameter is " + json.dump() + ", want a number > 0");
+  }
+  return value;
+}
+
 SweepPoint point_of_json(const Json& json) {
   constexpr std::size_t kOthers = 4;  // from there on
   SweepPoint point;
-  point.value = json.at(0).get<double>();
+  point.value = parameter_of_json(json.at(0));
   point.nrmse = number_of(json.at(1));
   point.within_95 = json.at(2).get<double>() > 0.5;
   point.deviance = number_of(json.at(3));
-  for (std::size_t i = kOthers; i < json.size(); ++i) point.others.push_back(json.at(i).get<double>());
+  for (std::size_t i = kOthers; i < json.size(); ++i) {
+    const bool law = i < kOthers + kLawParameters;  // else relaxation's
+    point.others.push_back(law ? parameter_of_json(json.at(i)) : json.at(i).get<double>());
+  }
   if (point.others.size() < kLawParameters) throw InputError("sweep's line: a point lacks parameters");
   return point;
 }

@@ -1,6 +1,7 @@
 #include "palpate/scene/tool_path.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
@@ -16,6 +17,10 @@ ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper)
                      shortest(rows_[i - 1].time));
   }
   const double length = rows_.back().time - rows_.front().time;
+  if (!std::isfinite(length)) {
+    throw InputError("time_s = " + shortest(rows_.front().time) + " to " + shortest(rows_.back().time) +
+                     ": the path's length must be a finite number");
+  }
   if (length > 0.0) rows_per_second_ = static_cast<double>(rows_.size() - 1) / length;
 }
 
@@ -23,7 +28,8 @@ std::size_t ToolPath::row_before(double time) const noexcept {
   // Most paths have their rows evenly in time: then the row is where it should be, or by rounding the one
   // after.
   const double place = (time - rows_.front().time) * rows_per_second_;
-  std::size_t i = std::min(static_cast<std::size_t>(place), rows_.size() - 1);
+  const std::size_t last = rows_.size() - 1;
+  std::size_t i = place < static_cast<double>(last) ? static_cast<std::size_t>(place) : last;
   const auto has_begun = [&](std::size_t row) { return row < rows_.size() && rows_[row].time <= time; };
   if (has_begun(i + 1)) ++i;
   if (has_begun(i) && !has_begun(i + 1)) return i;

@@ -33,24 +33,32 @@ Sweeps sweeps_of(const std::vector<Specimen>& specimens, const ManyFits& fits, c
   return sweep_many(specimens, fits, sweep_requests("--sweep", request), Settings{}, crew, "", {});
 }
 
+/// What a line with `point` says when it is read, "" when it is taken.
+std::string refused(const std::string& values, const std::string& point) {
+  const std::string line =
+      R"({"best_nrmse":0.1,"found_better":false,"values":)" + values + R"(,"points_swept":[)" + point + "]}";
+  Sweep sweep;
+  try {
+    add_sweep_line(line, sweep);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(SweepLine, WithoutItsPointsTheirParametersOrAWholeNumberOfThemIsRefused) {
-  const auto refused = [](const std::string& values, const std::string& point) {
-    const std::string line = R"({"best_nrmse":0.1,"found_better":false,"values":)" + values +
-                             R"(,"points_swept":[)" + point + "]}";
-    Sweep sweep;
-    try {
-      add_sweep_line(line, sweep);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
   const std::string point = "[1,0.2,1.0,0.5,1,2,3,4]";
   EXPECT_EQ(refused("1", point), "");
   EXPECT_EQ(refused("2", point), "sweep's line: has fewer points than values");
   EXPECT_EQ(refused("1", "[1,0.2,1.0,0.5,1,2,3]"), "sweep's line: a point lacks parameters");
   EXPECT_EQ(refused("1e30", point), "values is 1e+30, want a whole number from 0 to 18446744073709551615");
   EXPECT_EQ(refused("-1", point), "values is -1, want a whole number from 0 to 18446744073709551615");
+}
+
+TEST(SweepLine, AParameterOfTheLawThatIsNotGreaterThanZeroIsRefused) {
+  EXPECT_EQ(refused("1", "[0.0,0.2,1.0,0.5,1,2,3,4]"), "sweep's line: a parameter is 0.0, want a number > 0");
+  EXPECT_EQ(refused("1", "[1,0.2,1.0,0.5,1,2,-3,4]"), "sweep's line: a parameter is -3, want a number > 0");
+  EXPECT_EQ(refused("1", "[1,0.2,1.0,0.5,1,2,3,4,0.0]"), "");  // relaxation's may be
 }
 
 TEST(Sweep, AParameterThatTheDataTellIsBoundedOnBothSides) {

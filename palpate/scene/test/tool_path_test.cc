@@ -70,6 +70,20 @@ TEST(ToolPath, FindsTheRowOfEvenAndUnevenTimesAlike) {
   }
 }
 
+TEST(ToolPath, FindsTheRowWhereTimesLieNearerThanNumbersCanTell) {
+  const ToolPath path(
+      {row(-4e-320, {1.0, 0.0, 0.0}), row(0.0, {2.0, 0.0, 0.0}), row(4e-320, {3.0, 0.0, 0.0})});
+  EXPECT_EQ(path.at(0.0).position.x(), 2.0);
+  EXPECT_EQ(path.at(2e-320).position.x(), 2.5);
+}
+
+TEST(ToolPath, LongerThanANumberCanTellIsRefused) {
+  EXPECT_THAT(error_of([] {
+                ToolPath({row(-1.7e308, Vec3::Zero()), row(1.7e308, Vec3::Zero())});
+              }),
+              HasSubstr("time_s = -1.7e+308 to 1.7e+308: the path's length must be a finite number"));
+}
+
 TEST(ToolPath, HoldsBeforeTheFirstAndAfterTheLastRow) {
   const ToolPath path({row(1.0, {1.0, 0.0, 0.0}, 1.0), row(2.0, {2.0, 0.0, 0.0}, 0.0)});
   for (const double time : {-5.0, 0.0, 1.0}) EXPECT_EQ(path.at(time).position.x(), 1.0);
