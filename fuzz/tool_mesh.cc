@@ -1,0 +1,31 @@
+// An STL file as a tool's part: sampled into the points that touch, or refused in words.
+#include <cmath>
+#include <utility>
+
+#include "palpate/contact/tool_points.h"
+#include "palpate/geometry/read_mesh.h"
+
+#include "fuzz/input.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace palpate;
+  constexpr double kLargest = 0.05;  // m: larger tools have no other faults and take seconds
+  static const fuzz::InputFile input(".stl");
+  const std::filesystem::path& file = input.hold({data, size});
+  fuzz::read_or_refuse(file.string(), [&] {
+    geometry::LoadedMesh loaded = geometry::read_mesh(file, LengthUnit::kMillimetre);
+    if (geometry::bounds(loaded.mesh).size().maxCoeff() > kLargest) return;
+    geometry::ToolPart part;
+    part.name = file.string();
+    part.mesh = std::move(loaded.mesh);
+    const contact::PartPoints points = contact::sample_part(part, 0.0);
+    fuzz::require(points.size() > 0 && points.size() <= contact::PartPoints::kMostPoints,
+                  "a tool has points");
+    for (const contact::PartPoints::Weighed& p : points.weighed) {
+      for (const double x : {p.x, p.y, p.z, p.tip_radius, p.half_width, p.area}) {
+        fuzz::require(std::isfinite(x), "a tool's points are finite");
+      }
+    }
+  });
+  return 0;
+}
