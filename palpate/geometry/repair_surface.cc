@@ -379,7 +379,10 @@ std::size_t split_fans(WorkSurface& surface, const Mates& mates) {
     if (first_fan[old] == fan) continue;
     const auto [entry, is_new] =
         vertex_of_fan.try_emplace(fan, static_cast<std::int32_t>(surface.mesh.vertices.size()));
-    if (is_new) surface.mesh.vertices.push_back(Vec3(surface.mesh.vertices[old]));
+    if (is_new) {
+      const Vec3 place = surface.mesh.vertices[old];
+      surface.mesh.vertices.push_back(place);
+    }
     vertex = entry->second;
   }
   return surface.mesh.vertices.size() - before;

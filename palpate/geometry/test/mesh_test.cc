@@ -127,7 +127,7 @@ TEST(Mesh, EdgeNeighboursAreMinusOneAtABoundary) {
 
 TEST(Mesh, EdgeNeighboursRefuseThreeTrianglesAtAnEdge) {
   TriangleMesh mesh = tetrahedron();
-  mesh.vertices.push_back({1, 1, 1});
+  mesh.vertices.emplace_back(1, 1, 1);
   mesh.triangles.push_back({0, 1, 4});
   EXPECT_THAT([&] { (void)edge_neighbours(mesh); },
               ThrowsMessage<InputError>(HasSubstr("vertices 0 and 1 has 3 triangles")));
@@ -186,7 +186,7 @@ TEST(Mesh, RefineSplitsNeedlesAcrossTheirLength) {
 
 TEST(Mesh, RefineTakesOpenAndBranchingMeshes) {
   TriangleMesh fan = tetrahedron();
-  fan.vertices.push_back({1, 1, 1});
+  fan.vertices.emplace_back(1, 1, 1);
   fan.triangles.push_back({0, 1, 4});
   const TriangleMesh fine = refine(fan, 0.1);
   EXPECT_LE(longest_edge(fine), 0.1);

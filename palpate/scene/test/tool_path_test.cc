@@ -179,7 +179,7 @@ TEST(ReadToolPath, RefusesBadHeaders) {
 TEST(ReadToolPath, RefusesBadNumbersWithLineColumnAndValue) {
   const std::string header = "time_s,x_m,y_m,z_m\n0,0,0,0\n";
   for (const std::string bad : {"nan", "inf", "abc", "", "1.0mm", "0x10", "1e999", "1 2"}) {
-    EXPECT_EQ(error_in(header + "1,0," + bad + ",0\n"),
+    EXPECT_EQ(error_in(std::string(header).append("1,0,").append(bad).append(",0\n")),
               "way.csv:3: y_m = " + bad + ": must be a finite number");
   }
   EXPECT_EQ(error_in(header + "1,0,0\n"), "way.csv:3: the row has 3 values, must have 4 as the header");
