@@ -276,6 +276,7 @@ void add_meshes(const Seeds& seeds) {
   for (const Shape& shape : kShapes) {
     seeds.add("mesh_stl", shape.name + "_text", text_stl(shape));
     seeds.add("mesh_stl", shape.name, binary_stl(shape));
+    seeds.add("tool_mesh", shape.name + "_text", text_stl(shape));
     seeds.add("tool_mesh", shape.name, binary_stl(shape));
     seeds.add("mesh_obj", shape.name, obj(shape));
     seeds.add("mesh_ply", shape.name + "_text", text_ply(shape));
