@@ -85,6 +85,10 @@ class PathReader final {
       fail("time_s = " + shortest(row.time) + ": must be later than the row before, " +
            shortest(rows_.back().time));
     }
+    if (!rows_.empty() && !std::isfinite(row.time - rows_.front().time)) {
+      fail("time_s = " + shortest(row.time) + ": the path's length must be a finite number, it begins at " +
+           shortest(rows_.front().time));
+    }
     rows_.push_back(row);
   }
 

@@ -186,6 +186,12 @@ TEST(ReadToolPath, RefusesBadNumbersWithLineColumnAndValue) {
   EXPECT_EQ(error_in(header + "1,0,0,0,0\n"), "way.csv:3: the row has 5 values, must have 4 as the header");
 }
 
+TEST(ReadToolPath, RefusesAPathLongerThanANumberCanTell) {
+  EXPECT_EQ(
+      error_in("time_s,x_m,y_m,z_m\n-1.7e308,0,0,0\n1.7e308,0,0,0\n"),
+      "way.csv:3: time_s = 1.7e+308: the path's length must be a finite number, it begins at -1.7e+308");
+}
+
 TEST(ReadToolPath, RefusesTimeThatRunsBackwardsOrStandsStill) {
   const std::string start = "time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0\n";
   EXPECT_EQ(error_in(start + "0.5,0,0,0\n"), "way.csv:4: time_s = 0.5: must be later than the row before, 1");
