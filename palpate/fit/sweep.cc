@@ -92,6 +92,7 @@ class Sweeping final {
       : specimens_(std::move(specimens)),
         fits_(fits),
         settings_(settings),
+        results_file_(results_file),
         pieces_(pieces_of(requests, specimens_.size())),
         lines_(
             pieces_.size(), [this](std::size_t i) { return key_of_piece(i); }, results_file, crew) {}
@@ -128,13 +129,14 @@ class Sweeping final {
       add_sweep_line(lines_[i], sweep);
       add_sweep_line(lines_[i + 1], sweep);
       if (sweep.points.size() < piece.request.values) {
-        throw InputError("sweep's lines of " + name_of(piece) + ": " + std::to_string(sweep.points.size()) +
-                         " points, want " + std::to_string(piece.request.values));
+        throw InputError(results_file_ + ": its sweep of " + name_of(piece) + " has " +
+                         std::to_string(sweep.points.size()) + " points, want " +
+                         std::to_string(piece.request.values) + ": delete the file to sweep anew");
       }
       std::stable_sort(sweep.points.begin(), sweep.points.end(),
                        [](const SweepPoint& a, const SweepPoint& b) { return a.value < b.value; });
-      sweep.open_below = !sweep.points.empty() && sweep.points.front().within_95;
-      sweep.open_above = !sweep.points.empty() && sweep.points.back().within_95;
+      sweep.open_below = sweep.points.front().within_95;
+      sweep.open_above = sweep.points.back().within_95;
       sweeps.all.push_back(std::move(sweep));
     }
     return sweeps;
@@ -155,6 +157,7 @@ class Sweeping final {
   std::vector<Specimen> specimens_;
   const ManyFits& fits_;
   const Settings& settings_;
+  std::string results_file_;
   std::vector<SweepPiece> pieces_;
   ResultLines lines_;
 };

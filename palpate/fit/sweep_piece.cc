@@ -221,7 +221,7 @@ Json point_json(const SweepPoint& point) {
 /// Of the law, so greater than zero: reports show it on logarithmic axes.
 double parameter_of_json(const Json& json) {
   const auto value = json.get<double>();
-  if (!(value > 0.0) || !std::isfinite(value)) {
+  if (!(value > 0.0)) {
     throw InputError("sweep's line: a parameter is " + json.dump() + ", want a number > 0");
   }
   return value;

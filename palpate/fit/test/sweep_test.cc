@@ -257,6 +257,28 @@ TEST(Sweep, ComputesAgainWhatALineOfTheResultsFileLacks) {
   EXPECT_EQ(again.all.front().points.size(), whole.all.front().points.size());
 }
 
+TEST(Sweep, RefusesLinesThatSayThemselvesThatTheyHaveNoValues) {
+  const palpate::test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "fits.jsonl").string();
+  const std::vector<Specimen> specimens = {bent(1)};
+  const ManyFits fits = fits_of(specimens);
+  const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:3");
+  LocalCrew crew;
+  (void)sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
+  std::string emptied;
+  {
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+      if (line.empty()) continue;
+      emptied += line.substr(0, line.find("\"values\":")) + "\"values\":0,\"points_swept\":[]}\n";
+    }
+  }
+  std::ofstream(file, std::ios::trunc) << emptied;
+  EXPECT_THAT([&] { (void)sweep_many(specimens, fits, requests, Settings{}, crew, file, {}); },
+              ::testing::ThrowsMessage<InputError>(
+                  file + ": its sweep of bent 1: q has 0 points, want 3: delete the file to sweep anew"));
+}
+
 TEST(Sweep, RefusesARangeFarBeyondWhatAFitSearches) {
   const std::vector<Specimen> specimens = {bent(1)};
   ManyFits fits;
