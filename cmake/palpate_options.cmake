@@ -40,39 +40,13 @@ if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   include(GoogleTest)
 endif()
 
-option(PALPATE_PRECOMPILE "Read the headers of others once a target, not once a source" ON)
-set(PALPATE_PRECOMPILED <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <limits> <map> <memory>
-  <optional> <random> <span> <sstream> <string> <thread> <utility> <vector> <Eigen/Core> <Eigen/Geometry>)
-if(PALPATE_PRECOMPILE)
-  # A precompiled header is for sources with the same definitions, and SDL's users have this one.
-  add_compile_definitions(_REENTRANT)
-  # g++ 12 forgets in a precompiled header that std::string is the system's, and then warns of what it inlines of it.
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    add_compile_options(-Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
-  endif()
-  # What libraries share, and what test programs share: they differ in -fPIC and -fPIE.
-  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/precompiled.cc CONTENT "int main() { return 0; }\n")
-  add_library(palpate_precompiled STATIC EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/generated/precompiled.cc)
-  target_link_libraries(palpate_precompiled PRIVATE Eigen3::Eigen Threads::Threads)
-  target_precompile_headers(palpate_precompiled PRIVATE ${PALPATE_PRECOMPILED})
-  if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
-    add_executable(palpate_precompiled_test EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/generated/precompiled.cc)
-    target_link_libraries(palpate_precompiled_test PRIVATE Eigen3::Eigen Threads::Threads GTest::gmock)
-    target_compile_options(palpate_precompiled_test PRIVATE $<$<CONFIG:Release>:-O1>)
-    target_precompile_headers(palpate_precompiled_test PRIVATE ${PALPATE_PRECOMPILED} <gmock/gmock.h> <gtest/gtest.h>)
-  endif()
-endif()
+# The sources of a target are compiled joined, up to a dozen at a time, so that a header is read once for all of them
+# (docs/decisions/0016-joined-sources.md). Names in unnamed namespaces are therefore unique within a target.
+# -DCMAKE_UNITY_BUILD=OFF compiles each source alone: quicker when you change one source at a time.
+set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile the sources of a target joined")
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 12 CACHE STRING "How many sources are joined at most")
 
 # palpate_compile_quickly(TARGET): little optimised, as no hand, picture or fit waits for its code.
 function(palpate_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
-endfunction()
-
-# palpate_precompile(TARGET REUSE_FROM OTHER | TARGET HEADER...): with headers beside the usual ones, its own.
-function(palpate_precompile target)
-  if(PALPATE_PRECOMPILE AND ARGV1 STREQUAL "REUSE_FROM")
-    target_precompile_headers(${target} REUSE_FROM ${ARGV2})
-  elseif(PALPATE_PRECOMPILE)
-    target_precompile_headers(${target} PRIVATE ${PALPATE_PRECOMPILED} ${ARGN})
-  endif()
 endfunction()

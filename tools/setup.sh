@@ -53,8 +53,7 @@ install_missing() {
 build_release() {
   local -a launcher=()
   [[ -f build/release/build.ninja ]] || {
-    # ccache keeps nothing that was compiled with precompiled headers.
-    command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DPALPATE_PRECOMPILE=OFF)
+    command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
     say "configuring build/release"
     cmake --preset release "${launcher[@]}"
   }
