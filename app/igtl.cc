@@ -1,16 +1,10 @@
 #include "app/igtl.h"
 
+#include "palpate/base/text.h"
+
 #include "app/messages.h"
 
 namespace palpate::app {
-namespace {
-
-std::string counted(std::uint64_t number, const std::string& one, const std::string& more) {
-  return std::to_string(number) + " " + (number == 1 ? one : more);
-}
-
-}  // namespace
-
 IgtlService::IgtlService(const std::optional<std::string>& where) {
   if (!where) return;
   address_ = net::parse_igtl_address(*where);

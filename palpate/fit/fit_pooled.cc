@@ -5,6 +5,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
 #include "palpate/fit/fit.h"
 #include "palpate/fit/fit_record.h"
 #include "palpate/fit/forward.h"

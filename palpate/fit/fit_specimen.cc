@@ -3,6 +3,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
 #include "palpate/base/text.h"
 #include "palpate/fit/ensemble.h"
 #include "palpate/fit/fit.h"
@@ -61,7 +62,8 @@ Minima with_terms(const Part& part, const Settings& settings, const Progress& pr
     best = std::move(tried);
   }
   const Solution& found = best.all.front();
-  best.effective = effective_count(plain_residuals(best.problem, part, found.shared, found.own.front()));
+  best.effective =
+      effective_sample_size(plain_residuals(best.problem, part, found.shared, found.own.front()));
   return best;
 }
 

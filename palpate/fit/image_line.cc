@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/fit/image_edge.h"
 #include "palpate/fit/image_path.h"
 #include "palpate/fit/robust.h"
@@ -237,10 +238,9 @@ void add_slow_noise(SurfaceLine& surface) {
       value.push_back(point.y);
     }
     if (at.size() < 20) continue;
-    off.push_back(std::abs(here.y - robust_polynomial(at, value, 2, 1.0)[0]));
+    off.push_back(here.y - robust_polynomial(at, value, 2, 1.0)[0]);
   }
-  constexpr double kSpreadOfMedian = 1.48;  // of a normal distribution
-  const double slow = kSpreadOfMedian * median(off);
+  const double slow = normalized_mad(off);
   for (LinePoint& point : surface.points) {
     point.spread = std::hypot(point.spread, slow * std::hypot(1.0, point.slope));
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/base/text.h"
 #include "palpate/fit/image_align.h"
 #include "palpate/fit/robust.h"

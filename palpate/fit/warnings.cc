@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "palpate/base/statistics.h"
+#include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/fit/intervals.h"
 
@@ -11,12 +13,6 @@ namespace palpate::fit {
 namespace {
 
 /// Three digits: enough for a sentence.
-std::string brief(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 void add_undetermined(const std::vector<Determined>& determined, const SpecimenFit& fit,
                       std::vector<std::string>& out) {
   const std::vector<ParameterLabel> names = labels(fit.terms);
@@ -34,7 +30,7 @@ void add_correlated(const std::vector<Point>& points, const SpecimenFit& fit, st
     for (std::size_t k = i + 1; k < all.size(); ++k) {
       if (!(std::abs(all[i][k]) > kToldFrom)) continue;
       out.push_back(names[i].name + " and " + names[k].name + " are only determined together (correlation " +
-                    brief(all[i][k]) + "): read neither alone");
+                    brief(all[i][k], 3) + "): read neither alone");
     }
   }
 }
@@ -81,7 +77,7 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
   const double flat = flat_until(*part.specimen, part.ranges);
   if (flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement) {
     out.push_back(
-        "the force does not rise out of the noise before " + brief(flat / kMillimetre) +
+        "the force does not rise out of the noise before " + brief(flat / kMillimetre, 3) +
         " mm: if that is a way without contact, cut it off and count from contact; if it is tissue, its "
         "first layer is hardly seen");
   }
@@ -90,7 +86,7 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
   }
   if (minima.effective < 0.5 * static_cast<double>(fit.points)) {
     out.push_back("residuals follow their neighbours, so " + std::to_string(fit.points) +
-                  " points count as " + brief(minima.effective) +
+                  " points count as " + brief(minima.effective, 3) +
                   " in the intervals: the law misses the curve's shape somewhere");
   }
   if (fit.terms == 0 && turns_back(*part.specimen, part.ranges.displacement)) {
@@ -109,8 +105,8 @@ Determined determined_by(double low, double high, double lowest, double highest)
 }
 
 std::string undetermined_warning(Determined how, const ParameterLabel& label, const Interval& interval) {
-  return label.name + " is not determined by the data: its interval, " + brief(interval.low / label.unit) +
-         " to " + brief(interval.high / label.unit) +
+  return label.name + " is not determined by the data: its interval, " + brief(interval.low / label.unit, 3) +
+         " to " + brief(interval.high / label.unit, 3) +
          (how == Determined::kSpansMost ? ", spans most of what was tried" : ", ends where the search ends");
 }
 

@@ -45,17 +45,11 @@ Name split(std::string_view name) {
   return {name, Detail::kPaper};
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 [[noreturn]] void unknown(const std::string& kind, const std::string& name,
                           const std::vector<std::string>& names, const std::string& more) {
   const std::string near = nearest_word(name, names);
   throw InputError("unknown " + kind + " \"" + name + "\"" +
-                   (near.empty() ? "" : ", did you mean " + near + "?") + " (built in: " + listed(names) +
+                   (near.empty() ? "" : ", did you mean " + near + "?") + " (built in: " + joined(names) +
                    more + "; a file needs a / or a known ending)");
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/geometry/gltf_check.h"
 #include "palpate/geometry/ply_check.h"
 #include "palpate/geometry/text_scan.h"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/geometry/text_scan.h"
 
 namespace palpate::geometry {

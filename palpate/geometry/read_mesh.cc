@@ -101,12 +101,6 @@ void say_merged(const MeshFile& file, const FileFacts& facts, const TriangleMesh
   }
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 /// The unit in which `size` metres, as read, would be a likely organ, for a hint.
 std::string unit_hint(double size) {
   for (const double factor : {1e-3, 1e3, 1e-2, 1e2, 25.4e-3, 1.0 / 25.4e-3}) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "palpate/base/error.h"
+#include "palpate/base/index.h"
 #include "palpate/geometry/editable_surface.h"
 
 namespace palpate::geometry {
@@ -18,8 +19,6 @@ using Edge = EditableSurface::Edge;
 // Edges outside these shares of the wanted length are split or collapsed (Botsch and Kobbelt 2004).
 constexpr double kSplitAbove = 4.0 / 3.0;
 constexpr double kCollapseBelow = 4.0 / 5.0;
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 class Remesher final {
  public:

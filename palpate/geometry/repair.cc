@@ -30,9 +30,6 @@ constexpr std::size_t kFewHoleEdges = 4;
 constexpr double kFewHoleArea = 0.1;
 constexpr std::uint64_t kMostHoleSteps = 60'000'000;  // about 2 s
 
-std::string counted(std::size_t count, const std::string& one, const std::string& many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
 std::string triangles(std::size_t count) { return counted(count, "triangle", "triangles"); }
 
 /// With three digits that count.

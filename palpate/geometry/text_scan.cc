@@ -11,12 +11,6 @@
 #include "palpate/base/error.h"
 
 namespace palpate::geometry {
-namespace {
-
-constexpr std::string_view kBlank = " \t\v\f\r";
-
-}  // namespace
-
 std::string_view LineReader::take() {
   const std::size_t end = rest_.find_first_of("\r\n");
   const std::string_view line = rest_.substr(0, end);
@@ -42,12 +36,6 @@ bool LineReader::next() {
   }
   line_ = joined_;
   return true;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
 std::string_view next_word(std::string_view& rest) {

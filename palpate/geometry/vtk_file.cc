@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/geometry/repair_holes.h"
 #include "palpate/geometry/text_scan.h"
 #include "palpate/geometry/vtk_scan.h"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/geometry/text_scan.h"
 
 namespace palpate::geometry {

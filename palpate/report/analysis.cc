@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/contact/contact.h"
 #include "palpate/haptics/gate.h"
 #include "palpate/noise/touch_noise.h"

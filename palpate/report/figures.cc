@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "palpate/base/text.h"
+#include "palpate/fit/distributions.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/record/assemble.h"
 #include "palpate/report/gnuplot.h"
@@ -21,21 +22,9 @@ constexpr double kMilli = 1e3;             // m to mm, N to mN
 constexpr std::size_t kLongestSegment = 1024;
 constexpr std::size_t kShortestSegment = 64;
 
-// Colours that colour-blind readers can tell apart (Okabe and Ito 2008).
-constexpr const char* kBlue = "#0072B2";
-constexpr const char* kOrange = "#D55E00";
-constexpr const char* kGrey = "#9a9a9a";
-constexpr const char* kGreen = "#009E73";
+constexpr const char* kKey = "top right Left reverse samplen 2 spacing 1.15 noopaque";
 
 std::string quoted(const std::string& colour) { return "rgb '" + colour + "'"; }
-
-/// Size in points, output and what all figures share.
-std::string preamble(int width, int height) {
-  return "set encoding utf8\nset terminal svg size " + std::to_string(width) + "," + std::to_string(height) +
-         " dynamic noenhanced font 'Helvetica,14' background '#ffffff'\nset output 'figure.svg'\n"
-         "set border 3 lw 1 lc rgb '#555555'\nset tics nomirror out scale 0.6 textcolor rgb '#333333'\n"
-         "set grid lc rgb '#e4e4e4' lw 1\nset key top right Left reverse samplen 2 spacing 1.15 noopaque\n";
-}
 
 /// Draws; a failure of gnuplot becomes words in the figure.
 Figure drawn(Figure figure, const std::string& script, const std::vector<PlotData>& data) {
@@ -146,7 +135,7 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
   const OrganWay way = organ_way(hand, setup, stride);
   const bool moving = !way.lines.empty();
   const double end = std::max(hand.rows.back().time, 1e-3);
-  std::string script = preamble(860, moving ? 720 : 520);
+  std::string script = preamble(860, moving ? 720 : 520, kKey);
   script += "set multiplot\nset lmargin at screen 0.095\nset rmargin at screen " +
             std::string(way.turns ? "0.925" : "0.985") + "\nset xrange [0:" + shortest(end) + "]\n";
   if (hand.moments.contact) {
@@ -196,7 +185,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
     const double depth = 1.08 * deepest * i / kCurvePoints;
     curve.rows.push_back({depth * kMilli, law.force_at(depth).force});
   }
-  std::string script = preamble(860, 470);
+  std::string script = preamble(860, 470, kKey);
   script +=
       "set key top left\nset xlabel 'depth (mm)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
       "set xrange [0:" +
@@ -251,7 +240,7 @@ Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
   const PlotData band{"band.dat",
                       {{0.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)},
                        {rate / 2.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)}}};
-  std::string script = preamble(640, 420);
+  std::string script = preamble(640, 420, kKey);
   script += "set xlabel 'frequency (Hz)' offset 0,0.4\nset ylabel 'power density (" +
             std::string(contact ? "mN²/Hz" : "σ²/Hz") + ")' offset 1\nset xrange [0:" + shortest(rate / 2.0) +
             "]\nset yrange [0:" + shortest(flat * std::max(2.6, 1.0 + 2.2 * spread)) + "]\n";
@@ -281,8 +270,8 @@ Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::pat
   const double scale = kBins / (2.0 * kRange * static_cast<double>(hand.unit_noise.size()));
   PlotData curve{"normal.dat", {}};
   for (int i = -100; i <= 100; ++i)
-    curve.rows.push_back({kRange * i / 100, normal_density(kRange * i / 100)});
-  std::string script = preamble(640, 420);
+    curve.rows.push_back({kRange * i / 100, fit::normal_density(kRange * i / 100)});
+  std::string script = preamble(640, 420, kKey);
   script +=
       "set xlabel 'noise force / σ' offset 0,0.4\nset ylabel 'density' offset 1\nset yrange [0:*]\n"
       "set xrange [-5:5]\nset style fill solid 0.45 noborder\n";
@@ -318,7 +307,7 @@ Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantit
   }
   const auto most = static_cast<double>(*std::max_element(bins.counts.begin(), bins.counts.end()));
   const Percentiles& marks = time.figures;
-  std::string script = preamble(640, 420);
+  std::string script = preamble(640, 420, kKey);
   script += "set logscale x\nset logscale y\nset yrange [0.5:" + shortest(4.0 * most) +
             "]\nset key off\nset xlabel '" +
             std::string(computing ? "computing time of a tick (µs)" : "lateness of a tick (µs)") +

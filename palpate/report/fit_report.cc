@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
-#include <system_error>
 #include <utility>
 
-#include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/report/figures.h"
@@ -19,15 +16,10 @@
 namespace palpate::report {
 namespace {
 
-constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
-constexpr const char* kOrange = "#D55E00";
-
 /// Two panes over one axis: force, then what is left of it. Columns: x, measured, fitted, low, high.
 std::string script(bool over_time, double largest_residual) {
-  return "set encoding utf8\nset terminal svg size 760,620 dynamic noenhanced font 'Helvetica,14' background "
-         "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
-         "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
-         "set key top left Left reverse samplen 2 spacing 1.15 noopaque\nset lmargin 11\n"
+  return preamble(760, 620, "top left Left reverse samplen 2 spacing 1.15 noopaque") +
+         "set lmargin 11\n"
          "set multiplot\nset origin 0,0.36\nset size 1,0.64\nset bmargin 0.6\nset format x ''\n"
          "set ylabel 'force, N'\nset yrange [*<0:*]\nset autoscale yfixmin\n"
          "plot 'curve.dat' using 1:4:5 with filledcurves lc rgb '#c9dfee' title '95 % band of the curve', "
@@ -113,8 +105,6 @@ void write_warnings(Page& page, const std::vector<std::string>& warnings) {
   page.list(items);
 }
 
-std::string percent(double share) { return fixed(100.0 * share, 2) + " %"; }
-
 void write_summary(Page& page, const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
                    const fit::Settings& settings, const std::string& command) {
   page.open_section("summary", "What came out");
@@ -160,12 +150,7 @@ std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits
                                        const fit::PooledFit& pooled, const std::vector<fit::Sweep>& sweeps,
                                        const fit::Settings& settings, const std::string& command,
                                        const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw InputError(folder.string() + ": the report's folder cannot be made" +
-                     (error ? ": " + error.message() : ""));
-  }
+  make_report_folder(folder);
   Page page("Fit of " + std::to_string(fits.size()) + (fits.size() == 1 ? " specimen" : " specimens"),
             "Tissue parameters from measured force over displacement, by palpate");
   write_summary(page, fits, pooled, settings, command);
@@ -174,12 +159,7 @@ std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits
     write_specimen(page, fits[i], draw_curve(fits[i], folder / ("specimen-" + number + ".svg")), i + 1);
   }
   write_sweeps(page, sweeps, folder);
-  std::filesystem::path file = folder / "report.html";
-  std::ofstream out(file, std::ios::binary);
-  out << page.html();
-  out.close();
-  if (!out) throw InputError(file.string() + ": the report cannot be written");
-  return file;
+  return page.write(folder);
 }
 
 }  // namespace palpate::report

@@ -80,6 +80,14 @@ double tic_step(double largest) {
   return 10.0 * decade;
 }
 
+std::string preamble(int width, int height, const std::string& key) {
+  return "set encoding utf8\nset terminal svg size " + std::to_string(width) + "," + std::to_string(height) +
+         " dynamic noenhanced font 'Helvetica,14' background '#ffffff'\nset output 'figure.svg'\n"
+         "set border 3 lw 1 lc rgb '#555555'\nset tics nomirror out scale 0.6 textcolor rgb '#333333'\n"
+         "set grid lc rgb '#e4e4e4' lw 1\nset key " +
+         key + "\n";
+}
+
 TemporaryFolder::TemporaryFolder() {
   std::error_code error;
   std::filesystem::path parent = std::filesystem::temp_directory_path(error);

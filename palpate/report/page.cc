@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include "palpate/base/error.h"
 #include "palpate/report/text_format.h"
@@ -137,6 +138,24 @@ std::string Page::html() const {
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
          escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n" + body_ +
          "</body>\n</html>\n";
+}
+
+std::filesystem::path Page::write(const std::filesystem::path& folder) const {
+  std::filesystem::path file = folder / "report.html";
+  std::ofstream out(file, std::ios::binary);
+  out << html();
+  out.close();
+  if (!out) throw InputError(file.string() + ": the report cannot be written");
+  return file;
+}
+
+void make_report_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw InputError(folder.string() + ": the report's folder cannot be made" +
+                     (error ? ": " + error.message() : ""));
+  }
 }
 
 }  // namespace palpate::report

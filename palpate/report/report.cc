@@ -1,11 +1,8 @@
 #include "palpate/report/report.h"
 
-#include <fstream>
 #include <string>
-#include <system_error>
 #include <utility>
 
-#include "palpate/base/error.h"
 #include "palpate/report/sections.h"
 
 namespace palpate::report {
@@ -41,28 +38,12 @@ WorkedExperiment work_out(const Experiment& experiment, const std::filesystem::p
   return worked;
 }
 
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw InputError(file.string() + ": the report cannot be written");
-}
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw InputError(folder.string() + ": the report's folder cannot be made" +
-                     (error ? ": " + error.message() : ""));
-  }
-}
-
 }  // namespace
 
 std::filesystem::path write_report(const std::vector<Experiment>& experiments,
                                    const std::filesystem::path& folder, const Progress& progress,
                                    const ReportOptions& options) {
-  make_folder(folder);
+  make_report_folder(folder);
   const double share = 1.0 / (static_cast<double>(experiments.size()) + 0.1);
   std::vector<WorkedExperiment> all;
   for (const Experiment& experiment : experiments) {
@@ -81,8 +62,7 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
   std::size_t number = 0;
   for (const WorkedExperiment& worked : all) write_experiment(page, worked, ++number);
   write_comparison(page, all);
-  std::filesystem::path file = folder / "report.html";
-  write_file(file, page.html());
+  std::filesystem::path file = page.write(folder);
   if (progress) progress(1.0, "report");
   return file;
 }

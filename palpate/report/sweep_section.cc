@@ -13,8 +13,7 @@
 namespace palpate::report {
 namespace {
 
-constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
-constexpr const char* kGrey = "#555555";
+constexpr const char* kDarkGrey = "#555555";
 
 struct Line {
   const char* title;
@@ -54,10 +53,7 @@ std::string where(const fit::Sweep& sweep) {
 std::string script(const fit::Sweep& sweep, double most, double lowest, double highest) {
   const double unit = fit::labels(0)[sweep.parameter].unit;
   std::string text =
-      "set encoding utf8\nset terminal svg size 760,560 dynamic noenhanced font 'Helvetica,14' background "
-      "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
-      "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
-      "set key top center horizontal samplen 2 noopaque\nset lmargin 11\nset rmargin 3\n" +
+      preamble(760, 560, "top center horizontal samplen 2 noopaque") + "set lmargin 11\nset rmargin 3\n" +
       axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit) +
       "set multiplot\nset origin 0,0.49\nset size 1,0.51\nset bmargin 0.6\nset format x ''\n"
       "set yrange [0:" +
@@ -65,12 +61,13 @@ std::string script(const fit::Sweep& sweep, double most, double lowest, double h
       "]\nset ylabel 'error, % of force range'\n"
       "plot 'sweep.dat' using 1:3 with filledcurves y1=0 lc rgb '#c9dfee' title 'left by the data', "
       "'' using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '" +
-      std::string(kBlue) + "' title 'error', 'best.dat' using 1:2 with points pt 9 ps 1.1 lc rgb '" + kGrey +
+      std::string(kBlue) + "' title 'error', 'best.dat' using 1:2 with points pt 9 ps 1.1 lc rgb '" +
+      kDarkGrey +
       "' title 'the fit'\n"
       "set origin 0,0\nset size 1,0.49\nset key outside top center\nset tmargin 2\nset bmargin 3.4\nset "
       "format x '%g'\n" +
       axis("y", lowest, highest) + "set xlabel '" + axis_name(sweep.parameter) +
-      "'\nset ylabel 'others / their best'\nplot 1 with lines lw 1 lc rgb '" + kGrey + "' notitle";
+      "'\nset ylabel 'others / their best'\nplot 1 with lines lw 1 lc rgb '" + kDarkGrey + "' notitle";
   for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
     if (i == sweep.parameter) continue;
     text += ", 'sweep.dat' using 1:" + std::to_string(4 + i) + " with lines lw 2 lc rgb '" +
