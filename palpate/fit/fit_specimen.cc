@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/base/statistics.h"
@@ -19,8 +21,8 @@ namespace {
 
 void check(const Specimen& specimen, const Settings& settings) {
   if (specimen.size() < kFewestPoints) {
-    throw InputError("specimen " + specimen.name + ": has " + std::to_string(specimen.size()) +
-                     " points, must have at least " + std::to_string(kFewestPoints));
+    throw InputError(fmt::format("specimen {}: has {} points, must have at least {}", specimen.name,
+                                 specimen.size(), kFewestPoints));
   }
   if (settings.relaxation && specimen.time.empty()) {
     throw InputError("specimen " + specimen.name + ": has no column time_s, which --relaxation needs");

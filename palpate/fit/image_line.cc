@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include <fmt/core.h>
 #include <opencv2/imgproc.hpp>
 
 #include "palpate/base/error.h"
@@ -261,14 +262,16 @@ void refuse_unless_sure(const SurfaceLine& surface, const std::string& name) {
   constexpr double kMostRival = 0.5;
   constexpr double kLeastCoverage = 0.5;
   if (surface.rival > kMostRival) {
-    throw InputError(name + ": two lines across the picture are about as plausible (the second " +
-                     std::to_string(static_cast<int>(std::lround(100.0 * surface.rival))) +
-                     " % of the first); crop both pictures to the tissue's upper outline");
+    throw InputError(
+        fmt::format("{}: two lines across the picture are about as plausible (the second {} % of the first); "
+                    "crop both pictures to the tissue's upper outline",
+                    name, static_cast<int>(std::lround(100.0 * surface.rival))));
   }
   if (surface.coverage < kLeastCoverage) {
-    throw InputError(name + ": the surface line can be trusted on " +
-                     std::to_string(static_cast<int>(std::lround(100.0 * surface.coverage))) +
-                     " % of the width only, must be at least 50 %: remove what hides it, or crop");
+    throw InputError(
+        fmt::format("{}: the surface line can be trusted on {} % of the width only, must be at least 50 %: "
+                    "remove what hides it, or crop",
+                    name, static_cast<int>(std::lround(100.0 * surface.coverage))));
   }
 }
 

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/csv_table.h"
 #include "palpate/base/error.h"
 #include "palpate/base/statistics.h"
@@ -38,19 +40,19 @@ void sort_by_distance(Deformation& deformation) {
 
 void check_deformation(Deformation& deformation, const std::string& where) {
   if (deformation.size() < kFewestPlaces) {
-    throw InputError(where + ": has " + std::to_string(deformation.size()) +
-                     (deformation.size() == 1 ? " row" : " rows") + ", must have at least " +
-                     std::to_string(kFewestPlaces));
+    throw InputError(fmt::format("{}: has {}{}, must have at least {}", where, deformation.size(),
+                                 deformation.size() == 1 ? " row" : " rows", kFewestPlaces));
   }
   sort_by_distance(deformation);
   if (!(deformation.distance.back() > deformation.distance.front())) {
-    throw InputError(where + ": r_mm is " + shortest(deformation.distance.front() / kMillimetre) +
-                     " in every row, must change");
+    throw InputError(fmt::format("{}: r_mm is {} in every row, must change", where,
+                                 shortest(deformation.distance.front() / kMillimetre)));
   }
   const auto [least, most] =
       std::minmax_element(deformation.displacement.begin(), deformation.displacement.end());
   if (!(*most > *least)) {
-    throw InputError(where + ": u_mm is " + shortest(*least / kMillimetre) + " in every row, must change");
+    throw InputError(
+        fmt::format("{}: u_mm is {} in every row, must change", where, shortest(*least / kMillimetre)));
   }
   if (!(correlation(deformation.distance, deformation.displacement) < 0.0) || !(*most > 0.0)) {
     throw InputError(where +
@@ -91,7 +93,7 @@ std::vector<Deformation> read_deformations(const std::filesystem::path& file) {
     const auto [entry, is_new] = indices.try_emplace(depth_mm, all.size());
     if (is_new) {
       if (all.size() == kMostDepths) {
-        table.fail(kDepth, "more than " + std::to_string(kMostDepths) + " depths, is this the right column?");
+        table.fail(kDepth, fmt::format("more than {} depths, is this the right column?", kMostDepths));
       }
       Deformation& made = all.emplace_back();
       made.name = file.stem().string() + (table.has(kDepth) ? " at " + shortest(depth_mm) + " mm" : "");

@@ -3,6 +3,8 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/csv_table.h"
 #include "palpate/base/error.h"
 #include "palpate/base/statistics.h"
@@ -35,17 +37,17 @@ void add_row(Specimen& specimen, const CsvTable& table) {
 /// Refuses what no law could be fitted to. @param where file and specimen, for the message
 void check(const Specimen& s, const std::string& where) {
   if (s.size() < kFewestPoints) {
-    throw InputError(where + ": has " + std::to_string(s.size()) + (s.size() == 1 ? " row" : " rows") +
-                     ", must have at least " + std::to_string(kFewestPoints));
+    throw InputError(fmt::format("{}: has {}{}, must have at least {}", where, s.size(),
+                                 s.size() == 1 ? " row" : " rows", kFewestPoints));
   }
   const auto [low, high] = std::minmax_element(s.displacement.begin(), s.displacement.end());
   const auto [weak, strong] = std::minmax_element(s.force.begin(), s.force.end());
   if (!(*high > *low)) {
-    throw InputError(where + ": displacement_mm is " + shortest(*low / kMillimetre) +
-                     " in every row, must change");
+    throw InputError(fmt::format("{}: displacement_mm is {} in every row, must change", where,
+                                 shortest(*low / kMillimetre)));
   }
   if (!(*strong > *weak)) {
-    throw InputError(where + ": force_N is " + shortest(*weak) + " in every row, must change");
+    throw InputError(fmt::format("{}: force_N is {} in every row, must change", where, shortest(*weak)));
   }
   if (*high <= 0.0) {
     throw InputError(where +
@@ -72,8 +74,8 @@ std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
     auto found = indices.find(cell);
     if (found == indices.end()) {
       if (all.size() == kMostSpecimens) {
-        table.fail("specimen = " + excerpt(cell) + ": more than " + std::to_string(kMostSpecimens) +
-                   " specimens, is this the right column?");
+        table.fail(fmt::format("specimen = {}: more than {} specimens, is this the right column?",
+                               excerpt(cell), kMostSpecimens));
       }
       found = indices.emplace(cell, all.size()).first;
       all.emplace_back().name = excerpt(cell.empty() ? std::string_view(stem) : cell);

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
@@ -48,9 +50,9 @@ Name split(std::string_view name) {
 [[noreturn]] void unknown(const std::string& kind, const std::string& name,
                           const std::vector<std::string>& names, const std::string& more) {
   const std::string near = nearest_word(name, names);
-  throw InputError("unknown " + kind + " \"" + name + "\"" +
-                   (near.empty() ? "" : ", did you mean " + near + "?") + " (built in: " + joined(names) +
-                   more + "; a file needs a / or a known ending)");
+  throw InputError(fmt::format("unknown {} \"{}\"{} (built in: {}{}; a file needs a / or a known ending)",
+                               kind, name, near.empty() ? "" : ", did you mean " + near + "?", joined(names),
+                               more));
 }
 
 Tool sphere(const std::string& name) {

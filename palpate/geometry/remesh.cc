@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/index.h"
 #include "palpate/geometry/editable_surface.h"
@@ -186,8 +188,8 @@ class Remesher final {
       relax();
     }
     if (surface_.living_vertices() != goal_.vertices) {
-      throw InputError("remesh: " + std::to_string(goal_.vertices) + " vertices cannot be reached (" +
-                       std::to_string(surface_.living_vertices()) + ")");
+      throw InputError(fmt::format("remesh: {} vertices cannot be reached ({})", goal_.vertices,
+                                   surface_.living_vertices()));
     }
   }
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -81,11 +82,15 @@ double tic_step(double largest) {
 }
 
 std::string preamble(int width, int height, const std::string& key) {
-  return "set encoding utf8\nset terminal svg size " + std::to_string(width) + "," + std::to_string(height) +
-         " dynamic noenhanced font 'Helvetica,14' background '#ffffff'\nset output 'figure.svg'\n"
-         "set border 3 lw 1 lc rgb '#555555'\nset tics nomirror out scale 0.6 textcolor rgb '#333333'\n"
-         "set grid lc rgb '#e4e4e4' lw 1\nset key " +
-         key + "\n";
+  return fmt::format(
+      "set encoding utf8\n"
+      "set terminal svg size {},{} dynamic noenhanced font 'Helvetica,14' background '#ffffff'\n"
+      "set output 'figure.svg'\n"
+      "set border 3 lw 1 lc rgb '#555555'\n"
+      "set tics nomirror out scale 0.6 textcolor rgb '#333333'\n"
+      "set grid lc rgb '#e4e4e4' lw 1\n"
+      "set key {}\n",
+      width, height, key);
 }
 
 TemporaryFolder::TemporaryFolder() {
@@ -109,8 +114,8 @@ void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
   const int status = run_in(folder.path(), program);
   const std::filesystem::path drawn = folder.path() / "figure.svg";
   if (status != 0 || !std::filesystem::exists(drawn)) {
-    throw FigureError("gnuplot failed (exit " + std::to_string(status) +
-                      "): " + read_text(folder.path() / "errors.txt"));
+    throw FigureError(
+        fmt::format("gnuplot failed (exit {}): {}", status, read_text(folder.path() / "errors.txt")));
   }
   std::error_code error;
   std::filesystem::copy_file(drawn, file, std::filesystem::copy_options::overwrite_existing, error);

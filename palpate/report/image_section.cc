@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/render/offscreen.h"
@@ -170,14 +172,14 @@ Figure draw_profile(const ImageSet& set, const std::filesystem::path& file) {
 std::string image_text(const ImageSet& set) {
   const fit::ImageMeasurement& measured = set.measured;
   const double pixel = set.settings.pixel;
-  return "pictures: " + std::to_string(measured.points.size()) + " places, uncertain by " +
-         digits(measured.uncertainty / kMillimetre) + " mm (" + digits(measured.uncertainty / pixel) +
-         " px); confidence " + std::to_string(measured.confidence) + " of 100, " + measured.confidence_words +
-         "; the model lies within the uncertainty at " + percent(set.within_uncertainty, 1) + " of them" +
-         (set.depth_fitted
-              ? "; the tool hides the deepest place: the depth is the one that suits the line best"
-              : "") +
-         '\n';
+  return fmt::format(
+      "pictures: {} places, uncertain by {} mm ({} px); confidence {} of 100, {}; the model lies within the "
+      "uncertainty at {} of them{}\n",
+      measured.points.size(), digits(measured.uncertainty / kMillimetre),
+      digits(measured.uncertainty / pixel), measured.confidence, measured.confidence_words,
+      percent(set.within_uncertainty, 1),
+      set.depth_fitted ? "; the tool hides the deepest place: the depth is the one that suits the line best"
+                       : "");
 }
 
 void write_image_section(Page& page, const ImageSet& set, const std::filesystem::path& folder) {
@@ -190,16 +192,18 @@ void write_image_section(Page& page, const ImageSet& set, const std::filesystem:
   page.close_grid();
   constexpr double kDegree = 0.017453292519943295;
   page.facts(
-      {{"confidence", std::to_string(measured.confidence) + " of 100, " + escaped(measured.confidence_words)},
+      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_words))},
        {"scale", digits(set.settings.pixel / kMillimetre) + " mm a pixel"},
-       {"uncertain by (95 %, median)", digits(measured.uncertainty / kMillimetre) + " mm, " +
-                                           digits(measured.uncertainty / set.settings.pixel) + " pixels"},
+       {"uncertain by (95 %, median)",
+        fmt::format("{} mm, {} pixels", digits(measured.uncertainty / kMillimetre),
+                    digits(measured.uncertainty / set.settings.pixel))},
        {"of which how far the flanks moved", digits(measured.far_uncertainty / kMillimetre) + " mm"},
-       {"line seen on", percent(measured.before.coverage, 1) + " of the width before, " +
-                            percent(measured.after.coverage, 1) + " after"},
+       {"line seen on", fmt::format("{} of the width before, {} after", percent(measured.before.coverage, 1),
+                                    percent(measured.after.coverage, 1))},
        {"surface's tilt in the picture", digits(measured.tilt / kDegree) + " degrees"},
        {"second picture against the first, taken out",
-        digits(measured.turn / kDegree) + " degrees, " + digits(measured.shift / kMillimetre) + " mm"},
+        fmt::format("{} degrees, {} mm", digits(measured.turn / kDegree),
+                    digits(measured.shift / kMillimetre))},
        {"depth",
         digits(set.comparison.depth / kMillimetre) + " mm" +
             (set.depth_fitted ? ", the one that suits the line best: the tool hides the deepest place" : "")},

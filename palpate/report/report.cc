@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/report/sections.h"
 
 namespace palpate::report {
@@ -23,7 +25,7 @@ WorkedExperiment work_out(const Experiment& experiment, const std::filesystem::p
   progress(0.6, "figures");
   for (const HandAnalysis& hand : worked.analysis.hands) {
     const std::string start =
-        prefix + (worked.analysis.hands.size() > 1 ? "hand-" + std::to_string(hand.hand + 1) + "-" : "");
+        prefix + (worked.analysis.hands.size() > 1 ? fmt::format("hand-{}-", hand.hand + 1) : "");
     worked.hands.push_back(
         {draw_over_time(hand, recording.setup, folder / (start + "over-time.svg")),
          draw_law(hand, recording, worked.analysis.direction, folder / (start + "law.svg")),
@@ -54,9 +56,9 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
     all.push_back(work_out(experiment, folder, all.size() + 1, options, part));
   }
   const std::string title = experiments.size() == 1 ? experiments.front().title : "Palpate report";
-  const std::string subtitle = std::to_string(experiments.size()) +
-                               (experiments.size() == 1 ? " experiment" : " experiments") +
-                               ", recorded by palpate, an open haptic soft-tissue simulator";
+  const std::string subtitle =
+      fmt::format("{}{}, recorded by palpate, an open haptic soft-tissue simulator", experiments.size(),
+                  experiments.size() == 1 ? " experiment" : " experiments");
   Page page(title, subtitle);
   write_summary(page, all);
   std::size_t number = 0;

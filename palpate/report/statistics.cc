@@ -8,6 +8,7 @@
 #include <string>
 
 #include <Eigen/Core>
+#include <fmt/core.h>
 #include <unsupported/Eigen/FFT>
 
 #include "palpate/base/error.h"
@@ -54,8 +55,8 @@ Bins bin_linear(std::span<const double> values, double low, double high, int num
 Bins bin_logarithmic(std::span<const double> values, int per_decade, std::span<const std::uint64_t> times) {
   if (per_decade <= 0) throw InputError("histogram: want at least one bin a decade");
   if (!times.empty() && times.size() != values.size()) {
-    throw InputError("histogram: want one count a value, " + std::to_string(times.size()) + " for " +
-                     std::to_string(values.size()));
+    throw InputError(
+        fmt::format("histogram: want one count a value, {} for {}", times.size(), values.size()));
   }
   double low = 0.0;
   double high = 0.0;
@@ -77,8 +78,7 @@ Bins bin_logarithmic(std::span<const double> values, int per_decade, std::span<c
 
 Spectrum welch(std::span<const double> samples, double rate, std::size_t segment) {
   if (!std::has_single_bit(segment) || segment < 4) {
-    throw InputError("spectrum: segments of " + std::to_string(segment) +
-                     " samples, want a power of two >= 4");
+    throw InputError(fmt::format("spectrum: segments of {} samples, want a power of two >= 4", segment));
   }
   Spectrum result;
   if (samples.size() < segment) return result;

@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/csv_table.h"
 #include "palpate/base/text.h"
 #include "palpate/scene/tool_path.h"
@@ -34,8 +36,8 @@ Quat rotation(const CsvTable& table) {
   if (std::isfinite(norm) && norm > kShortest) {
     return {q.w() / norm, q.x() / norm, q.y() / norm, q.z() / norm};
   }
-  table.fail("qw,qx,qy,qz = " + shortest(q.w()) + "," + shortest(q.x()) + "," + shortest(q.y()) + "," +
-             shortest(q.z()) + ": must be a rotation, not of length " + shortest(norm));
+  table.fail(fmt::format("qw,qx,qy,qz = {},{},{},{}: must be a rotation, not of length {}", shortest(q.w()),
+                         shortest(q.x()), shortest(q.y()), shortest(q.z()), shortest(norm)));
 }
 
 }  // namespace
