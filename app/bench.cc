@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/model/layered_law.h"
 #include "palpate/noise/touch_noise.h"
@@ -118,7 +120,7 @@ class Bench final {
  public:
   Bench(Plan plan, std::string command_line) : plan_(std::move(plan)) {
     account_.machine = record::machine_description();
-    account_.build = "palpate " + record::palpate_version() + ", " + record::compiler_version();
+    account_.build = fmt::format("palpate {}, {}", record::palpate_version(), record::compiler_version());
     account_.command = std::move(command_line);
     account_.polled = plan_.waiting == haptics::Waiting::kPoll;
     steps_ = static_cast<double>(plan_.subjects.size()) + (plan_.most_hands ? 2.0 : 0.0) +
@@ -149,7 +151,7 @@ class Bench final {
     show(0.0, "preparing the " + subject.task + " scene");
     const scene::Setup setup = bench::subject(subject.task, subject.organ_triangles, subject.tool_triangles);
     const bench::Prepared prepared = bench::prepare(setup);
-    const std::string name = setup.name + ", " + std::to_string(setup.organ.triangles.size()) + " triangles";
+    const std::string name = fmt::format("{}, {} triangles", setup.name, setup.organ.triangles.size());
     if (plan_.preparation && subject.tool_triangles == 0) account_.preparation.push_back(prepared.account);
     if (plan_.ticks) {
       const scene::ToolPath path = bench::hand_path(setup);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/text.h"
@@ -33,10 +34,10 @@ haptics::MachineCheck judged(const Lateness& lateness) {
   const haptics::WakeUps& wake_ups = lateness.slept;
   haptics::MachineCheck check{"wake-ups at 1 kHz", haptics::Verdict::kGood, {}, {}};
   const std::int64_t late = wake_ups.late.percentile(0.999);
-  check.found = "999 of 1000 at most " + std::to_string(late / 1000) + " us late, " +
-                std::to_string(wake_ups.missed) + " a full period or more (" +
-                (wake_ups.realtime_priority ? "with" : "without") + " real-time priority, " +
-                (wake_ups.memory_locked ? "with" : "without") + " locked memory)";
+  check.found = fmt::format(
+      "999 of 1000 at most {} us late, {} a full period or more ({} real-time priority, {} locked memory)",
+      late / 1000, wake_ups.missed, wake_ups.realtime_priority ? "with" : "without",
+      wake_ups.memory_locked ? "with" : "without");
   if (static_cast<double>(late) <= kGoodLateness) return check;
   check.verdict = haptics::Verdict::kBad;
   check.advice = wake_ups.realtime_priority

@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include <fmt/core.h>
+
 #include "palpate/record/recording.h"
 
 #include "app/commands.h"
@@ -28,11 +30,11 @@ int export_file(const ExportFlags& flags) {
   }
   const std::filesystem::path changes = record::changes_csv_beside(flags.csv);
   if (!recording.changes.empty()) record::export_changes_csv(recording, changes);
-  tell(flags.csv + ": " + std::to_string(recording.rows.size()) + " rows" +
-       (recording.facts.complete ? "" : "; the recording was cut off after the last of them"));
+  tell(fmt::format("{}: {} rows{}", flags.csv, recording.rows.size(),
+                   recording.facts.complete ? "" : "; the recording was cut off after the last of them"));
   if (!recording.changes.empty()) {
-    tell(changes.string() + ": " + std::to_string(recording.changes.size()) +
-         " changes of tissue or noise while it ran");
+    tell(fmt::format("{}: {} changes of tissue or noise while it ran", changes.string(),
+                     recording.changes.size()));
   }
   return kDone;
 }

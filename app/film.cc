@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,7 +29,7 @@ std::pair<int, int> start_ffmpeg(const fs::path& file, int width, int height, do
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0)
     throw InputError(file.string() + ": no pipe to ffmpeg: " + std::strerror(errno));
-  const std::string size = std::to_string(width) + "x" + std::to_string(height);
+  const std::string size = fmt::format("{}x{}", width, height);
   std::vector<std::string> words = {"ffmpeg",
                                     "-nostdin",
                                     "-loglevel",
@@ -123,8 +124,9 @@ void Film::add(const render::Image& picture) {
 std::string Film::finish() {
   const std::string count = std::to_string(frames_) + " pictures";
   if (!folder_.empty())
-    return count + " as PNG files in " + folder_.string() +
-           ": ffmpeg, which would make the film, is not installed (Debian package ffmpeg)";
+    return fmt::format(
+        "{} as PNG files in {}: ffmpeg, which would make the film, is not installed (Debian package ffmpeg)",
+        count, folder_.string());
   close(pipe_);
   pipe_ = -1;
   int status = 0;

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/units.h"
 #include "palpate/fit/crew.h"
@@ -60,8 +62,7 @@ fit::Settings settings_of(const FitFlags& flags) {
   settings.t1 = parse_positive("--t1-us", flags.t1) * kMicrosecond;
   const std::uint64_t resamples = parse_whole("--bootstrap", flags.bootstrap);
   if (resamples > kMostResamples) {
-    throw InputError("--bootstrap " + flags.bootstrap + ": must be at most " +
-                     std::to_string(kMostResamples));
+    throw InputError(fmt::format("--bootstrap {}: must be at most {}", flags.bootstrap, kMostResamples));
   }
   settings.bootstrap = static_cast<int>(resamples);
   settings.seed = parse_whole("--seed", flags.seed);
@@ -81,7 +82,7 @@ std::vector<fit::Specimen> read_all(const std::vector<std::string>& files, bool 
         return std::any_of(all.begin(), all.end(),
                            [&wanted](const fit::Specimen& other) { return other.name == wanted; });
       };
-      for (int n = 2; taken(specimen.name); ++n) specimen.name = name + " (" + std::to_string(n) + ")";
+      for (int n = 2; taken(specimen.name); ++n) specimen.name = fmt::format("{} ({})", name, n);
       all.push_back(std::move(specimen));
     }
   }
@@ -119,7 +120,7 @@ void write_text(const std::string& flag, const std::string& file, const std::str
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
-  if (!out) throw InputError(flag + ' ' + file + ": cannot be written");
+  if (!out) throw InputError(fmt::format("{} {}: cannot be written", flag, file));
 }
 
 void write_tissue(const std::string& file, model::TissueParameters tissue) {
@@ -147,11 +148,11 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   }
   if (crew->rank() != 0) return;
   if (many.resumed > 0) {
-    tell(std::to_string(many.resumed) + " of " + std::to_string(many.specimens.size()) +
-         " specimens were finished before: taken from " + results);
+    tell(fmt::format("{} of {} specimens were finished before: taken from {}", many.resumed,
+                     many.specimens.size(), results));
   }
   if (sweeps.resumed > 0) {
-    tell(std::to_string(sweeps.resumed) + " pieces of sweeps were finished before: taken from " + results);
+    tell(fmt::format("{} pieces of sweeps were finished before: taken from {}", sweeps.resumed, results));
   }
   if (!flags.sweep_csv.empty()) write_text("--sweep-csv", flags.sweep_csv, sweeps_csv(sweeps.all));
   if (!flags.out.empty()) write_tissue(flags.out, many.pooled.tissue);

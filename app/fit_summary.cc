@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/text.h"
@@ -103,10 +104,10 @@ std::string estimate_lines(const std::vector<Estimate>& estimates, std::size_t t
   std::string text;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const double unit = labels[i].unit;
-    text += "  " + padded(labels[i].name, kNameWidth) +
-            padded(brief(estimates[i].value / unit), kValueWidth) + brief(estimates[i].interval.low / unit) +
-            " to " + brief(estimates[i].interval.high / unit) +
-            (estimates[i].determined ? "\n" : ", not determined\n");
+    text += fmt::format("  {}{}{} to {}{}", padded(labels[i].name, kNameWidth),
+                        padded(brief(estimates[i].value / unit), kValueWidth),
+                        brief(estimates[i].interval.low / unit), brief(estimates[i].interval.high / unit),
+                        estimates[i].determined ? "\n" : ", not determined\n");
   }
   return text;
 }
@@ -144,17 +145,18 @@ std::string fit_text(const std::vector<fit::SpecimenFit>& fits, const fit::Poole
                      const fit::Settings& settings) {
   std::string text;
   for (const fit::SpecimenFit& fit : fits) {
-    text += fit.name + ": " + model::to_string(fit.law) + " law, " + std::to_string(fit.points) +
-            " points, error " + percent(fit.nrmse) + " of the force range (" + brief(fit.rms) +
-            " N), on points left out " + percent(fit.leave_out) + ", " + std::to_string(fit.layers_reached) +
-            " of " + std::to_string(fit.layers_allowed) +
-            " layers reached; parameter, best, 95 % interval:\n" + estimate_lines(fit.estimates, fit.terms) +
-            warning_lines(fit.warnings);
+    text += fmt::format(
+        "{}: {} law, {} points, error {} of the force range ({} N), on points left out {}, {} of {} layers "
+        "reached; parameter, best, 95 % interval:\n"
+        "{}{}",
+        fit.name, model::to_string(fit.law), fit.points, percent(fit.nrmse), brief(fit.rms),
+        percent(fit.leave_out), fit.layers_reached, fit.layers_allowed,
+        estimate_lines(fit.estimates, fit.terms), warning_lines(fit.warnings));
   }
   if (fits.size() > 1) {
-    text += "All " + std::to_string(pooled.specimens) + " together: " + model::to_string(settings.law) +
-            " law, error " + percent(pooled.nrmse) + " of the force range:\n" +
-            estimate_lines(pooled.estimates, pooled.terms) + warning_lines(pooled.warnings);
+    text += fmt::format("All {} together: {} law, error {} of the force range:\n{}{}", pooled.specimens,
+                        model::to_string(settings.law), percent(pooled.nrmse),
+                        estimate_lines(pooled.estimates, pooled.terms), warning_lines(pooled.warnings));
   }
   return text;
 }

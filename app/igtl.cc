@@ -1,16 +1,12 @@
 #include "app/igtl.h"
 
+#include <fmt/core.h>
+
+#include "palpate/base/text.h"
+
 #include "app/messages.h"
 
 namespace palpate::app {
-namespace {
-
-std::string counted(std::uint64_t number, const std::string& one, const std::string& more) {
-  return std::to_string(number) + " " + (number == 1 ? one : more);
-}
-
-}  // namespace
-
 IgtlService::IgtlService(const std::optional<std::string>& where) {
   if (!where) return;
   address_ = net::parse_igtl_address(*where);
@@ -21,21 +17,20 @@ void IgtlService::tell_where() const {
   if (server_ == nullptr) return;
   const std::string port = std::to_string(address_.port);
   const bool local = address_.host.rfind("127.", 0) == 0;
-  tell("OpenIGTLink: listening at " + address_.host + ":" + port +
-       (local ? ", for programs on this machine alone (for others: --igtl 0.0.0.0:" + port + ")"
-              : ": whoever can reach it over the network sees the run; there is no password"));
+  tell(fmt::format("OpenIGTLink: listening at {}:{}{}", address_.host, port,
+                   local ? ", for programs on this machine alone (for others: --igtl 0.0.0.0:" + port + ")"
+                         : ": whoever can reach it over the network sees the run; there is no password"));
 }
 
 std::optional<net::IgtlTally> IgtlService::finish() {
   if (server_ == nullptr) return std::nullopt;
   net::IgtlTally tally = server_->finish();
   server_.reset();
-  std::string text = "OpenIGTLink: " + counted(tally.clients, "client", "clients") + ", " +
-                     counted(tally.frames, "frame", "frames") + " sent, " +
-                     std::to_string(tally.frames_left_out) + " left out for slow clients";
-  if (tally.given_up > 0)
-    text += "; " + std::to_string(tally.given_up) + " let go that took nothing any more";
-  if (tally.refused > 0) text += "; " + std::to_string(tally.refused) + " refused, as all places were taken";
+  std::string text = fmt::format("OpenIGTLink: {}, {} sent, {} left out for slow clients",
+                                 counted(tally.clients, "client", "clients"),
+                                 counted(tally.frames, "frame", "frames"), tally.frames_left_out);
+  if (tally.given_up > 0) text += fmt::format("; {} let go that took nothing any more", tally.given_up);
+  if (tally.refused > 0) text += fmt::format("; {} refused, as all places were taken", tally.refused);
   if (!tally.failure.empty()) text += "; it ended early: " + tally.failure;
   tell(text);
   return tally;

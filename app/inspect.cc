@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/error.h"
@@ -123,7 +124,8 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
   const geometry::MeshFindings& findings = loaded.findings;
   const geometry::Bounds box = geometry::bounds(loaded.mesh);
   const auto side = [&](int k) {
-    return shortest(box.low[k] / kMillimetre) + " .. " + shortest(box.high[k] / kMillimetre) + " mm";
+    return fmt::format("{} .. {} mm", shortest(box.low[k] / kMillimetre),
+                       shortest(box.high[k] / kMillimetre));
   };
   const auto row = [](const std::string& name, const std::string& value) {
     std::cout << "  " << padded(name) << value << '\n';
@@ -139,8 +141,8 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
   row("z", side(2));
   const std::optional<double> volume = volume_mm3(findings);
   row("volume", volume ? shortest(*volume) + " mm^3" : "none: not closed");
-  row("crossing pairs", std::string(inspected.all_crossings ? "" : "at least ") +
-                            std::to_string(*findings.crossing_pairs) + " of triangles");
+  row("crossing pairs",
+      fmt::format("{}{} of triangles", inspected.all_crossings ? "" : "at least ", *findings.crossing_pairs));
   print_list("repaired", findings.repairs);
   std::vector<std::string> left = findings.defects;
   left.insert(left.end(), findings.remarks.begin(), findings.remarks.end());

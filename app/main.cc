@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 #include "palpate/fit/crew.h"
 #include "palpate/version.h"
@@ -47,8 +49,8 @@ std::string words_of(const CLI::App& program, const CLI::ParseError& error, int 
   const bool is_word = !first.empty() && first.front() != '-';
   if (is_word && std::find(known.begin(), known.end(), first) == known.end()) {
     const std::string near = palpate::nearest_word(first, known);
-    return first + ": no such command" +
-           (near.empty() ? "; there are " + names : ", did you mean " + near + "?") + help;
+    return fmt::format("{}: no such command{}{}", first,
+                       near.empty() ? "; there are " + names : ", did you mean " + near + "?", help);
   }
   // CLI11: "Could not convert: --seed = abc".
   std::string words = error.what();

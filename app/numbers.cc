@@ -4,13 +4,15 @@
 #include <cmath>
 #include <system_error>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 
 namespace palpate::app {
 namespace {
 
 [[noreturn]] void refuse(const std::string& flag, const std::string& text, const std::string& want) {
-  throw InputError(flag + " " + (text.empty() ? "(empty)" : text) + ": must be " + want);
+  throw InputError(fmt::format("{} {}: must be {}", flag, text.empty() ? "(empty)" : text, want));
 }
 
 template <typename T>

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/error.h"
@@ -79,7 +80,7 @@ void check_runs(const ServedOptions& options) {
 
 /// Where clients find the server; for scripts the one line of JSON that comes first.
 void tell_place(const net::LiveServer& server, const ServeFlags& flags, const net::LiveOptions& options) {
-  const std::string place = server.host() + ":" + std::to_string(server.port());
+  const std::string place = fmt::format("{}:{}", server.host(), server.port());
   tell("serves ws://" + place + "/; Ctrl-C ends");
   if (!options.page.empty()) tell("a browser finds the page at http://" + place + "/");
   if (flags.new_token) tell("token for hello: " + options.token);

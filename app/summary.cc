@@ -6,6 +6,7 @@
 #include <limits>
 #include <ostream>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/text.h"
@@ -90,7 +91,7 @@ void print_timing(std::ostream& out, const RunAccount& run) {
 }
 
 std::string moment(std::uint64_t tick, double rate_Hz) {
-  return "tick " + std::to_string(tick) + " (" + shortest(static_cast<double>(tick) / rate_Hz) + " s)";
+  return fmt::format("tick {} ({} s)", tick, shortest(static_cast<double>(tick) / rate_Hz));
 }
 
 /// "a fault was latched (stalled-loop) at tick 12 (0.012 s), hand 0: the loop stood still for 20 ms; zero
@@ -98,10 +99,10 @@ std::string moment(std::uint64_t tick, double rate_Hz) {
 std::string fault_in_words(const RunAccount& run, const haptics::FaultSeen& seen) {
   const double rate = run.setup->rate_Hz;
   const bool reset = seen.reset_tick != haptics::FaultSeen::kNotReset;
-  return std::string("a fault was latched (") + haptics::name_of(seen.fault) + ") at " +
-         moment(seen.tick, rate) + ", hand " + std::to_string(seen.hand) + ": " +
-         haptics::words_of(seen.fault) + "; zero force " +
-         (reset ? "until it was reset at " + moment(seen.reset_tick, rate) : "from there on");
+  return fmt::format("a fault was latched ({}) at {}, hand {}: {}; zero force {}",
+                     haptics::name_of(seen.fault), moment(seen.tick, rate), seen.hand,
+                     haptics::words_of(seen.fault),
+                     reset ? "until it was reset at " + moment(seen.reset_tick, rate) : "from there on");
 }
 
 nlohmann::ordered_json faults_json(const RunAccount& run) {
@@ -180,8 +181,8 @@ std::vector<std::string> remarks(const RunAccount& run) {
   all.insert(all.end(), run.setup->remarks.begin(), run.setup->remarks.end());
   all.insert(all.end(), run.loop.remarks.begin(), run.loop.remarks.end());
   if (run.highlights.changes > 0) {
-    all.emplace_back("tissue or noise was changed " + std::to_string(run.highlights.changes) +
-                     (run.highlights.changes == 1 ? " time" : " times") + " while the run went on");
+    all.emplace_back(fmt::format("tissue or noise was changed {}{} while the run went on",
+                                 run.highlights.changes, run.highlights.changes == 1 ? " time" : " times"));
   }
   const std::uint32_t status = run.highlights.status;
   if ((status & contact::kStartedInside) != 0) {
@@ -189,8 +190,9 @@ std::vector<std::string> remarks(const RunAccount& run) {
         "a part of the tool was inside the organ at first: it gave no force until it had been outside");
   }
   if ((status & contact::kContactsFull) != 0) {
-    all.emplace_back("a part wanted more than " + std::to_string(contact::kContactsPerPart) +
-                     " contacts at once: the further ones were left out");
+    all.emplace_back(
+        fmt::format("a part wanted more than {} contacts at once: the further ones were left out",
+                    contact::kContactsPerPart));
   }
   if ((status & contact::kGripReleased) != 0) {
     all.emplace_back("the grip's limit was passed: it let go (grip_limit_N of the tissue)");
@@ -199,12 +201,12 @@ std::vector<std::string> remarks(const RunAccount& run) {
     all.emplace_back("the tool moved faster than any hand does: it was treated as placed anew");
   }
   if (run.highlights.limited_ticks > 0) {
-    all.emplace_back("force or torque was held back by the limits under [safety] in " +
-                     std::to_string(run.highlights.limited_ticks) + " ticks");
+    all.emplace_back(fmt::format("force or torque was held back by the limits under [safety] in {} ticks",
+                                 run.highlights.limited_ticks));
   }
   for (const haptics::FaultSeen& seen : run.loop.faults) all.push_back(fault_in_words(run, seen));
   if (run.loop.further_faults > 0) {
-    all.emplace_back("and " + std::to_string(run.loop.further_faults) + " more faults");
+    all.emplace_back(fmt::format("and {} more faults", run.loop.further_faults));
   }
   if (run.loop.stopped_early) all.emplace_back("stopped before its end");
   return all;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 
 namespace palpate::app {
@@ -52,8 +54,9 @@ std::string verdict(const fit::Sweep& sweep, double unit) {
   if (sweep.open_below && sweep.open_above) return "the data leave all of it open";
   if (!any) return "the data leave none of these values";
   if (low == high) return "the data leave " + brief(low / unit) + " alone of these values";
-  return "the data leave " + brief(low / unit) + " to " + brief(high / unit) +
-         (sweep.open_below ? ", and perhaps less" : "") + (sweep.open_above ? ", and perhaps more" : "");
+  return fmt::format("the data leave {} to {}{}{}", brief(low / unit), brief(high / unit),
+                     sweep.open_below ? ", and perhaps less" : "",
+                     sweep.open_above ? ", and perhaps more" : "");
 }
 
 }  // namespace
@@ -99,10 +102,10 @@ std::string sweeps_text(const std::vector<fit::Sweep>& sweeps) {
   std::string text;
   for (const fit::Sweep& sweep : sweeps) {
     const fit::ParameterLabel label = fit::labels(0)[sweep.parameter];
-    text += "Sweep of " + label.name + ", " + (sweep.specimen.empty() ? "all together" : sweep.specimen) +
-            ", " + std::to_string(sweep.points.size()) + " values from " +
-            brief(sweep.points.front().value / label.unit) + " to " +
-            brief(sweep.points.back().value / label.unit) + ": " + verdict(sweep, label.unit) + '\n';
+    text += fmt::format("Sweep of {}, {}, {} values from {} to {}: {}\n", label.name,
+                        sweep.specimen.empty() ? "all together" : sweep.specimen, sweep.points.size(),
+                        brief(sweep.points.front().value / label.unit),
+                        brief(sweep.points.back().value / label.unit), verdict(sweep, label.unit));
     if (sweep.found_better) {
       text +=
           "  ! a value of it fits clearly better than the fit's own, so the fit is not the best one: take "

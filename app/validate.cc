@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
@@ -75,12 +77,12 @@ std::vector<double> depths_of(const ValidateFlags& flags, const fit::Law& law, s
   std::vector<double> depths;
   for (const double value : parse_not_negative_list(name, by_force ? flags.force : flags.depth)) {
     depths.push_back(by_force ? law.depth_under(value) : value * kMillimetre);
-    if (!(depths.back() > 0.0)) throw InputError(name + " " + shortest(value) + ": must be > 0");
+    if (!(depths.back() > 0.0)) throw InputError(fmt::format("{} {}: must be > 0", name, shortest(value)));
   }
   if (depths.size() == 1) depths.resize(count, depths.front());
   if (depths.size() != count) {
-    throw InputError(name + ": has " + std::to_string(depths.size()) +
-                     " values, must have one, or one for each of the " + std::to_string(count) + " profiles");
+    throw InputError(fmt::format("{}: has {} values, must have one, or one for each of the {} profiles", name,
+                                 depths.size(), count));
   }
   return depths;
 }
@@ -114,7 +116,7 @@ void hold(const std::string& flag, const std::string& goal, double error, const 
           std::vector<std::string>& missed) {
   if (goal.empty()) return;
   const double limit = parse_not_negative(flag, goal);
-  if (!(error <= limit)) missed.push_back(name + ": " + shortest(error) + ", " + flag + " is " + goal);
+  if (!(error <= limit)) missed.push_back(fmt::format("{}: {}, {} is {}", name, shortest(error), flag, goal));
 }
 
 /// The profiles beside the tissue's u(r); with --fit-reach its reach is fitted to them first.

@@ -1,5 +1,6 @@
 #include "app/validate_summary.h"
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/text.h"
@@ -88,28 +89,29 @@ std::string rivals_text(double cost_ns, const std::vector<report::RivalResult>& 
   std::string text = "  one evaluation " + brief(cost_ns) + " ns; others, each fitted to these data:\n";
   for (const report::RivalResult& rival : rivals) {
     const fit::Errors& errors = rival.fit.errors;
-    text += std::string("    ") + fit::to_string(rival.fit.kind) + ": RMS " + brief(errors.rms / unit) + ' ' +
-            unit_name + ", largest " + brief(errors.max / unit) + ' ' + unit_name + "; RMS " +
-            percent(errors.nrmse) + "; one evaluation " + brief(rival.cost_ns) + " ns (" +
-            rival.fit.parameters + ")\n";
+    text += fmt::format("    {}: RMS {} {}, largest {} {}; RMS {}; one evaluation {} ns ({})\n",
+                        fit::to_string(rival.fit.kind), brief(errors.rms / unit), unit_name,
+                        brief(errors.max / unit), unit_name, percent(errors.nrmse), brief(rival.cost_ns),
+                        rival.fit.parameters);
   }
   return text;
 }
 
 std::string force_text(const report::ForceSet& set) {
   const fit::ForceComparison& force = set.ours;
-  std::string text = force.measured.name + ": force, " + std::to_string(force.measured.size()) +
-                     " points: RMS " + brief(force.errors.rms) + " N, largest " + brief(force.errors.max) +
-                     " N; RMS " + percent(force.errors.nrmse) + " of the force range; " +
-                     percent(force.within_jnd) + " of the points within the " +
-                     brief(100.0 * fit::kForceJnd) + " % of their force that a hand notices\n";
+  std::string text = fmt::format(
+      "{}: force, {} points: RMS {} N, largest {} N; RMS {} of the force range; {} of the points within the "
+      "{} % of their force that a hand notices\n",
+      force.measured.name, force.measured.size(), brief(force.errors.rms), brief(force.errors.max),
+      percent(force.errors.nrmse), percent(force.within_jnd), brief(100.0 * fit::kForceJnd));
   text += report::zeros_text(set);
   if (force.rows > force.measured.size()) {
-    text += "  of " + std::to_string(force.rows) + " rows: means of neighbours\n";
+    text += fmt::format("  of {} rows: means of neighbours\n", force.rows);
   }
   if (force.beyond > 0) {
-    text += "  ! " + std::to_string(force.beyond) +
-            " points are deeper than the tissue's layers go: the law holds its largest force there\n";
+    text += fmt::format(
+        "  ! {} points are deeper than the tissue's layers go: the law holds its largest force there\n",
+        force.beyond);
   }
   return text + rivals_text(set.cost_ns, set.rivals, 1.0, "N");
 }
@@ -123,12 +125,13 @@ std::string surface_text(const fit::SurfaceRule& rule) {
 
 std::string profile_text(const report::ProfileSet& set) {
   const fit::DeformationComparison& profile = set.ours;
-  return profile.measured.name + ": deformation, " + std::to_string(profile.measured.size()) +
-         " points, ball of " + brief(profile.tip_radius / kMillimetre) + " mm at " +
-         brief(profile.depth / kMillimetre) + " mm" + surface_text(profile.rule) + ": RMS " +
-         brief(profile.errors.rms / kMillimetre) + " mm, largest " + brief(profile.errors.max / kMillimetre) +
-         " mm; RMS " + percent(profile.errors.nrmse) + " of the depth\n" +
-         rivals_text(set.cost_ns, set.rivals, kMillimetre, "mm");
+  return fmt::format(
+      "{}: deformation, {} points, ball of {} mm at {} mm{}: RMS {} mm, largest {} mm; RMS {} of the depth\n"
+      "{}",
+      profile.measured.name, profile.measured.size(), brief(profile.tip_radius / kMillimetre),
+      brief(profile.depth / kMillimetre), surface_text(profile.rule), brief(profile.errors.rms / kMillimetre),
+      brief(profile.errors.max / kMillimetre), percent(profile.errors.nrmse),
+      rivals_text(set.cost_ns, set.rivals, kMillimetre, "mm"));
 }
 
 std::string reach_text(const fit::ReachFit& fit) {
@@ -138,8 +141,9 @@ std::string reach_text(const fit::ReachFit& fit) {
                            fit.reach.weight_ratio, fit.reach.depth_exponent};
   std::string text = "reach fitted to all profiles together:\n";
   for (std::size_t i = 0; i < fit.at_limit.size(); ++i) {
-    text += std::string("  ") + names[i] + " = " + brief(values[i]) +
-            (fit.at_limit[i] ? "  ! at the limit of the search: these profiles do not determine it\n" : "\n");
+    text += fmt::format(
+        "  {} = {}{}", names[i], brief(values[i]),
+        fit.at_limit[i] ? "  ! at the limit of the search: these profiles do not determine it\n" : "\n");
   }
   if (fit.exponent_kept) {
     text.insert(text.size() - 1, ", as the tissue has it: it takes depths that differ more to determine it");
@@ -165,8 +169,8 @@ std::string validation_json(const report::Validation& validation) {
 
 std::string validation_text(const report::Validation& validation) {
   const fit::Law& law = validation.law;
-  std::string text = law.tissue.name + ", " + model::to_string(law.tissue.law) + " law, " +
-                     (law.direction == model::Direction::kPull ? "pull" : "press") + '\n';
+  std::string text = fmt::format("{}, {} law, {}\n", law.tissue.name, model::to_string(law.tissue.law),
+                                 law.direction == model::Direction::kPull ? "pull" : "press");
   if (validation.reach) text += reach_text(*validation.reach);
   for (const auto& force : validation.forces) text += force_text(force);
   for (const auto& profile : validation.profiles) text += profile_text(profile);

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/render/map_legend.h"
@@ -136,8 +138,8 @@ class FilePictures final {
 
 void require_within(const char* flag, double time, const RecordedView& seen) {
   if (time > seen.duration_s())
-    throw InputError(std::string(flag) + " " + shortest(time) + ": " + seen.file().string() + " ends at " +
-                     shortest(seen.duration_s()) + " s");
+    throw InputError(fmt::format("{} {}: {} ends at {} s", flag, shortest(time), seen.file().string(),
+                                 shortest(seen.duration_s())));
 }
 
 void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags& flags, const Wanted& wanted,
@@ -146,11 +148,13 @@ void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags
   const double to = wanted.to.value_or(seen.duration_s());
   require_within("--from-s", from, seen);
   require_within("--to-s", to, seen);
-  if (from > to) throw InputError("--from-s " + shortest(from) + ": later than --to-s " + shortest(to));
+  if (from > to)
+    throw InputError(fmt::format("--from-s {}: later than --to-s {}", shortest(from), shortest(to)));
   const double count = std::floor((to - from) * wanted.slow * wanted.fps) + 1.0;
   if (!(count <= kMostFrames))
-    throw InputError("--video " + flags.video + ": " + shortest(count) +
-                     " pictures; want at most a million: shorten it, or lower --fps or --slow");
+    throw InputError(
+        fmt::format("--video {}: {} pictures; want at most a million: shorten it, or lower --fps or --slow",
+                    flags.video, shortest(count)));
   Film film(flags.video, wanted.size.width, wanted.size.height, wanted.fps);
   for (int i = 0; i < static_cast<int>(count); ++i) {
     film.add(pictures.at(from + i / (wanted.fps * wanted.slow)));
@@ -174,7 +178,8 @@ int view_in_window(std::unique_ptr<RecordedView> seen, const ViewFlags& flags, c
   try {
     view_in_window(std::move(seen), options);
   } catch (const NoWindow& error) {
-    throw InputError("view " + flags.file + ": " + error.what() + "; --screenshot and --video need none");
+    throw InputError(
+        fmt::format("view {}: {}; --screenshot and --video need none", flags.file, error.what()));
   }
   return kDone;
 }
@@ -194,8 +199,8 @@ int view(const ViewFlags& flags) {
     const double time = wanted.at.value_or(seen->time_of(seen->frames().deepest()));
     render::write_png(pictures.at(time), flags.screenshot);
     bar.clear();
-    tell(flags.screenshot + " shows " + shortest(time) + " s" +
-         (wanted.at ? "" : ", where the contact is deepest"));
+    tell(fmt::format("{} shows {} s{}", flags.screenshot, shortest(time),
+                     wanted.at ? "" : ", where the contact is deepest"));
   }
   if (!flags.video.empty()) make_film(pictures, *seen, flags, wanted, bar);
   return kDone;

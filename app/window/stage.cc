@@ -10,6 +10,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <backends/imgui_impl_sdl.h>
 #include <epoxy/gl.h>
+#include <fmt/core.h>
 #include <imgui.h>
 
 #include "palpate/base/error.h"
@@ -41,7 +42,7 @@ std::optional<float> UiScale::asked(const std::string& flag) {
   }
   const double scale = parse_positive(name, text);
   if (!(scale >= kLeast && scale <= kMost))
-    throw InputError(name + " " + text + ": want a number from 0.5 to 4; 1 is 96 dots an inch");
+    throw InputError(fmt::format("{} {}: want a number from 0.5 to 4; 1 is 96 dots an inch", name, text));
   return static_cast<float>(scale);
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <epoxy/gl.h>
+#include <fmt/core.h>
 #include <imgui.h>
 
 #include "palpate/base/clock.h"
@@ -215,8 +216,7 @@ std::string Viewer::banner_words() const {
   for (std::uint32_t hand = 0; snapshot_there_ && hand < view().hands(); ++hand) {
     const auto fault = static_cast<haptics::Fault>(view().row(shown_.tick, hand).fault);
     if (fault == haptics::Fault::kNone) continue;
-    const std::string whose =
-        view().hands() > 1 ? "Hand " + std::to_string(hand) + ": zero force" : "Zero force";
+    const std::string whose = view().hands() > 1 ? fmt::format("Hand {}: zero force", hand) : "Zero force";
     return whose + ": " + haptics::words_of(fault);
   }
   return {};

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <epoxy/gl.h>
+#include <fmt/core.h>
 #include <imgui.h>
 
 #include "palpate/base/clock.h"
@@ -197,9 +198,8 @@ std::string Window::banner_words(bool& fault) const {
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {
     if (hands[hand].fault.empty()) continue;
     fault = true;
-    const std::string whose =
-        hands.size() > 1 ? "Hand " + std::to_string(hand) + ": zero force" : "Zero force";
-    return whose + ": " + hands[hand].fault + ".  R resets.";
+    const std::string whose = hands.size() > 1 ? fmt::format("Hand {}: zero force", hand) : "Zero force";
+    return fmt::format("{}: {}.  R resets.", whose, hands[hand].fault);
   }
   if (run_->ended() && !run_->failure().empty()) {
     fault = true;

@@ -60,9 +60,7 @@ Prepared prepare(const scene::Setup& setup) {
     const std::size_t after = bytes_in_use();
     bytes = after > before ? after - before : 0;
   }
-  std::sort(seconds.begin(), seconds.end());
-  return {std::move(*world),
-          {setup.organ_name, setup.organ.triangles.size(), nearest_rank(seconds, 0.5), bytes}};
+  return {std::move(*world), {setup.organ_name, setup.organ.triangles.size(), median(seconds), bytes}};
 }
 
 }  // namespace palpate::bench

@@ -1,6 +1,10 @@
 #include "bench/measure/times.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "palpate/base/statistics.h"
 
 namespace palpate::bench {
 
@@ -24,31 +28,24 @@ PlainArithmetic::PlainArithmetic(double length_us) : additions_(0) {
     add_up(kTried);
     times_us.push_back(static_cast<double>(thread_cpu_ns() - begun) / kNanosecondsPerMicrosecond);
   }
-  std::sort(times_us.begin(), times_us.end());
   // Reading the clock is in both lengths.
   const double clock_us = clock_cost_ns() / kNanosecondsPerMicrosecond;
-  const double each_us = (nearest_rank(times_us, 0.5) - clock_us) / static_cast<double>(kTried);
+  const double each_us = (median(times_us) - clock_us) / static_cast<double>(kTried);
   const double wanted = (length_us - clock_us) / each_us;
   if (wanted > 1.0 && std::isfinite(wanted)) additions_ = static_cast<std::uint64_t>(wanted);
 }
 
 void PlainArithmetic::run() const noexcept { add_up(additions_); }
 
-double nearest_rank(std::span<const double> sorted, double share) noexcept {
-  if (sorted.empty()) return 0.0;
-  const double rank = std::ceil(share * static_cast<double>(sorted.size()));
-  const auto place = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
-  return sorted[std::min(place, sorted.size() - 1)];
-}
-
 TimeFigures figures_of(std::vector<double> times_us) {
   std::sort(times_us.begin(), times_us.end());
   TimeFigures figures;
   figures.samples = times_us.size();
-  figures.p50_us = nearest_rank(times_us, 0.5);
-  figures.p99_us = nearest_rank(times_us, 0.99);
-  figures.p999_us = nearest_rank(times_us, 0.999);
-  figures.max_us = nearest_rank(times_us, 1.0);
+  if (times_us.empty()) return figures;
+  figures.p50_us = times_us[quantile_index(0.5, times_us.size())];
+  figures.p99_us = times_us[quantile_index(0.99, times_us.size())];
+  figures.p999_us = times_us[quantile_index(0.999, times_us.size())];
+  figures.max_us = times_us.back();
   return figures;
 }
 
@@ -60,8 +57,7 @@ double clock_cost_ns() {
     const std::int64_t begun = thread_cpu_ns();
     costs.push_back(static_cast<double>(thread_cpu_ns() - begun));
   }
-  std::sort(costs.begin(), costs.end());
-  return nearest_rank(costs, 0.5);
+  return median(std::move(costs));
 }
 
 }  // namespace palpate::bench

@@ -1,11 +1,11 @@
 #pragma once
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "palpate/base/clock.h"
+#include "palpate/base/statistics.h"
 
 namespace palpate::bench {
 
@@ -19,10 +19,6 @@ struct TimeFigures {
   double p999_us = 0.0;
   double max_us = 0.0;
 };
-
-/// [any] The smallest value that at least `share` (0..1) of all do not exceed (nearest rank); 0 without any.
-/// @param sorted ascending
-[[nodiscard]] double nearest_rank(std::span<const double> sorted, double share) noexcept;
 
 /// [setup] Figures of times [us] in any order.
 [[nodiscard]] TimeFigures figures_of(std::vector<double> times_us);
@@ -55,8 +51,7 @@ template <typename Call>
   }
   volatile double kept = sum;
   static_cast<void>(kept);
-  std::sort(batches.begin(), batches.end());
-  return nearest_rank(batches, 0.5);
+  return median(std::move(batches));
 }
 
 /// [setup] What reading the clock twice costs [ns], median: it is in every single time of this library.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <system_error>
 #include <vector>
 
 namespace palpate {
@@ -53,6 +54,38 @@ std::string percent(double share, int decimals) {
   std::array<char, 352> text{};  // the largest double has 309 digits before the point
   std::snprintf(text.data(), text.size(), "%.*f %%", decimals, 100.0 * share);
   return text.data();
+}
+
+std::string counted(std::uint64_t number, std::string_view one, std::string_view more) {
+  return std::to_string(number).append(" ").append(number == 1 ? one : more);
+}
+
+std::string joined(std::span<const std::string> words, std::string_view between) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (&word != words.data()) text += between;
+    text += word;
+  }
+  return text;
+}
+
+std::string_view trimmed(std::string_view text) noexcept {
+  constexpr std::string_view kBlank = " \t\v\f\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
+}
+
+std::string excerpt(std::string_view text, std::size_t most) {
+  return one_line(std::string(text.substr(0, most))) + (text.size() > most ? "..." : "");
+}
+
+std::optional<double> parse_number(std::string_view text) noexcept {
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
 }
 
 std::string nearest_word(std::string_view word, std::span<const std::string> known) {

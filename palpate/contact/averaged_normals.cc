@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 
+#include "palpate/base/index.h"
 #include "palpate/base/parallel.h"
 
 namespace palpate::contact {
@@ -11,8 +12,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kQuick = 1e7;  // triangles looked at in all: a few tenths of a second
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 /// What one thread needs for the rule by triangles.
 struct Flood {

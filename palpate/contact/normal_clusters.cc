@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "palpate/base/index.h"
 #include "palpate/base/parallel.h"
 
 namespace palpate::contact {
@@ -12,8 +13,6 @@ namespace {
 constexpr std::size_t kMostInCell = 64;  // triangles of a cell that is not cut any further
 constexpr int kLevels = 20;              // of the octree: cells down to a millionth of the box
 constexpr float kSlack = 1.00001F;       // for bounds taken with float's rounding
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 /// Every third bit from the lowest on.
 std::uint64_t spread_bits(std::uint64_t x) noexcept {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "palpate/base/index.h"
 #include "palpate/base/parallel.h"
 #include "palpate/contact/averaged_normals.h"
 #include "palpate/contact/normal_clusters.h"
@@ -22,8 +23,6 @@ constexpr float kSmall = 0.125F;
 // Of the radius. A triangle of no longer edges has one weight instead of one for each edge's middle; the
 // difference is in triangles that cross the end of the reach, below 0.001 degrees.
 constexpr double kShortEdge = 1.0 / 32.0;
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 /// Averages at all sides that begin in one cluster, "home", after another; one a thread. Clusters are taken
 /// in three lists: those that lie within reach of every point of home; those beside them, some triangles of

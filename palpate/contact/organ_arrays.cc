@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "palpate/base/index.h"
 #include "palpate/base/parallel.h"
 #include "palpate/contact/averaged_normals.h"
 
@@ -16,8 +17,6 @@ constexpr std::uint64_t kArraysVersion = 2;
 
 constexpr std::size_t kMostTriangles =
     2'000'000;  // of the refined surface: a 2 m organ is refined less finely
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 double total_area(const geometry::TriangleMesh& mesh) {
   double doubled = 0.0;

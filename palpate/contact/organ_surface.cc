@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "palpate/base/index.h"
 #include "palpate/contact/averaged_normals.h"
 
 namespace palpate::contact {
 namespace {
 
 constexpr int kMostCrossings = 64;  // edges one walk may cross; a step is far shorter than that
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b, double& along) noexcept {
   const Vec3 edge = b - a;

@@ -1,13 +1,12 @@
 // list_sharp_edges(): where the normals of two sides blend.
 #include <algorithm>
 
+#include "palpate/base/index.h"
 #include "palpate/contact/averaged_normals.h"
 #include "palpate/contact/organ_arrays.h"
 
 namespace palpate::contact {
 namespace {
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 edge = b - a;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "palpate/base/index.h"
+
 namespace palpate::deform {
 namespace {
 
@@ -22,19 +24,17 @@ constexpr std::size_t kMostContacts = 24;  // kept, with their fronts
 constexpr double kFreeShareOfThickness = 0.7;  // as held_back
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
   for (const geometry::Triangle& t : mesh.triangles) {
-    const std::array<Vec3, 3> edge = {mesh.vertices[index(t[1])] - mesh.vertices[index(t[0])],
-                                      mesh.vertices[index(t[2])] - mesh.vertices[index(t[1])],
-                                      mesh.vertices[index(t[0])] - mesh.vertices[index(t[2])]};
+    const std::array<Vec3, 3> edge = {mesh.vertices[at(t[1])] - mesh.vertices[at(t[0])],
+                                      mesh.vertices[at(t[2])] - mesh.vertices[at(t[1])],
+                                      mesh.vertices[at(t[0])] - mesh.vertices[at(t[2])]};
     const Vec3 area = edge[0].cross(edge[1]);
     const double doubled = area.norm();
     if (!(doubled > 0.0)) continue;
     for (std::size_t k = 0; k < 3; ++k)
-      sums[index(t[k])] += (std::atan2(doubled, -edge[k].dot(edge[(k + 2) % 3])) / doubled) * area;
+      sums[at(t[k])] += (std::atan2(doubled, -edge[k].dot(edge[(k + 2) % 3])) / doubled) * area;
   }
   std::vector<Vector3f> normals;
   normals.reserve(sums.size());
@@ -110,8 +110,8 @@ std::vector<std::int32_t> LiveSurface::moved() const {
 }
 
 LiveVertex& LiveSurface::move(std::int32_t vertex) {
-  state_[index(vertex) / SurfaceBlocks::kBlock] = {true, true, true};
-  return vertices_[index(vertex)];
+  state_[at(vertex) / SurfaceBlocks::kBlock] = {true, true, true};
+  return vertices_[at(vertex)];
 }
 
 const std::vector<LiveSurface::Range>& LiveSurface::take_changes() {
@@ -153,12 +153,12 @@ void LiveSurface::begin_frame() {
 
 Vector3f LiveSurface::normal_at(const SurfacePoint& place) const {
   // Barycentric weights from the areas opposite to each corner.
-  const geometry::Triangle& corners = rest_.triangles[index(place.triangle)];
+  const geometry::Triangle& corners = rest_.triangles[at(place.triangle)];
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 u = rest_.vertices[index(corners[(k + 1) % 3])] - place.point;
-    const Vec3 v = rest_.vertices[index(corners[(k + 2) % 3])] - place.point;
-    sum += u.cross(v).norm() * rest_normals_[index(corners[k])].cast<double>();
+    const Vec3 u = rest_.vertices[at(corners[(k + 1) % 3])] - place.point;
+    const Vec3 v = rest_.vertices[at(corners[(k + 2) % 3])] - place.point;
+    sum += u.cross(v).norm() * rest_normals_[at(corners[k])].cast<double>();
   }
   return sum.normalized().cast<float>();
 }
@@ -212,7 +212,7 @@ void LiveSurface::prepare(Contact& contact, const Indentation& indentation, cons
 }
 
 int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
-  const geometry::Triangle& corners = rest_.triangles[index(contact.place.triangle)];
+  const geometry::Triangle& corners = rest_.triangles[at(contact.place.triangle)];
   const bool off_source = contact.way() > (settle ? 0.0F : kNewFront);
   if (!contact.begun || (settle && off_source)) {
     contact.front.begin(corners, contact.field.point);
@@ -243,8 +243,8 @@ void LiveSurface::lower_to_front(Contact& contact) {
   ContactField& field = contact.field;
   field.excess = contact.front.excess();
   float least = kFar;
-  for (const std::int32_t v : rest_.triangles[index(contact.place.triangle)])
-    least = std::min(least, field.excess[index(v)]);
+  for (const std::int32_t v : rest_.triangles[at(contact.place.triangle)])
+    least = std::min(least, field.excess[at(v)]);
   field.own_excess = std::isfinite(least) ? least : 0.0F;
   // Where the front ends the displacement must have ended, too.
   const float end = contact.front.radius() - contact.nearer();
@@ -267,7 +267,7 @@ void LiveSurface::note_settled(Contact& contact) {
   const float ended_at = had_ended ? contact.noted_to : kFar;
   const std::span<const std::int32_t> settled = contact.front.settled();
   for (const std::int32_t v : settled.subspan(contact.noted)) {
-    const std::size_t block = index(v) / SurfaceBlocks::kBlock;
+    const std::size_t block = at(v) / SurfaceBlocks::kBlock;
     const float distance = contact.front.at(v);
     contact.least[block] = std::min(contact.least[block], distance);
     if (distance < ended_at) state_[block].off = kFar;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "palpate/base/index.h"
 #include "palpate/geometry/surface_distance.h"
 
 namespace palpate::deform {
@@ -14,21 +15,19 @@ constexpr double kEdgesACell = 2.0;
 constexpr double kMostCells = 4e6;
 constexpr double kOwnFace = 1e-6;  // m: a hit nearer than this is the start's own triangle
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 double mean_edge(const geometry::TriangleMesh& mesh) {
   double sum = 0.0;
   for (const geometry::Triangle& t : mesh.triangles)
     for (std::size_t e = 0; e < 3; ++e)
-      sum += (mesh.vertices[index(t[e])] - mesh.vertices[index(t[(e + 1) % 3])]).norm();
+      sum += (mesh.vertices[at(t[e])] - mesh.vertices[at(t[(e + 1) % 3])]).norm();
   return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
 }
 
 geometry::Bounds box_of(const geometry::TriangleMesh& mesh, const geometry::Triangle& t) {
-  geometry::Bounds box{mesh.vertices[index(t[0])], mesh.vertices[index(t[0])]};
+  geometry::Bounds box{mesh.vertices[at(t[0])], mesh.vertices[at(t[0])]};
   for (const std::int32_t v : t) {
-    box.low = box.low.cwiseMin(mesh.vertices[index(v)]);
-    box.high = box.high.cwiseMax(mesh.vertices[index(v)]);
+    box.low = box.low.cwiseMin(mesh.vertices[at(v)]);
+    box.high = box.high.cwiseMax(mesh.vertices[at(v)]);
   }
   return box;
 }
@@ -59,9 +58,9 @@ TriangleGrid::TriangleGrid(const geometry::TriangleMesh& mesh) : mesh_(mesh) {
   };
   for_each_cell([this](std::size_t cell, std::int32_t) { ++start_[cell + 1]; });
   for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
-  inside_.resize(index(start_.back()));
+  inside_.resize(at(start_.back()));
   std::vector<std::int32_t> next(start_.begin(), start_.end() - 1);
-  for_each_cell([this, &next](std::size_t cell, std::int32_t t) { inside_[index(next[cell]++)] = t; });
+  for_each_cell([this, &next](std::size_t cell, std::int32_t t) { inside_[at(next[cell]++)] = t; });
 }
 
 TriangleGrid::Cell TriangleGrid::cell_of(const Vec3& p) const noexcept {
@@ -84,10 +83,10 @@ std::size_t TriangleGrid::place(const Cell& c) const noexcept {
 void TriangleGrid::nearest_in(const Cell& c, const Vec3& p, SurfacePoint& best, double& best_squared) const {
   const std::size_t cell = place(c);
   for (std::int32_t i = start_[cell]; i < start_[cell + 1]; ++i) {
-    const std::int32_t t = inside_[index(i)];
-    const auto [ia, ib, ic] = mesh_.triangles[index(t)];
-    const Vec3 q = geometry::nearest_on_triangle(p, mesh_.vertices[index(ia)], mesh_.vertices[index(ib)],
-                                                 mesh_.vertices[index(ic)]);
+    const std::int32_t t = inside_[at(i)];
+    const auto [ia, ib, ic] = mesh_.triangles[at(t)];
+    const Vec3 q = geometry::nearest_on_triangle(p, mesh_.vertices[at(ia)], mesh_.vertices[at(ib)],
+                                                 mesh_.vertices[at(ic)]);
     const double squared = (q - p).squaredNorm();
     if (squared < best_squared || (squared == best_squared && t < best.triangle)) {
       best_squared = squared;
@@ -129,7 +128,7 @@ SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
     }
   }
   if (best.triangle >= 0)
-    best.normal = geometry::area_vector_doubled(mesh_, mesh_.triangles[index(best.triangle)]).normalized();
+    best.normal = geometry::area_vector_doubled(mesh_, mesh_.triangles[at(best.triangle)]).normalized();
   return best;
 }
 
@@ -148,8 +147,8 @@ double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double l
         for (int k = std::max(0, middle[2] - 1); k <= std::min(count_[2] - 1, middle[2] + 1); ++k) {
           const std::size_t cell = place({i, j, k});
           for (std::int32_t n = start_[cell]; n < start_[cell + 1]; ++n)
-            nearest = std::min(
-                nearest, way_to_far_side(mesh_, mesh_.triangles[index(inside_[index(n)])], start, direction));
+            nearest = std::min(nearest,
+                               way_to_far_side(mesh_, mesh_.triangles[at(inside_[at(n)])], start, direction));
         }
       }
     }
@@ -160,9 +159,9 @@ double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double l
 double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
                        const Vec3& start, const Vec3& direction) {
   // Moeller and Trumbore 1997; the determinant is minus `facing`.
-  const Vec3& a = mesh.vertices[index(triangle[0])];
-  const Vec3 ab = mesh.vertices[index(triangle[1])] - a;
-  const Vec3 ac = mesh.vertices[index(triangle[2])] - a;
+  const Vec3& a = mesh.vertices[at(triangle[0])];
+  const Vec3 ab = mesh.vertices[at(triangle[1])] - a;
+  const Vec3 ac = mesh.vertices[at(triangle[2])] - a;
   const double facing = ab.cross(ac).dot(direction);
   if (!(facing > 0.0)) return kFar;
   const Vec3 p = direction.cross(ac);

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <system_error>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/devices/emulated.h"
@@ -25,7 +27,7 @@ namespace {
 scene::ToolPath path_from(const std::string& kind, const std::string& file, scene::Task task) {
   scene::ToolPath path = scene::read_tool_path(file);
   if (task == scene::Task::kPull && !path.has_gripper()) {
-    throw InputError("device " + kind + ": " + file + ": gripper: missing, a pull needs this column");
+    throw InputError(fmt::format("device {}: {}: gripper: missing, a pull needs this column", kind, file));
   }
   return path;
 }
@@ -57,12 +59,12 @@ std::unique_ptr<haptics::Device> open_replay(const scene::Setup& setup, std::siz
   const record::Recording recording = record::read_recording(file);
   const std::string place = "device replay: " + file + ": ";
   if (recording.setup.rate_Hz != setup.rate_Hz) {
-    throw InputError(place + "rate_Hz = " + shortest(recording.setup.rate_Hz) + ": must be the scene's, " +
-                     shortest(setup.rate_Hz));
+    throw InputError(fmt::format("{}rate_Hz = {}: must be the scene's, {}", place,
+                                 shortest(recording.setup.rate_Hz), shortest(setup.rate_Hz)));
   }
   std::vector<haptics::DeviceState> samples = samples_of_hand(recording.rows, hand);
   if (samples.empty()) {
-    throw InputError(place + "has no tick of hand " + std::to_string(hand) + ", must have at least one");
+    throw InputError(fmt::format("{}has no tick of hand {}, must have at least one", place, hand));
   }
   return std::make_unique<ReplayDevice>(std::move(samples));
 }
@@ -190,12 +192,11 @@ std::string names_of_kinds(bool connected) {
 
 std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand) {
   if (hand >= setup.devices.size()) {
-    throw InputError("hand " + std::to_string(hand) + ": the scene has only " +
-                     std::to_string(setup.devices.size()) + " devices");
+    throw InputError(fmt::format("hand {}: the scene has only {} devices", hand, setup.devices.size()));
   }
   const std::string& name = setup.devices[hand].kind;
   if (const Kind* kind = find_kind(name)) return kind->open(setup, hand);
-  throw InputError("device kind = \"" + name + "\": must be " + names_of_kinds(false));
+  throw InputError(fmt::format("device kind = \"{}\": must be {}", name, names_of_kinds(false)));
 }
 
 std::vector<Probe> probe_devices() {
@@ -212,7 +213,8 @@ Opened open_connected(const std::string& what) {
   const std::size_t colon = what.find(':');
   const Kind* kind = find_kind(what.substr(0, colon));
   if (kind == nullptr || kind->connect == nullptr) {
-    throw InputError("device \"" + what + "\": must be " + names_of_kinds(true) + ", alone or with :PATH");
+    throw InputError(
+        fmt::format("device \"{}\": must be {}, alone or with :PATH", what, names_of_kinds(true)));
   }
   return kind->connect(colon == std::string::npos ? std::string() : what.substr(colon + 1));
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <thread>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 
 namespace palpate::devices {
@@ -80,16 +82,17 @@ void ForceDimensionDevice::open(std::size_t ordinal) {
   const int count = call.GetDeviceCount();
   if (count < 0) throw InputError(place_ + "cannot look for devices: " + library_.last_error());
   if (static_cast<std::size_t>(count) <= ordinal) {
-    throw InputError(place_ + (count == 0 ? "no device is connected" : std::to_string(count) + " connected") +
-                     ", must be at least " + std::to_string(ordinal + 1) +
-                     ", switched on and open to this user (docs/devices.md)");
+    throw InputError(fmt::format(
+        "{}{}, must be at least {}, switched on and open to this user (docs/devices.md)", place_,
+        count == 0 ? "no device is connected" : std::to_string(count) + " connected", ordinal + 1));
   }
   // Without dhdOpenID, dhdOpen takes the first that is not open yet, which is the next in order.
   const int id = call.OpenID != nullptr ? call.OpenID(static_cast<char>(ordinal)) : call.Open();
   if (id < 0) {
     throw InputError(
-        place_ + "device " + std::to_string(ordinal) + " cannot be opened: " + library_.last_error() +
-        ", must be switched on, open to this user and used by no other program (docs/devices.md)");
+        fmt::format("{}device {} cannot be opened: {}, must be switched on, open to this user and used by no "
+                    "other program (docs/devices.md)",
+                    place_, ordinal, library_.last_error()));
   }
   id_ = static_cast<char>(id);
 }
@@ -271,8 +274,8 @@ std::string ForceDimensionDevice::trouble() const {
 
 std::string ForceDimensionDevice::description() const {
   const char* name = library_.call().GetSystemName(id_);
-  return std::string(name == nullptr ? "unknown device" : name) + " (" + library_.name() + ", " +
-         library_.version() + ")";
+  return fmt::format("{} ({}, {})", name == nullptr ? "unknown device" : name, library_.name(),
+                     library_.version());
 }
 
 Probe probe_forcedimension(const std::string& library) {
@@ -283,12 +286,11 @@ Probe probe_forcedimension(const std::string& library) {
     const std::string which = opened.name() + " " + opened.version();
     if (count > 0) {
       probe.available = true;
-      probe.words =
-          std::to_string(count) + (count == 1 ? " device" : " devices") + " connected (" + which + ")";
+      probe.words = fmt::format("{}{} connected ({})", count, count == 1 ? " device" : " devices", which);
     } else if (count == 0) {
       probe.words = "no device is connected, switched on and open to this user (docs/devices.md); " + which;
     } else {
-      probe.words = "cannot look for devices: " + opened.last_error() + "; " + which;
+      probe.words = fmt::format("cannot look for devices: {}; {}", opened.last_error(), which);
     }
   } catch (const InputError& error) {
     const std::string words = error.what();

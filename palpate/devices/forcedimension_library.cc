@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include <dlfcn.h>
+#include <fmt/core.h>
 
 #include "palpate/base/error.h"
 
@@ -69,8 +70,9 @@ void DhdLibrary::open(const std::string& path) {
     name_ = path;
     handle_ = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle_ == nullptr) {
-      throw InputError(in_front(path) + "cannot be loaded (" + loader_words() +
-                       "), must be the vendor's libdhd.so for this computer");
+      throw InputError(
+          fmt::format("{}cannot be loaded ({}), must be the vendor's libdhd.so for this computer",
+                      in_front(path), loader_words()));
     }
     return;
   }
@@ -82,7 +84,7 @@ void DhdLibrary::open(const std::string& path) {
     words = loader_words();
     // A library that is there and cannot be loaded is told as such; one that is not there has a plainer word.
     if (words.rfind(name_ + ": cannot open shared object file", 0) != 0) {
-      throw InputError(in_front(name_) + "cannot be loaded (" + words + ") " + kAdvice);
+      throw InputError(fmt::format("{}cannot be loaded ({}) {}", in_front(name_), words, kAdvice));
     }
   }
   throw InputError(std::string("device forcedimension: libdhd.so.3 is not installed ") + kAdvice);
@@ -120,8 +122,8 @@ void DhdLibrary::load() {
   if (lookup.missing().empty()) return;
   std::string found;
   if (f.GetSDKVersion != nullptr) found = " (its version is " + version() + ")";
-  throw InputError(in_front(name_) + "has no function " + lookup.missing() + found + ", must be version " +
-                   std::to_string(kMajor) + "." + std::to_string(kOldestMinor) + " or a later 3.x");
+  throw InputError(fmt::format("{}has no function {}{}, must be version {}.{} or a later 3.x",
+                               in_front(name_), lookup.missing(), found, kMajor, kOldestMinor));
 }
 
 std::array<int, 4> DhdLibrary::version_numbers() const {
@@ -132,15 +134,14 @@ std::array<int, 4> DhdLibrary::version_numbers() const {
 
 std::string DhdLibrary::version() const {
   const std::array<int, 4> v = version_numbers();
-  return std::to_string(v[0]) + "." + std::to_string(v[1]) + "." + std::to_string(v[2]) + "." +
-         std::to_string(v[3]);
+  return fmt::format("{}.{}.{}.{}", v[0], v[1], v[2], v[3]);
 }
 
 void DhdLibrary::check_version() const {
   const std::array<int, 4> v = version_numbers();
   if (v[0] == kMajor && v[1] >= kOldestMinor) return;
-  throw InputError(in_front(name_) + "is version " + version() + ", must be " + std::to_string(kMajor) + "." +
-                   std::to_string(kOldestMinor) + " or a later 3.x");
+  throw InputError(fmt::format("{}is version {}, must be {}.{} or a later 3.x", in_front(name_), version(),
+                               kMajor, kOldestMinor));
 }
 
 std::string DhdLibrary::last_error() const {

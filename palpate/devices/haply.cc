@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <exception>
 
+#include <fmt/core.h>
+
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
 #include "palpate/haptics/realtime.h"
@@ -24,8 +26,8 @@ std::string first_message(HaplyLink& link, std::int64_t limit_ns, const std::ato
     if (std::optional<std::string> message = link.received()) return *std::move(message);
     const std::int64_t now = monotonic_ns();
     if (now >= deadline) {
-      throw HaplyLinkError("the service sent nothing within " + std::to_string(limit_ns / 1'000'000) +
-                           " ms of the handshake");
+      throw HaplyLinkError(
+          fmt::format("the service sent nothing within {} ms of the handshake", limit_ns / 1'000'000));
     }
     if (give_up.load(std::memory_order_relaxed)) throw HaplyLinkError("given up");
     link.wait_until(std::min(deadline, now + kLookOut));
@@ -40,7 +42,7 @@ std::string list_of(const std::vector<std::string>& ids) {
 
 std::string lacking(std::size_t place, const std::vector<std::string>& arms) {
   if (arms.empty()) return "the service has no Inverse3";
-  return "the service has no Inverse3 number " + std::to_string(place + 1) + ", only " + list_of(arms);
+  return fmt::format("the service has no Inverse3 number {}, only {}", place + 1, list_of(arms));
 }
 
 }  // namespace
@@ -50,17 +52,18 @@ HaplyDevice::HaplyDevice(const std::string& address, std::size_t place, const Ha
   try {
     link_.open(times_.opening);
   } catch (const HaplyLinkError& error) {
-    throw InputError("device haply: no service at " + address_.text() + ": " + error.what() + kHowToStart);
+    throw InputError(
+        fmt::format("device haply: no service at {}: {}{}", address_.text(), error.what(), kHowToStart));
   }
   try {
     greet(place);
   } catch (const std::exception& error) {
-    throw InputError("device haply: " + address_.text() + ": " + error.what());
+    throw InputError(fmt::format("device haply: {}: {}", address_.text(), error.what()));
   }
   const haptics::SignalsHeld signals;
   thread_ = std::thread([this] { run(); });
 } catch (const HaplyLinkError& error) {  // of the link's own making: its host's name
-  throw InputError("device haply: " + parse_haply_address(address).text() + ": " + error.what());
+  throw InputError(fmt::format("device haply: {}: {}", parse_haply_address(address).text(), error.what()));
 }
 
 HaplyDevice::~HaplyDevice() {
@@ -95,7 +98,8 @@ std::string HaplyDevice::trouble() const {
 }
 
 std::string HaplyDevice::description() const {
-  return "Inverse3 " + arm_ + (grip_.empty() ? "" : " with verse grip " + grip_) + " at " + address_.text();
+  return fmt::format("Inverse3 {}{} at {}", arm_, grip_.empty() ? "" : " with verse grip " + grip_,
+                     address_.text());
 }
 
 /// Takes the first message: at the first connection it says which arm is whose, later the arm must be there.
@@ -109,7 +113,7 @@ void HaplyDevice::greet(std::size_t place) {
   }
   force_field_ = inventory.force_field;
   const HaplySample first = read_haply_state(message, arm_, grip_);
-  if (!first.off.empty()) say("Inverse3 " + arm_ + ": " + first.off);
+  if (!first.off.empty()) say(fmt::format("Inverse3 {}: {}", arm_, first.off));
   publish(first.state, monotonic_ns());
 }
 
@@ -151,7 +155,7 @@ void HaplyDevice::take_replies(Exchange& exchange) {
     exchange.awaited = std::max<std::int64_t>(0, exchange.awaited - 1);
     exchange.waiting_since_ns = now;
   } else if (exchange.awaited > 0 && now - exchange.waiting_since_ns > times_.reply) {
-    throw HaplyLinkError("the service gave no reply for " + std::to_string(times_.reply / 1'000'000) + " ms");
+    throw HaplyLinkError(fmt::format("the service gave no reply for {} ms", times_.reply / 1'000'000));
   }
 }
 
@@ -180,7 +184,7 @@ Vec3 HaplyDevice::wanted_force(std::int64_t now) noexcept {
 void HaplyDevice::take(const std::string& message, std::int64_t now) {
   try {
     const HaplySample sample = read_haply_state(message, arm_, grip_);
-    if (!sample.off.empty()) say("Inverse3 " + arm_ + ": " + sample.off);
+    if (!sample.off.empty()) say(fmt::format("Inverse3 {}: {}", arm_, sample.off));
     publish(sample.state, now);
   } catch (const InputError& error) {
     fail(error.what());
@@ -239,9 +243,9 @@ Probe probe_haply(const std::string& address) {
     link.close(kLastWords);
     if (found.arms.empty()) return {kKind, false, "the service at " + where + " has no Inverse3"};
     const std::string grips = found.grips.empty() ? "no verse grip" : "verse grip " + list_of(found.grips);
-    return {kKind, true, "at " + where + ": Inverse3 " + list_of(found.arms) + "; " + grips};
+    return {kKind, true, fmt::format("at {}: Inverse3 {}; {}", where, list_of(found.arms), grips)};
   } catch (const HaplyLinkError& error) {
-    return {kKind, false, "no service at " + where + ": " + error.what() + kHowToStart};
+    return {kKind, false, fmt::format("no service at {}: {}{}", where, error.what(), kHowToStart)};
   } catch (const InputError& error) {
     return {kKind, false, (where.empty() ? "" : "at " + where + ": ") + std::string(error.what())};
   }

@@ -12,6 +12,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
+#include <fmt/core.h>
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
@@ -31,7 +32,7 @@ std::string words_of(const error_code& error) {
   if (error == asio::error::connection_refused) return "connection refused";
   if (error == websocket::error::closed) return "the service closed the connection";
   if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow) {
-    return "the service sent a message of more than " + std::to_string(HaplyLink::kLargestMessage) + " bytes";
+    return fmt::format("the service sent a message of more than {} bytes", HaplyLink::kLargestMessage);
   }
   if (error == asio::error::eof || error == asio::error::connection_reset ||
       error == asio::error::broken_pipe) {
@@ -46,14 +47,14 @@ std::string words_of(const error_code& error) {
 
 std::string HaplyAddress::text() const {
   const bool six = host.find(':') != std::string::npos;
-  return "ws://" + (six ? "[" + host + "]" : host) + ":" + port;
+  return fmt::format("ws://{}:{}", six ? "[" + host + "]" : host, port);
 }
 
 HaplyAddress parse_haply_address(const std::string& text) {
   const std::string given = text.empty() ? "ws://localhost:10001" : text;
   const auto refuse = [&](const std::string& want) {
-    throw InputError("device haply: address \"" + given + "\": " + want +
-                     ", must be ws://HOST:PORT, as in ws://localhost:10001");
+    throw InputError(fmt::format(
+        "device haply: address \"{}\": {}, must be ws://HOST:PORT, as in ws://localhost:10001", given, want));
   };
   constexpr std::string_view kScheme = "ws://";
   if (given.compare(0, kScheme.size(), kScheme) != 0) refuse("does not begin with ws://");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/error.h"
@@ -30,10 +31,9 @@ std::string excerpt(std::string text) {
 }
 
 [[noreturn]] void refuse(const std::string& field, const json* value, const std::string& want) {
-  if (value == nullptr) throw InputError("message: " + field + ": missing, must be " + want);
-  throw InputError("message: " + field + " = " +
-                   excerpt(value->dump(-1, ' ', false, json::error_handler_t::replace)) + ": must be " +
-                   want);
+  if (value == nullptr) throw InputError(fmt::format("message: {}: missing, must be {}", field, want));
+  throw InputError(fmt::format("message: {} = {}: must be {}", field,
+                               excerpt(value->dump(-1, ' ', false, json::error_handler_t::replace)), want));
 }
 
 /// A value of a message together with where it stands, for errors.
@@ -60,11 +60,11 @@ class Field final {
     if (!there()) return all;
     if (!value_->is_array()) fail("an array");
     if (value_->size() > kMostDevices) {
-      throw InputError("message: " + name_ + ": has " + std::to_string(value_->size()) +
-                       " elements, must have at most " + std::to_string(kMostDevices));
+      throw InputError(fmt::format("message: {}: has {} elements, must have at most {}", name_,
+                                   value_->size(), kMostDevices));
     }
     for (std::size_t i = 0; i < value_->size(); ++i) {
-      all.emplace_back(&(*value_)[i], name_ + "[" + std::to_string(i) + "]");
+      all.emplace_back(&(*value_)[i], fmt::format("{}[{}]", name_, i));
     }
     return all;
   }
@@ -81,7 +81,7 @@ class Field final {
     return value_->get<bool>();
   }
   [[nodiscard]] std::string id() const {
-    const std::string want = "1 to " + std::to_string(kLongestId) + " printable characters";
+    const std::string want = fmt::format("1 to {} printable characters", kLongestId);
     if (!there() || !value_->is_string()) fail(want);
     const auto& text = value_->get_ref<const std::string&>();
     const bool printable = std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
@@ -113,8 +113,7 @@ void check_depth(std::string_view text) {
       quoted = !quoted;
     } else if (!quoted && (c == '[' || c == '{')) {
       if (++depth > kDeepest) {
-        throw InputError("message: is nested deeper than " + std::to_string(kDeepest) + " levels at byte " +
-                         std::to_string(i + 1));
+        throw InputError(fmt::format("message: is nested deeper than {} levels at byte {}", kDeepest, i + 1));
       }
     } else if (!quoted && (c == ']' || c == '}')) {
       --depth;
@@ -132,8 +131,8 @@ json parse(std::string_view text) {
     // The byte is enough to find it; what the parser says would repeat the message's own bytes.
     const auto end = std::min<std::size_t>(error.byte, text.size());
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
-    throw InputError("message: line " + std::to_string(line) + ", byte " + std::to_string(error.byte) +
-                     " of " + std::to_string(text.size()) + ": is no JSON");
+    throw InputError(
+        fmt::format("message: line {}, byte {} of {}: is no JSON", line, error.byte, text.size()));
   } catch (const json::exception&) {
     throw InputError("message: has a number that no double holds, must be finite");
   }
@@ -143,7 +142,7 @@ Field find(const Field& devices, const std::string& id) {
   for (const Field& device : devices.elements()) {
     if (device.at("device_id").id() == id) return device;
   }
-  return {nullptr, devices.name() + " \"" + id + "\""};
+  return {nullptr, fmt::format("{} \"{}\"", devices.name(), id)};
 }
 
 /// Why an arm gives no force, from its status; empty: it does.

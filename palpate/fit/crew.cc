@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include <dlfcn.h>
+#include <fmt/core.h>
 
 #include "palpate/base/error.h"
 
@@ -34,8 +35,10 @@ std::vector<std::filesystem::path> places() {
 }
 
 [[noreturn]] void fail(const Launch& launch, const std::string& why) {
-  throw InputError("mpirun started " + std::to_string(launch.size) + " of this program, but " + why +
-                   "; build it with libopenmpi-dev installed, or start one without mpirun");
+  throw InputError(
+      fmt::format("mpirun started {} of this program, but {}; build it with libopenmpi-dev installed, or "
+                  "start one without mpirun",
+                  launch.size, why));
 }
 
 }  // namespace
@@ -77,8 +80,7 @@ std::unique_ptr<Crew> make_crew() {
     if (make == nullptr) fail(launch, file.string() + " is not of this program");
     std::unique_ptr<Crew> crew(make());
     if (crew->size() != launch.size) {
-      fail(launch,
-           file.string() + " sees " + std::to_string(crew->size()) + ": it is of another MPI than mpirun");
+      fail(launch, fmt::format("{} sees {}: it is of another MPI than mpirun", file.string(), crew->size()));
     }
     return crew;
   }

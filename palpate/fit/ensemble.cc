@@ -7,6 +7,8 @@
 #include <Eigen/Dense>
 
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
+#include "palpate/fit/fit.h"
 #include "palpate/fit/random.h"
 
 namespace palpate::fit {
@@ -151,27 +153,24 @@ void step_all(Posterior& posterior, std::vector<Walker>& walkers, bool whole_ste
   }
 }
 
-double quantile_of(const std::vector<Point>& points, std::size_t begin, std::size_t end, std::size_t index,
-                   double share) {
+/// Ends of the 95 % interval of one parameter.
+Interval interval_of(std::span<const Point> points, std::size_t parameter) {
   std::vector<double> values;
-  for (std::size_t i = begin; i < end; ++i) values.push_back(points[i][index]);
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
+  for (const Point& point : points) values.push_back(point[parameter]);
+  return {quantile(values, 0.025), quantile(values, 0.975)};
 }
 
 /// Whether the ends of the 95 % interval of every parameter are the same in both halves to a fifth of its
 /// width.
 bool halves_agree(const std::vector<Point>& points) {
   constexpr double kPart = 0.2;
+  const std::span<const Point> all(points);
   const std::size_t middle = points.size() / 2;
   for (std::size_t i = 0; i < points.front().size(); ++i) {
-    const double low_1 = quantile_of(points, 0, middle, i, 0.025);
-    const double low_2 = quantile_of(points, middle, points.size(), i, 0.025);
-    const double high_1 = quantile_of(points, 0, middle, i, 0.975);
-    const double high_2 = quantile_of(points, middle, points.size(), i, 0.975);
-    const double width = std::max(high_1, high_2) - std::min(low_1, low_2);
-    if (std::abs(low_1 - low_2) > kPart * width || std::abs(high_1 - high_2) > kPart * width) return false;
+    const Interval first = interval_of(all.first(middle), i);
+    const Interval second = interval_of(all.subspan(middle), i);
+    const double most = kPart * (std::max(first.high, second.high) - std::min(first.low, second.low));
+    if (std::abs(first.low - second.low) > most || std::abs(first.high - second.high) > most) return false;
   }
   return true;
 }

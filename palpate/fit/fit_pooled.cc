@@ -3,8 +3,11 @@
 #include <map>
 #include <span>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
 #include "palpate/fit/fit.h"
 #include "palpate/fit/fit_record.h"
 #include "palpate/fit/forward.h"
@@ -208,8 +211,9 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
   pooled.tissue = tissue_of(pooled.shared, settings);
   constexpr std::size_t kFewSpecimens = 6;
   if (specimens.size() < kFewSpecimens) {
-    pooled.warnings.push_back("the pooled intervals come from how " + std::to_string(specimens.size()) +
-                              " specimens differ: too few to trust them to 95 %");
+    pooled.warnings.push_back(
+        fmt::format("the pooled intervals come from how {} specimens differ: too few to trust them to 95 %",
+                    specimens.size()));
   }
   return pooled;
 }

@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
 #include "palpate/base/text.h"
 #include "palpate/fit/ensemble.h"
 #include "palpate/fit/fit.h"
@@ -18,8 +21,8 @@ namespace {
 
 void check(const Specimen& specimen, const Settings& settings) {
   if (specimen.size() < kFewestPoints) {
-    throw InputError("specimen " + specimen.name + ": has " + std::to_string(specimen.size()) +
-                     " points, must have at least " + std::to_string(kFewestPoints));
+    throw InputError(fmt::format("specimen {}: has {} points, must have at least {}", specimen.name,
+                                 specimen.size(), kFewestPoints));
   }
   if (settings.relaxation && specimen.time.empty()) {
     throw InputError("specimen " + specimen.name + ": has no column time_s, which --relaxation needs");
@@ -61,7 +64,8 @@ Minima with_terms(const Part& part, const Settings& settings, const Progress& pr
     best = std::move(tried);
   }
   const Solution& found = best.all.front();
-  best.effective = effective_count(plain_residuals(best.problem, part, found.shared, found.own.front()));
+  best.effective =
+      effective_sample_size(plain_residuals(best.problem, part, found.shared, found.own.front()));
   return best;
 }
 

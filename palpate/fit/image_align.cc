@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "palpate/base/statistics.h"
 #include "palpate/fit/robust.h"
 
 namespace palpate::fit {

@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "palpate/fit/distributions.h"
+
 namespace palpate::fit {
 namespace {
 
@@ -43,9 +45,6 @@ Profile profile_at(const cv::Mat& gray, double x, double y, double slope) {
   return profile;
 }
 
-double normal_below(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
-double normal_density(double z) { return 0.3989422804014327 * std::exp(-0.5 * z * z); }
-
 /// above, below - above, rise, offset, ln width
 using Unknowns = Eigen::Matrix<double, 5, 1>;
 
@@ -57,7 +56,7 @@ double solve_linear(const Profile& profile, Unknowns& at) {
   normal(2, 2) = kRiseWeight;
   for (int i = 0; i < kSamples; ++i) {
     const double t = i - kEdgeReach;
-    const Eigen::Vector3d row(1.0, normal_below((t - at[3]) / std::exp(at[4])), t);
+    const Eigen::Vector3d row(1.0, normal_cdf((t - at[3]) / std::exp(at[4])), t);
     normal += row * row.transpose();
     right += profile[static_cast<std::size_t>(i)] * row;
   }
@@ -65,7 +64,7 @@ double solve_linear(const Profile& profile, Unknowns& at) {
   double squares = 0.0;
   for (int i = 0; i < kSamples; ++i) {
     const double t = i - kEdgeReach;
-    const double miss = at[0] + at[1] * normal_below((t - at[3]) / std::exp(at[4])) + at[2] * t -
+    const double miss = at[0] + at[1] * normal_cdf((t - at[3]) / std::exp(at[4])) + at[2] * t -
                         profile[static_cast<std::size_t>(i)];
     squares += miss * miss;
   }
@@ -82,8 +81,8 @@ Unknowns step_from(const Profile& profile, const Unknowns& at, double damping,
     const double t = i - kEdgeReach;
     const double z = (t - at[3]) / width;
     Unknowns row;
-    row << 1.0, normal_below(z), t, -at[1] * normal_density(z) / width, -at[1] * normal_density(z) * z;
-    const double miss = profile[static_cast<std::size_t>(i)] - (at[0] + at[1] * normal_below(z) + at[2] * t);
+    row << 1.0, normal_cdf(z), t, -at[1] * normal_density(z) / width, -at[1] * normal_density(z) * z;
+    const double miss = profile[static_cast<std::size_t>(i)] - (at[0] + at[1] * normal_cdf(z) + at[2] * t);
     normal += row * row.transpose();
     right += miss * row;
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <system_error>
 
+#include <fmt/core.h>
 #include <jpeglib.h>
 #include <png.h>
 
@@ -23,8 +24,8 @@ Bytes read_bytes(const std::filesystem::path& file) {
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
   if (failed) throw InputError(file.string() + ": cannot be read: " + failed.message());
   if (size > kMostPictureBytes) {
-    throw InputError(file.string() + ": has " + std::to_string(size) + " bytes, must have at most " +
-                     std::to_string(kMostPictureBytes));
+    throw InputError(
+        fmt::format("{}: has {} bytes, must have at most {}", file.string(), size, kMostPictureBytes));
   }
   Bytes bytes(static_cast<std::size_t>(size));
   std::ifstream in(file, std::ios::binary);
@@ -34,14 +35,13 @@ Bytes read_bytes(const std::filesystem::path& file) {
 }
 
 void check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height) {
-  const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
+  const std::string size = fmt::format("{} x {} pixels", width, height);
   if (width < kSmallestPicture || height < kSmallestPicture) {
-    throw InputError(file.string() + ": is " + size + ", must be at least " +
-                     std::to_string(kSmallestPicture) + " either way");
+    throw InputError(
+        fmt::format("{}: is {}, must be at least {} either way", file.string(), size, kSmallestPicture));
   }
   if (width > kMostPixels / height) {
-    throw InputError(file.string() + ": is " + size + ", must have at most " + std::to_string(kMostPixels) +
-                     " pixels");
+    throw InputError(fmt::format("{}: is {}, must have at most {} pixels", file.string(), size, kMostPixels));
   }
 }
 

@@ -6,9 +6,11 @@
 #include <span>
 #include <utility>
 
+#include <fmt/core.h>
 #include <opencv2/imgproc.hpp>
 
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/fit/image_edge.h"
 #include "palpate/fit/image_path.h"
 #include "palpate/fit/robust.h"
@@ -237,10 +239,9 @@ void add_slow_noise(SurfaceLine& surface) {
       value.push_back(point.y);
     }
     if (at.size() < 20) continue;
-    off.push_back(std::abs(here.y - robust_polynomial(at, value, 2, 1.0)[0]));
+    off.push_back(here.y - robust_polynomial(at, value, 2, 1.0)[0]);
   }
-  constexpr double kSpreadOfMedian = 1.48;  // of a normal distribution
-  const double slow = kSpreadOfMedian * median(off);
+  const double slow = normalized_mad(off);
   for (LinePoint& point : surface.points) {
     point.spread = std::hypot(point.spread, slow * std::hypot(1.0, point.slope));
   }
@@ -261,14 +262,16 @@ void refuse_unless_sure(const SurfaceLine& surface, const std::string& name) {
   constexpr double kMostRival = 0.5;
   constexpr double kLeastCoverage = 0.5;
   if (surface.rival > kMostRival) {
-    throw InputError(name + ": two lines across the picture are about as plausible (the second " +
-                     std::to_string(static_cast<int>(std::lround(100.0 * surface.rival))) +
-                     " % of the first); crop both pictures to the tissue's upper outline");
+    throw InputError(
+        fmt::format("{}: two lines across the picture are about as plausible (the second {} % of the first); "
+                    "crop both pictures to the tissue's upper outline",
+                    name, static_cast<int>(std::lround(100.0 * surface.rival))));
   }
   if (surface.coverage < kLeastCoverage) {
-    throw InputError(name + ": the surface line can be trusted on " +
-                     std::to_string(static_cast<int>(std::lround(100.0 * surface.coverage))) +
-                     " % of the width only, must be at least 50 %: remove what hides it, or crop");
+    throw InputError(
+        fmt::format("{}: the surface line can be trusted on {} % of the width only, must be at least 50 %: "
+                    "remove what hides it, or crop",
+                    name, static_cast<int>(std::lround(100.0 * surface.coverage))));
   }
 }
 

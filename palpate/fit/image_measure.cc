@@ -5,7 +5,10 @@
 #include <cstddef>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/base/text.h"
 #include "palpate/fit/image_align.h"
 #include "palpate/fit/robust.h"
@@ -98,20 +101,21 @@ void refuse_unless_moved(const Dent& dent, std::span<const Shifted> shifts, cons
   const char* way = settings.direction == model::Direction::kPress ? "into" : "out of";
   const char* other = settings.direction == model::Direction::kPress ? "pull" : "press";
   if (dent.opposite > 2.0 * dent.peak && dent.opposite > least) {
-    throw InputError(name + ": the surface moved the other way, not " + way +
-                     " the tissue; give --direction " + other +
-                     ", or the pictures in their order (before, after), or an instrument that does not "
-                     "look like the tissue");
+    throw InputError(fmt::format(
+        "{}: the surface moved the other way, not {} the tissue; give --direction {}, or the pictures in "
+        "their order (before, after), or an instrument that does not look like the tissue",
+        name, way, other));
   }
   if (dent.opposite > kMostOpposite * dent.peak && dent.opposite > least) {
-    throw InputError(name + ": parts of the line moved " + way + " the tissue, others by " +
-                     rounded(100.0 * dent.opposite / dent.peak) +
-                     " % of that the other way; must be one dent, and the instrument must not look like the "
-                     "tissue");
+    throw InputError(
+        fmt::format("{}: parts of the line moved {} the tissue, others by {} % of that the other way; must "
+                    "be one dent, and the instrument must not look like the tissue",
+                    name, way, rounded(100.0 * dent.opposite / dent.peak)));
   }
   if (dent.peak < least) {
-    throw InputError(name + ": the surface moved by no more than " + rounded(std::max(0.0, dent.peak)) +
-                     " px, must be at least " + rounded(least) + " px to be measured");
+    throw InputError(
+        fmt::format("{}: the surface moved by no more than {} px, must be at least {} px to be measured",
+                    name, rounded(std::max(0.0, dent.peak)), rounded(least)));
   }
 }
 
@@ -126,9 +130,10 @@ void refuse_unless_between_flanks(const Alignment& now, const std::string& name)
   const double right = now.shifts.back().after.s - now.dent.centre;
   const double side = std::min(left, right) / now.dent.half_width;
   if (side < kLeastSide) {
-    throw InputError(name + ": the picture ends " + rounded(side) +
-                     " half widths beside the dent, must show at least " + rounded(kLeastSide) +
-                     " of the undisturbed surface on both sides");
+    throw InputError(
+        fmt::format("{}: the picture ends {} half widths beside the dent, must show at least {} of the "
+                    "undisturbed surface on both sides",
+                    name, rounded(side), rounded(kLeastSide)));
   }
 }
 
@@ -356,9 +361,9 @@ void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   const double coverage = std::min(measured.before.coverage, measured.after.coverage);
   const double rival = std::max(measured.before.rival, measured.after.rival);
   std::vector<Link> links;
-  links.push_back({std::min(0.9, 4.0 * share), "u is uncertain by " + rounded(100.0 * share) +
-                                                   " % of the depth (" +
-                                                   rounded(measured.uncertainty / settings.pixel) + " px)"});
+  links.push_back({std::min(0.9, 4.0 * share),
+                   fmt::format("u is uncertain by {} % of the depth ({} px)", rounded(100.0 * share),
+                               rounded(measured.uncertainty / settings.pixel))});
   links.push_back(
       {0.8 * (1.0 - coverage), "the line is seen on " + rounded(100.0 * coverage) + " % of the width"});
   links.push_back({0.8 * rival, "another line is " + rounded(100.0 * rival) + " % as plausible"});
@@ -379,10 +384,11 @@ void rate(const ImageSettings& settings, ImageMeasurement& measured) {
 void refuse_unless_alike(const SurfaceLine& before, const SurfaceLine& after, const std::string& name) {
   const double ratio = after.contrast / before.contrast;
   if (before.dark_below != after.dark_below || ratio > 2.5 || ratio < 0.4) {
-    throw InputError(name + ": its line looks different from the first picture's (contrast " +
-                     rounded((after.dark_below ? -1.0 : 1.0) * after.contrast) + " against " +
-                     rounded((before.dark_below ? -1.0 : 1.0) * before.contrast) +
-                     " of white); must be the same view in the same light");
+    throw InputError(
+        fmt::format("{}: its line looks different from the first picture's (contrast {} against {} of "
+                    "white); must be the same view in the same light",
+                    name, rounded((after.dark_below ? -1.0 : 1.0) * after.contrast),
+                    rounded((before.dark_below ? -1.0 : 1.0) * before.contrast)));
   }
 }
 
@@ -393,21 +399,21 @@ void refuse_unless_certain(const ImageMeasurement& measured, const std::string& 
   const double rise = rise_of(measured);
   if (rise > kMostRise) {
     throw InputError(
-        name + ": beside the dent the line goes deeper again by " + rounded(100.0 * rise) +
-        " % of the depth; must be one dent, and nothing in front that looks like what is above the tissue");
+        fmt::format("{}: beside the dent the line goes deeper again by {} % of the depth; must be one dent, "
+                    "and nothing in front that looks like what is above the tissue",
+                    name, rounded(100.0 * rise)));
   }
   if (measured.asymmetry > kMostAsymmetry) {
     throw InputError(
-        name + ": the dent's left and right side differ by " + rounded(100.0 * measured.asymmetry) +
-        " % of the depth, must differ by at most 12 %: the model's dent is round, and something may stand "
-        "in front of this one");
+        fmt::format("{}: the dent's left and right side differ by {} % of the depth, must differ by at most "
+                    "12 %: the model's dent is round, and something may stand in front of this one",
+                    name, rounded(100.0 * measured.asymmetry)));
   }
   if (measured.uncertainty > kMostUncertain * measured.depth) {
-    throw InputError(
-        name + ": the displacement is uncertain by " +
-        rounded(100.0 * measured.uncertainty / measured.depth) +
-        " % of the largest, must be at most 15 %: show more of the undisturbed surface, press deeper, "
-        "or hold the camera still and give --fixed-camera");
+    throw InputError(fmt::format(
+        "{}: the displacement is uncertain by {} % of the largest, must be at most 15 %: show more of the "
+        "undisturbed surface, press deeper, or hold the camera still and give --fixed-camera",
+        name, rounded(100.0 * measured.uncertainty / measured.depth)));
   }
 }
 
@@ -419,9 +425,8 @@ ImageMeasurement measure_pictures(const Picture& before, const Picture& after, c
     throw ParameterError("scale_mm_per_px", settings.pixel * 1e3, "finite and > 0");
   }
   if (before.width != after.width || before.height != after.height) {
-    throw InputError(after_name + ": is " + std::to_string(after.width) + " x " +
-                     std::to_string(after.height) + " pixels, must be " + std::to_string(before.width) +
-                     " x " + std::to_string(before.height) + " as " + before_name + " is");
+    throw InputError(fmt::format("{}: is {} x {} pixels, must be {} x {} as {} is", after_name, after.width,
+                                 after.height, before.width, before.height, before_name));
   }
   ImageMeasurement measured;
   measured.before = find_surface_line(before, before_name);

@@ -8,6 +8,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "palpate/base/statistics.h"
+
 namespace palpate::fit {
 namespace {
 
@@ -21,14 +23,10 @@ std::vector<float> strongest_around(const cv::Mat& edges, int half) {
     for (std::size_t x = 0; x < strongest.size(); ++x) strongest[x] = std::max(strongest[x], row[x]);
   }
   std::vector<float> around(strongest.size());
-  std::vector<float> window;
   const auto count = static_cast<int>(strongest.size());
   for (int x = 0; x < count; ++x) {
-    window.assign(strongest.begin() + std::max(0, x - half),
-                  strongest.begin() + std::min(count, x + half + 1));
-    const auto middle = window.begin() + static_cast<std::ptrdiff_t>(window.size() / 2);
-    std::nth_element(window.begin(), middle, window.end());
-    around[static_cast<std::size_t>(x)] = *middle;
+    around[static_cast<std::size_t>(x)] = static_cast<float>(median(
+        {strongest.begin() + std::max(0, x - half), strongest.begin() + std::min(count, x + half + 1)}));
   }
   return around;
 }

@@ -5,6 +5,9 @@
 
 #include <Eigen/Dense>
 
+#include "palpate/base/statistics.h"
+#include "palpate/fit/distributions.h"
+
 namespace palpate::fit {
 namespace {
 
@@ -14,19 +17,6 @@ std::vector<double> values_at(const Point& point, const Ranges& ranges, std::siz
 }
 
 }  // namespace
-
-double student(double freedom) {
-  const double f = std::max(freedom, 3.0);
-  return 1.95996 + 2.3723 / f + 2.8225 / (f * f) + 2.5559 / (f * f * f);
-}
-
-double quantile(std::vector<double> values, double share) {
-  const double last = static_cast<double>(values.size()) - 1.0;
-  const auto place =
-      static_cast<std::ptrdiff_t>(std::clamp(std::ceil(share * (last + 1.0)) - 1.0, 0.0, last));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
-}
 
 std::vector<Interval> intervals_of(const std::vector<Point>& points, const Ranges& ranges,
                                    std::size_t terms) {
@@ -103,23 +93,13 @@ std::vector<std::optional<Interval>> covariance_intervals(const Minima& minima) 
 
 std::vector<std::vector<double>> correlations(const std::vector<Point>& points) {
   const std::size_t count = points.front().size();
-  const auto n = static_cast<double>(points.size());
-  std::vector<double> mean(count, 0.0);
+  std::vector<std::vector<double>> columns(count);
   for (const Point& point : points) {
-    for (std::size_t i = 0; i < count; ++i) mean[i] += point[i] / n;
+    for (std::size_t i = 0; i < count; ++i) columns[i].push_back(point[i]);
   }
-  std::vector<std::vector<double>> sums(count, std::vector<double>(count, 0.0));
-  for (const Point& point : points) {
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t k = 0; k < count; ++k) sums[i][k] += (point[i] - mean[i]) * (point[k] - mean[k]);
-    }
-  }
-  std::vector<std::vector<double>> all = sums;
+  std::vector<std::vector<double>> all(count, std::vector<double>(count, 0.0));
   for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t k = 0; k < count; ++k) {
-      const double size = std::sqrt(sums[i][i] * sums[k][k]);
-      all[i][k] = size > 0.0 ? sums[i][k] / size : 0.0;
-    }
+    for (std::size_t k = 0; k < count; ++k) all[i][k] = correlation(columns[i], columns[k]);
   }
   return all;
 }

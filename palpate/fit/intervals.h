@@ -10,12 +10,6 @@
 
 namespace palpate::fit {
 
-/// [any] Student's t that 97.5 % do not exceed, within 1 % from 3 degrees of freedom on; fewer count as 3.
-[[nodiscard]] double student(double freedom);
-
-/// [setup] The smallest value that at least that share of `values` do not exceed; `values` must not be empty.
-[[nodiscard]] double quantile(std::vector<double> values, double share);
-
 /// [setup] 95 % intervals of every parameter from points of a specimen (shared, then own), in SI.
 [[nodiscard]] std::vector<Interval> intervals_of(const std::vector<Point>& points, const Ranges& ranges,
                                                  std::size_t terms);

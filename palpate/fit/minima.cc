@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
 #include "palpate/fit/forward.h"
 #include "palpate/fit/starts.h"
 #include "palpate/fit/valley.h"
@@ -75,17 +76,15 @@ std::vector<Solution> neighbours(const Problem& problem, const Solution& minimum
   return all;
 }
 
-/// Spread of the residuals around a solution that outliers do not change: 1.4826 x the median of their sizes.
+/// Normalised median absolute deviation of all residuals of a solution.
 double robust_spread(const Problem& problem, const Solution& solution) {
-  std::vector<double> sizes;
+  std::vector<double> all;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     const std::vector<double> values =
         plain_residuals(problem, problem.parts[p], solution.shared, solution.own[p]);
-    for (const double value : values) sizes.push_back(std::abs(value));
+    all.insert(all.end(), values.begin(), values.end());
   }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::max(1.4826 * *middle, kSmallestSigma);
+  return std::max(normalized_mad(std::move(all)), kSmallestSigma);
 }
 
 /// The noise's standard deviation, from the squares after the loss.
@@ -171,7 +170,7 @@ double effective_at(const Problem& problem, const Solution& solution) {
   double effective = 0.0;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     effective +=
-        effective_count(plain_residuals(problem, problem.parts[p], solution.shared, solution.own[p]));
+        effective_sample_size(plain_residuals(problem, problem.parts[p], solution.shared, solution.own[p]));
   }
   return effective;
 }
@@ -222,20 +221,6 @@ std::vector<double> plain_residuals(const Problem& problem, const Part& part, co
   std::vector<double> values;
   for (const std::size_t i : order) values.push_back((force[i] - specimen.force[i]) / part.ranges.force);
   return values;
-}
-
-double effective_count(const std::vector<double>& residuals) {
-  const auto n = static_cast<double>(residuals.size());
-  const double mean = std::accumulate(residuals.begin(), residuals.end(), 0.0) / n;
-  double together = 0.0;
-  double all = 0.0;
-  for (std::size_t i = 0; i < residuals.size(); ++i) {
-    const double value = residuals[i] - mean;
-    all += value * value;
-    if (i > 0) together += value * (residuals[i - 1] - mean);
-  }
-  const double likeness = all > 0.0 ? std::clamp(together / all, 0.0, 0.99) : 0.0;
-  return n * (1.0 - likeness) / (1.0 + likeness);
 }
 
 double trusted_count(double effective, std::size_t points, std::size_t parameters) {

@@ -32,12 +32,8 @@ void set_loss(Problem& problem, Solution best);
 [[nodiscard]] std::vector<double> plain_residuals(const Problem& problem, const Part& part,
                                                   const Point& shared, const Point& own);
 
-/// [setup] How many independent values carry as much as these: n (1 - r)/(1 + r), r the correlation of
-/// neighbours, where that is above 0. Noise of a sensor leaves n, a law that misses the curve much less.
-[[nodiscard]] double effective_count(const std::vector<double>& residuals);
-
-/// [any] The same, but at least three a parameter where there are so many points: fewer would let intervals
-/// wander where the curve plainly is not.
+/// [any] The effective sample size of residuals, but at least three a parameter where there are so many
+/// points: fewer would let intervals wander where the curve plainly is not.
 [[nodiscard]] double trusted_count(double effective, std::size_t points, std::size_t parameters);
 
 }  // namespace palpate::fit

@@ -6,6 +6,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
 #include "palpate/base/units.h"
 
 namespace palpate::fit {
@@ -15,16 +16,13 @@ using portable::exp;
 using portable::log;
 
 /// Standard deviation of the noise, from what is left when each point is compared with the middle of its two
-/// neighbours: 1.4826 x the median of |second difference| / sqrt(6).
+/// neighbours: the normalised median absolute deviation of the second differences, over sqrt(6).
 double noise_of(const std::vector<double>& force) {
-  std::vector<double> left;
+  std::vector<double> second_differences;
   for (std::size_t i = 1; i + 1 < force.size(); ++i) {
-    left.push_back(std::abs(force[i - 1] - 2.0 * force[i] + force[i + 1]));
+    second_differences.push_back(force[i - 1] - 2.0 * force[i] + force[i + 1]);
   }
-  if (left.empty()) return 0.0;
-  const auto middle = left.begin() + static_cast<std::ptrdiff_t>(left.size() / 2);
-  std::nth_element(left.begin(), middle, left.end());
-  return 1.4826 * *middle / std::sqrt(6.0);
+  return normalized_mad(std::move(second_differences)) / std::sqrt(6.0);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "palpate/fit/distributions.h"
 #include "palpate/fit/ensemble.h"
 #include "palpate/fit/intervals.h"
 #include "palpate/fit/valley.h"

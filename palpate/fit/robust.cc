@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "palpate/base/statistics.h"
+
 namespace palpate::fit {
 namespace {
 
@@ -64,14 +66,6 @@ Weighted fit_weighted(std::span<const double> x, std::span<const double> y, int 
 }
 
 }  // namespace
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 std::vector<double> robust_polynomial(std::span<const double> x, std::span<const double> y, int degree,
                                       double scale) {

@@ -4,9 +4,6 @@
 
 namespace palpate::fit {
 
-/// [setup] The middle of values, the mean of the two middle ones of an even number; 0 of none.
-[[nodiscard]] double median(std::vector<double> values);
-
 /// [setup] Coefficients, lowest power first, of the polynomial through points of which many may lie anywhere:
 /// least squares weighted again by how far each lies off, (1 + (r/scale)^2)^-2 [Geman and McClure 1987], with
 /// a scale that falls from all of the residuals' spread to `scale`, so that the most points win.

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/base/text.h"
@@ -78,10 +80,10 @@ void check_ranges(const std::vector<SweepRequest>& requests, const std::vector<S
     const double high = portable::exp(bounds.high[request.parameter]) * kBeyond;
     if (request.low.value_or(low) >= low && request.high.value_or(high) <= high) continue;
     const ParameterLabel label = labels(0)[request.parameter];
-    throw InputError("--sweep " + label.name + '=' + shortest(*request.low / label.unit) + ':' +
-                     shortest(*request.high / label.unit) + ": must lie between " +
-                     shortest(low / label.unit) + " and " + shortest(high / label.unit) +
-                     ", 1000 times beyond what a fit of these data searches");
+    throw InputError(fmt::format(
+        "--sweep {}={}:{}: must lie between {} and {}, 1000 times beyond what a fit of these data searches",
+        label.name, shortest(*request.low / label.unit), shortest(*request.high / label.unit),
+        shortest(low / label.unit), shortest(high / label.unit)));
   }
 }
 
@@ -129,9 +131,9 @@ class Sweeping final {
       add_sweep_line(lines_[i], sweep);
       add_sweep_line(lines_[i + 1], sweep);
       if (sweep.points.size() < piece.request.values) {
-        throw InputError(results_file_ + ": its sweep of " + name_of(piece) + " has " +
-                         std::to_string(sweep.points.size()) + " points, want " +
-                         std::to_string(piece.request.values) + ": delete the file to sweep anew");
+        throw InputError(
+            fmt::format("{}: its sweep of {} has {} points, want {}: delete the file to sweep anew",
+                        results_file_, name_of(piece), sweep.points.size(), piece.request.values));
       }
       std::stable_sort(sweep.points.begin(), sweep.points.end(),
                        [](const SweepPoint& a, const SweepPoint& b) { return a.value < b.value; });

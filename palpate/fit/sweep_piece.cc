@@ -10,7 +10,9 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
 #include "palpate/base/whole_json.h"
+#include "palpate/fit/distributions.h"
 #include "palpate/fit/ensemble.h"
 #include "palpate/fit/intervals.h"
 #include "palpate/fit/minima.h"
@@ -54,7 +56,8 @@ class Target final {
     best_.cost = cost_of(problem_, best_.shared, best_.own);
     best_costs_ = part_costs(problem_, best_);
     for (std::size_t p = 0; p < used_.size(); ++p) {
-      effective_ += effective_count(plain_residuals(problem_, problem_.parts[p], best_.shared, best_.own[p]));
+      effective_ +=
+          effective_sample_size(plain_residuals(problem_, problem_.parts[p], best_.shared, best_.own[p]));
     }
     effective_ = trusted_count(effective_, used_.front().size(), best_.shared.size() + kOwnParameters);
   }

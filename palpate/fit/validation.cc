@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
@@ -55,9 +57,9 @@ double Law::depth_under(double force) const {
   return with_law(*this, [&](const auto& springs) {
     const auto state = springs.deformation_under(force);
     if (state.saturated) {
-      throw InputError("a force of " + shortest(force) + " N: must be at most " +
-                       shortest(springs.max_force()) + " N, the largest that the layers of tissue " +
-                       tissue.name + " can take");
+      throw InputError(fmt::format(
+          "a force of {} N: must be at most {} N, the largest that the layers of tissue {} can take",
+          shortest(force), shortest(springs.max_force()), tissue.name));
     }
     return state.depth;
   });
@@ -102,9 +104,9 @@ DeformationComparison compare_deformation(const Deformation& deformation, const 
   }
   const double largest = *std::max_element(deformation.displacement.begin(), deformation.displacement.end());
   if (largest > 2.0 * comparison.depth) {
-    throw InputError(deformation.name + ": u_mm goes to " + shortest(largest / kMillimetre) +
-                     ", must be at most twice the depth, " + shortest(comparison.depth / kMillimetre) +
-                     " mm");
+    throw InputError(fmt::format("{}: u_mm goes to {}, must be at most twice the depth, {} mm",
+                                 deformation.name, shortest(largest / kMillimetre),
+                                 shortest(comparison.depth / kMillimetre)));
   }
   const BallSurface surface(reach, comparison.depth, tip_radius, rule);
   for (const double r : deformation.distance) comparison.computed.push_back(surface.at(r));

@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "palpate/fit/distributions.h"
 #include "palpate/fit/intervals.h"
 
 namespace palpate::fit {

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/core.h>
+
+#include "palpate/base/statistics.h"
+#include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/fit/intervals.h"
 
@@ -11,12 +15,6 @@ namespace palpate::fit {
 namespace {
 
 /// Three digits: enough for a sentence.
-std::string brief(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 void add_undetermined(const std::vector<Determined>& determined, const SpecimenFit& fit,
                       std::vector<std::string>& out) {
   const std::vector<ParameterLabel> names = labels(fit.terms);
@@ -33,8 +31,8 @@ void add_correlated(const std::vector<Point>& points, const SpecimenFit& fit, st
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = i + 1; k < all.size(); ++k) {
       if (!(std::abs(all[i][k]) > kToldFrom)) continue;
-      out.push_back(names[i].name + " and " + names[k].name + " are only determined together (correlation " +
-                    brief(all[i][k]) + "): read neither alone");
+      out.push_back(fmt::format("{} and {} are only determined together (correlation {}): read neither alone",
+                                names[i].name, names[k].name, brief(all[i][k], 3)));
     }
   }
 }
@@ -66,22 +64,21 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
   const Problem& problem = minima.problem;
   const Part& part = problem.parts.front();
   if (fit.rows > fit.points) {
-    out.push_back(std::to_string(fit.rows) + " rows were averaged to " + std::to_string(fit.points) +
-                  " points");
+    out.push_back(fmt::format("{} rows were averaged to {} points", fit.rows, fit.points));
   }
   const std::vector<double> left = plain_residuals(problem, part, fit.shared, fit.own);
   const double limit = 1.5 * problem.loss_scale;  // six spreads
   const auto outliers =
       std::count_if(left.begin(), left.end(), [limit](double r) { return std::abs(r) > limit; });
   if (outliers > 0 && problem.loss_scale > 1e-4) {
-    out.push_back(std::to_string(outliers) + (outliers == 1 ? " point lies" : " points lie") +
-                  " far off the curve and hardly counted (Cauchy's loss)");
+    out.push_back(fmt::format("{}{} far off the curve and hardly counted (Cauchy's loss)", outliers,
+                              outliers == 1 ? " point lies" : " points lie"));
   }
   constexpr double kLongFlat = 0.15;  // of the range of displacement
   const double flat = flat_until(*part.specimen, part.ranges);
   if (flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement) {
     out.push_back(
-        "the force does not rise out of the noise before " + brief(flat / kMillimetre) +
+        "the force does not rise out of the noise before " + brief(flat / kMillimetre, 3) +
         " mm: if that is a way without contact, cut it off and count from contact; if it is tissue, its "
         "first layer is hardly seen");
   }
@@ -89,9 +86,10 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
     out.emplace_back("the data stay within the first layer: beta and q are not theirs to tell");
   }
   if (minima.effective < 0.5 * static_cast<double>(fit.points)) {
-    out.push_back("residuals follow their neighbours, so " + std::to_string(fit.points) +
-                  " points count as " + brief(minima.effective) +
-                  " in the intervals: the law misses the curve's shape somewhere");
+    out.push_back(
+        fmt::format("residuals follow their neighbours, so {} points count as {} in the intervals: the law "
+                    "misses the curve's shape somewhere",
+                    fit.points, brief(minima.effective, 3)));
   }
   if (fit.terms == 0 && turns_back(*part.specimen, part.ranges.displacement)) {
     out.emplace_back(
@@ -109,9 +107,10 @@ Determined determined_by(double low, double high, double lowest, double highest)
 }
 
 std::string undetermined_warning(Determined how, const ParameterLabel& label, const Interval& interval) {
-  return label.name + " is not determined by the data: its interval, " + brief(interval.low / label.unit) +
-         " to " + brief(interval.high / label.unit) +
-         (how == Determined::kSpansMost ? ", spans most of what was tried" : ", ends where the search ends");
+  return fmt::format(
+      "{} is not determined by the data: its interval, {} to {}{}", label.name,
+      brief(interval.low / label.unit, 3), brief(interval.high / label.unit, 3),
+      how == Determined::kSpansMost ? ", spans most of what was tried" : ", ends where the search ends");
 }
 
 std::vector<Determined> determined_of(const Minima& minima, const std::vector<Point>& points) {

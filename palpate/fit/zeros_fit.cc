@@ -10,9 +10,9 @@
 #include <ceres/ceres.h>
 
 #include "palpate/base/portable_math.h"
+#include "palpate/base/statistics.h"
 #include "palpate/fit/forward.h"
 #include "palpate/fit/parameters.h"
-#include "palpate/fit/robust.h"
 
 namespace palpate::fit {
 namespace {
@@ -114,9 +114,7 @@ void search_from_everywhere(const Search& search, Own& own) {
 
 /// The spread of the residuals that outliers do not change.
 double spread_of(const Search& search, const Own& own) {
-  std::vector<double> sizes = plain_residuals(search, own.data());
-  for (double& size : sizes) size = std::abs(size);
-  return std::max(1.4826 * median(std::move(sizes)), kSmallestSpread);
+  return std::max(normalized_mad(plain_residuals(search, own.data())), kSmallestSpread);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
@@ -45,18 +47,12 @@ Name split(std::string_view name) {
   return {name, Detail::kPaper};
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 [[noreturn]] void unknown(const std::string& kind, const std::string& name,
                           const std::vector<std::string>& names, const std::string& more) {
   const std::string near = nearest_word(name, names);
-  throw InputError("unknown " + kind + " \"" + name + "\"" +
-                   (near.empty() ? "" : ", did you mean " + near + "?") + " (built in: " + listed(names) +
-                   more + "; a file needs a / or a known ending)");
+  throw InputError(fmt::format("unknown {} \"{}\"{} (built in: {}{}; a file needs a / or a known ending)",
+                               kind, name, near.empty() ? "" : ", did you mean " + near + "?", joined(names),
+                               more));
 }
 
 Tool sphere(const std::string& name) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "palpate/base/index.h"
 #include "palpate/base/parallel.h"
 
 namespace palpate::geometry {
@@ -13,8 +14,6 @@ namespace {
 constexpr std::int32_t kChildren = 4;
 constexpr float kNothing = -1e30F;  // radius of an empty lane: its squared distance is infinite
 constexpr double kNowhere = 1e30;   // m: the same of an empty lane's triangle
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 /// The next float that is not smaller, and then some.
 float rounded_up(double value) noexcept {

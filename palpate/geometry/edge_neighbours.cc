@@ -3,12 +3,11 @@
 #include <string>
 
 #include "palpate/base/error.h"
+#include "palpate/base/index.h"
 #include "palpate/geometry/mesh.h"
 
 namespace palpate::geometry {
 namespace {
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 std::string edge_words(std::int32_t low, std::int32_t high) {
   return "the edge of vertices " + std::to_string(low) + " and " + std::to_string(high);

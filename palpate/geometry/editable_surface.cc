@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstddef>
 
+#include "palpate/base/index.h"
+
 namespace palpate::geometry {
 
 namespace {
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 // A triangle counts as folded when it leans more than 60 degrees from the surface's normal at its corners.
 constexpr double kLeanCosine = 0.5;

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/geometry/read_mesh.h"
 #include "palpate/geometry/repair_slivers.h"
 #include "palpate/geometry/repair_surface.h"
@@ -38,9 +40,8 @@ class Analysis final {
     say(counts_.turned_edges, "edge", " whose two triangles are turned against each other");
     say(counts_.fan_vertices, "vertex", " where separate surfaces touch");
     if (counts_.flat_triangles > 0) {
-      findings_.remarks.push_back(std::to_string(counts_.flat_triangles) +
-                                  (counts_.flat_triangles == 1 ? " triangle" : " triangles") +
-                                  " without area");
+      findings_.remarks.push_back(fmt::format("{}{} without area", counts_.flat_triangles,
+                                              counts_.flat_triangles == 1 ? " triangle" : " triangles"));
     }
     list_shells();
     if (findings_.closed && findings_.manifold && counts_.turned_edges == 0) judge_shells();
@@ -51,7 +52,7 @@ class Analysis final {
   void say(std::size_t count, const std::string& what, const std::string& more = "") {
     if (count == 0) return;
     const std::string plural = what == "vertex" ? "vertices" : what + "s";
-    findings_.defects.push_back(std::to_string(count) + " " + (count == 1 ? what : plural) + more);
+    findings_.defects.push_back(fmt::format("{} {}{}", count, count == 1 ? what : plural, more));
   }
 
   void walk_edges() {

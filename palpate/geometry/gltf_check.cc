@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/error.h"
@@ -41,8 +42,7 @@ std::string_view json_of_glb(const MeshFile& file) {
   }
   const std::size_t declared = little_endian_32(bytes, 8);
   if (declared != bytes.size()) {
-    refuse("truncated or damaged: declares " + std::to_string(declared) + " bytes, has " +
-           std::to_string(bytes.size()));
+    refuse(fmt::format("truncated or damaged: declares {} bytes, has {}", declared, bytes.size()));
   }
   const std::size_t length = little_endian_32(bytes, 12);
   if (length > bytes.size() - kHeader) refuse("truncated: its JSON chunk does not end");
@@ -79,8 +79,7 @@ class GltfCheck final {
       } else if (c == '"') {
         in_string = true;
       } else if (c == '[' || c == '{') {
-        if (++depth > kDeepestJson)
-          refuse("its JSON is nested more than " + std::to_string(kDeepestJson) + " deep");
+        if (++depth > kDeepestJson) refuse(fmt::format("its JSON is nested more than {} deep", kDeepestJson));
       } else if (c == ']' || c == '}') {
         --depth;
       }
@@ -109,10 +108,8 @@ class GltfCheck final {
     while (!open.empty()) {
       const auto [node, depth] = open.back();
       open.pop_back();
-      if (depth > kDeepestNode)
-        refuse("its nodes are nested more than " + std::to_string(kDeepestNode) + " deep");
-      if (++visited > kMostNodes)
-        refuse("its nodes are used more than " + std::to_string(kMostNodes) + " times");
+      if (depth > kDeepestNode) refuse(fmt::format("its nodes are nested more than {} deep", kDeepestNode));
+      if (++visited > kMostNodes) refuse(fmt::format("its nodes are used more than {} times", kMostNodes));
       add(list(nodes[node], "children"), depth + 1);
     }
   }
@@ -152,8 +149,7 @@ class GltfCheck final {
       if (count == accessor.end() || !count->is_number_unsigned()) continue;
       without_buffer += std::min(count->get<std::uint64_t>(), kMostWithoutBuffer + 1);
       if (without_buffer > kMostWithoutBuffer) {
-        refuse("accessors without a buffer declare more than " + std::to_string(kMostWithoutBuffer) +
-               " elements");
+        refuse(fmt::format("accessors without a buffer declare more than {} elements", kMostWithoutBuffer));
       }
     }
   }
@@ -179,7 +175,7 @@ class GltfCheck final {
         if (attributes == part.end() || !attributes->is_object()) continue;
         for (const json& attribute : *attributes) elements += count_of(attribute);
         if (elements > kMostElements) {
-          refuse("its parts declare more than " + std::to_string(kMostElements) + " indices and vertices");
+          refuse(fmt::format("its parts declare more than {} indices and vertices", kMostElements));
         }
       }
     }

@@ -10,6 +10,7 @@
 #include <assimp/LogStream.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <fmt/core.h>
 
 #include "palpate/base/error.h"
 
@@ -89,8 +90,8 @@ class SceneReader final {
   ImportedMesh run() {
     if (scene_.mRootNode != nullptr) add_node(*scene_.mRootNode, axis_change_undone(file_.format), 0);
     if (mirrored_ > 0) {
-      imported_.repairs.push_back("turned the triangles of " + std::to_string(mirrored_) +
-                                  " mirrored parts outwards");
+      imported_.repairs.push_back(
+          fmt::format("turned the triangles of {} mirrored parts outwards", mirrored_));
     }
     return std::move(imported_);
   }
@@ -107,7 +108,7 @@ class SceneReader final {
     TriangleMesh& mesh = imported_.mesh;
     if (mesh.triangles.size() + part.mNumFaces > kMostTriangles ||
         mesh.vertices.size() + part.mNumVertices > 3 * kMostTriangles) {
-      throw InputError(file_.path.string() + ": more than " + std::to_string(kMostTriangles) + " triangles");
+      throw InputError(fmt::format("{}: more than {} triangles", file_.path.string(), kMostTriangles));
     }
     const bool is_mirrored = to_file.topLeftCorner<3, 3>().determinant() < 0.0;
     mirrored_ += is_mirrored ? 1 : 0;
@@ -124,9 +125,9 @@ class SceneReader final {
       Triangle triangle{};
       for (unsigned k = 0; k < 3; ++k) {
         if (face.mIndices[k] >= part.mNumVertices) {
-          throw InputError(file_.path.string() + ": a triangle's vertex index " +
-                           std::to_string(face.mIndices[k]) + " is out of range: the part has " +
-                           std::to_string(part.mNumVertices) + " vertices");
+          throw InputError(
+              fmt::format("{}: a triangle's vertex index {} is out of range: the part has {} vertices",
+                          file_.path.string(), face.mIndices[k], part.mNumVertices));
         }
         triangle[k] = offset + static_cast<std::int32_t>(face.mIndices[k]);
       }
@@ -184,10 +185,10 @@ ImportedMesh import_mesh(const MeshFile& file, const FileFacts& facts) {
     imported = SceneReader(file, *scene).run();
   }
   if (counts.polygons > 0) {
-    imported.repairs.push_back("cut " + std::to_string(counts.polygons) + " polygons into triangles");
+    imported.repairs.push_back(fmt::format("cut {} polygons into triangles", counts.polygons));
   }
   if (counts.lines > 0) {
-    imported.repairs.push_back("dropped " + std::to_string(counts.lines) + " lines or points");
+    imported.repairs.push_back(fmt::format("dropped {} lines or points", counts.lines));
   }
   return imported;
 }

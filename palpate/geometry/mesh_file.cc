@@ -12,7 +12,10 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/geometry/gltf_check.h"
 #include "palpate/geometry/ply_check.h"
 #include "palpate/geometry/text_scan.h"
@@ -38,8 +41,9 @@ MeshFormat format_of(const std::filesystem::path& path) {
   for (const auto& [known, format] : kEndings) {
     if (ending == known) return format;
   }
-  throw InputError(path.string() + ": unknown ending \"" + ending +
-                   "\": must be .stl, .obj, .ply, .off, .3ds, .gltf, .glb or .vtk");
+  throw InputError(
+      fmt::format("{}: unknown ending \"{}\": must be .stl, .obj, .ply, .off, .3ds, .gltf, .glb or .vtk",
+                  path.string(), ending));
 }
 
 std::uint32_t little_endian_32(const std::string& bytes, std::size_t at) {
@@ -59,7 +63,7 @@ void check_ascii_stl(const MeshFile& file) {
     const std::string_view word = next_word(rest);
     if (word == "vertex") {
       ++vertices;
-      (void)read_point(rest, file.path.string() + ", line " + std::to_string(lines.number()), vertices);
+      (void)read_point(rest, fmt::format("{}, line {}", file.path.string(), lines.number()), vertices);
     }
     facets += word == "facet" ? 1 : 0;
     closed_facets += word == "endfacet" ? 1 : 0;
@@ -67,12 +71,12 @@ void check_ascii_stl(const MeshFile& file) {
   }
   if (facets == 0) throw InputError(file.path.string() + ": no triangles");
   if (closed_facets != facets || !ends) {
-    throw InputError(file.path.string() + ": truncated: " + std::to_string(facets) + " facets begun, " +
-                     std::to_string(closed_facets) + " ended" + (ends ? "" : ", and no endsolid at the end"));
+    throw InputError(fmt::format("{}: truncated: {} facets begun, {} ended{}", file.path.string(), facets,
+                                 closed_facets, ends ? "" : ", and no endsolid at the end"));
   }
   if (vertices != 3 * facets) {
-    throw InputError(file.path.string() + ": " + std::to_string(facets) + " facets have " +
-                     std::to_string(vertices) + " vertices: must be three each");
+    throw InputError(fmt::format("{}: {} facets have {} vertices: must be three each", file.path.string(),
+                                 facets, vertices));
   }
 }
 
@@ -93,13 +97,12 @@ void check_stl(const MeshFile& file) {
   const bool is_text = bytes.find('\0') == std::string::npos;
   if (is_text && next_word(start) == "solid") return check_ascii_stl(file);
   if (bytes.size() < kHeader) {
-    throw InputError(file.path.string() + ": truncated: a binary STL has at least 84 bytes, this has " +
-                     std::to_string(bytes.size()));
+    throw InputError(fmt::format("{}: truncated: a binary STL has at least 84 bytes, this has {}",
+                                 file.path.string(), bytes.size()));
   }
-  throw InputError(file.path.string() + ": truncated or damaged: a binary STL of " +
-                   std::to_string(declared) + " triangles has " +
-                   std::to_string(kHeader + kTriangle * declared) + " bytes, this has " +
-                   std::to_string(bytes.size()));
+  throw InputError(
+      fmt::format("{}: truncated or damaged: a binary STL of {} triangles has {} bytes, this has {}",
+                  file.path.string(), declared, kHeader + kTriangle * declared, bytes.size()));
 }
 
 /// Reads the vertices and faces of an OBJ file and writes them anew, in plain numbers and indices from 1:
@@ -134,11 +137,12 @@ class ObjCheck final {
   }
 
  private:
-  [[nodiscard]] std::string where() const { return file_.path.string() + ", line " + std::to_string(line_); }
+  [[nodiscard]] std::string where() const { return fmt::format("{}, line {}", file_.path.string(), line_); }
 
   [[noreturn]] void refuse(std::int64_t index) const {
-    throw InputError(where() + ": vertex index " + std::to_string(index) + " is out of range: the file has " +
-                     std::to_string(points_.count) + " vertices, the first is 1");
+    throw InputError(
+        fmt::format("{}: vertex index {} is out of range: the file has {} vertices, the first is 1", where(),
+                    index, points_.count));
   }
 
   void take_vertex(std::string_view rest) {
@@ -163,7 +167,7 @@ class ObjCheck final {
       if (word.front() == '#') break;
       const std::string_view index_word = word.substr(0, word.find('/'));
       const std::optional<std::int64_t> index = whole_number(index_word);
-      if (!index) throw InputError(where() + ": \"" + std::string(index_word) + "\" is not a vertex index");
+      if (!index) throw InputError(fmt::format("{}: \"{}\" is not a vertex index", where(), index_word));
       if (*index == 0 || *index < -static_cast<std::int64_t>(points_.count)) refuse(*index);
       const std::int64_t absolute =
           *index > 0 ? *index : static_cast<std::int64_t>(points_.count) + 1 + *index;
@@ -225,7 +229,7 @@ class OffCheck final {
 
  private:
   [[nodiscard]] std::string where() const {
-    return file_.path.string() + ", line " + std::to_string(lines_.number());
+    return fmt::format("{}, line {}", file_.path.string(), lines_.number());
   }
   [[noreturn]] void refuse(const std::string& words) const { throw InputError(where() + ": " + words); }
 
@@ -241,11 +245,11 @@ class OffCheck final {
   std::size_t count_of(std::string_view& rest, const char* what) const {
     const std::string_view word = next_word(rest);
     const std::optional<std::int64_t> count = whole_number(word);
-    if (!count || *count < 0) refuse("\"" + std::string(word) + "\" is not a number of " + what);
+    if (!count || *count < 0) refuse(fmt::format("\"{}\" is not a number of {}", word, what));
     // The shortest vertex or face takes four bytes.
     if (static_cast<std::uint64_t>(*count) > file_.bytes.size() / 4) {
-      refuse("declares " + std::to_string(*count) + " " + what + ", more than its " +
-             std::to_string(file_.bytes.size()) + " bytes can hold");
+      refuse(
+          fmt::format("declares {} {}, more than its {} bytes can hold", *count, what, file_.bytes.size()));
     }
     return static_cast<std::size_t>(*count);
   }
@@ -259,12 +263,11 @@ class OffCheck final {
       const std::string_view word = next_word(rest);
       const std::optional<std::int64_t> index = whole_number(word);
       if (!index) {
-        refuse("a face of " + std::to_string(*corners) + " corners has \"" + std::string(word) +
-               "\" for vertex index " + std::to_string(k + 1));
+        refuse(fmt::format("a face of {} corners has \"{}\" for vertex index {}", *corners, word, k + 1));
       }
       if (*index < 0 || static_cast<std::uint64_t>(*index) >= vertices) {
-        refuse("vertex index " + std::to_string(*index) + " is out of range: the file has " +
-               std::to_string(vertices) + " vertices, the first is 0");
+        refuse(fmt::format("vertex index {} is out of range: the file has {} vertices, the first is 0",
+                           *index, vertices));
       }
       text_.add_corner(static_cast<std::uint64_t>(*index));
     }
@@ -287,9 +290,9 @@ void each_3ds_chunk(const MeshFile& file, std::size_t begin, std::size_t end, co
   while (begin + kHead <= end) {
     const std::size_t length = little_endian_32(file.bytes, begin + 2);
     if (length < kHead || length > end - begin) {
-      throw InputError(file.path.string() + ", byte " + std::to_string(begin) + ": a chunk declares " +
-                       std::to_string(length) + " bytes, must be 6 to " + std::to_string(end - begin) +
-                       ", which are left of the one around it");
+      throw InputError(fmt::format(
+          "{}, byte {}: a chunk declares {} bytes, must be 6 to {}, which are left of the one around it",
+          file.path.string(), begin, length, end - begin));
     }
     const auto low = static_cast<unsigned char>(file.bytes[begin]);
     const auto high = static_cast<unsigned char>(file.bytes[begin + 1]);
@@ -302,13 +305,11 @@ void each_3ds_chunk(const MeshFile& file, std::size_t begin, std::size_t end, co
 void check_3ds_track(const MeshFile& file, std::size_t begin, std::size_t end) {
   constexpr std::size_t kBeforeCount = 10;  // flags and what is not used
   constexpr std::size_t kLeastKey = 6;      // bytes
-  const std::string where =
-      file.path.string() + ", byte " + std::to_string(begin) + ": a track of key frames ";
+  const std::string where = fmt::format("{}, byte {}: a track of key frames ", file.path.string(), begin);
   if (end - begin < kBeforeCount + 4) throw InputError(where + "is too short");
   const std::size_t keys = little_endian_32(file.bytes, begin + kBeforeCount);
   if (keys > (end - begin) / kLeastKey) {
-    throw InputError(where + "declares " + std::to_string(keys) + " keys in " + std::to_string(end - begin) +
-                     " bytes");
+    throw InputError(fmt::format("{}declares {} keys in {} bytes", where, keys, end - begin));
   }
 }
 
@@ -333,8 +334,8 @@ void check_3ds(const MeshFile& file) {
   }
   const std::size_t declared = little_endian_32(bytes, 2);
   if (declared > bytes.size()) {
-    throw InputError(file.path.string() + ": truncated: declares " + std::to_string(declared) +
-                     " bytes, has " + std::to_string(bytes.size()));
+    throw InputError(
+        fmt::format("{}: truncated: declares {} bytes, has {}", file.path.string(), declared, bytes.size()));
   }
   constexpr unsigned kMain = 0x4D4D;
   constexpr unsigned kProject = 0xC23D;
@@ -359,7 +360,7 @@ MeshFile open_mesh_file(const std::filesystem::path& path) {
   if (error) throw InputError(path.string() + ": cannot be read: " + error.message());
   if (size == 0) throw InputError(path.string() + ": empty");
   if (size > kLargestFile) {
-    throw InputError(path.string() + ": " + std::to_string(size >> 20) + " MiB: at most 512 are read");
+    throw InputError(fmt::format("{}: {} MiB: at most 512 are read", path.string(), size >> 20));
   }
   std::ifstream stream(path, std::ios::binary);
   file.bytes.resize(static_cast<std::size_t>(size));

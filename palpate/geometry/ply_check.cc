@@ -10,7 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/geometry/text_scan.h"
 
 namespace palpate::geometry {
@@ -98,7 +101,7 @@ class PlyCheck final {
     for (const auto& [name, type] : kScalars) {
       if (name == word) return type;
     }
-    refuse("line " + std::to_string(lines_.number()) + ": \"" + std::string(word) + "\" is not a PLY type");
+    refuse(fmt::format("line {}: \"{}\" is not a PLY type", lines_.number(), word));
   }
 
   void read_header() {
@@ -135,7 +138,7 @@ class PlyCheck final {
     }
     const std::string_view word = next_word(rest);
     const std::optional<std::int64_t> count = whole_number(word);
-    if (!count || *count < 0) refuse("\"" + std::string(word) + "\" is not a number of " + element.name);
+    if (!count || *count < 0) refuse(fmt::format("\"{}\" is not a number of {}", word, element.name));
     element.count = static_cast<std::size_t>(*count);
     if (element.name == "vertex") points_.count = element.count;
     elements_.push_back(std::move(element));
@@ -172,8 +175,8 @@ class PlyCheck final {
     }
     if (least == 0) refuse("element " + element.name + " has no properties");
     if (element.count > (body_.size() + 1) / least) {
-      refuse("truncated: declares " + std::to_string(element.count) + " x " + element.name + ", but only " +
-             std::to_string(body_.size()) + " bytes are left");
+      refuse(fmt::format("truncated: declares {} x {}, but only {} bytes are left", element.count,
+                         element.name, body_.size()));
     }
   }
 
@@ -183,8 +186,7 @@ class PlyCheck final {
       if (word.empty()) refuse_as_truncated(element, n);
       const std::optional<double> value = number(word);
       if (!value) {
-        refuse(element.name + " " + std::to_string(n + 1) + ": \"" + std::string(word.substr(0, 40)) +
-               "\" is not a number");
+        refuse(fmt::format("{} {}: \"{}\" is not a number", element.name, n + 1, word.substr(0, 40)));
       }
       return *value;
     }
@@ -217,8 +219,7 @@ class PlyCheck final {
   }
 
   [[noreturn]] void refuse_as_truncated(const Element& element, std::size_t n) const {
-    refuse("truncated: ends in " + element.name + " " + std::to_string(n + 1) + " of " +
-           std::to_string(element.count));
+    refuse(fmt::format("truncated: ends in {} {} of {}", element.name, n + 1, element.count));
   }
 
   void check_one(const Element& element, std::size_t n) {
@@ -249,15 +250,14 @@ class PlyCheck final {
     const bool names_vertices = property.name == "vertex_indices" || property.name == "vertex_index";
     if (names_vertices) {
       polygons_.take(static_cast<std::size_t>(length),
-                     file_.path.string() + ": " + element.name + " " + std::to_string(n + 1));
+                     fmt::format("{}: {} {}", file_.path.string(), element.name, n + 1));
     }
     for (auto left = static_cast<std::size_t>(length); left > 0; --left) {
       const double index = take(property.type, element, n);
       if (!names_vertices) continue;
       if (!(index >= 0.0 && index < static_cast<double>(points_.count)) || index != std::floor(index)) {
-        refuse(element.name + " " + std::to_string(n + 1) +
-               ": a vertex index is out of range: the file has " + std::to_string(points_.count) +
-               " vertices, the first is 0");
+        refuse(fmt::format("{} {}: a vertex index is out of range: the file has {} vertices, the first is 0",
+                           element.name, n + 1, points_.count));
       }
       if (element.name == "face") text_.add_corner(static_cast<std::uint64_t>(index));
     }

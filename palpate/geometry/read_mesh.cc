@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/geometry/import_mesh.h"
@@ -86,25 +88,17 @@ void say_merged(const MeshFile& file, const FileFacts& facts, const TriangleMesh
   const std::size_t distinct = facts.has_vertex_list ? facts.distinct_vertices : merged.distinct;
   const std::size_t kept = merged.mesh.vertices.size();
   if (file.format == MeshFormat::kStl) {  // a list of triangles without a list of vertices
-    repairs.push_back("joined " + std::to_string(vertices) + " triangle corners in " + std::to_string(kept) +
-                      " vertices");
+    repairs.push_back(fmt::format("joined {} triangle corners in {} vertices", vertices, kept));
   } else if (vertices > distinct) {
-    repairs.push_back("merged " + std::to_string(vertices - distinct) + " duplicate vertices");
+    repairs.push_back(fmt::format("merged {} duplicate vertices", vertices - distinct));
   }
   if (file.format != MeshFormat::kStl && distinct > kept) {
-    repairs.push_back("dropped " + std::to_string(distinct - kept) + " vertices that no triangle uses");
+    repairs.push_back(fmt::format("dropped {} vertices that no triangle uses", distinct - kept));
   }
   if (merged.collapsed > 0) {
-    repairs.push_back("dropped " + std::to_string(merged.collapsed) +
-                      (merged.collapsed == 1 ? " triangle" : " triangles") +
-                      " with two corners in one place");
+    repairs.push_back(fmt::format("dropped {}{} with two corners in one place", merged.collapsed,
+                                  merged.collapsed == 1 ? " triangle" : " triangles"));
   }
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
 }
 
 /// The unit in which `size` metres, as read, would be a likely organ, for a hint.
@@ -112,9 +106,9 @@ std::string unit_hint(double size) {
   for (const double factor : {1e-3, 1e3, 1e-2, 1e2, 25.4e-3, 1.0 / 25.4e-3}) {
     const double other = size * factor;
     if (other >= 0.02 && other <= 0.5) {
-      return ": is its unit right? (" + shortest(factor < 1.0 ? 1.0 / factor : factor) + " times " +
-             (factor < 1.0 ? "smaller" : "larger") + " it would be " + shortest(std::round(other * 1e3)) +
-             " mm)";
+      return fmt::format(": is its unit right? ({} times {} it would be {} mm)",
+                         shortest(factor < 1.0 ? 1.0 / factor : factor), factor < 1.0 ? "smaller" : "larger",
+                         shortest(std::round(other * 1e3)));
     }
   }
   return ": is its unit right?";
@@ -134,13 +128,13 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
   for (std::size_t v = 0; v < imported.mesh.vertices.size(); ++v) {
     // Parts within parts may have scaled it past what a file's own numbers can be.
     if ((imported.mesh.vertices[v].array().abs() <= kLargestCoordinate).all()) continue;  // false of NaN
-    throw InputError(path.string() + ": vertex " + std::to_string(v + 1) +
-                     " is not finite (NaN, infinite or past 3.4e38)");
+    throw InputError(
+        fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)", path.string(), v + 1));
   }
   Merged merged = merge_equal_vertices(imported.mesh);
   say_merged(file, facts, imported.mesh, merged, imported.repairs);
   if (merged.mesh.triangles.empty()) {
-    throw InputError(path.string() + ": no triangles (" + joined(imported.repairs) + ")");
+    throw InputError(fmt::format("{}: no triangles ({})", path.string(), joined(imported.repairs)));
   }
   for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(*unit);
   LoadedMesh loaded{std::move(merged.mesh), {}};
@@ -152,12 +146,14 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
 void require_organ(const LoadedMesh& loaded, const std::string& name) {
   const double size = bounds(loaded.mesh).size().maxCoeff();
   if (!(size >= kSmallestOrgan && size <= kLargestOrgan)) {
-    throw InputError(name + ": its largest side is " + shortest(size * 1e3) +
-                     " mm, an organ's is 5 to 2000 mm" + unit_hint(size));
+    throw InputError(fmt::format("{}: its largest side is {} mm, an organ's is 5 to 2000 mm{}", name,
+                                 shortest(size * 1e3), unit_hint(size)));
   }
   if (loaded.findings.defects.empty()) return;
-  throw InputError(name + ": cannot be an organ: " + joined(loaded.findings.defects) +
-                   "; an organ must be closed, manifold and turned outwards: repair it in a mesh tool first");
+  throw InputError(
+      fmt::format("{}: cannot be an organ: {}; an organ must be closed, manifold and turned outwards: repair "
+                  "it in a mesh tool first",
+                  name, joined(loaded.findings.defects)));
 }
 
 }  // namespace palpate::geometry

@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
+#include "palpate/base/index.h"
 #include "palpate/geometry/editable_surface.h"
 
 namespace palpate::geometry {
@@ -18,8 +21,6 @@ using Edge = EditableSurface::Edge;
 // Edges outside these shares of the wanted length are split or collapsed (Botsch and Kobbelt 2004).
 constexpr double kSplitAbove = 4.0 / 3.0;
 constexpr double kCollapseBelow = 4.0 / 5.0;
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 class Remesher final {
  public:
@@ -187,8 +188,8 @@ class Remesher final {
       relax();
     }
     if (surface_.living_vertices() != goal_.vertices) {
-      throw InputError("remesh: " + std::to_string(goal_.vertices) + " vertices cannot be reached (" +
-                       std::to_string(surface_.living_vertices()) + ")");
+      throw InputError(fmt::format("remesh: {} vertices cannot be reached ({})", goal_.vertices,
+                                   surface_.living_vertices()));
     }
   }
 

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
@@ -30,9 +32,6 @@ constexpr std::size_t kFewHoleEdges = 4;
 constexpr double kFewHoleArea = 0.1;
 constexpr std::uint64_t kMostHoleSteps = 60'000'000;  // about 2 s
 
-std::string counted(std::size_t count, const std::string& one, const std::string& many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
 std::string triangles(std::size_t count) { return counted(count, "triangle", "triangles"); }
 
 /// With three digits that count.
@@ -46,7 +45,7 @@ std::string millimetres(double metres) {
 }
 
 std::string place(const Vec3& p) {
-  return "(" + millimetres(p.x()) + ", " + millimetres(p.y()) + ", " + millimetres(p.z()) + ") mm";
+  return fmt::format("({}, {}, {}) mm", millimetres(p.x()), millimetres(p.y()), millimetres(p.z()));
 }
 
 std::string percent(double share) {
@@ -73,22 +72,22 @@ class Repair final {
 
   void drop_and_weld() {
     if (const std::size_t count = drop_collapsed(surface_); count > 0) {
-      say("dropped " + triangles(count) + " that " + (count == 1 ? "names" : "name") + " a vertex twice");
+      say(fmt::format("dropped {} that {} a vertex twice", triangles(count), count == 1 ? "names" : "name"));
     }
     std::size_t duplicates = drop_duplicates(surface_);
     const double tolerance = kWeld * bounds(surface_.mesh).size().norm();
     if (const std::size_t count = weld_boundaries(surface_, tolerance); count > 0) {
-      say("joined " + counted(count, "vertex", "vertices") + " at boundaries less than " +
-          millimetres(tolerance) + " mm apart");
+      say(fmt::format("joined {} at boundaries less than {} mm apart", counted(count, "vertex", "vertices"),
+                      millimetres(tolerance)));
       duplicates += drop_duplicates(surface_);
     }
     if (duplicates > 0) say("dropped " + counted(duplicates, "duplicate triangle", "duplicate triangles"));
     if (const Done fins = drop_fins(surface_); fins.times > 0) {
-      say("dropped " + counted(fins.times, "fin", "fins") + " (" + triangles(fins.triangles) + ")");
+      say(fmt::format("dropped {} ({})", counted(fins.times, "fin", "fins"), triangles(fins.triangles)));
     }
     if (const Done walls = drop_walls(surface_); walls.times > 0) {
-      say("dropped " + counted(walls.times, "wall", "walls") + " inside (" + triangles(walls.triangles) +
-          ")");
+      say(fmt::format("dropped {} inside ({})", counted(walls.times, "wall", "walls"),
+                      triangles(walls.triangles)));
     }
     if (surface_.mesh.triangles.empty()) refuse("no triangles are left");
   }
@@ -112,8 +111,8 @@ class Repair final {
       return refuse("its surface has only one side: its triangles cannot all be turned outwards");
     }
     if (const Done scraps = drop_open_scraps(surface_, mates); scraps.times > 0) {
-      say("dropped " + counted(scraps.times, "open scrap", "open scraps") + " (" +
-          triangles(scraps.triangles) + ")");
+      say(fmt::format("dropped {} ({})", counted(scraps.times, "open scrap", "open scraps"),
+                      triangles(scraps.triangles)));
     }
     for_each_edge(sorted_sides(surface_.mesh.triangles),
                   [&](const EdgeSide* first, const EdgeSide* last) { crowded += last - first > 2 ? 1 : 0; });
@@ -128,8 +127,8 @@ class Repair final {
       at = 0.5 * (surface_.point_at(first->corner) + surface_.point_at(next_corner(first->corner)));
       is_found = true;
     });
-    refuse(counted(count, "edge", "edges") + " of more than two triangles (the first at " + place(at) +
-           ") that are no fins");
+    refuse(fmt::format("{} of more than two triangles (the first at {}) that are no fins",
+                       counted(count, "edge", "edges"), place(at)));
   }
 
   void close_holes() {
@@ -158,8 +157,8 @@ class Repair final {
       widest = std::max(widest, hole.width);
     }
     if (const std::size_t closed = holes.size() - large.size(); closed > 0) {
-      say("closed " + counted(closed, "hole", "holes") + " with " + triangles(added) +
-          (closed == 1 ? " (" : " (the widest ") + millimetres(widest) + " mm across)");
+      say(fmt::format("closed {} with {}{}{} mm across)", counted(closed, "hole", "holes"), triangles(added),
+                      closed == 1 ? " (" : " (the widest ", millimetres(widest)));
     }
     if (!large.empty()) refuse_holes(large, diagonal);
   }
@@ -167,11 +166,12 @@ class Repair final {
   void refuse_holes(const std::vector<const Hole*>& holes, double diagonal) {
     const Hole& widest = **std::max_element(holes.begin(), holes.end(),
                                             [](const Hole* a, const Hole* b) { return a->width < b->width; });
-    refuse(std::string(holes.size() == 1 ? "a hole" : std::to_string(holes.size()) + " holes, the largest") +
-           " of " + std::to_string(widest.loop.size()) + " edges, " + millimetres(widest.width) +
-           " mm across, at " + place(widest.middle) + " (closed are those of up to " +
-           std::to_string(kMostHoleEdges) + " edges and " + millimetres(kMostHoleWidth * diagonal) +
-           " mm, a fifth of its diagonal)");
+    refuse(fmt::format(
+        "{} of {} edges, {} mm across, at {} (closed are those of up to {} edges and {} mm, a fifth of its "
+        "diagonal)",
+        std::string(holes.size() == 1 ? "a hole" : std::to_string(holes.size()) + " holes, the largest"),
+        widest.loop.size(), millimetres(widest.width), place(widest.middle), kMostHoleEdges,
+        millimetres(kMostHoleWidth * diagonal)));
   }
 
   void finish() {
@@ -183,23 +183,25 @@ class Repair final {
         std::count_if(surface_.marks.begin(), surface_.marks.end(),
                       [](std::uint8_t mark) { return (mark & (kTurned | kAdded)) == kTurned; }));
     if (turned > 0) {
-      say("turned " + (turned == surface_.marks.size() ? "all " : std::string()) + triangles(turned) +
-          " outwards");
+      say(fmt::format("turned {}{} outwards", turned == surface_.marks.size() ? "all " : std::string(),
+                      triangles(turned)));
     }
     if (pieces.scraps.times > 0) {
-      say("dropped " + counted(pieces.scraps.times, "small piece", "small pieces") + " (" +
-          triangles(pieces.scraps.triangles) + ", " + percent(pieces.scraps_share) + " of the volume)");
+      say(fmt::format("dropped {} ({}, {} of the volume)",
+                      counted(pieces.scraps.times, "small piece", "small pieces"),
+                      triangles(pieces.scraps.triangles), percent(pieces.scraps_share)));
     }
     if (pieces.inner.times > 0) {
-      say("dropped " + counted(pieces.inner.times, "inner shell", "inner shells") + " (" +
-          triangles(pieces.inner.triangles) + "): an organ is solid");
+      say(fmt::format("dropped {} ({}): an organ is solid",
+                      counted(pieces.inner.times, "inner shell", "inner shells"),
+                      triangles(pieces.inner.triangles)));
     }
     if (!pieces.refusal.empty()) return refuse(pieces.refusal);
     repaired_.crossing_pairs = pieces.crossing_pairs;
     if (pieces.crossing_pairs > 0) {
-      repaired_.remarks.push_back(counted(pieces.crossing_pairs, "pair", "pairs") +
-                                  " of triangles that go through each other (" +
-                                  percent(pieces.crossing_share) + " of the surface)");
+      repaired_.remarks.push_back(
+          fmt::format("{} of triangles that go through each other ({} of the surface)",
+                      counted(pieces.crossing_pairs, "pair", "pairs"), percent(pieces.crossing_share)));
     }
     if (pieces.kept > 1) repaired_.remarks.push_back(std::to_string(pieces.kept) + " separate pieces");
   }
@@ -215,7 +217,8 @@ RepairedSurface repair_surface(TriangleMesh mesh) { return Repair(std::move(mesh
 LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
   RepairedSurface repaired = repair_surface(std::move(loaded.mesh));
   if (!repaired.refusal.empty()) {
-    throw InputError(name + ": cannot be an organ: " + repaired.refusal + ": repair it in a mesh tool first");
+    throw InputError(
+        fmt::format("{}: cannot be an organ: {}: repair it in a mesh tool first", name, repaired.refusal));
   }
   LoadedMesh organ{std::move(repaired.mesh), {}};
   organ.findings = findings_of(organ.mesh);

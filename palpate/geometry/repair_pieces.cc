@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/core.h>
+
 #include "palpate/geometry/crossings.h"
 
 namespace palpate::geometry {
@@ -115,8 +117,8 @@ void drop_scraps(WorkSurface& surface, PiecesDone& done) {
   }
   done.scraps = drop_pieces(surface, piece_of, goes);
   if (done.kept > kMostPieces) {
-    done.refusal = "it is " + std::to_string(done.kept) + " separate pieces of like size, at most " +
-                   std::to_string(kMostPieces) + " can be one organ";
+    done.refusal = fmt::format("it is {} separate pieces of like size, at most {} can be one organ",
+                               done.kept, kMostPieces);
   }
 }
 
@@ -180,8 +182,8 @@ PiecesDone sort_out_pieces(WorkSurface& surface) {
     const std::vector<std::uint32_t> piece_of = current_pieces(surface);
     if (do_pieces_cross(crossings, piece_of)) {
       account_for(surface, crossings, done);
-      done.refusal = std::to_string(done.kept) + " of its pieces go through each other (at " +
-                     std::to_string(crossings.pairs.size()) + " pairs of triangles)";
+      done.refusal = fmt::format("{} of its pieces go through each other (at {} pairs of triangles)",
+                                 done.kept, crossings.pairs.size());
       return done;
     }
     drop_inner(surface, piece_of, done);
@@ -189,8 +191,8 @@ PiecesDone sort_out_pieces(WorkSurface& surface) {
   }
   account_for(surface, crossings, done);
   if (!crossings.all || done.crossing_share > kMostCrossing) {
-    done.refusal = std::string(crossings.all ? "" : "at least ") + std::to_string(done.crossing_pairs) +
-                   " pairs of its triangles go through each other";
+    done.refusal = fmt::format("{}{} pairs of its triangles go through each other",
+                               crossings.all ? "" : "at least ", done.crossing_pairs);
   }
   return done;
 }

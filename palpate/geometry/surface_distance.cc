@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "palpate/base/error.h"
+#include "palpate/base/index.h"
 #include "palpate/base/parallel.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/geometry/disc_search.h"
@@ -23,8 +24,6 @@ constexpr double kSliver = 1e-7;
 // Which part of a triangle is nearest: corner 0..2, edge 3..5 (from corner e - 3 to the next), or the face.
 constexpr int kFirstEdge = 3;
 constexpr int kFace = 6;
-
-std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
 
 using Corners = std::array<Vec3, 3>;
 

@@ -8,15 +8,11 @@
 #include <limits>
 #include <system_error>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 
 namespace palpate::geometry {
-namespace {
-
-constexpr std::string_view kBlank = " \t\v\f\r";
-
-}  // namespace
-
 std::string_view LineReader::take() {
   const std::size_t end = rest_.find_first_of("\r\n");
   const std::string_view line = rest_.substr(0, end);
@@ -42,12 +38,6 @@ bool LineReader::next() {
   }
   line_ = joined_;
   return true;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
 std::string_view next_word(std::string_view& rest) {
@@ -87,8 +77,8 @@ std::optional<std::int64_t> whole_number(std::string_view word) {
 void require_finite(const Point& point, const std::string& where, std::size_t vertex) {
   for (const float x : point) {
     if (std::isfinite(x)) continue;
-    throw InputError(where + ": vertex " + std::to_string(vertex) +
-                     " is not finite (NaN, infinite or past 3.4e38)");
+    throw InputError(
+        fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)", where, vertex));
   }
 }
 
@@ -97,12 +87,12 @@ Point read_point(std::string_view rest, const std::string& where, std::size_t ve
   for (float& x : point) {
     const std::string_view word = next_word(rest);
     if (word.empty()) {
-      throw InputError(where + ": vertex " + std::to_string(vertex) + " has fewer than three numbers");
+      throw InputError(fmt::format("{}: vertex {} has fewer than three numbers", where, vertex));
     }
     const std::optional<double> value = number(word);
     if (!value) {
-      throw InputError(where + ": vertex " + std::to_string(vertex) + ": \"" +
-                       std::string(word.substr(0, 40)) + "\" is not a number");
+      throw InputError(
+          fmt::format("{}: vertex {}: \"{}\" is not a number", where, vertex, word.substr(0, 40)));
     }
     x = static_cast<float>(*value);
   }
@@ -115,13 +105,14 @@ void PolygonBudget::take(std::size_t corners, const std::string& where) {
   constexpr std::uint64_t kMostSteps = 120'000'000;  // about 4 s
   if (corners <= 3) return;
   if (corners > kMostCorners) {
-    throw InputError(where + ": a polygon of " + std::to_string(corners) + " corners: at most " +
-                     std::to_string(kMostCorners) + " are cut into triangles");
+    throw InputError(fmt::format("{}: a polygon of {} corners: at most {} are cut into triangles", where,
+                                 corners, kMostCorners));
   }
   steps_ += static_cast<std::uint64_t>(corners) * corners * corners / 6;
   if (steps_ > kMostSteps) {
-    throw InputError(where + ": too many polygons as large as this one of " + std::to_string(corners) +
-                     " corners: cut them into triangles first");
+    throw InputError(
+        fmt::format("{}: too many polygons as large as this one of {} corners: cut them into triangles first",
+                    where, corners));
   }
 }
 

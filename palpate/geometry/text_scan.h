@@ -38,8 +38,6 @@ class LineReader final {
   bool joins_;
 };
 
-[[nodiscard]] std::string_view trimmed(std::string_view text);
-
 /// Takes the first word off `rest`; empty at its end.
 std::string_view next_word(std::string_view& rest);
 

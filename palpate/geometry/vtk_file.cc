@@ -6,7 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/geometry/repair_holes.h"
 #include "palpate/geometry/text_scan.h"
 #include "palpate/geometry/vtk_scan.h"
@@ -129,7 +132,7 @@ class VtkReader final {
       for (int k = 0; k < 3; ++k) {
         point[k] = scan_.real(type, "POINTS");
         if (!(std::abs(point[k]) <= static_cast<double>(std::numeric_limits<float>::max()))) {
-          scan_.refuse("vertex " + std::to_string(n + 1) + " is not finite (NaN, infinite or past 3.4e38)");
+          scan_.refuse(fmt::format("vertex {} is not finite (NaN, infinite or past 3.4e38)", n + 1));
         }
       }
       imported_.mesh.vertices.push_back(point);
@@ -163,26 +166,22 @@ class VtkReader final {
     const std::size_t numbers = scan_.count("numbers of " + name);
     scan_.begin_numbers(numbers, VtkType::kInt32, name);
     if (count > numbers)
-      scan_.refuse(std::to_string(count) + " cells of " + name + " take more than " +
-                   std::to_string(numbers) + " numbers");
+      scan_.refuse(fmt::format("{} cells of {} take more than {} numbers", count, name, numbers));
     Cells cells;
     std::size_t left = numbers;
     for (std::size_t n = 0; n < count; ++n) {
-      if (left == 0)
-        scan_.refuse(name + " has fewer numbers than its " + std::to_string(count) + " cells need");
+      if (left == 0) scan_.refuse(fmt::format("{} has fewer numbers than its {} cells need", name, count));
       const std::int64_t corners = scan_.whole(VtkType::kInt32, name);
       --left;
       if (corners < 0 || static_cast<std::uint64_t>(corners) > left) {
-        scan_.refuse(cell(name, n) + " has " + std::to_string(corners) + " corners, must be 0 to " +
-                     std::to_string(left));
+        scan_.refuse(fmt::format("{} has {} corners, must be 0 to {}", cell(name, n), corners, left));
       }
       left -= static_cast<std::size_t>(corners);
       for (std::int64_t k = 0; k < corners; ++k) add_corner(cells, VtkType::kInt32, name);
       cells.starts.push_back(cells.corners.size());
     }
     if (left > 0)
-      scan_.refuse(name + " declares " + std::to_string(numbers) + " numbers, its cells have " +
-                   std::to_string(numbers - left));
+      scan_.refuse(fmt::format("{} declares {} numbers, its cells have {}", name, numbers, numbers - left));
     return cells;
   }
 
@@ -201,15 +200,14 @@ class VtkReader final {
       const bool is_good =
           n == 0 ? offset == 0 : offset >= least && offset <= static_cast<std::int64_t>(corners);
       if (!is_good) {
-        scan_.refuse("offset " + std::to_string(n) + " of " + name + " is " + std::to_string(offset) +
-                     ", must be " +
-                     (n == 0 ? "0" : std::to_string(least) + " to " + std::to_string(corners)));
+        scan_.refuse(fmt::format("offset {} of {} is {}, must be {}", n, name, offset,
+                                 n == 0 ? "0" : fmt::format("{} to {}", least, corners)));
       }
       if (n > 0) cells.starts.push_back(static_cast<std::size_t>(offset));
     }
     if (cells.starts.back() != corners) {
-      scan_.refuse("the last offset of " + name + " is " + std::to_string(cells.starts.back()) +
-                   ", must be " + std::to_string(corners));
+      scan_.refuse(
+          fmt::format("the last offset of {} is {}, must be {}", name, cells.starts.back(), corners));
     }
     if (upper(scan_.word()) != "CONNECTIVITY") scan_.refuse("must be CONNECTIVITY of " + name + " here");
     const VtkType type = whole_type("CONNECTIVITY");
@@ -228,29 +226,28 @@ class VtkReader final {
     if (!has_points_) scan_.refuse(name + " come before POINTS");
     const std::int64_t index = scan_.whole(type, name);
     if (index < 0 || static_cast<std::uint64_t>(index) >= imported_.mesh.vertices.size()) {
-      scan_.refuse(name + ": point " + std::to_string(index) + " is out of range: the file has " +
-                   std::to_string(imported_.mesh.vertices.size()) + " points, the first is 0");
+      scan_.refuse(fmt::format("{}: point {} is out of range: the file has {} points, the first is 0", name,
+                               index, imported_.mesh.vertices.size()));
     }
     cells.corners.push_back(static_cast<std::int32_t>(index));
   }
 
   static std::string cell(const std::string& name, std::size_t n) {
-    return "cell " + std::to_string(n) + " of " + name;
+    return fmt::format("cell {} of {}", n, name);
   }
 
   void read_cell_types() {
     const std::size_t count = scan_.count("CELL_TYPES");
     if (count != grid_.count()) {
-      scan_.refuse("CELL_TYPES has " + std::to_string(count) + " cells, CELLS " +
-                   std::to_string(grid_.count()));
+      scan_.refuse(fmt::format("CELL_TYPES has {} cells, CELLS {}", count, grid_.count()));
     }
     scan_.begin_numbers(count, VtkType::kInt32, "CELL_TYPES");
     cell_types_.reserve(count);
     for (std::size_t n = 0; n < count; ++n) {
       const std::int64_t type = scan_.whole(VtkType::kInt32, "CELL_TYPES");
       if (type < 1 || type > kQuad) {
-        scan_.refuse(cell("CELL_TYPES", n) + " is of type " + std::to_string(type) +
-                     ": must be flat, 1 to 9 (of a solid grid save its surface)");
+        scan_.refuse(fmt::format("{} is of type {}: must be flat, 1 to 9 (of a solid grid save its surface)",
+                                 cell("CELL_TYPES", n), type));
       }
       cell_types_.push_back(type);
     }
@@ -275,7 +272,7 @@ class VtkReader final {
 
   void add_triangle(std::int32_t a, std::int32_t b, std::int32_t c) {
     if (imported_.mesh.triangles.size() >= kMostTriangles) {
-      scan_.refuse("more than " + std::to_string(kMostTriangles) + " triangles");
+      scan_.refuse(fmt::format("more than {} triangles", kMostTriangles));
     }
     imported_.mesh.triangles.push_back({a, b, c});
   }

@@ -5,7 +5,10 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
+#include "palpate/base/text.h"
 #include "palpate/geometry/text_scan.h"
 
 namespace palpate::geometry {
@@ -65,7 +68,7 @@ void VtkScan::refuse(const std::string& words) const {
     const auto end = bytes_.begin() + static_cast<std::ptrdiff_t>(std::min(last_, bytes_.size()));
     place = ", line " + std::to_string(1 + std::count(bytes_.begin(), end, '\n'));
   }
-  throw InputError(file_.path.string() + place + ": " + without_controls(words));
+  throw InputError(fmt::format("{}{}: {}", file_.path.string(), place, without_controls(words)));
 }
 
 void VtkScan::refuse_as_truncated(const std::string& of) const { refuse("truncated: ends in " + of); }
@@ -100,8 +103,7 @@ std::size_t VtkScan::count(const std::string& of) {
   const std::optional<std::int64_t> number = whole_number(text);
   if (!number || *number < 0) refuse(quoted(text) + " is not a number of " + of);
   if (static_cast<std::uint64_t>(*number) > bytes_.size()) {
-    refuse("declares " + std::to_string(*number) + " " + of + ", more than its " +
-           std::to_string(bytes_.size()) + " bytes can hold");
+    refuse(fmt::format("declares {} {}, more than its {} bytes can hold", *number, of, bytes_.size()));
   }
   return static_cast<std::size_t>(*number);
 }
@@ -126,8 +128,8 @@ void VtkScan::begin_numbers(std::size_t numbers, VtkType type, const std::string
   const std::size_t left = bytes_.size() - at_;
   // A number in text takes two bytes, the last one needs no blank.
   if (numbers > (is_binary_ ? left / size_of(type) : (left + 1) / 2)) {
-    refuse("truncated: " + std::to_string(numbers) + " numbers of " + of + " do not fit in the " +
-           std::to_string(left) + " bytes that are left");
+    refuse(fmt::format("truncated: {} numbers of {} do not fit in the {} bytes that are left", numbers, of,
+                       left));
   }
 }
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstddef>
+
+#include "palpate/base/statistics.h"
 
 namespace palpate::haptics {
 namespace {
@@ -26,8 +27,7 @@ void Histogram::add(std::int64_t value_ns) noexcept {
 
 std::int64_t Histogram::percentile(double share) const noexcept {
   if (count_ == 0) return 0;
-  const double wanted = std::ceil(std::clamp(share, 0.0, 1.0) * static_cast<double>(count_));
-  const std::uint64_t rank = std::clamp<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1, count_);
+  const std::uint64_t rank = quantile_index(share, count_) + 1;
   std::uint64_t seen = 0;
   for (int bucket = 0; bucket < kBuckets; ++bucket) {
     seen += counts_[static_cast<std::size_t>(bucket)];

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include <arpa/inet.h>
+#include <fmt/core.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -24,7 +25,7 @@ constexpr int kSendBuffer = 128 * 1024;  // bytes
 constexpr std::size_t kMostReadAtOnce = std::size_t{64} * 1024;
 
 InputError wrong_address(const std::string& text, const std::string& why) {
-  return InputError("--igtl " + text + ": " + why);
+  return InputError(fmt::format("--igtl {}: {}", text, why));
 }
 
 void set_option(int socket, int level, int name, int value) {
@@ -57,7 +58,7 @@ std::string words_of(int error, const IgtlAddress& address) {
 }
 
 Descriptor listen_at(const IgtlAddress& address) {
-  const std::string text = address.host + ":" + std::to_string(address.port);
+  const std::string text = fmt::format("{}:{}", address.host, address.port);
   const sockaddr_in where = socket_address(address);
   Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   set_option(listener.number(), SOL_SOCKET, SO_REUSEADDR, 1);  // the port of a run that has just ended

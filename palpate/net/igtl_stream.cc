@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 
 namespace palpate::net {
@@ -31,7 +33,7 @@ std::string with_digits(double value, int digits) {
 /// "hand 0 at 1.234 s: presses 3.2 mm deep, 1.05 N".
 std::string reading(const haptics::Snapshot& snapshot, std::size_t hand, double time) {
   const contact::ToolResult& result = snapshot.results[hand];
-  std::string text = "hand " + std::to_string(hand) + " at " + with_digits(time, 3) + " s: ";
+  std::string text = fmt::format("hand {} at {} s: ", hand, with_digits(time, 3));
   switch (result.phase) {
     case contact::Phase::kApproach:
       text += "touches nothing, " + with_digits(1e3 * result.distance, 1) + " mm away";
@@ -43,7 +45,7 @@ std::string reading(const haptics::Snapshot& snapshot, std::size_t hand, double 
       text += "pulls " + with_digits(1e3 * result.depth, 1) + " mm far";
       break;
   }
-  return text + ", " + with_digits(snapshot.commands[hand].force.norm(), 2) + " N";
+  return fmt::format("{}, {} N", text, with_digits(snapshot.commands[hand].force.norm(), 2));
 }
 
 StatusCode code_of(haptics::Fault fault) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include <fmt/core.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 
@@ -34,7 +35,7 @@ std::string new_token() {
 
 std::string read_token_file(const std::filesystem::path& file) {
   const auto refuse = [&file](const std::string& why) {
-    throw InputError("--token-file " + file.string() + ": " + why);
+    throw InputError(fmt::format("--token-file {}: {}", file.string(), why));
   };
   struct stat facts {};
   if (stat(file.c_str(), &facts) != 0)
@@ -48,8 +49,8 @@ std::string read_token_file(const std::filesystem::path& file) {
   if (!std::getline(in, token)) refuse("cannot be read, or is empty");
   if (!token.empty() && token.back() == '\r') token.pop_back();
   if (token.size() < kShortestToken || token.size() > kLongestToken) {
-    refuse("its first line has " + std::to_string(token.size()) + " characters, a token must have " +
-           std::to_string(kShortestToken) + " to " + std::to_string(kLongestToken));
+    refuse(fmt::format("its first line has {} characters, a token must have {} to {}", token.size(),
+                       kShortestToken, kLongestToken));
   }
   if (!std::all_of(token.begin(), token.end(), printable)) {
     refuse("its first line has other characters than printable ASCII without spaces");

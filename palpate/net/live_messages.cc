@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/units.h"
@@ -167,7 +168,7 @@ std::string event_text(const std::string& name, const Json& members) {
 }
 
 std::string frame_text(const std::string& state, std::uint64_t left_out) {
-  return "{\"left_out\":" + std::to_string(left_out) + ",\"state\":" + state + "}";
+  return fmt::format("{{\"left_out\":{},\"state\":{}}}", left_out, state);
 }
 
 }  // namespace palpate::net

@@ -9,6 +9,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <fmt/core.h>
 
 #include "palpate/base/clock.h"
 #include "palpate/net/live_access.h"
@@ -84,8 +85,8 @@ class LiveServer::Desk final : public LiveDesk {
     if (!error) acceptor_.bind(wanted, error);
     if (!error) acceptor_.listen(static_cast<int>(kMostConnections), error);
     if (error) {
-      throw InputError("--listen " + options.address + " --port " + std::to_string(options.port) +
-                       ": cannot be listened at: " + error.message());
+      throw InputError(fmt::format("--listen {} --port {}: cannot be listened at: {}", options.address,
+                                   options.port, error.message()));
     }
     place_ = acceptor_.local_endpoint();
   }
@@ -114,9 +115,9 @@ class LiveServer::Desk final : public LiveDesk {
     LiveReference reference;
     try {
       if (excess) {
-        throw LiveError("rate", "message: is one too many, there may be " +
-                                    std::to_string(static_cast<int>(LiveConnection::kMessagesPerSecond)) +
-                                    " a second; it was not read");
+        throw LiveError("rate",
+                        fmt::format("message: is one too many, there may be {} a second; it was not read",
+                                    static_cast<int>(LiveConnection::kMessagesPerSecond)));
       }
       if (!text) throw LiveError("json", "message: is binary, must be a text frame of JSON");
       const LiveCommand command = read_live_message(message, reference);
@@ -194,7 +195,7 @@ class LiveServer::Desk final : public LiveDesk {
                                     [](const auto& entry) { return entry.second->is_open(); });
     if (static_cast<std::size_t>(open) >= kMostClients) {
       return plain_answer(http::status::service_unavailable,
-                          "There are " + std::to_string(kMostClients) + " clients already.");
+                          fmt::format("There are {} clients already.", kMostClients));
     }
     return std::nullopt;
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/units.h"
@@ -15,9 +16,9 @@ using Json = nlohmann::ordered_json;
 
 const geometry::TriangleMesh& checked(const geometry::TriangleMesh& organ) {
   if (organ.triangles.size() <= LiveSurface::kMostTriangles) return organ;
-  throw LiveError("refused", "surface: the organ has " + std::to_string(organ.triangles.size()) +
-                                 " triangles, must have at most " +
-                                 std::to_string(LiveSurface::kMostTriangles) + " to be sent");
+  throw LiveError("refused",
+                  fmt::format("surface: the organ has {} triangles, must have at most {} to be sent",
+                              organ.triangles.size(), LiveSurface::kMostTriangles));
 }
 
 void append(Json& list, const Vec3& point) {

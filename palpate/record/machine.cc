@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include <fmt/core.h>
 #include <sys/utsname.h>
 
 namespace palpate::record {
@@ -33,7 +34,7 @@ std::string machine_description() {
   std::string text = processor_name();
   utsname names{};
   if (uname(&names) == 0) {
-    text += std::string(", ") + names.sysname + " " + names.release + " " + names.machine;
+    text += fmt::format(", {} {} {}", names.sysname, names.release, names.machine);
   }
   return text;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -59,7 +60,7 @@ bool copy_bytes(int from, int to, std::uint64_t count) {
 }
 
 Handle open_dataset(hid_t parent, const std::string& name, const std::string& path) {
-  return Handle(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), "no " + path + "/" + name);
+  return Handle(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), fmt::format("no {}/{}", path, name));
 }
 
 geometry::TriangleMesh read_mesh(hid_t file, const std::string& path, std::uint64_t file_bytes) {
@@ -85,8 +86,7 @@ geometry::TriangleMesh read_mesh(hid_t file, const std::string& path, std::uint6
   for (const geometry::Triangle& triangle : mesh.triangles) {
     for (const std::int32_t index : triangle) {
       if (index < 0 || index >= count) {
-        throw hdf5::Error(path + "/triangles has index " + std::to_string(index) + ", want 0 to " +
-                          std::to_string(count - 1));
+        throw hdf5::Error(fmt::format("{}/triangles has index {}, want 0 to {}", path, index, count - 1));
       }
     }
   }
@@ -175,13 +175,13 @@ scene::Setup read_setup(hid_t file, std::uint64_t file_bytes) {
     throw InputError("scene: rate_Hz is " + shortest(setup.rate_Hz) + ", want finite and > 0");
   }
   if (setup.tools.empty() || setup.tools.size() > kMostHands || setup.devices.size() != setup.tools.size()) {
-    throw InputError("scene: " + std::to_string(setup.tools.size()) + " tools and " +
-                     std::to_string(setup.devices.size()) + " devices, want one of each a hand");
+    throw InputError(fmt::format("scene: {} tools and {} devices, want one of each a hand",
+                                 setup.tools.size(), setup.devices.size()));
   }
   setup.organ = read_mesh(file, "/organ", file_bytes);
   for (std::size_t t = 0; t < setup.tools.size(); ++t) {
     for (std::size_t p = 0; p < setup.tools[t].parts.size(); ++p) {
-      const std::string path = "/tools/" + std::to_string(t) + "/parts/" + std::to_string(p);
+      const std::string path = fmt::format("/tools/{}/parts/{}", t, p);
       setup.tools[t].parts[p].mesh = read_mesh(file, path, file_bytes);
     }
   }
@@ -198,7 +198,7 @@ void check_columns(hid_t dataset, const std::string& name, std::span<const Colum
     if (index < 0) throw hdf5::Error(name + " has no column " + column.name);
     const H5T_class_t kind = H5Tget_member_class(type.id(), static_cast<unsigned>(index));
     if (kind != (column.type == ColumnType::kF64 ? H5T_FLOAT : H5T_INTEGER)) {
-      throw hdf5::Error(name + " has a column " + column.name + " of another type");
+      throw hdf5::Error(fmt::format("{} has a column {} of another type", name, column.name));
     }
   }
 }
@@ -306,8 +306,8 @@ void RecordingReader::read_all_but_ticks() {
   }
   if (const std::int64_t version = hdf5::read_integer_attribute(file_.id(), "format_version");
       version != kFormatVersion) {
-    throw InputError("recording of format version " + std::to_string(version) +
-                     "; this palpate reads version " + std::to_string(kFormatVersion));
+    throw InputError(fmt::format("recording of format version {}; this palpate reads version {}", version,
+                                 kFormatVersion));
   }
   ticks_ = Handle(H5Dopen2(file_.id(), "ticks", H5P_DEFAULT), "no /ticks");
   const Handle space(H5Dget_space(ticks_.id()), "/ticks");
@@ -350,7 +350,7 @@ void RecordingReader::read_changes() {
   }
   for (std::size_t i = 0; i < changes_.size(); ++i) {
     if (changes_[i].number != 0 && (i == 0 || changes_[i].tick > changes_[i - 1].tick)) continue;
-    if (!cut_off_) throw hdf5::Error("row " + std::to_string(i) + " of /changes is out of order");
+    if (!cut_off_) throw hdf5::Error(fmt::format("row {} of /changes is out of order", i));
     changes_.resize(i);
   }
 }
@@ -399,10 +399,10 @@ std::uint64_t RecordingReader::for_each_block(
       if (cut_off_ && good > 0 && good < count) --good;
       if (cut_off_) good = std::min(good, rows_within_file(start, count));
     } catch (const hdf5::Error& error) {
-      if (strict) refuse("rows from " + std::to_string(start) + " on cannot be read");
+      if (strict) refuse(fmt::format("rows from {} on cannot be read", start));
     }
     intact = good == count;
-    if (!intact && strict) refuse("row " + std::to_string(start + good) + " of /ticks is out of order");
+    if (!intact && strict) refuse(fmt::format("row {} of /ticks is out of order", start + good));
     rows.resize(kept + good);
     if (good > 0) last = rows.back();
     start += count;

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -68,8 +69,8 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
   if (!reader.cut_off() && rows == reader.rows_claimed()) return {rows, false};
 
   const std::filesystem::path target = std::filesystem::canonical(file);
-  const std::filesystem::path copy = target.parent_path() / ("." + target.filename().string() + "." +
-                                                             std::to_string(::getpid()) + ".partial");
+  const std::filesystem::path copy =
+      target.parent_path() / fmt::format(".{}.{}.partial", target.filename().string(), ::getpid());
   std::error_code ignored;
   try {
     RepairResult result{copy_recording(reader, copy, progress), true};

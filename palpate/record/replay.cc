@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/haptics/live_changes.h"
@@ -51,8 +53,8 @@ class Replay final {
     for (std::size_t i = 0; i < recording.rows.size(); ++i) {
       const TickRow& row = recording.rows[i];
       if (row.tick != i / hands() || row.hand != i % hands()) {
-        throw InputError("the recording lacks tick " + std::to_string(i / hands()) + " of hand " +
-                         std::to_string(i % hands()) + "; it cannot be run again");
+        throw InputError(fmt::format("the recording lacks tick {} of hand {}; it cannot be run again",
+                                     i / hands(), i % hands()));
       }
     }
   }
@@ -111,9 +113,9 @@ class Replay final {
   void change_at(std::uint64_t number, bool expected) {
     const bool there = next_change_ < changes_.size() && changes_[next_change_].values.tick == number;
     if (there != expected) {
-      throw InputError("the recording " + std::string(expected ? "lacks the" : "has a") +
-                       " change of tissue or noise at tick " + std::to_string(number) +
-                       (expected ? "" : " that its rows do not know") + "; it cannot be run again");
+      throw InputError(fmt::format(
+          "the recording {} change of tissue or noise at tick {}{}; it cannot be run again",
+          expected ? "lacks the" : "has a", number, expected ? "" : " that its rows do not know"));
     }
     if (there) haptics::apply_change(world_, state_, changes_[next_change_++]);
   }
@@ -136,9 +138,8 @@ std::string row_difference(const TickRow& recorded, const TickRow& replayed) {
     const char* a = value_of(recorded, column);
     const char* b = value_of(replayed, column);
     if (std::memcmp(a, b, column_size(column.type)) == 0) continue;
-    return "tick " + std::to_string(recorded.tick) + ", hand " + std::to_string(recorded.hand) + ", " +
-           column.name + ": recorded " + text_of(recorded, column) + ", replayed " +
-           text_of(replayed, column);
+    return fmt::format("tick {}, hand {}, {}: recorded {}, replayed {}", recorded.tick, recorded.hand,
+                       column.name, text_of(recorded, column), text_of(replayed, column));
   }
   return {};
 }
@@ -188,8 +189,7 @@ std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
   std::uint64_t next = 0;
   for (const std::uint64_t wanted : ticks) {
     if (wanted >= again.ticks()) {
-      throw InputError("the recording has no tick " + std::to_string(wanted) + "; it has " +
-                       std::to_string(again.ticks()) + " ticks");
+      throw InputError(fmt::format("the recording has no tick {}; it has {} ticks", wanted, again.ticks()));
     }
     if (wanted + 1 < next) throw InputError("snapshots_at: ticks must be in ascending order");
     for (; next <= wanted; ++next) again.run_tick(next);
@@ -239,8 +239,7 @@ std::uint64_t RecordingFrames::ticks() const noexcept { return impl_->again.tick
 
 bool RecordingFrames::approach(std::uint64_t tick, std::uint64_t most) {
   if (tick >= ticks()) {
-    throw InputError("the recording has no tick " + std::to_string(tick) + "; it has " +
-                     std::to_string(ticks()) + " ticks");
+    throw InputError(fmt::format("the recording has no tick {}; it has {} ticks", tick, ticks()));
   }
   impl_->jump_towards(tick);
   for (std::uint64_t done = 0; impl_->next <= tick && done < most; ++done) impl_->run_one();

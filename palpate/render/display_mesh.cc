@@ -7,6 +7,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "palpate/base/index.h"
+
 namespace palpate::render {
 namespace {
 
@@ -15,8 +17,6 @@ using geometry::TriangleMesh;
 
 constexpr int kMostRounds = 12;
 constexpr int kEvenRounds = 12;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -56,7 +56,7 @@ Edges find_edges(const TriangleMesh& mesh, double crease_deg) {
         first_normal.push_back(normal);
         uses.push_back(1);
       } else {
-        const std::size_t i = index(place->second);
+        const std::size_t i = at(place->second);
         ++uses[i];
         if (normal.dot(first_normal[i]) < crease) edges.sharp[i] = 1;
       }
@@ -67,7 +67,7 @@ Edges find_edges(const TriangleMesh& mesh, double crease_deg) {
   for (std::size_t i = 0; i < edges.ends.size(); ++i) {
     if (uses[i] != 2) edges.sharp[i] = 1;
     if (edges.sharp[i] == 0) continue;
-    for (const std::int32_t v : edges.ends[i]) edges.sharp_vertex[index(v)] = 1;
+    for (const std::int32_t v : edges.ends[i]) edges.sharp_vertex[at(v)] = 1;
   }
   return edges;
 }
@@ -102,8 +102,8 @@ void cut(const Triangle& t, const std::array<std::int32_t, 3>& middle, const std
   }
   const std::int32_t bc = middle[(first + 1) % 3];
   out.push_back({ab, b, bc});
-  const Vec3 across_a = vertices[index(a)] - vertices[index(bc)];
-  const Vec3 across_c = vertices[index(c)] - vertices[index(ab)];
+  const Vec3 across_a = vertices[at(a)] - vertices[at(bc)];
+  const Vec3 across_c = vertices[at(c)] - vertices[at(ab)];
   if (across_a.squaredNorm() < across_c.squaredNorm()) {
     out.push_back({a, ab, bc});
     out.push_back({a, bc, c});
@@ -130,12 +130,12 @@ bool refine_once(TriangleMesh& mesh, const RefineRule& rule) {
   bool any = false;
   for (std::size_t i = 0; i < edges.ends.size(); ++i) {
     const auto [ia, ib] = edges.ends[i];
-    const Vec3 a = mesh.vertices[index(ia)];
-    const Vec3 b = mesh.vertices[index(ib)];
-    const bool straight_a = edges.sharp_vertex[index(ia)] != 0;
-    const bool straight_b = edges.sharp_vertex[index(ib)] != 0;
-    const Vec3& normal_a = normals[index(ia)];
-    const Vec3& normal_b = normals[index(ib)];
+    const Vec3 a = mesh.vertices[at(ia)];
+    const Vec3 b = mesh.vertices[at(ib)];
+    const bool straight_a = edges.sharp_vertex[at(ia)] != 0;
+    const bool straight_b = edges.sharp_vertex[at(ib)] != 0;
+    const Vec3& normal_a = normals[at(ia)];
+    const Vec3& normal_b = normals[at(ib)];
     const double bend =
         straight_a || straight_b ? 0.0 : std::acos(std::clamp(normal_a.dot(normal_b), -1.0, 1.0));
     if (!rule.split(0.5 * (a + b), (b - a).norm(), bend)) continue;
@@ -148,8 +148,8 @@ bool refine_once(TriangleMesh& mesh, const RefineRule& rule) {
   triangles.reserve(mesh.triangles.size() * 2);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& own = edges.of_triangle[t];
-    cut(mesh.triangles[t], {middle[index(own[0])], middle[index(own[1])], middle[index(own[2])]},
-        mesh.vertices, triangles);
+    cut(mesh.triangles[t], {middle[at(own[0])], middle[at(own[1])], middle[at(own[2])]}, mesh.vertices,
+        triangles);
   }
   mesh.triangles = std::move(triangles);
   return true;
@@ -173,10 +173,10 @@ void even_out(TriangleMesh& mesh, double limit, double crease_deg) {
     std::fill(sum.begin(), sum.end(), Vec3::Zero());
     std::fill(count.begin(), count.end(), 0.0);
     for (const auto& [a, b] : edges.ends) {
-      sum[index(a)] += mesh.vertices[index(b)];
-      sum[index(b)] += mesh.vertices[index(a)];
-      count[index(a)] += 1.0;
-      count[index(b)] += 1.0;
+      sum[at(a)] += mesh.vertices[at(b)];
+      sum[at(b)] += mesh.vertices[at(a)];
+      count[at(a)] += 1.0;
+      count[at(b)] += 1.0;
     }
     for (std::size_t v = 0; v < original.size(); ++v) {
       if (edges.sharp_vertex[v] != 0 || count[v] == 0.0) continue;
@@ -191,15 +191,15 @@ void even_out(TriangleMesh& mesh, double limit, double crease_deg) {
 std::vector<Vec3> vertex_normals(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
   std::vector<Vec3> normals(vertices.size(), Vec3::Zero());
   for (const Triangle& t : triangles) {
-    const std::array<Vec3, 3> edge = {vertices[index(t[1])] - vertices[index(t[0])],
-                                      vertices[index(t[2])] - vertices[index(t[1])],
-                                      vertices[index(t[0])] - vertices[index(t[2])]};
+    const std::array<Vec3, 3> edge = {vertices[at(t[1])] - vertices[at(t[0])],
+                                      vertices[at(t[2])] - vertices[at(t[1])],
+                                      vertices[at(t[0])] - vertices[at(t[2])]};
     const Vec3 area = edge[0].cross(edge[1]);
     const double doubled = area.norm();
     if (!(doubled > 0.0)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const double angle = std::atan2(doubled, -edge[k].dot(edge[(k + 2) % 3]));
-      normals[index(t[k])] += (angle / doubled) * area;
+      normals[at(t[k])] += (angle / doubled) * area;
     }
   }
   for (Vec3& normal : normals) normal.normalize();
@@ -210,7 +210,7 @@ double mean_edge(const TriangleMesh& mesh) {
   double sum = 0.0;
   for (const Triangle& t : mesh.triangles)
     for (std::size_t e = 0; e < 3; ++e)
-      sum += (mesh.vertices[index(t[e])] - mesh.vertices[index(t[(e + 1) % 3])]).norm();
+      sum += (mesh.vertices[at(t[e])] - mesh.vertices[at(t[(e + 1) % 3])]).norm();
   return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
 }
 
@@ -219,7 +219,7 @@ std::vector<Vec3> corner_normals(const TriangleMesh& mesh, double crease_deg) {
   std::vector<std::vector<std::int32_t>> around(mesh.vertices.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     area[t] = geometry::area_vector_doubled(mesh, mesh.triangles[t]);
-    for (const std::int32_t v : mesh.triangles[t]) around[index(v)].push_back(static_cast<std::int32_t>(t));
+    for (const std::int32_t v : mesh.triangles[t]) around[at(v)].push_back(static_cast<std::int32_t>(t));
   }
   const double crease = std::cos(radians(crease_deg));
   std::vector<Vec3> normals;
@@ -228,9 +228,8 @@ std::vector<Vec3> corner_normals(const TriangleMesh& mesh, double crease_deg) {
     const Vec3 own = area[t].normalized();
     for (const std::int32_t v : mesh.triangles[t]) {
       Vec3 sum = area[t];
-      for (const std::int32_t other : around[index(v)]) {
-        if (index(other) != t && area[index(other)].normalized().dot(own) >= crease)
-          sum += area[index(other)];
+      for (const std::int32_t other : around[at(v)]) {
+        if (at(other) != t && area[at(other)].normalized().dot(own) >= crease) sum += area[at(other)];
       }
       normals.push_back(sum.normalized());
     }

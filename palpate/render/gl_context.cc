@@ -4,6 +4,7 @@
 
 #include <SDL.h>
 #include <epoxy/gl.h>
+#include <fmt/core.h>
 
 namespace palpate::render {
 namespace {
@@ -30,9 +31,9 @@ GlContext::GlContext() {
   SDL_GLContext context = window != nullptr ? SDL_GL_CreateContext(window) : nullptr;
   const int version = context != nullptr ? epoxy_gl_version() : 0;
   if (version < kWantedVersion) {
-    const std::string why = context == nullptr ? std::string("no OpenGL context (") + SDL_GetError() + ")"
-                                               : "OpenGL " + std::to_string(version / 10) + "." +
-                                                     std::to_string(version % 10) + " is too old";
+    const std::string why = context == nullptr
+                                ? std::string("no OpenGL context (") + SDL_GetError() + ")"
+                                : fmt::format("OpenGL {}.{} is too old", version / 10, version % 10);
     if (context != nullptr) SDL_GL_DeleteContext(context);
     if (window != nullptr) SDL_DestroyWindow(window);
     SDL_QuitSubSystem(SDL_INIT_VIDEO);

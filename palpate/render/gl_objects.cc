@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace palpate::render {
 namespace {
 
@@ -204,8 +206,7 @@ Target::Target(Kind kind, int width, int height) : kind_(kind), width_(width), h
     }
   }
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw std::runtime_error("OpenGL cannot draw to a picture of " + std::to_string(width) + " x " +
-                             std::to_string(height) + " pixels");
+    throw std::runtime_error(fmt::format("OpenGL cannot draw to a picture of {} x {} pixels", width, height));
 }
 
 Target::~Target() {

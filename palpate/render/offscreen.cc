@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <epoxy/gl.h>
+#include <fmt/core.h>
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
@@ -23,8 +24,8 @@ const Vec3 kNowhere(0, 0, 1e3);     // m: where tools are that a snapshot does n
 
 void check_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
-  throw InputError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                   " pixels cannot be drawn; want 1 to " + std::to_string(kLargestSide) + " a side");
+  throw InputError(fmt::format("a picture of {} x {} pixels cannot be drawn; want 1 to {} a side", width,
+                               height, kLargestSide));
 }
 
 }  // namespace

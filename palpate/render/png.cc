@@ -1,6 +1,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include <fmt/core.h>
 #include <png.h>
 
 #include "palpate/base/error.h"
@@ -12,9 +13,9 @@ void write_png(const Image& image, const std::filesystem::path& file) {
   const std::size_t bytes =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3;
   if (image.width <= 0 || image.height <= 0 || image.rgb.size() != bytes)
-    throw InputError(file.string() + ": a picture of " + std::to_string(image.width) + " x " +
-                     std::to_string(image.height) + " pixels with " + std::to_string(image.rgb.size()) +
-                     " bytes cannot be written; want width x height x 3 bytes");
+    throw InputError(fmt::format(
+        "{}: a picture of {} x {} pixels with {} bytes cannot be written; want width x height x 3 bytes",
+        file.string(), image.width, image.height, image.rgb.size()));
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);

@@ -6,7 +6,10 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/contact/contact.h"
 #include "palpate/haptics/gate.h"
 #include "palpate/noise/touch_noise.h"
@@ -134,7 +137,7 @@ TimeAnalysis time_analysis(const record::TimeHistogram& counted, const record::T
 }
 
 std::string moment(const haptics::TickRow& row) {
-  return "tick " + std::to_string(row.tick) + " (" + fixed(row.time, 3) + " s)";
+  return fmt::format("tick {} ({} s)", row.tick, fixed(row.time, 3));
 }
 
 }  // namespace
@@ -191,8 +194,8 @@ std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& ro
     latched = row.fault;
     if (latched == 0) continue;
     const auto fault = static_cast<haptics::Fault>(latched);
-    words.push_back("fault at " + moment(row) + ": " + haptics::words_of(fault) + " (" +
-                    haptics::name_of(fault) + "); zero force from there on");
+    words.push_back(fmt::format("fault at {}: {} ({}); zero force from there on", moment(row),
+                                haptics::words_of(fault), haptics::name_of(fault)));
   }
   return words;
 }
@@ -213,11 +216,11 @@ std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& ro
     const std::uint32_t mask = bit;
     const auto ticks = std::count_if(
         rows.begin(), rows.end(), [mask](const haptics::TickRow& row) { return (row.status & mask) != 0; });
-    if (ticks > 0) words.push_back(std::string(text) + " (" + std::to_string(ticks) + " ticks)");
+    if (ticks > 0) words.push_back(fmt::format("{} ({} ticks)", text, ticks));
   }
   const auto faults =
       std::count_if(rows.begin(), rows.end(), [](const haptics::TickRow& row) { return row.fault != 0; });
-  if (faults > 0) words.push_back("a fault was latched (" + std::to_string(faults) + " ticks)");
+  if (faults > 0) words.push_back(fmt::format("a fault was latched ({} ticks)", faults));
   return words;
 }
 

@@ -6,7 +6,10 @@
 #include <numbers>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
+#include "palpate/fit/distributions.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/record/assemble.h"
 #include "palpate/report/gnuplot.h"
@@ -21,21 +24,9 @@ constexpr double kMilli = 1e3;             // m to mm, N to mN
 constexpr std::size_t kLongestSegment = 1024;
 constexpr std::size_t kShortestSegment = 64;
 
-// Colours that colour-blind readers can tell apart (Okabe and Ito 2008).
-constexpr const char* kBlue = "#0072B2";
-constexpr const char* kOrange = "#D55E00";
-constexpr const char* kGrey = "#9a9a9a";
-constexpr const char* kGreen = "#009E73";
+constexpr const char* kKey = "top right Left reverse samplen 2 spacing 1.15 noopaque";
 
 std::string quoted(const std::string& colour) { return "rgb '" + colour + "'"; }
-
-/// Size in points, output and what all figures share.
-std::string preamble(int width, int height) {
-  return "set encoding utf8\nset terminal svg size " + std::to_string(width) + "," + std::to_string(height) +
-         " dynamic noenhanced font 'Helvetica,14' background '#ffffff'\nset output 'figure.svg'\n"
-         "set border 3 lw 1 lc rgb '#555555'\nset tics nomirror out scale 0.6 textcolor rgb '#333333'\n"
-         "set grid lc rgb '#e4e4e4' lw 1\nset key top right Left reverse samplen 2 spacing 1.15 noopaque\n";
-}
 
 /// Draws; a failure of gnuplot becomes words in the figure.
 Figure drawn(Figure figure, const std::string& script, const std::vector<PlotData>& data) {
@@ -54,10 +45,11 @@ std::size_t stride_for(std::size_t count, std::size_t most) {
 std::string vertical(double at, const std::string& label, const std::string& label_at) {
   const std::string x = shortest(at);
   std::string text =
-      "set arrow from " + x + ",graph 0 to " + x + ",graph 1 nohead dt 2 lw 1 lc rgb '#777777' back\n";
+      fmt::format("set arrow from {},graph 0 to {},graph 1 nohead dt 2 lw 1 lc rgb '#777777' back\n", x, x);
   if (!label.empty()) {
-    text += "set label '" + label + "' at " + x + ",graph " + label_at +
-            " offset 0.4,0 font ',12' textcolor rgb '#555555' front\n";
+    text +=
+        fmt::format("set label '{}' at {},graph {} offset 0.4,0 font ',12' textcolor rgb '#555555' front\n",
+                    label, x, label_at);
   }
   return text;
 }
@@ -110,7 +102,7 @@ OrganWay organ_way(const HandAnalysis& hand, const scene::Setup& setup, std::siz
 }
 
 std::string panel(const std::string& bottom, const std::string& top) {
-  return "set bmargin at screen " + bottom + "\nset tmargin at screen " + top + "\n";
+  return fmt::format("set bmargin at screen {}\nset tmargin at screen {}\n", bottom, top);
 }
 
 /// Draws the organ's way and leaves no setting of its own behind.
@@ -124,9 +116,9 @@ std::string organ_panel(const OrganWay& way) {
   if (way.turns) script += "set y2tics\nset y2range [0:" + shortest(1.35 * way.turned) + "]\n";
   std::string lines;
   for (const std::size_t c : way.lines) {
-    lines += (lines.empty() ? "plot 'organ.dat'" : ", ''") + (" using 1:" + std::to_string(c + 1)) +
-             (c == kTurnColumn ? " axes x1y2" : "") + " with lines lw 2 lc " + quoted(kColours[c]) +
-             " title '" + kTitles[c] + "'";
+    lines += fmt::format("{}{}{} with lines lw 2 lc {} title '{}'",
+                         lines.empty() ? "plot 'organ.dat'" : ", ''", " using 1:" + std::to_string(c + 1),
+                         c == kTurnColumn ? " axes x1y2" : "", quoted(kColours[c]), kTitles[c]);
   }
   script += lines + "\nunset offsets\nset key vertical\n";
   if (way.turns) script += "unset y2tics\n";
@@ -146,9 +138,10 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
   const OrganWay way = organ_way(hand, setup, stride);
   const bool moving = !way.lines.empty();
   const double end = std::max(hand.rows.back().time, 1e-3);
-  std::string script = preamble(860, moving ? 720 : 520);
-  script += "set multiplot\nset lmargin at screen 0.095\nset rmargin at screen " +
-            std::string(way.turns ? "0.925" : "0.985") + "\nset xrange [0:" + shortest(end) + "]\n";
+  std::string script = preamble(860, moving ? 720 : 520, kKey);
+  script +=
+      fmt::format("set multiplot\nset lmargin at screen 0.095\nset rmargin at screen {}\nset xrange [0:{}]\n",
+                  way.turns ? "0.925" : "0.985", shortest(end));
   if (hand.moments.contact) {
     script += vertical(hand.rows[hand.moments.touch].time, "contact", "0.95");
     script += vertical(hand.rows[hand.moments.deepest].time, "deepest", "0.95");
@@ -161,9 +154,11 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
   script +=
       "set format x '%g'\nset xlabel 'time (s)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
       "set yrange [0:0.05<*]\nset key top right\n";
-  script += "plot 'rows.dat' using 1:4 with lines lw 1 lc " + quoted(kGrey) +
-            " title 'to the hand, with noise', '' using 1:3 with lines lw 2 lc " + quoted(kOrange) +
-            " title 'tissue'\nunset multiplot\n";
+  script += fmt::format(
+      "plot 'rows.dat' using 1:4 with lines lw 1 lc {} title 'to the hand, with noise', '' using 1:3 with "
+      "lines lw 2 lc {} title 'tissue'\n"
+      "unset multiplot\n",
+      quoted(kGrey), quoted(kOrange));
   Figure figure;
   figure.file = file;
   figure.alternative = moving ? "Depth, the organ's way and force over time in seconds"
@@ -196,7 +191,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
     const double depth = 1.08 * deepest * i / kCurvePoints;
     curve.rows.push_back({depth * kMilli, law.force_at(depth).force});
   }
-  std::string script = preamble(860, 470);
+  std::string script = preamble(860, 470, kKey);
   script +=
       "set key top left\nset xlabel 'depth (mm)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
       "set xrange [0:" +
@@ -213,14 +208,15 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
   Figure figure;
   figure.file = file;
   figure.alternative = "Measured force over depth beside the law of the model";
-  figure.caption =
-      "Force along the contact normal over depth, one tick in " + std::to_string(stride) +
-      ", on the law of one contact. Several contacts on one organ share the tissue and lie above that line; "
-      "damping and the fades at the start and at letting go part from it for a moment." +
-      (setup.tissue.relaxation.empty()
-           ? ""
-           : " This tissue relaxes: the longer it is held, the farther its force lies below the line.") +
-      (recording.changes.empty() ? "" : " The line is the law at the start; it was changed while it ran.");
+  figure.caption = fmt::format(
+      "Force along the contact normal over depth, one tick in {}, on the law of one contact. Several "
+      "contacts on one organ share the tissue and lie above that line; damping and the fades at the start "
+      "and at letting go part from it for a moment.{}{}",
+      stride,
+      setup.tissue.relaxation.empty()
+          ? ""
+          : " This tissue relaxes: the longer it is held, the farther its force lies below the line.",
+      recording.changes.empty() ? "" : " The line is the law at the start; it was changed while it ran.");
   return drawn(figure, script, {curve, in, out});
 }
 
@@ -251,19 +247,22 @@ Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
   const PlotData band{"band.dat",
                       {{0.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)},
                        {rate / 2.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)}}};
-  std::string script = preamble(640, 420);
-  script += "set xlabel 'frequency (Hz)' offset 0,0.4\nset ylabel 'power density (" +
-            std::string(contact ? "mN²/Hz" : "σ²/Hz") + ")' offset 1\nset xrange [0:" + shortest(rate / 2.0) +
-            "]\nset yrange [0:" + shortest(flat * std::max(2.6, 1.0 + 2.2 * spread)) + "]\n";
-  script +=
+  std::string script = preamble(640, 420, kKey);
+  script += fmt::format(
+      "set xlabel 'frequency (Hz)' offset 0,0.4\n"
+      "set ylabel 'power density ({})' offset 1\n"
+      "set xrange [0:{}]\n"
+      "set yrange [0:{}]\n",
+      contact ? "mN²/Hz" : "σ²/Hz", shortest(rate / 2.0), shortest(flat * std::max(2.6, 1.0 + 2.2 * spread)));
+  script += fmt::format(
       "plot 'band.dat' using 1:3:4 with filledcurves lc rgb '#e6e6e6' title '95 % band of white noise', "
-      "'spectrum.dat' using 1:2 with lines lw 1.2 lc " +
-      quoted(kBlue) + " title 'measured', 'band.dat' using 1:2 with lines lw 1.5 lc " + quoted(kOrange) +
-      " title 'white, at the set level'\n";
-  figure.caption = (contact ? "Spectrum of the noise force while in contact"
-                            : "Spectrum of the noise force in units of its standard deviation") +
-                   std::string(", Welch's estimate, ") + std::to_string(spectrum.segments) + " segments of " +
-                   std::to_string(segment) + " samples at " + fixed(rate, 0) + " Hz.";
+      "'spectrum.dat' using 1:2 with lines lw 1.2 lc {} title 'measured', 'band.dat' using 1:2 with lines lw "
+      "1.5 lc {} title 'white, at the set level'\n",
+      quoted(kBlue), quoted(kOrange));
+  figure.caption = fmt::format("{}, Welch's estimate, {} segments of {} samples at {} Hz.",
+                               contact ? "Spectrum of the noise force while in contact"
+                                       : "Spectrum of the noise force in units of its standard deviation",
+                               spectrum.segments, segment, fixed(rate, 0));
   return drawn(figure, script, {band, data});
 }
 
@@ -281,14 +280,15 @@ Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::pat
   const double scale = kBins / (2.0 * kRange * static_cast<double>(hand.unit_noise.size()));
   PlotData curve{"normal.dat", {}};
   for (int i = -100; i <= 100; ++i)
-    curve.rows.push_back({kRange * i / 100, normal_density(kRange * i / 100)});
-  std::string script = preamble(640, 420);
+    curve.rows.push_back({kRange * i / 100, fit::normal_density(kRange * i / 100)});
+  std::string script = preamble(640, 420, kKey);
   script +=
       "set xlabel 'noise force / σ' offset 0,0.4\nset ylabel 'density' offset 1\nset yrange [0:*]\n"
       "set xrange [-5:5]\nset style fill solid 0.45 noborder\n";
-  script += "plot 'bins.dat' using (($1+$2)/2):3:(0.94*($2-$1)) with boxes lc " + quoted(kBlue) +
-            " title 'measured', 'normal.dat' using 1:2 with lines lw 2 lc " + quoted(kOrange) +
-            " title 'standard normal'\n";
+  script += fmt::format(
+      "plot 'bins.dat' using (($1+$2)/2):3:(0.94*($2-$1)) with boxes lc {} title 'measured', 'normal.dat' "
+      "using 1:2 with lines lw 2 lc {} title 'standard normal'\n",
+      quoted(kBlue), quoted(kOrange));
   figure.caption =
       "Histogram of " + grouped(hand.unit_noise.size()) +
       " noise samples, each divided by the standard deviation that belongs to its distance: K/(d "
@@ -318,14 +318,20 @@ Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantit
   }
   const auto most = static_cast<double>(*std::max_element(bins.counts.begin(), bins.counts.end()));
   const Percentiles& marks = time.figures;
-  std::string script = preamble(640, 420);
-  script += "set logscale x\nset logscale y\nset yrange [0.5:" + shortest(4.0 * most) +
-            "]\nset key off\nset xlabel '" +
-            std::string(computing ? "computing time of a tick (µs)" : "lateness of a tick (µs)") +
-            "' offset 0,0.4\nset ylabel 'ticks' offset 1\nset style fill solid 0.55 noborder\n";
+  std::string script = preamble(640, 420, kKey);
+  script += fmt::format(
+      "set logscale x\n"
+      "set logscale y\n"
+      "set yrange [0.5:{}]\n"
+      "set key off\n"
+      "set xlabel '{}' offset 0,0.4\n"
+      "set ylabel 'ticks' offset 1\n"
+      "set style fill solid 0.55 noborder\n",
+      shortest(4.0 * most),
+      std::string(computing ? "computing time of a tick (µs)" : "lateness of a tick (µs)"));
   const double period_us = 1e6 / rate_Hz;
-  script += "set xrange [" + shortest(bins.edges.front()) + ":" +
-            shortest(std::max(bins.edges.back(), 1.3 * period_us)) + "]\n";
+  script += fmt::format("set xrange [{}:{}]\n", shortest(bins.edges.front()),
+                        shortest(std::max(bins.edges.back(), 1.3 * period_us)));
   const auto mark = [&script](std::int64_t ns, const char* label, const char* height) {
     if (ns > 0) script += vertical(static_cast<double>(ns) * 1e-3, label, height);
   };
@@ -333,10 +339,10 @@ Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantit
   mark(marks.p99, "p99", "0.91");
   mark(marks.p999, "p99.9", "0.85");
   mark(marks.max, "max", "0.79");
-  script += "set arrow from " + shortest(period_us) + ",graph 0 to " + shortest(period_us) +
-            ",graph 1 nohead lw 1.5 lc " + quoted(kOrange) + " back\nset label 'period' at " +
-            shortest(period_us) + ",graph 0.5 rotate by 90 center offset -0.8,0 font ',12' textcolor " +
-            quoted(kOrange) + " front\n";
+  script += fmt::format(
+      "set arrow from {},graph 0 to {},graph 1 nohead lw 1.5 lc {} back\n"
+      "set label 'period' at {},graph 0.5 rotate by 90 center offset -0.8,0 font ',12' textcolor {} front\n",
+      shortest(period_us), shortest(period_us), quoted(kOrange), shortest(period_us), quoted(kOrange));
   PlotData data{"bins.dat", {}};
   for (const std::vector<double>& row : steps(bins, 1.0, "bins.dat").rows) {
     if (row[2] > 0.0) data.rows.push_back({row[0], row[1], row[2]});

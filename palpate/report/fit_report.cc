@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
-#include <system_error>
 #include <utility>
 
-#include "palpate/base/error.h"
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/report/figures.h"
@@ -19,29 +18,36 @@
 namespace palpate::report {
 namespace {
 
-constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
-constexpr const char* kOrange = "#D55E00";
-
 /// Two panes over one axis: force, then what is left of it. Columns: x, measured, fitted, low, high.
 std::string script(bool over_time, double largest_residual) {
-  return "set encoding utf8\nset terminal svg size 760,620 dynamic noenhanced font 'Helvetica,14' background "
-         "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
-         "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
-         "set key top left Left reverse samplen 2 spacing 1.15 noopaque\nset lmargin 11\n"
-         "set multiplot\nset origin 0,0.36\nset size 1,0.64\nset bmargin 0.6\nset format x ''\n"
-         "set ylabel 'force, N'\nset yrange [*<0:*]\nset autoscale yfixmin\n"
-         "plot 'curve.dat' using 1:4:5 with filledcurves lc rgb '#c9dfee' title '95 % band of the curve', "
-         "'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '" +
-         std::string(kOrange) + "' title 'measured', 'curve.dat' using 1:3 with lines lw 2 lc rgb '" + kBlue +
-         "' title 'fitted'\n"
-         "set yrange [*:*]\nset autoscale y\n"
-         "set origin 0,0\nset size 1,0.36\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\nset nokey\n"
-         "set xlabel '" +
-         std::string(over_time ? "time, s" : "displacement, mm") +
-         "'\nset ylabel 'fitted - measured, N'\nset ytics " + shortest(tic_step(largest_residual)) +
-         "\n"
-         "plot 'curve.dat' using 1:($3-$2) with impulses lw 1 lc rgb '" +
-         kOrange + "', 0 with lines lw 1 lc rgb '#555555'\nunset multiplot\n";
+  return fmt::format(
+      "{}set lmargin 11\n"
+      "set multiplot\n"
+      "set origin 0,0.36\n"
+      "set size 1,0.64\n"
+      "set bmargin 0.6\n"
+      "set format x ''\n"
+      "set ylabel 'force, N'\n"
+      "set yrange [*<0:*]\n"
+      "set autoscale yfixmin\n"
+      "plot 'curve.dat' using 1:4:5 with filledcurves lc rgb '#c9dfee' title '95 % band of the curve', "
+      "'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '{}' title 'measured', 'curve.dat' using 1:3 "
+      "with lines lw 2 lc rgb '{}' title 'fitted'\n"
+      "set yrange [*:*]\n"
+      "set autoscale y\n"
+      "set origin 0,0\n"
+      "set size 1,0.36\n"
+      "set tmargin 0.8\n"
+      "set bmargin 3.4\n"
+      "set format x '%g'\n"
+      "set nokey\n"
+      "set xlabel '{}'\n"
+      "set ylabel 'fitted - measured, N'\n"
+      "set ytics {}\n"
+      "plot 'curve.dat' using 1:($3-$2) with impulses lw 1 lc rgb '{}', 0 with lines lw 1 lc rgb '#555555'\n"
+      "unset multiplot\n",
+      preamble(760, 620, "top left Left reverse samplen 2 spacing 1.15 noopaque"), kOrange, kBlue,
+      std::string(over_time ? "time, s" : "displacement, mm"), shortest(tic_step(largest_residual)), kOrange);
 }
 
 std::vector<std::vector<double>> curve_rows(const fit::Curve& curve, bool over_time) {
@@ -113,16 +119,13 @@ void write_warnings(Page& page, const std::vector<std::string>& warnings) {
   page.list(items);
 }
 
-std::string percent(double share) { return fixed(100.0 * share, 2) + " %"; }
-
 void write_summary(Page& page, const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
                    const fit::Settings& settings, const std::string& command) {
   page.open_section("summary", "What came out");
   page.code(command);
   page.facts({{"law", model::to_string(settings.law)},
               {"direction", settings.direction == model::Direction::kPull ? "pull" : "press"},
-              {"layers", std::to_string(pooled.layers_allowed) + " allowed, " +
-                             std::to_string(pooled.layers_reached) + " reached"},
+              {"layers", fmt::format("{} allowed, {} reached", pooled.layers_allowed, pooled.layers_reached)},
               {"specimens", std::to_string(fits.size())},
               {"seed", std::to_string(settings.seed)}});
   TableRows rows = {{"specimen", "points", "error", "on points left out", "k1, N/m", "beta", "q", "L1, mm"}};
@@ -160,13 +163,8 @@ std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits
                                        const fit::PooledFit& pooled, const std::vector<fit::Sweep>& sweeps,
                                        const fit::Settings& settings, const std::string& command,
                                        const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw InputError(folder.string() + ": the report's folder cannot be made" +
-                     (error ? ": " + error.message() : ""));
-  }
-  Page page("Fit of " + std::to_string(fits.size()) + (fits.size() == 1 ? " specimen" : " specimens"),
+  make_report_folder(folder);
+  Page page(fmt::format("Fit of {}{}", fits.size(), fits.size() == 1 ? " specimen" : " specimens"),
             "Tissue parameters from measured force over displacement, by palpate");
   write_summary(page, fits, pooled, settings, command);
   for (std::size_t i = 0; i < fits.size(); ++i) {
@@ -174,12 +172,7 @@ std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits
     write_specimen(page, fits[i], draw_curve(fits[i], folder / ("specimen-" + number + ".svg")), i + 1);
   }
   write_sweeps(page, sweeps, folder);
-  std::filesystem::path file = folder / "report.html";
-  std::ofstream out(file, std::ios::binary);
-  out << page.html();
-  out.close();
-  if (!out) throw InputError(file.string() + ": the report cannot be written");
-  return file;
+  return page.write(folder);
 }
 
 }  // namespace palpate::report

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -80,6 +81,18 @@ double tic_step(double largest) {
   return 10.0 * decade;
 }
 
+std::string preamble(int width, int height, const std::string& key) {
+  return fmt::format(
+      "set encoding utf8\n"
+      "set terminal svg size {},{} dynamic noenhanced font 'Helvetica,14' background '#ffffff'\n"
+      "set output 'figure.svg'\n"
+      "set border 3 lw 1 lc rgb '#555555'\n"
+      "set tics nomirror out scale 0.6 textcolor rgb '#333333'\n"
+      "set grid lc rgb '#e4e4e4' lw 1\n"
+      "set key {}\n",
+      width, height, key);
+}
+
 TemporaryFolder::TemporaryFolder() {
   std::error_code error;
   std::filesystem::path parent = std::filesystem::temp_directory_path(error);
@@ -101,8 +114,8 @@ void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
   const int status = run_in(folder.path(), program);
   const std::filesystem::path drawn = folder.path() / "figure.svg";
   if (status != 0 || !std::filesystem::exists(drawn)) {
-    throw FigureError("gnuplot failed (exit " + std::to_string(status) +
-                      "): " + read_text(folder.path() / "errors.txt"));
+    throw FigureError(
+        fmt::format("gnuplot failed (exit {}): {}", status, read_text(folder.path() / "errors.txt")));
   }
   std::error_code error;
   std::filesystem::copy_file(drawn, file, std::filesystem::copy_options::overwrite_existing, error);

@@ -16,6 +16,16 @@ class FigureError final : public std::runtime_error {
 /// ten.
 [[nodiscard]] double tic_step(double largest);
 
+// Colours that colour-blind readers can tell apart (Okabe and Ito 2008).
+inline constexpr const char* kBlue = "#0072B2";
+inline constexpr const char* kOrange = "#D55E00";
+inline constexpr const char* kGreen = "#009E73";
+inline constexpr const char* kGrey = "#9a9a9a";
+
+/// [setup] The first lines of every figure's script: size in points, output, border and grid. @param key
+/// where the legend stands and how, gnuplot's words
+[[nodiscard]] std::string preamble(int width, int height, const std::string& key);
+
 /// A folder of its own under the system's temporary folder, removed with everything in it at the end.
 class TemporaryFolder final {
  public:

@@ -10,6 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
+#include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/render/offscreen.h"
 #include "palpate/report/figures.h"
@@ -21,8 +24,9 @@ namespace {
 
 using Colour = std::array<double, 3>;
 
-constexpr Colour kBlue = {0.0, 114.0, 178.0};   // the line before, as the other figures [Okabe and Ito 2008]
-constexpr Colour kOrange = {213.0, 94.0, 0.0};  // the line after: measured
+constexpr Colour kLineBefore = {0.0, 114.0,
+                                178.0};  // the line before, as the other figures [Okabe and Ito 2008]
+constexpr Colour kLineAfter = {213.0, 94.0, 0.0};  // the line after: measured
 constexpr Colour kWhite = {255.0, 255.0, 255.0};
 constexpr int kWidest = 1200;  // pixels of a figure
 
@@ -97,9 +101,9 @@ Figure photograph(const ImageSet& set, bool second, const std::filesystem::path&
     for (const fit::ImagePoint& point : set.measured.points) {
       rest.emplace_back(point.x / factor, point.rest_y / factor);
     }
-    draw_line(image, rest, kBlue, 8);
+    draw_line(image, rest, kLineBefore, 8);
   }
-  draw_line(image, seen(line, factor), second ? kOrange : kBlue, 0);
+  draw_line(image, seen(line, factor), second ? kLineAfter : kLineBefore, 0);
   render::write_png(image, file);
   Figure figure;
   figure.file = file;
@@ -142,10 +146,8 @@ Figure draw_profile(const ImageSet& set, const std::filesystem::path& file) {
   figure.caption = "Measured along the line with its 95 % uncertainty, computed by the model at " +
                    digits(set.comparison.depth / kMillimetre) + " mm, and the difference.";
   const std::string script =
-      "set encoding utf8\nset terminal svg size 760,620 dynamic noenhanced font 'Helvetica,14' background "
-      "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
-      "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
-      "set key top left Left reverse samplen 2 spacing 1.15 noopaque\nset lmargin 11\n"
+      preamble(760, 620, "top left Left reverse samplen 2 spacing 1.15 noopaque") +
+      "set lmargin 11\n"
       "set multiplot\nset origin 0,0.36\nset size 1,0.64\nset bmargin 0.6\nset format x ''\n"
       "set ylabel 'displacement, mm'\nset yrange [] reverse\nset key bottom left\n"
       "plot 'profile.dat' using 1:($2-$3):($2+$3) with filledcurves lc rgb '#f6d9c4' title '95 % uncertain', "
@@ -165,21 +167,19 @@ Figure draw_profile(const ImageSet& set, const std::filesystem::path& file) {
   return figure;
 }
 
-std::string percent(double share) { return fixed(100.0 * share, 1) + " %"; }
-
 }  // namespace
 
 std::string image_text(const ImageSet& set) {
   const fit::ImageMeasurement& measured = set.measured;
   const double pixel = set.settings.pixel;
-  return "pictures: " + std::to_string(measured.points.size()) + " places, uncertain by " +
-         digits(measured.uncertainty / kMillimetre) + " mm (" + digits(measured.uncertainty / pixel) +
-         " px); confidence " + std::to_string(measured.confidence) + " of 100, " + measured.confidence_words +
-         "; the model lies within the uncertainty at " + percent(set.within_uncertainty) + " of them" +
-         (set.depth_fitted
-              ? "; the tool hides the deepest place: the depth is the one that suits the line best"
-              : "") +
-         '\n';
+  return fmt::format(
+      "pictures: {} places, uncertain by {} mm ({} px); confidence {} of 100, {}; the model lies within the "
+      "uncertainty at {} of them{}\n",
+      measured.points.size(), digits(measured.uncertainty / kMillimetre),
+      digits(measured.uncertainty / pixel), measured.confidence, measured.confidence_words,
+      percent(set.within_uncertainty, 1),
+      set.depth_fitted ? "; the tool hides the deepest place: the depth is the one that suits the line best"
+                       : "");
 }
 
 void write_image_section(Page& page, const ImageSet& set, const std::filesystem::path& folder) {
@@ -192,20 +192,22 @@ void write_image_section(Page& page, const ImageSet& set, const std::filesystem:
   page.close_grid();
   constexpr double kDegree = 0.017453292519943295;
   page.facts(
-      {{"confidence", std::to_string(measured.confidence) + " of 100, " + escaped(measured.confidence_words)},
+      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_words))},
        {"scale", digits(set.settings.pixel / kMillimetre) + " mm a pixel"},
-       {"uncertain by (95 %, median)", digits(measured.uncertainty / kMillimetre) + " mm, " +
-                                           digits(measured.uncertainty / set.settings.pixel) + " pixels"},
+       {"uncertain by (95 %, median)",
+        fmt::format("{} mm, {} pixels", digits(measured.uncertainty / kMillimetre),
+                    digits(measured.uncertainty / set.settings.pixel))},
        {"of which how far the flanks moved", digits(measured.far_uncertainty / kMillimetre) + " mm"},
-       {"line seen on", percent(measured.before.coverage) + " of the width before, " +
-                            percent(measured.after.coverage) + " after"},
+       {"line seen on", fmt::format("{} of the width before, {} after", percent(measured.before.coverage, 1),
+                                    percent(measured.after.coverage, 1))},
        {"surface's tilt in the picture", digits(measured.tilt / kDegree) + " degrees"},
        {"second picture against the first, taken out",
-        digits(measured.turn / kDegree) + " degrees, " + digits(measured.shift / kMillimetre) + " mm"},
+        fmt::format("{} degrees, {} mm", digits(measured.turn / kDegree),
+                    digits(measured.shift / kMillimetre))},
        {"depth",
         digits(set.comparison.depth / kMillimetre) + " mm" +
             (set.depth_fitted ? ", the one that suits the line best: the tool hides the deepest place" : "")},
-       {"model within the uncertainty at", percent(set.within_uncertainty) + " of the places"}});
+       {"model within the uncertainty at", percent(set.within_uncertainty, 1) + " of the places"}});
   page.close_section();
 }
 

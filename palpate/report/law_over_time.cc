@@ -1,5 +1,7 @@
 #include "palpate/report/law_over_time.h"
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/report/analysis.h"
@@ -10,16 +12,16 @@ namespace {
 
 std::string noise_in_words(const haptics::LiveNoise& noise) {
   if (!noise.enabled) return "touch noise off";
-  return "touch noise on, K " + shortest(noise.gain) + " N m, d\u2080 " +
-         shortest(noise.threshold / kMillimetre) + " mm";
+  return fmt::format("touch noise on, K {} N m, d\u2080 {} mm", shortest(noise.gain),
+                     shortest(noise.threshold / kMillimetre));
 }
 
 std::string tissue_in_words(const model::TissueParameters& tissue) {
-  std::string text = "tissue " + tissue.name + ", " + model::to_string(tissue.law) + ": k1 " +
-                     shortest(tissue.k1) + " N/m, beta " + shortest(tissue.beta) + ", q " +
-                     shortest(tissue.q);
+  std::string text =
+      fmt::format("tissue {}, {}: k1 {} N/m, beta {}, q {}", tissue.name, model::to_string(tissue.law),
+                  shortest(tissue.k1), shortest(tissue.beta), shortest(tissue.q));
   for (const model::RelaxationTerm& term : tissue.relaxation) {
-    text += ", relaxing by " + shortest(term.share) + " in " + shortest(term.time) + " s";
+    text += fmt::format(", relaxing by {} in {} s", shortest(term.share), shortest(term.time));
   }
   return text;
 }
@@ -58,15 +60,14 @@ std::vector<std::string> changes_in_words(const record::Recording& recording) {
   std::vector<std::string> words;
   for (const haptics::LiveChange& change : recording.changes) {
     if (words.size() == kMostTold) {
-      words.push_back("and " + std::to_string(recording.changes.size() - kMostTold) +
-                      " more changes while it ran");
+      words.push_back(fmt::format("and {} more changes while it ran", recording.changes.size() - kMostTold));
       break;
     }
     const double time = static_cast<double>(change.tick) / recording.setup.rate_Hz;
-    words.push_back("changed while it ran, from tick " + std::to_string(change.tick) + " (" + fixed(time, 3) +
-                    " s) on: " +
-                    ((change.what & haptics::kTissueChanged) != 0 ? tissue_in_words(tissue_of(change))
-                                                                  : noise_in_words(noise_of(change))));
+    words.push_back(
+        fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick, fixed(time, 3),
+                    (change.what & haptics::kTissueChanged) != 0 ? tissue_in_words(tissue_of(change))
+                                                                 : noise_in_words(noise_of(change))));
   }
   return words;
 }

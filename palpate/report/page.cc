@@ -2,6 +2,9 @@
 
 #include <fstream>
 #include <iterator>
+#include <system_error>
+
+#include <fmt/core.h>
 
 #include "palpate/base/error.h"
 #include "palpate/report/text_format.h"
@@ -69,13 +72,13 @@ std::string read_bytes(const std::filesystem::path& file) {
 }  // namespace
 
 Page::Page(const std::string& title, const std::string& subtitle) : title_(title) {
-  body_ = "<header>\n<h1>" + escaped(title) + "</h1>\n<p>" + escaped(subtitle) + "</p>\n</header>\n";
+  body_ = fmt::format("<header>\n<h1>{}</h1>\n<p>{}</p>\n</header>\n", escaped(title), escaped(subtitle));
 }
 
 void Page::open_section(const std::string& id, const std::string& heading) {
   const bool experiment = id.starts_with("experiment");
-  body_ += "<section id=\"" + escaped(id) + "\"" + (experiment ? " class=\"experiment\"" : "") + ">\n<h2>" +
-           escaped(heading) + "</h2>\n";
+  body_ += fmt::format("<section id=\"{}\"{}>\n<h2>{}</h2>\n", escaped(id),
+                       experiment ? " class=\"experiment\"" : "", escaped(heading));
 }
 
 void Page::close_section() { body_ += "</section>\n"; }
@@ -95,7 +98,7 @@ void Page::list(const std::vector<std::string>& html_items, const std::string& c
 void Page::facts(const std::vector<std::pair<std::string, std::string>>& rows) {
   body_ += "<div class=\"scroll\"><table class=\"facts\"><tbody>\n";
   for (const auto& [name, value] : rows) {
-    body_ += "<tr><th scope=\"row\">" + escaped(name) + "</th><td>" + escaped(value) + "</td></tr>\n";
+    body_ += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escaped(name), escaped(value));
   }
   body_ += "</tbody></table></div>\n";
 }
@@ -122,21 +125,48 @@ void Page::figure(const Figure& figure) {
   body_ += "<figure>\n";
   if (figure.missing.empty()) {
     const std::string type = figure.file.extension() == ".svg" ? "image/svg+xml" : "image/png";
-    body_ += "<img alt=\"" + escaped(figure.alternative) + "\" src=\"data:" + type + ";base64," +
-             base64(read_bytes(figure.file)) + "\">\n";
+    body_ += fmt::format("<img alt=\"{}\" src=\"data:{};base64,{}\">\n", escaped(figure.alternative), type,
+                         base64(read_bytes(figure.file)));
   } else {
-    body_ += "<div class=\"absent\">" + escaped(figure.alternative) + ": no figure. " +
-             escaped(figure.missing) + "</div>\n";
+    body_ += fmt::format("<div class=\"absent\">{}: no figure. {}</div>\n", escaped(figure.alternative),
+                         escaped(figure.missing));
   }
   if (!figure.caption.empty()) body_ += "<figcaption>" + escaped(figure.caption) + "</figcaption>\n";
   body_ += "</figure>\n";
 }
 
 std::string Page::html() const {
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-         escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n" + body_ +
-         "</body>\n</html>\n";
+  return fmt::format(
+      "<!DOCTYPE html>\n"
+      "<html lang=\"en\">\n"
+      "<head>\n"
+      "<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n"
+      "<style>{}</style>\n"
+      "</head>\n"
+      "<body>\n"
+      "{}</body>\n"
+      "</html>\n",
+      escaped(title_), kStyle, body_);
+}
+
+std::filesystem::path Page::write(const std::filesystem::path& folder) const {
+  std::filesystem::path file = folder / "report.html";
+  std::ofstream out(file, std::ios::binary);
+  out << html();
+  out.close();
+  if (!out) throw InputError(file.string() + ": the report cannot be written");
+  return file;
+}
+
+void make_report_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw InputError(folder.string() + ": the report's folder cannot be made" +
+                     (error ? ": " + error.message() : ""));
+  }
 }
 
 }  // namespace palpate::report

@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,9 @@ namespace palpate::report {
 
 /// A table's cells, as HTML already (escape text with escaped()).
 using TableRows = std::vector<std::vector<std::string>>;
+
+/// [setup] @throws InputError when the report's folder cannot be made.
+void make_report_folder(const std::filesystem::path& folder);
 
 /// Builds one HTML page that needs nothing from outside: style and pictures are inside. Text arguments are
 /// plain and get escaped here; arguments named `html` are taken as they are.
@@ -35,6 +39,8 @@ class Page final {
 
   /// The whole page.
   [[nodiscard]] std::string html() const;
+  /// Writes the page as report.html. @return the file @throws InputError when it cannot be written.
+  [[nodiscard]] std::filesystem::path write(const std::filesystem::path& folder) const;
 
  private:
   std::string title_;

@@ -7,6 +7,7 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/record/replay.h"
 #include "palpate/render/offscreen.h"
 #include "palpate/report/text_format.h"

@@ -1,11 +1,10 @@
 #include "palpate/report/report.h"
 
-#include <fstream>
 #include <string>
-#include <system_error>
 #include <utility>
 
-#include "palpate/base/error.h"
+#include <fmt/core.h>
+
 #include "palpate/report/sections.h"
 
 namespace palpate::report {
@@ -26,7 +25,7 @@ WorkedExperiment work_out(const Experiment& experiment, const std::filesystem::p
   progress(0.6, "figures");
   for (const HandAnalysis& hand : worked.analysis.hands) {
     const std::string start =
-        prefix + (worked.analysis.hands.size() > 1 ? "hand-" + std::to_string(hand.hand + 1) + "-" : "");
+        prefix + (worked.analysis.hands.size() > 1 ? fmt::format("hand-{}-", hand.hand + 1) : "");
     worked.hands.push_back(
         {draw_over_time(hand, recording.setup, folder / (start + "over-time.svg")),
          draw_law(hand, recording, worked.analysis.direction, folder / (start + "law.svg")),
@@ -41,28 +40,12 @@ WorkedExperiment work_out(const Experiment& experiment, const std::filesystem::p
   return worked;
 }
 
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw InputError(file.string() + ": the report cannot be written");
-}
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw InputError(folder.string() + ": the report's folder cannot be made" +
-                     (error ? ": " + error.message() : ""));
-  }
-}
-
 }  // namespace
 
 std::filesystem::path write_report(const std::vector<Experiment>& experiments,
                                    const std::filesystem::path& folder, const Progress& progress,
                                    const ReportOptions& options) {
-  make_folder(folder);
+  make_report_folder(folder);
   const double share = 1.0 / (static_cast<double>(experiments.size()) + 0.1);
   std::vector<WorkedExperiment> all;
   for (const Experiment& experiment : experiments) {
@@ -73,16 +56,15 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
     all.push_back(work_out(experiment, folder, all.size() + 1, options, part));
   }
   const std::string title = experiments.size() == 1 ? experiments.front().title : "Palpate report";
-  const std::string subtitle = std::to_string(experiments.size()) +
-                               (experiments.size() == 1 ? " experiment" : " experiments") +
-                               ", recorded by palpate, an open haptic soft-tissue simulator";
+  const std::string subtitle =
+      fmt::format("{}{}, recorded by palpate, an open haptic soft-tissue simulator", experiments.size(),
+                  experiments.size() == 1 ? " experiment" : " experiments");
   Page page(title, subtitle);
   write_summary(page, all);
   std::size_t number = 0;
   for (const WorkedExperiment& worked : all) write_experiment(page, worked, ++number);
   write_comparison(page, all);
-  std::filesystem::path file = folder / "report.html";
-  write_file(file, page.html());
+  std::filesystem::path file = page.write(folder);
   if (progress) progress(1.0, "report");
   return file;
 }

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/report/text_format.h"
 
 namespace palpate::report {
@@ -54,12 +56,12 @@ std::string noise_mark(const NormalCheck& check) {
   const bool met = std::abs(check.mean) <= mean_bound &&
                    std::abs(check.standard_deviation - 1.0) <= deviation_bound &&
                    check.ks_distance <= ks_bound;
-  return marked(mark_of(met), "Noise over its set standard deviation, " + grouped(check.count) +
-                                  " samples: mean " + fixed(check.mean, 4) + " (bound ±" +
-                                  fixed(mean_bound, 4) + "), standard deviation " +
-                                  fixed(check.standard_deviation, 4) + " (1 ± " + fixed(deviation_bound, 4) +
-                                  "), Kolmogorov-Smirnov distance " + fixed(check.ks_distance, 4) +
-                                  " (bound " + fixed(ks_bound, 4) + ").");
+  return marked(mark_of(met),
+                fmt::format("Noise over its set standard deviation, {} samples: mean {} (bound ±{}), "
+                            "standard deviation {} (1 ± {}), Kolmogorov-Smirnov distance {} (bound {}).",
+                            grouped(check.count), fixed(check.mean, 4), fixed(mean_bound, 4),
+                            fixed(check.standard_deviation, 4), fixed(deviation_bound, 4),
+                            fixed(check.ks_distance, 4), fixed(ks_bound, 4)));
 }
 
 /// The faults of all hands in one paragraph; empty: none.
@@ -70,10 +72,10 @@ std::string all_faults(const Analysis& analysis) {
   for (const HandAnalysis& hand : analysis.hands) {
     for (const std::string& words : faults_in_words(hand.rows)) {
       if (++told > kMostTold) continue;
-      text += (text.empty() ? "Hand " : "; hand ") + std::to_string(hand.hand) + ": " + words;
+      text += fmt::format("{}{}: {}", text.empty() ? "Hand " : "; hand ", hand.hand, words);
     }
   }
-  if (told > kMostTold) text += "; and " + std::to_string(told - kMostTold) + " more";
+  if (told > kMostTold) text += fmt::format("; and {} more", told - kMostTold);
   return text.empty() ? text : escaped(text + ".");
 }
 
@@ -84,27 +86,28 @@ std::vector<std::string> marks_of(const WorkedExperiment& worked) {
   const record::Recording& recording = *worked.experiment->recording;
   std::vector<std::string> marks;
   marks.push_back(marked(mark_of(hand.peak_depth >= kGoalDepth),
-                         std::string(is_pull(worked) ? "Pulled" : "Pressed") + " to " +
-                             fixed(hand.peak_depth * kMilli, 2) + " mm; the goal of both experiments is " +
-                             fixed(kGoalDepth * kMilli, 0) + " mm."));
+                         fmt::format("{} to {} mm; the goal of both experiments is {} mm.",
+                                     is_pull(worked) ? "Pulled" : "Pressed",
+                                     fixed(hand.peak_depth * kMilli, 2), fixed(kGoalDepth * kMilli, 0))));
   if (hand.law.rows > 0) {
-    marks.push_back(marked(Mark::kTold, "Normal force beside the law of one contact, over " +
-                                            grouped(hand.law.rows) + " ticks: half within " +
-                                            fixed(hand.law.median * kMilli, 2) + " mN, 95\u00a0% within " +
-                                            fixed(hand.law.p95 * kMilli, 2) + " mN; the law's largest is " +
-                                            fixed(hand.law.peak, 3) + " N."));
+    marks.push_back(
+        marked(Mark::kTold, fmt::format("Normal force beside the law of one contact, over {} ticks: half "
+                                        "within {} mN, 95\u00a0% within {} mN; the law's largest is {} N.",
+                                        grouped(hand.law.rows), fixed(hand.law.median * kMilli, 2),
+                                        fixed(hand.law.p95 * kMilli, 2), fixed(hand.law.peak, 3))));
   }
   if (hand.noise_check.count > 1) marks.push_back(noise_mark(hand.noise_check));
   if (is_timed(analysis)) {
     const bool fast = static_cast<double>(analysis.tick_time.figures.p99) < kPaperForceNs;
-    marks.push_back(marked(mark_of(fast), "A tick took " + microseconds(analysis.tick_time.figures.p50) +
-                                              " µs (p50), " + microseconds(analysis.tick_time.figures.p99) +
-                                              " µs (p99); the paper's force took under 1 ms."));
+    marks.push_back(marked(
+        mark_of(fast), fmt::format("A tick took {} µs (p50), {} µs (p99); the paper's force took under 1 ms.",
+                                   microseconds(analysis.tick_time.figures.p50),
+                                   microseconds(analysis.tick_time.figures.p99))));
   }
   if (!recording.facts.offline) {
-    marks.push_back(marked(mark_of(analysis.missed == 0), "Missed deadlines: " + grouped(analysis.missed) +
-                                                              " of " + grouped(analysis.ticks) +
-                                                              " ticks began a full period or more late."));
+    marks.push_back(marked(mark_of(analysis.missed == 0),
+                           fmt::format("Missed deadlines: {} of {} ticks began a full period or more late.",
+                                       grouped(analysis.missed), grouped(analysis.ticks))));
   }
   const std::string faults = all_faults(analysis);
   marks.push_back(marked(mark_of(faults.empty()), faults.empty() ? "No fault was latched." : faults));
@@ -123,9 +126,10 @@ std::string moment_caption(const MomentPictures& moment) {
   constexpr double kMoved = 0.05e-3;  // m: what is told to a tenth of a millimetre
   if (moment.organ_moved > kMoved)
     text += ", organ " + fixed(moment.organ_moved * kMilli, 1) + " mm from rest";
-  if (moment.row.phase == 0) return text + ", " + fixed(moment.row.distance * kMilli, 1) + " mm away";
-  return text + ", depth " + fixed(moment.row.depth * kMilli, 2) + " mm, tissue force " +
-         fixed(moment.row.tissue_force, 3) + " N";
+  if (moment.row.phase == 0)
+    return fmt::format("{}, {} mm away", text, fixed(moment.row.distance * kMilli, 1));
+  return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(moment.row.depth * kMilli, 2),
+                     fixed(moment.row.tissue_force, 3));
 }
 
 void write_pictures(Page& page, const PictureSet& pictures) {
@@ -148,11 +152,11 @@ void write_pictures(Page& page, const PictureSet& pictures) {
     page.figure(figure);
   }
   page.close_grid();
-  page.paragraph(escaped("Drawn by " + pictures.driver + ", " + std::to_string(pictures.width) + " × " +
-                         std::to_string(pictures.height) + " pixels, " + fixed(pictures.draw_ms, 1) +
-                         " ms a picture (median, deformation included). All from the same two places. "
-                         "Contacts of this tool at its deepest tick: " +
-                         std::to_string(pictures.contacts_at_depth) + "."));
+  page.paragraph(
+      escaped(fmt::format("Drawn by {}, {} × {} pixels, {} ms a picture (median, deformation included). All "
+                          "from the same two places. Contacts of this tool at its deepest tick: {}.",
+                          pictures.driver, pictures.width, pictures.height, fixed(pictures.draw_ms, 1),
+                          pictures.contacts_at_depth)));
 }
 
 void write_hand(Page& page, const HandAnalysis& hand, const HandFigures& figures, std::size_t hands) {
@@ -196,13 +200,16 @@ void write_timing(Page& page, const WorkedExperiment& worked) {
     page.paragraph("The run was offline: there are no deadlines to miss.");
     return;
   }
-  page.paragraph("Missed deadlines (a full period or more late): <strong>" + grouped(analysis.missed) +
-                 "</strong> of " + grouped(analysis.ticks) + " ticks. Longest gap between two ticks: " +
-                 microseconds(worked.experiment->recording->facts.longest_gap_ns) + " µs.");
+  page.paragraph(
+      fmt::format("Missed deadlines (a full period or more late): <strong>{}</strong> of {} ticks. Longest "
+                  "gap between two ticks: {} µs.",
+                  grouped(analysis.missed), grouped(analysis.ticks),
+                  microseconds(worked.experiment->recording->facts.longest_gap_ns)));
 }
 
 std::string mesh_count(const geometry::TriangleMesh& mesh) {
-  return grouped(mesh.vertices.size()) + " vertices, " + grouped(mesh.triangles.size()) + " triangles";
+  return fmt::format("{} vertices, {} triangles", grouped(mesh.vertices.size()),
+                     grouped(mesh.triangles.size()));
 }
 
 std::string tool_count(const std::vector<geometry::Tool>& tools) {
@@ -214,7 +221,7 @@ std::string tool_count(const std::vector<geometry::Tool>& tools) {
       triangles += part.mesh.triangles.size();
     }
   }
-  return grouped(vertices) + " vertices, " + grouped(triangles) + " triangles";
+  return fmt::format("{} vertices, {} triangles", grouped(vertices), grouped(triangles));
 }
 
 /// The paper's figure beside ours, one experiment. [Zhang 2011, section 3]
@@ -234,12 +241,12 @@ TableRows comparison(const WorkedExperiment& worked) {
       {"β", pull ? "2.0" : "1.6", fixed(setup.tissue.beta, 3)},
       {"one force", pull ? "not given" : "under 1 ms",
        is_timed(worked.analysis)
-           ? microseconds(tick.p50) + " µs p50, " + microseconds(tick.p99) + " µs p99, " +
-                 microseconds(tick.max) + " µs max (whole tick: contact, force, noise, gate)"
+           ? fmt::format("{} µs p50, {} µs p99, {} µs max (whole tick: contact, force, noise, gate)",
+                         microseconds(tick.p50), microseconds(tick.p99), microseconds(tick.max))
            : "not recorded: the run was offline"},
       {"one picture", pull ? "not given" : "32 ms",
        worked.pictures.missing.empty()
-           ? fixed(worked.pictures.draw_ms, 1) + " ms (" + escaped(worked.pictures.driver) + ")"
+           ? fmt::format("{} ms ({})", fixed(worked.pictures.draw_ms, 1), escaped(worked.pictures.driver))
            : "not drawn"},
       {"largest depth", "not given", fixed(main_hand(worked).peak_depth * kMilli, 2) + " mm"},
       {"largest tissue force", "not given", fixed(main_hand(worked).peak_tissue_force, 3) + " N"},
@@ -257,15 +264,16 @@ void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
     const bool offline = worked.experiment->recording->facts.offline;
     const HandAnalysis& hand = main_hand(worked);
     const Analysis& analysis = worked.analysis;
-    rows.push_back({"<a href=\"#" + anchor(++number) + "\">" + escaped(worked.experiment->title) + "</a>",
-                    fixed(hand.peak_depth * kMilli, 2) + " mm", fixed(hand.peak_tissue_force, 3) + " N",
-                    is_timed(analysis) ? microseconds(analysis.tick_time.figures.p50) + " / " +
-                                             microseconds(analysis.tick_time.figures.p99) + "\u00a0µs"
-                                       : "not recorded",
-                    offline ? "offline"
-                            : microseconds(analysis.lateness.figures.p50) + " / " +
-                                  microseconds(analysis.lateness.figures.p99) + " µs",
-                    offline ? "offline" : grouped(analysis.missed) + " of " + grouped(analysis.ticks)});
+    rows.push_back(
+        {fmt::format("<a href=\"#{}\">{}</a>", anchor(++number), escaped(worked.experiment->title)),
+         fixed(hand.peak_depth * kMilli, 2) + " mm", fixed(hand.peak_tissue_force, 3) + " N",
+         is_timed(analysis) ? fmt::format("{} / {}\u00a0µs", microseconds(analysis.tick_time.figures.p50),
+                                          microseconds(analysis.tick_time.figures.p99))
+                            : "not recorded",
+         offline ? "offline"
+                 : fmt::format("{} / {} µs", microseconds(analysis.lateness.figures.p50),
+                               microseconds(analysis.lateness.figures.p99)),
+         offline ? "offline" : grouped(analysis.missed) + " of " + grouped(analysis.ticks)});
   }
   page.table(rows);
   for (const WorkedExperiment& worked : all) {

@@ -3,21 +3,20 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <complex>
 #include <numbers>
-#include <numeric>
 #include <string>
 
+#include <Eigen/Core>
+#include <fmt/core.h>
+#include <unsupported/Eigen/FFT>
+
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
+#include "palpate/fit/distributions.h"
 
 namespace palpate::report {
 namespace {
-
-/// Index of the smallest element that at least `share` of `count` sorted elements do not exceed.
-std::size_t rank_of(double share, std::size_t count) {
-  const double wanted = std::ceil(share * static_cast<double>(count));
-  const auto rank = static_cast<std::size_t>(std::max(1.0, wanted));
-  return std::min(rank, count) - 1;
-}
 
 /// @param times how often each value was met; empty: once each
 void count_into(Bins& bins, std::span<const double> values, std::span<const std::uint64_t> times = {}) {
@@ -37,9 +36,9 @@ Percentiles percentiles(std::vector<std::int64_t> values) {
   result.count = values.size();
   if (values.empty()) return result;
   std::sort(values.begin(), values.end());
-  result.p50 = values[rank_of(0.5, values.size())];
-  result.p99 = values[rank_of(0.99, values.size())];
-  result.p999 = values[rank_of(0.999, values.size())];
+  result.p50 = values[quantile_index(0.5, values.size())];
+  result.p99 = values[quantile_index(0.99, values.size())];
+  result.p999 = values[quantile_index(0.999, values.size())];
   result.max = values.back();
   return result;
 }
@@ -56,8 +55,8 @@ Bins bin_linear(std::span<const double> values, double low, double high, int num
 Bins bin_logarithmic(std::span<const double> values, int per_decade, std::span<const std::uint64_t> times) {
   if (per_decade <= 0) throw InputError("histogram: want at least one bin a decade");
   if (!times.empty() && times.size() != values.size()) {
-    throw InputError("histogram: want one count a value, " + std::to_string(times.size()) + " for " +
-                     std::to_string(values.size()));
+    throw InputError(
+        fmt::format("histogram: want one count a value, {} for {}", times.size(), values.size()));
   }
   double low = 0.0;
   double high = 0.0;
@@ -77,35 +76,9 @@ Bins bin_logarithmic(std::span<const double> values, int per_decade, std::span<c
   return bins;
 }
 
-void transform(std::vector<std::complex<double>>& values) {
-  const std::size_t n = values.size();
-  if (!std::has_single_bit(n)) {
-    throw InputError("Fourier transform: length " + std::to_string(n) + ", want a power of two");
-  }
-  for (std::size_t i = 1, j = 0; i < n; ++i) {
-    std::size_t bit = n >> 1;
-    for (; (j & bit) != 0; bit >>= 1) j ^= bit;
-    j ^= bit;
-    if (i < j) std::swap(values[i], values[j]);
-  }
-  for (std::size_t length = 2; length <= n; length *= 2) {
-    const double angle = -2.0 * std::numbers::pi / static_cast<double>(length);
-    for (std::size_t k = 0; k < length / 2; ++k) {
-      const std::complex<double> turn = std::polar(1.0, angle * static_cast<double>(k));
-      for (std::size_t start = 0; start < n; start += length) {
-        const std::complex<double> even = values[start + k];
-        const std::complex<double> odd = turn * values[start + k + length / 2];
-        values[start + k] = even + odd;
-        values[start + k + length / 2] = even - odd;
-      }
-    }
-  }
-}
-
 Spectrum welch(std::span<const double> samples, double rate, std::size_t segment) {
   if (!std::has_single_bit(segment) || segment < 4) {
-    throw InputError("spectrum: segments of " + std::to_string(segment) +
-                     " samples, want a power of two >= 4");
+    throw InputError(fmt::format("spectrum: segments of {} samples, want a power of two >= 4", segment));
   }
   Spectrum result;
   if (samples.size() < segment) return result;
@@ -118,11 +91,13 @@ Spectrum welch(std::span<const double> samples, double rate, std::size_t segment
   }
   const std::size_t half = segment / 2;
   result.density.assign(half + 1, 0.0);
-  std::vector<std::complex<double>> values(segment);
+  Eigen::FFT<double> fft;
+  std::vector<double> values(segment);
+  std::vector<std::complex<double>> frequencies;
   for (std::size_t start = 0; start + segment <= samples.size(); start += half) {
     for (std::size_t i = 0; i < segment; ++i) values[i] = samples[start + i] * window[i];
-    transform(values);
-    for (std::size_t i = 0; i <= half; ++i) result.density[i] += std::norm(values[i]);
+    fft.fwd(frequencies, values);
+    for (std::size_t i = 0; i <= half; ++i) result.density[i] += std::norm(frequencies[i]);
     ++result.segments;
   }
   for (std::size_t i = 0; i <= half; ++i) {
@@ -139,26 +114,15 @@ NormalCheck check_standard_normal(std::vector<double> values) {
   if (values.empty()) return result;
   std::sort(values.begin(), values.end());
   const auto count = static_cast<double>(values.size());
-  result.mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
-  double squares = 0.0;
+  result.mean = mean(values);
+  result.standard_deviation = standard_deviation(values);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    squares += (values[i] - result.mean) * (values[i] - result.mean);
-    const double expected = 0.5 * std::erfc(-values[i] / std::numbers::sqrt2);
+    const double expected = fit::normal_cdf(values[i]);
     const double below = static_cast<double>(i) / count;
     const double up_to = static_cast<double>(i + 1) / count;
     result.ks_distance = std::max({result.ks_distance, expected - below, up_to - expected});
   }
-  result.standard_deviation = values.size() > 1 ? std::sqrt(squares / (count - 1.0)) : 0.0;
   return result;
-}
-
-double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi); }
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const std::size_t rank = rank_of(share, values.size());
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
-  return values[rank];
 }
 
 }  // namespace palpate::report

@@ -1,5 +1,4 @@
 #pragma once
-#include <complex>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -43,10 +42,6 @@ struct Spectrum {
   std::size_t segments = 0;       // averaged
 };
 
-/// [setup] Discrete Fourier transform in place, radix 2. @throws InputError unless the length is a power of
-/// two.
-void transform(std::vector<std::complex<double>>& values);
-
 /// [setup] Welch's estimate: Hann windows of `segment` samples that overlap by half; a white signal of
 /// variance v has density 2 v / rate. Empty when there are fewer samples than one segment. @param rate Hz, of
 /// the samples
@@ -63,11 +58,5 @@ struct NormalCheck {
 
 /// [setup] Against mean 0 and standard deviation 1; all 0 when empty.
 [[nodiscard]] NormalCheck check_standard_normal(std::vector<double> values);
-
-/// [any] Density of the standard normal distribution.
-[[nodiscard]] double normal_density(double x);
-
-/// [setup] The value that `share` (0..1) of `values` do not exceed; 0 when empty.
-[[nodiscard]] double quantile(std::vector<double> values, double share);
 
 }  // namespace palpate::report

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/report/figures.h"
@@ -13,8 +15,7 @@
 namespace palpate::report {
 namespace {
 
-constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
-constexpr const char* kGrey = "#555555";
+constexpr const char* kDarkGrey = "#555555";
 
 struct Line {
   const char* title;
@@ -31,9 +32,9 @@ std::string axis_name(std::size_t parameter) {
 /// An axis from `low` to `high`: with a logarithm over a factor 3, its tics 1, 2 and 5 times a power of ten.
 std::string axis(const std::string& name, double low, double high) {
   constexpr double kLogarithmFrom = 3.0;
-  std::string text = "set " + name + "range [" + shortest(low) + ":" + shortest(high) + "]\n";
+  std::string text = fmt::format("set {}range [{}:{}]\n", name, shortest(low), shortest(high));
   if (high < kLogarithmFrom * low)
-    return text + "unset logscale " + name + "\nset " + name + "tics autofreq\n";
+    return fmt::format("{}unset logscale {}\nset {}tics autofreq\n", text, name, name);
   std::string tics;
   const int last = static_cast<int>(std::floor(std::log10(high)));
   for (int n = static_cast<int>(std::floor(std::log10(low))); n <= last; ++n) {
@@ -42,7 +43,7 @@ std::string axis(const std::string& name, double low, double high) {
       if (tic >= low && tic <= high) tics += (tics.empty() ? "" : ",") + shortest(tic);
     }
   }
-  return text + "set logscale " + name + "\nset " + name + "tics (" + tics + ")\n";
+  return fmt::format("{}set logscale {}\nset {}tics ({})\n", text, name, name, tics);
 }
 
 std::string where(const fit::Sweep& sweep) {
@@ -53,28 +54,35 @@ std::string where(const fit::Sweep& sweep) {
 /// Columns: value, error in percent, the same where the data leave it, four factors.
 std::string script(const fit::Sweep& sweep, double most, double lowest, double highest) {
   const double unit = fit::labels(0)[sweep.parameter].unit;
-  std::string text =
-      "set encoding utf8\nset terminal svg size 760,560 dynamic noenhanced font 'Helvetica,14' background "
-      "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
-      "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
-      "set key top center horizontal samplen 2 noopaque\nset lmargin 11\nset rmargin 3\n" +
-      axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit) +
-      "set multiplot\nset origin 0,0.49\nset size 1,0.51\nset bmargin 0.6\nset format x ''\n"
-      "set yrange [0:" +
-      shortest(most) +
-      "]\nset ylabel 'error, % of force range'\n"
-      "plot 'sweep.dat' using 1:3 with filledcurves y1=0 lc rgb '#c9dfee' title 'left by the data', "
-      "'' using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '" +
-      std::string(kBlue) + "' title 'error', 'best.dat' using 1:2 with points pt 9 ps 1.1 lc rgb '" + kGrey +
-      "' title 'the fit'\n"
-      "set origin 0,0\nset size 1,0.49\nset key outside top center\nset tmargin 2\nset bmargin 3.4\nset "
-      "format x '%g'\n" +
-      axis("y", lowest, highest) + "set xlabel '" + axis_name(sweep.parameter) +
-      "'\nset ylabel 'others / their best'\nplot 1 with lines lw 1 lc rgb '" + kGrey + "' notitle";
+  std::string text = fmt::format(
+      "{}set lmargin 11\n"
+      "set rmargin 3\n"
+      "{}set multiplot\n"
+      "set origin 0,0.49\n"
+      "set size 1,0.51\n"
+      "set bmargin 0.6\n"
+      "set format x ''\n"
+      "set yrange [0:{}]\n"
+      "set ylabel 'error, % of force range'\n"
+      "plot 'sweep.dat' using 1:3 with filledcurves y1=0 lc rgb '#c9dfee' title 'left by the data', '' using "
+      "1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '{}' title 'error', 'best.dat' using 1:2 with points pt "
+      "9 ps 1.1 lc rgb '{}' title 'the fit'\n"
+      "set origin 0,0\n"
+      "set size 1,0.49\n"
+      "set key outside top center\n"
+      "set tmargin 2\n"
+      "set bmargin 3.4\n"
+      "set format x '%g'\n"
+      "{}set xlabel '{}'\n"
+      "set ylabel 'others / their best'\n"
+      "plot 1 with lines lw 1 lc rgb '{}' notitle",
+      preamble(760, 560, "top center horizontal samplen 2 noopaque"),
+      axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit), shortest(most), kBlue,
+      kDarkGrey, axis("y", lowest, highest), axis_name(sweep.parameter), kDarkGrey);
   for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
     if (i == sweep.parameter) continue;
-    text += ", 'sweep.dat' using 1:" + std::to_string(4 + i) + " with lines lw 2 lc rgb '" +
-            kLines[i].colour + "' title '" + kLines[i].title + "'";
+    text += fmt::format(", 'sweep.dat' using 1:{} with lines lw 2 lc rgb '{}' title '{}'", 4 + i,
+                        kLines[i].colour, kLines[i].title);
   }
   return text + "\nunset multiplot\n";
 }
@@ -91,11 +99,11 @@ Figure draw(const fit::Sweep& sweep, const std::filesystem::path& file) {
   const fit::ParameterLabel label = fit::labels(0)[sweep.parameter];
   Figure figure;
   figure.file = file;
-  figure.alternative = "Error over " + label.name + " of " + where(sweep) + ", and the other parameters";
-  figure.caption =
-      where(sweep) + ": " + label.name +
-      " held at each value and the others fitted again. Shaded: values that the data leave at 95 %. "
-      "Below: where the others go.";
+  figure.alternative = fmt::format("Error over {} of {}, and the other parameters", label.name, where(sweep));
+  figure.caption = fmt::format(
+      "{}: {} held at each value and the others fitted again. Shaded: values that the data leave at 95 %. "
+      "Below: where the others go.",
+      where(sweep), label.name);
   const fit::SweepPoint& centre = nearest(sweep);
   constexpr double kRoom = 1.15;  // factor beside the lines
   std::vector<std::vector<double>> rows;
@@ -149,7 +157,7 @@ void write_sweeps(Page& page, const std::vector<fit::Sweep>& sweeps, const std::
   page.table(rows);
   page.open_grid("one");
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    page.figure(draw(sweeps[i], folder / ("sweep-" + std::to_string(i + 1) + ".svg")));
+    page.figure(draw(sweeps[i], folder / fmt::format("sweep-{}.svg", i + 1)));
   }
   page.close_grid();
   page.close_section();

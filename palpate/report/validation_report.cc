@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <numeric>
-#include <system_error>
 
-#include "palpate/base/error.h"
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/report/figures.h"
@@ -17,9 +15,6 @@
 
 namespace palpate::report {
 namespace {
-
-constexpr const char* kBlue = "#0072B2";  // as the other figures, Okabe and Ito 2008
-constexpr const char* kOrange = "#D55E00";
 
 /// Words of one figure.
 struct Axes {
@@ -34,26 +29,34 @@ struct Axes {
 /// in. Columns: x, measured, computed.
 std::string script(const Axes& axes, double largest_error) {
   const std::string jnd = shortest(fit::kForceJnd);
-  return "set encoding utf8\nset terminal svg size 760,620 dynamic noenhanced font 'Helvetica,14' background "
-         "'#ffffff'\nset output 'figure.svg'\nset border 3 lw 1 lc rgb '#555555'\n"
-         "set tics nomirror out scale 0.6 textcolor rgb '#333333'\nset grid lc rgb '#e4e4e4' lw 1\n"
-         "set key top " +
-         axes.key +
-         " Left reverse samplen 2 spacing 1.15 noopaque\nset lmargin 11\n"
-         "set multiplot\nset origin 0,0.40\nset size 1,0.60\nset bmargin 0.6\nset format x ''\n"
-         "set ylabel '" +
-         axes.y + ", " + axes.unit + "'\nset yrange [*:*<1e9]\nset offsets 0,0,graph 0.12,0\n" +
-         "plot 'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '" + kOrange +
-         "' title 'measured', 'curve.dat' using 1:3 with lines lw 2 lc rgb '" + kBlue +
-         "' title 'computed'\n"
-         "set origin 0,0\nset size 1,0.40\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\n"
-         "set xlabel '" +
-         axes.x + "'\nset ylabel 'absolute error, " + axes.unit +
-         "'\nset yrange [0:*]\nset offsets 0,0,graph 0.35,0\nset ytics " + shortest(tic_step(largest_error)) +
-         "\n"
-         "plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '" +
-         kOrange + "' title 'absolute error', 'curve.dat' using 1:(" + jnd +
-         "*abs($2)) with lines lw 1.5 dt 2 lc rgb '#555555' title '" + axes.jnd + "'\nunset multiplot\n";
+  return fmt::format(
+      "{}set lmargin 11\n"
+      "set multiplot\n"
+      "set origin 0,0.40\n"
+      "set size 1,0.60\n"
+      "set bmargin 0.6\n"
+      "set format x ''\n"
+      "set ylabel '{}, {}'\n"
+      "set yrange [*:*<1e9]\n"
+      "set offsets 0,0,graph 0.12,0\n"
+      "plot 'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '{}' title 'measured', 'curve.dat' using "
+      "1:3 with lines lw 2 lc rgb '{}' title 'computed'\n"
+      "set origin 0,0\n"
+      "set size 1,0.40\n"
+      "set tmargin 0.8\n"
+      "set bmargin 3.4\n"
+      "set format x '%g'\n"
+      "set xlabel '{}'\n"
+      "set ylabel 'absolute error, {}'\n"
+      "set yrange [0:*]\n"
+      "set offsets 0,0,graph 0.35,0\n"
+      "set ytics {}\n"
+      "plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '{}' title 'absolute "
+      "error', 'curve.dat' using 1:({}*abs($2)) with lines lw 1.5 dt 2 lc rgb '#555555' title '{}'\n"
+      "unset multiplot\n",
+      preamble(760, 620, "top " + axes.key + " Left reverse samplen 2 spacing 1.15 noopaque"), axes.y,
+      axes.unit, kOrange, kBlue, axes.x, axes.unit, shortest(tic_step(largest_error)), kOrange, jnd,
+      axes.jnd);
 }
 
 std::vector<std::vector<double>> rows_of(const std::vector<double>& x, double unit_x,
@@ -117,29 +120,23 @@ Figure draw_profile(const ProfileSet& set, const std::filesystem::path& file) {
       file);
 }
 
-std::string brief(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-std::string percent(double share) { return fixed(100.0 * share, 2) + " %"; }
-
 std::string zeros_of(const fit::ZeroedErrors& with) {
-  return "first contact " + brief(with.zeros.first_contact / kMillimetre) + " mm, sensor " +
-         brief(with.zeros.force) + " N: RMS " + percent(with.errors.nrmse) + " of the force range";
+  return fmt::format("first contact {} mm, sensor {} N: RMS {} of the force range",
+                     brief(with.zeros.first_contact / kMillimetre, 3), brief(with.zeros.force, 3),
+                     percent(with.errors.nrmse));
 }
 
 TableRows error_table(const fit::Errors& ours, double cost_ns, const std::string& words,
                       const std::vector<RivalResult>& rivals, double unit, const std::string& unit_name) {
   TableRows rows = {{"law", "parameters", "RMS, " + unit_name, "largest, " + unit_name, "RMS, relative",
                      "one evaluation, ns"}};
-  rows.push_back({"ours", escaped(words), brief(ours.rms / unit), brief(ours.max / unit), percent(ours.nrmse),
-                  cost_ns > 0.0 ? brief(cost_ns) : "not measured"});
+  rows.push_back({"ours", escaped(words), brief(ours.rms / unit, 3), brief(ours.max / unit, 3),
+                  percent(ours.nrmse), cost_ns > 0.0 ? brief(cost_ns, 3) : "not measured"});
   for (const RivalResult& rival : rivals) {
     const fit::Errors& errors = rival.fit.errors;
-    rows.push_back({fit::to_string(rival.fit.kind), escaped(rival.fit.parameters), brief(errors.rms / unit),
-                    brief(errors.max / unit), percent(errors.nrmse), brief(rival.cost_ns)});
+    rows.push_back({fit::to_string(rival.fit.kind), escaped(rival.fit.parameters),
+                    brief(errors.rms / unit, 3), brief(errors.max / unit, 3), percent(errors.nrmse),
+                    brief(rival.cost_ns, 3)});
   }
   return rows;
 }
@@ -154,22 +151,23 @@ void write_summary(Page& page, const Validation& validation, const std::string& 
   TableRows rows = {{"data set", "points", "RMS", "largest", "RMS, relative to", "", "within 7 %"}};
   for (const ForceSet& set : validation.forces) {
     rows.push_back({escaped(set.ours.measured.name), std::to_string(set.ours.measured.size()),
-                    brief(set.ours.errors.rms) + " N", brief(set.ours.errors.max) + " N",
+                    brief(set.ours.errors.rms, 3) + " N", brief(set.ours.errors.max, 3) + " N",
                     percent(set.ours.errors.nrmse), "of the force range", percent(set.ours.within_jnd)});
   }
   for (const ProfileSet& set : validation.profiles) {
     rows.push_back({escaped(set.ours.measured.name), std::to_string(set.ours.measured.size()),
-                    brief(set.ours.errors.rms / kMillimetre) + " mm",
-                    brief(set.ours.errors.max / kMillimetre) + " mm", percent(set.ours.errors.nrmse),
+                    brief(set.ours.errors.rms / kMillimetre, 3) + " mm",
+                    brief(set.ours.errors.max / kMillimetre, 3) + " mm", percent(set.ours.errors.nrmse),
                     "of the depth", ""});
   }
   page.table(rows);
   if (validation.reach) {
     const model::ReachParameters& reach = validation.reach->reach;
-    page.paragraph("The reach was fitted to these profiles: c = " + brief(reach.contact_ratio) +
-                   ", a = " + brief(reach.first_bar_ratio) + ", s = " + brief(reach.bar_ratio) +
-                   ", g = " + brief(reach.weight_ratio) + ", p = " + brief(reach.depth_exponent) +
-                   (validation.reach->exponent_kept ? " (as the tissue has it)." : "."));
+    page.paragraph(
+        fmt::format("The reach was fitted to these profiles: c = {}, a = {}, s = {}, g = {}, p = {}{}",
+                    brief(reach.contact_ratio, 3), brief(reach.first_bar_ratio, 3), brief(reach.bar_ratio, 3),
+                    brief(reach.weight_ratio, 3), brief(reach.depth_exponent, 3),
+                    validation.reach->exponent_kept ? " (as the tissue has it)." : "."));
   }
   std::vector<std::string> missed;
   for (const std::string& goal : validation.missed) missed.push_back("missed: " + escaped(goal));
@@ -194,7 +192,7 @@ void write_set(Page& page, const std::string& name, std::size_t number, const Fi
 void write_sets(Page& page, const Validation& validation, const std::filesystem::path& folder) {
   const model::TissueParameters& tissue = validation.law.tissue;
   std::size_t number = 0;
-  const auto file = [&] { return folder / ("set-" + std::to_string(++number) + ".svg"); };
+  const auto file = [&] { return folder / fmt::format("set-{}.svg", ++number); };
   for (const ForceSet& set : validation.forces) {
     const Figure figure = draw_force(set, !tissue.relaxation.empty(), file());
     std::string note = zeros_text(set);
@@ -211,18 +209,18 @@ void write_sets(Page& page, const Validation& validation, const std::filesystem:
     const TableRows table =
         error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.rivals, kMillimetre, "mm");
     write_set(page, set.ours.measured.name, number, figure, table, !set.rivals.empty(),
-              "Tip of " + brief(set.ours.tip_radius / kMillimetre) + " mm radius, " +
-                  brief(set.ours.depth / kMillimetre) + " mm deep.");
+              fmt::format("Tip of {} mm radius, {} mm deep.", brief(set.ours.tip_radius / kMillimetre, 3),
+                          brief(set.ours.depth / kMillimetre, 3)));
   }
 }
 
 }  // namespace
 
 std::string zeros_text(const ForceSet& set) {
-  std::string text = std::string("  zeros as ") + (set.zeros_fitted ? "fitted (" : "given (") +
-                     zeros_of(set.zeros_fitted ? set.fitted : set.given) + "); as " +
-                     (set.zeros_fitted ? "given (" : "fitted (") +
-                     zeros_of(set.zeros_fitted ? set.given : set.fitted) + ")\n";
+  std::string text = fmt::format("  zeros as {}{}); as {}{})\n", set.zeros_fitted ? "fitted (" : "given (",
+                                 zeros_of(set.zeros_fitted ? set.fitted : set.given),
+                                 set.zeros_fitted ? "given (" : "fitted (",
+                                 zeros_of(set.zeros_fitted ? set.given : set.fitted));
   if (set.fitted.at_limit) {
     text +=
         "  ! the fitted zeros lie where their search ends: cut off the way without contact, take off the "
@@ -233,22 +231,12 @@ std::string zeros_text(const ForceSet& set) {
 
 std::filesystem::path write_validation_report(const Validation& validation, const std::string& command,
                                               const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw InputError(folder.string() + ": the report's folder cannot be made" +
-                     (error ? ": " + error.message() : ""));
-  }
+  make_report_folder(folder);
   Page page("Validation of " + validation.law.tissue.name, "The model against measurements, by palpate");
   write_summary(page, validation, command);
   if (validation.image) write_image_section(page, *validation.image, folder);
   write_sets(page, validation, folder);
-  std::filesystem::path file = folder / "report.html";
-  std::ofstream out(file, std::ios::binary);
-  out << page.html();
-  out.close();
-  if (!out) throw InputError(file.string() + ": the report cannot be written");
-  return file;
+  return page.write(folder);
 }
 
 }  // namespace palpate::report

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/report/law_over_time.h"
@@ -34,29 +36,30 @@ std::string point_mm(const Vec3& p) {
     const std::string text = millimetres(metres);
     return text.substr(0, text.size() - 3);
   };
-  return bare(p.x()) + ", " + bare(p.y()) + ", " + bare(p.z()) + " mm";
+  return fmt::format("{}, {}, {} mm", bare(p.x()), bare(p.y()), bare(p.z()));
 }
 
 std::string mesh_in_words(const geometry::TriangleMesh& mesh) {
   const Vec3 size = geometry::bounds(mesh).size() * kMilli;
-  return grouped(mesh.vertices.size()) + " vertices, " + grouped(mesh.triangles.size()) + " triangles, " +
-         fixed(size.x(), 1) + " × " + fixed(size.y(), 1) + " × " + fixed(size.z(), 1) + " mm";
+  return fmt::format("{} vertices, {} triangles, {} × {} × {} mm", grouped(mesh.vertices.size()),
+                     grouped(mesh.triangles.size()), fixed(size.x(), 1), fixed(size.y(), 1),
+                     fixed(size.z(), 1));
 }
 
 /// "breathing, 8 mm along 0, 0, 1, every 4 s".
 std::string motion_in_words(const std::vector<model::OrganMotionParameters>& motions) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   const auto vector = [](const Vec3& v) {
-    return fixed(v.x(), 2) + ", " + fixed(v.y(), 2) + ", " + fixed(v.z(), 2);
+    return fmt::format("{}, {}, {}", fixed(v.x(), 2), fixed(v.y(), 2), fixed(v.z(), 2));
   };
   std::string text;
   for (const model::OrganMotionParameters& motion : motions) {
     text += (text.empty() ? "" : "; ") + std::string(model::to_string(motion.kind));
     if (motion.amplitude > 0.0) {
-      text += ", " + millimetres(motion.amplitude) + " along (" + vector(motion.direction_W) + ")";
+      text += fmt::format(", {} along ({})", millimetres(motion.amplitude), vector(motion.direction_W));
     }
     if (motion.rotation != 0.0) {
-      text += ", " + fixed(motion.rotation * kDegrees, 1) + "° about (" + vector(motion.axis_W) + ")";
+      text += fmt::format(", {}° about ({})", fixed(motion.rotation * kDegrees, 1), vector(motion.axis_W));
     }
     text += ", every " + fixed(motion.period, 3) + " s";
     if (motion.phase > 0.0) text += ", phase " + fixed(motion.phase, 3);
@@ -77,19 +80,20 @@ Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
   for (const geometry::Tool& tool : setup.tools) {
     std::string text = tool.name;
     for (const geometry::ToolPart& part : tool.parts) {
-      text += "; " + std::string(part.is_jaw ? "jaw" : "part") + (part.name.empty() ? "" : " " + part.name) +
-              ": " + mesh_in_words(part.mesh);
+      text += fmt::format("; {}{}: {}", part.is_jaw ? "jaw" : "part",
+                          part.name.empty() ? "" : " " + part.name, mesh_in_words(part.mesh));
     }
     if (tool.tip_radius) text += "; tip radius " + millimetres(*tool.tip_radius);
     facts.emplace_back("tool", text);
   }
   for (const scene::DeviceSetup& device : setup.devices) {
-    facts.emplace_back("device", device.kind + (device.path.empty() ? "" : ", path " + device.path) +
-                                     ", workspace scale " + shortest(device.workspace_scale));
+    facts.emplace_back("device", fmt::format("{}{}, workspace scale {}", device.kind,
+                                             device.path.empty() ? "" : ", path " + device.path,
+                                             shortest(device.workspace_scale)));
   }
   facts.emplace_back("rate", number(setup.rate_Hz, "Hz"));
-  facts.emplace_back("length", grouped(analysis.ticks) + " ticks, " +
-                                   fixed(static_cast<double>(analysis.ticks) / setup.rate_Hz, 3) + " s");
+  facts.emplace_back("length", fmt::format("{} ticks, {} s", grouped(analysis.ticks),
+                                           fixed(static_cast<double>(analysis.ticks) / setup.rate_Hz, 3)));
   facts.emplace_back("seed", std::to_string(setup.seed));
   return facts;
 }
@@ -99,22 +103,23 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
   const model::SpringLaw law = law_of(setup, direction);
   Facts facts{
       {"name", tissue.name},
-      {"law", (tissue.law == model::LawKind::kSmooth ? "smooth: parallel springs without jumps of stiffness, "
-                                                     : "layered parallel springs, ") +
-                  std::string(direction == model::Direction::kPull ? "pulled" : "pressed") + ", " +
-                  std::to_string(law.layers_allowed()) + " layers at this rate; largest " +
-                  millimetres(law.max_depth()) + " and " + fixed(law.max_force(), 2) + " N"},
+      {"law", fmt::format("{}{}, {} layers at this rate; largest {} and {} N",
+                          tissue.law == model::LawKind::kSmooth
+                              ? "smooth: parallel springs without jumps of stiffness, "
+                              : "layered parallel springs, ",
+                          direction == model::Direction::kPull ? "pulled" : "pressed", law.layers_allowed(),
+                          millimetres(law.max_depth()), fixed(law.max_force(), 2))},
       {"k1", number(tissue.k1, "N/m")},
       {"beta", number(tissue.beta, "")},
       {"q", number(tissue.q, "")},
-      {"rest, largest, smallest length", millimetres(tissue.rest_length) + ", " +
-                                             millimetres(tissue.max_length) + ", " +
-                                             millimetres(tissue.min_length)},
+      {"rest, largest, smallest length",
+       fmt::format("{}, {}, {}", millimetres(tissue.rest_length), millimetres(tissue.max_length),
+                   millimetres(tissue.min_length))},
       {"t1", fixed(tissue.t1 * 1e6, 3) + " µs"},
       {"reach c, a, s, g, p",
-       shortest(tissue.reach.contact_ratio) + ", " + shortest(tissue.reach.first_bar_ratio) + ", " +
-           shortest(tissue.reach.bar_ratio) + ", " + shortest(tissue.reach.weight_ratio) + ", " +
-           shortest(tissue.reach.depth_exponent)},
+       fmt::format("{}, {}, {}, {}, {}", shortest(tissue.reach.contact_ratio),
+                   shortest(tissue.reach.first_bar_ratio), shortest(tissue.reach.bar_ratio),
+                   shortest(tissue.reach.weight_ratio), shortest(tissue.reach.depth_exponent))},
       {"friction", shortest(tissue.contact.friction)},
       {"tangential stiffness", number(tissue.tangential_stiffness(), "N/m")},
       {"damping", number(tissue.contact.damping, "N s/m")},
@@ -122,8 +127,8 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
       {"grip limit", number(tissue.contact.grip_limit, "N")},
   };
   for (const model::RelaxationTerm& term : tissue.relaxation) {
-    facts.emplace_back("relaxation", "by " + shortest(term.share) + " of the force, time constant " +
-                                         number(term.time, "s"));
+    facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.share),
+                                                 number(term.time, "s")));
   }
   if (tissue.source) {
     facts.emplace_back("fitted with",
@@ -136,10 +141,10 @@ Facts other_facts(const scene::Setup& setup) {
   const noise::NoiseSettings& noise = setup.noise;
   const scene::SafetySetup& safety = setup.safety;
   return {
-      {"touch noise", noise.enabled ? "K " + number(noise.gain, "N m") + ", d₀ " +
-                                          millimetres(noise.threshold) + ", σ in contact " +
-                                          fixed(noise.gain / noise.threshold * kMilli, 3) + " mN, clock " +
-                                          number(noise.rate_Hz, "Hz") + ", seed " + std::to_string(noise.seed)
+      {"touch noise", noise.enabled ? fmt::format("K {}, d₀ {}, σ in contact {} mN, clock {}, seed {}",
+                                                  number(noise.gain, "N m"), millimetres(noise.threshold),
+                                                  fixed(noise.gain / noise.threshold * kMilli, 3),
+                                                  number(noise.rate_Hz, "Hz"), noise.seed)
                                     : "off"},
       {"largest force, its change",
        number(safety.max_force, "N") + ", " + number(safety.max_slew / kMilli, "N/ms")},

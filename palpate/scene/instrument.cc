@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/geometry/read_mesh.h"
@@ -110,8 +112,7 @@ geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& no
   for (geometry::ToolPart& jaw : jaws) tool.parts.push_back(std::move(jaw));
   if (tool.parts.size() > kMaxToolParts) {
     const Stated& last = description.jaws.empty() ? *description.mesh : description.jaws.back().mesh;
-    last.fail("the tool has " + std::to_string(tool.parts.size()) + " parts, must be at most " +
-              std::to_string(kMaxToolParts));
+    last.fail(fmt::format("the tool has {} parts, must be at most {}", tool.parts.size(), kMaxToolParts));
   }
   for (geometry::ToolPart& part : tool.parts) {
     geometry::transform(part.mesh, description.mount);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/base/text.h"
@@ -93,8 +95,9 @@ void override_numbers(const Request& request, SceneDescription& scene) {
   if (request.rate_Hz) {
     const double rate = *request.rate_Hz;
     if (!(rate >= kSlowestRate && rate <= kFastestRate)) {
-      throw ParameterError("--rate-Hz", rate,
-                           "a number >= " + shortest(kSlowestRate) + " and <= " + shortest(kFastestRate));
+      throw ParameterError(
+          "--rate-Hz", rate,
+          fmt::format("a number >= {} and <= {}", shortest(kSlowestRate), shortest(kFastestRate)));
     }
     scene.rate_Hz = rate;
   }
@@ -116,12 +119,13 @@ SceneDescription describe(const Request& request) {
   if (request.device) override_device(*request.device, scene);
   override_numbers(request, scene);
   if (!scene.organ) {
-    throw InputError(scene.organ_place + ": missing, must be a built-in organ (" +
-                     alternatives(geometry::builtin_organ_names()) + ") or a file");
+    throw InputError(fmt::format("{}: missing, must be a built-in organ ({}) or a file", scene.organ_place,
+                                 alternatives(geometry::builtin_organ_names())));
   }
   if (scene.tools.empty()) {
-    throw InputError(scene.tool_place + ": missing, must be a built-in tool (" +
-                     alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
+    throw InputError(
+        fmt::format("{}: missing, must be a built-in tool ({}), sphere:R or a file; or [[tool.jaw]]",
+                    scene.tool_place, alternatives(geometry::builtin_tool_names())));
   }
   if (!request.scene && !request.scene_text) {
     scene.name = std::filesystem::path(scene.organ->value).stem().string() +
@@ -140,8 +144,8 @@ void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   const std::vector<std::string>& known = geometry::builtin_organ_names();
   if (std::find(known.begin(), known.end(), organ.value) == known.end()) {
     const std::string near = nearest_word(organ.value, known);
-    organ.fail("must be " + alternatives(known) + ", or a file (with a / or an ending such as .stl)" +
-               (near.empty() ? "" : "; did you mean " + near + "?"));
+    organ.fail(fmt::format("must be {}, or a file (with a / or an ending such as .stl){}",
+                           alternatives(known), near.empty() ? "" : "; did you mean " + near + "?"));
   }
   setup.organ = geometry::make_organ(organ.value);
 }
@@ -205,14 +209,14 @@ std::string check_device_path(const DeviceDescription& device, const DeviceKind&
 void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   const std::size_t hands = scene.tools.size();
   if (hands > kMaxHands) {
-    throw InputError(scene.tool_place + ": there are " + std::to_string(hands) + " tools, must be at most " +
-                     std::to_string(kMaxHands));
+    throw InputError(
+        fmt::format("{}: there are {} tools, must be at most {}", scene.tool_place, hands, kMaxHands));
   }
   std::vector<DeviceDescription> devices = scene.devices;
   if (devices.empty()) devices.resize(hands);
   if (devices.size() != hands) {
-    throw InputError(devices.front().kind.where + ": there are " + std::to_string(devices.size()) +
-                     " devices for " + std::to_string(hands) + " tools, must be one a tool");
+    throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one a tool",
+                                 devices.front().kind.where, devices.size(), hands));
   }
   for (const DeviceDescription& device : devices) {
     const DeviceKind& kind = check_device_kind(device.kind);
@@ -229,8 +233,8 @@ void set_noise(const SceneDescription& scene, Setup& setup) {
   setup.noise.seed = scene.seed;
   if (setup.noise.rate_Hz <= scene.rate_Hz) return;
   if (!scene.noise_rate_place.empty()) {
-    throw InputError(scene.noise_rate_place + " = " + shortest(setup.noise.rate_Hz) +
-                     ": must be at most the loop's rate, " + shortest(scene.rate_Hz) + " Hz");
+    throw InputError(fmt::format("{} = {}: must be at most the loop's rate, {} Hz", scene.noise_rate_place,
+                                 shortest(setup.noise.rate_Hz), shortest(scene.rate_Hz)));
   }
   setup.noise.rate_Hz = scene.rate_Hz;
 }

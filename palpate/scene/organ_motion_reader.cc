@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/base/units.h"
@@ -79,7 +81,7 @@ std::vector<OrganMotionParameters> organ_motions_by_flags(std::span<const std::s
   std::vector<OrganMotionParameters> motions;
   for (const std::string& word : words) {
     std::optional<OrganMotionKind> kind;
-    if (!is_kind(word, kind)) throw InputError("--organ-motion = \"" + word + "\": " + kKindWanted);
+    if (!is_kind(word, kind)) throw InputError(fmt::format("--organ-motion = \"{}\": {}", word, kKindWanted));
     if (kind) motions.push_back(model::organ_motion_preset(*kind));
   }
   try {

@@ -1,5 +1,7 @@
 #include "palpate/scene/scene_file.h"
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/scene/emulated_reader.h"
@@ -197,7 +199,7 @@ class SceneReader final {
 }  // namespace
 
 void Stated::fail(const std::string& want) const {
-  throw InputError(where + " = \"" + value + "\": " + want);
+  throw InputError(fmt::format("{} = \"{}\": {}", where, value, want));
 }
 
 Task parse_task(const Stated& stated) {

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <sstream>
 
+#include <fmt/core.h>
+
 #include "palpate/base/text.h"
 #include "palpate/scene/names.h"
 
@@ -43,8 +45,7 @@ std::string nearest_key(std::string_view word, const std::vector<std::string>& k
 
 std::string Range::in_words() const {
   if (std::isfinite(low) && std::isfinite(high)) {
-    return std::string("a number ") + (low_excluded ? "> " : ">= ") + shortest(low) +
-           " and <= " + shortest(high);
+    return fmt::format("a number {}{} and <= {}", low_excluded ? "> " : ">= ", shortest(low), shortest(high));
   }
   if (std::isfinite(low))
     return std::string("a finite number ") + (low_excluded ? "> " : ">= ") + shortest(low);
@@ -75,8 +76,8 @@ TomlFile parse_toml(const std::string& text, const std::string& name) {
   try {
     return {name, toml::parse(text, name)};
   } catch (const toml::parse_error& error) {
-    throw InputError(name + ":" + std::to_string(error.source().begin.line) +
-                     ": not valid TOML: " + one_line(std::string(error.description())));
+    throw InputError(fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line,
+                                 one_line(std::string(error.description()))));
   }
 }
 
@@ -90,17 +91,17 @@ std::string TomlTable::field(std::string_view key) const {
 std::string TomlTable::place(std::string_view key) const {
   const toml::node* node = table_->get(key);
   const auto line = node == nullptr ? static_cast<unsigned>(line_) : node->source().begin.line;
-  return file_ + ":" + std::to_string(line);
+  return fmt::format("{}:{}", file_, line);
 }
 
 void TomlTable::fail(std::string_view key, const std::string& want) const {
   const toml::node* node = table_->get(key);
   const std::string value = node == nullptr ? "" : " = " + value_in_words(*node);
-  throw InputError(place(key) + ": " + field(key) + value + ": " + want);
+  throw InputError(fmt::format("{}: {}{}: {}", place(key), field(key), value, want));
 }
 
 void TomlTable::fail_missing(std::string_view key, const std::string& want) const {
-  throw InputError(file_ + ":" + std::to_string(line_) + ": " + field(key) + ": missing, " + want);
+  throw InputError(fmt::format("{}:{}: {}: missing, {}", file_, line_, field(key), want));
 }
 
 void TomlTable::fail(const ParameterError& error) const {
@@ -209,9 +210,8 @@ void TomlTable::allow_only(std::initializer_list<const char*> keys) const {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_key(name, known);
     const std::string hint = near.empty() ? "known are " + alternatives(known) : "did you mean " + near + "?";
-    throw InputError(file_ + ":" + std::to_string(key.source().begin.line) + ": " +
-                     field(one_line(std::string(name))) + " = " + value_in_words(node) + ": unknown key, " +
-                     hint);
+    throw InputError(fmt::format("{}:{}: {} = {}: unknown key, {}", file_, key.source().begin.line,
+                                 field(one_line(std::string(name))), value_in_words(node), hint));
   }
 }
 

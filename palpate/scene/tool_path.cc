@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 
@@ -13,13 +15,13 @@ ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper)
   if (rows_.empty()) throw InputError("a tool path must have at least one row");
   for (std::size_t i = 1; i < rows_.size(); ++i) {
     if (rows_[i].time > rows_[i - 1].time) continue;
-    throw InputError("time_s = " + shortest(rows_[i].time) + ": must be later than the row before, " +
-                     shortest(rows_[i - 1].time));
+    throw InputError(fmt::format("time_s = {}: must be later than the row before, {}",
+                                 shortest(rows_[i].time), shortest(rows_[i - 1].time)));
   }
   const double length = rows_.back().time - rows_.front().time;
   if (!std::isfinite(length)) {
-    throw InputError("time_s = " + shortest(rows_.front().time) + " to " + shortest(rows_.back().time) +
-                     ": the path's length must be a finite number");
+    throw InputError(fmt::format("time_s = {} to {}: the path's length must be a finite number",
+                                 shortest(rows_.front().time), shortest(rows_.back().time)));
   }
   if (length > 0.0) rows_per_second_ = static_cast<double>(rows_.size() - 1) / length;
 }

@@ -1,5 +1,6 @@
 #include "bench/measure/account.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 #include "bench/measure/ticks.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 

@@ -1,22 +1,12 @@
 #include "bench/measure/times.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 namespace palpate::bench {
 namespace {
-
-TEST(Times, NearestRankIsTheSmallestThatTheShareDoesNotExceed) {
-  const std::vector<double> five = {1.0, 2.0, 4.0, 8.0, 16.0};
-  EXPECT_EQ(nearest_rank(five, 0.0), 1.0);
-  EXPECT_EQ(nearest_rank(five, 0.2), 1.0);   // one of five
-  EXPECT_EQ(nearest_rank(five, 0.21), 2.0);  // more than one
-  EXPECT_EQ(nearest_rank(five, 0.5), 4.0);
-  EXPECT_EQ(nearest_rank(five, 0.99), 16.0);
-  EXPECT_EQ(nearest_rank(five, 1.0), 16.0);
-  EXPECT_EQ(nearest_rank({}, 0.5), 0.0);
-}
 
 TEST(Times, FiguresOfAThousandAreThoseByHand) {
   std::vector<double> times;

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include "palpate/base/index.h"
 #include "palpate/base/test/temporary_folder.h"
 #include "palpate/contact/averaged_normals.h"
 #include "palpate/contact/organ_surface.h"
@@ -29,8 +30,6 @@ using palpate::test::TemporaryFolder;
 constexpr double kReference = 10e-3;
 constexpr double kRadius = kReference / 2.0;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 struct Surface {
   explicit Surface(const TriangleMesh& organ)

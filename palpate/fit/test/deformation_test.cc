@@ -68,26 +68,11 @@ TEST(ReadDeformations, TellsDepthsApart) {
   EXPECT_DOUBLE_EQ(all[1].displacement[0], 15e-3);
 }
 
-TEST(ReadDeformations, PassesOverCommentsBlankLinesByteOrderMarkAndCarriageReturns) {
-  EXPECT_EQ(read("\xEF\xBB\xBF# made by hand\r\n\r\nr_mm,u_mm\r\n" + kRows + "# end\n")[0].size(), 5U);
-}
-
-TEST(ReadDeformations, RefusesABadHeader) {
-  EXPECT_THAT(error_in(kRows), HasSubstr("side.csv:1: the header is missing"));
-  EXPECT_THAT(error_in("r_mm;u_mm\n"), HasSubstr("semicolons"));
-  EXPECT_THAT(error_in("r_mm,z_mm\n"), HasSubstr("did you mean"));
-  EXPECT_THAT(error_in("r_mm\n"), HasSubstr("u_mm: missing"));
-  EXPECT_THAT(error_in("r_mm,u_mm,u_mm\n"), HasSubstr("stands twice"));
-  EXPECT_THAT(error_in(""), HasSubstr("is empty"));
-  EXPECT_THAT(error_in("r_mm,u_mm\n"), HasSubstr("has no rows"));
-}
-
 TEST(ReadDeformations, RefusesABadRowNamingItsLine) {
   const std::string header = "r_mm,u_mm\n";
-  EXPECT_THAT(error_in(header + "0,nan\n"), HasSubstr("side.csv:2: u_mm = nan: must be a finite number"));
-  EXPECT_THAT(error_in(header + "0,1\n1e999,1\n"), HasSubstr("side.csv:3: r_mm = 1e999"));
-  EXPECT_THAT(error_in(header + "0,2,5\n"), HasSubstr("has 3 values, must have 2"));
-  EXPECT_THAT(error_in(header + "0,0,2,5\n"), HasSubstr("a decimal comma must be a point"));
+  EXPECT_THAT(error_in(header + "0,nan\n"),
+              HasSubstr("side.csv:2: u_mm = nan: must be a finite number up to 1e6"));
+  EXPECT_THAT(error_in("r_mm\n"), HasSubstr("u_mm: missing"));
   EXPECT_THAT(error_in("depth_mm,r_mm,u_mm\n0,1,1\n"), HasSubstr("depth_mm = 0: must be > 0"));
 }
 
@@ -98,11 +83,6 @@ TEST(ReadDeformations, RefusesWhatNoProfileCanBeComparedWith) {
   EXPECT_THAT(error_in(header + "0,1\n1,1\n2,1\n3,1\n4,1\n"), HasSubstr("u_mm is 1 in every row"));
   EXPECT_THAT(error_in(header + "0,-2\n1,-1.5\n2,-1\n3,-0.5\n4,0\n"), HasSubstr("does not fall"));
   EXPECT_THAT(error_in(header + "0,-1\n1,-1.5\n2,-2\n3,-2.5\n4,-3\n"), HasSubstr("does not fall"));
-}
-
-TEST(ReadDeformations, RefusesAFileThatIsNotThereAndAFolder) {
-  EXPECT_THROW((void)read_deformations("/nowhere/side.csv"), InputError);
-  EXPECT_THROW((void)read_deformations("/tmp"), InputError);
 }
 
 // Seven places into three: the first two, the next two and the last three.

@@ -10,6 +10,7 @@
 #include <png.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/base/test/temporary_folder.h"
 #include "palpate/fit/image_edge.h"
 #include "palpate/fit/image_file.h"
@@ -250,8 +251,6 @@ TEST(Robust, TheMostPointsWin) {
   const std::vector<double> line = robust_polynomial(x, y, 1, 0.1);
   EXPECT_NEAR(line[0], 2.0, 1e-2);
   EXPECT_NEAR(line[1], 0.5, 1e-3);
-  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
-  EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/statistics.h"
 #include "palpate/fit/image_measure.h"
 #include "palpate/fit/robust.h"
 #include "palpate/fit/test/image_scene.h"

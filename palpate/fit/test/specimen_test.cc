@@ -54,12 +54,6 @@ TEST(ReadSpecimens, TakesMillimetresAndNewtonsAndTheFilesName) {
   EXPECT_DOUBLE_EQ(all[0].force[3], 0.3);
 }
 
-TEST(ReadSpecimens, PassesOverCommentsBlankLinesByteOrderMarkAndCarriageReturns) {
-  EXPECT_EQ(
-      read("\xEF\xBB\xBF# made by hand\r\n\r\ndisplacement_mm , force_N\r\n" + rows("\n# end\n"))[0].size(),
-      10U);
-}
-
 TEST(ReadSpecimens, SortsRowsToTheirSpecimens) {
   std::string text = "force_N,specimen,time_s,displacement_mm\n";
   for (int i = 0; i < 10; ++i) {
@@ -76,32 +70,16 @@ TEST(ReadSpecimens, SortsRowsToTheirSpecimens) {
   EXPECT_DOUBLE_EQ(all[1].force[9], 0.9);
 }
 
-TEST(ReadSpecimens, SaysLineColumnAndValueOfWhatIsNoNumber) {
+TEST(ReadSpecimens, WantsForcesAndFiniteNumbers) {
   EXPECT_EQ(error_in(kHeader + rows("10,nan\n")),
             "curve.csv:12: force_N = nan: must be a finite number up to 1e9");
-  EXPECT_THAT(error_in(kHeader + rows("1e400,1\n")), HasSubstr("curve.csv:12: displacement_mm = 1e400"));
-  EXPECT_THAT(error_in(kHeader + rows("10,x\n")), HasSubstr("force_N = x"));
-  EXPECT_THAT(error_in(kHeader + rows("10\n")), HasSubstr("curve.csv:12: the row has 1 values, must have 2"));
+  EXPECT_THAT(error_in("displacement_mm,time_s\n" + rows()), HasSubstr("force_N: missing"));
 }
 
 TEST(ReadSpecimens, RefusesTimeThatDoesNotRise) {
   std::string text = "time_s,displacement_mm,force_N\n0,0,0\n1,1,1\n";
   EXPECT_EQ(error_in(text + "1,2,2\n"), "curve.csv:4: time_s = 1: must be later than the row before, 1");
   EXPECT_THAT(error_in(text + "0.5,2,2\n"), HasSubstr("curve.csv:4: time_s = 0.5"));
-}
-
-TEST(ReadSpecimens, RefusesHeadersThatAreMissingUnknownOrTwice) {
-  EXPECT_THAT(error_in(rows()), HasSubstr("curve.csv:1: the header is missing"));
-  EXPECT_THAT(error_in("displacement_mm,forceN\n" + rows()), HasSubstr("did you mean force_N?"));
-  EXPECT_THAT(error_in("displacement_mm,displacement_mm\n" + rows()), HasSubstr("stands twice"));
-  EXPECT_THAT(error_in("displacement_mm,time_s\n" + rows()), HasSubstr("force_N: missing"));
-  EXPECT_THAT(error_in(""), HasSubstr("is empty"));
-  EXPECT_THAT(error_in(kHeader), HasSubstr("has no rows"));
-}
-
-TEST(ReadSpecimens, TellsDecimalCommasAndSemicolonsFromBadRows) {
-  EXPECT_THAT(error_in("displacement_mm;force_N\n0,5;0,1\n"), HasSubstr("curve.csv:1: semicolons"));
-  EXPECT_THAT(error_in(kHeader + "0,5,0,1\n"), HasSubstr("a decimal comma must be a point"));
 }
 
 TEST(ReadSpecimens, RefusesTooFewRowsAndWhatNeverChanges) {
@@ -125,12 +103,6 @@ TEST(ReadSpecimens, RefusesSignsTheOtherWayRound) {
   }
   EXPECT_THAT(error_in(falling), HasSubstr("force_N falls as displacement_mm rises"));
   EXPECT_THAT(error_in(negative), HasSubstr("displacement_mm is never above 0"));
-}
-
-TEST(ReadSpecimens, RefusesMissingFilesAndFolders) {
-  const TemporaryFolder folder;
-  EXPECT_THROW((void)read_specimens(folder.path() / "none.csv"), InputError);
-  EXPECT_THROW((void)read_specimens(folder.path()), InputError);
 }
 
 TEST(Thinned, AveragesNeighboursInDisplacementWithoutTimes) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -71,28 +70,6 @@ TEST(Bins, LogarithmicBinsOfNothingPositiveAreEmpty) {
   EXPECT_TRUE(bin_logarithmic(values, 10).counts.empty());
 }
 
-TEST(Transform, EqualsTheSumOfTheDefinition) {
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
-  std::vector<std::complex<double>> values(32);
-  for (auto& value : values) value = {normal(random), normal(random)};
-  std::vector<std::complex<double>> fast = values;
-  transform(fast);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    std::complex<double> slow = 0.0;
-    for (std::size_t n = 0; n < values.size(); ++n) {
-      const double turns = static_cast<double>(k * n) / static_cast<double>(values.size());
-      slow += values[n] * std::polar(1.0, -2.0 * std::numbers::pi * turns);
-    }
-    EXPECT_NEAR(std::abs(fast[k] - slow), 0.0, 1e-12) << "bin " << k;
-  }
-}
-
-TEST(Transform, RefusesALengthThatIsNoPowerOfTwo) {
-  std::vector<std::complex<double>> values(12);
-  EXPECT_THROW(transform(values), InputError);
-}
-
 TEST(Welch, WhiteSamplesHaveTwiceTheVarianceOverTheRate) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal(0.0, 3.0);
@@ -150,17 +127,6 @@ TEST(NormalCheck, ANormalSampleIsNearAndAUniformOneIsFar) {
   const double bound = 1.95 / std::sqrt(20000.0);
   EXPECT_LT(check_standard_normal(good).ks_distance, bound);
   EXPECT_GT(check_standard_normal(bad).ks_distance, 3.0 * bound);
-}
-
-TEST(NormalDensity, IsTheStandardNormalCurve) {
-  EXPECT_NEAR(normal_density(0.0), 0.3989422804014327, 1e-15);
-  EXPECT_NEAR(normal_density(1.0), 0.2419707245191434, 1e-15);
-}
-
-TEST(Quantile, IsTheSmallestValueThatCoversTheShare) {
-  EXPECT_DOUBLE_EQ(quantile({5.0, 1.0, 4.0, 2.0, 3.0}, 0.5), 3.0);
-  EXPECT_DOUBLE_EQ(quantile({5.0, 1.0, 4.0, 2.0}, 0.5), 2.0);
-  EXPECT_DOUBLE_EQ(quantile({}, 0.5), 0.0);
 }
 
 }  // namespace

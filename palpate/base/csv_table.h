@@ -1,0 +1,74 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+/// What a CSV file may have in one of its columns.
+struct CsvColumn {
+  std::string name;  // as the header has it, with its unit
+  bool required = true;
+  bool is_text = false;  // a name, not a number
+};
+
+/// A CSV file, read row by row: columns by header name in any order, commas between cells, points in numbers.
+/// Blank lines, lines that begin with # and a byte order mark do not count. Every error is one line,
+/// FILE:LINE: COLUMN = VALUE: what would be right. A line holds at most 64 KiB.
+class CsvTable final {
+ public:
+  /// [setup] Opens the file and reads its header. @param largest absolute value of a number, a power of ten
+  /// @throws InputError when the file cannot be read or is empty, or the header is missing, has a column
+  /// twice or one that is not in `columns`, or lacks a required one.
+  CsvTable(const std::filesystem::path& file, std::vector<CsvColumn> columns,
+           double largest = std::numeric_limits<double>::infinity());
+
+  /// [setup] Whether the header names the column, given by its index in `columns`.
+  [[nodiscard]] bool has(std::size_t column) const { return cell_of_[column] != kAbsent; }
+
+  /// [setup] Reads the next row. @return false at the end of the file
+  /// @throws InputError when there is no row at all, a row has not one value a column, a name is empty, or a
+  /// number is not finite or too large.
+  [[nodiscard]] bool next_row();
+
+  /// [setup] The row's number in a column; 0 when the file does not have it.
+  [[nodiscard]] double number(std::size_t column) const { return numbers_[column]; }
+
+  /// [setup] The row's name in a column, until the next row is read; empty when the file does not have it.
+  [[nodiscard]] std::string_view text(std::size_t column) const {
+    return has(column) ? cells_[cell_of_[column]] : std::string_view();
+  }
+
+  /// [setup] @throws InputError FILE:LINE: what.
+  [[noreturn]] void fail(const std::string& what) const;
+  /// [setup] @throws InputError FILE:LINE: COLUMN = VALUE: want, about the row's number in a column.
+  [[noreturn]] void fail(std::size_t column, const std::string& want) const;
+
+ private:
+  static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
+
+  [[nodiscard]] bool next_line();
+  void split();
+  void read_header();
+  [[nodiscard]] std::size_t column_named(std::string_view cell) const;
+  void read_number(std::size_t column);
+
+  std::string file_;
+  std::ifstream in_;
+  std::vector<CsvColumn> columns_;
+  double largest_;
+  std::string buffer_;
+  std::string_view line_;  // in the buffer
+  std::vector<std::string_view> cells_;
+  std::vector<std::size_t> cell_of_;  // of each column
+  std::vector<double> numbers_;       // of each column
+  std::size_t line_number_ = 0;
+  std::size_t header_cells_ = 0;
+  bool has_rows_ = false;
+};
+
+}  // namespace palpate
