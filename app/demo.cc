@@ -36,13 +36,14 @@ struct DemoFlags {
   haptics::LoopThread thread;
 };
 
-fs::path write_demo_report(const std::vector<Session>& sessions, const std::vector<OutputFiles>& files,
-                           const fs::path& folder, const std::string& command_line) {
+fs::path write_demo_report(const std::vector<std::unique_ptr<Session>>& sessions,
+                           const std::vector<OutputFiles>& files, const fs::path& folder,
+                           const std::string& command_line) {
   std::vector<record::Recording> recordings;
   for (const OutputFiles& file : files) recordings.push_back(record::read_recording(file.recording));
   std::vector<report::Experiment> experiments;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    experiments.push_back({title_of(sessions[i].setup), &recordings[i], command_line});
+    experiments.push_back({title_of(sessions[i]->setup()), &recordings[i], command_line});
   }
   Progress bar("report");
   return report::write_report(experiments, folder,
@@ -51,11 +52,11 @@ fs::path write_demo_report(const std::vector<Session>& sessions, const std::vect
 
 int demo(const DemoFlags& flags, const std::string& command_line) {
   require_usable_core(flags.thread.core);
-  std::vector<Session> sessions;
+  std::vector<std::unique_ptr<Session>> sessions;
   for (const Experiment& experiment : kExperiments) {
     scene::Request request;
     request.task = experiment.task;
-    sessions.push_back(prepare(request, std::nullopt, flags.no_cache));
+    sessions.push_back(prepare(scene::load(request), std::nullopt, flags.no_cache));
   }
   require_writable_folder(flags.folder, "--report");
   fs::create_directories(flags.folder);
@@ -66,15 +67,18 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   std::vector<OutputFiles> files;
   for (std::size_t i = 0; i < sessions.size() && !stopped; ++i) {
     files.push_back({flags.folder / kExperiments[i].file, {}, {}});
-    RunAccount account;
+    RunResult result;
     {
       const StopOnSignal signals;
-      account = play(sessions[i], {files[i].recording, false, flags.thread}, signals.flag());
+      PlayOptions how;
+      how.run = {files[i].recording, false, flags.thread};
+      how.stop = &signals.flag();
+      result = play(*sessions[i], how);
     }
-    stopped = account.loop.stopped_early;
-    exit_code = std::max(exit_code, exit_code_of(account, std::nullopt));
-    summaries.push_back(summary_json(account, files[i]));
-    if (!flags.json) print_summary(std::cout, account, files[i]);
+    stopped = result.loop.stopped_early;
+    exit_code = std::max(exit_code, exit_code_of(result, std::nullopt));
+    summaries.push_back(summary_json(result, files[i]));
+    if (!flags.json) print_summary(std::cout, result, files[i]);
   }
   if (stopped) {
     tell("stopped before the end of the demo; no report was written");

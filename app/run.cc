@@ -76,7 +76,7 @@ bool wants_window(const RunFlags& flags) {
 /// A mouse or a gamepad needs the window that feeds it.
 void require_window(const Session& session, const RunFlags& flags, bool window) {
   if (window) return;
-  for (const scene::DeviceSetup& device : session.setup.devices) {
+  for (const scene::DeviceSetup& device : session.setup().devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind == nullptr || !kind->window) continue;
     const std::string why = flags.offline    ? "with --offline"
@@ -94,7 +94,7 @@ bool wants_outputs(const RunFlags& flags) {
 
 /// How a run went, with what was begun in its window after it.
 struct Played {
-  RunAccount account;
+  RunResult result;
   bool later_fault = false;
   bool display_lost = false;
 };
@@ -118,7 +118,7 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
     tell(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
          " in the window; what follows is the first");
   }
-  return {std::move(outcome.account), outcome.later_fault, outcome.display_lost};
+  return {std::move(outcome.result), outcome.later_fault, outcome.display_lost};
 }
 
 /// In a window where there can be one.
@@ -133,18 +133,21 @@ Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& re
       require_window(session, flags, false);
     }
   }
-  PlayOptions how{recording, flags.offline, flags.thread};
+  PlayOptions how;
+  how.run = {recording, flags.offline, flags.thread};
   how.igtl = igtl;
-  return {play(session, how, signals.flag()), false, false};
+  how.stop = &signals.flag();
+  return {play(session, how), false, false};
 }
 
 int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   require_usable_core(flags.thread.core);
   (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
-  Session session = prepare(flags.request, flags.duration_s, flags.no_cache);
+  const std::unique_ptr<Session> session =
+      prepare(scene::load(flags.request), flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);
-  require_window(session, flags, window);
+  require_window(*session, flags, window);
   OutputFiles files = flags.files;
   check_outputs(files);
 
@@ -156,12 +159,12 @@ int run(const RunFlags& flags, const std::string& command_line) {
   fs::path recorded = files.recording;
   if (recorded.empty() && !files.screenshot.empty()) recorded = temporary.emplace().path();
 
-  const std::string title = title_of(session.setup);
+  const std::string title = title_of(session->setup());
   igtl.tell_where();
-  Played played = play_as_asked(session, flags, recorded, window, igtl.server());
-  played.account.igtl = igtl.finish();
-  const RunAccount& account = played.account;
-  bool draw = account.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
+  const Played played = play_as_asked(*session, flags, recorded, window, igtl.server());
+  const std::optional<net::IgtlTally> tally = igtl.finish();
+  const RunResult& result = played.result;
+  bool draw = result.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
   if (draw && played.display_lost) {  // SDL holds on to the display that is gone, and cannot have another
     tell("no pictures can be drawn now: no report and no screenshot were made" +
          (files.recording.empty()
@@ -174,7 +177,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   if (draw) {
     const record::Recording recording = record::read_recording(recorded);
     if (!files.screenshot.empty())
-      write_screenshot(recording, account.highlights, files.screenshot, flags.no_cache);
+      write_screenshot(recording, result.statistics, files.screenshot, flags.no_cache);
     if (!files.report.empty()) {
       Progress bar("report");
       files.report =
@@ -183,11 +186,11 @@ int run(const RunFlags& flags, const std::string& command_line) {
     }
   }
   if (flags.json) {
-    std::cout << summary_json(account, files).dump(2) << '\n';
+    std::cout << summary_json(result, files, tally).dump(2) << '\n';
   } else {
-    print_summary(std::cout, account, files);
+    print_summary(std::cout, result, files);
   }
-  const int code = exit_code_of(account, flags.max_missed);
+  const int code = exit_code_of(result, flags.max_missed);
   return played.later_fault ? kFault : code;
 }
 

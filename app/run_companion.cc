@@ -5,7 +5,6 @@
 #include <condition_variable>
 #include <mutex>
 #include <stop_token>
-#include <utility>
 
 #include <unistd.h>
 
@@ -23,13 +22,8 @@ std::string seconds(double time) { return shortest(std::round(time * 10.0) / 10.
 
 }  // namespace
 
-RunCompanion::RunCompanion(std::string title, std::uint64_t ticks, double rate_Hz,
-                           std::vector<haptics::Device*> devices)
-    : title_(std::move(title)),
-      ticks_(ticks),
-      rate_Hz_(rate_Hz),
-      devices_(std::move(devices)),
-      thread_([this](const std::stop_token& stop) { accompany(stop); }) {}
+RunCompanion::RunCompanion(const session::Session& session)
+    : session_(session), thread_([this](const std::stop_token& stop) { accompany(stop); }) {}
 
 RunCompanion::~RunCompanion() {
   thread_.request_stop();
@@ -37,28 +31,29 @@ RunCompanion::~RunCompanion() {
 }
 
 void RunCompanion::accompany(const std::stop_token& stop) {
-  Progress bar(title_);
+  Progress bar(session_.setup().name);
   std::mutex mutex;
   std::condition_variable_any wake;
   std::unique_lock lock(mutex);
   for (bool last = false; !last;) {
     last = wake.wait_for(lock, stop, kRedraw, [&stop] { return stop.stop_requested(); });
     haptics::FaultSeen seen;
-    while (fault_news_.pop(seen)) {
+    while (faults_.pop(seen)) {
       bar.clear();
       tell_fault(seen);
     }
     if (last) break;
     const auto ticks = static_cast<double>(done_.load(std::memory_order_relaxed));
-    bar.update(ticks / static_cast<double>(ticks_), seconds(ticks / rate_Hz_));
+    bar.update(ticks / static_cast<double>(session_.ticks()), seconds(ticks / session_.setup().rate_Hz));
   }
 }
 
 void RunCompanion::tell_fault(const haptics::FaultSeen& seen) const {
-  const std::string trouble = devices_[seen.hand]->trouble();
+  const std::string trouble = session_.devices()[seen.hand]->trouble();
   tell_error("fault at tick " + std::to_string(seen.tick) + " (" +
-             shortest(static_cast<double>(seen.tick) / rate_Hz_) + " s), hand " + std::to_string(seen.hand) +
-             ": " + haptics::words_of(seen.fault) + (trouble.empty() ? "" : " (" + trouble + ")") +
+             shortest(static_cast<double>(seen.tick) / session_.setup().rate_Hz) + " s), hand " +
+             std::to_string(seen.hand) + ": " + haptics::words_of(seen.fault) +
+             (trouble.empty() ? "" : " (" + trouble + ")") +
              "; the force stays zero until it is reset: kill -USR1 " + std::to_string(getpid()));
 }
 

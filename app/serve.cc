@@ -113,8 +113,7 @@ int serve(const ServeFlags& flags) {
   check_runs(flags.runs);
   scene::Setup setup = scene::load(flags.runs.request);
   require_windowless(setup);
-  ServedRuns runs(flags.runs, std::make_unique<Session>(
-                                  prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache)));
+  ServedRuns runs(flags.runs, prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache));
   net::LiveServer server(options, runs);
   const StopOnSignal signals;
   runs.stop_with(signals.flag());

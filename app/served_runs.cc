@@ -6,7 +6,7 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
-#include "palpate/render/indentations.h"
+#include "palpate/deform/indentations.h"
 #include "palpate/scene/device_kinds.h"
 #include "palpate/scene/names.h"
 
@@ -46,11 +46,11 @@ void require_windowless(const scene::Setup& setup) {
 ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
     : options_(std::move(options)),
       first_(std::move(first)),
-      tissue_(first_->setup.tissue),
-      noise_(first_->setup.noise) {}
+      tissue_(first_->setup().tissue),
+      noise_(first_->setup().noise) {}
 
 const scene::Setup& ServedRuns::setup() const {
-  return run_ != nullptr ? run_->session().setup : first_->setup;
+  return run_ != nullptr ? run_->session().setup() : first_->setup();
 }
 
 void ServedRuns::say(const std::string& event, Json members) {
@@ -70,7 +70,7 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   surface_.reset();
   moved_ns_ = 0;
   first_.reset();
-  const scene::Setup& played = run_->session().setup;
+  const scene::Setup& played = run_->session().setup();
   tissue_ = played.tissue;
   noise_ = played.noise;
   say("run", {{"run", about_run()}});
@@ -79,15 +79,15 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
 void ServedRuns::begin_first() {
   const model::TissueParameters tissue = tissue_;  // may be changed already, before anything was played
   const haptics::LiveNoise noise = live(noise_);
-  const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->setup.tissue);
-  const bool other_noise = !(noise == live(first_->setup.noise));
+  const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->setup().tissue);
+  const bool other_noise = !(noise == live(first_->setup().noise));
   begin(std::move(first_), next_recording());
   if (other_tissue) {
-    (void)run_->changes().offer(tissue);
+    (void)run_->session().updates().offer(tissue);
     tissue_ = tissue;
   }
   if (other_noise) {
-    (void)run_->changes().offer(noise);
+    (void)run_->session().updates().offer(noise);
     noise_.enabled = noise.enabled;
     noise_.gain = noise.gain;
     noise_.threshold = noise.threshold;
@@ -104,7 +104,7 @@ ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net
   if (const auto* noise = std::get_if<net::SetNoise>(&command)) return set_noise(noise->edit);
   if (std::holds_alternative<net::ResetFaults>(command)) {
     if (!running()) throw LiveError("state", "reset_faults: nothing is running");
-    reset_faults();
+    run_->session().control().reset_faults();
     return Json::object();
   }
   throw LiveError("command", "do: is no command for a scene", "do");
@@ -121,12 +121,12 @@ Json ServedRuns::about_run() {
   if (run_ == nullptr) return about;
   about["recording"] = run_->recording().empty() ? Json(nullptr) : Json(run_->recording().string());
   if (!accounted_) return about;
-  if (run_->account()) {
-    about["ticks"] = run_->account()->loop.ticks;
-    about["stopped_early"] = run_->account()->loop.stopped_early;
-    about["fault"] = haptics::name_of(run_->account()->loop.fault);
+  if (run_->run().result()) {
+    about["ticks"] = run_->run().result()->loop.ticks;
+    about["stopped_early"] = run_->run().result()->loop.stopped_early;
+    about["fault"] = haptics::name_of(run_->run().result()->loop.fault);
   } else {
-    about["failure"] = run_->failure();
+    about["failure"] = run_->run().failure();
   }
   return about;
 }
@@ -137,7 +137,7 @@ net::LiveState ServedRuns::newest() {
   state.run = run_->number();
   state.tick = run_->tap().newest();
   if (state.tick == nullptr) return state;
-  const haptics::SimulationWorld& world = run_->session().world;
+  const haptics::SimulationWorld& world = run_->session().world();
   state.organ_W = world.organ_motion.pose_at(world.organ_W, state.tick->tick, world.rate_Hz);
   return state;
 }
@@ -161,7 +161,7 @@ ServedRuns::Answer ServedRuns::surface(bool at_rest) {
   if (const std::int64_t now = monotonic_ns(); now >= moved_ns_) {
     moved_ns_ = now + kBetween;
     moved_ = {{"run", runs_}, {"tick", snapshot->tick}};
-    moved_.update(surface_->moved(snapshot->reach, render::indentations_of(*snapshot)));
+    moved_.update(surface_->moved(snapshot->reach, deform::indentations_of(snapshot->hand_results())));
   }
   return Json{{"surface", moved_}};
 }
@@ -219,7 +219,7 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& a
 ServedRuns::Answer ServedRuns::start(const net::Asker& asker) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run goes on; stop it first, or load a scene");
-  if (first_ != nullptr && !first_->devices.empty()) {
+  if (first_ != nullptr && !first_->devices().empty()) {
     begin_first();
     return Json{{"run", about_run()}};
   }
@@ -241,7 +241,7 @@ ServedRuns::Answer ServedRuns::set_tissue(const net::TissueEdit& edit) {
   model::validate(tissue);
   Json answer{{"change", nullptr}, {"warnings", Json::array()}};
   if (running()) {
-    const haptics::LiveChanges::Accepted accepted = run_->changes().offer(tissue);
+    const haptics::LiveChanges::Accepted accepted = run_->session().updates().offer(tissue);
     answer["change"] = accepted.number;
     answer["warnings"] = accepted.warnings;
   }
@@ -258,7 +258,7 @@ ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
   settings.threshold = noise.threshold;
   noise::validate(settings, setup().rate_Hz);
   Json answer{{"change", nullptr}};
-  if (running()) answer["change"] = run_->changes().offer(noise).number;
+  if (running()) answer["change"] = run_->session().updates().offer(noise).number;
   noise_ = settings;
   say("noise", {{"change", answer["change"]}, {"noise", net::noise_json(noise)}});
   return answer;
@@ -282,7 +282,7 @@ std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
 
 void ServedRuns::tell_faults() {
   while (const std::optional<net::FaultTurn> turn = run_->tap().take_fault()) {
-    const std::string trouble = run_->session().devices[turn->hand]->trouble();
+    const std::string trouble = run_->session().devices()[turn->hand]->trouble();
     Json fault{{"run", run_->number()},
                {"tick", turn->tick},
                {"time_s", static_cast<double>(turn->tick) / setup().rate_Hz},
@@ -297,18 +297,18 @@ void ServedRuns::tell_faults() {
 void ServedRuns::account_for_run() {
   run_->release();
   accounted_ = true;
-  if (run_->account()) {
-    fault_ = fault_ || run_->account()->loop.fault != haptics::Fault::kNone;
+  if (run_->run().result()) {
+    fault_ = fault_ || run_->run().result()->loop.fault != haptics::Fault::kNone;
     const OutputFiles files{run_->recording(), {}, {}};
     if (options_.json) {
-      std::cout << net::text_of({{"run", summary_json(*run_->account(), files)}}) << std::endl;
+      std::cout << net::text_of({{"run", summary_json(*run_->run().result(), files)}}) << std::endl;
     } else {
-      print_summary(std::cout, *run_->account(), files);
+      print_summary(std::cout, *run_->run().result(), files);
       std::cout << std::flush;
     }
   } else {
     failed_ = true;
-    tell_error(run_->failure());
+    tell_error(run_->run().failure());
   }
   say("run", {{"run", about_run()}});
   for (const net::Asker& asker : std::exchange(stop_askers_, {})) {
@@ -320,7 +320,7 @@ void ServedRuns::look_after_next() {
   switch (next_->state()) {
     case NextSession::State::kRead:
       if (running()) return run_->stop();  // the force goes off first
-      if (first_ != nullptr) first_->devices.clear();
+      if (first_ != nullptr) first_->close_devices();
       next_->prepare_now(options_.duration_s, options_.no_cache);
       break;
     case NextSession::State::kReady: {

@@ -12,9 +12,9 @@
 #include "palpate/net/live_server.h"
 #include "palpate/net/live_surface.h"
 
+#include "app/next_session.h"
 #include "app/served_run.h"
 #include "app/session.h"
-#include "app/window/next_session.h"
 
 namespace palpate::app {
 

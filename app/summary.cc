@@ -3,25 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <limits>
 #include <ostream>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/text.h"
-#include "palpate/haptics/gate.h"
 
 namespace palpate::app {
+
+using session::RunResult;
+
 namespace {
-
-constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
-constexpr std::uint32_t kGateBits =
-    haptics::kForceClamped | haptics::kForceSlewed | haptics::kTorqueClamped | haptics::kTorqueSlewed;
-
-double norm(const std::array<double, 3>& v) noexcept {
-  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
 
 const char* phase_name(std::uint32_t phase) {
   switch (static_cast<contact::Phase>(phase)) {
@@ -59,10 +52,10 @@ void print_times(std::ostream& out, const char* name, const haptics::Histogram& 
   out << std::setw(10) << microseconds(times.max()) << '\n' << std::defaultfloat;
 }
 
-void print_phases(std::ostream& out, const Highlights& seen, bool several_hands) {
+void print_phases(std::ostream& out, const session::RunStatistics& seen, bool several_hands) {
   constexpr std::size_t kShown = 12;
   for (std::size_t i = 0; i < std::min(kShown, seen.phases.size()); ++i) {
-    const PhaseSpan& span = seen.phases[i];
+    const session::PhaseSpan& span = seen.phases[i];
     out << "  ";
     if (several_hands) out << "hand " << span.hand << "  ";
     out << std::left << std::setw(10) << phase_name(span.phase) << std::right << std::fixed
@@ -74,12 +67,12 @@ void print_phases(std::ostream& out, const Highlights& seen, bool several_hands)
   if (more > 0) out << "  and " << more << " more\n";
 }
 
-const char* pace_of(const RunAccount& run) {
+const char* pace_of(const RunResult& run) {
   if (run.offline) return "offline";
   return run.loop.polled ? "in real time, polling the clock" : "in real time";
 }
 
-void print_timing(std::ostream& out, const RunAccount& run) {
+void print_timing(std::ostream& out, const RunResult& run) {
   out << "Timing [us]                      p50       p99     p99.9       max\n";
   print_times(out, "computing a tick", run.loop.tick_time);
   if (run.offline) return;
@@ -96,8 +89,8 @@ std::string moment(std::uint64_t tick, double rate_Hz) {
 
 /// "a fault was latched (stalled-loop) at tick 12 (0.012 s), hand 0: the loop stood still for 20 ms; zero
 /// force from there on".
-std::string fault_in_words(const RunAccount& run, const haptics::FaultSeen& seen) {
-  const double rate = run.setup->rate_Hz;
+std::string fault_in_words(const RunResult& run, const haptics::FaultSeen& seen) {
+  const double rate = run.rate_Hz;
   const bool reset = seen.reset_tick != haptics::FaultSeen::kNotReset;
   return fmt::format("a fault was latched ({}) at {}, hand {}: {}; zero force {}",
                      haptics::name_of(seen.fault), moment(seen.tick, rate), seen.hand,
@@ -105,11 +98,11 @@ std::string fault_in_words(const RunAccount& run, const haptics::FaultSeen& seen
                      reset ? "until it was reset at " + moment(seen.reset_tick, rate) : "from there on");
 }
 
-nlohmann::ordered_json faults_json(const RunAccount& run) {
+nlohmann::ordered_json faults_json(const RunResult& run) {
   nlohmann::ordered_json faults = nlohmann::ordered_json::array();
   for (const haptics::FaultSeen& seen : run.loop.faults) {
     nlohmann::ordered_json fault{{"tick", seen.tick},
-                                 {"time_s", static_cast<double>(seen.tick) / run.setup->rate_Hz},
+                                 {"time_s", static_cast<double>(seen.tick) / run.rate_Hz},
                                  {"hand", seen.hand},
                                  {"fault", haptics::name_of(seen.fault)},
                                  {"reset_tick", nullptr}};
@@ -121,70 +114,14 @@ nlohmann::ordered_json faults_json(const RunAccount& run) {
 
 }  // namespace
 
-RowWatch::RowWatch(haptics::TickSink* next, const scene::Setup& setup)
-    : next_(next),
-      period_(1.0 / setup.rate_Hz),
-      last_contact_tick_(kNever),
-      last_limited_tick_(kNever),
-      open_span_(setup.tools.size(), -1),
-      last_phase_(setup.tools.size(), -1) {
-  highlights_.phases.reserve(Highlights::kMaxSpans);
-}
-
-void RowWatch::begin(std::int64_t started_unix_ns) noexcept {
-  if (next_ != nullptr) next_->begin(started_unix_ns);
-}
-
-void RowWatch::put_change(const haptics::LiveChange& change) noexcept {
-  ++highlights_.changes;
-  if (next_ != nullptr) next_->put_change(change);
-}
-
-void RowWatch::put(const haptics::TickRow& row) noexcept {
-  highlights_.peak_force = std::max(highlights_.peak_force, norm(row.force));
-  highlights_.peak_tissue = std::max(highlights_.peak_tissue, row.tissue_force);
-  if (row.depth > highlights_.peak_depth) {
-    highlights_.peak_depth = row.depth;
-    highlights_.deepest_tick = row.tick;
-    highlights_.deepest_hand = row.hand;
-  }
-  if (row.phase != 0 && row.tick != last_contact_tick_) {
-    ++highlights_.contact_ticks;
-    last_contact_tick_ = row.tick;
-  }
-  if ((row.status & kGateBits) != 0 && row.tick != last_limited_tick_) {
-    ++highlights_.limited_ticks;
-    last_limited_tick_ = row.tick;
-  }
-  highlights_.status |= row.status;
-  follow_phase(row);
-  if (next_ != nullptr) next_->put(row);
-}
-
-void RowWatch::follow_phase(const haptics::TickRow& row) noexcept {
-  if (last_phase_[row.hand] != static_cast<std::int64_t>(row.phase)) {
-    last_phase_[row.hand] = static_cast<std::int64_t>(row.phase);
-    open_span_[row.hand] = -1;
-    if (highlights_.phases.size() < Highlights::kMaxSpans) {
-      open_span_[row.hand] = static_cast<std::int64_t>(highlights_.phases.size());
-      highlights_.phases.push_back({row.hand, row.phase, row.time, row.time});  // within what was reserved
-    } else {
-      ++highlights_.phases_left_out;
-    }
-  }
-  const std::int64_t open = open_span_[row.hand];
-  if (open >= 0) highlights_.phases[static_cast<std::size_t>(open)].to = row.time + period_;
-}
-
-std::vector<std::string> remarks(const RunAccount& run) {
-  std::vector<std::string> all = run.setup->repairs;
-  all.insert(all.end(), run.setup->remarks.begin(), run.setup->remarks.end());
+std::vector<std::string> remarks(const RunResult& run) {
+  std::vector<std::string> all = run.scene_remarks;
   all.insert(all.end(), run.loop.remarks.begin(), run.loop.remarks.end());
-  if (run.highlights.changes > 0) {
+  if (run.statistics.changes > 0) {
     all.emplace_back(fmt::format("tissue or noise was changed {}{} while the run went on",
-                                 run.highlights.changes, run.highlights.changes == 1 ? " time" : " times"));
+                                 run.statistics.changes, run.statistics.changes == 1 ? " time" : " times"));
   }
-  const std::uint32_t status = run.highlights.status;
+  const std::uint32_t status = run.statistics.status;
   if ((status & contact::kStartedInside) != 0) {
     all.emplace_back(
         "a part of the tool was inside the organ at first: it gave no force until it had been outside");
@@ -200,9 +137,9 @@ std::vector<std::string> remarks(const RunAccount& run) {
   if ((status & contact::kJump) != 0) {
     all.emplace_back("the tool moved faster than any hand does: it was treated as placed anew");
   }
-  if (run.highlights.limited_ticks > 0) {
+  if (run.statistics.limited_ticks > 0) {
     all.emplace_back(fmt::format("force or torque was held back by the limits under [safety] in {} ticks",
-                                 run.highlights.limited_ticks));
+                                 run.statistics.limited_ticks));
   }
   for (const haptics::FaultSeen& seen : run.loop.faults) all.push_back(fault_in_words(run, seen));
   if (run.loop.further_faults > 0) {
@@ -212,21 +149,22 @@ std::vector<std::string> remarks(const RunAccount& run) {
   return all;
 }
 
-nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& files) {
+nlohmann::ordered_json summary_json(const RunResult& run, const OutputFiles& files,
+                                    const std::optional<net::IgtlTally>& igtl) {
   const auto path_or_null = [](const std::filesystem::path& path) {
     return path.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(path.string());
   };
   nlohmann::ordered_json phases = nlohmann::ordered_json::array();
-  for (const PhaseSpan& span : run.highlights.phases) {
+  for (const session::PhaseSpan& span : run.statistics.phases) {
     phases.push_back(
         {{"hand", span.hand}, {"phase", phase_name(span.phase)}, {"from_s", span.from}, {"to_s", span.to}});
   }
-  return {{"scene", run.setup->name},
-          {"rate_Hz", run.setup->rate_Hz},
-          {"seed", run.setup->seed},
+  return {{"scene", run.scene},
+          {"rate_Hz", run.rate_Hz},
+          {"seed", run.seed},
           {"offline", run.offline},
           {"ticks", run.loop.ticks},
-          {"duration_s", static_cast<double>(run.loop.ticks) / run.setup->rate_Hz},
+          {"duration_s", static_cast<double>(run.loop.ticks) / run.rate_Hz},
           {"stopped_early", run.loop.stopped_early},
           {"missed_deadlines", run.loop.missed_deadlines},
           {"longest_gap_us", microseconds(run.loop.longest_gap_ns)},
@@ -235,18 +173,18 @@ nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& fi
           {"realtime_priority", run.loop.realtime_priority},
           {"memory_locked", run.loop.memory_locked},
           {"polled", run.loop.polled},
-          {"peak_force_N", run.highlights.peak_force},
-          {"peak_tissue_force_N", run.highlights.peak_tissue},
-          {"peak_depth_mm", run.highlights.peak_depth * 1e3},
-          {"peak_depth_tick", run.highlights.deepest_tick},
-          {"contact_ticks", run.highlights.contact_ticks},
-          {"limited_ticks", run.highlights.limited_ticks},
+          {"peak_force_N", run.statistics.peak_force},
+          {"peak_tissue_force_N", run.statistics.peak_tissue},
+          {"peak_depth_mm", run.statistics.peak_depth * 1e3},
+          {"peak_depth_tick", run.statistics.deepest_tick},
+          {"contact_ticks", run.statistics.contact_ticks},
+          {"limited_ticks", run.statistics.limited_ticks},
           {"phases", phases},
           {"fault", haptics::name_of(run.loop.fault)},
           {"faults", faults_json(run)},
           {"further_faults", run.loop.further_faults},
           {"watchdog_stops", run.loop.watchdog_stops},
-          {"igtl", igtl_json(run.igtl)},
+          {"igtl", igtl_json(igtl)},
           {"recording", path_or_null(files.recording)},
           {"report", path_or_null(files.report)},
           {"screenshot", path_or_null(files.screenshot)},
@@ -254,13 +192,13 @@ nlohmann::ordered_json summary_json(const RunAccount& run, const OutputFiles& fi
           {"remarks", remarks(run)}};
 }
 
-void print_summary(std::ostream& out, const RunAccount& run, const OutputFiles& files) {
-  out << run.setup->name << ": " << run.loop.ticks << " ticks at " << shortest(run.setup->rate_Hz) << " Hz, "
+void print_summary(std::ostream& out, const RunResult& run, const OutputFiles& files) {
+  out << run.scene << ": " << run.loop.ticks << " ticks at " << shortest(run.rate_Hz) << " Hz, "
       << pace_of(run) << '\n';
-  print_phases(out, run.highlights, run.setup->tools.size() > 1);
-  out << std::fixed << std::setprecision(3) << "Deepest: " << run.highlights.peak_depth * 1e3
-      << " mm; largest tissue force: " << run.highlights.peak_tissue
-      << " N, at the device: " << run.highlights.peak_force << " N\n"
+  print_phases(out, run.statistics, run.hands > 1);
+  out << std::fixed << std::setprecision(3) << "Deepest: " << run.statistics.peak_depth * 1e3
+      << " mm; largest tissue force: " << run.statistics.peak_tissue
+      << " N, at the device: " << run.statistics.peak_force << " N\n"
       << std::defaultfloat;
   print_timing(out, run);
   for (const std::string& remark : remarks(run)) out << "Note: " << remark << '\n';

@@ -9,7 +9,7 @@
 
 #include "palpate/devices/scripted.h"
 #include "palpate/geometry/surface_distance.h"
-#include "palpate/record/assemble.h"
+#include "palpate/scene/make_world.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/subjects.h"
@@ -71,7 +71,7 @@ void first_entry(benchmark::State& state) {
 /// All ticks of the way in one phase; the others are run, not timed.
 void tick_in(benchmark::State& state, contact::Phase phase) {
   const Scene& scene = scene_of(state.range(0));
-  const haptics::SimulationWorld world = record::assemble(scene.setup);
+  const haptics::SimulationWorld world = scene::make_world(scene.setup);
   devices::ScriptedDevice device(scene.path);
   const std::uint64_t last = device.last_tick(world.rate_Hz);
   const std::vector<bench::WayPoint> way = bench::walk(scene.setup, world, scene.path);

@@ -9,8 +9,8 @@
 #include "palpate/devices/scripted.h"
 #include "palpate/model/layered_law.h"
 #include "palpate/noise/touch_noise.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/subjects.h"
@@ -75,7 +75,7 @@ bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted,
 
 bool count_tick() {
   const scene::Setup setup = bench::subject("press", 0, 0);
-  const haptics::SimulationWorld world = record::assemble(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup);
   devices::ScriptedDevice device(bench::hand_path(setup));
   const std::uint64_t last = device.last_tick(world.rate_Hz);
   bench::OneHand hand(world);

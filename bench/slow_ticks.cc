@@ -12,7 +12,7 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/devices/scripted.h"
-#include "palpate/record/assemble.h"
+#include "palpate/scene/make_world.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/subjects.h"
@@ -107,7 +107,7 @@ int main(int argc, char** argv) {
   try {
     const std::string task = argc > 1 ? argv[1] : "press";
     const scene::Setup setup = bench::subject(task, number(argc, argv, 2, 0), number(argc, argv, 3, 0));
-    const haptics::SimulationWorld world = record::assemble(setup);
+    const haptics::SimulationWorld world = scene::make_world(setup);
     devices::ScriptedDevice device(bench::hand_path(setup));
     Times times;
     times.ticks.resize(device.last_tick(world.rate_Hz));

@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "palpate/devices/devices.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 
 namespace palpate::tests {
 
-Rig::Rig(scene::Setup resolved) : setup(std::move(resolved)), world(record::assemble(setup)) {
+Rig::Rig(scene::Setup resolved) : setup(std::move(resolved)), world(scene::make_world(setup)) {
   for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
     devices.push_back(devices::open_device(setup, hand));
   }
@@ -21,11 +21,12 @@ std::uint64_t Rig::whole_path() const {
   return last;
 }
 
-haptics::LoopReport Rig::run(haptics::TickSink* sink, const haptics::LoopOptions& options) {
+haptics::LoopReport Rig::run(const std::vector<haptics::TickObserver*>& observers,
+                             const haptics::LoopOptions& options) {
   haptics::SimulationState state(world);
   std::vector<haptics::Device*> plain;
   for (const auto& device : devices) plain.push_back(device.get());
-  return haptics::run_loop(world, state, plain, sink, options);
+  return haptics::run_loop(world, state, plain, observers, options);
 }
 
 Rig built_in(const std::string& task) {

@@ -21,7 +21,8 @@ struct Rig {
   /// Ticks until the devices have nothing more to say.
   [[nodiscard]] std::uint64_t whole_path() const;
   /// Runs from tick 0. `options.ticks` counts.
-  haptics::LoopReport run(haptics::TickSink* sink, const haptics::LoopOptions& options);
+  haptics::LoopReport run(const std::vector<haptics::TickObserver*>& observers,
+                          const haptics::LoopOptions& options);
 };
 
 /// One of the paper's two experiments: task "press" (gallbladder) or "pull" (heart); or "moving": the press
@@ -29,11 +30,10 @@ struct Rig {
 Rig built_in(const std::string& task);
 
 /// Keeps all rows of a run.
-class RowKeeper final : public haptics::TickSink {
+class RowKeeper final : public haptics::TickObserver {
  public:
   explicit RowKeeper(std::uint64_t expected) { rows.reserve(expected); }
-  void begin(std::int64_t) noexcept override {}
-  void put(const haptics::TickRow& row) noexcept override { rows.push_back(row); }
+  void on_row(const haptics::TickRow& row) noexcept override { rows.push_back(row); }
   std::vector<haptics::TickRow> rows;
 };
 

@@ -203,7 +203,7 @@ TEST(NoiseCommand, PrintsTheSameSamplesForTheSameSeedWithTheStatedSpread) {
 void record_broken_hand(const std::string& file, std::uint64_t broken_tick) {
   const scene::Setup setup = scene::load({});
   record::Recorder recorder(file, setup, true);
-  recorder.begin(1);
+  recorder.on_start(1);
   for (std::uint64_t tick = 0; tick < 200; ++tick) {
     haptics::TickRow row;
     row.tick = tick;
@@ -211,7 +211,7 @@ void record_broken_hand(const std::string& file, std::uint64_t broken_tick) {
     row.device = {0.0, 0.0, 0.2};
     row.device_q = {1.0, 0.0, 0.0, 0.0};
     if (tick == broken_tick) row.device[1] = std::numeric_limits<double>::quiet_NaN();
-    recorder.put(row);
+    recorder.on_row(row);
   }
   recorder.finish({});
 }

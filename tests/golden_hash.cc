@@ -47,7 +47,7 @@ std::string hexadecimal(std::uint64_t value) {
 std::string hash_of(Rig rig) {
   const std::uint64_t ticks = std::min(rig.whole_path(), kMostTicks);
   RowKeeper rows(ticks * rig.world.hands());
-  (void)rig.run(&rows, {.ticks = ticks, .offline = true});
+  (void)rig.run({&rows}, {.ticks = ticks, .offline = true});
   return std::to_string(ticks) + " " + hexadecimal(record::hash_rows(rows.rows));
 }
 

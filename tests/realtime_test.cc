@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 /// A hand at rest over the gallbladder for `ticks` ticks, whose sample `broken_tick` is no number.
 void record_broken_hand(const std::string& file, std::uint64_t ticks, std::uint64_t broken_tick) {
   record::Recorder recorder(file, scene::load(scene::Request{}), true);
-  recorder.begin(1);
+  recorder.on_start(1);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     haptics::TickRow row;
     row.tick = tick;
@@ -31,7 +31,7 @@ void record_broken_hand(const std::string& file, std::uint64_t ticks, std::uint6
     row.device = {0.0, 0.0, 0.2};
     row.device_q = {1.0, 0.0, 0.0, 0.0};
     if (tick == broken_tick) row.device[1] = std::numeric_limits<double>::quiet_NaN();
-    recorder.put(row);
+    recorder.on_row(row);
   }
   recorder.finish({});
 }

@@ -48,7 +48,7 @@ scene::Setup ball_and_block(double rate_Hz, const std::string& path) {
 std::vector<haptics::TickRow> rows_of(Rig& rig, std::uint64_t ticks, bool offline = true) {
   RowKeeper keeper(ticks);
   // Nobody holds a scripted hand, so no watchdog, as in the program: a machine that stalls is no fault here.
-  (void)rig.run(&keeper, {.ticks = ticks, .offline = offline, .stalled_after_ns = 0});
+  (void)rig.run({&keeper}, {.ticks = ticks, .offline = offline, .stalled_after_ns = 0});
   return std::move(keeper.rows);
 }
 

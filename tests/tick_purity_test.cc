@@ -23,26 +23,23 @@ namespace {
 
 constexpr std::uint64_t kTicks = 10'000;
 
-/// Hands every row on; something begins with the first tick and ends with the last, on the loop's own thread.
+/// Something begins with the first tick and ends with the last, on the loop's own thread. The last observer
+/// of a run, so that the others' work lies between the two.
 template <typename Begin, typename End>
-class Bracket final : public haptics::TickSink {
+class Bracket final : public haptics::TickObserver {
  public:
-  Bracket(std::uint64_t ticks, haptics::TickSink* next, Begin begin, End end)
-      : left_(ticks), next_(next), begin_(begin), end_(end) {}
-  void begin(std::int64_t started_unix_ns) noexcept override {
-    if (next_ != nullptr) next_->begin(started_unix_ns);
-    begin_();
-  }
-  void put(const haptics::TickRow& row) noexcept override {
-    if (next_ != nullptr) next_->put(row);
+  Bracket(std::uint64_t ticks, Begin begin, End end) : left_(ticks), begin_(begin), end_(end) {}
+  void on_start(std::int64_t /*started_unix_ns*/) noexcept override { begin_(); }
+  void on_row(const haptics::TickRow& row) noexcept override {
     if (row.phase != 0) ++touching;
+  }
+  void on_tick(const haptics::Snapshot& /*snapshot*/) noexcept override {
     if (--left_ == 0) end_();
   }
   std::uint64_t touching = 0;
 
  private:
   std::uint64_t left_;
-  haptics::TickSink* next_;
   Begin begin_;
   End end_;
 };
@@ -51,14 +48,14 @@ class TickPurity : public testing::TestWithParam<const char*> {};
 
 TEST_P(TickPurity, NoHeapUseAndNoLockInTenThousandTicks) {
   Rig rig = built_in(GetParam());
-  SnapshotCell<haptics::Snapshot> snapshots;
+  haptics::SnapshotPublisher publisher;
   const std::uint64_t heap_before = heap_uses();
   const std::uint64_t locks_before = lock_uses();
-  Bracket sink(kTicks, nullptr, arm_guard, disarm_guard);
-  (void)rig.run(&sink, {.ticks = kTicks, .offline = true, .snapshots = &snapshots});
+  Bracket bracket(kTicks, arm_guard, disarm_guard);
+  (void)rig.run({&publisher, &bracket}, {.ticks = kTicks, .offline = true});
   EXPECT_EQ(heap_uses() - heap_before, 0u);
   EXPECT_EQ(lock_uses() - locks_before, 0u);
-  EXPECT_GT(sink.touching, 100u) << "the ticks are of an experiment that touches";
+  EXPECT_GT(bracket.touching, 100u) << "the ticks are of an experiment that touches";
 }
 
 TEST_P(TickPurity, NoHeapUseAndNoLockWhileTissueAndNoiseChange) {
@@ -72,15 +69,16 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileTissueAndNoiseChange) {
     (void)changes.offer(tissue);
   }
   (void)changes.offer(haptics::LiveNoise{true, 1e-4, 4e-3});
-  SnapshotCell<haptics::Snapshot> snapshots;
+  haptics::SnapshotPublisher publisher;
   const std::uint64_t heap_before = heap_uses();
   const std::uint64_t locks_before = lock_uses();
-  Bracket sink(kTicks, nullptr, arm_guard, disarm_guard);
-  (void)rig.run(&sink, {.ticks = kTicks, .offline = true, .snapshots = &snapshots, .changes = &changes});
+  Bracket bracket(kTicks, arm_guard, disarm_guard);
+  haptics::RunControl control(&changes);
+  (void)rig.run({&publisher, &bracket}, {.ticks = kTicks, .offline = true, .control = &control});
   EXPECT_EQ(heap_uses() - heap_before, 0u);
   EXPECT_EQ(lock_uses() - locks_before, 0u);
   EXPECT_EQ(changes.waiting(), nullptr) << "all were taken";
-  EXPECT_GT(sink.touching, 100u) << "the ticks are of an experiment that touches";
+  EXPECT_GT(bracket.touching, 100u) << "the ticks are of an experiment that touches";
 }
 
 TEST_P(TickPurity, NoHeapUseAndNoLockWhileAClientLooksOnByOpenIgtLink) {
@@ -88,12 +86,12 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileAClientLooksOnByOpenIgtLink) {
   net::IgtlServer server({"127.0.0.1", 0});
   net::test::Client client(server.port());
   (void)client.next("STATUS", "PalpateStatus");
-  Bracket sink(kTicks, nullptr, arm_guard, disarm_guard);
+  Bracket bracket(kTicks, arm_guard, disarm_guard);
   const std::uint64_t heap_before = heap_uses();
   const std::uint64_t locks_before = lock_uses();
   {
-    net::IgtlRun shown(&server, rig.setup, [](const auto&) { return std::vector<deform::Indentation>(); });
-    (void)rig.run(&sink, {.ticks = kTicks, .offline = true, .more_snapshots = shown.snapshots()});
+    const net::IgtlRun shown(&server, rig.setup);
+    (void)rig.run({&server, &bracket}, {.ticks = kTicks, .offline = true});
   }
   EXPECT_EQ(heap_uses() - heap_before, 0u);
   EXPECT_EQ(lock_uses() - locks_before, 0u);
@@ -106,10 +104,10 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileAClientLooksOnByOpenIgtLink) {
 TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {
   Rig rig = built_in(GetParam());  // before the fork, which threads at work do not survive
   const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
-    SnapshotCell<haptics::Snapshot> snapshots;
-    Bracket sink(
-        kTicks, nullptr, [&] { part.start(); }, [&] { part.done(); });
-    (void)rig.run(&sink, {.ticks = kTicks, .offline = true, .snapshots = &snapshots});
+    haptics::SnapshotPublisher publisher;
+    Bracket bracket(
+        kTicks, [&] { part.start(); }, [&] { part.done(); });
+    (void)rig.run({&publisher, &bracket}, {.ticks = kTicks, .offline = true});
   });
   EXPECT_EQ(outcome.forbidden, -1) << "number of the system call";
   EXPECT_TRUE(outcome.done) << "child's status " << outcome.exit_status;
@@ -123,9 +121,10 @@ void expect_no_system_call_but_the_clock(const char* task, haptics::Waiting wait
   const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
     constexpr std::uint64_t kRealTicks = 1500;
     record::Recorder recorder(file, rig.setup, false);
-    Bracket sink(
-        kRealTicks, &recorder, [&] { part.start(); }, [&] { part.done(); });
-    (void)rig.run(&sink, {.ticks = kRealTicks, .offline = false, .thread = {.waiting = waiting}});
+    Bracket bracket(
+        kRealTicks, [&] { part.start(); }, [&] { part.done(); });
+    (void)rig.run({&recorder, &bracket},
+                  {.ticks = kRealTicks, .offline = false, .thread = {.waiting = waiting}});
   });
   std::filesystem::remove(file);
   EXPECT_EQ(outcome.forbidden, -1) << "number of the system call";

@@ -1,20 +1,12 @@
 #include "app/window/live_run.h"
 
-#include <exception>
 #include <utility>
-
-#include "palpate/record/assemble.h"
 
 namespace palpate::app {
 
 LiveRun::LiveRun(Session& session, std::filesystem::path recording, haptics::LoopThread thread,
                  net::IgtlServer* igtl)
-    : session_(session),
-      recording_(std::move(recording)),
-      loop_thread_(thread),
-      igtl_(igtl),
-      changes_(record::live_changes(session_.setup, session_.world)),
-      may_pause_(app::may_pause(session_)) {}
+    : session_(session), recording_(std::move(recording)), loop_thread_(thread), igtl_(igtl) {}
 
 LiveRun::LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording,
                  haptics::LoopThread thread, net::IgtlServer* igtl)
@@ -22,24 +14,15 @@ LiveRun::LiveRun(std::unique_ptr<Session> session, std::filesystem::path recordi
   owned_ = std::move(session);
 }
 
-LiveRun::~LiveRun() { stop(); }
-
 void LiveRun::start() {
-  thread_ = std::thread([this] {
-    try {
-      account_ =
-          play(session_,
-               {recording_, false, loop_thread_, changes_.get(), &snapshots_, &rows_, igtl_, &pause_}, stop_);
-    } catch (const std::exception& error) {
-      failure_ = error.what();
-    }
-    ended_.store(true, std::memory_order_release);
-  });
+  run_ = play_in_background(
+      session_,
+      {.run = {recording_, false, loop_thread_}, .observers = {&snapshots_, &rows_}, .igtl = igtl_});
 }
 
 void LiveRun::stop() {
-  stop_.store(true, std::memory_order_relaxed);
-  if (thread_.joinable()) thread_.join();
+  session_.control().stop();
+  if (run_ != nullptr) run_->wait();
 }
 
 }  // namespace palpate::app

@@ -1,21 +1,16 @@
 #pragma once
-#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
-
-#include "palpate/base/snapshot_cell.h"
-#include "palpate/haptics/live_changes.h"
 
 #include "app/session.h"
 #include "app/window/row_tap.h"
 
 namespace palpate::app {
 
-/// A session that plays on a thread of its own, from start() on, while a window looks on. All members:
-/// [setup], the window's thread, unless said.
+/// A session that plays in the background, from start() on, while a window looks on. All members: [setup],
+/// the window's thread.
 class LiveRun final {
  public:
   /// @param session outlives this unless it is owned @param recording file; empty: none
@@ -24,35 +19,29 @@ class LiveRun final {
           net::IgtlServer* igtl = nullptr);
   LiveRun(std::unique_ptr<Session> session, std::filesystem::path recording, haptics::LoopThread thread,
           net::IgtlServer* igtl = nullptr);
-  /// Zero force, recording closed.
-  ~LiveRun();
-  LiveRun(const LiveRun&) = delete;
-  LiveRun& operator=(const LiveRun&) = delete;
 
   /// Begins to play, once.
   void start();
-  [[nodiscard]] bool started() const noexcept { return thread_.joinable() || ended(); }
+  [[nodiscard]] bool started() const noexcept { return run_ != nullptr; }
   /// Ends the run in good order and waits for it: zero force, recording closed.
   void stop();
   /// No time passes in the run, and its devices are stopped, until it is to go on; only where may_pause().
-  void pause(bool on) noexcept { pause_.store(on && may_pause_, std::memory_order_relaxed); }
-  [[nodiscard]] bool may_pause() const noexcept { return may_pause_; }
-  [[nodiscard]] bool pausing() const noexcept { return pause_.load(std::memory_order_relaxed); }
+  void pause(bool on) noexcept { session_.control().pause(on && may_pause()); }
+  [[nodiscard]] bool may_pause() const noexcept { return session_.may_pause(); }
+  [[nodiscard]] bool pausing() const noexcept { return session_.control().pausing(); }
   /// Whether the run has ended.
-  [[nodiscard]] bool ended() const noexcept { return ended_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool ended() const { return run_ != nullptr && run_->ended(); }
   /// After its end: how it went; nothing when it failed.
-  [[nodiscard]] const std::optional<RunAccount>& account() const noexcept { return account_; }
+  [[nodiscard]] std::optional<RunResult> result() const { return run_ ? run_->result() : std::nullopt; }
   /// After its end: why it failed, in words; empty: it did not.
-  [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+  [[nodiscard]] std::string failure() const { return run_ ? run_->failure() : std::string(); }
 
   [[nodiscard]] Session& session() noexcept { return session_; }
   [[nodiscard]] const Session& session() const noexcept { return session_; }
   [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
-  [[nodiscard]] SnapshotCell<haptics::Snapshot>& snapshots() noexcept { return snapshots_; }
+  [[nodiscard]] SnapshotCell<haptics::Snapshot>& snapshots() noexcept { return snapshots_.cell(); }
   [[nodiscard]] RowTap& rows() noexcept { return rows_; }
   [[nodiscard]] const RowTap& rows() const noexcept { return rows_; }
-  /// Hands new tissue and noise to the loop.
-  [[nodiscard]] haptics::LiveChanges& changes() noexcept { return *changes_; }
 
  private:
   std::unique_ptr<Session> owned_;
@@ -60,16 +49,9 @@ class LiveRun final {
   std::filesystem::path recording_;
   haptics::LoopThread loop_thread_;
   net::IgtlServer* igtl_;
-  SnapshotCell<haptics::Snapshot> snapshots_;
+  haptics::SnapshotPublisher snapshots_;
   RowTap rows_;
-  std::unique_ptr<haptics::LiveChanges> changes_;
-  std::atomic<bool> stop_{false};
-  std::atomic<bool> pause_{false};
-  bool may_pause_ = false;
-  std::atomic<bool> ended_{false};
-  std::optional<RunAccount> account_;
-  std::string failure_;
-  std::thread thread_;
+  std::unique_ptr<session::BackgroundRun> run_;  // last: it uses all of the above
 };
 
 }  // namespace palpate::app

@@ -4,8 +4,6 @@
 
 namespace palpate::app {
 
-void RowTap::begin(std::int64_t /*started_unix_ns*/) noexcept {}
-
 RowSample sample_of_row(const haptics::TickRow& row) noexcept {
   RowSample sample;
   sample.time = row.time;
@@ -26,7 +24,7 @@ RowSample sample_of_row(const haptics::TickRow& row) noexcept {
   return sample;
 }
 
-void RowTap::put(const haptics::TickRow& row) noexcept {
+void RowTap::on_row(const haptics::TickRow& row) noexcept {
   if (!ring_.push(sample_of_row(row))) left_out_.fetch_add(1, std::memory_order_relaxed);
 }
 

@@ -30,12 +30,11 @@ struct RowSample {
 
 /// Lets a window see the rows of a running loop. When the window does not keep up, rows are left out and
 /// counted: the loop never waits.
-class RowTap final : public haptics::TickSink {
+class RowTap final : public haptics::TickObserver {
  public:
   /// [setup]
   RowTap() : ring_(kRoom) {}
-  void begin(std::int64_t started_unix_ns) noexcept override;
-  void put(const haptics::TickRow& row) noexcept override;
+  void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [any] One thread. The oldest row not yet taken. @return false when there is none
   [[nodiscard]] bool take(RowSample& sample) noexcept { return ring_.pop(sample); }

@@ -117,7 +117,7 @@ void Window::draw_frame() {
 /// not see old pictures meanwhile.
 void Window::settle_picture() {
   shown_ = {};
-  shown_.organ_W = run_->session().setup.organ_pose;
+  shown_.organ_W = run_->session().setup().organ_pose;
   snapshot_there_ = true;
   const bool camera_was_set = camera_set_;
   const std::int64_t until = monotonic_ns() + kSettlingNs;
@@ -172,9 +172,9 @@ void Window::draw_picture() {
 
 std::vector<HandWords> Window::hand_words() const {
   const Session& session = run_->session();
-  std::vector<HandWords> all(session.setup.devices.size());
+  std::vector<HandWords> all(session.setup().devices.size());
   for (std::size_t hand = 0; hand < all.size(); ++hand) {
-    const scene::DeviceSetup& device = session.setup.devices[hand];
+    const scene::DeviceSetup& device = session.setup().devices[hand];
     const RowSample& newest = traces_->newest(static_cast<std::uint32_t>(hand));
     HandWords& words = all[hand];
     words.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
@@ -186,7 +186,7 @@ std::vector<HandWords> Window::hand_words() const {
     if (fault == haptics::Fault::kNone) continue;
     words.fault = haptics::words_of(fault);
     const std::string trouble =
-        hand < session.devices.size() ? session.devices[hand]->trouble() : std::string();
+        hand < session.devices().size() ? session.devices()[hand]->trouble() : std::string();
     if (!trouble.empty()) words.fault += " (" + trouble + ")";
     words.advice = advice_on(fault);
   }
@@ -213,7 +213,7 @@ std::string Window::banner_words(bool& fault) const {
 }
 
 Shown Window::shown() const {
-  Shown shown{run_->session().setup, request_, *traces_, shown_, tissue_, noise_, hand_words()};
+  Shown shown{run_->session().setup(), request_, *traces_, shown_, tissue_, noise_, hand_words()};
   shown.recording = run_->recording().string();
   shown.looked_at = last_recording_.string();
   shown.ended = run_->ended();
@@ -253,7 +253,8 @@ void Window::draw_overlay() {
   if (place.width < 12.0F * text || place.height < 5.0F * text) return;
   float y = place.y;
   if (!banner_.empty()) y += draw_strip(place.x, y, place.width, banner_, fault);
-  const std::string title = title_of(run_->session().setup) + formatted("   %.1f s", traces_->newest_time());
+  const std::string title =
+      title_of(run_->session().setup()) + formatted("   %.1f s", traces_->newest_time());
   draw_title(place, y, title);
   if (message_.empty()) return;
   const float top = place.y + place.height - strip_height(place.width, message_);
@@ -275,14 +276,14 @@ WindowOutcome Window::finish() {
   run_->stop();
   next_.reset();
   if (first_ended_) {
-    later_fault_ = later_fault_ || (run_->account() && run_->account()->loop.fault != haptics::Fault::kNone);
+    later_fault_ = later_fault_ || (run_->result() && run_->result()->loop.fault != haptics::Fault::kNone);
   } else {
-    first_account_ = run_->account();
+    first_result_ = run_->result();
     first_failure_ = run_->failure();
   }
-  if (!first_account_) throw InputError(first_failure_);
+  if (!first_result_) throw InputError(first_failure_);
   WindowOutcome outcome;
-  outcome.account = *first_account_;
+  outcome.result = *first_result_;
   outcome.more_runs = runs_begun_ - 1;
   outcome.later_fault = later_fault_;
   outcome.frames = all_ages_.count();

@@ -13,12 +13,12 @@
 
 #include "palpate/render/offscreen.h"
 
+#include "app/next_session.h"
 #include "app/session.h"
 #include "app/window/camera_hand.h"
 #include "app/window/display.h"
 #include "app/window/live_picture.h"
 #include "app/window/live_run.h"
-#include "app/window/next_session.h"
 #include "app/window/onlookers.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
@@ -44,7 +44,7 @@ struct WindowOptions {
 
 /// How it went.
 struct WindowOutcome {
-  RunAccount account;           // of the first session
+  RunResult result;             // of the first session
   std::uint64_t more_runs = 0;  // begun in the window
   bool later_fault = false;     // one of those met a fault
   std::uint64_t frames = 0;     // that showed a running session
@@ -171,7 +171,7 @@ class Window final {
   double age_ = 0.0;
   haptics::Histogram all_ages_;                       // ns
   std::deque<std::pair<std::int64_t, double>> ages_;  // of the last seconds
-  std::optional<RunAccount> first_account_;
+  std::optional<RunResult> first_result_;
   std::string first_failure_;
   bool first_ended_ = false;
   std::uint64_t runs_begun_ = 0;

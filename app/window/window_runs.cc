@@ -21,7 +21,7 @@ void Window::take(std::unique_ptr<LiveRun> run) {
   run_ = std::move(run);
   ++runs_begun_;
   if (!run_->recording().empty()) last_recording_ = run_->recording();
-  const scene::Setup& setup = run_->session().setup;
+  const scene::Setup& setup = run_->session().setup();
   tissue_ = setup.tissue;
   noise_ = setup.noise;
   tissue_note_.clear();
@@ -49,7 +49,7 @@ void Window::make_renderer() {
 }
 
 render::Subject Window::subject() const {
-  const scene::Setup& setup = run_->session().setup;
+  const scene::Setup& setup = run_->session().setup();
   return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name};
 }
 
@@ -58,11 +58,11 @@ void Window::end_run() {
   run_->stop();
   traces_->take(run_->rows(), !paused_);
   steering_.drop();
-  run_->session().devices.clear();
-  const bool fault = run_->account() && run_->account()->loop.fault != haptics::Fault::kNone;
+  run_->session().close_devices();
+  const bool fault = run_->result() && run_->result()->loop.fault != haptics::Fault::kNone;
   if (!first_ended_) {
     first_ended_ = true;
-    first_account_ = run_->account();
+    first_result_ = run_->result();
     first_failure_ = run_->failure();
   } else if (fault) {
     later_fault_ = true;
@@ -85,9 +85,9 @@ void Window::look_after_next() {
     case NextSession::State::kReady: {
       const std::unique_ptr<NextSession> next = std::move(next_);
       request_ = next->request();
-      const std::string organ_before = run_->session().setup.organ_name;
+      const std::string organ_before = run_->session().setup().organ_name;
       take(std::make_unique<LiveRun>(next->take(), next->recording(), options_.thread, options_.igtl));
-      camera_set_ = camera_set_ && organ_before == run_->session().setup.organ_name;
+      camera_set_ = camera_set_ && organ_before == run_->session().setup().organ_name;
       break;
     }
     case NextSession::State::kFailed:
@@ -136,7 +136,7 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
       tissue_note_ = "felt when the run goes on (Ctrl + Space)";
       tissue_waits_ = true;
     } else {
-      for (const std::string& warning : run_->changes().offer(tissue).warnings) {
+      for (const std::string& warning : run_->session().updates().offer(tissue).warnings) {
         tissue_note_ += (tissue_note_.empty() ? "" : "\n") + warning;
       }
     }
@@ -149,11 +149,11 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
 
 void Window::apply_noise(const noise::NoiseSettings& noise) {
   try {
-    noise::validate(noise, run_->session().setup.rate_Hz);
+    noise::validate(noise, run_->session().setup().rate_Hz);
     if (run_->pausing()) {
       noise_waits_ = true;
     } else if (!run_->ended()) {
-      (void)run_->changes().offer(haptics::LiveNoise{noise.enabled, noise.gain, noise.threshold});
+      (void)run_->session().updates().offer(haptics::LiveNoise{noise.enabled, noise.gain, noise.threshold});
     }
     noise_ = noise;
   } catch (const InputError& error) {
@@ -218,7 +218,7 @@ void Window::grant(const Wishes& wishes) {
   if (wishes.leave) leaving_ = true;
   if (wishes.tissue) apply_tissue(*wishes.tissue);
   if (wishes.noise) apply_noise(*wishes.noise);
-  if (wishes.reset_faults) reset_faults();
+  if (wishes.reset_faults) run_->session().control().reset_faults();
   if (wishes.pause) paused_ = !paused_;
   if (wishes.pause_run) pause_run();
   if (wishes.home) camera_set_ = false;

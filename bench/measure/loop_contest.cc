@@ -63,7 +63,7 @@ LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::Simulat
             "loop of the " + setup.name + " scene against an empty one");
       const std::uint64_t ticks = std::min(turn, last - number);
       take_turn(world.rate_Hz, ticks, wait, empty, [] {});
-      take_turn(world.rate_Hz, ticks, wait, with, [&] { recorder.put(hand.tick(device, number++)); });
+      take_turn(world.rate_Hz, ticks, wait, with, [&] { recorder.on_row(hand.tick(device, number++)); });
     }
   });
   thread.join();

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 ScratchRecorder::ScratchRecorder(const scene::Setup& setup)
     : file_(fs::temp_directory_path() / ("palpate-bench-" + std::to_string(getpid()) + ".h5")),
       recorder_(file_, setup, false) {
-  recorder_.begin(unix_ns());
+  recorder_.on_start(unix_ns());
 }
 
 ScratchRecorder::~ScratchRecorder() {

@@ -44,7 +44,7 @@ class ScratchRecorder final {
   ScratchRecorder& operator=(const ScratchRecorder&) = delete;
 
   /// [rt]
-  void put(const haptics::TickRow& row) noexcept { recorder_.put(row); }
+  void on_row(const haptics::TickRow& row) noexcept { recorder_.on_row(row); }
 
  private:
   std::filesystem::path file_;

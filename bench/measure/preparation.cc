@@ -11,7 +11,7 @@
 #include <malloc.h>
 
 #include "palpate/base/clock.h"
-#include "palpate/record/assemble.h"
+#include "palpate/scene/make_world.h"
 
 namespace palpate::bench {
 namespace {
@@ -54,7 +54,7 @@ Prepared prepare(const scene::Setup& setup) {
     world.reset();
     const std::size_t before = bytes_in_use();
     const std::int64_t begun = monotonic_ns();
-    world.emplace(record::assemble(setup));
+    world.emplace(scene::make_world(setup));
     seconds.push_back(static_cast<double>(monotonic_ns() - begun) * 1e-9);
     all += seconds.back();
     const std::size_t after = bytes_in_use();

@@ -19,7 +19,7 @@ struct Prepared {
 };
 
 /// [setup] Prepares a scene: the median time of up to five times within a second, and the memory that one
-/// keeps. @throws InputError as record::assemble.
+/// keeps. @throws InputError as scene::make_world.
 [[nodiscard]] Prepared prepare(const scene::Setup& setup);
 
 }  // namespace palpate::bench

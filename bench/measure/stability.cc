@@ -9,7 +9,7 @@
 #include "palpate/haptics/loop.h"
 #include "palpate/haptics/passivity.h"
 #include "palpate/model/spring_law.h"
-#include "palpate/record/assemble.h"
+#include "palpate/scene/make_world.h"
 
 namespace palpate::bench {
 namespace {
@@ -58,11 +58,10 @@ scene::Setup block_of(const model::TissueParameters& tissue, double rate_Hz) {
 }
 
 /// Watches the rows and the hand itself.
-class Watch final : public haptics::TickSink {
+class Watch final : public haptics::TickObserver {
  public:
   explicit Watch(const devices::EmulatedDevice& device) : device_(device) {}
-  void begin(std::int64_t /*unix_ns*/) noexcept override {}
-  void put(const haptics::TickRow& row) noexcept override {
+  void on_row(const haptics::TickRow& row) noexcept override {
     const double work = device_.hand().work_of_force();
     result_.given_beyond_taken = std::max(result_.given_beyond_taken, work);
     result_.most_in_a_tick = std::max(result_.most_in_a_tick, std::abs(work - work_));
@@ -114,7 +113,7 @@ model::TissueParameters linear_tissue(double stiffness) {
 }
 
 StabilityBlock::StabilityBlock(const model::TissueParameters& tissue, double rate_Hz)
-    : setup_(block_of(tissue, rate_Hz)), world_(record::assemble(setup_)) {
+    : setup_(block_of(tissue, rate_Hz)), world_(scene::make_world(setup_)) {
   const model::SpringLaw law(tissue, model::Direction::kPress, 1.0 / rate_Hz);
   depth_at_hold_ = std::min(haptics::kDepthWithinReach, law.deformation_under(kMostHoldForce).depth);
   const model::ContactResponse there = law.force_at(depth_at_hold_);
@@ -134,7 +133,7 @@ StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
   options.ticks = device.last_tick(world_.rate_Hz);
   options.offline = true;
   std::array<haptics::Device*, 1> devices = {&device};
-  static_cast<void>(haptics::run_loop(world_, state, devices, &watch, options));
+  static_cast<void>(haptics::run_loop(world_, state, devices, {&watch}, options));
   StabilityResult result = watch.result();
   result.stiffness = stiffness_at_hold_;
   result.check = haptics::check_stability(setup_.tissue, model::Direction::kPress, 1.0 / world_.rate_Hz,

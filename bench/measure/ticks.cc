@@ -91,7 +91,7 @@ class Passes final {
       const haptics::TickRow* row = nullptr;
       const double spent = time_us([&] {
         row = &hand.tick(device_, number);
-        recorder_.put(*row);
+        recorder_.on_row(*row);
       });
       if (!approaching(*row)) {
         contact_.add(spent);

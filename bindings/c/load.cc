@@ -7,8 +7,8 @@
 #include "palpate/base/cache_folder.h"
 #include "palpate/devices/devices.h"
 #include "palpate/devices/scripted.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/device_kinds.h"
+#include "palpate/scene/make_world.h"
 #include "palpate/scene/tool_path.h"
 
 #include "bindings/c/errors.h"
@@ -71,8 +71,8 @@ Loaded load(scene::Setup setup, const contact::Preparation& how, bool no_hand) {
   for (scene::DeviceSetup& device : setup.devices) {
     if (!no_hand && !scene::find_device_kind(device.kind)->held) device.kind = "host";
   }
-  for (std::string& remark : record::stability_remarks(setup)) setup.remarks.push_back(std::move(remark));
-  haptics::SimulationWorld world = record::assemble(setup, how);
+  for (std::string& remark : scene::stability_remarks(setup)) setup.remarks.push_back(std::move(remark));
+  haptics::SimulationWorld world = scene::make_world(setup, how);
   return {std::move(setup), std::move(scripted), std::move(world)};
 }
 

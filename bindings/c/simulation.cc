@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "palpate/base/clock.h"
-#include "palpate/render/indentations.h"
+#include "palpate/deform/indentations.h"
 
 #include "bindings/c/float_environment.h"
 
@@ -123,26 +123,25 @@ void palpate_simulation::give_result(std::size_t hand, palpate_result& result) c
 }
 
 void palpate_simulation::publish() noexcept {
-  palpate::haptics::Snapshot& snapshot = snapshots_.writable();
-  const std::size_t count = std::min(hands(), palpate::haptics::Snapshot::kMaxHands);
-  snapshot.tick = next_tick_ == 0 ? 0 : next_tick_ - 1;
-  snapshot.organ_W = state_.organ_W;
-  snapshot.hands = static_cast<std::uint32_t>(count);
-  std::copy_n(state_.inputs.begin(), count, snapshot.tools.begin());
-  std::copy_n(state_.results.begin(), count, snapshot.results.begin());
-  std::copy_n(commands_.begin(), count, snapshot.commands.begin());
+  const std::uint64_t tick = next_tick_ == 0 ? 0 : next_tick_ - 1;
+  palpate::haptics::make_snapshot(state_, commands_, tick, palpate::monotonic_ns(), snapshots_.writable());
   snapshots_.publish();
+}
+
+const palpate::haptics::Snapshot& palpate_simulation::newest_snapshot() noexcept {
+  (void)snapshots_.refresh();
+  return snapshots_.value();
 }
 
 void palpate_simulation::tick(const palpate_sample* samples, palpate_result* results) noexcept {
   const palpate::c_interface::DefaultFloatEnvironment environment;
   take_samples(samples);
-  if (next_tick_ == 0 && recorder_) recorder_->begin(palpate::unix_ns());
+  if (next_tick_ == 0 && recorder_) recorder_->on_start(palpate::unix_ns());
   palpate::haptics::tick(world_, state_, next_tick_, samples_, commands_, rows_);
   ++next_tick_;
   for (std::size_t hand = 0; hand < hands(); ++hand) {
     give_result(hand, results[hand]);
-    if (recorder_) recorder_->put(rows_[hand]);
+    if (recorder_) recorder_->on_row(rows_[hand]);
   }
   publish();
 }
@@ -210,9 +209,8 @@ palpate_info palpate_simulation::info() const noexcept {
 }
 
 void palpate_simulation::update_surface(palpate_picture& picture) {
-  (void)snapshots_.refresh();
-  const palpate::haptics::Snapshot& snapshot = snapshots_.value();
-  deformer_.deform(setup_.tissue.reach, palpate::render::indentations_of(snapshot), vertices_);
+  const palpate::haptics::Snapshot& snapshot = newest_snapshot();
+  deformer_.deform(snapshot.reach, palpate::deform::indentations_of(snapshot.hand_results()), vertices_);
   picture.tick = snapshot.tick;
   put(snapshot.organ_W.position, picture.organ_position);
   put(snapshot.organ_W.rotation, picture.organ_orientation);

@@ -8,7 +8,7 @@
 
 #include "palpate/base/snapshot_cell.h"
 #include "palpate/deform/displacement.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/snapshot.h"
 #include "palpate/record/recorder.h"
 #include "palpate/scene/setup.h"
 
@@ -49,6 +49,8 @@ struct palpate_simulation {
   void finish_recording();
   /// [any]
   [[nodiscard]] palpate_info info() const noexcept;
+  /// [picture] The state after the newest tick, or before the first.
+  [[nodiscard]] const palpate::haptics::Snapshot& newest_snapshot() noexcept;
   /// [picture] As palpate_surface_update().
   void update_surface(palpate_picture& picture);
 

@@ -150,7 +150,7 @@ py::list faults_of(const haptics::LoopReport& loop) {
 }
 
 py::dict report_of(LiveSimulation& live) {
-  const LiveSimulation::Outcome& outcome = live.outcome();
+  const session::RunResult outcome = live.result();
   const haptics::LoopReport& loop = outcome.loop;
   py::dict report;
   report["ticks"] = loop.ticks;

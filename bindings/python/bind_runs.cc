@@ -1,21 +1,15 @@
 // Whole runs as arrays of rows: simulated here, or read from a recording.
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "palpate/base/error.h"
-#include "palpate/devices/devices.h"
-#include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
-#include "palpate/record/recorder.h"
 #include "palpate/record/recording.h"
 #include "palpate/record/replay.h"
+#include "palpate/session/session.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"
@@ -28,70 +22,38 @@ namespace fs = std::filesystem;
 using haptics::TickRow;
 using record::Recording;
 
-/// Keeps all rows of a run, in memory taken before it, and hands them on.
-class RowKeeper final : public haptics::TickSink {
+/// Keeps all rows of a run, in memory taken before it.
+class RowKeeper final : public haptics::TickObserver {
  public:
-  RowKeeper(std::size_t expected, haptics::TickSink* next) : next_(next) { rows.reserve(expected); }
-  void begin(std::int64_t started_unix_ns) noexcept override {
-    if (next_ != nullptr) next_->begin(started_unix_ns);
-  }
-  void put(const TickRow& row) noexcept override {
-    rows.push_back(row);
-    if (next_ != nullptr) next_->put(row);
-  }
+  explicit RowKeeper(std::size_t expected) { rows.reserve(expected); }
+  void on_row(const TickRow& row) noexcept override { rows.push_back(row); }
   std::vector<TickRow> rows;
-
- private:
-  haptics::TickSink* next_;
 };
 
-/// The devices of a scene, none of which is a real one: this loop keeps no time.
-std::vector<std::unique_ptr<haptics::Device>> open_devices(const scene::Setup& setup) {
-  std::vector<std::unique_ptr<haptics::Device>> devices;
-  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
-    const std::string& kind = setup.devices[hand].kind;
-    if (kind != "scripted" && kind != "replay" && kind != "emulated") {
-      throw InputError("device kind = \"" + kind +
-                       "\": must be scripted, replay or emulated, as the run is offline");
-    }
-    devices.push_back(devices::open_device(setup, hand));
+/// @throws InputError for a real device: this loop keeps no time.
+void require_no_real_device(const scene::Setup& setup) {
+  for (const scene::DeviceSetup& device : setup.devices) {
+    if (device.kind == "scripted" || device.kind == "replay" || device.kind == "emulated") continue;
+    throw InputError("device kind = \"" + device.kind +
+                     "\": must be scripted, replay or emulated, as the run is offline");
   }
-  return devices;
-}
-
-std::uint64_t ticks_of(const std::vector<std::unique_ptr<haptics::Device>>& devices, double rate_Hz,
-                       std::optional<double> duration_s) {
-  constexpr double kMostTicks = 1e9;  // a million seconds; the memory is gone long before
-  if (duration_s) {
-    const double ticks = std::round(*duration_s * rate_Hz);
-    if (!(*duration_s > 0.0) || !(ticks <= kMostTicks)) {
-      throw ParameterError("duration_s", *duration_s,
-                           "> 0 and at most " + std::to_string(kMostTicks / rate_Hz));
-    }
-    return static_cast<std::uint64_t>(ticks);
-  }
-  std::uint64_t last = 0;
-  for (const auto& device : devices) last = std::max(last, device->last_tick(rate_Hz));
-  return last;
 }
 
 /// The rows of a scene's run, as fast as possible.
 std::vector<TickRow> run(const SceneWish& wish, std::optional<double> duration_s,
                          const std::optional<fs::path>& recording, bool cache) {
-  const scene::Setup setup = wish.load();
-  const haptics::SimulationWorld world = record::assemble(setup, preparation_of(cache));
-  const auto devices = open_devices(setup);
-  const std::uint64_t ticks = ticks_of(devices, setup.rate_Hz, duration_s);
-  std::optional<record::Recorder> recorder;
-  if (recording) recorder.emplace(*recording, setup, true);
-  RowKeeper rows(ticks * setup.tools.size(), recorder ? &*recorder : nullptr);
-  haptics::SimulationState state(world);
-  std::vector<haptics::Device*> plain;
-  for (const auto& device : devices) plain.push_back(device.get());
-  const haptics::LoopReport report =
-      haptics::run_loop(world, state, plain, &rows, {.ticks = ticks, .offline = true});
-  if (recorder) recorder->finish(report);
-  return std::move(rows.rows);
+  constexpr double kMostTicks = 1e9;  // a million seconds; the memory is gone long before
+  scene::Setup setup = wish.load();
+  require_no_real_device(setup);
+  if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "duration_s", kMostTicks);
+  session::SessionOptions options;
+  options.duration_s = duration_s;
+  options.preparation = preparation_of(cache);
+  session::Session session(std::move(setup), std::move(options));
+  RowKeeper keeper(session.ticks() * session.hands());
+  (void)session.run({.recording = recording.value_or(fs::path()), .offline = true, .keep_fault = false},
+                    {&keeper});
+  return std::move(keeper.rows);
 }
 
 py::array simulate(const SceneWish& wish, std::optional<double> duration_s,

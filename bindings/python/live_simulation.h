@@ -2,7 +2,6 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
@@ -16,8 +15,7 @@
 
 #include "palpate/base/ring.h"
 #include "palpate/base/snapshot_cell.h"
-#include "palpate/haptics/live_changes.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/session/session.h"
 
 #include "bindings/python/surface.h"
 
@@ -25,19 +23,17 @@ namespace palpate::python {
 
 /// Lets Python see the rows of a running loop: the newest at once, all of them a moment later. The loop never
 /// waits: when the collecting thread does not keep up, rows are left out and counted.
-class RowCollector final : public haptics::TickSink {
+class RowCollector final : public haptics::TickObserver {
  public:
   using Newest = std::array<haptics::TickRow, haptics::Snapshot::kMaxHands>;  // one a hand
 
-  /// [setup] @param next where rows go on to @param kept rows at most; older ones are dropped
-  RowCollector(haptics::TickSink& next, std::size_t hands, std::size_t kept);
+  /// [setup] @param kept rows at most; older ones are dropped
+  RowCollector(std::size_t hands, std::size_t kept);
   ~RowCollector() override;
   RowCollector(const RowCollector&) = delete;
   RowCollector& operator=(const RowCollector&) = delete;
 
-  void begin(std::int64_t started_unix_ns) noexcept override;
-  void put_change(const haptics::LiveChange& change) noexcept override;
-  void put(const haptics::TickRow& row) noexcept override;
+  void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [any] The run has ended: nothing more has to be collected before it is asked for.
   void rest() noexcept { thread_.request_stop(); }
@@ -54,7 +50,6 @@ class RowCollector final : public haptics::TickSink {
   void collect(const std::stop_token& stop);
   void drain();
 
-  haptics::TickSink& next_;
   std::size_t hands_;
   std::size_t kept_;
   SnapshotCell<Newest> newest_;
@@ -81,13 +76,6 @@ class LiveSimulation final {
     double keep_s = 600.0;                        // how much rows() keeps
     double surface_edge = 0.0;                    // m, of surface(): as visible_surface()
     bool cache = true;
-  };
-
-  /// What became of the run.
-  struct Outcome {
-    haptics::LoopReport loop;
-    std::filesystem::path fault_recording;  // the last ticks before a fault of an unrecorded run
-    std::string failure;                    // why it broke off, or its recording is not whole; empty: neither
   };
 
   /// [setup] Opens the devices and prepares the organ. @throws InputError, ParameterError.
@@ -123,48 +111,32 @@ class LiveSimulation final {
 
   /// [any] Clears the latched faults of the hands in `hand_bits` at the next tick. A held device gets force
   /// again after it has been still outside the tissue.
-  void reset_faults(std::uint32_t hand_bits) noexcept { resets_.fetch_or(hand_bits); }
+  void reset_faults(std::uint32_t hand_bits) noexcept { session_.control().reset_faults(hand_bits); }
   /// [any] Hands new tissue and noise to the loop.
-  [[nodiscard]] haptics::LiveChanges& changes() noexcept { return *changes_; }
+  [[nodiscard]] haptics::LiveChanges& changes() noexcept { return session_.updates(); }
 
-  [[nodiscard]] const scene::Setup& setup() const noexcept { return setup_; }
-  [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
-  /// [any] After the end: how it went. @throws std::logic_error before.
-  [[nodiscard]] const Outcome& outcome();
-  /// [any] After the end: what outcome() says went wrong, once; then and otherwise empty.
+  [[nodiscard]] const scene::Setup& setup() const noexcept { return session_.setup(); }
+  [[nodiscard]] std::size_t hands() const noexcept { return session_.hands(); }
+  /// [any] After the end: how it went; a run that broke off has the default values. @throws std::logic_error
+  /// before the end.
+  [[nodiscard]] session::RunResult result();
+  /// [any] After the end: why it broke off or its recording is not whole, once; then and otherwise empty.
   [[nodiscard]] std::string take_failure();
 
  private:
-  void open_devices();
-  [[nodiscard]] std::uint64_t ticks_to_run() const;
-  void run();
-  void finish_sink();
-  [[nodiscard]] RowCollector* collector();
+  [[nodiscard]] session::BackgroundRun* run();
 
-  scene::Setup setup_;
   Options options_;
-  haptics::SimulationWorld world_;
-  std::vector<std::unique_ptr<haptics::Device>> devices_;
-  std::uint64_t ticks_ = 0;
-  std::unique_ptr<haptics::LiveChanges> changes_;
-  SnapshotCell<haptics::Snapshot> snapshots_;
-  std::atomic<std::uint32_t> resets_{0};  // a bit a hand
-  std::atomic<bool> stop_{false};
-  std::atomic<std::uint64_t> done_{0};       // ticks
-  std::unique_ptr<haptics::TickSink> sink_;  // the recorder, or the flight recorder
-  std::unique_ptr<RowCollector> rows_;       // from start() on
-
-  std::mutex state_;  // of what follows
-  std::condition_variable changed_;
-  bool begun_ = false;
-  bool ended_ = false;
-  bool failure_told_ = false;
-  Outcome outcome_;
+  session::Session session_;
+  RowCollector rows_;
+  haptics::SnapshotPublisher snapshots_;
 
   std::mutex looking_;  // of snapshots_' reader and of what follows
   std::unique_ptr<deform::SurfaceDeformer> deformer_;
-  std::mutex joining_;
-  std::thread thread_;  // last: it uses all of the above
+
+  std::mutex state_;  // of what follows
+  bool failure_told_ = false;
+  std::unique_ptr<session::BackgroundRun> run_;  // from start() on; last: it uses all of the above
 };
 
 }  // namespace palpate::python

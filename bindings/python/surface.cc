@@ -1,7 +1,7 @@
 #include "bindings/python/surface.h"
 
 #include "palpate/base/error.h"
-#include "palpate/render/indentations.h"
+#include "palpate/deform/indentations.h"
 
 namespace palpate::python {
 
@@ -21,7 +21,7 @@ Surface surface_at(const haptics::Snapshot& snapshot, deform::SurfaceDeformer& d
   surface.tick = snapshot.tick;
   surface.organ_W = snapshot.organ_W;
   surface.mesh.triangles = deformer.rest().triangles;
-  deformer.deform(snapshot.reach, render::indentations_of(snapshot), surface.mesh.vertices);
+  deformer.deform(snapshot.reach, deform::indentations_of(snapshot.hand_results()), surface.mesh.vertices);
   return surface;
 }
 

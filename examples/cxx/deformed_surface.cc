@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "palpate/deform/displacement.h"
+#include "palpate/deform/indentations.h"
 #include "palpate/devices/devices.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 
 namespace {
 
@@ -19,31 +20,15 @@ using palpate::Vec3;
 /// Runs the first `ticks` ticks of the scripted hand and gives back what the tools do then.
 std::vector<palpate::contact::ToolResult> contacts_after(const palpate::scene::Setup& setup,
                                                          std::uint64_t ticks) {
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
   palpate::haptics::SimulationState state(world);
   const auto device = palpate::devices::open_device(setup, 0);
   palpate::haptics::Device* const hand = device.get();
   palpate::haptics::LoopOptions options;
   options.offline = true;
   options.ticks = ticks;
-  (void)palpate::haptics::run_loop(world, state, {&hand, 1}, nullptr, options);
+  (void)palpate::haptics::run_loop(world, state, {&hand, 1}, {}, options);
   return state.results;
-}
-
-/// Each contact pushes (or pulls) the surface at one place, by its depth, as wide as the tool is there.
-std::vector<palpate::deform::Indentation> indentations_of(
-    const std::vector<palpate::contact::ToolResult>& results) {
-  std::vector<palpate::deform::Indentation> indentations;
-  for (const palpate::contact::ToolResult& result : results) {
-    for (int i = 0; i < result.view_count; ++i) {
-      const palpate::contact::ContactView& view = result.views[static_cast<std::size_t>(i)];
-      if (!(view.depth > 0.0)) continue;
-      const double radius =
-          view.half_width > 0.0 ? std::min(view.tip_radius, view.half_width) : view.tip_radius;
-      indentations.push_back({view.point_S, view.direction_S, view.depth, radius, 0.0});
-    }
-  }
-  return indentations;
 }
 
 void write_obj(const char* file, const std::vector<Vec3>& vertices,
@@ -57,7 +42,8 @@ void write_obj(const char* file, const std::vector<Vec3>& vertices,
 
 int main(int argc, char** argv) {
   const palpate::scene::Setup setup = palpate::scene::load({});
-  const auto indentations = indentations_of(contacts_after(setup, 3000));
+  // Each contact pushes (or pulls) the surface at one place, by its depth, as wide as the tool is there.
+  const auto indentations = palpate::deform::indentations_of(contacts_after(setup, 3000));
 
   // The forces need no fine mesh; a smooth picture does. Edges of 2 mm, the surface stays where it is.
   palpate::deform::SurfaceDeformer deformer(palpate::geometry::refine(setup.organ, 2e-3));

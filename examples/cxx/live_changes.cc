@@ -10,8 +10,8 @@
 #include "palpate/base/error.h"
 #include "palpate/devices/scripted.h"
 #include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 #include "palpate/scene/tool_path.h"
 
 namespace {
@@ -28,12 +28,11 @@ palpate::scene::ToolPath press_and_hold(const palpate::scene::Setup& setup) {
 }
 
 /// Remembers what was felt at the first tick of every change.
-class Watch final : public palpate::haptics::TickSink {
+class Watch final : public palpate::haptics::TickObserver {
  public:
   Watch() { lines_.reserve(16); }
-  void begin(std::int64_t /*started_unix_ns*/) noexcept override {}
-  void put_change(const palpate::haptics::LiveChange& change) noexcept override { number_ = change.number; }
-  void put(const palpate::haptics::TickRow& row) noexcept override {
+  void on_update(const palpate::haptics::LiveChange& change) noexcept override { number_ = change.number; }
+  void on_row(const palpate::haptics::TickRow& row) noexcept override {
     if (number_ != seen_ && lines_.size() < lines_.capacity()) lines_.push_back({number_, row.time, force_});
     seen_ = number_;
     force_ = row.tissue_force;
@@ -63,17 +62,18 @@ class Watch final : public palpate::haptics::TickSink {
 
 int main() {
   const palpate::scene::Setup setup = palpate::scene::load({});
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
   palpate::haptics::SimulationState state(world);
   palpate::devices::ScriptedDevice device(press_and_hold(setup));
   palpate::haptics::Device* const hand = &device;
-  const auto changes = palpate::record::live_changes(setup, world);
+  const auto changes = palpate::scene::live_changes(setup, world);
 
   Watch watch;
   palpate::haptics::LoopOptions options;
-  options.ticks = 2000;  // two seconds of wall time
-  options.changes = changes.get();
-  std::thread loop([&] { (void)palpate::haptics::run_loop(world, state, {&hand, 1}, &watch, options); });
+  options.ticks = 2000;                                 // two seconds of wall time
+  palpate::haptics::RunControl control(changes.get());  // stops and pauses a run, too
+  options.control = &control;
+  std::thread loop([&] { (void)palpate::haptics::run_loop(world, state, {&hand, 1}, {&watch}, options); });
 
   // Everything is checked and worked out here; the loop only picks up the result at one of its next ticks.
   std::this_thread::sleep_for(800ms);

@@ -5,31 +5,29 @@
 #include <stdexcept>
 #include <vector>
 
-#include "palpate/base/snapshot_cell.h"
 #include "palpate/devices/devices.h"
 #include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
 #include "palpate/render/offscreen.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 
 namespace {
 
 /// What the loop last published when so many ticks were done.
 palpate::haptics::Snapshot snapshot_after(const palpate::scene::Setup& setup, std::uint64_t ticks) {
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
   palpate::haptics::SimulationState state(world);
   const auto device = palpate::devices::open_device(setup, 0);
   palpate::haptics::Device* const hand = device.get();
 
   // The loop leaves its newest snapshot here and never waits for whoever draws.
-  palpate::SnapshotCell<palpate::haptics::Snapshot> cell;
+  palpate::haptics::SnapshotPublisher publisher;
   palpate::haptics::LoopOptions options;
   options.offline = true;
   options.ticks = ticks;
-  options.snapshots = &cell;
-  (void)palpate::haptics::run_loop(world, state, {&hand, 1}, nullptr, options);
-  cell.refresh();
-  return cell.value();
+  (void)palpate::haptics::run_loop(world, state, {&hand, 1}, {&publisher}, options);
+  publisher.cell().refresh();
+  return publisher.cell().value();
 }
 
 void draw(const palpate::scene::Setup& setup, const char* file) {

@@ -4,12 +4,12 @@
 
 #include "palpate/devices/devices.h"
 #include "palpate/haptics/simulation.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 
 int main() {
   const palpate::scene::Setup setup = palpate::scene::load({});
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
   palpate::haptics::SimulationState state(world);
   const auto device = palpate::devices::open_device(setup, 0);
   std::vector<palpate::haptics::ForceCommand> commands(world.hands());

@@ -10,8 +10,8 @@
 
 #include "palpate/devices/devices.h"
 #include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 #include "palpate/scene/tool_path.h"
 
 namespace {
@@ -89,10 +89,9 @@ class ToyDevice final : public palpate::haptics::Device {
 };
 
 /// Prints a line whenever half a second is over.
-class Diary final : public palpate::haptics::TickSink {
+class Diary final : public palpate::haptics::TickObserver {
  public:
-  void begin(std::int64_t /*started_unix_ns*/) noexcept override {}
-  void put(const palpate::haptics::TickRow& row) noexcept override {
+  void on_row(const palpate::haptics::TickRow& row) noexcept override {
     if (row.tick % 500 != 0) return;
     std::cout << row.time << " s: share let through " << row.engagement << ", depth " << 1e3 * row.depth
               << " mm, force on the hand " << row.force[2] << " N\n";
@@ -106,7 +105,7 @@ int main() {
   // "host": a hand holds it. So the force waits until the hand has been still outside the tissue, rises by a
   // ramp, and the passivity controller acts. Never run a device that can push as an unheld kind.
   setup.devices[0].kind = "host";
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
   palpate::haptics::SimulationState state(world);
 
   ToyDevice device(palpate::scene::default_path(setup, 0).at(0.0), 1.0 / setup.rate_Hz);
@@ -115,7 +114,7 @@ int main() {
   palpate::haptics::LoopOptions options;
   options.offline = true;  // a toy needs no wall clock; hardware does: leave it false
   options.ticks = 5000;
-  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, &diary, options);
+  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, {&diary}, options);
 
   for (const palpate::haptics::FaultSeen& fault : report.faults) {
     std::cout << "tick " << fault.tick << ": " << palpate::haptics::words_of(fault.fault) << ": "

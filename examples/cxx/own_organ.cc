@@ -9,8 +9,8 @@
 #include "palpate/devices/devices.h"
 #include "palpate/geometry/read_mesh.h"
 #include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 
 namespace {
 
@@ -24,10 +24,9 @@ void show_findings(const std::string& file, const std::string& unit) {
 }
 
 /// Keeps the largest tissue force and depth of all rows.
-class Deepest final : public palpate::haptics::TickSink {
+class Deepest final : public palpate::haptics::TickObserver {
  public:
-  void begin(std::int64_t /*started_unix_ns*/) noexcept override {}
-  void put(const palpate::haptics::TickRow& row) noexcept override {
+  void on_row(const palpate::haptics::TickRow& row) noexcept override {
     force = std::max(force, row.tissue_force);
     depth = std::max(depth, row.depth);
   }
@@ -47,7 +46,7 @@ int press(const std::string& file, const std::string& unit, const std::string& t
   const palpate::scene::Setup setup = palpate::scene::load(request);  // repairs, or refuses in one line
   for (const std::string& repair : setup.repairs) std::cout << "  repaired: " << repair << '\n';
 
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
   palpate::haptics::SimulationState state(world);
   const auto device = palpate::devices::open_device(setup, 0);  // scripted: goes to 12 mm of depth and back
   palpate::haptics::Device* const hand = device.get();
@@ -56,7 +55,7 @@ int press(const std::string& file, const std::string& unit, const std::string& t
   palpate::haptics::LoopOptions options;
   options.offline = true;
   options.ticks = device->last_tick(setup.rate_Hz);
-  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, &deepest, options);
+  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, {&deepest}, options);
   std::cout << report.ticks << " ticks, deepest " << 1e3 * deepest.depth << " mm, largest force "
             << deepest.force << " N\n";
   return 0;

@@ -5,8 +5,8 @@
 #include "palpate/devices/devices.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/haptics/machine_checks.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 
 namespace {
 
@@ -25,14 +25,14 @@ int main() {
   }
 
   const palpate::scene::Setup setup = palpate::scene::load({});
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
   palpate::haptics::SimulationState state(world);
   const auto device = palpate::devices::open_device(setup, 0);
   palpate::haptics::Device* const hand = device.get();
 
   palpate::haptics::LoopOptions options;
   options.ticks = 1000;
-  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, nullptr, options);
+  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, {}, options);
   show("computing a tick", report.tick_time);
   show("a tick begins late by", report.lateness);
   std::cout << report.ticks << " ticks, " << report.missed_deadlines << " missed deadlines\n";

@@ -5,31 +5,20 @@
 #include <string>
 
 #include "palpate/base/error.h"
-#include "palpate/devices/devices.h"
-#include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
-#include "palpate/record/recorder.h"
 #include "palpate/record/recording.h"
 #include "palpate/record/replay.h"
 #include "palpate/scene/load.h"
+#include "palpate/session/session.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The built-in gallbladder press, every tick of it in `file`.
+/// The built-in gallbladder press, every tick of it in `file`; a scene file goes into load() as `.scene`.
 void record_a_press(const fs::path& file) {
-  const palpate::scene::Setup setup = palpate::scene::load({});
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
-  palpate::haptics::SimulationState state(world);
-  const auto device = palpate::devices::open_device(setup, 0);
-  palpate::haptics::Device* const hand = device.get();
-
-  palpate::haptics::LoopOptions options;
-  options.offline = true;
-  options.ticks = device->last_tick(setup.rate_Hz);
-  palpate::record::Recorder recorder(file, setup, options.offline);  // writes on a thread of its own
-  recorder.finish(palpate::haptics::run_loop(world, state, {&hand, 1}, &recorder, options));
+  auto session = palpate::session::Session::open(palpate::scene::load({}));
+  const palpate::session::RunResult result = session.run({.recording = file, .offline = true});
+  std::cout << result.loop.ticks << " ticks, deepest " << 1e3 * result.statistics.peak_depth << " mm\n";
 }
 
 int replay_and_compare(const fs::path& file) {

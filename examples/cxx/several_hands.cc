@@ -8,8 +8,8 @@
 #include "palpate/base/error.h"
 #include "palpate/devices/devices.h"
 #include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 
 namespace {
 
@@ -32,10 +32,9 @@ base = { position_mm = [15, 0, 0] }
 )toml";
 
 /// Each hand's largest force. A tick gives one row a hand.
-class LargestForces final : public palpate::haptics::TickSink {
+class LargestForces final : public palpate::haptics::TickObserver {
  public:
-  void begin(std::int64_t /*started_unix_ns*/) noexcept override {}
-  void put(const palpate::haptics::TickRow& row) noexcept override {
+  void on_row(const palpate::haptics::TickRow& row) noexcept override {
     double& largest = of_hand[row.hand];
     largest = std::max(largest, row.tissue_force);
   }
@@ -46,7 +45,7 @@ void press_with_both() {
   palpate::scene::Request request;
   request.scene_text = palpate::scene::SceneText{kScene, "."};
   const palpate::scene::Setup setup = palpate::scene::load(request);
-  const palpate::haptics::SimulationWorld world = palpate::record::assemble(setup);
+  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
   palpate::haptics::SimulationState state(world);
 
   std::vector<std::unique_ptr<palpate::haptics::Device>> devices;
@@ -60,7 +59,7 @@ void press_with_both() {
   }
 
   LargestForces largest;
-  const auto report = palpate::haptics::run_loop(world, state, hands, &largest, options);
+  const auto report = palpate::haptics::run_loop(world, state, hands, {&largest}, options);
   std::cout << setup.name << ": " << report.ticks << " ticks\n";
   for (std::size_t hand = 0; hand < world.hands(); ++hand) {
     std::cout << "hand " << hand << ", " << setup.tools[hand].name << ": largest force "

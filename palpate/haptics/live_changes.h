@@ -32,7 +32,7 @@ class LiveChanges final {
   /// Changes that may wait for the loop.
   static constexpr std::size_t kMostWaiting = 8;
 
-  /// What a tissue should be warned of on this scene's devices, in words (record::stability_remarks).
+  /// What a tissue should be warned of on this scene's devices, in words (scene::stability_remarks).
   using Warnings = std::function<std::vector<std::string>(const model::TissueParameters&)>;
 
   /// What became of an offer.

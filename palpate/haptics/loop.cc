@@ -36,12 +36,13 @@ struct StopAtEnd {
 class Loop final {
  public:
   /// @param watchdog null: nobody watches
-  Loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices, TickSink* sink,
-       const LoopOptions& options, Watchdog* watchdog, LoopReport& report)
+  Loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices,
+       const std::vector<TickObserver*>& observers, const LoopOptions& options, Watchdog* watchdog,
+       LoopReport& report)
       : world_(world),
         state_(state),
         devices_(devices),
-        sink_(sink),
+        observers_(observers),
         options_(options),
         watchdog_(watchdog),
         stalled_after_ns_(stalled_after_ns(options, world.rate_Hz)),
@@ -65,7 +66,7 @@ class Loop final {
       if (stop_wanted()) break;
       if (!options_.offline) wait_.until(schedule.due());
       if (stop_wanted()) break;
-      if (number == 0 && sink_ != nullptr) sink_->begin(unix_ns());
+      if (number == 0) start();
       const std::int64_t late = options_.offline ? 0 : begin_in_time(schedule, number);
       run_tick(number, late);
     }
@@ -80,13 +81,18 @@ class Loop final {
     std::size_t entry = LoopReport::kMostFaults;  // in report_.faults
   };
 
+  void start() noexcept {
+    const std::int64_t now = unix_ns();
+    for (TickObserver* observer : observers_) observer->on_start(now);
+  }
+
   [[nodiscard]] bool stop_wanted() const noexcept {
-    return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
+    return options_.control != nullptr && options_.control->stopping();
   }
 
   [[nodiscard]] bool pause_wanted() const noexcept {
-    return options_.pause != nullptr && watchdog_ == nullptr && !options_.offline &&
-           options_.pause->load(std::memory_order_relaxed);
+    return options_.control != nullptr && watchdog_ == nullptr && !options_.offline &&
+           options_.control->pausing();
   }
 
   /// Zero force on every device until the run is to go on, or to end. No tick is late for it.
@@ -138,13 +144,14 @@ class Loop final {
 
   /// The oldest change to tissue or noise that waits, from this tick on. @return whether there was one
   bool take_change(std::uint64_t number) noexcept {
-    const PreparedChange* change = options_.changes == nullptr ? nullptr : options_.changes->waiting();
+    LiveChanges* updates = options_.control == nullptr ? nullptr : options_.control->updates();
+    const PreparedChange* change = updates == nullptr ? nullptr : updates->waiting();
     if (change == nullptr) return false;
     apply_change(world_, state_, *change);
     LiveChange noted = change->values;
     noted.tick = number;
-    options_.changes->taken();
-    if (sink_ != nullptr) sink_->put_change(noted);
+    updates->taken();
+    for (TickObserver* observer : observers_) observer->on_update(noted);
     return true;
   }
 
@@ -152,8 +159,7 @@ class Loop final {
   /// meets the same.
   void read_samples(std::uint64_t number, bool changed) noexcept {
     const double time = static_cast<double>(number) / world_.rate_Hz;
-    const std::uint32_t resets =
-        options_.resets == nullptr ? 0 : options_.resets->exchange(0, std::memory_order_relaxed);
+    const std::uint32_t resets = options_.control == nullptr ? 0 : options_.control->take_resets();
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
       DeviceState& sample = samples_[hand];
       sample = devices_[hand]->read(number, time);
@@ -177,19 +183,18 @@ class Loop final {
     }
   }
 
-  /// Rows to the sink, the newest state to the picture, the count to whoever shows progress.
+  /// Tells the observers of the rows and of the state after the tick.
   void hand_over(std::uint64_t number, std::int64_t spent, std::int64_t late) noexcept {
     for (TickRow& row : rows_) {
       row.tick_ns = spent;
       row.late_ns = late;
+      for (TickObserver* observer : observers_) observer->on_row(row);
       follow_fault(row);
-      if (sink_ != nullptr) sink_->put(row);
     }
     report_.ticks = number + 1;
-    for (SnapshotCell<Snapshot>* cell : {options_.snapshots, options_.more_snapshots}) {
-      if (cell != nullptr) publish(number, *cell);
-    }
-    if (options_.progress != nullptr) options_.progress->store(number + 1, std::memory_order_relaxed);
+    if (observers_.empty()) return;
+    make_snapshot(state_, commands_, number, options_.offline ? 0 : last_begin_, snapshot_);
+    for (TickObserver* observer : observers_) observer->on_tick(snapshot_);
   }
 
   /// Notes when a fault is latched, also anew in the tick of its reset, and when it is cleared.
@@ -203,7 +208,7 @@ class Loop final {
     if (fault == Fault::kNone) return;
     if (report_.fault == Fault::kNone) report_.fault = fault;
     const FaultSeen seen{row.tick, row.hand, fault};
-    if (options_.fault_news != nullptr) (void)options_.fault_news->push(seen);
+    for (TickObserver* observer : observers_) observer->on_fault(seen);
     if (report_.faults.size() == LoopReport::kMostFaults) {
       ++report_.further_faults;
       return;
@@ -212,28 +217,10 @@ class Loop final {
     report_.faults.push_back(seen);  // within what was reserved
   }
 
-  void publish(std::uint64_t number, SnapshotCell<Snapshot>& cell) noexcept {
-    Snapshot& snapshot = cell.writable();
-    const std::size_t hands = std::min(devices_.size(), Snapshot::kMaxHands);
-    snapshot.tick = number;
-    snapshot.taken_ns = options_.offline ? 0 : last_begin_;
-    snapshot.organ_W = state_.organ_W;
-    snapshot.hands = static_cast<std::uint32_t>(hands);
-    std::copy_n(state_.inputs.begin(), hands, snapshot.tools.begin());
-    std::copy_n(state_.results.begin(), hands, snapshot.results.begin());
-    std::copy_n(commands_.begin(), hands, snapshot.commands.begin());
-    for (std::size_t hand = 0; hand < hands; ++hand) {
-      snapshot.faults[hand] = static_cast<Fault>(rows_[hand].fault);
-    }
-    snapshot.change = state_.change;
-    snapshot.reach = state_.reach;
-    cell.publish();
-  }
-
   const SimulationWorld& world_;
   SimulationState& state_;
   std::span<Device* const> devices_;
-  TickSink* sink_;
+  const std::vector<TickObserver*>& observers_;
   const LoopOptions& options_;
   Watchdog* watchdog_;
   std::int64_t stalled_after_ns_;
@@ -242,6 +229,7 @@ class Loop final {
   std::vector<DeviceState> samples_;
   std::vector<ForceCommand> commands_;
   std::vector<TickRow> rows_;
+  Snapshot snapshot_;
   std::vector<char> refused_;     // a hand's last command was
   std::vector<Latched> latched_;  // of each hand
   std::int64_t last_begin_ = 0;
@@ -296,7 +284,7 @@ std::int64_t stall_limit_ns(const SimulationWorld& world) noexcept {
 }
 
 LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices,
-                    TickSink* sink, const LoopOptions& options) {
+                    const std::vector<TickObserver*>& observers, const LoopOptions& options) {
   const StopAtEnd stop_at_end{devices};
   if (devices.size() != world.hands()) {
     throw std::invalid_argument("run_loop: " + std::to_string(devices.size()) + " devices for " +
@@ -315,7 +303,7 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
   if (!options.offline) report.memory_locked = memory.emplace(report.remarks).granted();
   const std::int64_t stalled_after = stalled_after_ns(options, world.rate_Hz);
   if (stalled_after > 0) watchdog.emplace(devices, stalled_after);
-  Loop loop(world, state, devices, sink, options, watchdog ? &*watchdog : nullptr, report);
+  Loop loop(world, state, devices, observers, options, watchdog ? &*watchdog : nullptr, report);
 
   std::exception_ptr failure;
   std::optional<SignalsHeld> signals(std::in_place);

@@ -100,7 +100,7 @@ void IgtlServer::serve_until_finish() {
 
 /// What the cell still holds is another run's.
 void IgtlServer::begin_stream(std::unique_ptr<IgtlStream> stream) {
-  (void)snapshots_.refresh();
+  (void)published_.cell().refresh();
   stream_ = std::move(stream);
   seen_ = false;
   state_stale_ = false;
@@ -112,7 +112,7 @@ void IgtlServer::begin_stream(std::unique_ptr<IgtlStream> stream) {
 }
 
 void IgtlServer::frame(std::int64_t now, bool last) {
-  if (stream_ != nullptr && snapshots_.refresh()) {
+  if (stream_ != nullptr && published_.cell().refresh()) {
     seen_ = true;
     state_stale_ = true;
     surface_stale_ = true;
@@ -125,14 +125,14 @@ void IgtlServer::frame(std::int64_t now, bool last) {
 
 /// Wall time of the state in hand [ns]. An offline run has none: its state is of now.
 std::int64_t IgtlServer::stamp() const noexcept {
-  const std::int64_t taken = snapshots_.value().taken_ns;
+  const std::int64_t taken = published_.cell().value().taken_ns;
   const std::int64_t now = unix_ns();
   return taken == 0 ? now : now - monotonic_ns() + taken;
 }
 
 bool IgtlServer::faults_changed() noexcept {
-  const bool changed = snapshots_.value().faults != faults_told_;
-  faults_told_ = snapshots_.value().faults;
+  const bool changed = published_.cell().value().faults != faults_told_;
+  faults_told_ = published_.cell().value().faults;
   return changed;
 }
 
@@ -142,7 +142,7 @@ void IgtlServer::send_next(std::size_t channel, Bytes bytes) {
 
 void IgtlServer::pack(std::int64_t now, bool last) {
   const bool running = stream_ != nullptr && seen_;
-  const haptics::Snapshot& snapshot = snapshots_.value();
+  const haptics::Snapshot& snapshot = published_.cell().value();
   const std::int64_t taken = running ? stamp() : unix_ns();
   if (running && std::exchange(state_stale_, false)) {
     send_next(kPoseChannel, IgtlStream::poses(snapshot, taken));
@@ -158,7 +158,7 @@ void IgtlServer::pack(std::int64_t now, bool last) {
 void IgtlServer::pack_surface(std::int64_t now, std::int64_t stamp) {
   surface_stale_ = false;
   const std::int64_t before = thread_cpu_ns();
-  Bytes bytes = stream_->surface(snapshots_.value(), stamp);
+  Bytes bytes = stream_->surface(published_.cell().value(), stamp);
   surface_due_ = now + std::max(period_ns(kSurfaceRate), kShareOfSurface * (thread_cpu_ns() - before));
   if (!bytes.empty()) send_next(kSurfaceChannel, std::move(bytes));
 }
@@ -175,9 +175,8 @@ void IgtlServer::say_farewell() {
   }
 }
 
-IgtlRun::IgtlRun(IgtlServer* server, const scene::Setup& setup, IndentationsOf indentations)
-    : server_(server) {
-  if (server_ != nullptr) server_->begin(std::make_unique<IgtlStream>(setup, std::move(indentations)));
+IgtlRun::IgtlRun(IgtlServer* server, const scene::Setup& setup) : server_(server) {
+  if (server_ != nullptr) server_->begin(std::make_unique<IgtlStream>(setup));
 }
 
 IgtlRun::~IgtlRun() {

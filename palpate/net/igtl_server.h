@@ -6,15 +6,15 @@
 #include <mutex>
 #include <thread>
 
-#include "palpate/base/snapshot_cell.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/net/igtl_clients.h"
 #include "palpate/net/igtl_stream.h"
 
 namespace palpate::net {
 
-/// Shows a run to OpenIGTLink clients, from a thread of its own. The loop hands each tick's state over
-/// through a cell and knows nothing of clients; nobody waits for one. Without clients nothing is packed.
-class IgtlServer final {
+/// Shows a run to OpenIGTLink clients, from a thread of its own. It observes the loop, which knows nothing of
+/// clients; nobody waits for one. Without clients nothing is packed.
+class IgtlServer final : public haptics::TickObserver {
  public:
   static constexpr double kStateRate = 50.0;    // Hz, at most: poses and sensors
   static constexpr double kWordsRate = 5.0;     // Hz; a new fault is told with the next state
@@ -22,7 +22,7 @@ class IgtlServer final {
 
   /// [setup] Listens from here on. @throws InputError as IgtlClients
   explicit IgtlServer(const IgtlAddress& address, const IgtlClients::Limits& limits = {});
-  ~IgtlServer();
+  ~IgtlServer() override;
   IgtlServer(const IgtlServer&) = delete;
   IgtlServer& operator=(const IgtlServer&) = delete;
 
@@ -32,8 +32,8 @@ class IgtlServer final {
   void begin(std::unique_ptr<IgtlStream> stream);
   /// [setup] After the loop has ended: its last state still goes to every client that can take it.
   void end();
-  /// Where the loop hands its state over.
-  [[nodiscard]] SnapshotCell<haptics::Snapshot>& snapshots() noexcept { return snapshots_; }
+  /// [rt] The loop hands its state over.
+  void on_tick(const haptics::Snapshot& snapshot) noexcept override { published_.on_tick(snapshot); }
 
   /// [setup] Says good-bye to all clients and ends. Once. @return how it went
   [[nodiscard]] IgtlTally finish();
@@ -57,7 +57,7 @@ class IgtlServer final {
 
   IgtlClients clients_;
   Descriptor wake_;
-  SnapshotCell<haptics::Snapshot> snapshots_;
+  haptics::SnapshotPublisher published_;
   std::mutex mutex_;
   std::condition_variable answered_;
   Ask asked_ = Ask::kNothing;         // guarded by mutex_, as the next two
@@ -80,14 +80,10 @@ class IgtlServer final {
 class IgtlRun final {
  public:
   /// @param server null: nothing is shown
-  IgtlRun(IgtlServer* server, const scene::Setup& setup, IndentationsOf indentations);
+  IgtlRun(IgtlServer* server, const scene::Setup& setup);
   ~IgtlRun();
   IgtlRun(const IgtlRun&) = delete;
   IgtlRun& operator=(const IgtlRun&) = delete;
-  /// For the loop's options; null without a server.
-  [[nodiscard]] SnapshotCell<haptics::Snapshot>* snapshots() noexcept {
-    return server_ == nullptr ? nullptr : &server_->snapshots();
-  }
 
  private:
   IgtlServer* server_;

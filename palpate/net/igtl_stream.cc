@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "palpate/base/text.h"
+#include "palpate/deform/indentations.h"
 
 namespace palpate::net {
 namespace {
@@ -80,9 +81,8 @@ std::string name_for_hand(const std::string& name, std::size_t hand) {
   return hand == 0 ? name : name + std::to_string(hand + 1);
 }
 
-IgtlStream::IgtlStream(const scene::Setup& setup, IndentationsOf indentations)
+IgtlStream::IgtlStream(const scene::Setup& setup)
     : rate_Hz_(setup.rate_Hz),
-      indentations_of_(std::move(indentations)),
       deformer_(finely_divided(setup.organ)),
       surface_("PalpateOrgan", deformer_.rest().triangles) {}
 
@@ -136,7 +136,7 @@ bool IgtlStream::same(const Shape& a, const Shape& b) {
 }
 
 Bytes IgtlStream::surface(const haptics::Snapshot& snapshot, std::int64_t unix_ns) {
-  Shape now{indentations_of_(snapshot), snapshot.organ_W, snapshot.reach};
+  Shape now{deform::indentations_of(snapshot.hand_results()), snapshot.organ_W, snapshot.reach};
   if (last_ != nullptr && same(now, *last_)) return {};
   deformer_.deform(now.reach, now.indentations, vertices_);
   for (Vec3& vertex : vertices_) vertex = now.organ_W * vertex;

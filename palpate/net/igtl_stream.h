@@ -1,19 +1,15 @@
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "palpate/deform/displacement.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/snapshot.h"
 #include "palpate/net/igtl_messages.h"
 #include "palpate/scene/setup.h"
 
 namespace palpate::net {
-
-/// Where a snapshot's tools press or pull the organ (render::indentations_of).
-using IndentationsOf = std::function<std::vector<deform::Indentation>(const haptics::Snapshot&)>;
 
 /// [any] The name under which something of a hand is sent: "PalpateTool" of hand 0, "PalpateTool2" of hand 1.
 [[nodiscard]] std::string name_for_hand(const std::string& name, std::size_t hand);
@@ -26,7 +22,7 @@ class IgtlStream final {
   static constexpr std::size_t kFewestTriangles = 6000;
 
   /// @param setup not kept
-  IgtlStream(const scene::Setup& setup, IndentationsOf indentations);
+  explicit IgtlStream(const scene::Setup& setup);
 
   /// Pose and contact of every hand.
   [[nodiscard]] static Bytes poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns);
@@ -46,7 +42,6 @@ class IgtlStream final {
   [[nodiscard]] static bool same(const Shape& a, const Shape& b);
 
   double rate_Hz_;
-  IndentationsOf indentations_of_;
   deform::SurfaceDeformer deformer_;
   IgtlSurface surface_;
   std::vector<Vec3> vertices_;

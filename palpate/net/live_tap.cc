@@ -7,11 +7,9 @@ namespace palpate::net {
 LiveTap::LiveTap(std::size_t hands)
     : hands_(static_cast<std::uint32_t>(std::min(hands, haptics::Snapshot::kMaxHands))) {}
 
-void LiveTap::begin(std::int64_t /*started_unix_ns*/) noexcept {}
+void LiveTap::on_update(const haptics::LiveChange& change) noexcept { change_ = change.number; }
 
-void LiveTap::put_change(const haptics::LiveChange& change) noexcept { change_ = change.number; }
-
-void LiveTap::put(const haptics::TickRow& row) noexcept {
+void LiveTap::on_row(const haptics::TickRow& row) noexcept {
   if (row.hand >= hands_) return;
   if (row.fault != faults_[row.hand]) {
     faults_[row.hand] = row.fault;

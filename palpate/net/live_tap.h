@@ -26,13 +26,12 @@ struct FaultTurn {
 
 /// Sees the rows of a running loop for who streams them: the newest tick, and every change of a fault. The
 /// loop never waits.
-class LiveTap final : public haptics::TickSink {
+class LiveTap final : public haptics::TickObserver {
  public:
   /// [setup] @param hands of the scene
   explicit LiveTap(std::size_t hands);
-  void begin(std::int64_t started_unix_ns) noexcept override;
-  void put_change(const haptics::LiveChange& change) noexcept override;
-  void put(const haptics::TickRow& row) noexcept override;
+  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [any] One thread. The newest tick; null before the first.
   [[nodiscard]] const LiveTick* newest() noexcept;

@@ -20,27 +20,21 @@ std::size_t rows_in(double seconds, const scene::Setup& setup) {
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(haptics::TickSink* next, const scene::Setup& setup)
-    : next_(next),
-      setup_(setup),
+FlightRecorder::FlightRecorder(const scene::Setup& setup)
+    : setup_(setup),
       hands_(setup.tools.size()),
       rows_after_fault_(rows_in(kAfter, setup)),
       ring_(rows_in(kKept, setup) + rows_in(kAfter, setup)) {}
 
-void FlightRecorder::begin(std::int64_t started_unix_ns) noexcept {
-  started_unix_ns_ = started_unix_ns;
-  if (next_ != nullptr) next_->begin(started_unix_ns);
-}
+void FlightRecorder::on_start(std::int64_t started_unix_ns) noexcept { started_unix_ns_ = started_unix_ns; }
 
-void FlightRecorder::put_change(const haptics::LiveChange& change) noexcept {
-  if (next_ != nullptr) next_->put_change(change);
+void FlightRecorder::on_update(const haptics::LiveChange& change) noexcept {
   if (fault_met_ && rows_after_fault_ == 0) return;
   changes_[changes_seen_ % kChangesKept] = change;
   ++changes_seen_;
 }
 
-void FlightRecorder::put(const haptics::TickRow& row) noexcept {
-  if (next_ != nullptr) next_->put(row);
+void FlightRecorder::on_row(const haptics::TickRow& row) noexcept {
   if (row.fault != 0) fault_met_ = true;
   if (fault_met_) {
     if (rows_after_fault_ == 0) return;
@@ -72,9 +66,9 @@ std::vector<haptics::LiveChange> FlightRecorder::changes() const {
 
 void FlightRecorder::write(const std::filesystem::path& file, const haptics::LoopReport& report) const {
   Recorder recorder(file, setup_, true);
-  recorder.begin(started_unix_ns_);
-  for (const haptics::LiveChange& change : changes()) recorder.put_change(change);
-  for (const haptics::TickRow& row : rows()) recorder.put(row);
+  recorder.on_start(started_unix_ns_);
+  for (const haptics::LiveChange& change : changes()) recorder.on_update(change);
+  for (const haptics::TickRow& row : rows()) recorder.on_row(row);
   recorder.finish(report);
 }
 

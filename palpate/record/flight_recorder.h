@@ -10,19 +10,19 @@
 namespace palpate::record {
 
 /// Keeps the last ticks of a run that nobody records, and stops keeping shortly after the first fault, so
-/// that what led to it can be looked at. Rows go on to the next sink as they come.
-class FlightRecorder final : public haptics::TickSink {
+/// that what led to it can be looked at.
+class FlightRecorder final : public haptics::TickObserver {
  public:
   static constexpr double kKept = 2.0;    // s before the fault
   static constexpr double kAfter = 0.25;  // s from the fault on
   static constexpr std::size_t kChangesKept = 64;
 
-  /// [setup] @param next where rows go on to; may be null
-  FlightRecorder(haptics::TickSink* next, const scene::Setup& setup);
+  /// [setup] @param setup outlives this
+  explicit FlightRecorder(const scene::Setup& setup);
 
-  void begin(std::int64_t started_unix_ns) noexcept override;
-  void put_change(const haptics::LiveChange& change) noexcept override;
-  void put(const haptics::TickRow& row) noexcept override;
+  void on_start(std::int64_t started_unix_ns) noexcept override;
+  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [setup] After the run: whether a fault was met.
   [[nodiscard]] bool fault_met() const noexcept { return fault_met_; }
@@ -35,7 +35,6 @@ class FlightRecorder final : public haptics::TickSink {
   void write(const std::filesystem::path& file, const haptics::LoopReport& report) const;
 
  private:
-  haptics::TickSink* next_;
   const scene::Setup& setup_;
   std::size_t hands_;
   std::size_t rows_after_fault_;

@@ -266,12 +266,12 @@ Recorder::~Recorder() {
   impl_->close_file(RunFacts{});
 }
 
-void Recorder::begin(std::int64_t started_unix_ns) noexcept {
+void Recorder::on_start(std::int64_t started_unix_ns) noexcept {
   impl_->started_unix_ns.store(started_unix_ns, std::memory_order_relaxed);
   impl_->begun.store(true, std::memory_order_release);
 }
 
-void Recorder::put_change(const haptics::LiveChange& change) noexcept {
+void Recorder::on_update(const haptics::LiveChange& change) noexcept {
   while (!impl_->change_ring.push(change)) {
     if (!impl_->offline) {
       impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);
@@ -281,7 +281,7 @@ void Recorder::put_change(const haptics::LiveChange& change) noexcept {
   }
 }
 
-void Recorder::put(const haptics::TickRow& row) noexcept {
+void Recorder::on_row(const haptics::TickRow& row) noexcept {
   while (!impl_->ring.push(row)) {
     if (!impl_->offline) {
       impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);

@@ -11,16 +11,16 @@ namespace palpate::record {
 
 /// Writes a run to one HDF5 file by a thread of its own, fed from a ring. The file appears under its name
 /// when the first tick is due, not earlier, and is flushed at least every 0.5 s.
-class Recorder final : public haptics::TickSink {
+class Recorder final : public haptics::TickObserver {
  public:
   /// [setup] Prepares the file next to its final name and starts the thread.
   /// @throws InputError when the file cannot be made, naming it.
   Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline);
   ~Recorder() override;
 
-  void begin(std::int64_t started_unix_ns) noexcept override;
-  void put_change(const haptics::LiveChange& change) noexcept override;
-  void put(const haptics::TickRow& row) noexcept override;
+  void on_start(std::int64_t started_unix_ns) noexcept override;
+  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [setup] Writes what is left and the loop's account, closes the file. @throws InputError when writing
   /// failed (disk full), or rows were lost because the ring was full, naming the file.

@@ -13,9 +13,9 @@
 #include "palpate/base/text.h"
 #include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/simulation.h"
-#include "palpate/record/assemble.h"
 #include "palpate/record/recording_frames.h"
 #include "palpate/record/tick_columns.h"
+#include "palpate/scene/make_world.h"
 
 namespace palpate::record {
 namespace {
@@ -42,7 +42,7 @@ class Replay final {
   /// [setup] @throws InputError when ticks or hands are missing, or the scene is bad.
   explicit Replay(const Recording& recording, const contact::Preparation& how)
       : recording_(recording),
-        world_(assemble(recording.setup, how)),
+        world_(scene::make_world(recording.setup, how)),
         state_(world_),
         samples_(world_.hands()),
         commands_(world_.hands()),
@@ -92,19 +92,8 @@ class Replay final {
   /// As the loop publishes it, but with the recording's own time.
   [[nodiscard]] haptics::Snapshot snapshot(std::uint64_t number) const {
     haptics::Snapshot snapshot;
-    const std::size_t count = std::min(hands(), haptics::Snapshot::kMaxHands);
-    snapshot.tick = number;
-    snapshot.taken_ns = std::llround(static_cast<double>(number) / world_.rate_Hz * 1e9);
-    snapshot.organ_W = state_.organ_W;
-    snapshot.hands = static_cast<std::uint32_t>(count);
-    std::copy_n(state_.inputs.begin(), count, snapshot.tools.begin());
-    std::copy_n(state_.results.begin(), count, snapshot.results.begin());
-    std::copy_n(commands_.begin(), count, snapshot.commands.begin());
-    for (std::size_t hand = 0; hand < count; ++hand) {
-      snapshot.faults[hand] = static_cast<haptics::Fault>(rows_[hand].fault);
-    }
-    snapshot.change = state_.change;
-    snapshot.reach = state_.reach;
+    const auto taken_ns = std::llround(static_cast<double>(number) / world_.rate_Hz * 1e9);
+    haptics::make_snapshot(state_, commands_, number, taken_ns, snapshot);
     return snapshot;
   }
 

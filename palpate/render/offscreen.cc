@@ -9,8 +9,8 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
+#include "palpate/deform/indentations.h"
 #include "palpate/render/gl_context.h"
-#include "palpate/render/indentations.h"
 #include "palpate/render/organ_picture.h"
 #include "palpate/render/painter.h"
 #include "palpate/render/tissue_pattern.h"
@@ -88,7 +88,7 @@ struct OffscreenRenderer::Impl {
                   : Pose{Quat::Identity(), kNowhere};
       }
     }
-    if (organ.update(indentations_of(snapshot), imprints_of(snapshot, shapes))) {
+    if (organ.update(deform::indentations_of(snapshot.hand_results()), imprints_of(snapshot, shapes))) {
       upload_organ_at_rest();
       return;
     }

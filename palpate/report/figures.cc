@@ -11,9 +11,9 @@
 #include "palpate/base/text.h"
 #include "palpate/fit/distributions.h"
 #include "palpate/geometry/mesh.h"
-#include "palpate/record/assemble.h"
 #include "palpate/report/gnuplot.h"
 #include "palpate/report/text_format.h"
+#include "palpate/scene/make_world.h"
 
 namespace palpate::report {
 namespace {
@@ -81,7 +81,7 @@ OrganWay organ_way(const HandAnalysis& hand, const scene::Setup& setup, std::siz
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr std::array<double, 5> kNothing = {0.0, 1e-3, 1e-3, 1e-3, 1e-2};  // mm, degrees
   OrganWay way;
-  const model::OrganMotion motion = record::organ_motion_of(setup);
+  const model::OrganMotion motion = scene::organ_motion_of(setup);
   if (!motion.moves()) return way;
   const Vec3 middle_S = geometry::bounds(setup.organ).middle();
   std::array<double, 5> most{};

@@ -181,18 +181,18 @@ class Driven {
 class DrivenWindow final : public Driven {
  public:
   explicit DrivenWindow(const scene::Request& request, WindowOptions options = {})
-      : session_(prepare(request, options.duration_s, true)),
-        window_(session_, request, std::move(options)) {}
+      : session_(prepare(scene::load(request), options.duration_s, true)),
+        window_(*session_, request, std::move(options)) {}
 
   [[nodiscard]] Window& window() noexcept { return window_; }
-  [[nodiscard]] Session& session() noexcept { return session_; }
+  [[nodiscard]] Session& session() noexcept { return *session_; }
   void move_to_picture() { move_to_middle(window_.layout().picture); }
   WindowOutcome finish() { return window_.finish(); }
 
  private:
   bool frame() override { return window_.frame(); }
 
-  Session session_;
+  std::unique_ptr<Session> session_;
   Window window_;
 };
 

@@ -154,7 +154,7 @@ TEST_F(PanelsTest, FilesAreChosenByMouseAndByKeyboard) {
                 ImHashStr("entries", 0, ImHashStr("Choose a file")));
   ASSERT_TRUE(driven.press({entries.data(), "other.toml"}));
   ASSERT_TRUE(driven.press({"Choose a file", "Open"}));
-  const auto tissue = [&] { return driven.window().run().session().setup.tissue.name; };
+  const auto tissue = [&] { return driven.window().run().session().setup().tissue.name; };
   ASSERT_TRUE(driven.until([&] { return tissue() == "kidney"; })) << driven.window().message();
   driven.key(SDLK_o, KMOD_CTRL);
   driven.frames(2);
@@ -184,7 +184,7 @@ TEST_F(PanelsTest, ALostDeviceIsSaidInWordsAndResetByAClick) {
   }
   EXPECT_EQ(driven.window().banner(), "");
   close_and_expect_order(driven);
-  EXPECT_EQ(driven.finish().account.loop.fault, haptics::Fault::kDevice) << "the account keeps it";
+  EXPECT_EQ(driven.finish().result.loop.fault, haptics::Fault::kDevice) << "the account keeps it";
 }
 
 TEST_F(PanelsTest, ARunIsPausedWhereNoHandHoldsTheDevice) {
@@ -208,7 +208,7 @@ TEST_F(PanelsTest, ARunIsPausedWhereNoHandHoldsTheDevice) {
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().tick > stands + 20; }));
     EXPECT_EQ(driven.window().snapshot().change, 1U) << "the newest of what was changed meanwhile";
     close_and_expect_order(driven);
-    EXPECT_EQ(driven.finish().account.loop.pauses, 1U);
+    EXPECT_EQ(driven.finish().result.loop.pauses, 1U);
   }
   EXPECT_EQ(record::replay(record::read_recording(recording)).rows_different, 0U);
 }

@@ -78,9 +78,7 @@ void record_a_press(const std::filesystem::path& file, double duration_s, double
   request.tissue = "liver";
   request.tools = {"sphere:5"};
   request.rate_Hz = rate_Hz;
-  Session session = prepare(request, duration_s, true);
-  const std::atomic<bool> stop{false};
-  (void)play(session, {file, true}, stop);
+  (void)Session(scene::load(request), {.duration_s = duration_s}).run({file, true});
 }
 
 TEST(Overview, KnowsContactsDepthAndFaultsAsTheRowsHaveThem) {

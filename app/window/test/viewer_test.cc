@@ -15,9 +15,7 @@ class ViewerTest : public WindowTest {
  protected:
   /// A press on the ball that is recorded in no time: 7 s of it.
   std::filesystem::path recorded(const std::string& name, const scene::Request& request = ball("scripted")) {
-    Session session = prepare(request, std::nullopt, true);
-    const std::atomic<bool> stop{false};
-    (void)play(session, {file(name), true}, stop);
+    (void)Session(scene::load(request)).run({file(name), true});
     return file(name);
   }
   static ViewerOptions small_viewer() {
@@ -201,9 +199,8 @@ TEST_F(ViewerTest, AnotherRecordingIsDroppedOntoItAndABadOneIsRefused) {
 
 TEST_F(ViewerTest, AFaultIsJumpedToAndSaidInWords) {
   if (!display_is_there()) return;
-  Session session = prepare(failing(file("lost.toml"), "freeze", "0.3", "0.2"), 1.0, true);
-  const std::atomic<bool> stop{false};
-  (void)play(session, {file("lost.h5"), true}, stop);
+  const scene::Request lost = failing(file("lost.toml"), "freeze", "0.3", "0.2");
+  (void)Session(scene::load(lost), {.duration_s = 1.0}).run({file("lost.h5"), true});
   DrivenViewer driven(file("lost.h5"), small_viewer());
   Viewer& viewer = driven.viewer();
   ASSERT_TRUE(driven.until_there());

@@ -57,9 +57,7 @@ void experiment(const std::filesystem::path& file, const char* task) {
 /// The viewer on a recording of a press, paused where it is nearly deepest, with the displacement map.
 void viewer(const std::filesystem::path& file) {
   const std::filesystem::path recording = std::filesystem::temp_directory_path() / "press.h5";
-  palpate::app::Session session = palpate::app::prepare(palpate::scene::Request{}, std::nullopt, true);
-  const std::atomic<bool> stop{false};
-  (void)palpate::app::play(session, {recording, true}, stop);
+  (void)palpate::session::Session(palpate::scene::load({})).run({recording, true});
   {
     palpate::app::ViewerOptions options;
     options.at_s = 2.4;

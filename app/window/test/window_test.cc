@@ -56,10 +56,10 @@ TEST_F(WindowTest, ARunThatNeverBeganIsAccountedForWithZeroForce) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("scripted"), small(file("never.h5")));
   const WindowOutcome outcome = driven.finish();
-  EXPECT_TRUE(outcome.account.loop.stopped_early);
-  EXPECT_EQ(outcome.account.loop.fault, haptics::Fault::kNone);
+  EXPECT_TRUE(outcome.result.loop.stopped_early);
+  EXPECT_EQ(outcome.result.loop.fault, haptics::Fault::kNone);
   EXPECT_EQ(outcome.frames, 0U);
-  EXPECT_EQ(outcome.account.loop.ticks, 0U);
+  EXPECT_EQ(outcome.result.loop.ticks, 0U);
   EXPECT_FALSE(std::filesystem::exists(file("never.h5"))) << "a recording begins with its first tick";
 }
 
@@ -78,8 +78,8 @@ TEST_F(WindowTest, AMousePressesAndTheRecordingReplaysToTheBit) {
     EXPECT_GT(driven.window().snapshot().commands[0].force.z(), 0.01) << "it pushes up";
     close_and_expect_order(driven);  // in mid-contact
     const WindowOutcome outcome = driven.finish();
-    EXPECT_EQ(outcome.account.loop.fault, haptics::Fault::kNone);
-    EXPECT_TRUE(outcome.account.loop.stopped_early);
+    EXPECT_EQ(outcome.result.loop.fault, haptics::Fault::kNone);
+    EXPECT_TRUE(outcome.result.loop.stopped_early);
     EXPECT_EQ(outcome.more_runs, 0U);
   }
   const record::Recording read = record::read_recording(recording);
@@ -159,7 +159,7 @@ TEST_F(WindowTest, AFaultStandsAcrossThePictureInWordsUntilItIsReset) {
   driven.key(SDLK_r);
   EXPECT_TRUE(driven.until([&] { return driven.window().banner().empty(); })) << driven.window().banner();
   close_and_expect_order(driven);
-  EXPECT_EQ(driven.finish().account.loop.fault, haptics::Fault::kStale) << "the account keeps it";
+  EXPECT_EQ(driven.finish().result.loop.fault, haptics::Fault::kStale) << "the account keeps it";
 }
 
 TEST_F(WindowTest, AGamepadPressesAndItsLossIsAFault) {
@@ -186,7 +186,7 @@ TEST_F(WindowTest, AGamepadPressesAndItsLossIsAFault) {
     EXPECT_THAT(driven.window().banner(), HasSubstr("no gamepad is connected"));
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().commands[0].force.norm() == 0.0; }));
     close_and_expect_order(driven);
-    EXPECT_EQ(driven.finish().account.loop.fault, haptics::Fault::kDevice);
+    EXPECT_EQ(driven.finish().result.loop.fault, haptics::Fault::kDevice);
   }
   SDL_JoystickClose(joystick);
   SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
@@ -238,7 +238,7 @@ TEST_F(WindowTest, ADroppedMeshIsAskedForItsUnitAndThenTouched) {
   driven.window().panels().files.choose_unit("mm");
   driven.key(SDLK_RETURN);
   ASSERT_TRUE(
-      driven.until([&] { return driven.window().run().session().setup.organ_name == mesh.string(); }));
+      driven.until([&] { return driven.window().run().session().setup().organ_name == mesh.string(); }));
   ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.2; }));
   Driven::drop(file("holiday.jpg").string());
   driven.frames(2);

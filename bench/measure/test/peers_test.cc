@@ -17,7 +17,7 @@ const scene::Setup& setup() {
 }
 
 const std::vector<WayPoint>& way() {
-  static const std::vector<WayPoint> way = walk(setup(), record::assemble(setup()), hand_path(setup()));
+  static const std::vector<WayPoint> way = walk(setup(), scene::make_world(setup()), hand_path(setup()));
   return way;
 }
 

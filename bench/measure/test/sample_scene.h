@@ -1,6 +1,6 @@
 #pragma once
-#include "palpate/record/assemble.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/make_world.h"
 #include "palpate/scene/tool_path.h"
 
 namespace palpate::bench {

@@ -24,7 +24,7 @@ const scene::Setup& setup() {
 }
 
 const haptics::SimulationWorld& world() {
-  static const haptics::SimulationWorld world = record::assemble(setup());
+  static const haptics::SimulationWorld world = scene::make_world(setup());
   return world;
 }
 

@@ -12,12 +12,12 @@
 #include <gtest/gtest.h>
 
 #include "palpate/deform/displacement.h"
+#include "palpate/deform/indentations.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/model/layered_law.h"
 #include "palpate/model/smooth_law.h"
 #include "palpate/record/recording.h"
 #include "palpate/record/replay.h"
-#include "palpate/render/indentations.h"
 #include "palpate/scene/load.h"
 
 #include "bindings/c/test/c_session.h"
@@ -87,7 +87,7 @@ TEST(Surface, IsThatOfTheDeformModuleBitForBit) {
   const haptics::Snapshot snapshot = record::snapshots_at(recording, {kTick}).front();
   deform::SurfaceDeformer deformer(recording.setup.organ);
   std::vector<Vec3> wanted;
-  deformer.deform(recording.setup.tissue.reach, render::indentations_of(snapshot), wanted);
+  deformer.deform(recording.setup.tissue.reach, deform::indentations_of(snapshot.hand_results()), wanted);
   double most = 0.0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const Vec3 got(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);

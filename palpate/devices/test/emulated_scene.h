@@ -6,7 +6,7 @@
 #include "palpate/devices/emulated.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/haptics/loop.h"
-#include "palpate/record/assemble.h"
+#include "palpate/scene/make_world.h"
 
 // An emulated hand that presses a block, through the loop.
 namespace palpate::devices::test {
@@ -74,11 +74,10 @@ class WithResets final : public haptics::Device {
 };
 
 /// Keeps all rows.
-class Rows final : public haptics::TickSink {
+class Rows final : public haptics::TickObserver {
  public:
   explicit Rows(std::size_t expected) { rows.reserve(expected); }
-  void begin(std::int64_t /*unix_ns*/) noexcept override {}
-  void put(const haptics::TickRow& row) noexcept override {
+  void on_row(const haptics::TickRow& row) noexcept override {
     if (rows.size() < rows.capacity()) rows.push_back(row);
   }
   std::vector<haptics::TickRow> rows;
@@ -87,7 +86,7 @@ class Rows final : public haptics::TickSink {
 /// Runs a device to its last tick, offline or not. @return the rows
 inline std::vector<haptics::TickRow> run_through(const scene::Setup& setup, haptics::Device& device,
                                                  bool offline = true) {
-  const haptics::SimulationWorld world = record::assemble(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup);
   haptics::SimulationState state(world);
   const std::uint64_t ticks = device.last_tick(setup.rate_Hz);
   Rows sink(ticks);
@@ -95,7 +94,7 @@ inline std::vector<haptics::TickRow> run_through(const scene::Setup& setup, hapt
   options.ticks = ticks;
   options.offline = offline;
   std::array<haptics::Device*, 1> devices = {&device};
-  static_cast<void>(haptics::run_loop(world, state, devices, &sink, options));
+  static_cast<void>(haptics::run_loop(world, state, devices, {&sink}, options));
   return std::move(sink.rows);
 }
 

@@ -62,13 +62,12 @@ void heal(stand_in::Device& hardware) {
 
 /// The rows of a run, and the force that the stand-in had after each tick; the hand presses from kPressTick
 /// on, with kHandForce.
-class Hand final : public haptics::TickSink {
+class Hand final : public haptics::TickObserver {
  public:
   using Act = std::function<void(stand_in::Device&)>;
   explicit Hand(stand_in::Device& hardware, Act at_fault = nullptr)
       : hardware_(hardware), at_fault_(std::move(at_fault)) {}
-  void begin(std::int64_t /*unix_ns*/) noexcept override {}
-  void put(const haptics::TickRow& row) noexcept override {
+  void on_row(const haptics::TickRow& row) noexcept override {
     if (row.hand != 0) {
       others.push_back(row);
       return;
@@ -207,7 +206,7 @@ void ForceDimensionSafety::check_return(haptics::Device& device, double largest_
   AskingForReset reset(device);
   haptics::Device* const devices[] = {&reset};
   const haptics::LoopReport report =
-      haptics::run_loop(world_, state_, devices, &again, {.ticks = kTicks, .offline = true});
+      haptics::run_loop(world_, state_, devices, {&again}, {.ticks = kTicks, .offline = true});
   EXPECT_EQ(report.fault, Fault::kNone);
   EXPECT_EQ(again.forces[0], 0.0);
   EXPECT_NEAR(again.forces.back(), kHandForce, 0.05);
@@ -220,7 +219,7 @@ TEST_P(ForceDimensionSafety, AFaultTakesTheForceAwayIn10MsAndAResetBringsItBackW
   haptics::Device* const devices[] = {&device};
   Hand hand(hardware_, GetParam().inject);
   const haptics::LoopReport report =
-      haptics::run_loop(world_, state_, devices, &hand, {.ticks = kTicks, .offline = true});
+      haptics::run_loop(world_, state_, devices, {&hand}, {.ticks = kTicks, .offline = true});
   ASSERT_EQ(hand.rows.size(), kTicks) << "the run goes on";
   EXPECT_NEAR(hand.forces[kFaultTick], kHandForce, 0.05) << "the tissue carries the hand";
   EXPECT_EQ(report.fault, GetParam().recorded);
@@ -254,7 +253,7 @@ TEST_F(ForceDimensionInTheLoop, AHandThatPressesRestsWhereTheTissueCarriesIt) {
   haptics::Device* const devices[] = {&device};
   Hand hand(hardware_);
   const haptics::LoopReport report =
-      haptics::run_loop(world, state, devices, &hand, {.ticks = 2 * kTicks, .offline = true});
+      haptics::run_loop(world, state, devices, {&hand}, {.ticks = 2 * kTicks, .offline = true});
   EXPECT_EQ(report.fault, Fault::kNone);
   EXPECT_NEAR(hand.rows.back().force[2], kHandForce, 1e-3);
   EXPECT_GT(hand.rows.back().depth, 0.0);
@@ -270,7 +269,7 @@ TEST_F(ForceDimensionInTheLoop, AForceThatIsStillOffAtTheResetLatchesAgainAtOnce
   haptics::Device* const devices[] = {&reset};
   hardware_.force_off_cause = 6;
   Hand hand(hardware_);
-  (void)haptics::run_loop(world, state, devices, &hand, {.ticks = 10, .offline = true});
+  (void)haptics::run_loop(world, state, devices, {&hand}, {.ticks = 10, .offline = true});
   EXPECT_EQ(hand.rows.front().fault, static_cast<std::uint32_t>(Fault::kForceOff));
   EXPECT_EQ(hand.rows.back().fault, static_cast<std::uint32_t>(Fault::kForceOff));
   EXPECT_THAT(hand.forces, testing::Each(0.0));
@@ -290,7 +289,7 @@ TEST_F(ForceDimensionInTheLoop, TwoDevicesAreTwoHandsAndAFaultOfOneLeavesTheOthe
     d.pose_result = -1;
     dhd_.device(1).hand_force[2] = -kHandForce;
   });
-  (void)haptics::run_loop(world, state, devices, &hand, {.ticks = 2 * kTicks, .offline = true});
+  (void)haptics::run_loop(world, state, devices, {&hand}, {.ticks = 2 * kTicks, .offline = true});
   EXPECT_EQ(hand.rows.back().fault, static_cast<std::uint32_t>(Fault::kDevice));
   EXPECT_EQ(hand.rows.back().force[2], 0.0);
   EXPECT_EQ(hand.others.back().fault, 0U);

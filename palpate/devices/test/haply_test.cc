@@ -390,11 +390,11 @@ TEST(Haply, TheProbeListsWhatIsThereOrSaysWhyNothingIs) {
 }
 
 /// Keeps all rows, and the monotonic time [ns] of the first tick.
-class StartKeeper final : public haptics::TickSink {
+class StartKeeper final : public haptics::TickObserver {
  public:
   StartKeeper(std::size_t expected, std::atomic<std::int64_t>& start) : rows_(expected), start_(start) {}
-  void begin(std::int64_t /*unix_ns*/) noexcept override { start_ = monotonic_ns(); }
-  void put(const haptics::TickRow& row) noexcept override { rows_.put(row); }
+  void on_start(std::int64_t /*unix_ns*/) noexcept override { start_ = monotonic_ns(); }
+  void on_row(const haptics::TickRow& row) noexcept override { rows_.on_row(row); }
   [[nodiscard]] const std::vector<haptics::TickRow>& rows() const { return rows_.rows; }
 
  private:
@@ -417,7 +417,7 @@ TEST(Haply, ALoopRunsWithItAndLeavesItWithoutForce) {
   haptics::Device* devices[] = {&device};
   StartKeeper keeper(300, start);
   const haptics::LoopReport report =
-      haptics::run_loop(world, state, devices, &keeper, {.ticks = 300, .offline = false});
+      haptics::run_loop(world, state, devices, {&keeper}, {.ticks = 300, .offline = false});
   EXPECT_EQ(report.ticks, 300U);
   const std::vector<haptics::TickRow>& rows = keeper.rows();
   ASSERT_EQ(rows.size(), 300U);

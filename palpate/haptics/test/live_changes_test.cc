@@ -42,7 +42,8 @@ std::vector<TickRow> run(const SimulationWorld& world, std::uint64_t ticks, Live
   });
   Device* const devices[] = {&device};
   test::RowKeeper rows(ticks);
-  (void)run_loop(world, state, devices, &rows, {.ticks = ticks, .offline = true, .changes = &changes});
+  RunControl control(&changes);
+  (void)run_loop(world, state, devices, {&rows}, {.ticks = ticks, .offline = true, .control = &control});
   return rows.rows;
 }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/clock.h"
+#include "palpate/base/ring.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/haptics/test/test_world.h"
 
@@ -51,12 +52,14 @@ class HangingDevice final : public Device {
 };
 
 /// Everybody who looks at the loop from outside, until it is told to stop.
-struct Onlookers {
-  SnapshotCell<Snapshot> cell;
+struct Onlookers final : TickObserver {
+  void on_fault(const FaultSeen& fault) noexcept override { (void)news.push(fault); }
+  void on_tick(const Snapshot& snapshot) noexcept override { progress.store(snapshot.tick + 1); }
+
+  SnapshotPublisher publisher;
   Ring<FaultSeen> news{64};
   std::atomic<std::uint64_t> progress{0};
-  std::atomic<std::uint32_t> resets{0};
-  std::atomic<bool> stop{false};
+  RunControl control;
   std::uint64_t snapshots = 0;  // of the drawing thread
   std::uint64_t torn = 0;
   std::uint64_t heard = 0;  // of the talking thread
@@ -64,9 +67,9 @@ struct Onlookers {
   void draw(const std::atomic<bool>& over) {
     std::uint64_t last = 0;
     while (!over) {
-      if (cell.refresh()) {
+      if (publisher.cell().refresh()) {
         ++snapshots;
-        const Snapshot& newest = cell.value();
+        const Snapshot& newest = publisher.cell().value();
         if (newest.hands != 2 || newest.tick < last) ++torn;
         last = newest.tick;
       }
@@ -78,7 +81,7 @@ struct Onlookers {
     FaultSeen seen;
     while (!over) {
       while (news.pop(seen)) ++heard;
-      resets.fetch_or(0b11);
+      control.reset_faults(0b11);
       sleep_until_ns(monotonic_ns() + 3'000'000);
     }
     while (news.pop(seen)) ++heard;
@@ -94,12 +97,7 @@ TEST(LoopStress, LoopHandOverWatchdogAndResetsTogether) {
   HangingDevice right(0);
   Device* devices[] = {&left, &right};
   Onlookers onlookers;
-  LoopOptions options{.ticks = ~std::uint64_t{0},
-                      .stop = &onlookers.stop,
-                      .snapshots = &onlookers.cell,
-                      .progress = &onlookers.progress,
-                      .resets = &onlookers.resets,
-                      .fault_news = &onlookers.news};
+  LoopOptions options{.ticks = ~std::uint64_t{0}, .control = &onlookers.control};
   options.stalled_after_ns = kStall;
 
   std::atomic<bool> over{false};
@@ -107,9 +105,9 @@ TEST(LoopStress, LoopHandOverWatchdogAndResetsTogether) {
   std::thread talks([&] { onlookers.talk(over); });
   std::thread ends([&] {
     sleep_until_ns(monotonic_ns() + static_cast<std::int64_t>(stress_seconds() * 1e9));
-    onlookers.stop = true;
+    onlookers.control.stop();
   });
-  const LoopReport report = run_loop(world, state, devices, nullptr, options);
+  const LoopReport report = run_loop(world, state, devices, {&onlookers.publisher, &onlookers}, options);
   ends.join();
   over = true;
   draws.join();

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -32,7 +34,7 @@ Outcome run_with(FakeDevice& device, const LoopOptions& options, double rate_Hz 
   SimulationState state(world);
   Device* devices[] = {&device};
   RowKeeper rows(options.ticks);
-  Outcome outcome{run_loop(world, state, devices, &rows, options), {}};
+  Outcome outcome{run_loop(world, state, devices, {&rows}, options), {}};
   outcome.rows = std::move(rows.rows);
   return outcome;
 }
@@ -93,29 +95,29 @@ TEST(Loop, EndsWithDeviceStop) {
   EXPECT_GE(device.stops, 1);
 }
 
-TEST(Loop, TheSinkBeginsOnceWithTheWallTimeOfTheFirstTick) {
+TEST(Loop, ObserversAreStartedOnceWithTheWallTimeOfTheFirstTick) {
   const SimulationWorld world = block_and_balls(1, 1000.0);
   SimulationState state(world);
   FakeDevice device = presser();
   Device* devices[] = {&device};
   RowKeeper none(1);
-  (void)run_loop(world, state, devices, &none, {.ticks = 0, .offline = false});
+  (void)run_loop(world, state, devices, {&none}, {.ticks = 0, .offline = false});
   EXPECT_EQ(none.begins, 0) << "no tick was due";
   RowKeeper some(10);
   const std::int64_t before = unix_ns();
-  (void)run_loop(world, state, devices, &some, {.ticks = 10, .offline = false});
+  (void)run_loop(world, state, devices, {&some}, {.ticks = 10, .offline = false});
   EXPECT_EQ(some.begins, 1);
   EXPECT_GE(some.started, before);
   EXPECT_LE(some.started, unix_ns());
 }
 
-TEST(Loop, TheStopFlagEndsItWithDeviceStopped) {
-  std::atomic<bool> stop{false};
+TEST(Loop, AStopEndsItWithDeviceStopped) {
+  RunControl control;
   FakeDevice device([&](std::uint64_t tick, double time) {
-    if (tick == 20) stop = true;
+    if (tick == 20) control.stop();
     return pressing(time);
   });
-  const Outcome outcome = run_with(device, {.ticks = 1'000'000, .offline = false, .stop = &stop});
+  const Outcome outcome = run_with(device, {.ticks = 1'000'000, .offline = false, .control = &control});
   EXPECT_EQ(outcome.report.ticks, 21u);
   EXPECT_EQ(outcome.rows.size(), 21u);
   EXPECT_TRUE(outcome.report.stopped_early);
@@ -225,20 +227,19 @@ TEST(Loop, WhereNobodyWatchesAStallIsALateTick) {
 }
 
 TEST(Loop, APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
-  std::atomic<bool> pause{false};
+  RunControl control;
   std::thread releaser;
   FakeDevice device([&](std::uint64_t tick, double time) {
     if (tick == 100 && !releaser.joinable()) {
-      pause.store(true);
+      control.pause(true);
       releaser = std::thread([&] {
         std::this_thread::sleep_for(std::chrono::seconds(2));
-        pause.store(false);
+        control.pause(false);
       });
     }
     return pressing(time);
   });
-  LoopOptions options = calm({.ticks = 200});
-  options.pause = &pause;
+  const LoopOptions options = calm({.ticks = 200, .control = &control});
   const std::int64_t from = monotonic_ns();
   const Outcome paused = run_with(device, options);
   releaser.join();
@@ -264,27 +265,24 @@ TEST(Loop, SaysPausesInTenthsOfASecond) {
 }
 
 TEST(Loop, WhereSomebodyWatchesForStallsAndOfflineNothingIsPaused) {
-  std::atomic<bool> pause{true};
+  RunControl control;
+  control.pause(true);
   FakeDevice device = presser();
-  LoopOptions watched{.ticks = 50, .stalled_after_ns = 60'000'000'000};
-  watched.pause = &pause;
+  const LoopOptions watched{.ticks = 50, .control = &control, .stalled_after_ns = 60'000'000'000};
   EXPECT_EQ(run_with(device, watched).report.ticks, 50U);
-  LoopOptions offline = calm({.ticks = 50, .offline = true});
-  offline.pause = &pause;
+  const LoopOptions offline = calm({.ticks = 50, .offline = true, .control = &control});
   EXPECT_EQ(run_with(device, offline).report.ticks, 50U);
 }
 
 TEST(Loop, APausedRunCanBeEnded) {
-  std::atomic<bool> pause{true};
-  std::atomic<bool> stop{false};
-  LoopOptions options = calm({.ticks = 50, .stop = &stop});
-  options.pause = &pause;
-  std::thread ender([&stop] {
+  RunControl control;
+  control.pause(true);
+  std::thread ender([&control] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    stop.store(true);
+    control.stop();
   });
   FakeDevice device = presser();
-  const Outcome outcome = run_with(device, options);
+  const Outcome outcome = run_with(device, calm({.ticks = 50, .control = &control}));
   ender.join();
   EXPECT_EQ(outcome.report.ticks, 0U);
   EXPECT_TRUE(outcome.report.stopped_early);
@@ -303,24 +301,29 @@ TEST(Loop, OfflineNothingIsAStall) {
 TEST(Loop, AResetReachesItsHandsOnceInTheNextTick) {
   const SimulationWorld world = block_and_balls(2, 1000.0);
   SimulationState state(world);
-  std::atomic<std::uint32_t> resets{0};
+  RunControl control;
   FakeDevice first = presser();
   FakeDevice second([&](std::uint64_t tick, double time) {
-    if (tick == 10) resets = 0b10;
+    if (tick == 10) control.reset_faults(0b10);
     return pressing(time);
   });
   Device* devices[] = {&first, &second};
   RowKeeper rows(40);
-  LoopOptions options{.ticks = 20, .offline = true};
-  options.resets = &resets;
-  (void)run_loop(world, state, devices, &rows, options);
+  (void)run_loop(world, state, devices, {&rows}, {.ticks = 20, .offline = true, .control = &control});
   for (const TickRow& row : rows.rows) {
     EXPECT_EQ(row.events, row.tick == 11 && row.hand == 1 ? kResetFault : 0u) << row.tick << ' ' << row.hand;
   }
-  EXPECT_EQ(resets.load(), 0u);
+  EXPECT_EQ(control.take_resets(), 0u);
 }
 
-TEST(Loop, EachFaultIsInTheReportAndInTheNewsOfItsHand) {
+/// Keeps the faults that it is told of.
+class FaultKeeper final : public TickObserver {
+ public:
+  void on_fault(const FaultSeen& fault) noexcept override { faults.push_back(fault); }
+  std::vector<FaultSeen> faults;
+};
+
+TEST(Loop, EachFaultIsInTheReportAndToldToObservers) {
   const SimulationWorld world = block_and_balls(2, 1000.0);
   SimulationState state(world);
   FakeDevice first([](std::uint64_t tick, double time) {
@@ -334,10 +337,8 @@ TEST(Loop, EachFaultIsInTheReportAndInTheNewsOfItsHand) {
     return sample;
   });
   Device* devices[] = {&first, &second};
-  Ring<FaultSeen> news(8);
-  LoopOptions options{.ticks = 50, .offline = true};
-  options.fault_news = &news;
-  const LoopReport report = run_loop(world, state, devices, nullptr, options);
+  FaultKeeper keeper;
+  const LoopReport report = run_loop(world, state, devices, {&keeper}, {.ticks = 50, .offline = true});
   ASSERT_EQ(report.faults.size(), 2u);
   EXPECT_EQ(report.faults[0].tick, 20u);
   EXPECT_EQ(report.faults[0].hand, 1u);
@@ -345,25 +346,20 @@ TEST(Loop, EachFaultIsInTheReportAndInTheNewsOfItsHand) {
   EXPECT_EQ(report.faults[1].tick, 30u);
   EXPECT_EQ(report.faults[1].hand, 0u);
   EXPECT_EQ(report.fault, Fault::kForceOff) << "the first";
-  FaultSeen seen;
-  ASSERT_TRUE(news.pop(seen));
-  EXPECT_EQ(seen.tick, 20u);
-  ASSERT_TRUE(news.pop(seen));
-  EXPECT_EQ(seen.tick, 30u);
-  EXPECT_FALSE(news.pop(seen));
+  ASSERT_EQ(keeper.faults.size(), 2u);
+  EXPECT_EQ(keeper.faults[0].tick, 20u);
+  EXPECT_EQ(keeper.faults[1].tick, 30u);
 }
 
 TEST(Loop, AFaultThatWasResetSaysWhenAndOneThatIsLatchedAnewIsAnotherOne) {
-  std::atomic<std::uint32_t> resets{0};
+  RunControl control;
   FakeDevice device([&](std::uint64_t tick, double time) {
     DeviceState sample = pressing(time);
     if (tick >= 20 && tick < 30) sample.fault = Fault::kForceOff;
-    if (tick == 24 || tick == 34) resets = 1;  // for the tick after
+    if (tick == 24 || tick == 34) control.reset_faults(1);  // for the tick after
     return sample;
   });
-  LoopOptions options{.ticks = 50, .offline = true};
-  options.resets = &resets;
-  const LoopReport report = run_with(device, options).report;
+  const LoopReport report = run_with(device, {.ticks = 50, .offline = true, .control = &control}).report;
   ASSERT_EQ(report.faults.size(), 2u);
   EXPECT_EQ(report.faults[0].tick, 20u);
   EXPECT_EQ(report.faults[0].reset_tick, 25u);
@@ -385,7 +381,7 @@ TEST(Loop, ADeviceHearsItsCommandInItsOwnFrame) {
   });
   Device* devices[] = {&device};
   RowKeeper rows(450);
-  (void)run_loop(world, state, devices, &rows, {.ticks = 450, .offline = true});
+  (void)run_loop(world, state, devices, {&rows}, {.ticks = 450, .offline = true});
   const TickRow& last = rows.rows.back();
   ASSERT_GT(last.force[2], 0.05);
   EXPECT_NEAR(device.last.force.x(), last.force[0], 1e-12);
@@ -424,53 +420,12 @@ TEST(Loop, ARefusedCommandIsADeviceFaultAtTheNextTick) {
   EXPECT_EQ(device.last.force, Vec3::Zero().eval());
 }
 
-TEST(Loop, PublishesTheNewestTickForThePicture) {
-  const SimulationWorld world = block_and_balls(1, 1000.0);
-  SimulationState state(world);
-  FakeDevice device = presser();
-  Device* devices[] = {&device};
-  RowKeeper rows(450);
-  SnapshotCell<Snapshot> cell;
-  std::atomic<std::uint64_t> progress{0};
-  (void)run_loop(world, state, devices, &rows,
-                 {.ticks = 450, .offline = true, .snapshots = &cell, .progress = &progress});
-  ASSERT_TRUE(cell.refresh());
-  const Snapshot& newest = cell.value();
-  EXPECT_EQ(newest.tick, 449u);
-  EXPECT_EQ(newest.hands, 1u);
-  EXPECT_EQ(newest.organ_W.position, world.organ_W.position);
-  EXPECT_EQ(newest.tools[0].pose_W.position.z(), rows.rows.back().tool[2]);
-  EXPECT_EQ(newest.results[0].depth, rows.rows.back().depth);
-  EXPECT_EQ(newest.commands[0].force.z(), rows.rows.back().force[2]);
-  EXPECT_EQ(progress.load(), 450u);
-}
-
-TEST(Loop, PublishesTheSameToASecondReaderFaultsIncluded) {
-  const SimulationWorld world = block_and_balls(1, 1000.0);
-  SimulationState state(world);
-  FakeDevice device = presser();
-  device.refuse_write = 300;
-  Device* devices[] = {&device};
-  RowKeeper rows(450);
-  SnapshotCell<Snapshot> first;
-  SnapshotCell<Snapshot> second;
-  (void)run_loop(world, state, devices, &rows,
-                 {.ticks = 450, .offline = true, .snapshots = &first, .more_snapshots = &second});
-  ASSERT_TRUE(first.refresh());
-  ASSERT_TRUE(second.refresh());
-  for (const SnapshotCell<Snapshot>* cell : {&first, &second}) {
-    EXPECT_EQ(cell->value().tick, 449u);
-    EXPECT_EQ(cell->value().tools[0].pose_W.position.z(), rows.rows.back().tool[2]);
-    EXPECT_EQ(cell->value().faults[0], Fault::kDevice) << "latched since tick 300";
-  }
-}
-
 TEST(Loop, RefusesMoreOrFewerDevicesThanHandsAndStopsThem) {
   const SimulationWorld world = block_and_balls(2, 1000.0);
   SimulationState state(world);
   FakeDevice device = presser();
   Device* devices[] = {&device};
-  EXPECT_THROW((void)run_loop(world, state, devices, nullptr, {.ticks = 1}), std::invalid_argument);
+  EXPECT_THROW((void)run_loop(world, state, devices, {}, {.ticks = 1}), std::invalid_argument);
   EXPECT_GE(device.stops, 1);
 }
 

@@ -180,17 +180,16 @@ TEST(MovingOrgan, AGripCarriedAlongKeepsItsStretchAndAHeldOneIsPulledByTheBreath
 
 TEST(MovingOrgan, TheSnapshotCarriesThePoseOfItsTick) {
   MovingBench bench({breathing(0.008)});
-  SnapshotCell<Snapshot> snapshots;
+  SnapshotPublisher publisher;
   test::FakeDevice device([](std::uint64_t, double) {
     DeviceState state;
     state.position_D = Vec3(0, 0, 0.05);
     return state;
   });
   Device* const devices[] = {&device};
-  (void)run_loop(bench.world, bench.state, devices, nullptr,
-                 {.ticks = 1501, .offline = true, .snapshots = &snapshots});
-  ASSERT_TRUE(snapshots.refresh());
-  const Snapshot& newest = snapshots.value();
+  (void)run_loop(bench.world, bench.state, devices, {&publisher}, {.ticks = 1501, .offline = true});
+  ASSERT_TRUE(publisher.cell().refresh());
+  const Snapshot& newest = publisher.cell().value();
   EXPECT_EQ(newest.tick, 1500u);
   EXPECT_EQ(newest.organ_W.position,
             bench.world.organ_motion.pose_at(bench.world.organ_W, 1500, kRate).position);

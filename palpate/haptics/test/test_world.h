@@ -69,14 +69,14 @@ class FakeDevice final : public Device {
 };
 
 /// Keeps all rows.
-class RowKeeper final : public TickSink {
+class RowKeeper final : public TickObserver {
  public:
   explicit RowKeeper(std::size_t expected) { rows.reserve(expected); }
-  void begin(std::int64_t unix_ns) noexcept override {
+  void on_start(std::int64_t unix_ns) noexcept override {
     ++begins;
     started = unix_ns;
   }
-  void put(const TickRow& row) noexcept override {
+  void on_row(const TickRow& row) noexcept override {
     if (rows.size() < rows.capacity()) rows.push_back(row);
   }
 

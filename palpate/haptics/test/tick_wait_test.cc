@@ -132,7 +132,7 @@ TEST(Polling, OnTheOnlyCoreThereIsIsSaidInWords) {
     test::FakeDevice device([](std::uint64_t, double time) { return test::pressing(time); });
     Device* devices[] = {&device};
     const LoopOptions options{.ticks = 2, .thread = {.waiting = waiting}, .stalled_after_ns = 0};
-    return run_loop(world, state, devices, nullptr, options).remarks;
+    return run_loop(world, state, devices, {}, options).remarks;
   };
   std::thread([&] {
     ASSERT_TRUE(pin_to_core(usable_cores().back()));

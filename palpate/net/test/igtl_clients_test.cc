@@ -29,9 +29,8 @@ TEST(IgtlClients, AClientThatNeverReadsHoldsUpNeitherTheLoopNorTheOthers) {
     haptics::test::FakeDevice device(
         [](std::uint64_t, double time) { return haptics::test::pressing(time); });
     haptics::Device* devices[] = {&device};
-    IgtlRun run(&server, large_setup(), dents);
-    report = haptics::run_loop(world, state, devices, nullptr,
-                               {.ticks = kTicks, .more_snapshots = run.snapshots(), .stalled_after_ns = 0});
+    IgtlRun run(&server, large_setup());
+    report = haptics::run_loop(world, state, devices, {&server}, {.ticks = kTicks, .stalled_after_ns = 0});
   });
   // The other sees the run to its last tick, and each state is newer than the one before.
   double last = -1.0;
@@ -50,7 +49,7 @@ TEST(IgtlClients, AClientThatNeverReadsHoldsUpNeitherTheLoopNorTheOthers) {
 
 TEST(IgtlClients, WhoTakesNothingForLongIsLetGo) {
   IgtlServer server(kAnyFreePort, {.most_clients = 16, .patience_ns = 200'000'000});
-  server.begin(std::make_unique<IgtlStream>(large_setup(), dents));
+  server.begin(std::make_unique<IgtlStream>(large_setup()));
   BareClient deaf(server.port());
   Client other(server.port());
   const Publisher loop(server);
@@ -65,7 +64,7 @@ TEST(IgtlClients, WhoTakesNothingForLongIsLetGo) {
 
 TEST(IgtlClients, ASlowClientGetsFewerFramesWholeAndInOrderAndTheyAreCounted) {
   IgtlServer server(kAnyFreePort);
-  server.begin(std::make_unique<IgtlStream>(large_setup(), dents));
+  server.begin(std::make_unique<IgtlStream>(large_setup()));
   Client slow(server.port());
   const Publisher loop(server);
   // It reads nothing for a while, in the middle of the surface that is larger than all buffers.

@@ -71,26 +71,15 @@ inline scene::Setup large_setup() {
   return setup;
 }
 
-/// One dent per contact, as deep as it is.
-inline std::vector<deform::Indentation> dents(const haptics::Snapshot& snapshot) {
-  std::vector<deform::Indentation> all;
-  for (int i = 0; i < snapshot.results[0].view_count; ++i) {
-    const contact::ContactView& view = snapshot.results[0].views[static_cast<std::size_t>(i)];
-    all.push_back({view.point_S, view.direction_S, view.depth, view.tip_radius, 0.0});
-  }
-  return all;
-}
-
 /// As the loop does: tick after tick, each with its number in its pose and force.
 inline void publish(IgtlServer& server, std::uint64_t tick) {
-  haptics::Snapshot& snapshot = server.snapshots().writable();
-  snapshot = haptics::Snapshot{};
+  haptics::Snapshot snapshot;
   snapshot.tick = tick;
   snapshot.hands = 1;
   snapshot.tools[0].pose_W.position = Vec3(1e-6 * static_cast<double>(tick), 0, 0.05);
   snapshot.commands[0].force = Vec3(0, 0, static_cast<double>(tick));
   snapshot.results[0].distance = 0.01;
-  server.snapshots().publish();
+  server.on_tick(snapshot);
 }
 
 /// A loop that publishes every millisecond until it is gone.
@@ -128,8 +117,6 @@ inline std::future<Newest> newest_of(Client& client) {
   });
 }
 
-inline std::unique_ptr<IgtlStream> block_stream() {
-  return std::make_unique<IgtlStream>(block_setup(), dents);
-}
+inline std::unique_ptr<IgtlStream> block_stream() { return std::make_unique<IgtlStream>(block_setup()); }
 
 }  // namespace palpate::net::test

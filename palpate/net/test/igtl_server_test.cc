@@ -102,9 +102,8 @@ TEST(IgtlServer, ARealLoopsLastTickReachesEveryClientAsItsRowsSay) {
   (void)second.next("STATUS", "PalpateStatus");
   std::array<std::future<Newest>, 2> all = {newest_of(first), newest_of(second)};
   {
-    IgtlRun run(&server, block_setup(), dents);
-    (void)haptics::run_loop(world, state, devices, &rows,
-                            {.ticks = 600, .offline = true, .more_snapshots = run.snapshots()});
+    IgtlRun run(&server, block_setup());
+    (void)haptics::run_loop(world, state, devices, {&rows, &server}, {.ticks = 600, .offline = true});
   }
   EXPECT_EQ(server.finish().failure, "");
   const haptics::TickRow& last = rows.rows.back();
@@ -140,25 +139,26 @@ TEST(IgtlServer, ARealLoopsLastTickReachesEveryClientAsItsRowsSay) {
 }
 
 TEST(IgtlServer, RowsAreTheSameBitForBitWithAndWithoutIt) {
-  const auto rows_with = [](SnapshotCell<haptics::Snapshot>* cell) {
+  const auto rows_with = [](const std::vector<haptics::TickObserver*>& others) {
     const haptics::SimulationWorld world = haptics::test::block_and_balls(1, 1000.0);
     haptics::SimulationState state(world);
     haptics::test::FakeDevice device(
         [](std::uint64_t, double time) { return haptics::test::pressing(time); });
     haptics::Device* devices[] = {&device};
     haptics::test::RowKeeper rows(600);
-    (void)haptics::run_loop(world, state, devices, &rows,
-                            {.ticks = 600, .offline = true, .more_snapshots = cell});
+    std::vector<haptics::TickObserver*> observers = {&rows};
+    observers.insert(observers.end(), others.begin(), others.end());
+    (void)haptics::run_loop(world, state, devices, observers, {.ticks = 600, .offline = true});
     return std::move(rows.rows);
   };
   IgtlServer server(kAnyFreePort);
   Client client(server.port());
   std::vector<haptics::TickRow> with;
   {
-    IgtlRun run(&server, block_setup(), dents);
-    with = rows_with(run.snapshots());
+    IgtlRun run(&server, block_setup());
+    with = rows_with({&server});
   }
-  const std::vector<haptics::TickRow> without = rows_with(nullptr);
+  const std::vector<haptics::TickRow> without = rows_with({});
   ASSERT_EQ(with.size(), without.size());
   for (std::size_t i = 0; i < with.size(); ++i)
     ASSERT_TRUE(haptics::test::same_bits(with[i], without[i])) << i;
@@ -196,10 +196,10 @@ TEST(IgtlServer, AFaultIsToldInWords) {
   server.begin(block_stream());
   Client client(server.port());
   (void)client.next("STATUS", "PalpateStatus");
-  haptics::Snapshot& snapshot = server.snapshots().writable();
+  haptics::Snapshot snapshot;
   snapshot.hands = 1;
   snapshot.faults[0] = haptics::Fault::kDevice;
-  server.snapshots().publish();
+  server.on_tick(snapshot);
   for (int i = 0; i < 50; ++i) {
     const auto status = client.next("STATUS", "PalpateStatus").as<igtl::StatusMessage>();
     if (status->GetCode() == 13) continue;  // no tick yet

@@ -42,12 +42,16 @@ haptics::Snapshot two_hands() {
   return snapshot;
 }
 
-deform::Indentation dent(double depth) { return {Vec3(0, 0, 0.02), -Vec3::UnitZ(), depth, 0.003, 0.0}; }
-
-/// A stream whose indentation is what `depth` says.
-IgtlStream stream_with(const double& depth) {
-  return {block(),
-          [&depth](const haptics::Snapshot&) { return std::vector<deform::Indentation>{dent(depth)}; }};
+/// Two hands, the first of which presses the middle of the block's top.
+haptics::Snapshot pressed(double depth) {
+  haptics::Snapshot snapshot = two_hands();
+  contact::ToolResult& result = snapshot.results[0];
+  result.view_count = 1;
+  result.views[0].point_S = Vec3(0, 0, 0.02);
+  result.views[0].direction_S = -Vec3::UnitZ();
+  result.views[0].depth = depth;
+  result.views[0].tip_radius = 0.003;
+  return snapshot;
 }
 
 const Received& find(const std::vector<Received>& all, const std::string& type, const std::string& name) {
@@ -128,24 +132,21 @@ float height_in_the_middle(const Bytes& bytes) {
 }
 
 TEST(IgtlStream, TheSurfaceIsTheDeformedOrganWhereItIsInTheWorld) {
-  double depth = 0.0035;
-  IgtlStream stream = stream_with(depth);
-  haptics::Snapshot snapshot = two_hands();
+  IgtlStream stream(block());
+  haptics::Snapshot snapshot = pressed(0.0035);
   EXPECT_NEAR(height_in_the_middle(stream.surface(snapshot, kNow)), 20.0 - 3.5, 1e-4)
       << "the vertex under the tool is pushed in by the depth";
   snapshot.organ_W.position.z() = 0.1;  // it breathes
   EXPECT_NEAR(height_in_the_middle(stream.surface(snapshot, kNow)), 120.0 - 3.5, 1e-4);
-  depth = 0.0;  // NOLINT(clang-analyzer-deadcode.DeadStores): the stream reads it
+  snapshot.results[0].views[0].depth = 0.0;
   EXPECT_NEAR(height_in_the_middle(stream.surface(snapshot, kNow)), 120.0, 1e-4) << "let go";
 }
 
 TEST(IgtlStream, ASurfaceThatLiesAsBeforeIsNotSentAgain) {
-  double depth = 0.001;
-  IgtlStream stream = stream_with(depth);
-  const haptics::Snapshot snapshot = two_hands();
-  EXPECT_FALSE(stream.surface(snapshot, kNow).empty());
-  EXPECT_TRUE(stream.surface(snapshot, kNow).empty());
-  depth = 0.002;  // NOLINT(clang-analyzer-deadcode.DeadStores): the stream reads it
+  IgtlStream stream(block());
+  EXPECT_FALSE(stream.surface(pressed(0.001), kNow).empty());
+  EXPECT_TRUE(stream.surface(pressed(0.001), kNow).empty());
+  const haptics::Snapshot snapshot = pressed(0.002);
   EXPECT_FALSE(stream.surface(snapshot, kNow).empty());
   haptics::Snapshot softer = snapshot;
   softer.reach.contact_ratio *= 1.1;
@@ -153,8 +154,7 @@ TEST(IgtlStream, ASurfaceThatLiesAsBeforeIsNotSentAgain) {
 }
 
 TEST(IgtlStream, ACoarseOrganIsDividedAndItsVerticesKeepTheirNumbers) {
-  const double depth = 0.0;
-  IgtlStream stream = stream_with(depth);
+  IgtlStream stream(block());
   const auto all = read_all(stream.surface(two_hands(), kNow));
   const igtl::PolyDataMessage::Pointer message = all.at(0).as<igtl::PolyDataMessage>();
   EXPECT_GT(message->GetPolygons()->GetNumberOfCells(), IgtlStream::kFewestTriangles);

@@ -24,14 +24,14 @@ haptics::TickRow row_of(std::uint64_t tick, std::uint32_t hand,
 TEST(LiveTap, ATickIsSeenWhenAllItsHandsAreThere) {
   LiveTap tap(2);
   EXPECT_EQ(tap.newest(), nullptr);
-  tap.put(row_of(0, 0));
+  tap.on_row(row_of(0, 0));
   EXPECT_EQ(tap.newest(), nullptr) << "the second hand's row is missing";
-  tap.put(row_of(0, 1));
+  tap.on_row(row_of(0, 1));
   ASSERT_NE(tap.newest(), nullptr);
   EXPECT_EQ(tap.newest()->hands, 2U);
-  tap.put(row_of(1, 0));
+  tap.on_row(row_of(1, 0));
   EXPECT_EQ(tap.newest()->rows[0].tick, 0U) << "never half of one tick and half of another";
-  tap.put(row_of(1, 1));
+  tap.on_row(row_of(1, 1));
   EXPECT_EQ(tap.newest()->rows[0].tick, 1U);
   EXPECT_EQ(tap.newest()->rows[1].tick, 1U);
 }
@@ -40,21 +40,21 @@ TEST(LiveTap, TheNewestTickKnowsTheChangeInForce) {
   LiveTap tap(1);
   haptics::LiveChange change;
   change.number = 3;
-  tap.put(row_of(0, 0));
+  tap.on_row(row_of(0, 0));
   EXPECT_EQ(tap.newest()->change, 0U);
-  tap.put_change(change);
-  tap.put(row_of(1, 0));
+  tap.on_update(change);
+  tap.on_row(row_of(1, 0));
   EXPECT_EQ(tap.newest()->change, 3U);
 }
 
 TEST(LiveTap, EveryTurnOfAFaultIsKeptInItsOrder) {
   LiveTap tap(2);
-  tap.put(row_of(0, 0));
-  tap.put(row_of(0, 1, haptics::Fault::kStale));
-  tap.put(row_of(1, 0));
-  tap.put(row_of(1, 1, haptics::Fault::kStale));
-  tap.put(row_of(2, 0));
-  tap.put(row_of(2, 1));
+  tap.on_row(row_of(0, 0));
+  tap.on_row(row_of(0, 1, haptics::Fault::kStale));
+  tap.on_row(row_of(1, 0));
+  tap.on_row(row_of(1, 1, haptics::Fault::kStale));
+  tap.on_row(row_of(2, 0));
+  tap.on_row(row_of(2, 1));
   const auto latched = tap.take_fault();
   ASSERT_TRUE(latched);
   EXPECT_EQ(latched->tick, 0U);
@@ -72,7 +72,7 @@ TEST(LiveMessages, AStateSaysWhatTheRowsDo) {
   haptics::TickRow row = row_of(1500, 0, haptics::Fault::kDevice);
   row.phase = 1;
   row.status = contact::kJump | haptics::kForceClamped;
-  tap.put(row);
+  tap.on_row(row);
   LiveState state;
   state.run = 2;
   state.organ_W.position = {0.0, 0.0, 0.25};

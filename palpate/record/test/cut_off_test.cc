@@ -47,12 +47,12 @@ haptics::LiveChange sample_change(std::uint64_t tick) {
 [[noreturn]] void record_until_killed(const std::filesystem::path& file, std::size_t hands,
                                       std::atomic<std::uint64_t>& ticks) {
   Recorder recorder(file, sample_setup(hands), false);
-  recorder.begin(kStarted);
+  recorder.on_start(kStarted);
   const std::int64_t begin = monotonic_ns();
   for (std::uint64_t tick = 0;; ++tick) {
     sleep_until_ns(begin + static_cast<std::int64_t>(tick) * 1'000'000);
-    if (tick % kTicksAChange == 0) recorder.put_change(sample_change(tick));
-    for (std::uint32_t hand = 0; hand < hands; ++hand) recorder.put(sample_row(tick, hand));
+    if (tick % kTicksAChange == 0) recorder.on_update(sample_change(tick));
+    for (std::uint32_t hand = 0; hand < hands; ++hand) recorder.on_row(sample_row(tick, hand));
     ticks.store(tick + 1);
   }
 }
@@ -107,9 +107,9 @@ TEST(Killed, OfflineRunLacksAtMostItsLastSimulatedSecond) {
   const pid_t child = ::fork();
   if (child == 0) {
     Recorder recorder(folder / "a.h5", sample_setup(1), true);
-    recorder.begin(kStarted);
+    recorder.on_start(kStarted);
     for (std::uint64_t tick = 0;; ++tick) {
-      recorder.put(sample_row(tick, 0));
+      recorder.on_row(sample_row(tick, 0));
       (*ticks).store(tick + 1);
     }
   }
@@ -224,11 +224,11 @@ TEST(Damaged, FlippedBytesNeverCrash) {
 int record_with_limit(const std::filesystem::path& file, rlim_t limit) {
   std::signal(SIGXFSZ, SIG_IGN);
   Recorder recorder(file, sample_setup(1), true);
-  recorder.begin(kStarted);
-  for (std::uint64_t tick = 0; tick < 2000; ++tick) recorder.put(sample_row(tick, 0));
+  recorder.on_start(kStarted);
+  for (std::uint64_t tick = 0; tick < 2000; ++tick) recorder.on_row(sample_row(tick, 0));
   const rlimit bounds{limit, limit};
   ::setrlimit(RLIMIT_FSIZE, &bounds);
-  for (std::uint64_t tick = 2000; tick < 40000; ++tick) recorder.put(sample_row(tick, 0));
+  for (std::uint64_t tick = 2000; tick < 40000; ++tick) recorder.on_row(sample_row(tick, 0));
   try {
     recorder.finish({});
   } catch (const InputError& error) {

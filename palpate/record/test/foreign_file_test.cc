@@ -135,7 +135,7 @@ TEST(ForeignFile, BadSceneIsRefusedWithTheFilesName) {
   setup.rate_Hz = 0.0;
   {
     Recorder recorder(folder / "a.h5", setup, true);
-    recorder.begin(0);
+    recorder.on_start(0);
     recorder.finish({});
   }
   EXPECT_THAT(message_for(folder / "a.h5"), AllOf(HasSubstr("a.h5"), HasSubstr("rate_Hz is 0")));

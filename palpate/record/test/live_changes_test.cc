@@ -12,13 +12,13 @@
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/record/assemble.h"
 #include "palpate/record/change_columns.h"
 #include "palpate/record/flight_recorder.h"
 #include "palpate/record/recording_frames.h"
 #include "palpate/record/recording_writer.h"
 #include "palpate/record/replay.h"
 #include "palpate/record/test/sample_recording.h"
+#include "palpate/scene/make_world.h"
 
 namespace palpate::record {
 namespace {
@@ -84,18 +84,19 @@ class RestlessDevice final : public haptics::Device {
 Recording restless_run(std::uint64_t seed, std::uint64_t ticks, bool by_flight_recorder = false) {
   const TemporaryFolder folder;
   const scene::Setup setup = block_and_ball();
-  const haptics::SimulationWorld world = assemble(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup);
   haptics::SimulationState state(world);
-  const std::unique_ptr<haptics::LiveChanges> changes = live_changes(setup, world);
+  const std::unique_ptr<haptics::LiveChanges> changes = scene::live_changes(setup, world);
   RestlessDevice device(*changes, seed);
   haptics::Device* const devices[] = {&device};
-  const haptics::LoopOptions options{.ticks = ticks, .offline = true, .changes = changes.get()};
+  haptics::RunControl control(changes.get());
+  const haptics::LoopOptions options{.ticks = ticks, .offline = true, .control = &control};
   if (by_flight_recorder) {
-    FlightRecorder flight(nullptr, setup);
-    flight.write(folder / "a.h5", run_loop(world, state, devices, &flight, options));
+    FlightRecorder flight(setup);
+    flight.write(folder / "a.h5", run_loop(world, state, devices, {&flight}, options));
   } else {
     Recorder recorder(folder / "a.h5", setup, true);
-    recorder.finish(run_loop(world, state, devices, &recorder, options));
+    recorder.finish(run_loop(world, state, devices, {&recorder}, options));
   }
   return read_recording(folder / "a.h5");
 }
@@ -267,9 +268,9 @@ std::string refusal_of(const std::vector<haptics::LiveChange>& changes,
   const TemporaryFolder folder;
   {
     Recorder recorder(folder / "a.h5", block_and_ball(), true);
-    recorder.begin(1);
-    for (const haptics::LiveChange& change : changes) recorder.put_change(change);
-    recorder.put(haptics::TickRow{});
+    recorder.on_start(1);
+    for (const haptics::LiveChange& change : changes) recorder.on_update(change);
+    recorder.on_row(haptics::TickRow{});
     recorder.finish({});
   }
   if (spoil) {
@@ -341,7 +342,7 @@ TEST(LiveChangesRecorded, ChangesFromBeforeTheDepthsExponentHaveOneHalf) {
   const TemporaryFolder folder;
   {
     Recorder recorder(folder / "a.h5", block_and_ball(), true);
-    recorder.begin(1);
+    recorder.on_start(1);
     recorder.finish({});
   }
   const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
@@ -358,8 +359,8 @@ TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
   scene::Setup setup = block_and_ball();
   setup.devices[0].kind = "emulated";
   setup.devices[0].dynamics = {0.1, 0.1, 1e-5};
-  const haptics::SimulationWorld world = assemble(setup);
-  const std::unique_ptr<haptics::LiveChanges> changes = live_changes(setup, world);
+  const haptics::SimulationWorld world = scene::make_world(setup);
+  const std::unique_ptr<haptics::LiveChanges> changes = scene::live_changes(setup, world);
   model::TissueParameters stiff = setup.tissue;
   stiff.k1 *= 100.0;
   const haptics::LiveChanges::Accepted accepted = changes->offer(stiff);
@@ -368,15 +369,15 @@ TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
 
 TEST(RadiusRemarks, NameAnIndenterOfAnotherSizeThanTheTip) {
   scene::Setup setup = block_and_ball();
-  const haptics::SimulationWorld world = assemble(setup);
-  EXPECT_THAT(radius_remarks(setup, world), testing::IsEmpty()) << "the tissue does not say";
+  const haptics::SimulationWorld world = scene::make_world(setup);
+  EXPECT_THAT(scene::radius_remarks(setup, world), testing::IsEmpty()) << "the tissue does not say";
   setup.tissue.source = model::SourceParameters{"ball", 0.6 * kBallRadius};
-  EXPECT_THAT(radius_remarks(setup, world), testing::IsEmpty()) << "less than twofold";
+  EXPECT_THAT(scene::radius_remarks(setup, world), testing::IsEmpty()) << "less than twofold";
   setup.tissue.source->radius = 0.4 * kBallRadius;
-  EXPECT_THAT(radius_remarks(setup, world),
+  EXPECT_THAT(scene::radius_remarks(setup, world),
               testing::ElementsAre(AllOf(HasSubstr("1.2 mm radius"), HasSubstr("'ball' has 3 mm"))));
   setup.tissue.source->radius = 2.5 * kBallRadius;
-  EXPECT_THAT(radius_remarks(setup, world), testing::SizeIs(1));
+  EXPECT_THAT(scene::radius_remarks(setup, world), testing::SizeIs(1));
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/record/assemble.h"
 #include "palpate/record/test/sample_recording.h"
+#include "palpate/scene/make_world.h"
 
 namespace palpate::record {
 namespace {
@@ -53,7 +53,7 @@ class PressingDevice final : public haptics::Device {
 /// What the loop published at every tick, and its rows by way of the recorder.
 Recording run(const scene::Setup& setup, std::uint64_t ticks) {
   const TemporaryFolder folder;
-  const haptics::SimulationWorld world = assemble(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup);
   haptics::SimulationState state(world);
   PressingDevice left(0.01);
   PressingDevice right(-0.01);
@@ -62,7 +62,7 @@ Recording run(const scene::Setup& setup, std::uint64_t ticks) {
   haptics::LoopOptions options;
   options.ticks = ticks;
   options.offline = true;
-  recorder.finish(run_loop(world, state, std::span(devices, setup.tools.size()), &recorder, options));
+  recorder.finish(run_loop(world, state, std::span(devices, setup.tools.size()), {&recorder}, options));
   return read_recording(folder / "a.h5");
 }
 
@@ -114,7 +114,7 @@ TEST(SnapshotsAt, CarryTheOrgansPoseOfTheirTick) {
   const scene::Setup setup = breathing_block();
   const std::vector<haptics::Snapshot> snapshots = snapshots_at(run(setup, 1000), {0, 999});
   EXPECT_EQ(snapshots[0].organ_W.position, setup.organ_pose.position);
-  const Pose moved = organ_motion_of(setup).pose_at(setup.organ_pose, 999, setup.rate_Hz);
+  const Pose moved = scene::organ_motion_of(setup).pose_at(setup.organ_pose, 999, setup.rate_Hz);
   EXPECT_EQ(snapshots[1].organ_W.position, moved.position);
   EXPECT_EQ(snapshots[1].organ_W.rotation.coeffs(), moved.rotation.coeffs());
   EXPECT_GT((moved.position - setup.organ_pose.position).norm(), 1e-3);

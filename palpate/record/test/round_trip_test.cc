@@ -334,7 +334,7 @@ TEST(Recorder, FileAppearsOnlyWhenTheRunBegins) {
   Recorder recorder(folder / "a.h5", sample_setup(1), false);
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_FALSE(std::filesystem::exists(folder / "a.h5"));
-  recorder.begin(kStarted);
+  recorder.on_start(kStarted);
   for (int i = 0; i < 1000 && !std::filesystem::exists(folder / "a.h5"); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
@@ -366,8 +366,8 @@ TEST(Recorder, WithoutFinishTheFileIsWholeButNotComplete) {
   const TemporaryFolder folder;
   {
     Recorder recorder(folder / "a.h5", sample_setup(1), true);
-    recorder.begin(kStarted);
-    recorder.put(sample_row(0, 0));
+    recorder.on_start(kStarted);
+    recorder.on_row(sample_row(0, 0));
   }
   EXPECT_TRUE(opens_plainly(folder / "a.h5"));
   const Recording recording = read_recording(folder / "a.h5");
@@ -389,8 +389,8 @@ TEST(Recorder, FolderThatIsNotThereIsRefusedWithTheFilesName) {
 TEST(Recorder, RecordingCanBeReadWhileItGrows) {
   const TemporaryFolder folder;
   Recorder recorder(folder / "a.h5", sample_setup(1), true);
-  recorder.begin(kStarted);
-  for (std::uint64_t tick = 0; tick < 20000; ++tick) recorder.put(sample_row(tick, 0));
+  recorder.on_start(kStarted);
+  for (std::uint64_t tick = 0; tick < 20000; ++tick) recorder.on_row(sample_row(tick, 0));
   std::size_t rows = 0;
   for (int i = 0; i < 1000 && rows < 20000; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

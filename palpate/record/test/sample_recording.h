@@ -120,9 +120,9 @@ inline constexpr std::int64_t kStarted = 1'700'000'000'123'456'789;
 /// An offline recording of `ticks` ticks, finished in good order.
 inline void record_sample(const std::filesystem::path& file, std::uint64_t ticks, std::size_t hands) {
   Recorder recorder(file, sample_setup(hands), true);
-  recorder.begin(kStarted);
+  recorder.on_start(kStarted);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-    for (std::uint32_t hand = 0; hand < hands; ++hand) recorder.put(sample_row(tick, hand));
+    for (std::uint32_t hand = 0; hand < hands; ++hand) recorder.on_row(sample_row(tick, hand));
   }
   haptics::LoopReport report;
   report.ticks = ticks;

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "palpate/deform/indentations.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/render/indentations.h"
 #include "palpate/render/organ_picture.h"
 
 namespace palpate::render {
@@ -112,7 +112,7 @@ haptics::Snapshot with_view(double depth) {
 
 TEST(OrganPicture, MovesTheSurfaceUnderTheContactByTheDepth) {
   OrganPicture organ(geometry::make_ball(0.03, 1280), {});
-  organ.update(indentations_of(with_view(0.010)));
+  organ.update(deform::indentations_of(with_view(0.010).hand_results()));
   double lowest = 1.0;
   for (const deform::LiveVertex& vertex : organ.vertices()) {
     const Vec3 v = vertex.position.cast<double>();
@@ -124,9 +124,9 @@ TEST(OrganPicture, MovesTheSurfaceUnderTheContactByTheDepth) {
 TEST(OrganPicture, DividesFinelyAroundAContactOnceAndNotAgain) {
   OrganPicture organ(geometry::make_ball(0.03, 1280), {});
   const std::size_t before = organ.rest().triangles.size();
-  EXPECT_TRUE(organ.update(indentations_of(with_view(0.002))));
+  EXPECT_TRUE(organ.update(deform::indentations_of(with_view(0.002).hand_results())));
   EXPECT_GT(organ.rest().triangles.size(), before + 1000);
-  EXPECT_FALSE(organ.update(indentations_of(with_view(0.008))));
+  EXPECT_FALSE(organ.update(deform::indentations_of(with_view(0.008).hand_results())));
   EXPECT_FALSE(organ.update({}));
   EXPECT_TRUE(closed(organ.rest()));
 }

@@ -9,9 +9,9 @@
 #include <png.h>
 
 #include "palpate/contact/contact.h"
+#include "palpate/deform/indentations.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/geometry/surface_distance.h"
-#include "palpate/render/indentations.h"
 #include "palpate/render/offscreen.h"
 #include "palpate/render/organ_picture.h"
 
@@ -250,7 +250,8 @@ TEST(DrawnSurface, UnderTheToolAgreesWithTheHapticDepthToAFifthOfAMillimetre) {
     for (const Detail detail : {Detail::kStill, Detail::kLive}) {
       OrganPicture organ(scene.subject.organ, scene.subject.reach, detail);
       for (int i = 0; i < 40; ++i)
-        organ.update(indentations_of(scene.snapshot), imprints_of(scene.snapshot, shapes));
+        organ.update(deform::indentations_of(scene.snapshot.hand_results()),
+                     imprints_of(scene.snapshot, shapes));
       // Pulled out, the surface comes first where the ray starts outside: measured from the other end.
       contact::ContactView along = view;
       if (view.pull) along.direction_S = -view.direction_S;

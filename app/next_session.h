@@ -11,7 +11,7 @@
 namespace palpate::app {
 
 /// The session to come: read and checked on a thread of its own while the one before still plays, then, once
-/// that has let its devices go, made ready. All members: [setup], the window's thread.
+/// that has let its devices go, made ready. All members: [setup], one thread.
 class NextSession final {
  public:
   /// What is taken over from the session before instead of what the request says.

@@ -1,14 +1,12 @@
-#include "palpate/render/indentations.h"
+#include "palpate/deform/indentations.h"
 
 #include <algorithm>
 
-namespace palpate::render {
+namespace palpate::deform {
 
-std::vector<deform::Indentation> indentations_of(const haptics::Snapshot& snapshot) {
-  std::vector<deform::Indentation> indentations;
-  const std::size_t hands = std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
-  for (std::size_t hand = 0; hand < hands; ++hand) {
-    const contact::ToolResult& result = snapshot.results[hand];
+std::vector<Indentation> indentations_of(std::span<const contact::ToolResult> results) {
+  std::vector<Indentation> indentations;
+  for (const contact::ToolResult& result : results) {
     for (int i = 0; i < std::min(result.view_count, contact::kMaxViews); ++i) {
       const contact::ContactView& view = result.views[static_cast<std::size_t>(i)];
       if (!(view.depth > 0.0)) continue;
@@ -20,4 +18,4 @@ std::vector<deform::Indentation> indentations_of(const haptics::Snapshot& snapsh
   return indentations;
 }
 
-}  // namespace palpate::render
+}  // namespace palpate::deform

@@ -1,4 +1,4 @@
-#include "app/window/next_session.h"
+#include "app/next_session.h"
 
 #include <exception>
 #include <utility>
@@ -44,9 +44,8 @@ NextSession::~NextSession() {
 
 void NextSession::prepare_now(std::optional<double> duration_s, bool no_cache) {
   state_.store(State::kPreparing, std::memory_order_release);
-  work(State::kReady, [this, duration_s, no_cache] {
-    session_ = std::make_unique<Session>(prepare(std::move(*setup_), duration_s, no_cache));
-  });
+  work(State::kReady,
+       [this, duration_s, no_cache] { session_ = prepare(std::move(*setup_), duration_s, no_cache); });
 }
 
 }  // namespace palpate::app

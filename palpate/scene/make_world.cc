@@ -1,4 +1,4 @@
-#include "palpate/record/assemble.h"
+#include "palpate/scene/make_world.h"
 
 #include <cmath>
 #include <string>
@@ -8,21 +8,21 @@
 #include "palpate/haptics/stability.h"
 #include "palpate/scene/device_kinds.h"
 
-namespace palpate::record {
+namespace palpate::scene {
 namespace {
 
-haptics::GateLimits gate_limits(const scene::SafetySetup& safety, double period) {
+haptics::GateLimits gate_limits(const SafetySetup& safety, double period) {
   return {safety.max_force, safety.max_slew * period, safety.max_torque, safety.max_torque_slew * period,
           period};
 }
 
 }  // namespace
 
-model::OrganMotion organ_motion_of(const scene::Setup& setup) {
+model::OrganMotion organ_motion_of(const Setup& setup) {
   return {setup.organ_motion, geometry::bounds(setup.organ).middle()};
 }
 
-haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Preparation& how) {
+haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparation& how) {
   if (setup.tools.empty() || setup.tools.size() != setup.devices.size()) {
     throw InputError("scene: " + std::to_string(setup.tools.size()) + " tools and " +
                      std::to_string(setup.devices.size()) + " devices; there must be one of each a hand");
@@ -39,8 +39,8 @@ haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Prep
       .rate_Hz = setup.rate_Hz,
       .organ_motion = organ_motion_of(setup),
   };
-  for (const scene::DeviceSetup& device : setup.devices) {
-    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+  for (const DeviceSetup& device : setup.devices) {
+    const DeviceKind* kind = find_device_kind(device.kind);
     world.mappings.push_back({.scale = device.workspace_scale,
                               .base = device.base,
                               .clutch = device.clutch_button ? 1U << *device.clutch_button : 0U,
@@ -50,11 +50,11 @@ haptics::SimulationWorld assemble(const scene::Setup& setup, const contact::Prep
   return world;
 }
 
-std::vector<std::string> stability_remarks(const scene::Setup& setup) {
+std::vector<std::string> stability_remarks(const Setup& setup) {
   return stability_remarks(setup, setup.tissue);
 }
 
-std::vector<std::string> radius_remarks(const scene::Setup& setup, const haptics::SimulationWorld& world) {
+std::vector<std::string> radius_remarks(const Setup& setup, const haptics::SimulationWorld& world) {
   std::vector<std::string> remarks;
   if (!setup.tissue.source || !(setup.tissue.source->radius > 0.0)) return remarks;
   const double fitted = setup.tissue.source->radius;
@@ -69,22 +69,21 @@ std::vector<std::string> radius_remarks(const scene::Setup& setup, const haptics
   return remarks;
 }
 
-std::unique_ptr<haptics::LiveChanges> live_changes(const scene::Setup& setup,
+std::unique_ptr<haptics::LiveChanges> live_changes(const Setup& setup,
                                                    const haptics::SimulationWorld& world) {
   return std::make_unique<haptics::LiveChanges>(
       world, setup.tissue,
       [&setup](const model::TissueParameters& tissue) { return stability_remarks(setup, tissue); });
 }
 
-std::vector<std::string> stability_remarks(const scene::Setup& setup, const model::TissueParameters& tissue) {
-  const auto direction =
-      setup.task == scene::Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+std::vector<std::string> stability_remarks(const Setup& setup, const model::TissueParameters& tissue) {
+  const auto direction = setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
   std::vector<std::string> remarks;
-  for (const scene::DeviceSetup& device : setup.devices) {
-    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+  for (const DeviceSetup& device : setup.devices) {
+    const DeviceKind* kind = find_device_kind(device.kind);
     if (kind == nullptr || !kind->held) continue;
     const std::string who = "device " + device.kind + ": ";
-    const scene::DeviceDynamics& known = device.dynamics;
+    const DeviceDynamics& known = device.dynamics;
     if (!known.damping || !known.friction || !known.resolution) {
       remarks.push_back(who +
                         "its stability with this tissue was not checked: give damping_N_s_per_m, "
@@ -101,4 +100,4 @@ std::vector<std::string> stability_remarks(const scene::Setup& setup, const mode
   return remarks;
 }
 
-}  // namespace palpate::record
+}  // namespace palpate::scene

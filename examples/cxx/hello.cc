@@ -1,0 +1,26 @@
+// From a scene file to a recorded press. Usage: hello SCENE.toml RECORDING.h5
+#include <iostream>
+
+#include "palpate/base/error.h"
+#include "palpate/scene/load.h"
+#include "palpate/session/session.h"
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::cerr << "usage: hello SCENE.toml RECORDING.h5\n";
+    return 2;
+  }
+  try {
+    palpate::scene::Request request;
+    request.scene = argv[1];
+    const auto result =
+        palpate::session::Session::open(palpate::scene::load(request)).run({.recording = argv[2]});
+
+    std::cout << result.scene << ": " << result.loop.ticks << " ticks, deepest "
+              << 1e3 * result.statistics.peak_depth << " mm, recorded in " << argv[2] << '\n';
+    return 0;
+  } catch (const palpate::InputError& error) {
+    std::cerr << "hello: " << error.what() << '\n';
+    return 2;
+  }
+}
