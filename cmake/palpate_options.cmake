@@ -37,7 +37,7 @@ find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)
-  include(GoogleTest)
+  include(palpate_suites)
 endif()
 
 option(PALPATE_PRECOMPILE "Read the headers of others once a target, not once a source" ON)
