@@ -153,10 +153,10 @@ const std::vector<Kind>& kinds() {
   return all;
 }
 
-/// PALPATE_IMAGE_TRIALS pairs a kind (default 2: CI's share); tools/update_image_accuracy asks for more.
+/// PALPATE_IMAGE_TRIALS pairs a kind (default 4: CI's share); tools/update_image_accuracy asks for more.
 int trials() {
   const char* asked = std::getenv("PALPATE_IMAGE_TRIALS");
-  return asked == nullptr ? 2 : std::max(1, std::atoi(asked));
+  return asked == nullptr ? 4 : std::max(1, std::atoi(asked));
 }
 
 class ImageTrials : public testing::TestWithParam<std::size_t> {};
