@@ -1,295 +1,48 @@
-// `palpate bench`: how fast ticks, preparation, many hands and the parts of a tick are on this machine,
-// beside installed peers.
-#include <algorithm>
+// `palpate bench` is a program of its own, palpate-bench (bench/main.cc): this one executes it.
 #include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <memory>
-#include <optional>
-#include <stdexcept>
 #include <string>
-#include <utility>
+#include <system_error>
 #include <vector>
 
-#include <fmt/core.h>
-
-#include "palpate/base/error.h"
-#include "palpate/model/layered_law.h"
-#include "palpate/noise/touch_noise.h"
-#include "palpate/record/machine.h"
-#include "palpate/scene/load.h"
+#include <CLI/CLI.hpp>
+#include <unistd.h>
 
 #include "app/commands.h"
-#include "app/numbers.h"
-#include "app/progress.h"
-#include "app/session.h"
-#include "bench/measure/account.h"
-#include "bench/measure/hands.h"
-#include "bench/measure/loop_contest.h"
-#include "bench/measure/peers.h"
-#include "bench/measure/pictures.h"
-#include "bench/measure/preparation.h"
-#include "bench/measure/subjects.h"
-#include "bench/measure/ticks.h"
+#include "app/messages.h"
 
 namespace palpate::app {
 namespace {
 
-constexpr std::size_t kFine = 100'000;      // triangles
-constexpr std::size_t kFinest = 1'000'000;  // triangles
-constexpr double kLoopRate = 10'000.0;      // Hz
-constexpr std::uint64_t kMostHands = 100'000;
+namespace fs = std::filesystem;
 
-/// What the user asked for.
-struct BenchFlags {
-  bool quick = false;
-  bool full = false;
-  bool ticks = false;
-  bool parts = false;
-  bool preparation = false;
-  bool peers = false;
-  bool loop = false;
-  bool pictures = false;
-  std::optional<std::string> hands;
-  bool poll = false;
-  bool json = false;
-  std::filesystem::path csv;
+constexpr const char* kBenchProgram = "palpate-bench";
 
-  [[nodiscard]] bool chosen() const {
-    return ticks || parts || preparation || peers || loop || pictures || hands.has_value();
-  }
-};
-
-/// A scene to measure; 0 triangles: as built in.
-struct Subject {
-  std::string task;
-  std::size_t organ_triangles = 0;
-  std::size_t tool_triangles = 0;
-};
-
-/// What is measured, in order.
-struct Plan {
-  std::vector<Subject> subjects;
-  bool preparation = false;
-  bool ticks = false;
-  bool peers = false;
-  bool parts = false;
-  bool most_hands = false;
-  std::size_t hands = 0;
-  bool loop = false;
-  haptics::Waiting waiting = haptics::Waiting::kSleep;  // of hands and loop
-  std::vector<Subject> pictures;                        // drawn
-  int passes = 5;
-  double peer_seconds = 4.0;
-};
-
-Plan plan_of(const BenchFlags& flags) {
-  Plan plan;
-  const bool all = !flags.chosen();
-  plan.ticks = all || flags.ticks || flags.peers;
-  plan.preparation = all || flags.preparation;
-  plan.parts = all || flags.parts;
-  plan.peers = flags.peers || (all && !flags.quick);
-  plan.most_hands = (all && !flags.quick) || flags.hands.has_value();
-  if (flags.hands) {
-    plan.hands = parse_whole("--hands", *flags.hands);
-    if (plan.hands < 1 || plan.hands > kMostHands) {
-      throw ParameterError("--hands", static_cast<double>(plan.hands), "1 to " + std::to_string(kMostHands));
-    }
-  }
-  plan.waiting = flags.poll ? haptics::Waiting::kPoll : haptics::Waiting::kSleep;
-  plan.loop = flags.loop || (all && flags.full);
-  if (flags.pictures || (all && flags.full))
-    plan.pictures = {{"press", 0, 0}, {"pull", 0, 0}, {"press", kFine, 0}, {"press", kFinest, 0}};
-  plan.passes = flags.quick ? 3 : 5;
-  if (!plan.ticks && !plan.preparation) return plan;
-  plan.subjects = {{"press", 0, 0}, {"pull", 0, 0}};
-  if (flags.quick) return plan;
-  plan.subjects.push_back({"press", kFine, 0});
-  plan.subjects.push_back({"pull", kFine, 0});
-  if (flags.full) {
-    plan.subjects.push_back({"press", kFinest, 0});
-    plan.subjects.push_back({"pull", kFinest, 0});
-  }
-  if (plan.ticks) plan.subjects.push_back({"press", 0, kFine});
-  return plan;
-}
-
-/// Takes the measurements of a plan one after the other.
-class Bench final {
- public:
-  Bench(Plan plan, std::string command_line) : plan_(std::move(plan)) {
-    account_.machine = record::machine_description();
-    account_.build = fmt::format("palpate {}, {}", record::palpate_version(), record::compiler_version());
-    account_.command = std::move(command_line);
-    account_.polled = plan_.waiting == haptics::Waiting::kPoll;
-    steps_ = static_cast<double>(plan_.subjects.size()) + (plan_.most_hands ? 2.0 : 0.0) +
-             (plan_.loop ? 2.0 : 0.0) + static_cast<double>(plan_.pictures.size()) + 1.0;
-  }
-
-  bench::Account run() {
-    account_.clock_ns = bench::clock_cost_ns();
-    if (plan_.peers) {
-      peers_.emplace(bench::peers_library());
-      account_.remarks = peers_->missing();
-    }
-    for (const Subject& subject : plan_.subjects) measure(subject);
-    if (plan_.parts) measure_parts();
-    if (plan_.most_hands) measure_hands();
-    if (plan_.loop) {
-      for (const char* task : {"press", "pull"}) measure_loop(task);
-    }
-    for (const Subject& subject : plan_.pictures) measure_pictures(subject);
-    return std::move(account_);
-  }
-
- private:
-  /// Shows `share` of the step that is under way.
-  void show(double share, const std::string& what) { bar_.update((done_ + share) / steps_, what); }
-
-  void measure(const Subject& subject) {
-    show(0.0, "preparing the " + subject.task + " scene");
-    const scene::Setup setup = bench::subject(subject.task, subject.organ_triangles, subject.tool_triangles);
-    const bench::Prepared prepared = bench::prepare(setup);
-    const std::string name = fmt::format("{}, {} triangles", setup.name, setup.organ.triangles.size());
-    if (plan_.preparation && subject.tool_triangles == 0) account_.preparation.push_back(prepared.account);
-    if (plan_.ticks) {
-      const scene::ToolPath path = bench::hand_path(setup);
-      show(0.3, "ticks of " + name);
-      account_.ticks.push_back(bench::time_ticks(setup, prepared.world, path, plan_.passes));
-      if (subject.tool_triangles == 0) {
-        const std::vector<bench::WayPoint> way = bench::walk(setup, prepared.world, path);
-        account_.nearest.push_back(bench::time_nearest(setup, way));
-        if (plan_.peers) ask_peers(setup, way, name);
-      }
-    }
-    done_ += 1.0;
-  }
-
-  void ask_peers(const scene::Setup& setup, const std::vector<bench::WayPoint>& way,
-                 const std::string& name) {
-    const auto ratio = [](double theirs, double own) { return own > 0.0 ? theirs / own : 0.0; };
-    const bench::TickAccount& tick = account_.ticks.back();
-    const double nearest_us = account_.nearest.back().times.p50_us;
-    for (const PalpatePeer& peer : peers_->all()) {
-      show(0.6, std::string(peer.name) + " on " + name);
-      bench::PeerAccount theirs = bench::ask_peer(peer, {setup, way, plan_.peer_seconds});
-      const bool point = peer.one_point != 0;
-      theirs.ratio = ratio(theirs.contact.p50_us, point ? nearest_us : tick.contact.p50_us);
-      theirs.approach_ratio = ratio(theirs.approach.p50_us, point ? nearest_us : tick.approach.p50_us);
-      account_.peers.push_back(std::move(theirs));
-    }
-  }
-
-  void measure_parts() {
-    show(0.0, "law and noise");
-    const model::LayeredSpringLaw law(model::tissue_preset("gallbladder"), model::Direction::kPress, 1e-3);
-    constexpr double kDeepest = 20e-3;  // m, into the fourth layer
-    constexpr double kSpread = 1e-4;    // so that ten thousand calls cover all depths
-    const double largest = law.force_at(kDeepest).force;
-    account_.law_ns = bench::median_call_ns(
-        [&](std::uint64_t i) { return law.force_at(kDeepest * kSpread * static_cast<double>(i)).force; });
-    account_.inverse_ns = bench::median_call_ns([&](std::uint64_t i) {
-      return law.deformation_under(largest * kSpread * static_cast<double>(i)).depth;
-    });
-    account_.noise_ns = bench::median_call_ns([](std::uint64_t i) { return noise::unit_sample(1, 0, i); });
-    done_ += 1.0;
-  }
-
-  void measure_hands() {
-    const scene::Setup setup = bench::subject("press", 0, 0);
-    const bench::Prepared prepared = bench::prepare(setup);
-    const scene::ToolPath path = bench::hand_path(setup);
-    account_.hands =
-        bench::most_hands(setup, prepared.world, path, plan_.waiting,
-                          [this](double share, const std::string& what) { show(1.5 * share, what); });
-    if (plan_.hands > 0) {
-      show(1.5, std::to_string(plan_.hands) + " hands");
-      account_.hands->asked = bench::run_hands(setup, prepared.world, path, plan_.waiting, plan_.hands);
-    }
-    done_ += 2.0;
-  }
-
-  void measure_loop(const std::string& task) {
-    scene::Request request;
-    request.task = task;
-    request.rate_Hz = kLoopRate;
-    const scene::Setup setup = scene::load(request);
-    const bench::Prepared prepared = bench::prepare(setup);
-    account_.loops.push_back(
-        bench::against_empty_loop(setup, prepared.world, scene::default_path(setup, 0), plan_.waiting,
-                                  [this](double share, const std::string& what) { show(share, what); }));
-    done_ += 1.0;
-  }
-
-  void measure_pictures(const Subject& subject) {
-    show(0.0, "pictures of the " + subject.task + " scene");
-    try {
-      account_.pictures.push_back(bench::time_pictures(subject.task, subject.organ_triangles));
-    } catch (const std::runtime_error& error) {
-      account_.remarks.emplace_back(error.what());
-    }
-    done_ += 1.0;
-  }
-
-  Plan plan_;
-  bench::Account account_;
-  std::optional<bench::Peers> peers_;
-  Progress bar_{"bench"};
-  double steps_ = 1.0;
-  double done_ = 0.0;
-};
-
-void write_csv(const bench::Account& account, const std::filesystem::path& file) {
-  std::ofstream out(file, std::ios::binary);
-  out << bench::to_csv(account);
-  out.close();
-  if (!out) throw InputError("--csv " + file.string() + ": cannot be written");
-}
-
-void add_flags(CLI::App& command, BenchFlags& flags) {
-  auto* quick = command.add_flag("--quick", flags.quick, "the built-in scenes and the parts only: seconds");
-  command.add_flag("--full", flags.full, "also organs of a million triangles and the 10 kHz loop: minutes")
-      ->excludes(quick);
-  command.add_flag("--ticks", flags.ticks, "only whole ticks (several of these options add up)");
-  command.add_flag("--parts", flags.parts, "only the law both ways and the noise");
-  command.add_flag("--preparation", flags.preparation, "only what is done before the first tick");
-  command
-      .add_option(
-          "--hands", flags.hands,
-          "only hands: how many each core carries inside 80 % of a 1 ms period in 99.9 % of 10,000 "
-          "periods, all cores at once (found by halving: a minute or two), and N of them on all cores")
-      ->type_name("N");
-  command.add_flag(
-      "--poll", flags.poll,
-      "with hands and the 10 kHz loop: their threads keep asking for the time between periods, as "
-      "`palpate run --poll`; else they sleep");
-  command.add_flag("--peers", flags.peers, "only ticks beside other libraries: Bullet, FCL, Embree");
-  command.add_flag("--loop", flags.loop, "only the 10 kHz loop against an empty one");
-  command.add_flag("--pictures", flags.pictures,
-                   "only moving pictures: deformation and whole frames, organs to a million triangles");
-  command.add_flag("--json", flags.json, "one JSON document");
-  command.add_option("--csv", flags.csv, "also write every figure to this file");
-  command.footer(
-      "Example:\n  palpate bench --json > bench.json\n  palpate bench --hands 150 --poll\n"
-      "  palpate bench --full --csv bench.csv");
+/// Returns only when `program` cannot be executed.
+void execute(std::string program, char** arguments) {
+  std::vector<char*> words = {program.data()};
+  while (*arguments != nullptr) words.push_back(*arguments++);
+  words.push_back(nullptr);
+  execv(program.c_str(), words.data());
 }
 
 }  // namespace
 
-void add_bench(CLI::App& program, const std::string& command_line, int& exit_code) {
-  auto flags = std::make_shared<BenchFlags>();
-  CLI::App* command = program.add_subcommand(
+void add_bench(CLI::App& program) {
+  program.add_subcommand(
       "bench", "How fast a tick, its parts, many hands and preparation are here, beside other libraries");
-  add_flags(*command, *flags);
-  command->callback([flags, &command_line, &exit_code] {
-    Plan plan = plan_of(*flags);
-    if (!flags->csv.empty()) require_writable_file(flags->csv, "--csv");
-    const bench::Account account = Bench(std::move(plan), command_line).run();
-    if (!flags->csv.empty()) write_csv(account, flags->csv);
-    std::cout << (flags->json ? bench::to_json(account) : bench::to_text(account));
-    exit_code = kDone;
-  });
+}
+
+int execute_bench(char** arguments) {
+  std::error_code error;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  if (folder.is_absolute()) {  // empty where there is no /proc
+    execute(folder / kBenchProgram, arguments);
+    execute(folder.parent_path() / "bench" / kBenchProgram, arguments);
+  }
+  tell_error(std::string(kBenchProgram) + " is not in " + folder.string() +
+             ": build the target palpate_bench (cmake --build DIR --target palpate_bench), or install the "
+             "package palpate");
+  return kBadInput;
 }
 
 }  // namespace palpate::app

@@ -26,7 +26,14 @@ void add_serve(CLI::App& program, int& exit_code);
 void add_devices(CLI::App& program, int& exit_code);
 void add_fit(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_validate(CLI::App& program, const std::string& command_line, int& exit_code);
-void add_bench(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_doctor(CLI::App& program, int& exit_code);
+
+/// [setup] Lists `bench` among the commands. execute_bench() runs it, and knows its flags.
+void add_bench(CLI::App& program);
+
+/// [setup] Replaces this process by the program palpate-bench: the one in the folder of the running program,
+/// or in bench/ of its build tree. @param arguments null at the end. Returns kBadInput, after an error
+/// message, when there is none.
+int execute_bench(char** arguments);
 
 }  // namespace palpate::app

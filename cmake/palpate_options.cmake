@@ -37,7 +37,7 @@ find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)
-  include(GoogleTest)
+  include(palpate_suites)
 endif()
 
 # The sources of a target are compiled joined, up to a dozen at a time, so that a header is read once for all of them

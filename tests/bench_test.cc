@@ -1,12 +1,55 @@
-// `palpate bench` as its users meet it: what it refuses, and the form of what it says; never how long it
-// took.
+// `palpate bench` as its users meet it: what it refuses, the form of its output, and where it looks for
+// palpate-bench; never how long it took.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
 
 #include "tests/program.h"
 
 namespace palpate::tests {
 namespace {
+
+/// A copy of the program in a folder that is neither an installation's nor a build tree's.
+class MovedProgram : public testing::Test {
+ protected:
+  void SetUp() override { fs::copy_file(PALPATE_PROGRAM, folder_ / "palpate"); }
+
+  /// What `palpate bench` prints in that folder on both streams, palpate-bench being in the search path.
+  Outcome bench(const std::string& flags) {
+    const std::string command = "cd '" + folder_.path().string() + "' && PATH=\"$PWD/on_path:$PATH\" '" +
+                                (folder_ / "palpate") + "' bench " + flags + " 2>&1";
+    std::FILE* output = popen(command.c_str(), "r");
+    Outcome outcome;
+    std::array<char, 256> part{};
+    while (std::fgets(part.data(), part.size(), output) != nullptr) outcome.out += part.data();
+    outcome.exit_code = WEXITSTATUS(pclose(output));
+    return outcome;
+  }
+
+  Folder folder_;
+};
+
+TEST_F(MovedProgram, ExecutesPalpateBenchInItsOwnFolder) {
+  fs::copy_file(PALPATE_BENCH, folder_ / "palpate-bench");
+  const Outcome outcome = bench("--help");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.out.find("palpate bench [OPTIONS]"), std::string::npos) << outcome.out;
+}
+
+TEST_F(MovedProgram, WithoutPalpateBenchExitsTwoAndSaysHowToGetItWhateverIsOnThePath) {
+  fs::create_directory(folder_ / "on_path");
+  fs::copy_file(PALPATE_BENCH, folder_ / "on_path/palpate-bench");
+  const Outcome outcome = bench("--help");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(lines(outcome.out), 1U) << outcome.out;
+  EXPECT_NE(outcome.out.find("--target palpate_bench"), std::string::npos) << outcome.out;
+}
 
 TEST(Bench, BadOptionsExitTwoInOneLineAndWriteNothing) {
   const Folder folder;

@@ -302,10 +302,11 @@ HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorl
 }
 
 HandsRun run_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                   const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands) {
+                   const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands,
+                   std::uint64_t periods) {
   if (hands == 0) throw std::invalid_argument("bench: 0 hands: must be at least 1");
   const Window window = contact_window(walk(setup, world, path));
-  return Crowd(world, window, path, waiting).run(hands, kPeriodsHeld, false);
+  return Crowd(world, window, path, waiting).run(hands, periods, false);
 }
 
 }  // namespace palpate::bench

@@ -27,10 +27,11 @@ inline constexpr std::size_t kMostHandsTried = 4000;
                                       const scene::ToolPath& path, haptics::Waiting waiting,
                                       const Watch& watch);
 
-/// [setup] Runs `hands` of them at 1 kHz, spread evenly over all cores, for 10,000 periods.
+/// [setup] Runs `hands` of them at 1 kHz, spread evenly over all cores, for `periods` each.
 /// @throws as walk(), and std::invalid_argument for no hands
 [[nodiscard]] HandsRun run_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                                 const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands);
+                                 const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands,
+                                 std::uint64_t periods = kPeriodsHeld);
 
 /// [setup] The greatest number that was seen to fit, by halving between 0 and `too_many`, with `first` as the
 /// first one tried: as if whatever is greater than one that does not fit did not either. 0: none fitted.

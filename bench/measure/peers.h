@@ -20,7 +20,7 @@ struct KnownPeer {
 /// [any] All of them, in the order of the tables.
 [[nodiscard]] const std::vector<KnownPeer>& known_peers();
 
-/// [setup] libpalpate_peers.so beside the running program.
+/// [setup] libpalpate_peers.so beside the running program, palpate-bench.
 [[nodiscard]] std::filesystem::path peers_library();
 
 /// The peers in a shared library of peers/plugin.h; none when it cannot be opened.

@@ -147,10 +147,11 @@ TEST(Hands, NoHandsAreRefused) {
 }
 
 TEST(Hands, EveryHandIsTickedInEveryPeriodOfEveryThread) {
-  const HandsRun run = run_hands(setup(), world(), hand_path(setup()), kSleep, 3);
+  constexpr std::uint64_t kPeriods = 1000;
+  const HandsRun run = run_hands(setup(), world(), hand_path(setup()), kSleep, 3, kPeriods);
   EXPECT_EQ(run.hands, 3U);
   EXPECT_LE(run.threads, 3U);
-  EXPECT_EQ(run.periods, run.threads * kPeriodsHeld);
+  EXPECT_EQ(run.periods, run.threads * kPeriods);
   EXPECT_EQ(run.round.samples, run.periods);
   EXPECT_EQ(run.wall.samples, run.periods);
   EXPECT_GE(run.worst_p999_us, run.round.p999_us);

@@ -153,11 +153,11 @@ TriangleMesh shaken(TriangleMesh mesh, double by) {
 void expect_the_rule(const char* what, const Surface& surface) {
   SCOPED_TRACE(what);
   const Deviation by_triangles =
-      deviation(surface, normals_by_triangles(surface.view(), surface.sides, kRadius), 60);
+      deviation(surface, normals_by_triangles(surface.view(), surface.sides, kRadius), 30);
   EXPECT_LT(by_triangles.angle, 1e-6);
   EXPECT_LT(by_triangles.slope, 1e-6);
   const Deviation by_clusters =
-      deviation(surface, normals_by_clusters(surface.view(), surface.sides, kRadius), 60);
+      deviation(surface, normals_by_clusters(surface.view(), surface.sides, kRadius), 30);
   EXPECT_LT(by_clusters.angle, 0.002);
   EXPECT_LT(by_clusters.slope, 1e-4);
 }
@@ -212,7 +212,7 @@ Within deviation_within(const TriangleMesh& organ) {
   std::uniform_real_distribution<double> share(0.0, 1.0);
   std::vector<double> found;
   std::vector<double> straight;
-  while (found.size() < 200) {
+  while (found.size() < 100) {
     const std::size_t t = draw(random);
     if (prepared.arrays().sharp_start[t] < prepared.arrays().sharp_start[t + 1]) continue;  // sides blend
     double b = share(random);

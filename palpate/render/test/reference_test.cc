@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -152,13 +153,29 @@ Difference difference(const Image& a, const Image& b) {
   return result;
 }
 
+/// A scene and its picture.
+struct Drawn {
+  Scene scene;
+  Image image;
+};
+
+/// Drawn once a program. @param name gallbladder or heart
+const Drawn& drawn_once(const std::string& name) {
+  static std::map<std::string, Drawn> drawn;
+  const auto found = drawn.find(name);
+  if (found != drawn.end()) return found->second;
+  const Scene scene = name == "heart" ? pulled_heart() : pressed_gallbladder();
+  return drawn.emplace(name, Drawn{scene, draw(scene)}).first->second;
+}
+
 class Reference : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
-    scene_ = std::string(GetParam()) == "heart" ? pulled_heart() : pressed_gallbladder();
-    image_ = draw(scene_);
+    const Drawn& drawn = drawn_once(GetParam());
+    scene_ = drawn.scene;
+    image_ = drawn.image;
     if (std::getenv("PALPATE_UPDATE_REFERENCES") != nullptr) write_png(image_, reference_file(scene_.name));
     reference_ = read_reference(scene_.name);
     ASSERT_EQ(reference_.rgb.size(), image_.rgb.size()) << reference_file(scene_.name);

@@ -1,0 +1,54 @@
+#include "app/command_line.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "palpate/base/text.h"
+
+namespace palpate::app {
+
+std::string quoted_command_line(std::string program, int argc, char** argv) {
+  std::string line = std::move(program);
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const bool plain =
+        !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;~#!") == std::string_view::npos;
+    line += ' ';
+    if (plain) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char letter : word) line += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+    line += '\'';
+  }
+  return line;
+}
+
+std::string describe(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
+  const std::string help = " (--help shows what there is)";
+  const std::string first = argc > 1 ? argv[1] : "";
+  std::vector<std::string> known;
+  std::string names;
+  for (const CLI::App* command : program.get_subcommands({})) {
+    known.push_back(command->get_name());
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  }
+  const bool is_word = !first.empty() && first.front() != '-';
+  if (is_word && !known.empty() && std::find(known.begin(), known.end(), first) == known.end()) {
+    const std::string near = nearest_word(first, known);
+    return first + ": no such command" +
+           (near.empty() ? "; there are " + names : ", did you mean " + near + "?") + help;
+  }
+  // CLI11: "Could not convert: --seed = abc".
+  std::string words = error.what();
+  const std::string convert = "Could not convert: ";
+  if (words.rfind(convert, 0) != 0) return words + help;
+  return words.substr(convert.size()) + ": must be a number" + help;
+}
+
+}  // namespace palpate::app
