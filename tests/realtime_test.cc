@@ -21,7 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// A hand at rest over the gallbladder for `ticks` ticks, whose sample `broken_tick` is no number.
-void record_broken_hand(const std::string& file, std::uint64_t ticks, std::uint64_t broken_tick) {
+void record_broken_hand_in_real_time(const std::string& file, std::uint64_t ticks, std::uint64_t broken_tick) {
   record::Recorder recorder(file, scene::load(scene::Request{}), true);
   recorder.on_start(1);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
@@ -38,7 +38,7 @@ void record_broken_hand(const std::string& file, std::uint64_t ticks, std::uint6
 
 TEST(RealTime, AFaultIsToldWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick) {
   const Folder folder;
-  record_broken_hand(folder / "hand.h5", 20'000, 100);
+  record_broken_hand_in_real_time(folder / "hand.h5", 20'000, 100);
   Program program(folder.path(), {"run", "--device", "replay:hand.h5", "--headless", "--record", "run.h5",
                                   "--json", "--duration-s", "3"});
   for (int i = 0; i < 6000 && !fs::exists(folder / "run.h5"); ++i) std::this_thread::sleep_for(10ms);

@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 
 /// 31 points of the built-in gallbladder's own law to 7.5 mm: 18 N/m in its first layer of 8 mm.
-void write_curve(const Folder& folder, const std::string& name, double factor) {
+void write_validation_curve(const Folder& folder, const std::string& name, double factor) {
   std::ofstream out(folder / name);
   out << "displacement_mm,force_N\n";
   for (int i = 0; i <= 30; ++i) out << 0.25 * i << ',' << factor * 0.018 * 0.25 * i << '\n';
@@ -39,7 +39,7 @@ void write_profiles(const Folder& folder, const std::string& name, const model::
 
 TEST(ValidateCommand, FindsNoErrorInTheTissuesOwnForces) {
   const Folder folder;
-  write_curve(folder, "own.csv", 1.0);
+  write_validation_curve(folder, "own.csv", 1.0);
   const Outcome outcome =
       run(folder, {"validate", "own.csv", "--tissue", "gallbladder", "--max-nrmse", "1e-6", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -87,7 +87,7 @@ TEST(ValidateCommand, TellsTheErrorWithTheZerosAsGivenAndAsFitted) {
 // Forces 10 % too small: the largest error is 0.1 x 0.018 x 7.5 N.
 TEST(ValidateCommand, EndsWithFourWhenAGoalIsMissed) {
   const Folder folder;
-  write_curve(folder, "weak.csv", 0.9);
+  write_validation_curve(folder, "weak.csv", 0.9);
   const std::vector<std::string> words = {"validate", "weak.csv", "--tissue", "gallbladder", "--json"};
   EXPECT_EQ(run(folder, words).exit_code, 0);
   for (const auto& [flag, goal] : {std::pair{"--max-nrmse", "0.05"}, std::pair{"--max-error-N", "0.0134"}}) {
@@ -103,7 +103,7 @@ TEST(ValidateCommand, EndsWithFourWhenAGoalIsMissed) {
 
 TEST(ValidateCommand, ComparesWithTheLawsOfOthersAndSaysWhatEachCosts) {
   const Folder folder;
-  write_curve(folder, "own.csv", 1.0);
+  write_validation_curve(folder, "own.csv", 1.0);
   const Outcome outcome = run(folder, {"validate", "own.csv", "--tissue", "gallbladder", "--against",
                                        "hertz,linear,exponential,mass-spring", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -179,7 +179,7 @@ TEST(ValidateCommand, SaysWhichSurfaceUnderTheBallItCompared) {
 
 TEST(ValidateCommand, RefusesBadInputInOneLineAndWritesNothing) {
   const Folder folder;
-  write_curve(folder, "own.csv", 1.0);
+  write_validation_curve(folder, "own.csv", 1.0);
   std::ofstream(folder / "side.csv") << "r_mm,u_mm\n0,5\n1,4.8\n3,3\n9,1\n20,0.3\n";
   std::ofstream(folder / "back.csv") << "time_s,displacement_mm,force_N\n1,0,0\n0,1,1\n";
   const std::vector<std::vector<std::string>> all = {

@@ -58,7 +58,7 @@ void jump_buttons(const Seen& seen, const HandOverview& hand, ViewerWishes& wish
 }
 
 /// Where times are in the strip.
-struct Strip {
+struct TimelineStrip {
   ImVec2 low;
   ImVec2 high;
   double duration = 1.0;  // s
@@ -72,7 +72,7 @@ struct Strip {
 };
 
 /// Contact, depth, faults and changes of the whole run.
-void draw_run(const Strip& strip, const Seen& seen, const HandOverview& hand) {
+void draw_run(const TimelineStrip& strip, const Seen& seen, const HandOverview& hand) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const RecordedView& view = seen.view;
   const float text = ImGui::GetFontSize();
@@ -109,7 +109,7 @@ void draw_run(const Strip& strip, const Seen& seen, const HandOverview& hand) {
 }
 
 /// Where the picture is, and where playback goes to when that is farther.
-void draw_cursor(const Strip& strip, const Seen& seen) {
+void draw_cursor(const TimelineStrip& strip, const Seen& seen) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float text = ImGui::GetFontSize();
   const float x = strip.x(seen.view.time_of(seen.tick));
@@ -127,7 +127,7 @@ void draw_cursor(const Strip& strip, const Seen& seen) {
 }
 
 /// Numbers of the time under the strip.
-void draw_times(const Strip& strip) {
+void draw_times(const TimelineStrip& strip) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float text = ImGui::GetFontSize();
   const float room = std::max(1.0F, strip.high.x - strip.low.x);
@@ -147,7 +147,7 @@ void draw_times(const Strip& strip) {
   }
 }
 
-void scrub(const Strip& strip, const Seen& seen, const HandOverview& hand, ViewerWishes& wishes) {
+void scrub(const TimelineStrip& strip, const Seen& seen, const HandOverview& hand, ViewerWishes& wishes) {
   ImGui::SetCursorScreenPos(strip.low);
   ImGui::InvisibleButton("strip", ImVec2(strip.high.x - strip.low.x, strip.high.y - strip.low.y));
   const double time = strip.time(ImGui::GetIO().MousePos.x);
@@ -176,7 +176,7 @@ void draw_timeline(const Rectangle& place, const Seen& seen, const ViewerState& 
   ImGui::NewLine();
   const ImVec2 low = ImGui::GetCursorScreenPos();
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  const Strip strip{ImVec2(low.x, low.y + 0.35F * text), ImVec2(low.x + room.x, low.y + room.y - 1.3F * text),
+  const TimelineStrip strip{ImVec2(low.x, low.y + 0.35F * text), ImVec2(low.x + room.x, low.y + room.y - 1.3F * text),
                     seen.view.duration_s()};
   if (strip.high.y > strip.low.y && strip.high.x > strip.low.x) {
     draw_run(strip, seen, hand);

@@ -21,8 +21,8 @@
 namespace palpate::app {
 namespace {
 
-constexpr std::int64_t kFrameNs = 16'000'000;  // no more than 62 frames a second
-constexpr std::int64_t kMessageNs = 8'000'000'000;
+constexpr std::int64_t kViewerFrameNs = 16'000'000;  // no more than 62 frames a second
+constexpr std::int64_t kViewerMessageNs = 8'000'000'000;
 constexpr std::int64_t kStillAfterNs =
     250'000'000;                       // without movement: then the picture is drawn as a file's
 constexpr double kLongestFrame = 0.1;  // s that playback goes on in a frame, at most
@@ -111,7 +111,7 @@ void Viewer::look_after_opening() {
 
 void Viewer::say(std::string message) {
   message_ = std::move(message);
-  message_until_ns_ = monotonic_ns() + kMessageNs;
+  message_until_ns_ = monotonic_ns() + kViewerMessageNs;
 }
 
 bool Viewer::frame() {
@@ -136,7 +136,7 @@ bool Viewer::frame() {
   live_.adapt(1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_));
   stage_.show();
   grant(std::exchange(wishes_, {}));
-  sleep_until_ns(frame_began_ns_ + kFrameNs);
+  sleep_until_ns(frame_began_ns_ + kViewerFrameNs);
   return true;
 }
 

@@ -18,12 +18,12 @@
 namespace palpate::app {
 namespace {
 
-constexpr float kSideWidth = 318.0F;  // at scale 1
+constexpr float kViewerSideWidth = 318.0F;  // at scale 1
 constexpr float kTimelineHeight = 128.0F;
 constexpr float kNarrowTimelineHeight = 158.0F;  // its buttons in two rows
 constexpr float kNarrow = 930.0F;
-constexpr float kPlotsHeight = 250.0F;
-constexpr float kLeastPicture = 240.0F;  // a side
+constexpr float kViewerPlotsHeight = 250.0F;
+constexpr float kLeastViewerPicture = 240.0F;  // a side
 
 std::string begun(std::int64_t unix_ns) {
   if (unix_ns == 0) return "not known";
@@ -144,8 +144,8 @@ std::string moment_words(const RowSample& row) {
 ViewerLayout lay_out(float width, float height, float scale, const ViewerState& state) {
   ViewerLayout all;
   all.picture = {0.0F, 0.0F, width, height};
-  const float side = kSideWidth * scale;
-  const float least = kLeastPicture * scale;
+  const float side = kViewerSideWidth * scale;
+  const float least = kLeastViewerPicture * scale;
   if (state.hidden || width < least) return all;
   if (width >= side + 2.0F * least && height >= least) {
     all.left = {0.0F, 0.0F, side, height};
@@ -156,10 +156,10 @@ ViewerLayout lay_out(float width, float height, float scale, const ViewerState& 
       (all.picture.width < kNarrow * scale ? kNarrowTimelineHeight : kTimelineHeight) * scale;
   if (height < least + timeline) return all;
   all.picture.height -= timeline;
-  const bool plots = state.plots && height >= least + timeline + kPlotsHeight * scale;
+  const bool plots = state.plots && height >= least + timeline + kViewerPlotsHeight * scale;
   if (plots) {
-    all.picture.height -= kPlotsHeight * scale;
-    all.plots = {all.picture.x, height - kPlotsHeight * scale, all.picture.width, kPlotsHeight * scale};
+    all.picture.height -= kViewerPlotsHeight * scale;
+    all.plots = {all.picture.x, height - kViewerPlotsHeight * scale, all.picture.width, kViewerPlotsHeight * scale};
   }
   all.timeline = {all.picture.x, all.picture.height, all.picture.width, timeline};
   return all;

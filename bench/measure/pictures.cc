@@ -19,7 +19,7 @@ constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 constexpr std::uint64_t kTicksAFrame = 16;  // 1 kHz, about 60 pictures a second
 constexpr std::size_t kMostFrames = 240;
-constexpr std::size_t kWarmUp = 3;  // frames: shaders are compiled at their first use
+constexpr std::size_t kPictureWarmUp = 3;  // frames: shaders are compiled at their first use
 
 std::int64_t process_cpu_ns() {
   timespec now{};
@@ -66,7 +66,7 @@ PictureAccount time_pictures(const std::string& task, std::size_t organ_triangle
   const contact::ToolResult& middle = moments.at(moments.size() / 2).results[0];
   const render::Camera camera =
       render::frame_contact(drawn, moments.at(moments.size() / 2), middle.contact_W, middle.normal_W, false);
-  for (std::size_t i = 0; i < kWarmUp; ++i) renderer.draw_and_keep(moments.front(), camera);
+  for (std::size_t i = 0; i < kPictureWarmUp; ++i) renderer.draw_and_keep(moments.front(), camera);
   std::vector<double> deformation;
   std::vector<double> wall;
   std::vector<double> computed;

@@ -23,19 +23,19 @@ constexpr double kMeasureBegin = 3.0;
 constexpr double kHoldEnd = 4.0;
 constexpr double kUpEnd = 5.0;
 constexpr double kEncoder = 1e-5;  // m
-constexpr double kRowSpacing = 5e-3;
+constexpr double kSweepRowSpacing = 5e-3;
 
 /// Minimum-jerk way from 0 to 1 (Flash and Hogan 1985).
-double minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + u * 6.0)); }
+double sweep_minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + u * 6.0)); }
 
 /// Where the hand wants to be: from kClear above the block to `lowest` [m] below its top and back.
 scene::ToolPath press_and_let_go(double lowest) {
   std::vector<scene::PathRow> rows;
-  const auto steps = static_cast<int>(std::lround(kUpEnd / kRowSpacing));
+  const auto steps = static_cast<int>(std::lround(kUpEnd / kSweepRowSpacing));
   for (int i = 0; i <= steps; ++i) {
-    const double time = i * kRowSpacing;
-    const double in = minimum_jerk(std::clamp((time - kDown) / (kHoldBegin - kDown), 0.0, 1.0));
-    const double out = minimum_jerk(std::clamp((time - kHoldEnd) / (kUpEnd - kHoldEnd), 0.0, 1.0));
+    const double time = i * kSweepRowSpacing;
+    const double in = sweep_minimum_jerk(std::clamp((time - kDown) / (kHoldBegin - kDown), 0.0, 1.0));
+    const double out = sweep_minimum_jerk(std::clamp((time - kHoldEnd) / (kUpEnd - kHoldEnd), 0.0, 1.0));
     const double height = kClear - (in - out) * (kClear + lowest);
     rows.push_back({time, Vec3(0.0, 0.0, kBallRadius + height), Quat::Identity(), 0.0});
   }
@@ -58,9 +58,9 @@ scene::Setup block_of(const model::TissueParameters& tissue, double rate_Hz) {
 }
 
 /// Watches the rows and the hand itself.
-class Watch final : public haptics::TickObserver {
+class ForceWatch final : public haptics::TickObserver {
  public:
-  explicit Watch(const devices::EmulatedDevice& device) : device_(device) {}
+  explicit ForceWatch(const devices::EmulatedDevice& device) : device_(device) {}
   void on_row(const haptics::TickRow& row) noexcept override {
     const double work = device_.hand().work_of_force();
     result_.given_beyond_taken = std::max(result_.given_beyond_taken, work);
@@ -128,7 +128,7 @@ StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
   const double lowest = depth_at_hold_ + force_at_hold_ / the_case.grip.stiffness;
   devices::EmulatedDevice device(press_and_let_go(lowest), device_setup, world_.rate_Hz);
   haptics::SimulationState state(world_);
-  Watch watch(device);
+  ForceWatch watch(device);
   haptics::LoopOptions options;
   options.ticks = device.last_tick(world_.rate_Hz);
   options.offline = true;

@@ -76,7 +76,7 @@ std::array<float, 3> rounded(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-Vec3 exact(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+Vec3 widened(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
 std::array<Vec3, 3> corners_of(const SurfaceView& surface, std::int32_t triangle) {
   const geometry::Triangle& corners = surface.mesh.triangles[at(triangle)];
@@ -111,17 +111,17 @@ Patch patch_of(const SurfaceView& surface, std::span<const std::int32_t> triangl
     Vec3 middles = Vec3::Zero();
     double squares = 0.0;
     for (std::size_t e = 0; e < 3; ++e) {
-      const Vec3 middle = 0.5 * (corner[e] + corner[(e + 1) % 3]) - exact(patch.centre);
+      const Vec3 middle = 0.5 * (corner[e] + corner[(e + 1) % 3]) - widened(patch.centre);
       middles += middle;
       squares += middle.squaredNorm();
-      reach = std::max(reach, (corner[e] - exact(patch.centre)).squaredNorm());
+      reach = std::max(reach, (corner[e] - widened(patch.centre)).squaredNorm());
       longest = std::max(longest, (corner[(e + 1) % 3] - corner[e]).squaredNorm());
     }
     sum_A += area;
     sum_Am += area * middles.transpose();
     sum_Aq += squares * area;
     if (area.squaredNorm() > 0.0) {
-      spread = std::max(spread, (surface.face_normals[at(triangle)] - exact(patch.axis)).squaredNorm());
+      spread = std::max(spread, (surface.face_normals[at(triangle)] - widened(patch.axis)).squaredNorm());
     }
   }
   patch.reach = static_cast<float>(std::sqrt(reach)) * kSlack;
@@ -148,7 +148,7 @@ Block block_of(const SurfaceView& surface, std::span<const std::int32_t> triangl
     for (std::size_t e = 0; e < 3; ++e) {
       size += (0.5 * (corner[e] + corner[(e + 1) % 3]) - centre).squaredNorm();
     }
-    const std::array<float, 3> middle = rounded(centre - exact(block.patch.centre));
+    const std::array<float, 3> middle = rounded(centre - widened(block.patch.centre));
     const std::array<float, 3> normal = rounded(surface.face_normals[at(triangles[i])]);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       block.middle[axis][i] = middle[axis];
@@ -244,7 +244,7 @@ void NormalClusters::sum_up(const SurfaceView& surface, double short_edge) {
       if (static_cast<double>(block.patch.longest_edge) <= short_edge) continue;
       block.edges = static_cast<std::int32_t>(edge_middles_.size());
       edge_middles_.push_back(edge_middles_of(
-          surface, triangles_from(first, std::min(first + Block::kSize, last)), exact(block.patch.centre)));
+          surface, triangles_from(first, std::min(first + Block::kSize, last)), widened(block.patch.centre)));
     }
   }
 }

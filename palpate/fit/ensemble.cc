@@ -14,7 +14,7 @@
 namespace palpate::fit {
 namespace {
 
-constexpr std::uint32_t kRandomPart = 1;  // of a specimen's job
+constexpr std::uint32_t kEnsembleStream = 1;  // of a specimen's job
 constexpr int kGenerations = 1500;        // of one round
 constexpr int kMostRounds = 4;            // the first is thrown away; more when halves differ
 constexpr int kKeepEvery = 4;
@@ -183,7 +183,7 @@ double log_posterior_of(const Problem& problem, const Point& point, double effec
 
 Ensemble draw_ensemble(const Problem& problem, const std::vector<Solution>& minima, double effective,
                        std::uint64_t seed, std::uint32_t job, const std::function<void(double)>& progress) {
-  Random random(seed, job, kRandomPart);
+  Random random(seed, job, kEnsembleStream);
   Posterior posterior(problem, effective);
   const std::size_t dimensions = problem.bounds.low.size() + kOwnParameters;
   std::vector<Walker> walkers = first_walkers(posterior, problem, minima, 6 * dimensions, random);

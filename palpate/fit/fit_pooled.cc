@@ -22,7 +22,7 @@ namespace palpate::fit {
 namespace {
 
 constexpr std::uint32_t kPooledJob = 0xffff'ffff;  // the random numbers of no specimen
-constexpr std::uint32_t kRandomPart = 3;
+constexpr std::uint32_t kPooledStream = 3;
 constexpr int kResamples = 100;  // of specimens, for the intervals
 
 /// As many terms as most specimens have, the fewer on a tie.
@@ -62,7 +62,7 @@ std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Pro
   const Solution& best = minima.all.front();
   const std::size_t count = minima.problem.parts.size();
   const auto resample = [&](std::size_t b) {
-    Random random(seed, kPooledJob, kRandomPart);
+    Random random(seed, kPooledJob, kPooledStream);
     random.skip(b * count);
     std::vector<double> times(count, 0.0);
     for (std::size_t i = 0; i < count; ++i) times[random.below(count)] += 1.0;

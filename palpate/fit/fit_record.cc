@@ -73,7 +73,7 @@ Json curve_json(const Curve& curve) {
           {"low", list_json(curve.low)},           {"high", list_json(curve.high)}};
 }
 
-Curve curve_of(const Json& json) {
+Curve curve_from_json(const Json& json) {
   Curve curve;
   curve.time = list_of(json.at("time"));
   curve.displacement = list_of(json.at("displacement"));
@@ -108,7 +108,7 @@ SpecimenFit fit_of_json(const Json& json) {
   fit.points = whole_number<std::size_t>(json, "points");
   fit.rows = whole_number<std::size_t>(json, "rows");
   fit.warnings = json.at("warnings").get<std::vector<std::string>>();
-  fit.curve = curve_of(json.at("curve"));
+  fit.curve = curve_from_json(json.at("curve"));
   fit.shared = list_of(json.at("shared"));
   fit.own = list_of(json.at("own"));
   for (const Json& minimum : json.at("minima")) fit.minima.push_back(list_of(minimum));

@@ -3,14 +3,14 @@
 namespace palpate::fit {
 namespace {
 
-constexpr std::size_t kMostPoints = 1000;       // of a specimen without relaxation
+constexpr std::size_t kMostUntimedPoints = 1000;       // of a specimen without relaxation
 constexpr std::size_t kMostTimedPoints = 2000;  // with relaxation, whose fast terms need dense samples
 constexpr std::size_t kMostPooledPoints = 400;  // of a specimen, pooled
 
 }  // namespace
 
 Specimen as_fitted(const Specimen& specimen, const Settings& settings) {
-  return thinned(specimen, settings.relaxation ? kMostTimedPoints : kMostPoints);
+  return thinned(specimen, settings.relaxation ? kMostTimedPoints : kMostUntimedPoints);
 }
 
 std::vector<Specimen> as_pooled(const std::vector<Specimen>& specimens) {

@@ -16,10 +16,10 @@
 namespace palpate::fit {
 namespace {
 
-enum Column : std::size_t { kDistance, kDisplacement, kDepth };
+enum DeformationColumn : std::size_t { kDistance, kShift, kDepth };
 
-const std::vector<CsvColumn> kColumns = {{"r_mm"}, {"u_mm"}, {"depth_mm", false}};
-constexpr double kLargest = 1e6;           // mm
+const std::vector<CsvColumn> kDeformationColumns = {{"r_mm"}, {"u_mm"}, {"depth_mm", false}};
+constexpr double kLargestDeformation = 1e6;           // mm
 constexpr std::size_t kMostDepths = 1000;  // of one file; more is a mistaken column
 
 void sort_by_distance(Deformation& deformation) {
@@ -84,7 +84,7 @@ Deformation thinned(const Deformation& deformation, std::size_t most) {
 
 std::vector<Deformation> read_deformations(const std::filesystem::path& file) {
   const std::string name = file.string();
-  CsvTable table(file, kColumns, kLargest);
+  CsvTable table(file, kDeformationColumns, kLargestDeformation);
   std::vector<Deformation> all;
   std::map<double, std::size_t> indices;  // by depth in mm
   while (table.next_row()) {
@@ -101,7 +101,7 @@ std::vector<Deformation> read_deformations(const std::filesystem::path& file) {
     }
     Deformation& deformation = all[entry->second];
     deformation.distance.push_back(table.number(kDistance) * kMillimetre);
-    deformation.displacement.push_back(table.number(kDisplacement) * kMillimetre);
+    deformation.displacement.push_back(table.number(kShift) * kMillimetre);
   }
   for (Deformation& deformation : all) {
     const bool several = all.size() > 1;

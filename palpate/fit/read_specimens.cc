@@ -35,7 +35,7 @@ void add_row(Specimen& specimen, const CsvTable& table) {
 }
 
 /// Refuses what no law could be fitted to. @param where file and specimen, for the message
-void check(const Specimen& s, const std::string& where) {
+void check_specimen(const Specimen& s, const std::string& where) {
   if (s.size() < kFewestPoints) {
     throw InputError(fmt::format("{}: has {}{}, must have at least {}", where, s.size(),
                                  s.size() == 1 ? " row" : " rows", kFewestPoints));
@@ -83,7 +83,7 @@ std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
     add_row(all[found->second], table);
   }
   for (const Specimen& specimen : all) {
-    check(specimen, all.size() == 1 ? name : name + ": specimen " + specimen.name);
+    check_specimen(specimen, all.size() == 1 ? name : name + ": specimen " + specimen.name);
   }
   return all;
 }

@@ -11,7 +11,7 @@
 namespace palpate::fit {
 namespace {
 
-constexpr std::uint32_t kRandomPart = 2;  // of a specimen's job
+constexpr std::uint32_t kResamplingStream = 2;  // of a specimen's job
 constexpr std::size_t kDescents = 2;      // minima that are descended to again for every resample
 
 Solution best_from(const Problem& problem, const std::vector<Solution>& minima) {
@@ -39,7 +39,7 @@ std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed
   const auto block = static_cast<std::size_t>(std::max(1.0, std::ceil(n / minima.effective)));
   const std::size_t draws = (specimen.size() + block - 1) / block;  // of a resample
   const auto resample = [&](std::size_t b) {
-    Random random(seed, job, kRandomPart);
+    Random random(seed, job, kResamplingStream);
     random.skip(b * draws);
     Specimen again = specimen;
     for (std::size_t i = 0; i < specimen.size(); i += block) {

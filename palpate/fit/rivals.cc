@@ -103,13 +103,13 @@ double in_table(const std::vector<double>& table, double deepest, double depth) 
 }
 
 /// Depths > 0 and forces of a comparison without its zeros.
-struct Curve {
+struct ForceCurve {
   std::vector<double> depth;
   std::vector<double> force;
   double deepest = 0.0;
 };
-Curve curve_of(const ForceComparison& comparison) {
-  Curve curve;
+ForceCurve measured_curve(const ForceComparison& comparison) {
+  ForceCurve curve;
   for (std::size_t i = 0; i < comparison.measured.size(); ++i) {
     curve.depth.push_back(
         std::max(0.0, comparison.measured.displacement[i] - comparison.zeros.first_contact));
@@ -119,7 +119,7 @@ Curve curve_of(const ForceComparison& comparison) {
   return curve;
 }
 
-RivalFit scaled_force(RivalKind kind, const Curve& curve, const Function& shape, const char* words) {
+RivalFit scaled_force(RivalKind kind, const ForceCurve& curve, const Function& shape, const char* words) {
   const double factor = scaled(mapped(curve.depth, shape), curve.force).factor;
   RivalFit fit;
   fit.kind = kind;
@@ -129,7 +129,7 @@ RivalFit scaled_force(RivalKind kind, const Curve& curve, const Function& shape,
   return fit;
 }
 
-RivalFit exponential_force(const Curve& curve) {
+RivalFit exponential_force(const ForceCurve& curve) {
   const auto shape = [](double b) { return [b](double depth) { return std::expm1(b * depth); }; };
   const double b =
       least_of([&](double tried) { return scaled(mapped(curve.depth, shape(tried)), curve.force).squares; },
@@ -140,7 +140,7 @@ RivalFit exponential_force(const Curve& curve) {
   return fit;
 }
 
-RivalFit mass_spring_force(const Curve& curve) {
+RivalFit mass_spring_force(const ForceCurve& curve) {
   const auto shape = [&](const std::vector<double>& table) {
     return [&table, &curve](double depth) { return in_table(table, curve.deepest, depth); };
   };
@@ -204,7 +204,7 @@ std::vector<RivalKind> parse_rivals(std::string_view text) {
 }
 
 RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison) {
-  const Curve curve = curve_of(comparison);
+  const ForceCurve curve = measured_curve(comparison);
   RivalFit fit;
   if (!(curve.deepest > 0.0)) {
     throw InputError(comparison.measured.name + ": no point is deeper than the first contact");

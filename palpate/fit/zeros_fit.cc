@@ -73,7 +73,7 @@ class ZeroErrors final {
 };
 
 /// Descends from `own`; the sum of squares that is left.
-double descend(const Search& search, Own& own) {
+double descend_to_zeros(const Search& search, Own& own) {
   const Bounds bounds = own_bounds(search.prior);
   ceres::Problem problem;
   problem.AddParameterBlock(own.data(), kOwnParameters);
@@ -101,10 +101,10 @@ double descend(const Search& search, Own& own) {
 /// The best of descents from first contacts all over the bounds, and from `own`.
 void search_from_everywhere(const Search& search, Own& own) {
   const Bounds bounds = own_bounds(search.prior);
-  double best_cost = descend(search, own);
+  double best_cost = descend_to_zeros(search, own);
   for (const double way : {0.1, 0.3, 0.5, 0.7, 0.9}) {
     Own start = {bounds.low[0] + way * (bounds.high[0] - bounds.low[0]), search.prior.offset};
-    const double cost = descend(search, start);
+    const double cost = descend_to_zeros(search, start);
     if (cost < best_cost) {
       best_cost = cost;
       own = start;

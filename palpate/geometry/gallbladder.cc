@@ -12,7 +12,7 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr int kVertices = 1057;  // and 2 (V - 2) = 2,110 triangles, as in [Zhang 2011, section 3.1]
+constexpr int kGallbladderVertices = 1057;  // and 2 (V - 2) = 2,110 triangles, as in [Zhang 2011, section 3.1]
 
 /// In millimetres until it is meshed; a gallbladder is 70 to 100 mm long and 30 to 40 mm wide, a little
 /// flatter than wide.
@@ -103,7 +103,7 @@ TriangleMesh make_gallbladder(Detail detail) {
   const Bounds box{Vec3(-0.050, -0.026, -0.024), Vec3(0.060, 0.026, 0.024)};
   constexpr double kSpacing = 0.0025;  // fine enough for the duct
   const TriangleMesh start = polygonise(plain, box, kSpacing);
-  if (detail == Detail::kPaper) return remesh(plain, start, {.vertices = kVertices});
+  if (detail == Detail::kPaper) return remesh(plain, start, {.vertices = kGallbladderVertices});
   RemeshGoal goal{.vertices = 15002, .bend_radius = 0.004, .finest = 0.2};
   if (detail == Detail::k300k)
     goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.003, .finest = 0.2};

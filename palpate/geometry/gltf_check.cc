@@ -21,12 +21,12 @@ namespace {
 using nlohmann::json;
 
 constexpr int kDeepestJson = 100;
-constexpr int kDeepestNode = 200;
+constexpr int kDeepestGltfNode = 200;
 constexpr std::size_t kMostNodes = 100'000;
 constexpr std::uint64_t kMostElements = 20'000'000;       // indices and vertices of all parts
 constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // numbers that only a count stands for
 
-std::uint32_t little_endian_32(std::string_view bytes, std::size_t at) {
+std::uint32_t read_u32_le(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
@@ -40,11 +40,11 @@ std::string_view json_of_glb(const MeshFile& file) {
   if (bytes.size() < kHeader || bytes.substr(0, 4) != "glTF") {
     refuse("not a binary glTF: must start with \"glTF\" and a JSON chunk");
   }
-  const std::size_t declared = little_endian_32(bytes, 8);
+  const std::size_t declared = read_u32_le(bytes, 8);
   if (declared != bytes.size()) {
     refuse(fmt::format("truncated or damaged: declares {} bytes, has {}", declared, bytes.size()));
   }
-  const std::size_t length = little_endian_32(bytes, 12);
+  const std::size_t length = read_u32_le(bytes, 12);
   if (length > bytes.size() - kHeader) refuse("truncated: its JSON chunk does not end");
   return bytes.substr(kHeader, length);
 }
@@ -108,7 +108,7 @@ class GltfCheck final {
     while (!open.empty()) {
       const auto [node, depth] = open.back();
       open.pop_back();
-      if (depth > kDeepestNode) refuse(fmt::format("its nodes are nested more than {} deep", kDeepestNode));
+      if (depth > kDeepestGltfNode) refuse(fmt::format("its nodes are nested more than {} deep", kDeepestGltfNode));
       if (++visited > kMostNodes) refuse(fmt::format("its nodes are used more than {} times", kMostNodes));
       add(list(nodes[node], "children"), depth + 1);
     }

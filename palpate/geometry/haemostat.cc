@@ -18,11 +18,11 @@ using portable::kPi;
 
 // All in millimetres until meshed.
 constexpr double kPlate = 1.5;        // half thickness of the jaws' two hinge plates together
-constexpr double kHingeRadius = 2.5;  // of the plates
+constexpr double kHaemostatHingeRadius = 2.5;  // of the plates
 constexpr double kSlot = 1.75;        // half width of the box's slot
 constexpr double kSlotFloor = -3.0;   // where the slot ends
 constexpr double kGap = 0.1;          // half gap between the closed jaws
-constexpr double kFar = 6.0;          // more than any blend
+constexpr double kHaemostatFar = 6.0;          // more than any blend
 
 /// |a| <= half, as a solid.
 FieldValue slab(const FieldValue& a, double half) { return magnitude(a) + (-half); }
@@ -32,7 +32,7 @@ FieldValue slab(const FieldValue& a, double half) { return magnitude(a) + (-half
 class Jaw final : public ImplicitSolid {
  public:
   /// @param side +1 for the jaw on the +x side, -1 for its fellow
-  Jaw(const HaemostatShape& shape, double side) : shape_(shape), side_(side), bar_(bar(shape), kFar) {}
+  Jaw(const HaemostatShape& shape, double side) : shape_(shape), side_(side), bar_(bar(shape), kHaemostatFar) {}
 
   [[nodiscard]] FieldValue at(const Vec3& p_m) const noexcept override {
     const Vec3 p = p_m / kMillimetre;
@@ -48,7 +48,7 @@ class Jaw final : public ImplicitSolid {
       across = length_of(from_centre, ahead) + (-radius);
       along = radius * angle_of(from_centre, ahead) + shape_.straight;
     }
-    const FieldValue plate = intersect(length_of(x, z) + (-kHingeRadius), slab(y, kPlate), 0.6);
+    const FieldValue plate = intersect(length_of(x, z) + (-kHaemostatHingeRadius), slab(y, kPlate), 0.6);
     const FieldValue both = unite(plate, bar_.at(p), 1.5);
     const SinCosField turn = sin_cos_of(0.5 * kPi * rise(along, 2.2, 6.5));
     const FieldValue off = turn.sine * across + turn.cosine * y;
@@ -159,10 +159,10 @@ class Handles final : public ImplicitSolid {
                {{7.2, 0.0, -72.0}, 2.0},
                {{7.2, 0.0, -84.0}, 2.0},
                {{7.9, 0.0, -91.5}, 2.1}},
-              kFar};
+              kHaemostatFar};
 };
 
-struct Counts {
+struct HaemostatCounts {
   int jaw = 0;
   int shaft = 0;
   int quadruplings = 0;
@@ -171,7 +171,7 @@ struct Counts {
 }  // namespace
 
 Tool make_haemostat(const char* name, const HaemostatShape& shape, Detail detail) {
-  const Counts counts = detail == Detail::k30k ? Counts{3002, 8998, 0} : Counts{7502, 22498, 1};
+  const HaemostatCounts counts = detail == Detail::k30k ? HaemostatCounts{3002, 8998, 0} : HaemostatCounts{7502, 22498, 1};
   Tool tool;
   tool.name = name;
   for (const double side : {1.0, -1.0}) {

@@ -15,7 +15,7 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr int kVertices = 3208;  // and so 2 (V - 2) = 6,412 triangles, as in [Zhang 2011, section 3.1]
+constexpr int kHeartVertices = 3208;  // and so 2 (V - 2) = 6,412 triangles, as in [Zhang 2011, section 3.1]
 
 /// Chambers and vessels, these cut flat. In millimetres.
 class Chambers {
@@ -316,7 +316,7 @@ TriangleMesh make_heart(Detail detail) {
   const Bounds box{Vec3(-0.070, -0.070, -0.065), Vec3(0.070, 0.085, 0.050)};
   constexpr double kSpacing = 0.003;  // too coarse for the rims of the cut vessels, which come in remeshing
   const TriangleMesh start = polygonise(SolidHeart(), box, kSpacing);
-  RemeshGoal goal{.vertices = kVertices, .bend_radius = 0.012, .finest = 0.2};
+  RemeshGoal goal{.vertices = kHeartVertices, .bend_radius = 0.012, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.006, .finest = 0.2};
   if (detail == Detail::k300k)
     goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.005, .finest = 0.2};

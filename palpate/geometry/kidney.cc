@@ -14,7 +14,7 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr int kVertices = 3002;  // and so 2 (V - 2) = 6,000 triangles
+constexpr int kKidneyVertices = 3002;  // and so 2 (V - 2) = 6,000 triangles
 
 /// In millimetres until it is meshed.
 class Kidney final : public ImplicitSolid {
@@ -110,7 +110,7 @@ TriangleMesh make_kidney(Detail detail) {
   const Bounds box{Vec3(-0.036, -0.062, -0.027), Vec3(0.048, 0.062, 0.028)};
   constexpr double kSpacing = 0.0018;  // fine enough for the ureter
   const TriangleMesh start = polygonise(Kidney(false), box, kSpacing);
-  RemeshGoal goal{.vertices = kVertices, .bend_radius = 0.008, .finest = 0.2};
+  RemeshGoal goal{.vertices = kKidneyVertices, .bend_radius = 0.008, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.005, .finest = 0.2};
   if (detail == Detail::k300k)
     goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.005, .finest = 0.2};

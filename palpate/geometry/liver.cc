@@ -13,9 +13,9 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr int kVertices = 3502;  // and so 2 (V - 2) = 7,000 triangles
+constexpr int kLiverVertices = 3502;  // and so 2 (V - 2) = 7,000 triangles
 
-constexpr double kFar = 16.5;  // [mm] more than any blend
+constexpr double kLiverFar = 16.5;  // [mm] more than any blend
 
 // Where the inferior vena cava is cut above the liver [mm], and which way it goes there.
 const Vec3 kCavaTop(-3.0, 75.0, -40.0);
@@ -114,7 +114,7 @@ class Liver final : public ImplicitSolid {
   /// The inferior vena cava, whose upper end is cut too.
   [[nodiscard]] FieldValue cava(const Vec3& p) const noexcept {
     FieldValue vessel = cava_.at(p);
-    if (vessel.value > kFar) return vessel;
+    if (vessel.value > kLiverFar) return vessel;
     return intersect(vessel, {(p - kCavaTop).dot(kCavaUp), kCavaUp}, CutVessel::kRim);
   }
 
@@ -139,50 +139,50 @@ class Liver final : public ImplicitSolid {
                                     {under(27.5, 40.0, 2.0), 6.0},
                                     {under(27.5, 18.0, 2.0), 4.8},
                                     {under(27.0, 2.0, 2.0), 5.5}},
-                                   kFar),
+                                   kLiverFar),
                               // Porta hepatis.
                               Tube({{under(-10.0, -5.0, 1.0), 5.5},
                                     {under(2.0, -3.0, 2.0), 7.0},
                                     {under(16.0, -2.0, 2.0), 7.0},
                                     {under(27.0, 0.0, 2.0), 5.5}},
-                                   kFar),
+                                   kLiverFar),
                               // Of the venous ligament.
                               Tube({{under(27.0, 0.0, 2.0), 5.0},
                                     {under(30.0, -16.0, 2.0), 4.2},
                                     {under(32.0, -34.0, 2.0), 4.2},
                                     {under(32.0, -52.0, 6.0), 5.0},
                                     {under(31.0, -66.0, 14.0), 6.0}},
-                                   kFar)};
+                                   kLiverFar)};
   Ellipsoid fossa_ = dent(-16.0, 18.0, 11.0, {38.0, 17.0, 17.0}, {-0.22, 0.0, 1.0});
   CutVessel cava_{{{{-3.0, 78.0, -38.8}, 11.0},
                    {{-3.0, 56.0, -47.5}, 12.0},
                    {{-3.5, 30.0, -55.0}, 12.5},
                    {{-3.2, 10.0, -55.0}, 11.8},
                    {{-2.5, -9.0, -53.5}, 11.3}},
-                  kFar};
+                  kLiverFar};
   Tube round_ligament_{{{under(27.3, 30.0, 7.5), 3.2},
                         {under(27.2, 44.0, 7.5), 3.4},
                         {under(27.0, 54.0, 5.0), 3.4},
                         {under(27.0, 63.0, -3.0), 3.2}},
-                       kFar};
+                       kLiverFar};
   std::vector<CutVessel> vessels_{// Portal vein.
                                   CutVessel({{{8.0, 7.0, -1.0}, 8.0},
                                              {{9.0, -7.0, -4.0}, 6.6},
                                              {{12.0, -19.0, -8.0}, 6.3},
                                              {{15.0, -30.0, -13.0}, 6.3}},
-                                            kFar),
+                                            kLiverFar),
                                   // Bile duct.
                                   CutVessel({{{-2.0, 1.0, 2.0}, 4.6},
                                              {{-1.0, -12.0, 4.0}, 3.3},
                                              {{1.0, -23.0, 2.0}, 3.0},
                                              {{4.0, -34.0, -3.0}, 3.0}},
-                                            kFar),
+                                            kLiverFar),
                                   // Hepatic artery.
                                   CutVessel({{{19.0, 5.0, 2.0}, 4.2},
                                              {{20.5, -5.0, 3.5}, 2.9},
                                              {{21.5, -15.0, 2.5}, 2.7},
                                              {{24.0, -25.0, -1.0}, 2.7}},
-                                            kFar)};
+                                            kLiverFar)};
   std::vector<Ellipsoid> wide_lumens_{
       cava_.lumen(), ellipsoid(kCavaTop, {5.0, 7.0, 7.0}, kCavaUp, Vec3::UnitX()), vessels_[0].lumen()};
   std::vector<Ellipsoid> narrow_lumens_{vessels_[1].lumen(), vessels_[2].lumen()};
@@ -194,7 +194,7 @@ TriangleMesh make_liver(Detail detail) {
   const Bounds box{Vec3(-0.125, -0.105, -0.095), Vec3(0.130, 0.098, 0.085)};
   constexpr double kSpacing = 0.003;  // fine enough for the cut vessels
   const TriangleMesh start = polygonise(Liver(Liver::kNoLumens), box, kSpacing);
-  RemeshGoal goal{.vertices = kVertices, .bend_radius = 0.0115, .finest = 0.2};
+  RemeshGoal goal{.vertices = kLiverVertices, .bend_radius = 0.0115, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.010, .finest = 0.2};
   if (detail == Detail::k300k)
     goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.010, .finest = 0.2};

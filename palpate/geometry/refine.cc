@@ -13,14 +13,14 @@ namespace palpate::geometry {
 namespace {
 
 // Past this many triangles refine() gives up: a slip in a unit must not eat the memory.
-constexpr std::size_t kMostTriangles = 4'000'000;
+constexpr std::size_t kMostRefinedTriangles = 4'000'000;
 
 [[noreturn]] void refuse_as_too_many() {
-  throw InputError("refining the mesh needs more than " + std::to_string(kMostTriangles) +
+  throw InputError("refining the mesh needs more than " + std::to_string(kMostRefinedTriangles) +
                    " triangles: is its unit right?");
 }
 
-std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
+std::uint64_t refined_edge_key(std::int32_t a, std::int32_t b) {
   const auto low = static_cast<std::uint64_t>(std::min(a, b));
   const auto high = static_cast<std::uint64_t>(std::max(a, b));
   return (low << 32) | high;
@@ -54,7 +54,7 @@ class Refiner final {
       if (found == edges_.end()) continue;  // turned since
       if (found->second.is_inner && turn(key)) continue;
       split(key);
-      if (mesh_.triangles.size() > kMostTriangles) refuse_as_too_many();
+      if (mesh_.triangles.size() > kMostRefinedTriangles) refuse_as_too_many();
     }
     return std::move(mesh_);
   }
@@ -74,7 +74,7 @@ class Refiner final {
   };
 
   void attach(std::int32_t a, std::int32_t b, std::int32_t triangle, bool is_inner) {
-    const std::uint64_t key = edge_key(a, b);
+    const std::uint64_t key = refined_edge_key(a, b);
     Edge& edge = edges_[key];
     if (edge.triangles.empty()) {
       edge.is_inner = is_inner;
@@ -84,7 +84,7 @@ class Refiner final {
   }
 
   void replace(std::int32_t a, std::int32_t b, std::int32_t old_triangle, std::int32_t new_triangle) {
-    for (std::int32_t& triangle : edges_[edge_key(a, b)].triangles) {
+    for (std::int32_t& triangle : edges_[refined_edge_key(a, b)].triangles) {
       if (triangle == old_triangle) triangle = new_triangle;
     }
   }
@@ -92,7 +92,7 @@ class Refiner final {
   /// The triangle's corners, first the two of the edge, then the one across it.
   [[nodiscard]] Triangle from_edge(std::int32_t triangle, std::uint64_t key) const {
     Triangle corners = mesh_.triangles[static_cast<std::size_t>(triangle)];
-    while (edge_key(corners[0], corners[1]) != key)
+    while (refined_edge_key(corners[0], corners[1]) != key)
       std::rotate(corners.begin(), corners.begin() + 1, corners.end());
     return corners;
   }
@@ -171,7 +171,7 @@ class Refiner final {
 TriangleMesh refine(const TriangleMesh& mesh, double longest) {
   if (!(longest > 0.0)) throw ParameterError("longest edge (m)", longest, "> 0");
   // No triangle of the result has more area than the equilateral one.
-  const double most_area = 0.25 * std::sqrt(3.0) * longest * longest * static_cast<double>(kMostTriangles);
+  const double most_area = 0.25 * std::sqrt(3.0) * longest * longest * static_cast<double>(kMostRefinedTriangles);
   double doubled_area = 0.0;
   for (const Triangle& triangle : mesh.triangles) doubled_area += area_vector_doubled(mesh, triangle).norm();
   if (!(0.5 * doubled_area <= most_area)) refuse_as_too_many();

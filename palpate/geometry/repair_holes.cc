@@ -6,7 +6,7 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kHoleFar = std::numeric_limits<double>::infinity();
 
 std::uint64_t edge_of(std::int32_t a, std::int32_t b) {
   return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
@@ -35,8 +35,8 @@ std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates) {
   for (std::size_t start = 0; start < next.size(); ++start) {
     if (next[start] < 0) continue;
     Hole hole;
-    Vec3 low = Vec3::Constant(kFar);
-    Vec3 high = Vec3::Constant(-kFar);
+    Vec3 low = Vec3::Constant(kHoleFar);
+    Vec3 high = Vec3::Constant(-kHoleFar);
     for (auto v = static_cast<std::int32_t>(start); v >= 0;) {
       hole.loop.push_back(v);
       low = low.cwiseMin(surface.point(v));
@@ -71,7 +71,7 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
   for (std::size_t span = 2; span < n; ++span) {
     for (std::size_t i = 0; i + span < n; ++i) {
       const std::size_t j = i + span;
-      double best = kFar;
+      double best = kHoleFar;
       const bool is_own = i == 0 && j + 1 == n;  // the edge from the last to the first is the loop's own
       if (is_own || may_join(loop[i], loop[j])) {
         for (std::size_t m = i + 1; m < j; ++m) {
@@ -87,7 +87,7 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
       least[i * n + j] = best;
     }
   }
-  if (!(least[n - 1] < kFar)) return {};
+  if (!(least[n - 1] < kHoleFar)) return {};
   std::vector<Triangle> patch;
   std::vector<std::array<std::size_t, 2>> open{{0, n - 1}};
   while (!open.empty()) {

@@ -17,7 +17,7 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostTriangles = 20'000'000;  // as for other formats
+constexpr std::size_t kMostVtkTriangles = 20'000'000;  // as for other formats
 
 std::string upper(std::string_view word) {
   std::string text(word.substr(0, 40));
@@ -271,8 +271,8 @@ class VtkReader final {
   }
 
   void add_triangle(std::int32_t a, std::int32_t b, std::int32_t c) {
-    if (imported_.mesh.triangles.size() >= kMostTriangles) {
-      scan_.refuse(fmt::format("more than {} triangles", kMostTriangles));
+    if (imported_.mesh.triangles.size() >= kMostVtkTriangles) {
+      scan_.refuse(fmt::format("more than {} triangles", kMostVtkTriangles));
     }
     imported_.mesh.triangles.push_back({a, b, c});
   }

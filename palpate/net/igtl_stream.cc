@@ -13,7 +13,7 @@
 namespace palpate::net {
 namespace {
 
-constexpr const char* kStatus = "PalpateStatus";
+constexpr const char* kStatusNames = "PalpateStatus";
 
 /// Finer, so that a dent is a dent and not one corner pushed in; the surface stays where it is.
 geometry::TriangleMesh finely_divided(geometry::TriangleMesh mesh) {
@@ -120,7 +120,7 @@ Bytes IgtlStream::words(const haptics::Snapshot& snapshot, std::int64_t unix_ns)
     const bool faulty = fault != haptics::Fault::kNone;
     messages.add_string(name_for_hand("PalpateReading", hand), reading(snapshot, hand, time));
     messages.add_status(
-        name_for_hand(kStatus, hand), code_of(fault), static_cast<std::int64_t>(fault),
+        name_for_hand(kStatusNames, hand), code_of(fault), static_cast<std::int64_t>(fault),
         haptics::name_of(fault),
         faulty ? std::string(haptics::words_of(fault)) + "; the force stays zero until it is reset"
                : "no fault");
@@ -147,9 +147,9 @@ Bytes IgtlStream::surface(const haptics::Snapshot& snapshot, std::int64_t unix_n
 Bytes words_without_run(bool ending, std::int64_t unix_ns) {
   IgtlMessages messages(unix_ns);
   if (ending) {
-    messages.add_status(kStatus, StatusCode::kShutDown, 0, "ended", "palpate ends");
+    messages.add_status(kStatusNames, StatusCode::kShutDown, 0, "ended", "palpate ends");
   } else {
-    messages.add_status(kStatus, StatusCode::kNotReady, 0, "no-run", "nothing is being run");
+    messages.add_status(kStatusNames, StatusCode::kNotReady, 0, "no-run", "nothing is being run");
   }
   return messages.bytes();
 }

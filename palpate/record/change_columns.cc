@@ -14,7 +14,7 @@ constexpr Column number(const char* name, std::size_t offset, std::size_t index 
   return {name, ColumnType::kF64, offset + index * sizeof(double)};
 }
 
-constexpr Column kColumns[] = {
+constexpr Column kChangeColumns[] = {
     {"tick", ColumnType::kU64, offsetof(LiveChange, tick)},
     {"number", ColumnType::kU64, offsetof(LiveChange, number)},
     {"what", ColumnType::kU32, offsetof(LiveChange, what)},
@@ -49,7 +49,7 @@ constexpr Column kColumns[] = {
 
 constexpr bool columns_cover_a_change() {
   std::size_t end = 0;
-  for (const Column& column : kColumns) {
+  for (const Column& column : kChangeColumns) {
     if (column.offset != end) return false;
     end += column_size(column.type);
   }
@@ -59,6 +59,6 @@ static_assert(columns_cover_a_change(), "every member of LiveChange is a column,
 
 }  // namespace
 
-std::span<const Column> change_columns() noexcept { return kColumns; }
+std::span<const Column> change_columns() noexcept { return kChangeColumns; }
 
 }  // namespace palpate::record

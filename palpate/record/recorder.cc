@@ -35,7 +35,7 @@ constexpr std::int64_t kFlushEvery = 200'000'000;   // ns
 constexpr std::int64_t kToDiskEvery = 400'000'000;  // ns; such a flush waits for the disk
 
 /// Rows of `seconds` of a simulation, within bounds.
-std::size_t rows_in(double seconds, const scene::Setup& setup) {
+std::size_t ring_rows_in(double seconds, const scene::Setup& setup) {
   const double rows = setup.rate_Hz * static_cast<double>(setup.tools.size()) * seconds;
   if (!(rows < static_cast<double>(kRingMost))) return kRingMost;
   return std::max(kRingLeast, static_cast<std::size_t>(rows));
@@ -117,8 +117,8 @@ struct Recorder::Impl {
       : file(std::move(target)),
         partial(partial_name(file)),
         offline(is_offline),
-        ring(rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, setup)),
-        flush_rows(rows_in(kSimulatedFlush, setup)) {
+        ring(ring_rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, setup)),
+        flush_rows(ring_rows_in(kSimulatedFlush, setup)) {
     block.reserve(RecordingWriter::kChunkRows);
   }
 

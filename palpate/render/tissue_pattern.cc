@@ -65,9 +65,9 @@ constexpr int kMapSide = 160;    // depth samples
 constexpr float kLift = 0.012F;  // of the blocker's size: what hides nearer than this does not count
 
 // The blocker's nearest surface seen along a direction.
-class DepthMap final {
+class PatternDepth final {
  public:
-  DepthMap(const Vector3f& towards, const Vector3f& middle, float radius)
+  PatternDepth(const Vector3f& towards, const Vector3f& middle, float radius)
       : z_(towards),
         x_(towards.unitOrthogonal()),
         y_(towards.cross(x_)),
@@ -163,7 +163,7 @@ std::vector<float> sky_in_sight(const geometry::TriangleMesh& mesh, const geomet
     const float turn = 2.39996323F * static_cast<float>(side);
     const float level = std::sqrt(std::max(0.0F, 1.0F - z * z));
     const Vector3f towards(level * std::cos(turn), level * std::sin(turn), z);
-    DepthMap map(towards, middle, radius);
+    PatternDepth map(towards, middle, radius);
     for (std::size_t v = 0; v < corners.size(); ++v) placed[v] = map.placed(corners[v]);
     for (const geometry::Triangle& t : blocker.triangles)
       map.draw(placed[static_cast<std::size_t>(t[0])], placed[static_cast<std::size_t>(t[1])],

@@ -7,20 +7,20 @@
 namespace palpate::render {
 namespace {
 
-constexpr double kCreaseDeg = 40.0;
+constexpr double kToolCreaseDeg = 40.0;
 constexpr double kLargestBend = 8.0 * std::numbers::pi / 180.0;  // between the ends of an edge as drawn
-constexpr double kShortestEdge = 0.3e-3;                         // m: shorter ones are not split
+constexpr double kShortestToolEdge = 0.3e-3;                         // m: shorter ones are not split
 
 }  // namespace
 
 ToolPicture::ToolPicture(const geometry::Tool& tool) {
-  const RefineRule rule{kCreaseDeg, [](const Vec3&, double length, double bend) {
-                          return bend > kLargestBend && length > kShortestEdge;
+  const RefineRule rule{kToolCreaseDeg, [](const Vec3&, double length, double bend) {
+                          return bend > kLargestBend && length > kShortestToolEdge;
                         }};
   for (const geometry::ToolPart& part : tool.parts) {
     Part drawn{part, {}};
     drawn.part.mesh = refine_smoothly(part.mesh, rule);
-    drawn.normals = corner_normals(drawn.part.mesh, kCreaseDeg);
+    drawn.normals = corner_normals(drawn.part.mesh, kToolCreaseDeg);
     parts_.push_back(std::move(drawn));
   }
 }

@@ -3,7 +3,7 @@
 namespace palpate::scene {
 namespace {
 
-constexpr EmulatedFaultName kNames[] = {
+constexpr EmulatedFaultName kFaultNames[] = {
     {"freeze", EmulatedFaultKind::kFreeze},      {"drop-out", EmulatedFaultKind::kDropOut},
     {"nan", EmulatedFaultKind::kNotANumber},     {"spike", EmulatedFaultKind::kSpike},
     {"late", EmulatedFaultKind::kLate},          {"wrong-units", EmulatedFaultKind::kWrongUnits},
@@ -12,17 +12,17 @@ constexpr EmulatedFaultName kNames[] = {
 
 }  // namespace
 
-std::span<const EmulatedFaultName> emulated_fault_names() noexcept { return kNames; }
+std::span<const EmulatedFaultName> emulated_fault_names() noexcept { return kFaultNames; }
 
 std::string_view name_of(EmulatedFaultKind kind) noexcept {
-  for (const EmulatedFaultName& known : kNames) {
+  for (const EmulatedFaultName& known : kFaultNames) {
     if (known.kind == kind) return known.name;
   }
   return "";
 }
 
 std::optional<EmulatedFaultKind> find_emulated_fault(std::string_view name) noexcept {
-  for (const EmulatedFaultName& known : kNames) {
+  for (const EmulatedFaultName& known : kFaultNames) {
     if (known.name == name) return known.kind;
   }
   return std::nullopt;

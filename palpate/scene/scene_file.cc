@@ -11,7 +11,7 @@
 namespace palpate::scene {
 namespace {
 
-constexpr double kRadiansPerDegree = portable::kPi / 180.0;
+constexpr double kRadiansPerSceneDegree = portable::kPi / 180.0;
 constexpr double kMillisecondsPerSecond = 1000.0;  // slew is given a millisecond
 
 constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
@@ -101,7 +101,7 @@ class SceneReader final {
       if (axis->norm() < 1e-9) table.fail("axis", "must be a direction, not zero");
       jaw.axis = axis->normalized();
     }
-    jaw.open_angle = table.number("open_deg", kOpening).value_or(kDefaultOpening) * kRadiansPerDegree;
+    jaw.open_angle = table.number("open_deg", kOpening).value_or(kDefaultOpening) * kRadiansPerSceneDegree;
     return jaw;
   }
 

@@ -18,19 +18,19 @@ namespace {
 
 constexpr haptics::Waiting kSleep = haptics::Waiting::kSleep;
 
-const scene::Setup& setup() {
+const scene::Setup& ticks_setup() {
   static const scene::Setup setup = sample_scene();
   return setup;
 }
 
 const haptics::SimulationWorld& world() {
-  static const haptics::SimulationWorld world = scene::make_world(setup());
+  static const haptics::SimulationWorld world = scene::make_world(ticks_setup());
   return world;
 }
 
 TEST(Ticks, EveryTickOfTheWayIsContactOrApproachOrFar) {
-  const scene::ToolPath path = hand_path(setup());
-  const std::vector<WayPoint> way = walk(setup(), world(), path);
+  const scene::ToolPath path = hand_path(ticks_setup());
+  const std::vector<WayPoint> way = walk(ticks_setup(), world(), path);
   std::size_t contact = 0;
   std::size_t approach = 0;
   for (const WayPoint& at : way) {
@@ -42,7 +42,7 @@ TEST(Ticks, EveryTickOfTheWayIsContactOrApproachOrFar) {
   }
   EXPECT_GT(contact, 1000U);
   EXPECT_GT(approach, 1000U);
-  const TickAccount account = time_ticks(setup(), world(), path, 2);
+  const TickAccount account = time_ticks(ticks_setup(), world(), path, 2);
   EXPECT_EQ(account.contact.samples, 2 * contact);
   EXPECT_EQ(account.approach.samples, 2 * approach);
   EXPECT_EQ(account.repeats, 2);
@@ -51,12 +51,12 @@ TEST(Ticks, EveryTickOfTheWayIsContactOrApproachOrFar) {
   EXPECT_EQ(account.plain.samples, contact);  // not yet in the first pass
   EXPECT_EQ(account.plain_least.samples, contact);
   EXPECT_EQ(account.phase, "press");
-  EXPECT_EQ(account.organ_triangles, setup().organ.triangles.size());
-  EXPECT_EQ(account.tool_triangles, triangle_count(setup().tools[0]));
+  EXPECT_EQ(account.organ_triangles, ticks_setup().organ.triangles.size());
+  EXPECT_EQ(account.tool_triangles, triangle_count(ticks_setup().tools[0]));
 }
 
 TEST(Ticks, ATicksLeastTimeIsNoGreaterThanItsTimes) {
-  const TickAccount account = time_ticks(setup(), world(), hand_path(setup()), 3);
+  const TickAccount account = time_ticks(ticks_setup(), world(), hand_path(ticks_setup()), 3);
   EXPECT_LE(account.contact_least.p50_us, account.contact.p50_us);
   EXPECT_LE(account.contact_least.p999_us, account.contact.p999_us);
   EXPECT_LE(account.contact_least.max_us, account.contact.max_us);
@@ -65,28 +65,28 @@ TEST(Ticks, ATicksLeastTimeIsNoGreaterThanItsTimes) {
 }
 
 TEST(Ticks, TheScratchRecordingIsGone) {
-  static_cast<void>(time_ticks(setup(), world(), hand_path(setup()), 1));
+  static_cast<void>(time_ticks(ticks_setup(), world(), hand_path(ticks_setup()), 1));
   const std::string own = "palpate-bench-" + std::to_string(getpid());
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path()))
     EXPECT_EQ(entry.path().filename().string().find(own), std::string::npos) << entry.path();
 }
 
 TEST(Ticks, AWayWithoutContactThrows) {
-  EXPECT_THROW(static_cast<void>(time_ticks(setup(), world(), still_path(0.2), 1)), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(time_ticks(ticks_setup(), world(), still_path(0.2), 1)), std::runtime_error);
 }
 
 TEST(Ticks, TheTipIsTheFarthestVertexAlongTheTool) {
-  const std::vector<WayPoint> way = walk(setup(), world(), still_path(0.2));
-  const std::vector<Vec3> tips = tip_points(setup(), way);
+  const std::vector<WayPoint> way = walk(ticks_setup(), world(), still_path(0.2));
+  const std::vector<Vec3> tips = tip_points(ticks_setup(), way);
   ASSERT_EQ(tips.size(), way.size());
   double top = -1.0;
-  for (const Vec3& v : setup().tools[0].parts[0].mesh.vertices) top = std::max(top, v.z());
+  for (const Vec3& v : ticks_setup().tools[0].parts[0].mesh.vertices) top = std::max(top, v.z());
   EXPECT_NEAR(tips.front().z(), 0.2 + top, 1e-12);
 }
 
 TEST(Ticks, NearestPointsAreAskedSixteenAtATime) {
-  const std::vector<WayPoint> way = walk(setup(), world(), still_path(0.05));
-  const NearestAccount account = time_nearest(setup(), way);
+  const std::vector<WayPoint> way = walk(ticks_setup(), world(), still_path(0.05));
+  const NearestAccount account = time_nearest(ticks_setup(), way);
   EXPECT_EQ(account.times.samples, way.size() / kPointsAtOnce);
 }
 
@@ -104,9 +104,9 @@ TEST(Preparation, MemoryInUseCountsWhatIsHeld) {
 }
 
 TEST(Preparation, AWorldKeepsMemoryAndIsReady) {
-  const Prepared prepared = prepare(setup());
-  EXPECT_EQ(prepared.account.organ_triangles, setup().organ.triangles.size());
-  EXPECT_GT(prepared.account.bytes, 24 * setup().organ.vertices.size());
+  const Prepared prepared = prepare(ticks_setup());
+  EXPECT_EQ(prepared.account.organ_triangles, ticks_setup().organ.triangles.size());
+  EXPECT_GT(prepared.account.bytes, 24 * ticks_setup().organ.vertices.size());
   EXPECT_EQ(prepared.world.hands(), 1U);
 }
 
@@ -137,18 +137,18 @@ TEST(Hands, TheFirstTryIsKeptInsideTheBounds) {
 }
 
 TEST(Hands, HandsThatNeverTouchThrow) {
-  EXPECT_THROW(static_cast<void>(run_hands(setup(), world(), still_path(0.2), kSleep, 2)),
+  EXPECT_THROW(static_cast<void>(run_hands(ticks_setup(), world(), still_path(0.2), kSleep, 2)),
                std::runtime_error);
 }
 
 TEST(Hands, NoHandsAreRefused) {
-  EXPECT_THROW(static_cast<void>(run_hands(setup(), world(), hand_path(setup()), kSleep, 0)),
+  EXPECT_THROW(static_cast<void>(run_hands(ticks_setup(), world(), hand_path(ticks_setup()), kSleep, 0)),
                std::invalid_argument);
 }
 
 TEST(Hands, EveryHandIsTickedInEveryPeriodOfEveryThread) {
   constexpr std::uint64_t kPeriods = 1000;
-  const HandsRun run = run_hands(setup(), world(), hand_path(setup()), kSleep, 3, kPeriods);
+  const HandsRun run = run_hands(ticks_setup(), world(), hand_path(ticks_setup()), kSleep, 3, kPeriods);
   EXPECT_EQ(run.hands, 3U);
   EXPECT_LE(run.threads, 3U);
   EXPECT_EQ(run.periods, run.threads * kPeriods);
@@ -161,7 +161,7 @@ TEST(LoopContest, BothLoopsRunEveryTickOfThePath) {
   const scene::ToolPath path = still_path(0.05);
   std::size_t said = 0;
   const LoopAccount account =
-      against_empty_loop(setup(), world(), path, kSleep, [&](double, const std::string&) { ++said; });
+      against_empty_loop(ticks_setup(), world(), path, kSleep, [&](double, const std::string&) { ++said; });
   EXPECT_EQ(account.ticks, 520U);  // 20 ms and half a second at 1 kHz
   EXPECT_EQ(account.late.samples, 520U);
   EXPECT_EQ(account.late_empty.samples, 520U);

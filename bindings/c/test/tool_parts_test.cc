@@ -16,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 
 /// A call's message, when it is refused in the way expected.
-std::string refusal(palpate_status wanted, palpate_status given) {
+std::string parts_refusal(palpate_status wanted, palpate_status given) {
   return given == wanted ? palpate_last_error() : "status " + std::to_string(given);
 }
 
@@ -66,7 +66,7 @@ TEST(ToolParts, AreRefusedInWordsWhenThereIsNoneOrNoRoom) {
   palpate_part part = fresh<palpate_part>();
   double numbers[4] = {};
   std::int32_t corner = 0;
-  const auto use = [](palpate_status status) { return refusal(PALPATE_ERROR_USE, status); };
+  const auto use = [](palpate_status status) { return parts_refusal(PALPATE_ERROR_USE, status); };
   EXPECT_THAT(use(palpate_tool_part(nullptr, 0, 0, &part)), HasSubstr("simulation"));
   EXPECT_THAT(use(palpate_tool_part(session.get(), 1, 0, &part)), HasSubstr("hand = 1"));
   EXPECT_THAT(use(palpate_tool_part(session.get(), 0, 9, &part)), HasSubstr("part = 9"));
@@ -81,7 +81,7 @@ TEST(ToolParts, AreRefusedInWordsWhenThereIsNoneOrNoRoom) {
   EXPECT_THAT(use(palpate_part_pose(session.get(), 0, 0, 0.5, numbers, nullptr)), HasSubstr("orientation"));
   for (const double gripper : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THAT(
-        refusal(PALPATE_ERROR_INPUT, palpate_part_pose(session.get(), 0, 0, gripper, numbers, numbers)),
+        parts_refusal(PALPATE_ERROR_INPUT, palpate_part_pose(session.get(), 0, 0, gripper, numbers, numbers)),
         HasSubstr("gripper = "));
   }
 }

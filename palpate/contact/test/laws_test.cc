@@ -10,17 +10,17 @@
 namespace palpate::contact::test {
 namespace {
 
-constexpr double kRadius = 3e-3;
-constexpr double kPeriod = 1e-3;
+constexpr double kLawRadius = 3e-3;
+constexpr double kLawPeriod = 1e-3;
 const std::vector<model::RelaxationTerm> kTwoTerms = {{0.3, 0.1}, {0.25, 1.5}};
 
 /// A ball on a block with laws that the test exchanges.
 struct Bench {
   explicit Bench(const model::TissueParameters& tissue)
-      : world(block(Vec3(60e-3, 60e-3, 40e-3), 0.1), {one_part_tool(geometry::make_ball(kRadius, 320))},
-              tissue, kPeriod),
+      : world(block(Vec3(60e-3, 60e-3, 40e-3), 0.1), {one_part_tool(geometry::make_ball(kLawRadius, 320))},
+              tissue, kLawPeriod),
         state(world) {
-    at(Vec3(0, 0, kRadius + 5e-3), 1.0);
+    at(Vec3(0, 0, kLawRadius + 5e-3), 1.0);
   }
 
   const ToolResult& at(const Vec3& position, double new_gripper) {
@@ -40,14 +40,14 @@ struct Bench {
   }
   /// The lowest point this deep, once all depth counts.
   void press(double depth) {
-    go(Vec3(0, 0, -depth - lowest_z(geometry::make_ball(kRadius, 320))));
+    go(Vec3(0, 0, -depth - lowest_z(geometry::make_ball(kLawRadius, 320))));
     for (int i = 0; i < 100; ++i) still();
   }
   void close() {
     for (int i = 1; i <= 100; ++i) at(input.pose_W.position, 1.0 - 0.01 * i);
   }
   void change(const model::TissueParameters& tissue) {
-    change_tissue(world, state, TissueLaws(tissue, kPeriod));
+    change_tissue(world, state, TissueLaws(tissue, kLawPeriod));
   }
 
   World world;
@@ -138,10 +138,10 @@ TEST(Laws, PressedTheForceIsTheClosedFormOfEitherLawAtTheDepth) {
 TEST(Laws, PulledTheForceIsTheClosedFormOfEitherLawAtTheStretch) {
   std::mt19937_64 random(2);
   Bench bench(plain_tissue());
-  bench.go(Vec3(0, 0, kRadius));
+  bench.go(Vec3(0, 0, kLawRadius));
   bench.close();
   for (const Vec3& stretch : {Vec3(0, 0, 2e-3), Vec3(3e-3, 0, 4e-3), Vec3(-2e-3, 6e-3, 3e-3)}) {
-    bench.go(Vec3(0, 0, kRadius) + stretch);
+    bench.go(Vec3(0, 0, kLawRadius) + stretch);
     for (int trial = 0; trial < 20; ++trial) {
       model::TissueParameters tissue = random_tissue(random);
       tissue.contact.grip_limit = 1e3;
@@ -162,7 +162,7 @@ TEST(Laws, PulledTheForceIsTheClosedFormOfEitherLawAtTheStretch) {
 double by_convolution(const std::vector<double>& elastic, std::size_t end) {
   double force = 0.0;
   for (std::size_t i = 0; i < end; ++i) {
-    const double age = (static_cast<double>(end - i) - 0.5) * kPeriod;
+    const double age = (static_cast<double>(end - i) - 0.5) * kLawPeriod;
     double g = 1.0;
     for (const model::RelaxationTerm& term : kTwoTerms) g -= term.share * (1.0 - std::exp(-age / term.time));
     force += g * (elastic[i + 1] - elastic[i]);
@@ -180,8 +180,8 @@ void expect_relaxation_of_a_held_press(model::LawKind law) {
   };
   tissue.relaxation = kTwoTerms;
   Bench bench(tissue);
-  bench.go(Vec3(0, 0, kRadius));
-  const double lowest = -lowest_z(geometry::make_ball(kRadius, 320));
+  bench.go(Vec3(0, 0, kLawRadius));
+  const double lowest = -lowest_z(geometry::make_ball(kLawRadius, 320));
   std::vector<double> elastic{0.0};
   for (int i = 1; i <= 2500; ++i) {
     const double depth = std::min(9e-3, 0.03e-3 * i);  // 30 mm/s for 0.3 s, then held
@@ -230,8 +230,8 @@ TEST(Laws, PressedAndRelaxingNoEnergyComesBackThatWasNotPutIn) {
     tissue.law = law;
     tissue.relaxation = kTwoTerms;
     Bench bench(tissue);
-    bench.go(Vec3(0, 0, kRadius));
-    expect_no_energy_back(bench, Vec3(0, 0, kRadius - 12e-3), Vec3(0, 0, kRadius + 2e-3), 3);
+    bench.go(Vec3(0, 0, kLawRadius));
+    expect_no_energy_back(bench, Vec3(0, 0, kLawRadius - 12e-3), Vec3(0, 0, kLawRadius + 2e-3), 3);
   }
 }
 
@@ -242,10 +242,10 @@ TEST(Laws, PulledAnyWayAndRelaxingNoEnergyComesBackThatWasNotPutIn) {
     tissue.relaxation = kTwoTerms;
     tissue.contact.grip_limit = 1e3;
     Bench bench(tissue);
-    bench.go(Vec3(0, 0, kRadius));
+    bench.go(Vec3(0, 0, kLawRadius));
     bench.close();
     const Vec3 reach(6e-3, 6e-3, 6e-3);
-    const Vec3 middle(0, 0, kRadius);
+    const Vec3 middle(0, 0, kLawRadius);
     expect_no_energy_back(bench, middle - reach, middle + reach, 4);
     EXPECT_EQ(bench.result.phase, Phase::kPull);
   }
@@ -256,7 +256,7 @@ TEST(Laws, AHeldStretchRelaxesAlongItsOwnDirectionAndANewHoldHasForgotten) {
   model::TissueParameters tissue = plain_tissue();
   tissue.relaxation = {{0.4, 0.5}};
   Bench bench(tissue);
-  const Vec3 touch(0, 0, kRadius);
+  const Vec3 touch(0, 0, kLawRadius);
   bench.go(touch);
   bench.close();
   bench.go(touch + Vec3(0, 0, 4e-3));
@@ -281,7 +281,7 @@ TEST(Laws, ATissueThatWasLetGoOfAndIsTouchedAgainHasForgotten) {
   const double first = bench.result.force_W.z();
   for (int i = 0; i < 2000; ++i) bench.still();
   EXPECT_LT(bench.result.force_W.z(), 0.8 * first);
-  bench.go(Vec3(0, 0, kRadius + 1e-3));
+  bench.go(Vec3(0, 0, kLawRadius + 1e-3));
   bench.press(5e-3);
   EXPECT_NEAR(bench.result.force_W.z(), first, 1e-3 * first);
 }
@@ -307,9 +307,9 @@ TEST(Laws, ARelaxationThatIsNewHasLetNothingGoYetAndOneThatGoesGivesAllBack) {
 TEST(Laws, AStifferTissueInAHeldGripThatIsPastTheLimitLetsGo) {
   model::TissueParameters tissue = plain_tissue();
   Bench bench(tissue);
-  bench.go(Vec3(0, 0, kRadius));
+  bench.go(Vec3(0, 0, kLawRadius));
   bench.close();
-  bench.go(Vec3(0, 0, kRadius + 5e-3));
+  bench.go(Vec3(0, 0, kLawRadius + 5e-3));
   EXPECT_EQ(bench.result.status & kGripReleased, 0U);
   tissue.k1 *= 100.0;
   bench.change(tissue);

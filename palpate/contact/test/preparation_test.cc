@@ -27,13 +27,13 @@ namespace fs = std::filesystem;
 using geometry::TriangleMesh;
 using palpate::test::TemporaryFolder;
 
-constexpr double kReference = 10e-3;
-constexpr double kRadius = kReference / 2.0;
+constexpr double kPreparedReference = 10e-3;
+constexpr double kRadius = kPreparedReference / 2.0;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 struct Surface {
   explicit Surface(const TriangleMesh& organ)
-      : mesh(refined(organ, kReference)),
+      : mesh(refined(organ, kPreparedReference)),
         neighbours(geometry::edge_neighbours(mesh)),
         face_normals(face_normals_of(mesh)),
         sides(find_sides(view())) {}
@@ -205,7 +205,7 @@ Within deviation_within(const TriangleMesh& organ) {
   const Surface surface(organ);
   const Surface fine(divided(surface.mesh, 2));
   const geometry::SurfaceDistance distance(fine.mesh);
-  const OrganSurface prepared(organ, kReference);
+  const OrganSurface prepared(organ, kPreparedReference);
   const std::vector<NormalAndSlope> corners = normals_by_triangles(surface.view(), surface.sides, kRadius);
   std::mt19937 random(5);
   std::uniform_int_distribution<std::size_t> draw(0, surface.mesh.triangles.size() - 1);
@@ -247,7 +247,7 @@ TEST(AveragedNormals, InsideATriangleAreNearlyThoseOfTheRuleThere) {
 
 TEST(AveragedNormals, OfTwoTrianglesAreOneOnTheirEdge) {
   const TriangleMesh organ = geometry::make_organ("gallbladder");
-  const OrganSurface surface(organ, kReference);
+  const OrganSurface surface(organ, kPreparedReference);
   const geometry::TriangleMesh& mesh = surface.mesh();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::size_t e = 0; e < 3; ++e) {
@@ -277,7 +277,7 @@ std::string hash_of(const OrganArrays& arrays) {
   return hasher.hash().hexadecimal();
 }
 
-std::string prepared(const TriangleMesh& organ, const fs::path& cache = {}, double reference = kReference,
+std::string prepared(const TriangleMesh& organ, const fs::path& cache = {}, double reference = kPreparedReference,
                      std::string* remark = nullptr) {
   Preparation how;
   how.cache = cache;
@@ -307,9 +307,9 @@ TEST(Preparation, FromTheCacheGivesTheSameBits) {
   const TriangleMesh organ = test::block(Vec3(60e-3, 40e-3, 20e-3), 0.1);
   const std::string fresh = prepared(organ);
   std::string remark;
-  EXPECT_EQ(prepared(organ, folder / "new" / "cache", kReference, &remark), fresh);
+  EXPECT_EQ(prepared(organ, folder / "new" / "cache", kPreparedReference, &remark), fresh);
   EXPECT_NE(remark.find("does not have"), std::string::npos);
-  EXPECT_EQ(prepared(organ, folder / "new" / "cache", kReference, &remark), fresh);
+  EXPECT_EQ(prepared(organ, folder / "new" / "cache", kPreparedReference, &remark), fresh);
   EXPECT_NE(remark.find("taken from the cache"), std::string::npos);
 }
 
@@ -317,7 +317,7 @@ TEST(Preparation, OfAnotherMeshOrRadiusIsAnotherInTheCache) {
   const TemporaryFolder folder;
   TriangleMesh organ = geometry::make_ball(20e-3, 1280);
   (void)prepared(organ, folder.path());
-  (void)prepared(organ, folder.path(), 2.0 * kReference);
+  (void)prepared(organ, folder.path(), 2.0 * kPreparedReference);
   organ.vertices[7].x() = std::nextafter(organ.vertices[7].x(), 1.0);
   (void)prepared(organ, folder.path());
   EXPECT_EQ(folder.entries(), 3U);
@@ -342,9 +342,9 @@ TEST(Preparation, MakesADamagedCacheAnew) {
     }
     std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
     std::string remark;
-    EXPECT_EQ(prepared(organ, folder.path(), kReference, &remark), fresh);
+    EXPECT_EQ(prepared(organ, folder.path(), kPreparedReference, &remark), fresh);
     EXPECT_NE(remark.find("made anew"), std::string::npos);
-    EXPECT_EQ(prepared(organ, folder.path(), kReference, &remark), fresh);
+    EXPECT_EQ(prepared(organ, folder.path(), kPreparedReference, &remark), fresh);
     EXPECT_NE(remark.find("taken from the cache"), std::string::npos);  // it was mended
   }
 }
@@ -352,8 +352,8 @@ TEST(Preparation, MakesADamagedCacheAnew) {
 TEST(Preparation, BelievesNoIndexThatLeadsOutside) {
   const TemporaryFolder folder;
   const TriangleMesh organ = geometry::make_ball(20e-3, 320);
-  const OrganArrays good = OrganSurface(organ, kReference).arrays();
-  const ContentHash key = organ_key(organ, kReference);
+  const OrganArrays good = OrganSurface(organ, kPreparedReference).arrays();
+  const ContentHash key = organ_key(organ, kPreparedReference);
   const auto accepted = [&](const OrganArrays& arrays) {
     ArrayFileWriter writer(folder / "file", key);
     arrays.put(writer);
@@ -394,7 +394,7 @@ TEST(Preparation, TellsHowFarItIsInRisingSharesAndItsStages) {
     shares.push_back(share);
     stages.insert(what);
   };
-  (void)OrganSurface(geometry::make_ball(20e-3, 81920), kReference, how);
+  (void)OrganSurface(geometry::make_ball(20e-3, 81920), kPreparedReference, how);
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_EQ(shares.front(), 0.0);
   EXPECT_EQ(shares.back(), 1.0);
@@ -407,12 +407,12 @@ TEST(Preparation, TellsHowFarItIsInRisingSharesAndItsStages) {
 TEST(Preparation, LeavesNoThreadBehind) {
   const auto threads = [] { return std::distance(fs::directory_iterator("/proc/self/task"), {}); };
   const auto before = threads();
-  (void)OrganSurface(geometry::make_ball(20e-3, 20480), kReference);
+  (void)OrganSurface(geometry::make_ball(20e-3, 20480), kPreparedReference);
   EXPECT_LE(threads(), before);
 }
 
 TEST(Preparation, KeepsUnder110BytesATriangleBesidesTheDistances) {
-  const OrganSurface surface(geometry::make_ball(20e-3, 81920), kReference);
+  const OrganSurface surface(geometry::make_ball(20e-3, 81920), kPreparedReference);
   const OrganArrays& a = surface.arrays();
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   const std::size_t all = bytes(a.mesh.vertices) + bytes(a.mesh.triangles) + bytes(a.neighbours) +

@@ -6,8 +6,8 @@
 namespace palpate::contact::test {
 namespace {
 
-constexpr double kRadius = 3e-3;
-const Vec3 kTouch(0, 0, kRadius);
+constexpr double kGripRadius = 3e-3;
+const Vec3 kTouch(0, 0, kGripRadius);
 
 geometry::TriangleMesh plate() { return block(Vec3(60e-3, 60e-3, 20e-3), 0.1); }
 
@@ -17,7 +17,7 @@ void close_slowly(Rig& rig) {
 
 /// A ball (a tool without jaws sticks by the same rule) that touches the plate with its jaws open.
 Rig touching() {
-  Rig rig(plate(), one_part_tool(geometry::make_ball(kRadius, 1280)), plain_tissue());
+  Rig rig(plate(), one_part_tool(geometry::make_ball(kGripRadius, 1280)), plain_tissue());
   rig.tick(place(Vec3(0, 0, 8e-3)), 1.0);
   rig.move_to(kTouch, 20e-3);
   return rig;
@@ -75,7 +75,7 @@ TEST(Pull, ClosedAwayFromTheOrganNothingIsHeld) {
 }
 
 TEST(Pull, ClosedFromTheStartThereIsNoClosingAndSoNoHold) {
-  Rig rig(plate(), one_part_tool(geometry::make_ball(kRadius, 1280)), plain_tissue());
+  Rig rig(plate(), one_part_tool(geometry::make_ball(kGripRadius, 1280)), plain_tissue());
   rig.tick(place(Vec3(0, 0, 8e-3)), 0.0);
   rig.move_to(kTouch + Vec3(0, 0, -1e-3), 20e-3);
   EXPECT_EQ(rig.result().phase, Phase::kPress);

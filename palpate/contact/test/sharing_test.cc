@@ -10,7 +10,7 @@
 namespace palpate::contact {
 namespace {
 
-constexpr double kReference = 10e-3;
+constexpr double kSharedReference = 10e-3;
 
 Contact contact_at(const Vec3& point, double force, const Vec3& normal = Vec3::UnitZ()) {
   Contact contact;
@@ -23,7 +23,7 @@ Contact contact_at(const Vec3& point, double force, const Vec3& normal = Vec3::U
 double total(std::vector<Contact>& contacts) {
   std::vector<Contact*> all;
   for (Contact& contact : contacts) all.push_back(&contact);
-  share_tissue(kReference, all);
+  share_tissue(kSharedReference, all);
   double sum = 0.0;
   for (const Contact& contact : contacts) sum += contact.share * contact.elastic_force;
   return sum;
@@ -37,7 +37,7 @@ TEST(Sharing, CoincidentContactsWeighAsOne) {
 }
 
 TEST(Sharing, DistantContactsAdd) {
-  std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.7), contact_at(Vec3(kReference, 0, 0), 0.4)};
+  std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.7), contact_at(Vec3(kSharedReference, 0, 0), 0.4)};
   EXPECT_DOUBLE_EQ(total(contacts), 1.1);
 }
 

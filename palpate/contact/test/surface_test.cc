@@ -12,7 +12,7 @@
 namespace palpate::contact {
 namespace {
 
-constexpr double kReference = 10e-3;
+constexpr double kSurfaceReference = 10e-3;
 
 SurfacePoint nearest(const OrganSurface& surface, const Vec3& p) {
   const geometry::NearestPoint found = surface.nearest(p, -1);
@@ -23,7 +23,7 @@ TEST(OrganSurface, NormalsOfABallDoNotShowItsMesh) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   for (const int triangles : {320, 1280, 5120}) {
-    const OrganSurface surface(geometry::make_ball(20e-3, triangles), kReference);
+    const OrganSurface surface(geometry::make_ball(20e-3, triangles), kSurfaceReference);
     for (int i = 0; i < 500; ++i) {
       const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
       const Vec3 found = surface.normal_at(nearest(surface, 20e-3 * direction));
@@ -34,13 +34,13 @@ TEST(OrganSurface, NormalsOfABallDoNotShowItsMesh) {
 }
 
 TEST(OrganSurface, AFlatFaceHasItsOwnNormalUpToTheBlend) {
-  const OrganSurface surface(test::block(Vec3(60e-3, 60e-3, 20e-3), 0.1), kReference);
+  const OrganSurface surface(test::block(Vec3(60e-3, 60e-3, 20e-3), 0.1), kSurfaceReference);
   EXPECT_LT((surface.normal_at(nearest(surface, Vec3(28.9e-3, 0, 0))) - Vec3::UnitZ()).norm(), 1e-9);
   EXPECT_LT((surface.normal_at(nearest(surface, Vec3(0, 0, 1e-3))) - Vec3::UnitZ()).norm(), 1e-9);
 }
 
 TEST(OrganSurface, AcrossAnEdgeTheTwoSidesBlendByTheSquareOfTheDistance) {
-  const OrganSurface surface(test::block(Vec3(60e-3, 60e-3, 20e-3), 0.1), kReference);
+  const OrganSurface surface(test::block(Vec3(60e-3, 60e-3, 20e-3), 0.1), kSurfaceReference);
   for (const double distance : {0.0, 0.25e-3, 0.5e-3, 0.75e-3}) {
     const double share = (1.0 - distance / 1e-3) * (1.0 - distance / 1e-3);
     const Vec3 expected = Vec3(share, 0.0, 1.0).normalized();
@@ -50,12 +50,12 @@ TEST(OrganSurface, AcrossAnEdgeTheTwoSidesBlendByTheSquareOfTheDistance) {
 }
 
 TEST(OrganSurface, AThinPlatesOtherSideHasNoSayInTheNormal) {
-  const OrganSurface surface(test::block(Vec3(60e-3, 60e-3, 1.5e-3), 0.1), kReference);
+  const OrganSurface surface(test::block(Vec3(60e-3, 60e-3, 1.5e-3), 0.1), kSurfaceReference);
   EXPECT_LT((surface.normal_at(nearest(surface, Vec3(3e-3, 2e-3, 0))) - Vec3::UnitZ()).norm(), 1e-9);
 }
 
 TEST(OrganSurface, AWalkOnABallGoesItsLengthAndStaysOnTheSurface) {
-  const OrganSurface surface(geometry::make_ball(20e-3, 5120), kReference);
+  const OrganSurface surface(geometry::make_ball(20e-3, 5120), kSurfaceReference);
   SurfacePoint here = nearest(surface, Vec3(0, 0, 20e-3));
   const Vec3 start = here.point;
   for (int i = 0; i < 200; ++i) {  // 10 mm towards +x
@@ -70,7 +70,7 @@ TEST(OrganSurface, AWalkOnABallGoesItsLengthAndStaysOnTheSurface) {
 }
 
 TEST(OrganSurface, AWalkOverAnEdgeGoesDownTheOtherSide) {
-  const OrganSurface surface(test::block(Vec3(60e-3, 60e-3, 20e-3), 0.1), kReference);
+  const OrganSurface surface(test::block(Vec3(60e-3, 60e-3, 20e-3), 0.1), kSurfaceReference);
   const SurfacePoint start = nearest(surface, Vec3(29e-3, 0.3e-3, 0));
   const SurfacePoint end = surface.walk(start, Vec3(3e-3, 0, 0), Vec3::UnitZ());
   EXPECT_LT((end.point - Vec3(30e-3, 0.3e-3, -2e-3)).norm(), 1e-9);
@@ -119,7 +119,7 @@ TEST(Support, IsTheDeepestPointAndTheWeightedMeanOfTheBand) {
   geometry::ToolPart part;
   part.mesh = geometry::make_ball(3e-3, 5120);
   const PartPoints points = sample_part(part, 0.0);
-  const Support support = support_of(points, Vec3(0.5e-3, 0, -2e-3), Vec3::UnitZ(), kReference);
+  const Support support = support_of(points, Vec3(0.5e-3, 0, -2e-3), Vec3::UnitZ(), kSurfaceReference);
   EXPECT_NEAR(support.depth, 1e-3, 1e-9);
   EXPECT_LT((support.mean - Vec3(0, 0, -3e-3)).norm(), 0.15e-3);
 }
@@ -137,7 +137,7 @@ TEST(Support, LeavesOutWhatIsFartherThanTheReferenceRadiusFromTheAxis) {
     const double t = std::clamp((rho - 5e-3) / 5e-3, 0.0, 1.0);
     brute = std::max(brute, -points.z[i] * (1.0 - t * t * (3.0 - 2.0 * t)));
   }
-  EXPECT_NEAR(support_of(points, at, Vec3::UnitZ(), kReference).depth, brute, 1e-12);
+  EXPECT_NEAR(support_of(points, at, Vec3::UnitZ(), kSurfaceReference).depth, brute, 1e-12);
   EXPECT_LT(brute, 6e-3);
 }
 
@@ -145,7 +145,7 @@ TEST(Support, OfNothingBehindThePlaneIsZero) {
   geometry::ToolPart part;
   part.mesh = geometry::make_ball(3e-3, 320);
   const PartPoints points = sample_part(part, 0.0);
-  EXPECT_EQ(support_of(points, Vec3(0, 0, -3.1e-3), Vec3::UnitZ(), kReference).depth, 0.0);
+  EXPECT_EQ(support_of(points, Vec3(0, 0, -3.1e-3), Vec3::UnitZ(), kSurfaceReference).depth, 0.0);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace palpate::deform {
 namespace {
 
-constexpr double kRounding = 0.2;
+constexpr double kAccuracyRounding = 0.2;
 constexpr float kStated = 0.05e-3F;   // m: no vertex is off by more
 constexpr float kMostTurned = 0.03F;  // rad: of a normal
 constexpr int kSteps = 1200;          // of fronts a picture, as pictures take them
@@ -83,7 +83,7 @@ geometry::TriangleMesh hollow_ball() {
 class Pair {
  public:
   explicit Pair(const geometry::TriangleMesh& mesh)
-      : live_(mesh, {}, kRounding), full_(mesh, {}, kRounding) {}
+      : live_(mesh, {}, kAccuracyRounding), full_(mesh, {}, kAccuracyRounding) {}
 
   void update(std::span<const Indentation> contacts) {
     for (std::size_t v = 0; v < full_.vertices().size(); v += SurfaceBlocks::kBlock)

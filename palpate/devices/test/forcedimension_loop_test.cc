@@ -22,9 +22,9 @@ using haptics::Fault;
 using stand_in::Loaded;
 using testing::HasSubstr;
 
-constexpr double kRate = 1000.0;            // Hz
+constexpr double kDhdRate = 1000.0;            // Hz
 constexpr std::uint64_t kPressTick = 1000;  // engaged: 0.25 s still, 0.5 s of ramp
-constexpr std::uint64_t kFaultTick = 3000;  // the hand has come to rest in the tissue
+constexpr std::uint64_t kDhdFaultTick = 3000;  // the hand has come to rest in the tissue
 constexpr std::uint64_t kTicks = 3500;
 constexpr std::uint64_t kFallTicks = 10;  // 10 ms
 constexpr double kHandForce = 1.0;        // N, downwards
@@ -75,7 +75,7 @@ class Hand final : public haptics::TickObserver {
     rows.push_back(row);
     forces.push_back(size_of(hardware_.force));
     if (row.tick == kPressTick) hardware_.hand_force[2] = -kHandForce;
-    if (row.tick == kFaultTick && at_fault_) at_fault_(hardware_);
+    if (row.tick == kDhdFaultTick && at_fault_) at_fault_(hardware_);
   }
 
   std::vector<haptics::TickRow> rows;
@@ -108,7 +108,7 @@ class AskingForReset final : public haptics::Device {
 
 /// Held devices over the block.
 haptics::SimulationWorld held_world(std::size_t hands) {
-  haptics::SimulationWorld world = haptics::test::block_and_balls(hands, kRate, haptics::test::no_noise());
+  haptics::SimulationWorld world = haptics::test::block_and_balls(hands, kDhdRate, haptics::test::no_noise());
   for (haptics::WorkspaceMapping& mapping : world.mappings) mapping.held = true;
   return world;
 }
@@ -179,8 +179,8 @@ std::uint64_t ForceDimensionSafety::check_fall(const Hand& hand) const {
     ADD_FAILURE() << "no fault in any row";
     return kTicks;
   }
-  EXPECT_GT(latched->tick, kFaultTick);
-  EXPECT_LE(latched->tick, kFaultTick + GetParam().seen_within);
+  EXPECT_GT(latched->tick, kDhdFaultTick);
+  EXPECT_LE(latched->tick, kDhdFaultTick + GetParam().seen_within);
   // A device that refuses every force keeps its last one; what the gate gave it is in the rows.
   const bool refuses = hardware_.write_result < 0;
   const auto force = [&](std::uint64_t tick) {
@@ -196,7 +196,7 @@ std::uint64_t ForceDimensionSafety::check_fall(const Hand& hand) const {
       EXPECT_EQ(force(tick), 0.0) << "tick " << tick;
     }
   }
-  return zero - (kFaultTick + 1);
+  return zero - (kDhdFaultTick + 1);
 }
 
 void ForceDimensionSafety::check_return(haptics::Device& device, double largest_step) {
@@ -221,16 +221,16 @@ TEST_P(ForceDimensionSafety, AFaultTakesTheForceAwayIn10MsAndAResetBringsItBackW
   const haptics::LoopReport report =
       haptics::run_loop(world_, state_, devices, {&hand}, {.ticks = kTicks, .offline = true});
   ASSERT_EQ(hand.rows.size(), kTicks) << "the run goes on";
-  EXPECT_NEAR(hand.forces[kFaultTick], kHandForce, 0.05) << "the tissue carries the hand";
+  EXPECT_NEAR(hand.forces[kDhdFaultTick], kHandForce, 0.05) << "the tissue carries the hand";
   EXPECT_EQ(report.fault, GetParam().recorded);
   EXPECT_THAT(device.trouble(), HasSubstr(GetParam().words));
   const std::uint64_t ticks_to_zero = check_fall(hand);
-  hand.forces.resize(kFaultTick);
+  hand.forces.resize(kDhdFaultTick);
   check_return(device, largest_step_of(hand.forces));
-  test::tell({.device = "forcedimension",
+  palpate::test::tell({.device = "forcedimension",
               .fault = GetParam().injected,
               .injected = "at the stand-in for the vendor's library, while the tissue carries a hand of 1 N",
-              .zero_within_ms = static_cast<double>(ticks_to_zero) / kRate * 1e3,
+              .zero_within_ms = static_cast<double>(ticks_to_zero) / kDhdRate * 1e3,
               .cause = haptics::name_of(GetParam().recorded),
               .recovery = "in order again and reset: engaged outside, then the force of the first touch",
               .survived = !HasFailure()});

@@ -56,7 +56,7 @@ TEST_F(ForceDimensionLibrary, NotInstalledIsToldWithWhereToGetIt) {
 }
 
 TEST_F(ForceDimensionLibrary, AFileThatIsNoLibraryIsRefusedByName) {
-  const test::TemporaryFolder folder;
+  const palpate::test::TemporaryFolder folder;
   const std::string file = (folder / "libdhd.so").string();
   std::ofstream(file) << "no library";
   EXPECT_THAT(refusal(file),

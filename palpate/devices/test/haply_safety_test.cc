@@ -21,11 +21,11 @@ using haptics::Fault;
 using haptics::TickRow;
 using test::Answer;
 
-constexpr std::uint64_t kFaultTick = 1500;
+constexpr std::uint64_t kHaplyFaultTick = 1500;
 constexpr std::uint64_t kMendTick = 1600;   // the service is in order again
 constexpr std::uint64_t kResetTick = 2000;  // outside again
-constexpr std::uint64_t kLastTick = 3600;
-constexpr std::uint64_t kNever = ~std::uint64_t{0};
+constexpr std::uint64_t kHaplyLastTick = 3600;
+constexpr std::uint64_t kHaplyNever = ~std::uint64_t{0};
 
 /// Still outside for a second, 6 mm into the block by 1.4 s, out by 2 s, still, and in again from 3 s on.
 scene::ToolPath way() {
@@ -33,13 +33,13 @@ scene::ToolPath way() {
       {{0.0, 8e-3}, {1.0, 8e-3}, {1.4, -6e-3}, {1.7, -6e-3}, {1.95, 8e-3}, {3.0, 8e-3}, {3.4, -6e-3}});
 }
 
-struct Case {
+struct HaplyCase {
   const char* fault;
   const char* injected;
   Fault cause;
   Answer (*answer)(const Vec3& position);
 
-  friend std::ostream& operator<<(std::ostream& out, const Case& one) { return out << one.fault; }
+  friend std::ostream& operator<<(std::ostream& out, const HaplyCase& one) { return out << one.fault; }
 };
 
 std::string arm_that_says(const Vec3& position, const char* key, bool value) {
@@ -48,7 +48,7 @@ std::string arm_that_says(const Vec3& position, const char* key, bool value) {
   return nlohmann::json{{"inverse3", {arm}}}.dump();
 }
 
-const Case kCases[] = {
+const HaplyCase kHaplyCases[] = {
     {"silent", "no reply at all for 100 ticks", Fault::kStale, [](const Vec3&) { return Answer{}; }},
     {"closes", "the service closes the connection", Fault::kDevice,
      [](const Vec3&) {
@@ -92,7 +92,7 @@ class InStep final : public haptics::Device {
 
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override {
     world_.height = path_.at(time).position.z();
-    world_.broken = tick >= kFaultTick && tick < kMendTick;
+    world_.broken = tick >= kHaplyFaultTick && tick < kMendTick;
     haptics::DeviceState sample = sample_when([&](const haptics::DeviceState& s) {
       const bool shows = s.fault != Fault::kNone || s.age > haptics::kStaleAfter;
       return world_.broken ? shows : !shows && s.position_D == world_.position();
@@ -103,7 +103,7 @@ class InStep final : public haptics::Device {
   }
   bool write(const haptics::ForceCommand& command_D) noexcept override { return device_.write(command_D); }
   void stop() noexcept override { device_.stop(); }
-  [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return kLastTick; }
+  [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return kHaplyLastTick; }
 
  private:
   template <typename Wanted>
@@ -122,7 +122,7 @@ class InStep final : public haptics::Device {
   scene::ToolPath path_;
 };
 
-std::vector<TickRow> run_with(const Case& bad) {
+std::vector<TickRow> run_haply_with(const HaplyCase& bad) {
   World world;
   world.height = way().at(0.0).position.z();
   const test::HaplyService service(test::one_arm(world.position()), [&](std::size_t) {
@@ -137,25 +137,25 @@ std::vector<TickRow> run_with(const Case& bad) {
   return test::run_through(setup, stepped);
 }
 
-class HaplySafety : public ::testing::TestWithParam<Case> {};
+class HaplySafety : public ::testing::TestWithParam<HaplyCase> {};
 
 TEST_P(HaplySafety, TheForceFallsToZeroStaysThereAndComesBackOnlyAfterAReset) {
-  const Case& bad = GetParam();
-  const std::vector<TickRow> rows = run_with(bad);
-  ASSERT_EQ(rows.size(), kLastTick);
-  std::uint64_t zero = kNever;
-  ASSERT_GT(test::force_of(rows[kFaultTick - 1]).norm(), 0.1) << "pressing";
-  for (std::uint64_t tick = kFaultTick; tick < kResetTick; ++tick) {
+  const HaplyCase& bad = GetParam();
+  const std::vector<TickRow> rows = run_haply_with(bad);
+  ASSERT_EQ(rows.size(), kHaplyLastTick);
+  std::uint64_t zero = kHaplyNever;
+  ASSERT_GT(test::force_of(rows[kHaplyFaultTick - 1]).norm(), 0.1) << "pressing";
+  for (std::uint64_t tick = kHaplyFaultTick; tick < kResetTick; ++tick) {
     ASSERT_EQ(rows[tick].fault, static_cast<std::uint32_t>(bad.cause)) << tick;
     const double force = test::force_of(rows[tick]).norm();
-    if (zero == kNever && force == 0.0) zero = tick;
-    if (zero != kNever) {
+    if (zero == kHaplyNever && force == 0.0) zero = tick;
+    if (zero != kHaplyNever) {
       ASSERT_EQ(force, 0.0) << tick;
     }
   }
-  EXPECT_LE(zero, kFaultTick + 10) << "10 ms at 1 kHz";
+  EXPECT_LE(zero, kHaplyFaultTick + 10) << "10 ms at 1 kHz";
   double largest_step = 0.0;
-  for (std::uint64_t tick = kResetTick; tick < kLastTick; ++tick) {
+  for (std::uint64_t tick = kResetTick; tick < kHaplyLastTick; ++tick) {
     ASSERT_EQ(rows[tick].fault, 0U) << tick;
     largest_step =
         std::max(largest_step, (test::force_of(rows[tick]) - test::force_of(rows[tick - 1])).norm());
@@ -163,11 +163,11 @@ TEST_P(HaplySafety, TheForceFallsToZeroStaysThereAndComesBackOnlyAfterAReset) {
   EXPECT_LT(largest_step, 0.1) << "N a tick: noise and tissue only, never a jump";
   EXPECT_GT(test::force_of(rows.back()).norm(), 0.05) << "felt again";
   palpate::test::tell({"haply", bad.fault, std::string(bad.injected) + ", while pressing",
-                       static_cast<double>(zero - kFaultTick), haptics::name_of(bad.cause),
+                       static_cast<double>(zero - kHaplyFaultTick), haptics::name_of(bad.cause),
                        "reset, then force again by the ramp", !HasFailure()});
 }
 
-INSTANTIATE_TEST_SUITE_P(Service, HaplySafety, ::testing::ValuesIn(kCases));
+INSTANTIATE_TEST_SUITE_P(Service, HaplySafety, ::testing::ValuesIn(kHaplyCases));
 
 }  // namespace
 }  // namespace palpate::devices

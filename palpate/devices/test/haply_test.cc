@@ -52,7 +52,7 @@ HaplyTimes patient() {
 
 DeviceState read(HaplyDevice& device) { return device.read(0, 0.0); }
 
-bool push(HaplyDevice& device, const Vec3& force) { return device.write({force, Vec3::Zero(), 0.0}); }
+bool pushed_arm(HaplyDevice& device, const Vec3& force) { return device.write({force, Vec3::Zero(), 0.0}); }
 
 std::string opening_error(const std::string& address, std::size_t place = 0, HaplyTimes times = patient()) {
   try {
@@ -73,7 +73,7 @@ TEST(Haply, GivesTheServicesNewestStateAndPassesTheForceOn) {
   EXPECT_EQ(device.description(), "Inverse3 04BA at " + service.address());
   EXPECT_TRUE(eventually([&] { return read(device).position_D.x() == 0.05; }));
   EXPECT_EQ(service.force(), Vec3::Zero()) << "before the first write()";
-  EXPECT_TRUE(push(device, Vec3(1.0, 2.0, -3.5)));
+  EXPECT_TRUE(pushed_arm(device, Vec3(1.0, 2.0, -3.5)));
   EXPECT_TRUE(eventually([&] { return service.force() == Vec3(1.0, 2.0, -3.5); }));
   EXPECT_EQ(read(device).fault, Fault::kNone);
   EXPECT_TRUE(eventually([&] { return read(device).age < 0.5; }));
@@ -87,14 +87,14 @@ TEST(Haply, SendsZeroWhenTheLoopWritesNoMore) {
   times.no_write = 50 * kMillisecond;
   HaplyDevice device(service.address(), 0, times);
   // Until one of them is felt: on a busy machine a write may be too old when it is found.
-  EXPECT_TRUE(eventually([&] { return push(device, Vec3(1.0, 0.0, 0.0)) && service.force().x() == 1.0; }));
+  EXPECT_TRUE(eventually([&] { return pushed_arm(device, Vec3(1.0, 0.0, 0.0)) && service.force().x() == 1.0; }));
   EXPECT_TRUE(eventually([&] { return service.force() == Vec3::Zero(); }));
 }
 
 TEST(Haply, StopSendsZeroUntilTheNextWrite) {
   HaplyService service(one_arm());
   HaplyDevice device(service.address(), 0, patient());
-  push(device, Vec3(0.0, 1.0, 0.0));
+  pushed_arm(device, Vec3(0.0, 1.0, 0.0));
   EXPECT_TRUE(eventually([&] { return service.force().y() == 1.0; }));
   std::thread other([&] {
     device.stop();
@@ -102,7 +102,7 @@ TEST(Haply, StopSendsZeroUntilTheNextWrite) {
   });
   other.join();
   EXPECT_TRUE(eventually([&] { return service.force() == Vec3::Zero(); }));
-  push(device, Vec3(0.0, 2.0, 0.0));
+  pushed_arm(device, Vec3(0.0, 2.0, 0.0));
   EXPECT_TRUE(eventually([&] { return service.force().y() == 2.0; }));
 }
 
@@ -111,7 +111,7 @@ TEST(Haply, ZeroForceDoesNotWaitForAReply) {
   HaplyService service(one_arm(),
                        [&](std::size_t) { return silent ? Answer{std::nullopt} : Answer{one_arm()}; });
   HaplyDevice device(service.address(), 0, patient());
-  push(device, Vec3(0.0, 0.0, 3.0));
+  pushed_arm(device, Vec3(0.0, 0.0, 3.0));
   EXPECT_TRUE(eventually([&] { return service.force().z() == 3.0; }));
   silent = true;
   std::size_t told = 0;
@@ -128,9 +128,9 @@ TEST(Haply, ZeroForceDoesNotWaitForAReply) {
 TEST(Haply, AForceThatIsNotFiniteIsRefusedAndZeroIsSent) {
   HaplyService service(one_arm());
   HaplyDevice device(service.address(), 0, patient());
-  push(device, Vec3(1.0, 0.0, 0.0));
+  pushed_arm(device, Vec3(1.0, 0.0, 0.0));
   EXPECT_TRUE(eventually([&] { return service.force().x() == 1.0; }));
-  EXPECT_FALSE(push(device, Vec3(std::nan(""), 0.0, 0.0)));
+  EXPECT_FALSE(pushed_arm(device, Vec3(std::nan(""), 0.0, 0.0)));
   EXPECT_TRUE(eventually([&] { return service.force() == Vec3::Zero(); }));
 }
 
@@ -228,7 +228,7 @@ TEST(Haply, AServiceThatIsGoneIsToldInWords) {
   EXPECT_TRUE(eventually([&] { return device.trouble().find("connection refused") != std::string::npos; }))
       << device.trouble();
   EXPECT_EQ(read(device).fault, Fault::kDevice);
-  EXPECT_TRUE(push(device, Vec3(1.0, 0.0, 0.0))) << "the sample says that it is gone";
+  EXPECT_TRUE(pushed_arm(device, Vec3(1.0, 0.0, 0.0))) << "the sample says that it is gone";
   device.stop();
 }
 
@@ -261,7 +261,7 @@ TEST(Haply, TheDestructorSendsZeroAndSaysFarewell) {
   HaplyService service(one_arm());
   {
     HaplyDevice device(service.address(), 0, patient());
-    push(device, Vec3(0.0, 4.0, 0.0));
+    pushed_arm(device, Vec3(0.0, 4.0, 0.0));
     EXPECT_TRUE(eventually([&] { return service.force().y() == 4.0; }));
   }
   EXPECT_TRUE(eventually([&] { return service.said_farewell(); }));

@@ -20,7 +20,7 @@ namespace palpate::fit {
 namespace {
 
 /// F = 0.05 (exp(d/4 mm) - 1) N to 12 mm in 24 points, 1 % noise.
-Specimen curve(std::uint32_t number) {
+Specimen measured_curve(std::uint32_t number) {
   Random random(5, number, 0);
   Specimen specimen;
   specimen.name = "curve " + std::to_string(number);
@@ -114,7 +114,7 @@ TEST(FitRecord, ACountThatIsNoWholeNumberIsRefusedByName) {
 }
 
 TEST(FitRecord, AKeyChangesWithDataFlagsAndNumber) {
-  const Specimen specimen = curve(1);
+  const Specimen specimen = measured_curve(1);
   const Settings settings;
   const std::string key = key_of(specimen, settings, 0);
   EXPECT_EQ(key_of(specimen, settings, 0), key);
@@ -128,7 +128,7 @@ TEST(FitRecord, AKeyChangesWithDataFlagsAndNumber) {
 }
 
 TEST(FitRecord, SpecimensGoBetweenRanksUnchanged) {
-  std::vector<Specimen> specimens = {curve(1), curve(2)};
+  std::vector<Specimen> specimens = {measured_curve(1), measured_curve(2)};
   specimens[1].time = {0.5, 1.5};
   const std::vector<Specimen> back = specimens_of(bytes_of(specimens));
   ASSERT_EQ(back.size(), 2U);
@@ -140,7 +140,7 @@ TEST(FitRecord, SpecimensGoBetweenRanksUnchanged) {
 TEST(FitMany, GoesOnWhereABrokenOffRunWas) {
   const palpate::test::TemporaryFolder folder;
   const std::string file = (folder.path() / "fits.jsonl").string();
-  const std::vector<Specimen> specimens = {curve(1), curve(2)};
+  const std::vector<Specimen> specimens = {measured_curve(1), measured_curve(2)};
   Settings settings;
   settings.bootstrap = 2;
   LocalCrew crew;
@@ -160,12 +160,12 @@ TEST(FitMany, GoesOnWhereABrokenOffRunWas) {
 }
 
 TEST(FitMany, NamesASpecimenThatCannotBeFitted) {
-  Specimen few = curve(1);
+  Specimen few = measured_curve(1);
   few.force.resize(4);
   few.displacement.resize(4);
   LocalCrew crew;
   EXPECT_THROW((void)fit_many({few}, Settings{}, crew, "", {}), InputError);
-  EXPECT_THROW((void)fit_many({curve(1)}, Settings{}, crew, "/nowhere/fits.jsonl", {}), InputError);
+  EXPECT_THROW((void)fit_many({measured_curve(1)}, Settings{}, crew, "/nowhere/fits.jsonl", {}), InputError);
 }
 
 TEST(Random, SkipsAsManyAsWereAsked) {

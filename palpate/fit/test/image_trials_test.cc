@@ -68,7 +68,7 @@ struct Outcome {
   int confidence = 0;
 };
 
-Outcome measure(const Pair& pair) {
+Outcome measure_trial(const Pair& pair) {
   Outcome outcome;
   ImageSettings settings;
   settings.pixel = pair.after.mm_per_px * 1e-3;
@@ -170,7 +170,7 @@ TEST_P(ImageTrials, AreNeverSilentlyWrong) {
     Random random(2024, static_cast<std::uint32_t>(GetParam()), static_cast<std::uint32_t>(trial));
     Pair pair = random_pair(random, static_cast<std::uint32_t>(trial));
     kind.degrade(random, pair);
-    const Outcome outcome = measure(pair);
+    const Outcome outcome = measure_trial(pair);
     if (outcome.refused) {
       ++refused;
       continue;

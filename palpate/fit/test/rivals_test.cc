@@ -14,7 +14,7 @@ namespace palpate::fit {
 namespace {
 
 /// A comparison with a curve of 41 points to 10 mm; what was computed does not matter.
-ForceComparison curve(const std::function<double(double)>& force) {
+ForceComparison rival_curve(const std::function<double(double)>& force) {
   ForceComparison comparison;
   for (int i = 0; i <= 40; ++i) {
     comparison.measured.displacement.push_back(i * 0.25e-3);
@@ -35,16 +35,16 @@ DeformationComparison profile(double depth, const std::function<double(double)>&
 }
 
 TEST(ForceRivals, FindTheLawThatMadeTheData) {
-  const auto hertz = curve([](double d) { return 150.0 * std::pow(d, 1.5); });
+  const auto hertz = rival_curve([](double d) { return 150.0 * std::pow(d, 1.5); });
   EXPECT_LT(fit_force_rival(RivalKind::kHertz, hertz).errors.nrmse, 1e-12);
-  const auto line = curve([](double d) { return 20.0 * d; });
+  const auto line = rival_curve([](double d) { return 20.0 * d; });
   EXPECT_LT(fit_force_rival(RivalKind::kLinear, line).errors.nrmse, 1e-12);
-  const auto exponential = curve([](double d) { return 0.05 * std::expm1(300.0 * d); });
+  const auto exponential = rival_curve([](double d) { return 0.05 * std::expm1(300.0 * d); });
   const RivalFit fit = fit_force_rival(RivalKind::kExponential, exponential);
   EXPECT_LT(fit.errors.nrmse, 1e-5);
   EXPECT_THAT(fit.parameters, testing::HasSubstr("b = 300 1/m"));
   MassSpringPatch patch(40.0);
-  const auto springs = curve([&patch](double d) { return 3.0 * patch.press(d); });
+  const auto springs = rival_curve([&patch](double d) { return 3.0 * patch.press(d); });
   EXPECT_LT(fit_force_rival(RivalKind::kMassSpring, springs).errors.nrmse, 1e-2);
 }
 
@@ -61,7 +61,7 @@ TEST(ForceRivals, FitALineAsByHand) {
 }
 
 TEST(ForceRivals, TakeTheZerosOff) {
-  auto line = curve([](double d) { return 0.3 + 20.0 * std::max(0.0, d - 2e-3); });
+  auto line = rival_curve([](double d) { return 0.3 + 20.0 * std::max(0.0, d - 2e-3); });
   line.zeros = {2e-3, 0.3};
   EXPECT_LT(fit_force_rival(RivalKind::kLinear, line).errors.nrmse, 1e-12);
   line.zeros = {20e-3, 0.0};

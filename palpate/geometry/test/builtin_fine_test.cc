@@ -16,7 +16,7 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr double kMm = 1e-3;
+constexpr double kFineMm = 1e-3;
 
 /// Made once a program: the finest take some seconds each.
 const TriangleMesh& organ(const std::string& name) {
@@ -43,8 +43,8 @@ std::vector<double> sharpest_angles(const TriangleMesh& mesh) {
   one.vertices.resize(3);
   one.triangles.push_back({0, 1, 2});
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) one.vertices[k] = testing::corner(mesh, t, k);
-    angles.push_back(testing::smallest_angle(one));
+    for (std::size_t k = 0; k < 3; ++k) one.vertices[k] = test::corner(mesh, t, k);
+    angles.push_back(test::smallest_angle(one));
   }
   std::sort(angles.begin(), angles.end());
   return angles;
@@ -72,9 +72,9 @@ double apart(const TriangleMesh& a, const SurfaceDistance& to_a, const TriangleM
 }
 
 void expect_even_closed_shell(const TriangleMesh& mesh, int euler) {
-  EXPECT_TRUE(testing::is_closed(mesh));
-  EXPECT_EQ(testing::shells(mesh), 1);
-  EXPECT_EQ(testing::euler(mesh), euler);
+  EXPECT_TRUE(test::is_closed(mesh));
+  EXPECT_EQ(test::shells(mesh), 1);
+  EXPECT_EQ(test::euler(mesh), euler);
   EXPECT_GT(signed_volume(mesh), 0.0);
   expect_even_triangles(mesh);
 }
@@ -93,7 +93,7 @@ TEST_P(FineOrgan, IsOneClosedShellOfItsCountTurnedOutwardsWithEvenTriangles) {
 
 TEST_P(FineOrgan, HasNoTriangleThatGoesThroughAnother) {
   const TriangleMesh& mesh = organ(GetParam() + "-30k");
-  EXPECT_EQ(testing::crossings(mesh, mesh), 0);
+  EXPECT_EQ(test::crossings(mesh, mesh), 0);
 }
 
 // The duct's lumen and the smaller coronary vessels are left out at the paper's counts, and the coarse
@@ -103,11 +103,11 @@ TEST_P(FineOrgan, HasOneShapeAtAllResolutions) {
   const TriangleMesh& fine = organ(GetParam() + "-30k");
   const TriangleMesh& coarse = organ(GetParam());
   const SurfaceDistance to_finest(finest);
-  EXPECT_LT(apart(fine, SurfaceDistance(fine), finest, to_finest), 0.7 * kMm);
-  EXPECT_LT(farthest(coarse, to_finest, 1), 1.5 * kMm);
+  EXPECT_LT(apart(fine, SurfaceDistance(fine), finest, to_finest), 0.7 * kFineMm);
+  EXPECT_LT(farthest(coarse, to_finest, 1), 1.5 * kFineMm);
   // The liver's coarse triangles are twice as long as the others'.
   EXPECT_LT(apart(coarse, SurfaceDistance(coarse), finest, to_finest),
-            (GetParam() == "liver" ? 3.6 : 2.7) * kMm);
+            (GetParam() == "liver" ? 3.6 : 2.7) * kFineMm);
 }
 
 TEST(FineTool, EveryPartIsOneClosedShellWithEvenTrianglesAndTheShaftHasTwoRings) {
@@ -128,7 +128,7 @@ TEST(FineTool, EveryPartIsOneClosedShellWithEvenTrianglesAndTheShaftHasTwoRings)
 TEST(FineTool, NoTriangleOfAPartGoesThroughAnother) {
   for (const char* name : {"curved-forceps-30k", "straight-forceps-30k"}) {
     SCOPED_TRACE(name);
-    for (const ToolPart& part : tool(name).parts) EXPECT_EQ(testing::crossings(part.mesh, part.mesh), 0);
+    for (const ToolPart& part : tool(name).parts) EXPECT_EQ(test::crossings(part.mesh, part.mesh), 0);
   }
 }
 
@@ -140,9 +140,9 @@ TEST(FineTool, ClosedAndOpeningPartsDoNotGoThroughEachOther) {
       for (ToolPart& part : turned.parts) {
         if (part.is_jaw) transform(part.mesh, part_pose(part, gripper));
       }
-      EXPECT_EQ(testing::crossings(turned.parts[0].mesh, turned.parts[1].mesh), 0);
-      EXPECT_EQ(testing::crossings(turned.parts[0].mesh, turned.parts[2].mesh), 0);
-      EXPECT_EQ(testing::crossings(turned.parts[1].mesh, turned.parts[2].mesh), 0);
+      EXPECT_EQ(test::crossings(turned.parts[0].mesh, turned.parts[1].mesh), 0);
+      EXPECT_EQ(test::crossings(turned.parts[0].mesh, turned.parts[2].mesh), 0);
+      EXPECT_EQ(test::crossings(turned.parts[1].mesh, turned.parts[2].mesh), 0);
     }
   }
 }
@@ -156,9 +156,9 @@ TEST(FineTool, AllResolutionsHaveJawsOfOneShapeAndTheFinerTwoTheShaftToo) {
       const auto apart_from_finest = [&](const TriangleMesh& mesh) {
         return apart(mesh, SurfaceDistance(mesh), finest.parts[k].mesh, to_finest);
       };
-      EXPECT_LT(apart_from_finest(tool(name + "-30k").parts[k].mesh), 0.3 * kMm);
+      EXPECT_LT(apart_from_finest(tool(name + "-30k").parts[k].mesh), 0.3 * kFineMm);
       if (k < 2) {
-        EXPECT_LT(apart_from_finest(tool(name).parts[k].mesh), 1.1 * kMm);
+        EXPECT_LT(apart_from_finest(tool(name).parts[k].mesh), 1.1 * kFineMm);
       }
     }
   }
@@ -168,7 +168,7 @@ TEST(FineTool, IsAsLongAsSurgeonsOwn) {
   for (const char* name : {"curved-forceps-30k", "straight-forceps-30k"}) {
     const Tool& whole = tool(name);
     const double length = bounds(whole.parts[0].mesh).high.z() - bounds(whole.parts[2].mesh).low.z();
-    EXPECT_NEAR(length, 138.0 * kMm, 6.0 * kMm);
+    EXPECT_NEAR(length, 138.0 * kFineMm, 6.0 * kFineMm);
   }
 }
 

@@ -15,10 +15,10 @@
 namespace palpate::geometry {
 namespace {
 
-using testing::crossings;
+using test::crossings;
 using ::testing::HasSubstr;
-using testing::Hit;
-using testing::hits_from_above;
+using test::Hit;
+using test::hits_from_above;
 using ::testing::ThrowsMessage;
 
 constexpr double kMm = 1e-3;
@@ -46,9 +46,9 @@ const std::vector<std::string> kOrgans{"gallbladder", "heart", "liver", "kidney"
 const std::vector<std::string> kTools{"curved-forceps", "straight-forceps"};
 
 void expect_one_closed_shell_without_handles(const TriangleMesh& mesh) {
-  EXPECT_TRUE(testing::is_closed(mesh));
-  EXPECT_EQ(testing::shells(mesh), 1);
-  EXPECT_EQ(testing::euler(mesh), 2);
+  EXPECT_TRUE(test::is_closed(mesh));
+  EXPECT_EQ(test::shells(mesh), 1);
+  EXPECT_EQ(test::euler(mesh), 2);
   EXPECT_GT(signed_volume(mesh), 0.0);
 }
 
@@ -77,22 +77,22 @@ TEST(BuiltinOrgan, EveryOneIsOneClosedShellTurnedOutwardsAboutTheOrigin) {
 }
 
 TEST(BuiltinOrgan, TrianglesAreWellShaped) {
-  EXPECT_GT(testing::smallest_angle(gallbladder()), 25.0);
-  EXPECT_GT(testing::smallest_angle(heart()), 15.0);
-  EXPECT_GT(testing::smallest_angle(liver()), 15.0);
-  EXPECT_GT(testing::smallest_angle(kidney()), 25.0);
+  EXPECT_GT(test::smallest_angle(gallbladder()), 25.0);
+  EXPECT_GT(test::smallest_angle(heart()), 15.0);
+  EXPECT_GT(test::smallest_angle(liver()), 15.0);
+  EXPECT_GT(test::smallest_angle(kidney()), 25.0);
 }
 
 TEST(BuiltinOrgan, EdgesAreEven) {
-  const testing::EdgeLengths small = testing::edge_lengths(gallbladder());
+  const test::EdgeLengths small = test::edge_lengths(gallbladder());
   EXPECT_LT(small.longest / small.shortest, 6.0);
-  const testing::EdgeLengths large = testing::edge_lengths(heart());
+  const test::EdgeLengths large = test::edge_lengths(heart());
   EXPECT_LT(large.longest / large.shortest, 12.0);
   EXPECT_LT(large.longest, 10.0 * kMm);
-  const testing::EdgeLengths largest = testing::edge_lengths(liver());
+  const test::EdgeLengths largest = test::edge_lengths(liver());
   EXPECT_LT(largest.longest / largest.shortest, 18.0);  // its vessels are thin beside it
   EXPECT_LT(largest.longest, 14.0 * kMm);
-  const testing::EdgeLengths bean = testing::edge_lengths(kidney());
+  const test::EdgeLengths bean = test::edge_lengths(kidney());
   EXPECT_LT(bean.longest / bean.shortest, 8.0);
   EXPECT_LT(bean.longest, 6.0 * kMm);
 }

@@ -15,10 +15,10 @@
 namespace palpate::geometry {
 namespace {
 
-using testing::Hit;
-using testing::hits_from_above;
+using test::Hit;
+using test::hits_from_above;
 
-constexpr double kMm = 1e-3;
+constexpr double kLiverMm = 1e-3;
 
 TriangleMesh turned(TriangleMesh mesh, const Mat3& turn) {
   for (Vec3& v : mesh.vertices) v = turn * v;
@@ -29,13 +29,13 @@ class Liver : public ::testing::Test {
  protected:
   /// Height [mm] of the visceral surface at (x, z) [mm].
   [[nodiscard]] double visceral(double x, double z) const {
-    const std::vector<Hit> hits = hits_from_above(upright_, x * kMm + 1.3e-5, -z * kMm + 2.7e-5);
-    return hits.empty() ? NAN : hits.back().z / kMm;
+    const std::vector<Hit> hits = hits_from_above(upright_, x * kLiverMm + 1.3e-5, -z * kLiverMm + 2.7e-5);
+    return hits.empty() ? NAN : hits.back().z / kLiverMm;
   }
   /// From the front wall to the next one behind it [mm] at (x, y) [mm]; 0: beside it.
   [[nodiscard]] double thickness(double x, double y) const {
-    const std::vector<Hit> hits = hits_from_above(mesh_, x * kMm + 1.3e-5, y * kMm + 2.7e-5);
-    return hits.empty() ? 0.0 : (hits[0].z - hits.at(1).z) / kMm;
+    const std::vector<Hit> hits = hits_from_above(mesh_, x * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5);
+    return hits.empty() ? 0.0 : (hits[0].z - hits.at(1).z) / kLiverMm;
   }
   /// The lower margin's height [mm] at x [mm], from far below in steps of 1 mm.
   [[nodiscard]] double margin(double x) const {
@@ -51,7 +51,7 @@ class Liver : public ::testing::Test {
 // Gray's Anatomy, 41st ed.: the greatest breadth is 200 to 225 mm and the height 150 to 175 mm; some 1,500
 // ml.
 TEST_F(Liver, IsOfAnAdultsSize) {
-  const Vec3 size = bounds(mesh_).size() / kMm;
+  const Vec3 size = bounds(mesh_).size() / kLiverMm;
   EXPECT_NEAR(size.x(), 220.0, 10.0);
   EXPECT_NEAR(size.y(), 155.0, 15.0);
   EXPECT_NEAR(size.z(), 135.0, 20.0);
@@ -70,8 +70,8 @@ double turn_near(const TriangleMesh& mesh, const Vec3& place) {
   std::vector<Vec3> normals;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 middle =
-        (testing::corner(mesh, t, 0) + testing::corner(mesh, t, 1) + testing::corner(mesh, t, 2)) / 3.0;
-    if ((middle / kMm - place).norm() < 7.0)
+        (test::corner(mesh, t, 0) + test::corner(mesh, t, 1) + test::corner(mesh, t, 2)) / 3.0;
+    if ((middle / kLiverMm - place).norm() < 7.0)
       normals.push_back(area_vector_doubled(mesh, mesh.triangles[t]).normalized());
   }
   double least = 1.0;
@@ -84,10 +84,10 @@ double turn_near(const TriangleMesh& mesh, const Vec3& place) {
 TEST_F(Liver, LowerMarginIsSharpAndTheFrontIsNot) {
   for (const double x : {-60.0, -40.0, 50.0, 70.0}) {
     const double y = margin(x);
-    const double z = hits_from_above(mesh_, x * kMm + 1.3e-5, y * kMm + 2.7e-5).at(0).z / kMm;
+    const double z = hits_from_above(mesh_, x * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5).at(0).z / kLiverMm;
     EXPECT_GT(turn_near(mesh_, {x, y, z}), 70.0) << x;
     const double above = y + 30.0;
-    const double front = hits_from_above(mesh_, x * kMm + 1.3e-5, above * kMm + 2.7e-5).at(0).z / kMm;
+    const double front = hits_from_above(mesh_, x * kLiverMm + 1.3e-5, above * kLiverMm + 2.7e-5).at(0).z / kLiverMm;
     EXPECT_LT(turn_near(mesh_, {x, above, front}), 40.0) << x;
   }
 }
@@ -132,7 +132,7 @@ TEST(FineLiver, VenaCavaIsOpenAtBothEndsAndPortalVeinBelow) {
     double middle = 1.0;
     double ring = -1.0;
     for (const Vec3& v : mesh.vertices) {
-      const Vec3 off = v / kMm - end_mm;
+      const Vec3 off = v / kLiverMm - end_mm;
       const double along = off.dot(out);
       const double across = (off - along * out).norm();
       if (std::abs(along) > 6.0) continue;
@@ -149,7 +149,7 @@ TEST(FineLiver, VenaCavaIsOpenAtBothEndsAndPortalVeinBelow) {
 TEST(FineLiver, FalciformLigamentsStumpRunsOverTheFront) {
   const TriangleMesh mesh = make_liver(Detail::k30k);
   const auto front = [&mesh](double x, double y) {
-    return hits_from_above(mesh, x * kMm, y * kMm)[0].z / kMm;
+    return hits_from_above(mesh, x * kLiverMm, y * kLiverMm)[0].z / kLiverMm;
   };
   for (const double y : {0.0, 15.0, 30.0}) {
     const double ridge = 26.0 - 0.06 * y;
@@ -161,11 +161,11 @@ class Kidney : public ::testing::Test {
  protected:
   /// Where a line along x comes in from the body's middle, at (y, z) [mm].
   [[nodiscard]] Hit from_the_middle(double y, double z) const {
-    return hits_from_above(sideways_, -z * kMm + 1.3e-5, y * kMm + 2.7e-5).at(0);
+    return hits_from_above(sideways_, -z * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5).at(0);
   }
   /// How far it reaches outwards (-x) at (y, z) [mm].
   [[nodiscard]] double outer(double y, double z) const {
-    return -hits_from_above(sideways_, -z * kMm + 1.3e-5, y * kMm + 2.7e-5).back().z / kMm;
+    return -hits_from_above(sideways_, -z * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5).back().z / kLiverMm;
   }
 
   TriangleMesh mesh_ = make_kidney(Detail::kPaper);
@@ -175,16 +175,16 @@ class Kidney : public ::testing::Test {
 // Gray's Anatomy, 41st ed.: 110 mm long, 60 mm wide, 30 to 40 mm thick; with its vessels' stumps a little
 // wider here.
 TEST_F(Kidney, IsOfAnAdultsSize) {
-  const Vec3 size = bounds(mesh_).size() / kMm;
+  const Vec3 size = bounds(mesh_).size() / kLiverMm;
   EXPECT_NEAR(size.y(), 110.0, 5.0);
   EXPECT_NEAR(size.z(), 41.0, 3.0);
-  EXPECT_NEAR(outer(0.0, 0.5) + from_the_middle(28.0, -1.0).z / kMm, 60.0, 5.0);
+  EXPECT_NEAR(outer(0.0, 0.5) + from_the_middle(28.0, -1.0).z / kLiverMm, 60.0, 5.0);
   EXPECT_NEAR(signed_volume(mesh_) * 1e6, 150.0, 15.0);
 }
 
 TEST_F(Kidney, IsABeanWithItsHilumTowardsTheMiddle) {
-  const double poles = 0.5 * (from_the_middle(32.0, 0.0).z + from_the_middle(-32.0, 0.0).z) / kMm;
-  const double hilum = from_the_middle(-2.0, 12.0).z / kMm;  // the lip before the vein
+  const double poles = 0.5 * (from_the_middle(32.0, 0.0).z + from_the_middle(-32.0, 0.0).z) / kLiverMm;
+  const double hilum = from_the_middle(-2.0, 12.0).z / kLiverMm;  // the lip before the vein
   EXPECT_GT(poles - hilum, 8.0);
   EXPECT_GT(outer(0.0, 0.0) - 0.5 * (outer(36.0, 0.0) + outer(-36.0, 0.0)), 6.0);
 }
@@ -195,12 +195,12 @@ TEST_F(Kidney, VeinArteryAndUreterAreCutAcrossFromFrontToBack) {
     for (const Vec3& side : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
       double most = 0.0;
       for (const Vec3& v : mesh_.vertices) {
-        const Vec3 off = v / kMm - Vec3(v.x() / kMm, y, z);
-        if (off.norm() < radius && off.dot(side) > 0.7 * off.norm()) most = std::max(most, v.x() / kMm);
+        const Vec3 off = v / kLiverMm - Vec3(v.x() / kLiverMm, y, z);
+        if (off.norm() < radius && off.dot(side) > 0.7 * off.norm()) most = std::max(most, v.x() / kLiverMm);
       }
       EXPECT_NEAR(most, end, 1.2) << y << " " << side.transpose();
     }
-    EXPECT_LT(from_the_middle(y, z).z / kMm, end - 0.6);  // the lumen
+    EXPECT_LT(from_the_middle(y, z).z / kLiverMm, end - 0.6);  // the lumen
   };
   expect_cut(4.5, 6.0, 5.5, 37.0);
   expect_cut(14.7, -2.5, 3.4, 37.5);
@@ -209,7 +209,7 @@ TEST_F(Kidney, VeinArteryAndUreterAreCutAcrossFromFrontToBack) {
     if ((Vec3(v.x(), 0.0, v.z()) - Vec3(0.032, 0.0, -0.0065)).norm() < 0.003)
       lowest = std::min(lowest, v.y());
   }
-  EXPECT_NEAR(lowest / kMm, -43.0, 1.5);
+  EXPECT_NEAR(lowest / kLiverMm, -43.0, 1.5);
 }
 
 TEST_F(Kidney, OuterBorderShowsTheLobesItGrewFrom) {

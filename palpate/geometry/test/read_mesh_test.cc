@@ -15,7 +15,7 @@
 namespace palpate::geometry {
 namespace {
 
-using test::TemporaryFolder;
+using palpate::test::TemporaryFolder;
 
 using testing::AllOf;
 using testing::Contains;

@@ -78,9 +78,9 @@ TEST(Implicit, TubeGivesALowerBoundFarAway) {
 
 TEST(Polygonise, BallIsClosedAndHasItsVolume) {
   const TriangleMesh mesh = polygonise(Ball(), kAroundBall, 0.003);
-  EXPECT_TRUE(testing::is_closed(mesh));
-  EXPECT_EQ(testing::shells(mesh), 1);
-  EXPECT_EQ(testing::euler(mesh), 2);
+  EXPECT_TRUE(test::is_closed(mesh));
+  EXPECT_EQ(test::shells(mesh), 1);
+  EXPECT_EQ(test::euler(mesh), 2);
   EXPECT_NEAR(signed_volume(mesh), 4.0 / 3.0 * 3.14159265 * 0.03 * 0.03 * 0.03, 2e-6);
 }
 
@@ -90,8 +90,8 @@ TEST(Remesh, BallGetsTheExactCountOnTheSurfaceWithGoodTriangles) {
     const TriangleMesh mesh = remesh(Ball(), start, {.vertices = vertices});
     EXPECT_EQ(mesh.vertices.size(), static_cast<std::size_t>(vertices));
     EXPECT_EQ(mesh.triangles.size(), 2U * (static_cast<std::size_t>(vertices) - 2U));
-    EXPECT_TRUE(testing::is_closed(mesh));
-    EXPECT_GT(testing::smallest_angle(mesh), 30.0);
+    EXPECT_TRUE(test::is_closed(mesh));
+    EXPECT_GT(test::smallest_angle(mesh), 30.0);
     for (const Vec3& v : mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 1e-9);
   }
 }
@@ -100,8 +100,8 @@ TEST(Remesh, QuadruplingsMultiplyTheTrianglesByFourOnTheSurface) {
   const TriangleMesh start = polygonise(Ball(), kAroundBall, 0.003);
   const TriangleMesh mesh = remesh(Ball(), start, {.vertices = 301, .quadruplings = 2});
   EXPECT_EQ(mesh.triangles.size(), 16U * 598U);
-  EXPECT_TRUE(testing::is_closed(mesh));
-  EXPECT_GT(testing::smallest_angle(mesh), 30.0);
+  EXPECT_TRUE(test::is_closed(mesh));
+  EXPECT_GT(test::smallest_angle(mesh), 30.0);
   for (const Vec3& v : mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 1e-9);
 }
 
@@ -165,8 +165,8 @@ TEST(Loft, PrismHasItsVolumeAndIsTurnedOutwards) {
   std::vector<std::vector<Vec3>> rings;
   for (const double z : {0.0, 1.0, 3.0}) rings.push_back({{0, 0, z}, {2, 0, z}, {2, 1, z}, {0, 1, z}});
   const TriangleMesh mesh = loft(rings, {1.0, 0.5, 0.0}, {1.0, 0.5, 3.0});
-  EXPECT_TRUE(testing::is_closed(mesh));
-  EXPECT_EQ(testing::euler(mesh), 2);
+  EXPECT_TRUE(test::is_closed(mesh));
+  EXPECT_EQ(test::euler(mesh), 2);
   EXPECT_NEAR(signed_volume(mesh), 6.0, 1e-12);
 }
 

@@ -41,7 +41,7 @@ TriangleMesh ball() { return make_ball(0.02, 320); }
 TriangleMesh box() { return make_box({0.04, 0.04, 0.04}, 0.01); }
 
 void expect_sound(const TriangleMesh& mesh) {
-  EXPECT_TRUE(testing::is_closed(mesh));  // throws where an edge is not of two that run opposite ways
+  EXPECT_TRUE(test::is_closed(mesh));  // throws where an edge is not of two that run opposite ways
   EXPECT_THAT(findings_of(mesh).defects, IsEmpty());
   EXPECT_GT(signed_volume(mesh), 0.0);
   EXPECT_NO_THROW(SurfaceDistance{mesh});
@@ -194,7 +194,7 @@ TEST(Repair, PartsSolidsThatTouchInAnEdgeWhicheverWayTheyAreTurned) {
     }
     const RepairedSurface result = repair_surface(damaged);
     ASSERT_EQ(result.refusal, "") << turned;
-    ASSERT_TRUE(testing::is_closed(result.mesh)) << turned;
+    ASSERT_TRUE(test::is_closed(result.mesh)) << turned;
     ASSERT_THAT(findings_of(result.mesh).defects, IsEmpty()) << turned;
   }
   EXPECT_THAT(repaired(mesh, 1e-6 / 3.0).remarks, ElementsAre("2 separate pieces"));
@@ -311,7 +311,7 @@ TEST(Repair, ShrinksAnEdgeWithoutLength) {
   moved[0] = twin;
   mesh.triangles.push_back({v, p, twin});
   mesh.triangles.push_back({v, twin, q});
-  ASSERT_TRUE(testing::is_closed(mesh));
+  ASSERT_TRUE(test::is_closed(mesh));
   const RepairedSurface result = repaired(mesh, signed_volume(ball()), 1e-6);
   EXPECT_THAT(result.repairs, ElementsAre("took out 2 triangles without area"));
   EXPECT_EQ(result.mesh.vertices.size(), ball().vertices.size());
@@ -368,7 +368,7 @@ TEST(Repair, KeepsAFewCrossingTrianglesAndSaysSo) {
   drawn = 0.0204 * (drawn + 0.01 * aside).normalized();
   const RepairedSurface result = repair_surface(mesh);
   EXPECT_EQ(result.refusal, "");
-  EXPECT_GT(testing::crossings(mesh, mesh), 0);
+  EXPECT_GT(test::crossings(mesh, mesh), 0);
   EXPECT_THAT(result.remarks, ElementsAre(HasSubstr("of triangles that go through each other (")));
 }
 

@@ -10,7 +10,7 @@
 #include "palpate/geometry/mesh.h"
 
 /// Brute-force checks of meshes that are made by code.
-namespace palpate::geometry::testing {
+namespace palpate::geometry::test {
 
 inline const Vec3& corner(const TriangleMesh& mesh, std::size_t t, std::size_t k) {
   return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])];
@@ -160,4 +160,4 @@ inline std::vector<Hit> hits_from_above(const TriangleMesh& mesh, double x, doub
   return hits;
 }
 
-}  // namespace palpate::geometry::testing
+}  // namespace palpate::geometry::test

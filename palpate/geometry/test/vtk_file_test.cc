@@ -165,7 +165,7 @@ TEST(Vtk, ReadsInEveryFormWhatWasWritten) {
 }
 
 TEST(Vtk, IsReadByItsEndingWithItsUnit) {
-  const test::TemporaryFolder folder;
+  const palpate::test::TemporaryFolder folder;
   TriangleMesh ball = make_ball(20.0, 320);
   const LoadedMesh loaded =
       read_mesh(folder.write("ball.VTK", written(ball, {true, true, true, false})), LengthUnit::kMillimetre);

@@ -55,7 +55,7 @@ DeviceState adversarial(std::mt19937_64& random) {
   return sample;
 }
 
-bool all_finite(const TickRow& row) {
+bool all_numbers_finite(const TickRow& row) {
   for (const auto* three : {&row.force, &row.torque, &row.tool, &row.contact, &row.normal}) {
     for (const double x : *three) {
       if (!std::isfinite(x)) return false;
@@ -78,7 +78,7 @@ class LimitsKept final {
 
   [[nodiscard]] ::testing::AssertionResult check(const TickRow& row, const ForceCommand& command) {
     const auto failed = [](const char* what) { return ::testing::AssertionFailure() << what; };
-    if (!all_finite(row)) return failed("a number in the row is not finite");
+    if (!all_numbers_finite(row)) return failed("a number in the row is not finite");
     if (!command.force.allFinite() || !command.torque.allFinite()) return failed("the command is not finite");
     if (command.force.norm() > limits_.max_force) return failed("force over its limit");
     if (command.torque.norm() > limits_.max_torque) return failed("torque over its limit");

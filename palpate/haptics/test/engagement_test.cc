@@ -5,12 +5,12 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kPeriod = 1e-3;
+constexpr double kEngagementPeriod = 1e-3;
 
 /// `ticks` of the same situation. @return the share at the last
 double hold(Engagement& engagement, const HandSituation& hand, int ticks) {
   double share = engagement.share;
-  for (int i = 0; i < ticks; ++i) share = advance_engagement(engagement, hand, kPeriod);
+  for (int i = 0; i < ticks; ++i) share = advance_engagement(engagement, hand, kEngagementPeriod);
   return share;
 }
 
@@ -29,9 +29,9 @@ TEST(Engagement, TheShareNeverJumps) {
   for (int i = 0; i < 3000; ++i) {
     HandSituation hand;
     hand.clutched = i > 1500 && i < 1700;
-    const double share = advance_engagement(engagement, hand, kPeriod);
-    EXPECT_LE(share - last, kPeriod / kRampTime + 1e-12) << i;
-    EXPECT_LE(last - share, kPeriod / kLetGoTime + 1e-12) << i;
+    const double share = advance_engagement(engagement, hand, kEngagementPeriod);
+    EXPECT_LE(share - last, kEngagementPeriod / kRampTime + 1e-12) << i;
+    EXPECT_LE(last - share, kEngagementPeriod / kLetGoTime + 1e-12) << i;
     last = share;
   }
   EXPECT_EQ(last, 1.0);
@@ -42,7 +42,7 @@ TEST(Engagement, AHandThatMovesOrTouchesGetsNothing) {
   for (int i = 0; i < 5000; ++i) {
     HandSituation moving;
     moving.position_D.x() = 1e-5 * i;  // 10 mm/s
-    ASSERT_EQ(advance_engagement(engagement, moving, kPeriod), 0.0);
+    ASSERT_EQ(advance_engagement(engagement, moving, kEngagementPeriod), 0.0);
   }
   HandSituation inside;
   inside.outside = false;
@@ -54,7 +54,7 @@ TEST(Engagement, TremblingWithinAMillimetreIsStill) {
   for (int i = 0; i < 800; ++i) {
     HandSituation hand;
     hand.position_D.y() = i % 2 == 0 ? 4e-4 : -4e-4;
-    (void)advance_engagement(engagement, hand, kPeriod);
+    (void)advance_engagement(engagement, hand, kEngagementPeriod);
   }
   EXPECT_EQ(engagement.share, 1.0);
 }

@@ -9,8 +9,8 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kGateInf = std::numeric_limits<double>::infinity();
+constexpr double kGateNaN = std::numeric_limits<double>::quiet_NaN();
 
 ForceCommand force_only(const Vec3& force) { return {force, Vec3::Zero(), 0.0}; }
 
@@ -89,7 +89,7 @@ TEST(Gate, NeverAboveTheLimitsWhateverComesIn) {
 }
 
 TEST(Gate, AForceThatIsNotFiniteLatchesAFaultAndNeverReachesTheHand) {
-  for (const double bad : {kNaN, kInf, -kInf, 1e200}) {
+  for (const double bad : {kGateNaN, kGateInf, -kGateInf, 1e200}) {
     for (int place = 0; place < 4; ++place) {
       GateState state = holding({}, force_only(Vec3(0, 0, 4)));
       ForceCommand tissue = force_only(Vec3(0, 0, 4));
@@ -97,7 +97,7 @@ TEST(Gate, AForceThatIsNotFiniteLatchesAFaultAndNeverReachesTheHand) {
       if (place == 0) tissue.force.x() = bad;
       if (place == 1) tissue.torque.y() = bad;
       if (place == 2) noise.z() = bad;
-      if (place == 3) tissue.gripper_force = std::isfinite(bad) ? kNaN : bad;
+      if (place == 3) tissue.gripper_force = std::isfinite(bad) ? kGateNaN : bad;
       const GateOutput out = pass({}, state, tissue, noise, Fault::kNone);
       EXPECT_TRUE(out.command.force.allFinite());
       EXPECT_TRUE(out.command.torque.allFinite());
@@ -143,7 +143,7 @@ TEST(Gate, ASecondFaultDoesNotStartTheFallAgain) {
   GateState state = holding({}, force_only(Vec3(0, 0, 5)));
   for (int i = 0; i < 10; ++i) (void)pass({}, state, force_only(Vec3(0, 0, 5)), Vec3::Zero(), Fault::kDevice);
   EXPECT_EQ(state.force, Vec3::Zero().eval());
-  (void)pass({}, state, force_only(Vec3(0, 0, kNaN)), Vec3::Zero(), Fault::kNone);
+  (void)pass({}, state, force_only(Vec3(0, 0, kGateNaN)), Vec3::Zero(), Fault::kNone);
   EXPECT_EQ(state.fault, Fault::kDevice) << "the first fault is the one that is told";
 }
 

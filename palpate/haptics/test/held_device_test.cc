@@ -13,7 +13,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kHeldNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// One held device with a 3 mm ball over the block.
 struct HeldBench {
@@ -93,8 +93,8 @@ struct FaultCase {
 
 std::vector<FaultCase> all_faults() {
   return {
-      {"position not finite", Fault::kNotFinite, [](DeviceState& s) { s.position_D.x() = kNaN; }},
-      {"age not finite", Fault::kNotFinite, [](DeviceState& s) { s.age = kNaN; }},
+      {"position not finite", Fault::kNotFinite, [](DeviceState& s) { s.position_D.x() = kHeldNaN; }},
+      {"age not finite", Fault::kNotFinite, [](DeviceState& s) { s.age = kHeldNaN; }},
       {"unreadable", Fault::kDevice, [](DeviceState& s) { s.fault = Fault::kDevice; }},
       {"no new sample for 6 ms", Fault::kStale, [](DeviceState& s) { s.age = 6e-3; }},
       {"stalled loop", Fault::kStalled, [](DeviceState& s) { s.fault = Fault::kStalled; }},

@@ -10,7 +10,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kPeriod = 1e-3;
+constexpr double kPassivityPeriod = 1e-3;
 
 DeviceMotion moved(double x) { return {Vec3(x, 0.0, 0.0), Vec3::Zero()}; }
 
@@ -43,7 +43,7 @@ TEST(Passivity, OutsideASurplusIsForgivenAndADeficitIsNot) {
 
 TEST(Passivity, WithinTheLeewayNothingIsDone) {
   ForceCommand tissue = pushing(3.0);
-  EXPECT_FALSE(damp_deficit({-kEnergyLeeway, 0.0}, moved(0.001), kPeriod, tissue));
+  EXPECT_FALSE(damp_deficit({-kEnergyLeeway, 0.0}, moved(0.001), kPassivityPeriod, tissue));
   EXPECT_EQ(tissue.force.x(), 3.0);
 }
 
@@ -51,23 +51,23 @@ TEST(Passivity, ADeficitTakesWhatGivesMoreAndDampsInTheNextTick) {
   const double deficit = 1e-4;  // J
   const double way = 2e-4;      // m in a tick: 0.2 m/s
   ForceCommand tissue = {Vec3(3.0, 1.0, 0.0), Vec3::Zero(), 0.0};
-  EXPECT_TRUE(damp_deficit({-deficit, 0.0}, moved(way), kPeriod, tissue));
+  EXPECT_TRUE(damp_deficit({-deficit, 0.0}, moved(way), kPassivityPeriod, tissue));
   EXPECT_NEAR(tissue.force.x(), -deficit / way, 1e-12) << "over the same way again it takes the deficit";
   EXPECT_DOUBLE_EQ(tissue.force.y(), 1.0) << "across the way no work is done";
 }
 
 TEST(Passivity, DampingIsBounded) {
   ForceCommand tissue;
-  EXPECT_TRUE(damp_deficit({-1.0, 0.0}, moved(1e-5), kPeriod, tissue));
-  EXPECT_NEAR(tissue.force.x(), -kMostDamping * 1e-5 / kPeriod, 1e-12);
+  EXPECT_TRUE(damp_deficit({-1.0, 0.0}, moved(1e-5), kPassivityPeriod, tissue));
+  EXPECT_NEAR(tissue.force.x(), -kMostDamping * 1e-5 / kPassivityPeriod, 1e-12);
   ForceCommand turned;
-  EXPECT_TRUE(damp_deficit({-1.0, 0.0}, {Vec3::Zero(), Vec3(0, 1e-5, 0)}, kPeriod, turned));
-  EXPECT_NEAR(turned.torque.y(), -kMostAngularDamping * 1e-5 / kPeriod, 1e-15);
+  EXPECT_TRUE(damp_deficit({-1.0, 0.0}, {Vec3::Zero(), Vec3(0, 1e-5, 0)}, kPassivityPeriod, turned));
+  EXPECT_NEAR(turned.torque.y(), -kMostAngularDamping * 1e-5 / kPassivityPeriod, 1e-15);
 }
 
 TEST(Passivity, ADeviceThatStandsStillIsLeftAlone) {
   ForceCommand tissue = pushing(3.0);
-  (void)damp_deficit({-1.0, 0.0}, {}, kPeriod, tissue);
+  (void)damp_deficit({-1.0, 0.0}, {}, kPassivityPeriod, tissue);
   EXPECT_EQ(tissue.force.x(), 3.0);
 }
 
@@ -93,8 +93,8 @@ struct Bounce {
     double balance = 0.0;
     for (int i = 0; i < ticks; ++i) {
       const double before = x;
-      x += speed * kPeriod + 0.5 * state.force.x() / mass * kPeriod * kPeriod;
-      speed += state.force.x() / mass * kPeriod;
+      x += speed * kPassivityPeriod + 0.5 * state.force.x() / mass * kPassivityPeriod * kPassivityPeriod;
+      speed += state.force.x() / mass * kPassivityPeriod;
       const double work = state.force.x() * (x - before);
       balance += work;
       result.given = std::max(result.given, balance);

@@ -13,10 +13,10 @@
 namespace palpate::model {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSmoothNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The tissue of the hand-worked cases in docs/model.md.
-TissueParameters hand_worked() {
+TissueParameters hand_worked_smooth() {
   TissueParameters tissue;
   tissue.k1 = 18.0;
   tissue.beta = 1.6;
@@ -32,13 +32,13 @@ TissueParameters hand_worked() {
 constexpr double kTwoLayers = 0.04e-3;
 constexpr double kOneLayer = 0.01e-3;
 
-struct Case {
+struct SmoothCase {
   TissueParameters tissue;
   Direction direction;
   double period;
 };
 
-std::vector<Case> many_cases() {
+std::vector<SmoothCase> many_smooth_cases() {
   std::vector<TissueParameters> tissues;
   for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) tissues.push_back(tissue_preset(name));
   std::mt19937_64 random(7);
@@ -56,7 +56,7 @@ std::vector<Case> many_cases() {
     tissue.t1 = std::exp(between(std::log(1e-7), std::log(1e-4)));
     tissues.push_back(tissue);
   }
-  std::vector<Case> cases;
+  std::vector<SmoothCase> cases;
   for (const TissueParameters& tissue : tissues) {
     for (const Direction direction : {Direction::kPress, Direction::kPull}) {
       for (const double rate : {1000.0, 10000.0}) cases.push_back({tissue, direction, 1.0 / rate});
@@ -66,7 +66,7 @@ std::vector<Case> many_cases() {
 }
 
 TEST(SmoothSpringLaw, OneLayerIsOneSpring) {  // K = k_1, so 18 N/m x 2 mm = 0.036 N
-  const SmoothSpringLaw law(hand_worked(), Direction::kPress, kOneLayer);
+  const SmoothSpringLaw law(hand_worked_smooth(), Direction::kPress, kOneLayer);
   EXPECT_EQ(law.layers_allowed(), 1);
   EXPECT_DOUBLE_EQ(law.force_at(2e-3).force, 0.036);
   EXPECT_DOUBLE_EQ(law.force_at(2e-3).stiffness, 18.0);
@@ -77,7 +77,7 @@ TEST(SmoothSpringLaw, OneLayerIsOneSpring) {  // K = k_1, so 18 N/m x 2 mm = 0.0
 // By hand: m_1 = 2.5 mm, m_2 = 5 + 1.75 = 6.75 mm; growth (ln 4 + 1/1.6)/4.25 mm = 2.011294361/4.25 mm =
 // 473.2457 1/m; K(0) = 18 e^(-473.2457 x 0.0025) = 5.51382 N/m; F(4 mm) = 5.51382 (e^1.892983 - 1)/473.2457.
 TEST(SmoothSpringLaw, HandWorkedDepthInTwoLayers) {
-  const SmoothSpringLaw law(hand_worked(), Direction::kPress, kTwoLayers);
+  const SmoothSpringLaw law(hand_worked_smooth(), Direction::kPress, kTwoLayers);
   EXPECT_EQ(law.layers_allowed(), 2);
   EXPECT_NEAR(law.force_at(0.0).stiffness, 5.51382, 1e-5);
   EXPECT_NEAR(law.force_at(2.5e-3).stiffness, 18.0, 1e-12);
@@ -86,7 +86,7 @@ TEST(SmoothSpringLaw, HandWorkedDepthInTwoLayers) {
 }
 
 TEST(SmoothSpringLaw, StiffnessAtTheMiddleOfALayerIsThatLayersSlope) {
-  for (const Case& c : many_cases()) {
+  for (const SmoothCase& c : many_smooth_cases()) {
     const SmoothSpringLaw law(c.tissue, c.direction, c.period);
     double limit = c.tissue.first_limit(c.direction);
     double start = 0.0;
@@ -100,7 +100,7 @@ TEST(SmoothSpringLaw, StiffnessAtTheMiddleOfALayerIsThatLayersSlope) {
 }
 
 TEST(SmoothSpringLaw, ForceToDepthToForceIsTheIdentity) {
-  for (const Case& c : many_cases()) {
+  for (const SmoothCase& c : many_smooth_cases()) {
     const SmoothSpringLaw law(c.tissue, c.direction, c.period);
     for (int i = 1; i <= 100; ++i) {
       const double depth = law.max_depth() * i / 100;
@@ -115,7 +115,7 @@ TEST(SmoothSpringLaw, ForceToDepthToForceIsTheIdentity) {
 }
 
 TEST(SmoothSpringLaw, ForceIsZeroAtZeroAndRises) {
-  for (const Case& c : many_cases()) {
+  for (const SmoothCase& c : many_smooth_cases()) {
     const SmoothSpringLaw law(c.tissue, c.direction, c.period);
     EXPECT_EQ(law.force_at(0.0).force, 0.0);
     EXPECT_EQ(law.force_at(-1e-3).force, 0.0);
@@ -130,7 +130,7 @@ TEST(SmoothSpringLaw, ForceIsZeroAtZeroAndRises) {
 }
 
 TEST(SmoothSpringLaw, ForceAndStiffnessHaveNoJumps) {
-  for (const Case& c : many_cases()) {
+  for (const SmoothCase& c : many_smooth_cases()) {
     const SmoothSpringLaw law(c.tissue, c.direction, c.period);
     const double step = law.max_depth() * 1e-9;
     for (int i = 1; i < 300; ++i) {
@@ -144,7 +144,7 @@ TEST(SmoothSpringLaw, ForceAndStiffnessHaveNoJumps) {
 }
 
 TEST(SmoothSpringLaw, StiffnessIsTheSlopeOfTheForce) {
-  for (const Case& c : many_cases()) {
+  for (const SmoothCase& c : many_smooth_cases()) {
     const SmoothSpringLaw law(c.tissue, c.direction, c.period);
     for (int i = 1; i < 100; ++i) {
       const double depth = law.max_depth() * i / 100;
@@ -156,7 +156,7 @@ TEST(SmoothSpringLaw, StiffnessIsTheSlopeOfTheForce) {
 }
 
 TEST(SmoothSpringLaw, SaturatesPastTheLastLayer) {
-  const SmoothSpringLaw law(hand_worked(), Direction::kPress, kTwoLayers);
+  const SmoothSpringLaw law(hand_worked_smooth(), Direction::kPress, kTwoLayers);
   EXPECT_DOUBLE_EQ(law.max_depth(), 8.5e-3);
   EXPECT_FALSE(law.force_at(8.5e-3).saturated);
   const ContactResponse past = law.force_at(9e-3);
@@ -170,7 +170,7 @@ TEST(SmoothSpringLaw, SaturatesPastTheLastLayer) {
 }
 
 TEST(SmoothSpringLaw, LayersFillByDepth) {
-  const SmoothSpringLaw law(hand_worked(), Direction::kPress, kTwoLayers);
+  const SmoothSpringLaw law(hand_worked_smooth(), Direction::kPress, kTwoLayers);
   const auto state = law.deformation_under(law.force_at(6e-3).force);
   EXPECT_EQ(state.cutoff_layer, 2);
   EXPECT_DOUBLE_EQ(state.deformation[0], 5e-3);
@@ -178,15 +178,15 @@ TEST(SmoothSpringLaw, LayersFillByDepth) {
 }
 
 TEST(SmoothSpringLaw, NotANumberStaysNotANumber) {
-  const SmoothSpringLaw law(hand_worked(), Direction::kPress, kTwoLayers);
-  EXPECT_TRUE(std::isnan(law.force_at(kNaN).force));
+  const SmoothSpringLaw law(hand_worked_smooth(), Direction::kPress, kTwoLayers);
+  EXPECT_TRUE(std::isnan(law.force_at(kSmoothNaN).force));
 }
 
 TEST(SmoothSpringLaw, RefusesWhatTheLayeredLawRefusesAndAForceWithoutEnd) {
-  TissueParameters tissue = hand_worked();
+  TissueParameters tissue = hand_worked_smooth();
   tissue.k1 = -1.0;
   EXPECT_THROW(SmoothSpringLaw(tissue, Direction::kPress, 1e-3), ParameterError);
-  tissue = hand_worked();
+  tissue = hand_worked_smooth();
   EXPECT_THROW(SmoothSpringLaw(tissue, Direction::kPress, 0.0), ParameterError);
   tissue.beta = 1e-2;  // the second layer's slope is 7e43 x 4 k_1, its end far above
   tissue.q = 1e-3;     // the last piece grows over L_n/2 by nothing

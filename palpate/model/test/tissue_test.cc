@@ -13,8 +13,8 @@
 namespace palpate::model {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTissueInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTissueNaN = std::numeric_limits<double>::quiet_NaN();
 
 const std::vector<std::string> kPresetNames{"gallbladder", "heart", "liver", "kidney"};
 
@@ -72,15 +72,15 @@ TEST(ValidateTissue, RefusesWhatIsNotFiniteAndAboveZeroInTheUnitOfTheFile) {
     };
     expect_refused({field.name, "0", set(0.0)});
     expect_refused({field.name, "-2", set(-2.0)});
-    expect_refused({field.name, "inf", set(kInfinity)});
-    expect_refused({field.name, "-inf", set(-kInfinity)});
-    expect_refused({field.name, "nan", set(kNaN)});
+    expect_refused({field.name, "inf", set(kTissueInfinity)});
+    expect_refused({field.name, "-inf", set(-kTissueInfinity)});
+    expect_refused({field.name, "nan", set(kTissueNaN)});
   }
 }
 
 TEST(ValidateTissue, RefusesNegativeFrictionAndDampingButNotZero) {
-  for (const double bad : {-0.5, kInfinity, kNaN}) {
-    const std::string shown = bad == -0.5 ? "-0.5" : bad == kInfinity ? "inf" : "nan";
+  for (const double bad : {-0.5, kTissueInfinity, kTissueNaN}) {
+    const std::string shown = bad == -0.5 ? "-0.5" : bad == kTissueInfinity ? "inf" : "nan";
     expect_refused({"contact.friction", shown, [bad](TissueParameters& t) { t.contact.friction = bad; }});
     expect_refused(
         {"contact.damping_N_s_per_m", shown, [bad](TissueParameters& t) { t.contact.damping = bad; }});
@@ -96,12 +96,12 @@ TEST(ValidateTissue, RefusesLengthsOutOfOrder) {
   const auto set_min = [](double value) { return [value](TissueParameters& t) { t.min_length = value; }; };
   expect_refused({"max_length_mm", "14", set_max(14e-3)});  // as long as at rest
   expect_refused({"max_length_mm", "2", set_max(2e-3)});
-  expect_refused({"max_length_mm", "inf", set_max(kInfinity)});
-  expect_refused({"max_length_mm", "nan", set_max(kNaN)});
+  expect_refused({"max_length_mm", "inf", set_max(kTissueInfinity)});
+  expect_refused({"max_length_mm", "nan", set_max(kTissueNaN)});
   expect_refused({"min_length_mm", "14", set_min(14e-3)});
   expect_refused({"min_length_mm", "30", set_min(30e-3)});
   expect_refused({"min_length_mm", "-1", set_min(-1e-3)});
-  expect_refused({"min_length_mm", "nan", set_min(kNaN)});
+  expect_refused({"min_length_mm", "nan", set_min(kTissueNaN)});
   TissueParameters tissue = tissue_preset("heart");
   tissue.min_length = 0.0;  // a spring may be pressed flat
   EXPECT_NO_THROW(validate(tissue));

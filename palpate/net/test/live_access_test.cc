@@ -43,7 +43,7 @@ class TokenFile : public testing::Test {
     chmod(file.c_str(), mode);
     return file;
   }
-  test::TemporaryFolder folder_;
+  palpate::test::TemporaryFolder folder_;
 };
 
 TEST_F(TokenFile, ItsFirstLineIsTheToken) {

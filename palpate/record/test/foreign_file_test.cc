@@ -25,7 +25,7 @@ std::string message_for(const std::filesystem::path& file) {
 }
 
 /// A sound recording of 10 ticks, changed by `change`.
-std::filesystem::path changed(const TemporaryFolder& folder, const std::function<void(hid_t)>& change) {
+std::filesystem::path changed_file(const TemporaryFolder& folder, const std::function<void(hid_t)>& change) {
   record_sample(folder / "a.h5", 10, 1);
   const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   change(file);
@@ -61,20 +61,20 @@ TEST(ForeignFile, RecordingWithoutTicksOrSceneOrMeshSaysWhatIsMissing) {
   for (const std::string name : {"/ticks", "/scene", "/organ/vertices", "/tools/0/parts/1", "/organ"}) {
     const TemporaryFolder folder;
     const std::filesystem::path file =
-        changed(folder, [&](hid_t id) { H5Ldelete(id, name.c_str(), H5P_DEFAULT); });
+        changed_file(folder, [&](hid_t id) { H5Ldelete(id, name.c_str(), H5P_DEFAULT); });
     EXPECT_THAT(message_for(file), HasSubstr("not a palpate recording: no " + name));
   }
 }
 
 TEST(ForeignFile, FormatVersionOfTheFutureIsRefused) {
   const TemporaryFolder folder;
-  const auto file = changed(folder, [](hid_t id) { hdf5::rewrite_attribute(id, "format_version", 2); });
+  const auto file = changed_file(folder, [](hid_t id) { hdf5::rewrite_attribute(id, "format_version", 2); });
   EXPECT_THAT(message_for(file), HasSubstr("format version 2"));
 }
 
 TEST(ForeignFile, TicksWithoutAColumnAreRefusedWithItsName) {
   const TemporaryFolder folder;
-  const auto file = changed(folder, [](hid_t id) {
+  const auto file = changed_file(folder, [](hid_t id) {
     H5Ldelete(id, "/ticks", H5P_DEFAULT);
     const hid_t type = H5Tcreate(H5T_COMPOUND, 8);
     H5Tinsert(type, "tick", 0, H5T_NATIVE_UINT64);
@@ -87,7 +87,7 @@ TEST(ForeignFile, TicksWithoutAColumnAreRefusedWithItsName) {
 
 TEST(ForeignFile, TriangleWithAnIndexOutOfRangeIsRefused) {
   const TemporaryFolder folder;
-  const auto file = changed(folder, [](hid_t id) {
+  const auto file = changed_file(folder, [](hid_t id) {
     const std::int32_t wrong[4][3] = {{0, 2, 1}, {0, 1, 4}, {0, 3, 2}, {1, 2, 3}};
     const hid_t set = H5Dopen2(id, "/organ/triangles", H5P_DEFAULT);
     H5Dwrite(set, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, wrong);
@@ -98,7 +98,7 @@ TEST(ForeignFile, TriangleWithAnIndexOutOfRangeIsRefused) {
 
 TEST(ForeignFile, HugeClaimedSizesAreRefusedOrIgnoredWithoutTakingMemory) {
   const TemporaryFolder folder;
-  const auto mesh = changed(folder, [](hid_t id) {
+  const auto mesh = changed_file(folder, [](hid_t id) {
     H5Ldelete(id, "/organ/vertices", H5P_DEFAULT);
     const hsize_t size[2] = {hsize_t{1} << 50, 3};
     const hsize_t chunk[2] = {1024, 3};
@@ -108,7 +108,7 @@ TEST(ForeignFile, HugeClaimedSizesAreRefusedOrIgnoredWithoutTakingMemory) {
                         H5P_DEFAULT, properties, H5P_DEFAULT));
   });
   EXPECT_THAT(message_for(mesh), HasSubstr("more rows than the file can hold"));
-  const auto ticks = changed(folder, [](hid_t id) {
+  const auto ticks = changed_file(folder, [](hid_t id) {
     const hsize_t rows = hsize_t{1} << 50;
     const hid_t set = H5Dopen2(id, "/ticks", H5P_DEFAULT);
     H5Dset_extent(set, &rows);
@@ -119,7 +119,7 @@ TEST(ForeignFile, HugeClaimedSizesAreRefusedOrIgnoredWithoutTakingMemory) {
 
 TEST(ForeignFile, RowsOutOfOrderInACompleteRecordingAreRefused) {
   const TemporaryFolder folder;
-  const auto file = changed(folder, [](hid_t id) {
+  const auto file = changed_file(folder, [](hid_t id) {
     const hid_t set = H5Dopen2(id, "/ticks", H5P_DEFAULT);
     std::vector<haptics::TickRow> rows(10);
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = sample_row(i == 6 ? 2 : i, 0);

@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kBallRadius = 3e-3;  // m
+constexpr double kReplayedBallRadius = 3e-3;  // m
 
 /// A ball in each hand over a block whose top is at z = 0.
 scene::Setup block_and_balls(std::size_t hands) {
@@ -27,7 +27,7 @@ scene::Setup block_and_balls(std::size_t hands) {
   setup.tissue = model::tissue_preset("gallbladder");
   for (std::size_t hand = 0; hand < hands; ++hand) {
     setup.tools.push_back(
-        {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius});
+        {"ball", {{.name = "ball", .mesh = geometry::make_ball(kReplayedBallRadius, 80)}}, kReplayedBallRadius});
     setup.devices.emplace_back();
   }
   return setup;
@@ -39,7 +39,7 @@ class PressingDevice final : public haptics::Device {
   explicit PressingDevice(double x) : x_(x) {}
   haptics::DeviceState read(std::uint64_t, double time) noexcept override {
     haptics::DeviceState state;
-    state.position_D = Vec3(x_, 0.002, kBallRadius + std::max(-0.003, 0.002 - 0.02 * time));
+    state.position_D = Vec3(x_, 0.002, kReplayedBallRadius + std::max(-0.003, 0.002 - 0.02 * time));
     return state;
   }
   bool write(const haptics::ForceCommand&) noexcept override { return true; }

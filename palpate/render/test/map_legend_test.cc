@@ -11,7 +11,7 @@ Image grey(int width, int height) {
       std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 128)};
 }
 
-std::size_t at(const Image& image, int x, int y) {
+std::size_t pixel_at(const Image& image, int x, int y) {
   return 3 *
          (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
 }
@@ -19,7 +19,7 @@ std::size_t at(const Image& image, int x, int y) {
 /// The first column from the right in which the row has a colour that is neither the ground's nor a grey.
 int bar_column(const Image& image, int y) {
   for (int x = image.width - 1; x >= 0; --x) {
-    const std::uint8_t* pixel = &image.rgb[at(image, x, y)];
+    const std::uint8_t* pixel = &image.rgb[pixel_at(image, x, y)];
     if (pixel[0] > pixel[2] + 60) return x;
   }
   return -1;
@@ -41,9 +41,9 @@ TEST(MapLegend, ItsBarIsYellowAboveAndDarkBelowAndLeavesTheLeftAlone) {
   const int top = 3 * 9 * 2 + 1;  // three lines of 9 squares of 2 pixels
   const int x = bar_column(image, top);
   ASSERT_GT(x, 600);
-  const std::uint8_t* bottom = &image.rgb[at(image, x, top + 600 * 2 / 5 - 3)];
+  const std::uint8_t* bottom = &image.rgb[pixel_at(image, x, top + 600 * 2 / 5 - 3)];
   EXPECT_LT(bottom[1], 40);
-  for (int y = 0; y < 600; ++y) EXPECT_EQ(image.rgb[at(image, 600, y)], 128);
+  for (int y = 0; y < 600; ++y) EXPECT_EQ(image.rgb[pixel_at(image, 600, y)], 128);
 }
 
 TEST(MapLegend, OtherRangesHaveOtherNumbers) {

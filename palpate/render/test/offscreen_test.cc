@@ -16,8 +16,8 @@
 namespace palpate::render {
 namespace {
 
-constexpr int kWidth = 320;
-constexpr int kHeight = 240;
+constexpr int kPictureWidth = 320;
+constexpr int kPictureHeight = 240;
 constexpr double kBall = 0.03;  // m: radius of the organ
 
 Subject ball_subject(const std::string& tissue = "liver") {
@@ -76,10 +76,10 @@ std::array<int, 2> pixel_of(const Camera& camera, const Vec3& p) {
   const Vec3 back = (camera.eye - camera.target).normalized();
   const Vec3 right = camera.up.cross(back).normalized();
   const Vec3 up = back.cross(right);
-  const double scale = 0.5 * kHeight / std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) /
+  const double scale = 0.5 * kPictureHeight / std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) /
                        (camera.eye - p).dot(back);
-  return {static_cast<int>(0.5 * kWidth + scale * (p - camera.eye).dot(right)),
-          static_cast<int>(0.5 * kHeight - scale * (p - camera.eye).dot(up))};
+  return {static_cast<int>(0.5 * kPictureWidth + scale * (p - camera.eye).dot(right)),
+          static_cast<int>(0.5 * kPictureHeight - scale * (p - camera.eye).dot(up))};
 }
 
 // One renderer for all tests: starting OpenGL takes longer than a small picture.
@@ -88,7 +88,7 @@ class Offscreen : public testing::Test {
   static void SetUpTestSuite() {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
-    liver_ = std::make_unique<OffscreenRenderer>(ball_subject(), kWidth, kHeight);
+    liver_ = std::make_unique<OffscreenRenderer>(ball_subject(), kPictureWidth, kPictureHeight);
   }
   static void TearDownTestSuite() { liver_.reset(); }
   static std::unique_ptr<OffscreenRenderer> liver_;
@@ -98,12 +98,12 @@ std::unique_ptr<OffscreenRenderer> Offscreen::liver_;
 TEST_F(Offscreen, DrawsWithoutADisplayAndNamesItsDriver) {
   EXPECT_FALSE(liver_->driver().empty());
   const Image image = liver_->draw(far_tool(), front_camera());
-  EXPECT_EQ(image.width, kWidth);
-  EXPECT_EQ(image.height, kHeight);
-  EXPECT_EQ(image.rgb.size(), static_cast<std::size_t>(kWidth * kHeight * 3));
+  EXPECT_EQ(image.width, kPictureWidth);
+  EXPECT_EQ(image.height, kPictureHeight);
+  EXPECT_EQ(image.rgb.size(), static_cast<std::size_t>(kPictureWidth * kPictureHeight * 3));
   std::set<std::array<int, 3>> colours;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kPictureHeight; ++y) {
+    for (int x = 0; x < kPictureWidth; ++x) {
       const Colour c = at(image, x, y);
       colours.insert({c.red, c.green, c.blue});
     }
@@ -113,7 +113,7 @@ TEST_F(Offscreen, DrawsWithoutADisplayAndNamesItsDriver) {
 
 TEST_F(Offscreen, ShowsTheOrganInItsColourBeforeAGreyBackground) {
   const Image image = liver_->draw(far_tool(), front_camera());
-  const Colour organ = at(image, kWidth / 2, kHeight / 2);
+  const Colour organ = at(image, kPictureWidth / 2, kPictureHeight / 2);
   EXPECT_GT(organ.red, organ.green + 30);
   EXPECT_GT(organ.red, organ.blue + 30);
   const Colour corner = at(image, 4, 4);
@@ -126,12 +126,12 @@ TEST_F(Offscreen, IsTheOrgansSizeOnThePicture) {
   const Image image = liver_->draw(far_tool(), camera);
   // Seen from distance d, a ball fills a cone of half angle asin(R/d).
   const double distance = camera.eye.norm();
-  const double radius_px = 0.5 * kHeight / std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) *
+  const double radius_px = 0.5 * kPictureHeight / std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) *
                            std::tan(std::asin(kBall / distance));
-  int left = kWidth;
+  int left = kPictureWidth;
   int right = 0;
-  for (int x = 0; x < kWidth; ++x) {
-    const Colour c = at(image, x, kHeight / 2);
+  for (int x = 0; x < kPictureWidth; ++x) {
+    const Colour c = at(image, x, kPictureHeight / 2);
     if (c.red < c.green + 15) continue;
     left = std::min(left, x);
     right = std::max(right, x);
@@ -155,7 +155,7 @@ TEST_F(Offscreen, APressChangesThePictureAroundTheContactAndNotFarAway) {
   EXPECT_GT(near, 25.0);
   const auto [fx, fy] = pixel_of(camera, Vec3(0, -0.02, -0.02));
   for (int i = -8; i <= 8; ++i) EXPECT_NEAR(brightness(rest, fx + i, fy), brightness(dent, fx + i, fy), 6.0);
-  for (const int corner : {2, kWidth - 3})
+  for (const int corner : {2, kPictureWidth - 3})
     EXPECT_EQ(brightness(rest, corner, 2), brightness(dent, corner, 2));
 }
 
@@ -165,18 +165,18 @@ TEST_F(Offscreen, ThePressedTopIsLowerByTheDepth) {
   camera.eye = Vec3(0, -0.25, kBall);
   camera.target = Vec3(0, 0, kBall);
   const auto top_row = [&](const Image& image) {
-    for (int y = 0; y < kHeight; ++y) {
-      const Colour c = at(image, kWidth / 2, y);
+    for (int y = 0; y < kPictureHeight; ++y) {
+      const Colour c = at(image, kPictureWidth / 2, y);
       if (c.red > c.green + 15) return y;
     }
-    return kHeight;
+    return kPictureHeight;
   };
   haptics::Snapshot pull = pressed(0.008);
   pull.results[0].views[0].direction_S = Vec3::UnitZ();
   const int rest = top_row(liver_->draw(far_tool(), camera));
   const int tent = top_row(liver_->draw(pull, camera));
   const double rows_a_metre =
-      0.5 * kHeight / std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) / 0.25;
+      0.5 * kPictureHeight / std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) / 0.25;
   EXPECT_NEAR(rest - tent, 0.008 * rows_a_metre, 2.0);
 }
 
@@ -185,11 +185,11 @@ TEST_F(Offscreen, AnOrganTurnedInsideOutIsSeenHollow) {
   for (geometry::Triangle& t : hollow.organ.triangles) std::swap(t[1], t[2]);
   const auto upper_minus_lower = [](OffscreenRenderer& renderer) {
     const Image image = renderer.draw(far_tool(), front_camera());
-    return brightness(image, kWidth / 2 - 10, kHeight / 2 - 35) -
-           brightness(image, kWidth / 2 + 10, kHeight / 2 + 35);
+    return brightness(image, kPictureWidth / 2 - 10, kPictureHeight / 2 - 35) -
+           brightness(image, kPictureWidth / 2 + 10, kPictureHeight / 2 + 35);
   };
   // The key light is above: a ball is bright on top, a bowl at its bottom.
-  OffscreenRenderer inside_out(hollow, kWidth, kHeight);
+  OffscreenRenderer inside_out(hollow, kPictureWidth, kPictureHeight);
   EXPECT_GT(upper_minus_lower(*liver_), 30.0);
   EXPECT_LT(upper_minus_lower(inside_out), 0.0);
 }
@@ -214,7 +214,7 @@ TEST_F(Offscreen, AJawTurnsWithTheGripper) {
   jaw.is_jaw = true;
   jaw.axis = Vec3::UnitY();
   jaw.open_angle = 3.14159265 / 2.0;  // from +z to +x
-  OffscreenRenderer renderer(subject, kWidth, kHeight);
+  OffscreenRenderer renderer(subject, kPictureWidth, kPictureHeight);
   haptics::Snapshot snapshot = far_tool();
   snapshot.tools[0].pose_W.position = Vec3(0.0, -0.035, 0.01);
   const Camera camera = front_camera();
@@ -230,32 +230,32 @@ TEST_F(Offscreen, TheOrganMovesWithItsPose) {
   haptics::Snapshot snapshot = far_tool();
   snapshot.organ_W.position = Vec3(0.1, 0, 0);
   const Image image = liver_->draw(snapshot, front_camera());
-  const Colour middle = at(image, kWidth / 2, kHeight / 2);
+  const Colour middle = at(image, kPictureWidth / 2, kPictureHeight / 2);
   EXPECT_NEAR(middle.red, middle.blue, 25);
 }
 
 TEST_F(Offscreen, NothingIsBlackOrGlares) {
   for (const char* tissue : {"gallbladder", "heart", "liver", "kidney", "sponge"}) {
-    OffscreenRenderer renderer(ball_subject(tissue), kWidth, kHeight);
+    OffscreenRenderer renderer(ball_subject(tissue), kPictureWidth, kPictureHeight);
     const Image image = renderer.draw(pressed(0.008), front_camera());
     int black = 0;
     int white = 0;
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kPictureHeight; ++y) {
+      for (int x = 0; x < kPictureWidth; ++x) {
         const double b = brightness(image, x, y);
         if (b < 6.0) ++black;
         if (b > 249.0) ++white;
       }
     }
-    EXPECT_LT(black, kWidth * kHeight / 500) << tissue;
-    EXPECT_LT(white, kWidth * kHeight / 500) << tissue;
+    EXPECT_LT(black, kPictureWidth * kPictureHeight / 500) << tissue;
+    EXPECT_LT(white, kPictureWidth * kPictureHeight / 500) << tissue;
   }
 }
 
 TEST_F(Offscreen, TwoRenderersDrawInTurn) {
   OffscreenRenderer other(ball_subject("gallbladder"), 64, 48);
   const Image green = other.draw(far_tool(), front_camera());
-  EXPECT_EQ(liver_->draw(far_tool(), front_camera()).width, kWidth);
+  EXPECT_EQ(liver_->draw(far_tool(), front_camera()).width, kPictureWidth);
   EXPECT_EQ(other.draw(far_tool(), front_camera()).rgb, green.rgb);
   const Colour c = at(green, 32, 24);
   EXPECT_GT(c.green, c.red - 25);
@@ -305,12 +305,12 @@ TEST_F(Offscreen, WhatACloseUpShowsOfALargeOrganBeyondTheShadowMapIsLit) {
   Camera camera;
   camera.target = Vec3(0, 0, 0.01);
   camera.eye = camera.target + Vec3(0, -0.11, 0.04);
-  OffscreenRenderer renderer(subject, kWidth, kHeight);
+  OffscreenRenderer renderer(subject, kPictureWidth, kPictureHeight);
   const Image image = renderer.draw(far_tool(), camera);
-  const double middle = brightness(image, kWidth / 2, kHeight / 2);
+  const double middle = brightness(image, kPictureWidth / 2, kPictureHeight / 2);
   // To the right and far away, where the key lamp's light comes later than at the map's edge.
-  EXPECT_GT(brightness(image, kWidth - 20, 20), 0.7 * middle);
-  EXPECT_GT(brightness(image, kWidth - 5, 30), 0.7 * middle);
+  EXPECT_GT(brightness(image, kPictureWidth - 20, 20), 0.7 * middle);
+  EXPECT_GT(brightness(image, kPictureWidth - 5, 30), 0.7 * middle);
 }
 
 }  // namespace

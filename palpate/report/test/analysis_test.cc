@@ -9,7 +9,7 @@
 namespace palpate::report {
 namespace {
 
-using testing::SyntheticRecording;
+using test::SyntheticRecording;
 
 TEST(Analysis, FindsTheMomentsOfAPress) {
   const record::Recording recording = SyntheticRecording::make();

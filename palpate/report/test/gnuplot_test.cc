@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string read(const std::filesystem::path& file) {
+std::string read_script(const std::filesystem::path& file) {
   std::ifstream in(file);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
@@ -25,8 +25,8 @@ TEST(Gnuplot, DrawsAFigureFromATable) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "drawn.svg";
   run_gnuplot(kScript, {{"points.dat", {{0.0, 1.0}, {1.0, 2.5}}}}, file);
-  EXPECT_THAT(read(file), HasSubstr("<svg"));
-  EXPECT_THAT(read(file), HasSubstr("a claim"));
+  EXPECT_THAT(read_script(file), HasSubstr("<svg"));
+  EXPECT_THAT(read_script(file), HasSubstr("a claim"));
 }
 
 TEST(Gnuplot, SaysWhichPackageIsMissing) {

@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::SyntheticRecording;
+using test::SyntheticRecording;
 
 std::string read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -11,7 +11,7 @@
 #include "palpate/noise/touch_noise.h"
 #include "palpate/record/recording.h"
 
-namespace palpate::report::testing {
+namespace palpate::report::test {
 
 /// A recording made by formulas instead of a run: a ball of 5 mm goes into the top of a box, from 10 mm clear
 /// to 12 mm of depth at 1.5 s, holds and comes back; the force is the law's and the noise the model's.
@@ -103,4 +103,4 @@ class SyntheticRecording final {
   }
 };
 
-}  // namespace palpate::report::testing
+}  // namespace palpate::report::test

@@ -14,16 +14,16 @@ using test::error_of;
 using test::TemporaryFolder;
 using testing::HasSubstr;
 
-const std::string kShort = "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n[device]\n";  // five lines
+const std::string kShortEmulated = "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n[device]\n";  // five lines
 
 DeviceSetup device_of(const std::string& lines) {
   const TemporaryFolder folder;
-  return read_scene_file(folder.write("press.toml", kShort + lines)).devices.front().setup;
+  return read_scene_file(folder.write("press.toml", kShortEmulated + lines)).devices.front().setup;
 }
 
-std::string error_in(const std::string& lines) {
+std::string emulated_error_in(const std::string& lines) {
   const TemporaryFolder folder;
-  const auto file = folder.write("press.toml", kShort + lines);
+  const auto file = folder.write("press.toml", kShortEmulated + lines);
   return error_of([&] { (void)read_scene_file(file); });
 }
 
@@ -84,45 +84,45 @@ TEST(EmulatedReader, EveryFaultHasANameThatIsFoundAgain) {
 
 TEST(EmulatedReader, RefusesWhatIsOutOfRangeOrGivenTwice) {
   const std::string kind = "kind = \"emulated\"\n";
-  EXPECT_THAT(error_in(kind + "mass_kg = 0\n"),
+  EXPECT_THAT(emulated_error_in(kind + "mass_kg = 0\n"),
               HasSubstr(":7: device.mass_kg = 0: must be a number >= 0.001"));
-  EXPECT_THAT(error_in(kind + "grip = \"tight\"\n"),
+  EXPECT_THAT(emulated_error_in(kind + "grip = \"tight\"\n"),
               HasSubstr("device.grip = \"tight\": must be light or firm"));
-  EXPECT_THAT(error_in(kind + "grip_N_per_m = -1\n"),
+  EXPECT_THAT(emulated_error_in(kind + "grip_N_per_m = -1\n"),
               HasSubstr("device.grip_N_per_m = -1: must be a number >= 0"));
-  EXPECT_THAT(error_in(kind + "grip_N_s_per_m = 1e9\n"), HasSubstr("device.grip_N_s_per_m"));
-  EXPECT_THAT(error_in(kind + "grip = \"light\"\ngrip_N_per_m = 50\n"),
+  EXPECT_THAT(emulated_error_in(kind + "grip_N_s_per_m = 1e9\n"), HasSubstr("device.grip_N_s_per_m"));
+  EXPECT_THAT(emulated_error_in(kind + "grip = \"light\"\ngrip_N_per_m = 50\n"),
               HasSubstr(":8: device.grip_N_per_m = 50: stands beside grip, give only one of them"));
   const std::string fault = kind + "[[device.fault]]\n";
-  EXPECT_THAT(error_in(fault + "time_s = 1\n"),
+  EXPECT_THAT(emulated_error_in(fault + "time_s = 1\n"),
               HasSubstr("device.fault.kind: missing, must be freeze, drop-out"));
   EXPECT_THAT(
-      error_in(fault + "kind = \"flood\"\ntime_s = 1\n"),
+      emulated_error_in(fault + "kind = \"flood\"\ntime_s = 1\n"),
       HasSubstr("device.fault.kind = \"flood\": must be freeze, drop-out, nan, spike, late, wrong-units, "
                 "force-off or refuse"));
-  EXPECT_THAT(error_in(fault + "kind = \"nan\"\n"), HasSubstr("device.fault.time_s: missing"));
-  EXPECT_THAT(error_in(fault + "kind = \"nan\"\ntime_s = -1\n"), HasSubstr("device.fault.time_s = -1"));
-  EXPECT_THAT(error_in(fault + "kind = \"nan\"\ntime_s = 1\nduration_s = -1\n"),
+  EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\n"), HasSubstr("device.fault.time_s: missing"));
+  EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = -1\n"), HasSubstr("device.fault.time_s = -1"));
+  EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = 1\nduration_s = -1\n"),
               HasSubstr("duration_s = -1"));
-  EXPECT_THAT(error_in(fault + "kind = \"late\"\ntime_s = 1\nage_ms = 2000\n"), HasSubstr("age_ms = 2000"));
-  EXPECT_THAT(error_in(fault + "kind = \"nan\"\ntime_s = 1\nage_ms = 8\n"),
+  EXPECT_THAT(emulated_error_in(fault + "kind = \"late\"\ntime_s = 1\nage_ms = 2000\n"), HasSubstr("age_ms = 2000"));
+  EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = 1\nage_ms = 8\n"),
               HasSubstr("age_ms = 8: is only for kind = \"late\""));
-  EXPECT_THAT(error_in(fault + "kind = \"nan\"\ntime_s = 1\nwhen = 2\n"), HasSubstr("unknown key"));
+  EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = 1\nwhen = 2\n"), HasSubstr("unknown key"));
 }
 
 TEST(EmulatedReader, RefusesItsKeysForOtherKindsOfDevice) {
   for (const std::string line :
        {"mass_kg = 1", "grip = \"light\"", "grip_N_per_m = 1", "grip_N_s_per_m = 1"}) {
-    EXPECT_THAT(error_in(line + "\n"), HasSubstr(": is only for kind = \"emulated\"")) << line;
-    EXPECT_THAT(error_in("kind = \"haply\"\n" + line + "\n"), HasSubstr("is only for kind")) << line;
+    EXPECT_THAT(emulated_error_in(line + "\n"), HasSubstr(": is only for kind = \"emulated\"")) << line;
+    EXPECT_THAT(emulated_error_in("kind = \"haply\"\n" + line + "\n"), HasSubstr("is only for kind")) << line;
   }
-  EXPECT_THAT(error_in("[[device.fault]]\nkind = \"nan\"\ntime_s = 1\n"), HasSubstr("device.fault"));
+  EXPECT_THAT(emulated_error_in("[[device.fault]]\nkind = \"nan\"\ntime_s = 1\n"), HasSubstr("device.fault"));
 }
 
 TEST(EmulatedReader, AnEmulatedDevicesDynamicsAreAlwaysKnownAndAnothersOnlyWhenGiven) {
   const TemporaryFolder folder;
   Request request;
-  request.scene = folder.write("press.toml", kShort + "kind = \"emulated\"\nfriction_N = 0.2\n");
+  request.scene = folder.write("press.toml", kShortEmulated + "kind = \"emulated\"\nfriction_N = 0.2\n");
   const DeviceDynamics emulated = load(request).devices.front().dynamics;
   EXPECT_EQ(emulated.damping, 1.5);
   EXPECT_EQ(emulated.friction, 0.2);

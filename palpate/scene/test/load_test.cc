@@ -14,7 +14,7 @@ using test::error_of;
 using test::TemporaryFolder;
 using testing::HasSubstr;
 
-const std::string kShort =
+const std::string kShortLoaded =
     "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"curved-forceps\"\n";  // four lines
 
 /// A box of 40 mm as an OBJ file.
@@ -119,7 +119,7 @@ TEST(Load, FlagsOverrideTheScene) {
   const auto box = folder.write("box.obj", kBox);
   const auto way = folder.write("way.csv", "time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1\n");
   Request request =
-      scene(folder.write("s.toml", kShort + "[scene]\nname = \"mine\"\n[device]\nworkspace_scale = 2\n"));
+      scene(folder.write("s.toml", kShortLoaded + "[scene]\nname = \"mine\"\n[device]\nworkspace_scale = 2\n"));
   request.task = "pull";
   request.organ = box.string();
   request.organ_unit = "mm";
@@ -175,7 +175,7 @@ TEST(Load, ANoiseClockThatIsNotGivenNeverRunsFasterThanTheLoop) {
   EXPECT_EQ(load(request).noise.rate_Hz, 1000.0);
   const TemporaryFolder folder;
   const Request given =
-      scene(folder.write("s.toml", kShort + "[scene]\nrate_Hz = 500\n[noise]\nrate_Hz = 600\n"));
+      scene(folder.write("s.toml", kShortLoaded + "[scene]\nrate_Hz = 500\n[noise]\nrate_Hz = 600\n"));
   EXPECT_THAT(error_in(given),
               HasSubstr("s.toml:8: noise.rate_Hz = 600: must be at most the loop's rate, 500 Hz"));
 }
@@ -248,17 +248,17 @@ TEST(Load, RefusesWhatAScenesFilesDoWrong) {
   EXPECT_THAT(
       error_with("[organ]\nmesh=\"heart\"\ntissue=\"no.toml\"\n[tool]\nmesh=\"sphere:3\"\n"),
       HasSubstr(name + ":3: organ.tissue: " + folder.path().string() + "/no.toml: there is no such file"));
-  EXPECT_THAT(error_with(kShort + "[device]\nkind=\"spoon\"\n"),
+  EXPECT_THAT(error_with(kShortLoaded + "[device]\nkind=\"spoon\"\n"),
               HasSubstr(name + ":6: device.kind = \"spoon\": must be scripted, replay"));
-  EXPECT_THAT(error_with(kShort + "[device]\nkind=\"replay\"\n"),
+  EXPECT_THAT(error_with(kShortLoaded + "[device]\nkind=\"replay\"\n"),
               HasSubstr(name + ":6: device.kind = \"replay\": needs"));
-  EXPECT_THAT(error_with(kShort + "[device]\npath=\"no.csv\"\n"),
+  EXPECT_THAT(error_with(kShortLoaded + "[device]\npath=\"no.csv\"\n"),
               HasSubstr(name + ":6: device.path = \"no.csv\": there is no such file"));
   (void)folder.write("way.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n");
-  EXPECT_THAT(error_with(kShort + "[scene]\ntask=\"pull\"\n[device]\npath=\"way.csv\"\n"),
+  EXPECT_THAT(error_with(kShortLoaded + "[scene]\ntask=\"pull\"\n[device]\npath=\"way.csv\"\n"),
               HasSubstr("way.csv:1: gripper: missing, a pull needs this column"));
   (void)folder.write("back.csv", "time_s,x_m,y_m,z_m\n1,0,0,0\n0,0,0,0\n");
-  EXPECT_THAT(error_with(kShort + "[device]\npath=\"back.csv\"\n"),
+  EXPECT_THAT(error_with(kShortLoaded + "[device]\npath=\"back.csv\"\n"),
               HasSubstr("back.csv:3: time_s = 0: must be later"));
 }
 

@@ -25,7 +25,7 @@ std::vector<model::OrganMotionParameters> motions_of(const std::string& content)
   return read_scene_file(folder.write("s.toml", kScene + content)).organ_motion;
 }
 
-std::string error_in(const std::string& content) {
+std::string motion_error_in(const std::string& content) {
   const TemporaryFolder folder;
   const auto file = folder.write("s.toml", kScene + content);
   return error_of([&] { (void)read_scene_file(file); });
@@ -94,7 +94,7 @@ TEST(OrganMotionTable, RefusesBadValuesAtTheirLineWithFieldAndValue) {
            {breathing + "period_s = 0.4\namplitude_mm = 100\n",
             ":7: organ.motion.period_s = 0.4: must be so long, or amplitude_mm and rotation_deg so small, "
             "that the organ stays below 1 m/s"}}) {
-    EXPECT_THAT(error_in(text), HasSubstr(want)) << text;
+    EXPECT_THAT(motion_error_in(text), HasSubstr(want)) << text;
   }
 }
 
@@ -107,10 +107,10 @@ TEST(OrganMotionTable, TheLimitsThemselvesPass) {
 TEST(OrganMotionTable, RefusesMotionsThatAreTooFastOrTooManyTogether) {
   const std::string fast = "[[organ.motion]]\nkind = \"heartbeat\"\nperiod_s = 0.3\namplitude_mm = 30\n";
   EXPECT_EQ(motions_of(fast).size(), 1U);
-  EXPECT_THAT(error_in(fast + fast), HasSubstr(":11: organ.motion.period_s = 0.3: must be so long"));
+  EXPECT_THAT(motion_error_in(fast + fast), HasSubstr(":11: organ.motion.period_s = 0.3: must be so long"));
   std::string many;
   for (int i = 0; i < 5; ++i) many += "[[organ.motion]]\nkind = \"breathing\"\n";
-  EXPECT_THAT(error_in(many), HasSubstr(":14: organ.motion.kind = \"breathing\": 5 motions of one organ"));
+  EXPECT_THAT(motion_error_in(many), HasSubstr(":14: organ.motion.kind = \"breathing\": 5 motions of one organ"));
 }
 
 TEST(OrganMotionFlag, ReplacesTheMotionsOfTheScene) {

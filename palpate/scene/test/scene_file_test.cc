@@ -14,7 +14,7 @@ using test::error_of;
 using test::TemporaryFolder;
 using testing::HasSubstr;
 
-const double kPi = std::acos(-1.0);
+const double kScenePi = std::acos(-1.0);
 
 const std::string kShort =
     "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"curved-forceps\"\n";  // four lines
@@ -24,7 +24,7 @@ SceneDescription described(const std::string& content) {
   return read_scene_file(folder.write("press.toml", content));
 }
 
-std::string error_in(const std::string& content) {
+std::string scene_error_in(const std::string& content) {
   const TemporaryFolder folder;
   const auto file = folder.write("press.toml", content);
   const std::string message = error_of([&] { (void)read_scene_file(file); });
@@ -91,10 +91,10 @@ max_slew_N_m_per_ms = 0.02
   ASSERT_EQ(tool.jaws.size(), 2U);
   EXPECT_EQ(tool.jaws[0].axis, Vec3(0.0, 0.0, 1.0));
   EXPECT_DOUBLE_EQ(tool.jaws[0].pivot.y(), 0.002);
-  EXPECT_DOUBLE_EQ(tool.jaws[0].open_angle, -kPi / 9.0);
+  EXPECT_DOUBLE_EQ(tool.jaws[0].open_angle, -kScenePi / 9.0);
   EXPECT_EQ(tool.jaws[1].axis, Vec3(0.0, 1.0, 0.0));
   EXPECT_EQ(tool.jaws[1].pivot, Vec3(0.0, 0.0, 0.0));
-  EXPECT_DOUBLE_EQ(tool.jaws[1].open_angle, kPi / 12.0);
+  EXPECT_DOUBLE_EQ(tool.jaws[1].open_angle, kScenePi / 12.0);
   EXPECT_FALSE(tool.jaws_by_flags);
   ASSERT_EQ(scene.devices.size(), 1U);
   EXPECT_EQ(scene.devices[0].kind.value, "scripted");
@@ -161,11 +161,11 @@ TEST(SceneFile, NoiseLevelMayBeAShareOfTheUsersThreshold) {
 }
 
 TEST(SceneFile, NamesTheNearestKnownKeyInEveryTable) {
-  EXPECT_EQ(error_in(kShort + "[scene]\nrate_HZ = 1000\n"),
+  EXPECT_EQ(scene_error_in(kShort + "[scene]\nrate_HZ = 1000\n"),
             "press.toml:6: scene.rate_HZ = 1000: unknown key, did you mean rate_Hz?");
-  EXPECT_EQ(error_in("[organ]\nmsh = \"heart\"\n"),
+  EXPECT_EQ(scene_error_in("[organ]\nmsh = \"heart\"\n"),
             "press.toml:2: organ.msh = \"heart\": unknown key, did you mean mesh?");
-  EXPECT_THAT(error_in(kShort + "[organn]\n"), HasSubstr("press.toml:5: organn = "));
+  EXPECT_THAT(scene_error_in(kShort + "[organn]\n"), HasSubstr("press.toml:5: organn = "));
   for (const auto& [line, hint] : std::vector<std::pair<std::string, std::string>>{
            {"[organ.pose]\nposition = 3\n",
             "organ.pose.position = 3: unknown key, did you mean position_mm?"},
@@ -175,7 +175,7 @@ TEST(SceneFile, NamesTheNearestKnownKeyInEveryTable) {
            {"[device]\nkinds = 3\n", "device.kinds = 3: unknown key, did you mean kind?"},
            {"[noise]\ngain_N = 3\n", "noise.gain_N = 3: unknown key, did you mean gain_N_m?"},
            {"[safety]\nmax_force = 3\n", "safety.max_force = 3: unknown key, did you mean max_force_N?"}}) {
-    EXPECT_THAT(error_in(kShort + line), HasSubstr(hint));
+    EXPECT_THAT(scene_error_in(kShort + line), HasSubstr(hint));
   }
 }
 
@@ -217,20 +217,20 @@ TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {
             ":6: safety.max_slew_N_per_ms = -1: must be a finite number > 0"},
            {"[safety]\nmax_torque_N_m = inf", ":6: safety.max_torque_N_m = inf: must be a finite number > 0"},
            {"[safety]\nmax_slew_N_m_per_ms = nan", ":6: safety.max_slew_N_m_per_ms = nan: must be"}}) {
-    EXPECT_THAT(error_in(kShort + line + "\n"), HasSubstr(want)) << line;
+    EXPECT_THAT(scene_error_in(kShort + line + "\n"), HasSubstr(want)) << line;
   }
 }
 
 TEST(SceneFile, RefusesBadValuesInOrganAndTool) {
-  EXPECT_THAT(error_in("[organ]\nmesh = \"a.stl\"\nunit = \"feet\"\n"),
+  EXPECT_THAT(scene_error_in("[organ]\nmesh = \"a.stl\"\nunit = \"feet\"\n"),
               HasSubstr(":3: organ.unit = \"feet\": must be mm, cm, m or in"));
-  EXPECT_THAT(error_in("[organ]\nmesh = 3\n"), HasSubstr(":2: organ.mesh = 3: must be a text"));
-  EXPECT_THAT(error_in("[organ]\nmesh = \"\"\n"), HasSubstr(":2: organ.mesh = \"\": must be a text"));
-  EXPECT_THAT(error_in("[tool]\nunit = \"mm\"\n"), HasSubstr(":1: tool.mesh: missing, a tool needs a mesh"));
-  EXPECT_THAT(error_in("[tool]\nmesh = \"sphere:3\"\ntip_radius_mm = 0\n"),
+  EXPECT_THAT(scene_error_in("[organ]\nmesh = 3\n"), HasSubstr(":2: organ.mesh = 3: must be a text"));
+  EXPECT_THAT(scene_error_in("[organ]\nmesh = \"\"\n"), HasSubstr(":2: organ.mesh = \"\": must be a text"));
+  EXPECT_THAT(scene_error_in("[tool]\nunit = \"mm\"\n"), HasSubstr(":1: tool.mesh: missing, a tool needs a mesh"));
+  EXPECT_THAT(scene_error_in("[tool]\nmesh = \"sphere:3\"\ntip_radius_mm = 0\n"),
               HasSubstr(":3: tool.tip_radius_mm = 0: must be a number > 0"));
-  EXPECT_THAT(error_in("tool = 3\n"), HasSubstr(":1: tool = 3: must be a table or an array of tables"));
-  EXPECT_THAT(error_in("tool = [3]\n"), HasSubstr("must be a table or an array of tables"));
+  EXPECT_THAT(scene_error_in("tool = 3\n"), HasSubstr(":1: tool = 3: must be a table or an array of tables"));
+  EXPECT_THAT(scene_error_in("tool = [3]\n"), HasSubstr("must be a table or an array of tables"));
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-std::string error_in(const std::string& content) {
+std::string tissue_error_in(const std::string& content) {
   const TemporaryFolder folder;
   const auto file = folder.write("soft.toml", content);
   const std::string message = error_of([&] { (void)read_tissue_file(file); });
@@ -104,58 +104,58 @@ TEST(TissueFile, DefaultsAllThatIsNotRequired) {
 TEST(TissueFile, RefusesEachMissingRequiredKeyByName) {
   for (const std::string key :
        {"k1_N_per_m", "beta", "q", "rest_length_mm", "max_length_mm", "min_length_mm", "t1_us"}) {
-    const std::string message = error_in(replaced(kRequired, "\n" + key + " =", "\n# " + key + " ="));
+    const std::string message = tissue_error_in(replaced(kRequired, "\n" + key + " =", "\n# " + key + " ="));
     EXPECT_THAT(message, HasSubstr("soft.toml:1: tissue." + key + ": missing, must be a finite number"));
   }
 }
 
 TEST(TissueFile, NamesTheNearestKnownKeyOfAnUnknownOne) {
-  EXPECT_EQ(error_in(replaced(kRequired, "beta", "betta")),
+  EXPECT_EQ(tissue_error_in(replaced(kRequired, "beta", "betta")),
             "soft.toml:3: tissue.betta = 1.6: unknown key, did you mean beta?");
-  EXPECT_EQ(error_in(kRequired + "bta = 1.7\n"),
+  EXPECT_EQ(tissue_error_in(kRequired + "bta = 1.7\n"),
             "soft.toml:9: tissue.bta = 1.7: unknown key, did you mean beta?");
-  EXPECT_EQ(error_in(kRequired + "[tissue.contact]\nfriktion = 0.3\n"),
+  EXPECT_EQ(tissue_error_in(kRequired + "[tissue.contact]\nfriktion = 0.3\n"),
             "soft.toml:10: tissue.contact.friktion = 0.3: unknown key, did you mean friction?");
-  EXPECT_THAT(error_in(kRequired + "[tisue]\n"), HasSubstr("soft.toml:9: tisue = "));
+  EXPECT_THAT(tissue_error_in(kRequired + "[tisue]\n"), HasSubstr("soft.toml:9: tisue = "));
 }
 
 TEST(TissueFile, RefusesWrongTypesWithLineFieldAndValue) {
-  EXPECT_EQ(error_in(replaced(kRequired, "q = 0.7", "q = \"0.7\"")),
+  EXPECT_EQ(tissue_error_in(replaced(kRequired, "q = 0.7", "q = \"0.7\"")),
             "soft.toml:4: tissue.q = \"0.7\": must be a finite number");
-  EXPECT_EQ(error_in(replaced(kRequired, "q = 0.7", "q = true")),
+  EXPECT_EQ(tissue_error_in(replaced(kRequired, "q = 0.7", "q = true")),
             "soft.toml:4: tissue.q = true: must be a finite number");
-  EXPECT_THAT(error_in(kRequired + "name = 3\n"), HasSubstr("soft.toml:9: tissue.name = 3: must be a text"));
-  EXPECT_THAT(error_in(kRequired + "name = \"a\\nb\"\n"),
+  EXPECT_THAT(tissue_error_in(kRequired + "name = 3\n"), HasSubstr("soft.toml:9: tissue.name = 3: must be a text"));
+  EXPECT_THAT(tissue_error_in(kRequired + "name = \"a\\nb\"\n"),
               HasSubstr("soft.toml:9: tissue.name = \"a b\": must be"));
-  EXPECT_THAT(error_in(kRequired + "reach = 3\n"),
+  EXPECT_THAT(tissue_error_in(kRequired + "reach = 3\n"),
               HasSubstr("soft.toml:9: tissue.reach = 3: must be a table"));
-  EXPECT_THAT(error_in("tissue = 3\n"), HasSubstr("soft.toml:1: tissue = 3: must be a table"));
-  EXPECT_THAT(error_in("\n"), HasSubstr("tissue: missing"));
+  EXPECT_THAT(tissue_error_in("tissue = 3\n"), HasSubstr("soft.toml:1: tissue = 3: must be a table"));
+  EXPECT_THAT(tissue_error_in("\n"), HasSubstr("tissue: missing"));
 }
 
 TEST(TissueFile, RefusesNumbersThatAreNotFinite) {
   for (const std::string value : {"nan", "inf", "-inf"}) {
-    EXPECT_EQ(error_in(replaced(kRequired, "beta = 1.6", "beta = " + value)),
+    EXPECT_EQ(tissue_error_in(replaced(kRequired, "beta = 1.6", "beta = " + value)),
               "soft.toml:3: tissue.beta = " + value + ": must be a finite number");
   }
 }
 
 TEST(TissueFile, RefusesValuesOutOfRangeAtTheirOwnLine) {
-  EXPECT_THAT(error_in(replaced(kRequired, "k1_N_per_m = 18.0", "k1_N_per_m = -18.0")),
+  EXPECT_THAT(tissue_error_in(replaced(kRequired, "k1_N_per_m = 18.0", "k1_N_per_m = -18.0")),
               HasSubstr("soft.toml:2: tissue.k1_N_per_m = -18: must be"));
-  EXPECT_THAT(error_in(replaced(kRequired, "t1_us = 1.0", "t1_us = 0")),
+  EXPECT_THAT(tissue_error_in(replaced(kRequired, "t1_us = 1.0", "t1_us = 0")),
               HasSubstr("soft.toml:8: tissue.t1_us = 0: must be"));
-  EXPECT_THAT(error_in(replaced(kRequired, "max_length_mm = 22.0", "max_length_mm = 14.0")),
+  EXPECT_THAT(tissue_error_in(replaced(kRequired, "max_length_mm = 22.0", "max_length_mm = 14.0")),
               HasSubstr("soft.toml:6: tissue.max_length_mm = 14: must be"));
-  EXPECT_THAT(error_in(kRequired + "[tissue.contact]\nfriction = -0.1\n"),
+  EXPECT_THAT(tissue_error_in(kRequired + "[tissue.contact]\nfriction = -0.1\n"),
               HasSubstr("soft.toml:10: tissue.contact.friction = -0.1: must be"));
-  EXPECT_THAT(error_in(kRequired + "[tissue.reach]\nweight_ratio = 1.0\n"),
+  EXPECT_THAT(tissue_error_in(kRequired + "[tissue.reach]\nweight_ratio = 1.0\n"),
               HasSubstr("soft.toml:10: tissue.reach.weight_ratio = 1: must be"));
-  EXPECT_THAT(error_in(kRequired + "[tissue.reach]\ndepth_exponent = 1.5\n"),
+  EXPECT_THAT(tissue_error_in(kRequired + "[tissue.reach]\ndepth_exponent = 1.5\n"),
               HasSubstr("soft.toml:10: tissue.reach.depth_exponent = 1.5: must be > 0 and <= 1"));
-  EXPECT_THAT(error_in(kRequired + "[tissue.source]\nradius_mm = 0\n"),
+  EXPECT_THAT(tissue_error_in(kRequired + "[tissue.source]\nradius_mm = 0\n"),
               HasSubstr("soft.toml:10: tissue.source.radius_mm = 0: must be"));
-  EXPECT_THAT(error_in(kRequired + "[tissue.source]\nindenter = \"ball\"\n"),
+  EXPECT_THAT(tissue_error_in(kRequired + "[tissue.source]\nindenter = \"ball\"\n"),
               HasSubstr("soft.toml:9: tissue.source.radius_mm: missing"));
 }
 
@@ -181,18 +181,18 @@ TEST(TissueFile, IsLayeredAndDoesNotRelaxUnlessItSaysSo) {
 
 TEST(TissueFile, RefusesOtherLawsAndRelaxationThatCannotBe) {
   const std::string term = "[[tissue.relaxation]]\n";
-  EXPECT_THAT(error_in(kRequired + "law = \"hertz\"\n"),
+  EXPECT_THAT(tissue_error_in(kRequired + "law = \"hertz\"\n"),
               EndsWith("tissue.law = \"hertz\": must be \"layered\" or \"smooth\""));
-  EXPECT_THAT(error_in(kRequired + term + "share = 0\ntime_s = 1.5\n"), HasSubstr("share = 0: must be"));
-  EXPECT_THAT(error_in(kRequired + term + "share = 0.3\ntime_s = -1\n"), HasSubstr("time_s = -1: must be"));
-  EXPECT_THAT(error_in(kRequired + term + "share = 0.3\n"), HasSubstr("time_s: missing"));
+  EXPECT_THAT(tissue_error_in(kRequired + term + "share = 0\ntime_s = 1.5\n"), HasSubstr("share = 0: must be"));
+  EXPECT_THAT(tissue_error_in(kRequired + term + "share = 0.3\ntime_s = -1\n"), HasSubstr("time_s = -1: must be"));
+  EXPECT_THAT(tissue_error_in(kRequired + term + "share = 0.3\n"), HasSubstr("time_s: missing"));
   EXPECT_THAT(
-      error_in(kRequired + term + "share = 0.3\ntime_s = 1\n" + term + "share = 0.7\ntime_s = 2\n"),
+      tissue_error_in(kRequired + term + "share = 0.3\ntime_s = 1\n" + term + "share = 0.7\ntime_s = 2\n"),
       HasSubstr("soft.toml:13: tissue.relaxation.share = 0.7: the shares of all terms must sum to less "
                 "than 1, these to 1"));
   std::string four = kRequired;
   for (int i = 0; i < 4; ++i) four += term + "share = 0.1\ntime_s = 1\n";
-  EXPECT_THAT(error_in(four), HasSubstr("must be at most 3 [[tissue.relaxation]]"));
+  EXPECT_THAT(tissue_error_in(four), HasSubstr("must be at most 3 [[tissue.relaxation]]"));
 }
 
 TEST(TissueFile, WrittenLawAndRelaxationReadBackTheSame) {
@@ -208,8 +208,8 @@ TEST(TissueFile, WrittenLawAndRelaxationReadBackTheSame) {
 }
 
 TEST(TissueFile, RefusesTextThatIsNotTomlWithItsLine) {
-  EXPECT_THAT(error_in(kRequired + "q = = 3\n"), HasSubstr("soft.toml:9: not valid TOML: "));
-  EXPECT_THAT(error_in(kRequired + "q = 0.8\n"), HasSubstr("soft.toml:9: not valid TOML: "));
+  EXPECT_THAT(tissue_error_in(kRequired + "q = = 3\n"), HasSubstr("soft.toml:9: not valid TOML: "));
+  EXPECT_THAT(tissue_error_in(kRequired + "q = 0.8\n"), HasSubstr("soft.toml:9: not valid TOML: "));
 }
 
 TEST(TissueFile, RefusesMissingFilesAndFolders) {

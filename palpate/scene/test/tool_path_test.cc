@@ -25,7 +25,7 @@ PathRow row(double time, const Vec3& position, double gripper = 0.0) {
   return r;
 }
 
-std::string error_in(const std::string& content) {
+std::string path_error_in(const std::string& content) {
   const TemporaryFolder folder;
   const auto file = folder.write("way.csv", content);
   const std::string message = error_of([&] { (void)read_tool_path(file); });
@@ -166,35 +166,35 @@ TEST(ReadToolPath, DefaultsToUprightAndClosed) {
 }
 
 TEST(ReadToolPath, RefusesBadHeaders) {
-  EXPECT_EQ(error_in("time_s,x_m,y_m\n"),
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m\n"),
             "way.csv:1: z_m: missing, the header must name time_s, x_m, y_m and z_m");
-  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,qw,qx,qz\n"),
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,qw,qx,qz\n"),
             "way.csv:1: qy: missing, must be all of qw, qx, qy, qz or none");
 }
 
 TEST(ReadToolPath, RefusesBadNumbersWithLineColumnAndValue) {
-  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,1e999,0\n"),
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,1e999,0\n"),
             "way.csv:3: y_m = 1e999: must be a finite number");
 }
 
 TEST(ReadToolPath, RefusesAPathLongerThanANumberCanTell) {
   EXPECT_EQ(
-      error_in("time_s,x_m,y_m,z_m\n-1.7e308,0,0,0\n1.7e308,0,0,0\n"),
+      path_error_in("time_s,x_m,y_m,z_m\n-1.7e308,0,0,0\n1.7e308,0,0,0\n"),
       "way.csv:3: time_s = 1.7e+308: the path's length must be a finite number, it begins at -1.7e+308");
 }
 
 TEST(ReadToolPath, RefusesTimeThatRunsBackwardsOrStandsStill) {
   const std::string start = "time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0\n";
-  EXPECT_EQ(error_in(start + "0.5,0,0,0\n"), "way.csv:4: time_s = 0.5: must be later than the row before, 1");
-  EXPECT_EQ(error_in(start + "1,0,0,0\n"), "way.csv:4: time_s = 1: must be later than the row before, 1");
+  EXPECT_EQ(path_error_in(start + "0.5,0,0,0\n"), "way.csv:4: time_s = 0.5: must be later than the row before, 1");
+  EXPECT_EQ(path_error_in(start + "1,0,0,0\n"), "way.csv:4: time_s = 1: must be later than the row before, 1");
 }
 
 TEST(ReadToolPath, RefusesGripperAndRotationOutOfRange) {
-  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1.1\n"),
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1.1\n"),
             "way.csv:2: gripper = 1.1: must be 0 (closed) to 1 (open)");
-  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,gripper\n0,0,0,0,-0.1\n"),
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,gripper\n0,0,0,0,-0.1\n"),
             "way.csv:2: gripper = -0.1: must be 0 (closed) to 1 (open)");
-  EXPECT_EQ(error_in("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"),
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"),
             "way.csv:2: qw,qx,qy,qz = 0,0,0,0: must be a rotation, not of length 0");
 }
 
