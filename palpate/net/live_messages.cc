@@ -7,6 +7,7 @@
 
 #include "palpate/base/units.h"
 #include "palpate/haptics/gate.h"
+#include "palpate/model/tissue_fields.h"
 
 namespace palpate::net {
 namespace {
@@ -85,13 +86,11 @@ std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::e
 
 Json tissue_json(const model::TissueParameters& tissue) {
   Json json{{"name", tissue.name}, {"law", model::to_string(tissue.law)}};
-  model::TissueParameters values = tissue;  // the keys give places to write to
-  for (const TissueKey& key : tissue_keys()) {
-    Json& place = key.group.empty() ? json : json[std::string(key.group)];
-    place[std::string(key.key)] = key.of(values) / key.unit;
+  for (const model::TissueField& field : model::kTissueFields) {
+    Json& table = field.section.empty() ? json : json[std::string(field.section)];
+    const std::optional<double> value = field.at.get(tissue);
+    table[field.key] = value ? Json(*value / field.unit.si) : Json(nullptr);
   }
-  const std::optional<double>& tangential = tissue.contact.tangential_stiffness;
-  json["contact"]["tangential_N_per_m"] = tangential ? Json(*tangential) : Json(nullptr);
   json["relaxation"] = Json::array();
   for (const model::RelaxationTerm& term : tissue.relaxation) {
     json["relaxation"].push_back({{"share", term.share}, {"time_s", term.time}});

@@ -13,8 +13,8 @@ enum class ColumnType { kU32, kU64, kI64, kF64 };
 struct Column {
   const char* name;
   ColumnType type;
-  std::size_t offset;          // bytes
-  bool lacked_by_old = false;  // a file from before the column was written lacks it: the default stays
+  std::size_t offset;        // bytes
+  bool old_lack_it = false;  // a file from before the column was written: the default stays
 };
 
 /// [any] Bytes of one value.

@@ -66,7 +66,7 @@ std::vector<std::string> changes_in_words(const record::Recording& recording) {
     words.push_back("changed while it ran, from tick " + std::to_string(change.tick) + " (" + fixed(time, 3) +
                     " s) on: " +
                     ((change.what & haptics::kTissueChanged) != 0 ? tissue_in_words(tissue_of(change))
-                                                                  : noise_in_words(noise_of(change))));
+                                                                  : noise_in_words(change.noise)));
   }
   return words;
 }
