@@ -1,12 +1,16 @@
 #include "palpate/net/live_messages.h"
 
 #include <array>
+#include <cstddef>
+#include <cstring>
+#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "palpate/base/units.h"
 #include "palpate/haptics/gate.h"
+#include "palpate/haptics/tick_fields.h"
 #include "palpate/model/tissue_fields.h"
 
 namespace palpate::net {
@@ -46,30 +50,46 @@ Json status_json(std::uint32_t status) {
   return words;
 }
 
+Json number_json(haptics::ColumnType type, const std::byte* at) {
+  const auto read = [at](auto value) {
+    std::memcpy(&value, at, sizeof value);
+    return Json(value);
+  };
+  switch (type) {
+    case haptics::ColumnType::kU32:
+      return read(std::uint32_t{});
+    case haptics::ColumnType::kU64:
+      return read(std::uint64_t{});
+    case haptics::ColumnType::kI64:
+      return read(std::int64_t{});
+    case haptics::ColumnType::kF64:
+      break;
+  }
+  return read(double{});
+}
+
+Json value_json(const haptics::TickRow& row, const haptics::TickField& field) {
+  using haptics::TickRow;
+  if (field.offset == offsetof(TickRow, phase)) return phase_name(row.phase);
+  if (field.offset == offsetof(TickRow, saturated)) return row.saturated != 0;
+  if (field.offset == offsetof(TickRow, status)) return status_json(row.status);
+  if (field.offset == offsetof(TickRow, fault))
+    return haptics::name_of(static_cast<haptics::Fault>(row.fault));
+  const std::byte* const begin = reinterpret_cast<const std::byte*>(&row) + field.offset;
+  if (field.size() == 1) return number_json(field.type, begin);
+  Json numbers = Json::array();
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    numbers.push_back(number_json(field.type, begin + i * column_size(field.type)));
+  }
+  return numbers;
+}
+
 Json hand_json(const haptics::TickRow& row) {
-  return {{"hand", row.hand},
-          {"phase", phase_name(row.phase)},
-          {"distance_m", row.distance},
-          {"depth_m", row.depth},
-          {"cutoff_layer", row.cutoff_layer},
-          {"saturated", row.saturated != 0},
-          {"tissue_force_N", row.tissue_force},
-          {"noise_force_N", row.noise_force},
-          {"friction_N", row.friction},
-          {"force_N", row.force},
-          {"torque_N_m", row.torque},
-          {"gripper_force_N", row.gripper_force},
-          {"tool_m", row.tool},
-          {"tool_wxyz", row.tool_q},
-          {"gripper", row.gripper},
-          {"contact_m", row.contact},
-          {"normal", row.normal},
-          {"engagement", row.engagement},
-          {"energy_J", row.energy},
-          {"tick_ns", row.tick_ns},
-          {"late_ns", row.late_ns},
-          {"status", status_json(row.status)},
-          {"fault", haptics::name_of(static_cast<haptics::Fault>(row.fault))}};
+  Json json = Json::object();
+  for (const haptics::TickField& field : haptics::kTickFields) {
+    if (field.live != nullptr) json[field.live] = value_json(row, field);
+  }
+  return json;
 }
 
 /// What stands in every answer.
