@@ -80,6 +80,7 @@ struct ReachParameters {
 struct ContactParameters {
   double friction = 0.2;                       // Coulomb coefficient, >= 0
   std::optional<double> tangential_stiffness;  // k_t [N/m]; 10 k_1 when not given
+  double tangential_damping = 0.0;             // c_t [N s/m], >= 0
   double damping = 0.5;                        // b [N s/m], >= 0
   double reference_radius = 10e-3;             // R_ref [m]
   double grip_limit = 8.0;                     // [N]

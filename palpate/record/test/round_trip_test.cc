@@ -210,6 +210,14 @@ TEST(RoundTrip, ARecordingFromBeforeTheDepthsExponentHasOneHalf) {
   EXPECT_EQ(setup_from_json(text).tissue.reach.depth_exponent, 0.5);
 }
 
+TEST(RoundTrip, ARecordingFromBeforeTangentialDampingHasNone) {
+  std::string text = setup_to_json(sample_setup(1));
+  const std::string key = "\"tangential_damping_N_s_per_m\"";
+  ASSERT_NE(text.find(key), std::string::npos);
+  text.replace(text.find(key), key.size(), "\"was_not\"");
+  EXPECT_EQ(setup_from_json(text).tissue.contact.tangential_damping, 0.0);
+}
+
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {
   scene::Setup setup = sample_setup(1);
   setup.organ_motion.emplace_back();
