@@ -89,8 +89,8 @@ TEST(Serve, ChangesThatClientsMakeReachTheTicksAreRecordedAndReplayed) {
   EXPECT_EQ(lines(outcome.out), 3U) << "where it listens, the run, what was served: " << outcome.out;
   const record::Recording recording = record::read_recording(folder / "run.h5");
   ASSERT_EQ(recording.changes.size(), 2U);
-  EXPECT_EQ(recording.changes[0].k1, 30.0);
-  EXPECT_EQ(recording.changes[1].noise_enabled, 0U);
+  EXPECT_EQ(recording.changes[0].tissue.k1, 30.0);
+  EXPECT_FALSE(recording.changes[1].noise.enabled);
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
 }
 
@@ -292,7 +292,7 @@ TEST(Serve, TheExampleInPythonStreamsAndMakesTheTissueStiffer) {
   EXPECT_EQ(serve.end().exit_code, 0);
   const record::Recording recording = record::read_recording(folder / "run.h5");
   ASSERT_EQ(recording.changes.size(), 1U);
-  EXPECT_EQ(recording.changes[0].k1, 36.0);
+  EXPECT_EQ(recording.changes[0].tissue.k1, 36.0);
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ InForce in_force(const record::Recording& recording, std::uint64_t tick) {
   }
   const noise::NoiseSettings& noise = recording.setup.noise;
   if (last == nullptr) return {recording.setup.tissue, {noise.enabled, noise.gain, noise.threshold}};
-  return {haptics::tissue_of(*last), haptics::noise_of(*last)};
+  return {haptics::tissue_of(*last), last->noise};
 }
 
 }  // namespace palpate::app

@@ -1,10 +1,12 @@
 // The tissue and the touch noise, changed while they are felt.
-#include <algorithm>
-#include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include <imgui.h>
 
 #include "palpate/base/units.h"
+#include "palpate/model/tissue_fields.h"
 
 #include "app/window/look.h"
 #include "app/window/panels.h"
@@ -15,8 +17,8 @@ namespace {
 
 constexpr double kMilli = 1e-3;
 
-bool springs(model::TissueParameters& tissue) {
-  const Rows rows("springs");
+bool law_row(model::TissueParameters& tissue) {
+  const Rows rows("law");
   bool changed = false;
   rows.name("Law", "layered: the paper's; smooth: stiffness without jumps");
   int law = tissue.law == model::LawKind::kSmooth ? 1 : 0;
@@ -24,37 +26,25 @@ bool springs(model::TissueParameters& tissue) {
     tissue.law = law == 1 ? model::LawKind::kSmooth : model::LawKind::kLayered;
     changed = true;
   }
-  changed |= rows.number("k\u2081", tissue.k1, 1.0, 0.1, 0.1, 2000.0, "%.2f N/m",
-                         "stiffness of the first layer's spring");
-  changed |= rows.number("\u03b2", tissue.beta, 1.0, 0.01, 0.2, 20.0, "%.3f",
-                         "layer i is exp((i-1)/\u03b2) times as stiff");
-  changed |=
-      rows.number("q", tissue.q, 1.0, 0.002, 0.1, 1.5, "%.3f", "layer i gives way q^(i-1) times as far");
-  changed |= rows.number("Rest length", tissue.rest_length, kMillimetre, 0.05, 0.5, 100.0, "%.2f mm",
-                         "of a first-layer spring");
-  changed |= rows.number("Longest", tissue.max_length, kMillimetre, 0.05, 0.5, 200.0, "%.2f mm",
-                         "less the rest length: the first layer's limit when pulled");
-  changed |= rows.number("Shortest", tissue.min_length, kMillimetre, 0.05, 0.0, 100.0, "%.2f mm",
-                         "rest length less this: the first layer's limit when pressed");
-  changed |= rows.number("t\u2081", tissue.t1, kMicrosecond, 0.05, 0.05, 200.0, "%.2f \u00b5s",
-                         "delay of the first layer: bounds the layers");
   return changed;
 }
 
-bool contact_rows(model::TissueParameters& tissue) {
-  const Rows rows("contact");
-  model::ContactParameters& contact = tissue.contact;
-  bool changed =
-      rows.number("Friction", contact.friction, 1.0, 0.005, 0.0, 2.0, "%.3f", "Coulomb's coefficient");
-  double tangential = tissue.tangential_stiffness();
-  if (rows.number("Sideways", tangential, 1.0, 1.0, 1.0, 20000.0, "%.0f N/m",
-                  "stiffness of the sticking spring")) {
-    contact.tangential_stiffness = tangential;
+/// The numbers of [tissue] itself or of a table below it.
+bool numbers(std::string_view section, model::TissueNumbers& tissue) {
+  const Rows rows(section.empty() ? "numbers" : section.data());
+  bool changed = false;
+  for (const model::TissueField& field : model::kTissueFields) {
+    if (field.section != section || field.set_up_only) continue;
+    const model::FieldSlider& slider = field.slider;
+    const std::string format = "%." + std::to_string(slider.decimals) + "f " + field.unit.text;
+    double value = field.in_force(tissue);
+    if (!rows.number(field.label, value, field.unit.si, slider.step, slider.low, slider.high, format.c_str(),
+                     field.meaning)) {
+      continue;
+    }
+    field.at.set(tissue, value);
     changed = true;
   }
-  changed |= rows.number("Damping", contact.damping, 1.0, 0.01, 0.0, 20.0, "%.2f N s/m", "along the normal");
-  changed |= rows.number("Grip limit", contact.grip_limit, 1.0, 0.05, 0.1, 50.0, "%.2f N",
-                         "past it the jaws let go");
   return changed;
 }
 
@@ -83,20 +73,6 @@ bool relaxation_rows(model::TissueParameters& tissue) {
   return changed;
 }
 
-bool reach_rows(model::TissueParameters& tissue) {
-  const Rows rows("reach");
-  model::ReachParameters& reach = tissue.reach;
-  bool changed = rows.number("c", reach.contact_ratio, 1.0, 0.005, 0.1, 5.0, "%.3f", "R_1 = c R (D/R)^p");
-  changed |=
-      rows.number("a", reach.first_bar_ratio, 1.0, 0.005, 0.01, 5.0, "%.3f", "first bar to contact radius");
-  changed |= rows.number("s", reach.bar_ratio, 1.0, 0.005, 1.01, 5.0, "%.3f", "each bar to the one above");
-  changed |= rows.number("g", reach.weight_ratio, 1.0, 0.002, 0.01, 0.99, "%.3f",
-                         "weight of each layer to the one above");
-  changed |= rows.number("p", reach.depth_exponent, 1.0, 0.002, 0.01, 1.0, "%.3f",
-                         "how R_1 grows with the depth; 1/2 as the square root");
-  return changed;
-}
-
 }  // namespace
 
 void tissue_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
@@ -117,17 +93,15 @@ void tissue_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
       ImGui::EndCombo();
     }
   }
-  changed |= springs(tissue);
-  if (ImGui::TreeNodeEx("Contact", ImGuiTreeNodeFlags_SpanAvailWidth)) {
-    changed |= contact_rows(tissue);
+  changed |= law_row(tissue);
+  changed |= numbers("", tissue);
+  for (const model::TissueSection& section : model::kTissueSections) {
+    if (!ImGui::TreeNodeEx(section.title, ImGuiTreeNodeFlags_SpanAvailWidth)) continue;
+    changed |= numbers(section.key, tissue);
     ImGui::TreePop();
   }
   if (ImGui::TreeNodeEx("Relaxation", ImGuiTreeNodeFlags_SpanAvailWidth)) {
     changed |= relaxation_rows(tissue);
-    ImGui::TreePop();
-  }
-  if (ImGui::TreeNodeEx("Reach of the dent", ImGuiTreeNodeFlags_SpanAvailWidth)) {
-    changed |= reach_rows(tissue);
     ImGui::TreePop();
   }
   if (!shown.tissue_note.empty()) {

@@ -2,15 +2,19 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "palpate/base/error.h"
+#include "palpate/haptics/tick_fields.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/live_simulation.h"
@@ -182,47 +186,44 @@ std::string phase_of(const HandState& hand) {
   return kWords[std::min<std::uint32_t>(hand.row.phase, 2)];
 }
 
-/// A property that is a field of the row.
-template <auto kField>
-auto field() {
-  return [](const HandState& hand) { return hand.row.*kField; };
+/// The first number of a field of a row.
+template <typename Number>
+const Number* number_at(const HandState& hand, const haptics::TickField& field) {
+  return reinterpret_cast<const Number*>(reinterpret_cast<const std::byte*>(&hand.row) + field.offset);
 }
 
-/// The same of several numbers.
-template <auto kField>
-auto row_field() {
-  return [](const HandState& hand) { return array_of(hand.row.*kField); };
+template <typename Number>
+auto number_of(const haptics::TickField& field) {
+  return [field](const HandState& hand) { return *number_at<Number>(hand, field); };
+}
+
+/// A property that is a field of the row: an array where it has several numbers.
+void bind_field(py::class_<HandState>& state, const haptics::TickField& field) {
+  const char* const name = field.attribute;
+  if (field.size() > 1) {
+    const auto numbers = [field](const HandState& hand) {
+      return array_of(std::span(number_at<double>(hand, field), field.size()));
+    };
+    state.def_property_readonly(name, numbers, field.meaning);
+  } else if (field.type == haptics::ColumnType::kF64) {
+    state.def_property_readonly(name, number_of<double>(field), field.meaning);
+  } else if (field.type == haptics::ColumnType::kI64) {
+    state.def_property_readonly(name, number_of<std::int64_t>(field), field.meaning);
+  } else {
+    state.def_property_readonly(name, number_of<std::uint32_t>(field), field.meaning);
+  }
 }
 
 void bind_hand_state(py::module_& module) {
-  py::class_<HandState>(module, "HandState",
-                        "One hand at one tick: its row of the recording, SI, world frame.")
-      .def_property_readonly("position", row_field<&TickRow::tool>(), "Of the handle, m.")
-      .def_property_readonly("orientation", row_field<&TickRow::tool_q>(), "Of the handle, w x y z.")
-      .def_property_readonly("gripper", field<&TickRow::gripper>(), "0 closed .. 1 open.")
-      .def_property_readonly("buttons", field<&TickRow::buttons>(), "A bit a button.")
-      .def_property_readonly("phase", &phase_of, "approach, press or pull.")
-      .def_property_readonly("distance", field<&TickRow::distance>(), doc("TickRow::distance"))
-      .def_property_readonly("depth", field<&TickRow::depth>(), "m, of the contact with the largest force.")
-      .def_property_readonly("cutoff_layer", field<&TickRow::cutoff_layer>(),
-                             "Of the layered law; 0 without contact.")
+  py::class_<HandState> state(module, "HandState",
+                              "One hand at one tick: its row of the recording, SI, world frame.");
+  for (const haptics::TickField& field : haptics::kTickFields) {
+    if (field.attribute != nullptr) bind_field(state, field);
+  }
+  state.def_property_readonly("phase", &phase_of, "approach, press or pull.")
       .def_property_readonly(
           "saturated", [](const HandState& hand) { return hand.row.saturated != 0; },
           "Past the last layer: the force holds.")
-      .def_property_readonly("force", row_field<&TickRow::force>(), doc("TickRow::force"))
-      .def_property_readonly("torque", row_field<&TickRow::torque>(), doc("TickRow::torque"))
-      .def_property_readonly("gripper_force", field<&TickRow::gripper_force>(), doc("TickRow::gripper_force"))
-      .def_property_readonly("tissue_force", field<&TickRow::tissue_force>(), doc("TickRow::tissue_force"))
-      .def_property_readonly("noise_force", field<&TickRow::noise_force>(), doc("TickRow::noise_force"))
-      .def_property_readonly("friction", field<&TickRow::friction>(), doc("TickRow::friction"))
-      .def_property_readonly("contact", row_field<&TickRow::contact>(),
-                             "m, on the rest surface; without contact the nearest point.")
-      .def_property_readonly("normal", row_field<&TickRow::normal>(), "Of the surface there, unit.")
-      .def_property_readonly("energy", field<&TickRow::energy>(), doc("TickRow::energy"))
-      .def_property_readonly("engagement", field<&TickRow::engagement>(), doc("TickRow::engagement"))
-      .def_property_readonly("status", field<&TickRow::status>(), doc("TickRow::status"))
-      .def_property_readonly("tick_ns", field<&TickRow::tick_ns>(), doc("TickRow::tick_ns"))
-      .def_property_readonly("late_ns", field<&TickRow::late_ns>(), doc("TickRow::late_ns"))
       .def_readonly(
           "fault", &HandState::fault,
           "Why the hand's force is zero, in words, with what the device says of it; empty: no fault.");

@@ -1,11 +1,13 @@
 // Tissues, the two laws and the noise.
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <tuple>
 
 #include "palpate/model/layered_law.h"
 #include "palpate/model/smooth_law.h"
+#include "palpate/model/tissue_fields.h"
 #include "palpate/noise/touch_noise.h"
 #include "palpate/scene/load.h"
 #include "palpate/scene/tissue_file.h"
@@ -16,7 +18,6 @@
 namespace palpate::python {
 namespace {
 
-using model::ContactParameters;
 using model::LayeredSpringLaw;
 using model::SmoothSpringLaw;
 using model::TissueParameters;
@@ -83,29 +84,29 @@ void bind_law(py::module_& module, const char* name, const char* class_doc, cons
       .def_property_readonly("max_force", &Law::max_force);
 }
 
-/// A field of what the contact rules need, as one of the tissue's own.
-template <auto kField>
-auto get() {
-  return [](const TissueParameters& tissue) { return tissue.contact.*kField; };
-}
-template <auto kField>
-auto set() {
-  return [](TissueParameters& tissue, std::remove_cvref_t<decltype(ContactParameters{}.*kField)> value) {
-    tissue.contact.*kField = value;
-  };
+/// Every number of a tissue is a property.
+void bind_tissue_numbers(py::class_<TissueParameters>& tissue) {
+  for (const model::TissueField& field : model::kTissueFields) {
+    const std::string unit = *field.unit.si_text == '\0' ? "" : "[" + std::string(field.unit.si_text) + "] ";
+    const auto& at = field.at;
+    if (field.optional()) {
+      tissue.def_property(
+          field.name, [at](const TissueParameters& of) { return at.get(of); },
+          [at](TissueParameters& of, std::optional<double> value) { at.set(of, value); },
+          (unit + field.meaning + "; None: " + field.derived_text).c_str());
+    } else {
+      tissue.def_property(
+          field.name, [at](const TissueParameters& of) { return *at.get(of); },
+          [at](TissueParameters& of, double value) { at.set(of, value); }, (unit + field.meaning).c_str());
+    }
+  }
 }
 
 void bind_tissue(py::module_& module) {
-  py::class_<TissueParameters>(module, "Tissue", doc("TissueParameters"))
-      .def(py::init<>())
+  py::class_<TissueParameters> bound(module, "Tissue", doc("TissueParameters"));
+  bind_tissue_numbers(bound);
+  bound.def(py::init<>())
       .def_readwrite("name", &TissueParameters::name)
-      .def_readwrite("k1", &TissueParameters::k1, doc("TissueParameters::k1"))
-      .def_readwrite("beta", &TissueParameters::beta, doc("TissueParameters::beta"))
-      .def_readwrite("q", &TissueParameters::q, doc("TissueParameters::q"))
-      .def_readwrite("rest_length", &TissueParameters::rest_length, doc("TissueParameters::rest_length"))
-      .def_readwrite("max_length", &TissueParameters::max_length, doc("TissueParameters::max_length"))
-      .def_readwrite("min_length", &TissueParameters::min_length, doc("TissueParameters::min_length"))
-      .def_readwrite("t1", &TissueParameters::t1, doc("TissueParameters::t1"))
       .def_property(
           "law", [](const TissueParameters& tissue) { return model::to_string(tissue.law); },
           [](TissueParameters& tissue, const std::string& law) { tissue.law = model::parse_law(law); },
@@ -119,23 +120,12 @@ void bind_tissue(py::module_& module) {
             return terms;
           },
           [](TissueParameters& tissue, const std::vector<std::pair<double, double>>& terms) {
-            std::vector<model::RelaxationTerm> made;
-            for (const auto& term : terms) made.push_back({term.first, term.second});
+            model::RelaxationTerms made;
+            for (const auto& [share, time] : terms) made.push_back({share, time});
             model::validate_relaxation(made);
-            tissue.relaxation = std::move(made);
+            tissue.relaxation = made;
           },
           doc("RelaxationTerm"))
-      .def_property("friction", get<&ContactParameters::friction>(), set<&ContactParameters::friction>(),
-                    doc("ContactParameters::friction"))
-      .def_property("tangential_stiffness", get<&ContactParameters::tangential_stiffness>(),
-                    set<&ContactParameters::tangential_stiffness>(),
-                    doc("ContactParameters::tangential_stiffness"))
-      .def_property("damping", get<&ContactParameters::damping>(), set<&ContactParameters::damping>(),
-                    doc("ContactParameters::damping"))
-      .def_property("reference_radius", get<&ContactParameters::reference_radius>(),
-                    set<&ContactParameters::reference_radius>(), doc("ContactParameters::reference_radius"))
-      .def_property("grip_limit", get<&ContactParameters::grip_limit>(),
-                    set<&ContactParameters::grip_limit>(), "[N] at which a held fold slips away")
       .def_property(
           "reach",
           [](const TissueParameters& tissue) {
@@ -150,16 +140,12 @@ void bind_tissue(py::module_& module) {
           "contact_ratio c, first_bar_ratio a, bar_ratio s and weight_ratio g: how the surface gives way "
           "around "
           "a contact (docs/model.md, section 3); all without unit.")
-      .def_property(
-          "depth_exponent", [](const TissueParameters& tissue) { return tissue.reach.depth_exponent; },
-          [](TissueParameters& tissue, double exponent) { tissue.reach.depth_exponent = exponent; },
-          "p, beside the four ratios of reach: R_1 = c R (D/R)^p; 1/2 unless it was fitted")
       .def(
           "first_limit",
           [](const TissueParameters& tissue, const std::string& direction) {
             return tissue.first_limit(direction_of(direction));
           },
-          py::arg("direction"), doc("TissueParameters::first_limit"))
+          py::arg("direction"), doc("TissueNumbers::first_limit"))
       .def(
           "validate", [](const TissueParameters& tissue) { model::validate(tissue); }, doc("validate"))
       .def("to_toml", &scene::to_toml, doc("to_toml"))

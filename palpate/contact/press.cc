@@ -109,6 +109,35 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   if (contact.normal != before) find_support();
 }
 
+/// Friction [Hayward and Armstrong 2000]: a tangential spring and a damper side by side on the slip s, in
+/// series with a slider that gives way at the cone: f = k_t s + c_t ds/dt, |f| <= mu F_n. Where it slides, s
+/// is the slip of which f is on the cone, so that ds/dt counts what the spring moves and not what the slider
+/// does.
+/// @param motion of the tool where it touches, this tick [m]
+void compute_friction(double period, const TissueLaws& laws, const Vec3& motion, Contact& contact) noexcept {
+  const double stiffness = laws.tangential_stiffness;
+  const double cone = laws.friction * contact.normal_force;
+  contact.slip += motion;
+  contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
+  if (laws.tangential_damping == 0.0) {
+    const double longest = cone / stiffness;
+    const double length = contact.slip.norm();
+    if (length > longest) contact.slip *= longest / length;
+    contact.friction = -stiffness * contact.slip;
+    return;
+  }
+  const double damping = laws.tangential_damping / period;  // N/m, of the slip's change in this tick
+  const Vec3 change = motion - motion.dot(contact.normal) * contact.normal;
+  const Vec3 before = contact.slip - change;
+  Vec3 force = stiffness * contact.slip + damping * change;
+  const double size = force.norm();
+  if (size > cone) {
+    force *= cone / size;
+    contact.slip = (force + damping * before) / (stiffness + damping);
+  }
+  contact.friction = -force;
+}
+
 /// Depth, force along the normal with damping, and friction of a contact whose support is known.
 void compute_force(const World::Data& world, const TissueLaws& laws, const PartState& part,
                    Contact& contact) noexcept {
@@ -124,14 +153,7 @@ void compute_force(const World::Data& world, const TissueLaws& laws, const PartS
   contact.normal_force = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth / kDampingDepth));
   contact.depth = depth;
 
-  // Friction [Hayward and Armstrong 2000]: a tangential spring on the slip, trimmed to the cone.
-  const double stiffness = laws.tangential_stiffness;
-  contact.slip += motion;
-  contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
-  const double longest = laws.friction * contact.normal_force / stiffness;
-  const double length = contact.slip.norm();
-  if (length > longest) contact.slip *= longest / length;
-  contact.friction = -stiffness * contact.slip;
+  compute_friction(world.period, laws, motion, contact);
 }
 
 /// Keeps `excess` [m] >= 0 of a contact's depth back this tick, and lets it in within kLetIn.

@@ -15,6 +15,7 @@ struct TissueLaws {
         pull(tissue, model::Direction::kPull, loop_period),
         relaxation(tissue.relaxation, loop_period),
         tangential_stiffness(tissue.tangential_stiffness()),
+        tangential_damping(tissue.contact.tangential_damping),
         friction(tissue.contact.friction),
         damping(tissue.contact.damping),
         grip_limit(tissue.contact.grip_limit) {}
@@ -23,6 +24,7 @@ struct TissueLaws {
   model::SpringLaw pull;
   model::Relaxation relaxation;
   double tangential_stiffness;  // k_t [N/m]
+  double tangential_damping;    // c_t [N s/m]
   double friction;              // mu
   double damping;               // b [N s/m]
   double grip_limit;            // N

@@ -22,7 +22,7 @@ void elastic(const Law& law, const Specimen& specimen, double first_contact, std
 
 }  // namespace
 
-void relax(const std::vector<model::RelaxationTerm>& terms, const std::vector<double>& time,
+void relax(std::span<const model::RelaxationTerm> terms, const std::vector<double>& time,
            std::span<double> force) {
   constexpr double kSameStep = 1e-6;  // relative: times in a file have few digits
   double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);

@@ -18,7 +18,7 @@ void predict(const Specimen& specimen, const Ranges& ranges, const Settings& set
 
 /// [setup] Turns elastic forces [N] at rising times [s] into relaxed ones. Before the first point nothing was
 /// held: what force it has came at once. @param time as many as `force`, at least two
-void relax(const std::vector<model::RelaxationTerm>& terms, const std::vector<double>& time,
+void relax(std::span<const model::RelaxationTerm> terms, const std::vector<double>& time,
            std::span<double> force);
 
 /// [setup] Layers that the law of `shared` has, and how many of them the specimen's largest depth reaches.

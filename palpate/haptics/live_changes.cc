@@ -21,9 +21,6 @@ std::string in_mm(double metres) { return shortest(metres / kMillimetre) + " mm"
 
 PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& values) {
   const model::TissueParameters tissue = tissue_of(values);
-  if (values.law > static_cast<std::uint32_t>(model::LawKind::kSmooth)) {
-    throw ParameterError("law", values.law, "0 (layered) or 1 (smooth)");
-  }
   model::validate(tissue);
   const double prepared_for = world.contact.tissue().contact.reference_radius;
   if (tissue.contact.reference_radius != prepared_for) {
@@ -32,8 +29,8 @@ PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& va
                      ", which cannot change while a run goes on");
   }
   noise::NoiseSettings settings = world.noise.settings();
-  settings.gain = values.noise_gain;
-  settings.threshold = values.noise_threshold;
+  settings.gain = values.noise.gain;
+  settings.threshold = values.noise.threshold;
   noise::validate(settings, world.rate_Hz);
   return {values, contact::TissueLaws(tissue, 1.0 / world.rate_Hz)};
 }
@@ -43,11 +40,11 @@ void apply_change(const SimulationWorld& world, SimulationState& state,
   const LiveChange& values = change.values;
   if ((values.what & kTissueChanged) != 0) {
     contact::change_tissue(world.contact, state.contact, change.laws);
-    state.reach = reach_of(values);
+    state.reach = values.tissue.reach;
   }
   if ((values.what & kNoiseChanged) != 0) {
-    state.noise_enabled = values.noise_enabled != 0;
-    state.noise_glide = {values.noise_gain, values.noise_threshold,
+    state.noise_enabled = values.noise.enabled;
+    state.noise_glide = {values.noise.gain, values.noise.threshold,
                          static_cast<std::uint32_t>(std::ceil(noise::TouchNoise::kFade * world.rate_Hz))};
   }
   state.change = values.number;
@@ -76,7 +73,7 @@ void LiveChanges::hand_over(LiveChange values) {
 
 LiveChanges::Accepted LiveChanges::offer(const model::TissueParameters& tissue) {
   const std::lock_guard lock(callers_);
-  model::validate(tissue);  // all terms of relaxation, before they are cut to three
+  model::validate(tissue);
   Accepted accepted;
   if (warnings_) accepted.warnings = warnings_(tissue);
   hand_over(live_change(tissue, noise_, kTissueChanged));

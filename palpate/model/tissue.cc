@@ -4,60 +4,19 @@
 #include <cmath>
 
 #include "palpate/base/error.h"
-#include "palpate/base/text.h"
 #include "palpate/base/units.h"
+#include "palpate/model/tissue_fields.h"
 
 namespace palpate::model {
 namespace {
 
+[[noreturn]] void refuse_terms(std::size_t count) {
+  throw ParameterError("relaxation", static_cast<double>(count),
+                       "at most " + std::to_string(kMostRelaxationTerms) + " terms");
+}
+
 void require_positive(const std::string& field, double value) {
-  if (!std::isfinite(value) || !(value > 0.0)) throw ParameterError(field, value, "finite and > 0");
-}
-
-void require_not_negative(const std::string& field, double value) {
-  if (!std::isfinite(value) || !(value >= 0.0)) throw ParameterError(field, value, "finite and >= 0");
-}
-
-// A length as the user typed it.
-double mm(double metres) { return metres / kMillimetre; }
-
-// 0 <= X_1min < X_1o < X_1max
-void validate_lengths(const TissueParameters& tissue) {
-  require_positive("rest_length_mm", mm(tissue.rest_length));
-  if (!std::isfinite(tissue.max_length) || !(tissue.max_length > tissue.rest_length)) {
-    throw ParameterError("max_length_mm", mm(tissue.max_length),
-                         "finite and > rest_length_mm (" + shortest(mm(tissue.rest_length)) + " mm)");
-  }
-  if (!std::isfinite(tissue.min_length) || !(tissue.min_length >= 0.0) ||
-      !(tissue.min_length < tissue.rest_length)) {
-    throw ParameterError("min_length_mm", mm(tissue.min_length),
-                         "finite, >= 0 and < rest_length_mm (" + shortest(mm(tissue.rest_length)) + " mm)");
-  }
-}
-
-void validate_reach(const ReachParameters& reach) {
-  require_positive("reach.contact_ratio", reach.contact_ratio);
-  require_positive("reach.first_bar_ratio", reach.first_bar_ratio);
-  if (!std::isfinite(reach.bar_ratio) || !(reach.bar_ratio > 1.0)) {
-    throw ParameterError("reach.bar_ratio", reach.bar_ratio, "finite and > 1");
-  }
-  if (!(reach.weight_ratio > 0.0 && reach.weight_ratio < 1.0)) {
-    throw ParameterError("reach.weight_ratio", reach.weight_ratio, "> 0 and < 1");
-  }
-  // Above 1 a dent, as steep as D/R_1, would be the steeper the shallower it is.
-  if (!(reach.depth_exponent > 0.0 && reach.depth_exponent <= 1.0)) {
-    throw ParameterError("reach.depth_exponent", reach.depth_exponent, "> 0 and <= 1");
-  }
-}
-
-void validate_contact(const ContactParameters& contact) {
-  require_not_negative("contact.friction", contact.friction);
-  if (contact.tangential_stiffness) {
-    require_positive("contact.tangential_N_per_m", *contact.tangential_stiffness);
-  }
-  require_not_negative("contact.damping_N_s_per_m", contact.damping);
-  require_positive("contact.reference_radius_mm", mm(contact.reference_radius));
-  require_positive("contact.grip_limit_N", contact.grip_limit);
+  if (!kPositive.contains(value)) throw ParameterError(field, value, kPositive.in_words());
 }
 
 // The law's own figures of one preset; everything else keeps its default.
@@ -89,7 +48,12 @@ LawKind parse_law(std::string_view text) {
   throw InputError("law = \"" + std::string(text) + "\": must be layered or smooth");
 }
 
-double TissueParameters::first_limit(Direction direction) const noexcept {
+void RelaxationTerms::push_back(const RelaxationTerm& term) {
+  if (count_ == kMostRelaxationTerms) refuse_terms(count_ + 1);
+  terms_[count_++] = term;
+}
+
+double TissueNumbers::first_limit(Direction direction) const noexcept {
   const double limit = direction == Direction::kPull ? max_length - rest_length : rest_length - min_length;
   // To a femtometre, so that 22 mm - 14 mm is 8 mm and not the 7.999999999999998 mm that the difference
   // leaves.
@@ -98,29 +62,23 @@ double TissueParameters::first_limit(Direction direction) const noexcept {
   return rounded > 0.0 && std::isfinite(rounded) ? rounded : limit;
 }
 
-double TissueParameters::tangential_stiffness() const noexcept {
+double TissueNumbers::tangential_stiffness() const noexcept {
   constexpr double kOfFirstSpring =
       10.0;  // reaches the friction cone within 0.6 mm of travel (docs/model.md, section 4)
   return contact.tangential_stiffness.value_or(kOfFirstSpring * k1);
 }
 
 void validate(const TissueParameters& tissue) {
-  require_positive("k1_N_per_m", tissue.k1);
-  require_positive("beta", tissue.beta);
-  require_positive("q", tissue.q);
-  validate_lengths(tissue);
-  require_positive("t1_us", tissue.t1 / kMicrosecond);
+  if (tissue.law > LawKind::kSmooth) {
+    throw ParameterError("law", static_cast<double>(tissue.law), "0 (layered) or 1 (smooth)");
+  }
+  for (const TissueField& field : kTissueFields) field.check(tissue);
   validate_relaxation(tissue.relaxation);
-  validate_reach(tissue.reach);
-  validate_contact(tissue.contact);
-  if (tissue.source) require_positive("source.radius_mm", mm(tissue.source->radius));
+  if (tissue.source) require_positive("source.radius_mm", tissue.source->radius / kMillimetre);
 }
 
 void validate_relaxation(std::span<const RelaxationTerm> terms) {
-  if (terms.size() > kMostRelaxationTerms) {
-    throw ParameterError("relaxation", static_cast<double>(terms.size()),
-                         "at most " + std::to_string(kMostRelaxationTerms) + " terms");
-  }
+  if (terms.size() > kMostRelaxationTerms) refuse_terms(terms.size());
   double sum = 0.0;
   for (const RelaxationTerm& term : terms) {
     require_positive("relaxation.share", term.share);

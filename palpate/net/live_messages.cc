@@ -1,6 +1,9 @@
 #include "palpate/net/live_messages.h"
 
 #include <array>
+#include <cstddef>
+#include <cstring>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
@@ -8,6 +11,8 @@
 
 #include "palpate/base/units.h"
 #include "palpate/haptics/gate.h"
+#include "palpate/haptics/tick_fields.h"
+#include "palpate/model/tissue_fields.h"
 
 namespace palpate::net {
 namespace {
@@ -46,30 +51,46 @@ Json status_json(std::uint32_t status) {
   return words;
 }
 
+Json number_json(haptics::ColumnType type, const std::byte* at) {
+  const auto read = [at](auto value) {
+    std::memcpy(&value, at, sizeof value);
+    return Json(value);
+  };
+  switch (type) {
+    case haptics::ColumnType::kU32:
+      return read(std::uint32_t{});
+    case haptics::ColumnType::kU64:
+      return read(std::uint64_t{});
+    case haptics::ColumnType::kI64:
+      return read(std::int64_t{});
+    case haptics::ColumnType::kF64:
+      break;
+  }
+  return read(double{});
+}
+
+Json value_json(const haptics::TickRow& row, const haptics::TickField& field) {
+  using haptics::TickRow;
+  if (field.offset == offsetof(TickRow, phase)) return phase_name(row.phase);
+  if (field.offset == offsetof(TickRow, saturated)) return row.saturated != 0;
+  if (field.offset == offsetof(TickRow, status)) return status_json(row.status);
+  if (field.offset == offsetof(TickRow, fault))
+    return haptics::name_of(static_cast<haptics::Fault>(row.fault));
+  const std::byte* const begin = reinterpret_cast<const std::byte*>(&row) + field.offset;
+  if (field.size() == 1) return number_json(field.type, begin);
+  Json numbers = Json::array();
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    numbers.push_back(number_json(field.type, begin + i * column_size(field.type)));
+  }
+  return numbers;
+}
+
 Json hand_json(const haptics::TickRow& row) {
-  return {{"hand", row.hand},
-          {"phase", phase_name(row.phase)},
-          {"distance_m", row.distance},
-          {"depth_m", row.depth},
-          {"cutoff_layer", row.cutoff_layer},
-          {"saturated", row.saturated != 0},
-          {"tissue_force_N", row.tissue_force},
-          {"noise_force_N", row.noise_force},
-          {"friction_N", row.friction},
-          {"force_N", row.force},
-          {"torque_N_m", row.torque},
-          {"gripper_force_N", row.gripper_force},
-          {"tool_m", row.tool},
-          {"tool_wxyz", row.tool_q},
-          {"gripper", row.gripper},
-          {"contact_m", row.contact},
-          {"normal", row.normal},
-          {"engagement", row.engagement},
-          {"energy_J", row.energy},
-          {"tick_ns", row.tick_ns},
-          {"late_ns", row.late_ns},
-          {"status", status_json(row.status)},
-          {"fault", haptics::name_of(static_cast<haptics::Fault>(row.fault))}};
+  Json json = Json::object();
+  for (const haptics::TickField& field : haptics::kTickFields) {
+    if (field.live != nullptr) json[field.live] = value_json(row, field);
+  }
+  return json;
 }
 
 /// What stands in every answer.
@@ -86,13 +107,11 @@ std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::e
 
 Json tissue_json(const model::TissueParameters& tissue) {
   Json json{{"name", tissue.name}, {"law", model::to_string(tissue.law)}};
-  model::TissueParameters values = tissue;  // the keys give places to write to
-  for (const TissueKey& key : tissue_keys()) {
-    Json& place = key.group.empty() ? json : json[std::string(key.group)];
-    place[std::string(key.key)] = key.of(values) / key.unit;
+  for (const model::TissueField& field : model::kTissueFields) {
+    Json& table = field.section.empty() ? json : json[std::string(field.section)];
+    const std::optional<double> value = field.at.get(tissue);
+    table[field.key] = value ? Json(*value / field.unit.si) : Json(nullptr);
   }
-  const std::optional<double>& tangential = tissue.contact.tangential_stiffness;
-  json["contact"]["tangential_N_per_m"] = tangential ? Json(*tangential) : Json(nullptr);
   json["relaxation"] = Json::array();
   for (const model::RelaxationTerm& term : tissue.relaxation) {
     json["relaxation"].push_back({{"share", term.share}, {"time_s", term.time}});

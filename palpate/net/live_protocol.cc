@@ -155,25 +155,23 @@ TissueEdit read_tissue(Members& root) {
     if (*law != "layered" && *law != "smooth") fail("tissue.law", *law, "\"layered\" or \"smooth\"");
     edit.law = model::parse_law(law->get_ref<const std::string&>());
   }
-  std::map<std::string_view, Members> groups;
-  for (const char* group : {"reach", "contact"}) {
-    if (const json* found = tissue.find(group); found != nullptr) {
-      groups.emplace(group, Members(*found, "tissue." + std::string(group)));
+  std::map<std::string_view, Members> sections;
+  for (const model::TissueSection& section : model::kTissueSections) {
+    if (const json* found = tissue.find(std::string(section.key)); found != nullptr) {
+      sections.emplace(section.key, Members(*found, "tissue." + std::string(section.key)));
     }
   }
-  for (const TissueKey& key : tissue_keys()) {
-    const auto found = groups.find(key.group);
-    if (!key.group.empty() && found == groups.end()) continue;
-    Members& from = key.group.empty() ? tissue : found->second;
-    if (const auto value = from.number(std::string(key.key))) {
-      edit.numbers.emplace_back(&key, *value * key.unit);
+  for (const model::TissueField& field : model::kTissueFields) {
+    const auto found = sections.find(field.section);
+    if (!field.section.empty() && found == sections.end()) continue;
+    Members& from = field.section.empty() ? tissue : found->second;
+    const json* value = from.find(field.key);
+    if (value == nullptr) continue;
+    if (field.optional() && value->is_null()) {
+      edit.numbers.emplace_back(&field, std::nullopt);
+    } else {
+      edit.numbers.emplace_back(&field, from.required_number(field.key) * field.unit.si);
     }
-  }
-  if (const auto found = groups.find("contact"); found != groups.end()) {
-    const std::string key = "tangential_N_per_m";
-    const json* value = found->second.find(key);
-    if (value != nullptr && value->is_null()) edit.tangential.emplace(std::nullopt);
-    if (value != nullptr && !value->is_null()) edit.tangential.emplace(found->second.number(key));
   }
   if (const json* terms = tissue.find("relaxation"); terms != nullptr) {
     if (!terms->is_array() || terms->size() > model::kMostRelaxationTerms) {
@@ -189,7 +187,7 @@ TissueEdit read_tissue(Members& root) {
       term.allow_no_more();
     }
   }
-  for (const auto& [name, group] : groups) group.allow_no_more();
+  for (const auto& [name, section] : sections) section.allow_no_more();
   tissue.allow_no_more();
   return edit;
 }
@@ -328,37 +326,12 @@ LiveCommand read_live_message(std::string_view text, LiveReference& reference) {
   return read;
 }
 
-const std::vector<TissueKey>& tissue_keys() {
-  using T = model::TissueParameters;
-  static const std::vector<TissueKey> all{
-      {"", "k1_N_per_m", 1.0, [](T& t) -> double& { return t.k1; }},
-      {"", "beta", 1.0, [](T& t) -> double& { return t.beta; }},
-      {"", "q", 1.0, [](T& t) -> double& { return t.q; }},
-      {"", "rest_length_mm", kMillimetre, [](T& t) -> double& { return t.rest_length; }},
-      {"", "max_length_mm", kMillimetre, [](T& t) -> double& { return t.max_length; }},
-      {"", "min_length_mm", kMillimetre, [](T& t) -> double& { return t.min_length; }},
-      {"", "t1_us", kMicrosecond, [](T& t) -> double& { return t.t1; }},
-      {"reach", "contact_ratio", 1.0, [](T& t) -> double& { return t.reach.contact_ratio; }},
-      {"reach", "first_bar_ratio", 1.0, [](T& t) -> double& { return t.reach.first_bar_ratio; }},
-      {"reach", "bar_ratio", 1.0, [](T& t) -> double& { return t.reach.bar_ratio; }},
-      {"reach", "weight_ratio", 1.0, [](T& t) -> double& { return t.reach.weight_ratio; }},
-      {"reach", "depth_exponent", 1.0, [](T& t) -> double& { return t.reach.depth_exponent; }},
-      {"contact", "friction", 1.0, [](T& t) -> double& { return t.contact.friction; }},
-      {"contact", "damping_N_s_per_m", 1.0, [](T& t) -> double& { return t.contact.damping; }},
-      {"contact", "reference_radius_mm", kMillimetre,
-       [](T& t) -> double& { return t.contact.reference_radius; }},
-      {"contact", "grip_limit_N", 1.0, [](T& t) -> double& { return t.contact.grip_limit; }},
-  };
-  return all;
-}
-
 model::TissueParameters edited(model::TissueParameters tissue, const TissueEdit& edit) {
   if (edit.preset) tissue = model::tissue_preset(*edit.preset);
   if (edit.name) tissue.name = *edit.name;
   if (edit.law) tissue.law = *edit.law;
   if (edit.relaxation) tissue.relaxation = *edit.relaxation;
-  for (const auto& [key, value] : edit.numbers) key->of(tissue) = value;
-  if (edit.tangential) tissue.contact.tangential_stiffness = *edit.tangential;
+  for (const auto& [field, value] : edit.numbers) field->at.set(tissue, value);
   if (!edit.numbers.empty() || edit.law || edit.relaxation) tissue.source.reset();
   return tissue;
 }

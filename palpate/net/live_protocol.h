@@ -10,6 +10,7 @@
 #include "palpate/base/error.h"
 #include "palpate/haptics/live_change.h"
 #include "palpate/model/tissue.h"
+#include "palpate/model/tissue_fields.h"
 
 // What a client of the live interface may ask (docs/live-interface.md): one JSON object a message.
 namespace palpate::net {
@@ -34,22 +35,14 @@ class LiveError final : public InputError {
   std::string field_;
 };
 
-/// A number of a tissue as messages and tissue files name it.
-struct TissueKey {
-  std::string_view group;  // "", "reach" or "contact"
-  std::string_view key;
-  double unit;  // in SI
-  double& (*of)(model::TissueParameters& tissue);
-};
-
 /// A tissue as an edit of another: what is not named stays.
 struct TissueEdit {
   std::optional<std::string> preset;  // taken first
   std::optional<std::string> name;
   std::optional<model::LawKind> law;
-  std::optional<std::vector<model::RelaxationTerm>> relaxation;    // all terms; SI
-  std::vector<std::pair<const TissueKey*, double>> numbers;        // SI
-  std::optional<std::optional<double>> tangential = std::nullopt;  // N/m; inner none: ten times k1
+  std::optional<model::RelaxationTerms> relaxation;  // all terms; SI
+  std::vector<std::pair<const model::TissueField*, std::optional<double>>>
+      numbers;  // SI; none: as if not given
 };
 
 /// Noise as an edit of another.
@@ -121,8 +114,5 @@ struct LiveRequest {
 
 /// [setup] The same of noise. @throws ParameterError for a threshold or share that are none.
 [[nodiscard]] haptics::LiveNoise edited(haptics::LiveNoise noise, const NoiseEdit& edit);
-
-/// [any] All numbers of a tissue but the tangential stiffness, which need not be given.
-[[nodiscard]] const std::vector<TissueKey>& tissue_keys();
 
 }  // namespace palpate::net

@@ -97,27 +97,24 @@ std::string changes_header() {
   return line + kChangeName + '\n';
 }
 
-char* append_value(char* at, const haptics::LiveChange& change, const Column& column) {
-  if (column.offset == offsetof(haptics::LiveChange, what)) {
-    return append(at, (change.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
+char* append_value(char* at, const ChangeRow& row, const Column& column) {
+  if (column.offset == offsetof(ChangeRow, what)) {
+    return append(at, (row.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
   }
-  if (column.offset == offsetof(haptics::LiveChange, law)) {
-    return append(at, change.law == 0 ? "layered" : "smooth");
-  }
-  if (column.type == ColumnType::kU64) {
-    return append_number(at, value_at<std::uint64_t>(change, column.offset));
-  }
-  return append_number(at, value_at<double>(change, column.offset));
+  if (column.offset == offsetof(ChangeRow, law)) return append(at, row.law == 0 ? "layered" : "smooth");
+  if (column.type == ColumnType::kU64) return append_number(at, value_at<std::uint64_t>(row, column.offset));
+  return append_number(at, value_at<double>(row, column.offset));
 }
 
 std::string change_line(const haptics::LiveChange& change) {
+  const ChangeRow row = row_of(change);
   std::string line;
   for (const Column& column : change_columns()) {
     char text[kLongestValue];
-    line.append(text, append_value(text, change, column));
+    line.append(text, append_value(text, row, column));
     line += ',';
   }
-  return line + quoted({change.tissue.data(), change.tissue.size()}) + '\n';
+  return line + quoted({row.name.data(), row.name.size()}) + '\n';
 }
 
 struct CloseFile {

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <new>
 #include <sstream>
 #include <utility>
@@ -194,7 +195,7 @@ void check_columns(hid_t dataset, const std::string& name, std::span<const Colum
   if (H5Tget_class(type.id()) != H5T_COMPOUND) throw hdf5::Error(name + " has no columns");
   for (const Column& column : columns) {
     const int index = H5Tget_member_index(type.id(), column.name);
-    if (index < 0 && column.lacked_by_old) continue;
+    if (index < 0 && column.old_lack_it) continue;
     if (index < 0) throw hdf5::Error(name + " has no column " + column.name);
     const H5T_class_t kind = H5Tget_member_class(type.id(), static_cast<unsigned>(index));
     if (kind != (column.type == ColumnType::kF64 ? H5T_FLOAT : H5T_INTEGER)) {
@@ -339,11 +340,12 @@ void RecordingReader::read_changes() {
       throw hdf5::Error("/changes is not a list of rows");
     }
     if (count > kMostChanges) throw hdf5::Error("/changes is too long");
-    changes_.resize(count);  // with the defaults, which stay where the file has no such column
     if (count == 0) return;
-    const Handle type = live_change_type();
-    check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, changes_.data()),
+    std::vector<ChangeRow> rows(count, row_of({}));  // a column that the file lacks keeps its default
+    const Handle type = change_row_type();
+    check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()),
           "/changes cannot be read");
+    std::transform(rows.begin(), rows.end(), std::back_inserter(changes_), change_of);
   } catch (const hdf5::Error&) {
     if (!cut_off_) throw;
     changes_.clear();

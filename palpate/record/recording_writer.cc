@@ -1,5 +1,6 @@
 #include "palpate/record/recording_writer.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -85,25 +86,9 @@ void write_tools(hid_t file, const std::vector<geometry::Tool>& tools) {
 void write_tissue(hid_t file, const model::TissueParameters& tissue) {
   const Handle group = hdf5::create_group(file, "tissue");
   hdf5::write_attribute(group.id(), "name", tissue.name);
-  const std::pair<const char*, double> values[] = {
-      {"k1_N_per_m", tissue.k1},
-      {"beta", tissue.beta},
-      {"q", tissue.q},
-      {"rest_length_m", tissue.rest_length},
-      {"max_length_m", tissue.max_length},
-      {"min_length_m", tissue.min_length},
-      {"t1_s", tissue.t1},
-      {"contact_ratio", tissue.reach.contact_ratio},
-      {"first_bar_ratio", tissue.reach.first_bar_ratio},
-      {"bar_ratio", tissue.reach.bar_ratio},
-      {"weight_ratio", tissue.reach.weight_ratio},
-      {"depth_exponent", tissue.reach.depth_exponent},
-      {"friction", tissue.contact.friction},
-      {"tangential_N_per_m", tissue.contact.tangential_stiffness.value_or(10.0 * tissue.k1)},
-      {"damping_N_s_per_m", tissue.contact.damping},
-      {"reference_radius_m", tissue.contact.reference_radius},
-      {"grip_limit_N", tissue.contact.grip_limit}};
-  for (const auto& [name, value] : values) hdf5::write_attribute(group.id(), name, value);
+  for (const model::TissueField& field : model::kTissueFields) {
+    hdf5::write_attribute(group.id(), field.si_key, field.in_force(tissue));
+  }
   hdf5::write_attribute(group.id(), "law", std::string(model::to_string(tissue.law)));
   for (std::size_t i = 0; i < tissue.relaxation.size(); ++i) {
     const std::string term = "relaxation_" + std::to_string(i + 1);
@@ -217,19 +202,19 @@ Handle tick_row_type() {
   return type;
 }
 
-Handle live_change_type() {
-  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(haptics::LiveChange)), "change type");
+Handle change_row_type() {
+  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(ChangeRow)), "change type");
   for (const Column& column : change_columns()) {
     check(H5Tinsert(type.id(), column.name, column.offset, native_type(column.type)), column.name);
   }
   const Handle name = hdf5::text_type(haptics::LiveChange::kNameBytes);
-  check(H5Tinsert(type.id(), kChangeName, offsetof(haptics::LiveChange, tissue), name.id()), kChangeName);
+  check(H5Tinsert(type.id(), kChangeName, offsetof(ChangeRow, name), name.id()), kChangeName);
   return type;
 }
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Setup& setup,
                                  const RunFacts& facts)
-    : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(live_change_type()) {
+    : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(change_row_type()) {
   const std::string scene = setup_to_json(setup);
   reserve_space(static_cast<std::int64_t>(scene.size()) + mesh_bytes(setup));
   write_facts(file_.id(), setup, facts);
@@ -296,7 +281,9 @@ void RecordingWriter::append(std::span<const haptics::TickRow> rows) {
 }
 
 void RecordingWriter::append(std::span<const haptics::LiveChange> changes) {
-  append_to(changes_.id(), change_type_.id(), change_rows_, changes.size(), changes.data());
+  std::vector<ChangeRow> rows(changes.size());
+  std::transform(changes.begin(), changes.end(), rows.begin(), row_of);
+  append_to(changes_.id(), change_type_.id(), change_rows_, rows.size(), rows.data());
   change_rows_ += changes.size();
   change_unflushed_ = change_unflushed_ || !changes.empty();
 }

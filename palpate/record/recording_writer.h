@@ -78,8 +78,8 @@ class RecordingWriter final {
 /// [setup] HDF5's description of a TickRow in memory, with the columns' names.
 [[nodiscard]] hdf5::Handle tick_row_type();
 
-/// [setup] The same of a LiveChange.
-[[nodiscard]] hdf5::Handle live_change_type();
+/// [setup] The same of a ChangeRow.
+[[nodiscard]] hdf5::Handle change_row_type();
 
 /// Datasets of the group /run, in the file's and the reader's words.
 namespace run_names {

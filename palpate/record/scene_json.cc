@@ -5,6 +5,7 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/whole_json.h"
+#include "palpate/model/tissue_fields.h"
 
 namespace palpate::record {
 namespace {
@@ -65,30 +66,20 @@ std::optional<double> optional_from(const Json& json) {
   return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
 }
 
+Json relaxation_json(const model::RelaxationTerms& terms) {
+  Json json = Json::array();
+  for (const model::RelaxationTerm& term : terms)
+    json.push_back({{"share", term.share}, {"time_s", term.time}});
+  return json;
+}
+
 Json tissue_json(const model::TissueParameters& t) {
-  Json json = {{"name", t.name},
-               {"k1_N_per_m", t.k1},
-               {"beta", t.beta},
-               {"q", t.q},
-               {"rest_length_m", t.rest_length},
-               {"max_length_m", t.max_length},
-               {"min_length_m", t.min_length},
-               {"t1_s", t.t1},
-               {"law", model::to_string(t.law)}};
-  json["relaxation"] = Json::array();
-  for (const model::RelaxationTerm& term : t.relaxation) {
-    json["relaxation"].push_back({{"share", term.share}, {"time_s", term.time}});
+  Json json = {
+      {"name", t.name}, {"law", model::to_string(t.law)}, {"relaxation", relaxation_json(t.relaxation)}};
+  for (const model::TissueField& field : model::kTissueFields) {
+    Json& table = field.section.empty() ? json : json[std::string(field.section)];
+    table[field.si_key] = optional_json(field.at.get(t));
   }
-  json["reach"] = {{"contact_ratio", t.reach.contact_ratio},
-                   {"first_bar_ratio", t.reach.first_bar_ratio},
-                   {"bar_ratio", t.reach.bar_ratio},
-                   {"weight_ratio", t.reach.weight_ratio},
-                   {"depth_exponent", t.reach.depth_exponent}};
-  json["contact"] = {{"friction", t.contact.friction},
-                     {"tangential_N_per_m", optional_json(t.contact.tangential_stiffness)},
-                     {"damping_N_s_per_m", t.contact.damping},
-                     {"reference_radius_m", t.contact.reference_radius},
-                     {"grip_limit_N", t.contact.grip_limit}};
   json["source"] =
       t.source ? Json{{"indenter", t.source->indenter}, {"radius_m", t.source->radius}} : Json(nullptr);
   return json;
@@ -97,31 +88,17 @@ Json tissue_json(const model::TissueParameters& t) {
 model::TissueParameters tissue_from(const Json& json) {
   model::TissueParameters t;
   t.name = json.at("name").get<std::string>();
-  t.k1 = json.at("k1_N_per_m").get<double>();
-  t.beta = json.at("beta").get<double>();
-  t.q = json.at("q").get<double>();
-  t.rest_length = json.at("rest_length_m").get<double>();
-  t.max_length = json.at("max_length_m").get<double>();
-  t.min_length = json.at("min_length_m").get<double>();
-  t.t1 = json.at("t1_s").get<double>();
   // A recording from before there were laws to choose from has the paper's, without relaxation.
   t.law = model::parse_law(json.value("law", model::to_string(model::LawKind::kLayered)));
   for (const Json& term : json.value("relaxation", Json::array())) {
     t.relaxation.push_back({term.at("share").get<double>(), term.at("time_s").get<double>()});
   }
-  const Json& reach = json.at("reach");
-  t.reach.contact_ratio = reach.at("contact_ratio").get<double>();
-  t.reach.first_bar_ratio = reach.at("first_bar_ratio").get<double>();
-  t.reach.bar_ratio = reach.at("bar_ratio").get<double>();
-  t.reach.weight_ratio = reach.at("weight_ratio").get<double>();
-  // A recording from before it was a parameter has the default.
-  t.reach.depth_exponent = reach.value("depth_exponent", t.reach.depth_exponent);
-  const Json& contact = json.at("contact");
-  t.contact.friction = contact.at("friction").get<double>();
-  t.contact.tangential_stiffness = optional_from(contact.at("tangential_N_per_m"));
-  t.contact.damping = contact.at("damping_N_s_per_m").get<double>();
-  t.contact.reference_radius = contact.at("reference_radius_m").get<double>();
-  t.contact.grip_limit = contact.at("grip_limit_N").get<double>();
+  for (const model::TissueField& field : model::kTissueFields) {
+    const Json& table = field.section.empty() ? json : json.at(std::string(field.section));
+    if (field.old_lack_it && !table.contains(field.si_key)) continue;
+    const Json& value = table.at(field.si_key);
+    field.at.set(t, field.optional() ? optional_from(value) : value.get<double>());
+  }
   if (const Json& source = json.at("source"); !source.is_null()) {
     t.source = model::SourceParameters{source.at("indenter").get<std::string>(),
                                        source.at("radius_m").get<double>()};

@@ -2,25 +2,20 @@
 #include <cstdint>
 #include <span>
 
-#include "palpate/haptics/tick_row.h"
+#include "palpate/haptics/tick_fields.h"
 
 namespace palpate::record {
 
-/// How a column is kept, in memory and in the file.
-enum class ColumnType { kU32, kU64, kI64, kF64 };
+using haptics::column_size;
+using haptics::ColumnType;
 
-/// One column of the ticks: its name outside (contract, with its unit) and its place in a TickRow.
+/// One column of the ticks: its name outside, with its unit, and its place in a TickRow.
 struct Column {
   const char* name;
   ColumnType type;
-  std::size_t offset;          // bytes
-  bool lacked_by_old = false;  // a file from before the column was written lacks it: the default stays
+  std::size_t offset;        // bytes
+  bool old_lack_it = false;  // a file from before the column was written: the default stays
 };
-
-/// [any] Bytes of one value.
-[[nodiscard]] constexpr std::size_t column_size(ColumnType type) noexcept {
-  return type == ColumnType::kU32 ? 4 : 8;
-}
 
 /// [any] All columns, in the order of a TickRow's memory, of the recording and of the export; together they
 /// cover a row without gaps.

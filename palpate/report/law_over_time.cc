@@ -67,7 +67,7 @@ std::vector<std::string> changes_in_words(const record::Recording& recording) {
     words.push_back(
         fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick, fixed(time, 3),
                     (change.what & haptics::kTissueChanged) != 0 ? tissue_in_words(tissue_of(change))
-                                                                 : noise_in_words(noise_of(change))));
+                                                                 : noise_in_words(change.noise)));
   }
   return words;
 }

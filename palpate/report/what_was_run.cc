@@ -8,6 +8,7 @@
 
 #include "palpate/base/text.h"
 #include "palpate/geometry/mesh.h"
+#include "palpate/model/tissue_fields.h"
 #include "palpate/report/law_over_time.h"
 #include "palpate/report/sections.h"
 #include "palpate/report/text_format.h"
@@ -21,6 +22,11 @@ constexpr double kRunMilli = 1e3;
 
 std::string number(double value, const char* unit) {
   return shortest(value) + (*unit == '\0' ? "" : " ") + unit;
+}
+
+/// The same, rounded where the conversion from SI leaves a rest.
+std::string shown(double value, const char* unit) {
+  return brief(value, 12) + (*unit == '\0' ? "" : " ") + unit;
 }
 
 /// A length of the scene in mm, rounded where the conversion from metres leaves a rest.
@@ -109,23 +115,11 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
                               : "layered parallel springs, ",
                           direction == model::Direction::kPull ? "pulled" : "pressed", law.layers_allowed(),
                           millimetres(law.max_depth()), fixed(law.max_force(), 2))},
-      {"k1", number(tissue.k1, "N/m")},
-      {"beta", number(tissue.beta, "")},
-      {"q", number(tissue.q, "")},
-      {"rest, largest, smallest length",
-       fmt::format("{}, {}, {}", millimetres(tissue.rest_length), millimetres(tissue.max_length),
-                   millimetres(tissue.min_length))},
-      {"t1", fixed(tissue.t1 * 1e6, 3) + " µs"},
-      {"reach c, a, s, g, p",
-       fmt::format("{}, {}, {}, {}, {}", shortest(tissue.reach.contact_ratio),
-                   shortest(tissue.reach.first_bar_ratio), shortest(tissue.reach.bar_ratio),
-                   shortest(tissue.reach.weight_ratio), shortest(tissue.reach.depth_exponent))},
-      {"friction", shortest(tissue.contact.friction)},
-      {"tangential stiffness", number(tissue.tangential_stiffness(), "N/m")},
-      {"damping", number(tissue.contact.damping, "N s/m")},
-      {"reference radius", millimetres(tissue.contact.reference_radius)},
-      {"grip limit", number(tissue.contact.grip_limit, "N")},
   };
+  for (const model::TissueField& field : model::kTissueFields) {
+    const std::string label = (field.section == "reach" ? "reach " : "") + std::string(field.label);
+    facts.emplace_back(label, shown(field.in_force(tissue) / field.unit.si, field.unit.text));
+  }
   for (const model::RelaxationTerm& term : tissue.relaxation) {
     facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.share),
                                                  number(term.time, "s")));

@@ -1,10 +1,13 @@
 #include "palpate/scene/tissue_file.h"
 
-#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <vector>
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
+#include "palpate/model/tissue_fields.h"
 #include "palpate/scene/load.h"
 #include "palpate/scene/names.h"
 #include "palpate/scene/toml_reader.h"
@@ -21,8 +24,8 @@ model::LawKind read_law(const TomlTable& table) {
   return model::LawKind::kLayered;
 }
 
-std::vector<model::RelaxationTerm> read_relaxation(const TomlTable& table) {
-  std::vector<model::RelaxationTerm> terms;
+model::RelaxationTerms read_relaxation(const TomlTable& table) {
+  model::RelaxationTerms terms;
   double sum = 0.0;
   for (const TomlTable& entry : table.tables("relaxation")) {
     entry.allow_only({"share", "time_s"});
@@ -42,28 +45,22 @@ std::vector<model::RelaxationTerm> read_relaxation(const TomlTable& table) {
   return terms;
 }
 
-model::ReachParameters read_reach(const TomlTable& table) {
-  model::ReachParameters reach;
-  table.allow_only({"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio", "depth_exponent"});
-  reach.contact_ratio = table.number("contact_ratio").value_or(reach.contact_ratio);
-  reach.first_bar_ratio = table.number("first_bar_ratio").value_or(reach.first_bar_ratio);
-  reach.bar_ratio = table.number("bar_ratio").value_or(reach.bar_ratio);
-  reach.weight_ratio = table.number("weight_ratio").value_or(reach.weight_ratio);
-  reach.depth_exponent = table.number("depth_exponent").value_or(reach.depth_exponent);
-  return reach;
+std::vector<std::string> keys_of(std::string_view section) {
+  std::vector<std::string> keys;
+  for (const model::TissueField& field : model::kTissueFields) {
+    if (field.section == section) keys.emplace_back(field.key);
+  }
+  return keys;
 }
 
-model::ContactParameters read_contact(const TomlTable& table) {
-  model::ContactParameters contact;
-  table.allow_only(
-      {"friction", "tangential_N_per_m", "damping_N_s_per_m", "reference_radius_mm", "grip_limit_N"});
-  contact.friction = table.number("friction").value_or(contact.friction);
-  contact.tangential_stiffness = table.number("tangential_N_per_m");
-  contact.damping = table.number("damping_N_s_per_m").value_or(contact.damping);
-  if (const auto radius = table.number("reference_radius_mm"))
-    contact.reference_radius = *radius * kMillimetre;
-  contact.grip_limit = table.number("grip_limit_N").value_or(contact.grip_limit);
-  return contact;
+/// The numbers of [tissue] itself or of a table below it.
+void read_numbers(const TomlTable& table, std::string_view section, model::TissueNumbers& tissue) {
+  for (const model::TissueField& field : model::kTissueFields) {
+    if (field.section != section) continue;
+    const std::optional<double> value =
+        field.required ? table.required_number(field.key) : table.number(field.key);
+    if (value) field.at.set(tissue, *value * field.unit.si);
+  }
 }
 
 model::SourceParameters read_source(const TomlTable& table) {
@@ -76,28 +73,22 @@ model::SourceParameters read_source(const TomlTable& table) {
 
 model::TissueParameters read_parameters(const TomlTable& table, const std::string& default_name) {
   model::TissueParameters tissue;
-  table.allow_only({"name", "law", "k1_N_per_m", "beta", "q", "rest_length_mm", "max_length_mm",
-                    "min_length_mm", "t1_us", "relaxation", "reach", "contact", "source"});
+  std::vector<std::string> keys = keys_of("");
+  keys.insert(keys.end(), {"name", "law", "relaxation", "source"});
+  for (const model::TissueSection& section : model::kTissueSections) keys.emplace_back(section.key);
+  table.allow_only(keys);
   tissue.name = table.text("name").value_or(default_name);
   tissue.law = read_law(table);
-  tissue.k1 = table.required_number("k1_N_per_m");
-  tissue.beta = table.required_number("beta");
-  tissue.q = table.required_number("q");
-  tissue.rest_length = table.required_number("rest_length_mm") * kMillimetre;
-  tissue.max_length = table.required_number("max_length_mm") * kMillimetre;
-  tissue.min_length = table.required_number("min_length_mm") * kMillimetre;
-  tissue.t1 = table.required_number("t1_us") * kMicrosecond;
+  read_numbers(table, "", tissue);
   tissue.relaxation = read_relaxation(table);
-  if (const auto reach = table.table("reach")) tissue.reach = read_reach(*reach);
-  if (const auto contact = table.table("contact")) tissue.contact = read_contact(*contact);
+  for (const model::TissueSection& section : model::kTissueSections) {
+    const std::optional<TomlTable> below = table.table(section.key);
+    if (!below) continue;
+    below->allow_only(keys_of(section.key));
+    read_numbers(*below, section.key, tissue);
+  }
   if (const auto source = table.table("source")) tissue.source = read_source(*source);
   return tissue;
-}
-
-/// A length in millimetres, as short as it reads back.
-std::string millimetres(double metres) {
-  const double rounded = metres / kMillimetre;
-  return shortest(rounded);
 }
 
 std::string real(double value) {
@@ -137,35 +128,26 @@ std::string to_toml(const model::TissueParameters& tissue) {
   const auto line = [&out](const char* key, const std::string& value) {
     out += std::string(key) + " = " + value + "\n";
   };
-  line("k1_N_per_m", real(tissue.k1));
-  line("beta", real(tissue.beta));
-  line("q", real(tissue.q));
-  line("rest_length_mm", millimetres(tissue.rest_length));
-  line("max_length_mm", millimetres(tissue.max_length));
-  line("min_length_mm", millimetres(tissue.min_length));
-  line("t1_us", real(tissue.t1 / kMicrosecond));
+  const auto numbers = [&](std::string_view section) {
+    for (const model::TissueField& field : model::kTissueFields) {
+      const std::optional<double> value = field.at.get(tissue);
+      if (field.section == section && value) line(field.key, real(*value / field.unit.si));
+    }
+  };
+  numbers("");
   for (const model::RelaxationTerm& term : tissue.relaxation) {
     out += "[[tissue.relaxation]]\n";
     line("share", real(term.share));
     line("time_s", real(term.time));
   }
-  out += "[tissue.reach]\n";
-  line("contact_ratio", real(tissue.reach.contact_ratio));
-  line("first_bar_ratio", real(tissue.reach.first_bar_ratio));
-  line("bar_ratio", real(tissue.reach.bar_ratio));
-  line("weight_ratio", real(tissue.reach.weight_ratio));
-  line("depth_exponent", real(tissue.reach.depth_exponent));
-  out += "[tissue.contact]\n";
-  line("friction", real(tissue.contact.friction));
-  if (tissue.contact.tangential_stiffness)
-    line("tangential_N_per_m", real(*tissue.contact.tangential_stiffness));
-  line("damping_N_s_per_m", real(tissue.contact.damping));
-  line("reference_radius_mm", millimetres(tissue.contact.reference_radius));
-  line("grip_limit_N", real(tissue.contact.grip_limit));
+  for (const model::TissueSection& section : model::kTissueSections) {
+    out += "[tissue." + std::string(section.key) + "]\n";
+    numbers(section.key);
+  }
   if (tissue.source) {
     out += "[tissue.source]\n";
     if (!tissue.source->indenter.empty()) line("indenter", quoted(tissue.source->indenter));
-    line("radius_mm", millimetres(tissue.source->radius));
+    line("radius_mm", real(tissue.source->radius / kMillimetre));
   }
   return out;
 }

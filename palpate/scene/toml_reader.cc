@@ -203,8 +203,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   return found;
 }
 
-void TomlTable::allow_only(std::initializer_list<const char*> keys) const {
-  const std::vector<std::string> known(keys.begin(), keys.end());
+void TomlTable::allow_only(const std::vector<std::string>& known) const {
   for (const auto& [key, node] : *table_) {
     const std::string_view name = key.str();
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;

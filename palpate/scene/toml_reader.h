@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
@@ -53,9 +52,9 @@ class TomlTable final {
   /// The root of a file.
   explicit TomlTable(const TomlFile& file) : TomlTable(file.name, "", file.root, 1) {}
 
-  /// Call before reading. @throws InputError at the first key that is not one of `keys`, with the nearest
+  /// Call before reading. @throws InputError at the first key that is not one of `known`, with the nearest
   /// one.
-  void allow_only(std::initializer_list<const char*> keys) const;
+  void allow_only(const std::vector<std::string>& known) const;
 
   /// Whether the key stands there, with whatever value.
   [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }

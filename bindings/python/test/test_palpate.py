@@ -70,9 +70,12 @@ def test_tissue_goes_to_a_file_and_back(tmp_path):
     tissue = palpate.tissue_preset('kidney')
     tissue.law = 'smooth'
     tissue.relaxation = [(0.3, 1.5)]
+    tissue.tangential_damping = 0.75
+    assert tissue.tangential_stiffness is None
     file = tmp_path / 'kidney.toml'
     file.write_text(tissue.to_toml())
     back = palpate.load_tissue(str(file))
+    assert (back.tangential_damping, back.tangential_stiffness) == (0.75, None)
     assert (back.k1, back.beta, back.law, back.relaxation) == (tissue.k1, tissue.beta, 'smooth', [(0.3, 1.5)])
 
 

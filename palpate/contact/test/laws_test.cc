@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLawRadius = 3e-3;
 constexpr double kLawPeriod = 1e-3;
-const std::vector<model::RelaxationTerm> kTwoTerms = {{0.3, 0.1}, {0.25, 1.5}};
+const model::RelaxationTerms kTwoTerms = {{0.3, 0.1}, {0.25, 1.5}};
 
 /// A ball on a block with laws that the test exchanges.
 struct Bench {

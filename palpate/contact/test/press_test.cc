@@ -91,6 +91,81 @@ TEST(Press, StickingFrictionGivesBackNoMoreWorkThanWasPutIn) {
   }
 }
 
+/// A ball 6 mm deep in a block, under a hand that has held it still.
+Rig pressed_ball(const model::TissueParameters& tissue) {
+  const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
+  Rig rig(block(kBox, 0.1), one_part_tool(ball), tissue);
+  rig.tick(place(Vec3(0, 0, 5e-3)));
+  rig.move_to(Vec3(0, 0, -6e-3 - lowest_z(ball)), kSpeed);
+  rig.hold(0.1);
+  return rig;
+}
+
+TEST(Press, AStuckContactMovedAlongTheSurfaceFeelsItsTangentialDampingTimesTheSpeed) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.contact.friction = 5.0;  // it sticks
+  Rig without = pressed_ball(tissue);
+  tissue.contact.tangential_damping = 2.0;
+  Rig with = pressed_ball(tissue);
+  const Vec3 goal = with.pose().position + Vec3(0.4e-3, 0.3e-3, 0.0);
+  with.move_to(goal, 10e-3);
+  without.move_to(goal, 10e-3);
+  const Vec3 more = with.result().force_W - without.result().force_W;
+  EXPECT_NEAR(more.x(), -2.0 * 10e-3 * 0.8, 1e-9) << "c_t v, against the motion";
+  EXPECT_NEAR(more.y(), -2.0 * 10e-3 * 0.6, 1e-9);
+  EXPECT_NEAR(more.z(), 0.0, 1e-9);
+  EXPECT_NEAR((with.hold(0.01).force_W - without.hold(0.01).force_W).norm(), 0.0, 1e-9)
+      << "at rest: the spring's";
+}
+
+TEST(Press, FrictionWithTangentialDampingStaysWithinTheCone) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.contact.friction = 0.3;
+  tissue.contact.tangential_damping = 20.0;
+  Rig rig = pressed_ball(tissue);
+  const Vec3 from = rig.pose().position;
+  rig.each_tick([](const ToolResult& result) {
+    EXPECT_LE(result.force_W.head<2>().norm(), 0.3 * result.force_W.z() * (1.0 + 1e-9));
+  });
+  for (int i = 1; i <= 2000; ++i)
+    rig.tick(place(from + Vec3(3e-3 * std::sin(0.02 * i), 1e-3 * std::sin(0.05 * i), 0)));
+  rig.move_to(from + Vec3(8e-3, 0, 0), 50e-3);
+  EXPECT_NEAR(-rig.result().force_W.x() / rig.result().force_W.z(), 0.3, 0.02 * 0.3) << "it slides";
+}
+
+TEST(Press, ASlidingContactFeelsTheConeWhateverItsTangentialDamping) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.contact.friction = 0.2;
+  Rig without = pressed_ball(tissue);
+  tissue.contact.tangential_damping = 3.0;
+  Rig with = pressed_ball(tissue);
+  const Vec3 goal = with.pose().position + Vec3(8e-3, 0, 0);
+  with.move_to(goal, 20e-3);
+  without.move_to(goal, 20e-3);
+  EXPECT_NEAR((with.result().force_W - without.result().force_W).norm(), 0.0, 1e-6);
+}
+
+TEST(Press, AClosedTangentialCycleWithDampingGivesBackNoWorkAndTakesMoreThanWithout) {
+  double put_in[2] = {0.0, 0.0};
+  for (const int damped : {0, 1}) {
+    model::TissueParameters tissue = plain_tissue();
+    tissue.contact.friction = 5.0;
+    tissue.contact.tangential_damping = damped * 1.5;
+    Rig rig = pressed_ball(tissue);
+    const Vec3 from = rig.pose().position;
+    Vec3 last = from;
+    for (int i = 1; i <= 1000; ++i) {
+      const double angle = 2.0 * M_PI * i / 1000.0;
+      const Vec3 now = from + 0.3e-3 * Vec3(std::sin(angle), std::sin(2.0 * angle), 0.0);
+      put_in[damped] -= rig.tick(place(now)).force_W.dot(now - last);
+      last = now;
+      EXPECT_GE(put_in[damped], -1e-12);
+    }
+  }
+  // c_t times the integral of v^2: of amplitude A and 1 s, A^2 (2 pi)^2/2 (1 + 4).
+  EXPECT_NEAR(put_in[1] - put_in[0], 1.5 * 0.3e-3 * 0.3e-3 * 2.0 * M_PI * M_PI * 5.0, 1e-3 * put_in[1]);
+}
+
 TEST(Press, AtRestIsExactlyStill) {
   model::TissueParameters tissue = plain_tissue();
   tissue.contact.friction = 0.2;

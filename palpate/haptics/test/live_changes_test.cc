@@ -97,7 +97,7 @@ TEST(LiveChanges, OneIsTakenATickInTheOrderOffered) {
   for (std::uint64_t i = 1; i <= 3; ++i) {
     const PreparedChange* change = changes.waiting();
     ASSERT_NE(change, nullptr);
-    EXPECT_EQ(change->values.k1, gallbladder().k1 * static_cast<double>(i));
+    EXPECT_EQ(change->values.tissue.k1, gallbladder().k1 * static_cast<double>(i));
     apply_change(world, state, *change);
     EXPECT_EQ(state.change, i);
     changes.taken();
@@ -145,7 +145,7 @@ TEST(LiveChanges, ATissueChangeLeavesTheNoiseAndTheOtherWayRound) {
   apply_change(world, state, *changes.waiting());
   changes.taken();
   const NoiseGlide glide = state.noise_glide;
-  EXPECT_EQ(changes.waiting()->values.noise_gain, 1e-5) << "each states all that is in force";
+  EXPECT_EQ(changes.waiting()->values.noise.gain, 1e-5) << "each states all that is in force";
   apply_change(world, state, *changes.waiting());
   EXPECT_EQ(state.noise_glide.ticks_left, glide.ticks_left);
   EXPECT_FALSE(state.noise_enabled);
@@ -161,7 +161,7 @@ TEST(LiveChanges, BadValuesAreRefusedInWordsAndChangeNothing) {
   bad.beta = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(refusal_of(changes, bad), HasSubstr("beta"));
   bad = gallbladder();
-  bad.relaxation.assign(4, {0.1, 1.0});
+  bad.relaxation = {{0.5, 1.0}, {0.5, 2.0}};
   EXPECT_THAT(refusal_of(changes, bad), HasSubstr("relaxation"));
   bad = gallbladder();
   bad.contact.reference_radius = 5e-3;
@@ -170,7 +170,7 @@ TEST(LiveChanges, BadValuesAreRefusedInWordsAndChangeNothing) {
   EXPECT_THROW((void)changes.offer(LiveNoise{true, -1.0, 5e-3}), ParameterError);
   EXPECT_THROW((void)changes.offer(LiveNoise{true, 5e-5, 0.0}), ParameterError);
   LiveChange unknown_law = live_change(gallbladder(), {}, kTissueChanged);
-  unknown_law.law = 7;
+  unknown_law.tissue.law = static_cast<model::LawKind>(7);
   EXPECT_THROW((void)prepare_change(world, unknown_law), ParameterError);
   EXPECT_EQ(changes.waiting(), nullptr);
   EXPECT_EQ(changes.tissue().k1, gallbladder().k1);
@@ -203,7 +203,8 @@ TEST(LiveChanges, ATissueMakesTheRoundTripThroughPlainDataBitForBit) {
   tissue.contact.tangential_stiffness = 100.0 / 3.0;
   const LiveNoise noise{true, 1e-5 / 3, 5e-3 / 7};
   const LiveChange change = live_change(tissue, noise, kTissueChanged | kNoiseChanged);
-  EXPECT_EQ(noise_of(change), noise);
+  EXPECT_EQ(change.noise, noise);
+  EXPECT_EQ(change.tissue, tissue.numbers());
   EXPECT_EQ(tissue_of(change).name, tissue.name);
   EXPECT_EQ(live_change(tissue_of(change), noise, change.what), change);
   tissue.contact.tangential_stiffness.reset();

@@ -35,6 +35,16 @@ TEST(Stability, NeedsHalfATickOfTheLargestTangentAndTheVirtualDamping) {
   EXPECT_FALSE(check.warns());
 }
 
+TEST(Stability, DampingAlongTheSurfaceCountsWhereItIsTheLarger) {
+  const auto damping_of = [](double tangential) {
+    model::TissueParameters tissue = two_slopes();
+    tissue.contact.tangential_damping = tangential;
+    return check_stability(tissue, Direction::kPress, 1e-3, 20.0, 1.0, {}).virtual_damping;
+  };
+  EXPECT_EQ(damping_of(0.4), 0.5);
+  EXPECT_EQ(damping_of(0.75), 0.75);
+}
+
 TEST(Stability, WarnsJustBelowTheDampingNeededAndNotAtIt) {
   const auto warns = [](double damping) {
     return check_stability(two_slopes(), Direction::kPress, 1e-3, 20.0, 1.0, {damping, 0.05, 1e-5})

@@ -82,6 +82,8 @@ TEST(ValidateTissue, RefusesNegativeFrictionAndDampingButNotZero) {
   for (const double bad : {-0.5, kTissueInfinity, kTissueNaN}) {
     const std::string shown = bad == -0.5 ? "-0.5" : bad == kTissueInfinity ? "inf" : "nan";
     expect_refused({"contact.friction", shown, [bad](TissueParameters& t) { t.contact.friction = bad; }});
+    expect_refused({"contact.tangential_damping_N_s_per_m", shown,
+                    [bad](TissueParameters& t) { t.contact.tangential_damping = bad; }});
     expect_refused(
         {"contact.damping_N_s_per_m", shown, [bad](TissueParameters& t) { t.contact.damping = bad; }});
   }

@@ -39,7 +39,7 @@ haptics::LiveChange sample_change(std::uint64_t tick) {
   haptics::LiveChange change = haptics::live_change(sample_setup(1).tissue, {}, haptics::kTissueChanged);
   change.tick = tick;
   change.number = tick / kTicksAChange + 1;
-  change.k1 = 10.0 + 1.0 / static_cast<double>(change.number);
+  change.tissue.k1 = 10.0 + 1.0 / static_cast<double>(change.number);
   return change;
 }
 

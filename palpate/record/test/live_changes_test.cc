@@ -121,7 +121,7 @@ TEST(LiveChangesRecorded, ReplayIsTheSameBitForBitWithChangesAtRandomTicks) {
 
 TEST(LiveChangesRecorded, TheChangesAreWhatTheForceCameFrom) {
   Recording recording = restless_run(4, 1500);
-  for (haptics::LiveChange& change : recording.changes) change.k1 *= 1.5;
+  for (haptics::LiveChange& change : recording.changes) change.tissue.k1 *= 1.5;
   EXPECT_GT(replay(recording).rows_different, 300U);
 }
 
@@ -159,7 +159,7 @@ TEST(LiveChangesRecorded, AChangeThatTheRowsDoNotKnowIsRefused) {
 
 TEST(LiveChangesRecorded, BadValuesInAFileAreRefusedByName) {
   Recording recording = restless_run(6, 500);
-  recording.changes[0].beta = -2.0;
+  recording.changes[0].tissue.beta = -2.0;
   try {
     (void)replay(recording);
     FAIL() << "it was run again";
@@ -170,8 +170,8 @@ TEST(LiveChangesRecorded, BadValuesInAFileAreRefusedByName) {
 
 TEST(LiveChangesRecorded, SnapshotsCarryTheReachAndNumberInForce) {
   Recording recording = restless_run(7, 400);
-  recording.changes[0].bar_ratio = 2.5;
-  recording.changes[0].depth_exponent = 0.4;
+  recording.changes[0].tissue.reach.bar_ratio = 2.5;
+  recording.changes[0].tissue.reach.depth_exponent = 0.4;
   recording.changes[0].what = haptics::kTissueChanged;
   const std::uint64_t tick = recording.changes[0].tick;
   const std::vector<haptics::Snapshot> snapshots = snapshots_at(recording, {tick - 1, tick});
@@ -249,15 +249,15 @@ TEST(LiveChangesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   first = haptics::live_change(recording.setup.tissue, {true, 5e-5, 5e-3}, haptics::kTissueChanged);
   first.tick = 12;
   first.number = 1;
-  first.law = 1;
-  first.tissue = {'a', ',', '"'};
+  first.tissue.law = model::LawKind::kSmooth;
+  first.name = {'a', ',', '"'};
   export_changes_csv(recording, folder / "c.csv");
   const std::vector<std::string> lines = lines_of(folder / "c.csv");
   ASSERT_EQ(lines.size(), recording.changes.size() + 1);
   EXPECT_THAT(lines[0], StartsWith("tick,number,what,law,k1_N_per_m,beta,q,rest_length_m,"));
   EXPECT_EQ(lines[1],
             "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,1.1,0.43,1.8,0.58,0.5,"
-            "0.2,0,0.5,0.01,8,1,5e-05,0.005,\"a,\"\"\"");
+            "0.2,0,0,0.5,0.01,8,1,5e-05,0.005,\"a,\"\"\"");
   EXPECT_EQ(changes_csv_beside("x/run.csv"), std::filesystem::path("x/run-changes.csv"));
   EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
 }
@@ -317,7 +317,7 @@ TEST(LiveChangesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThemIsRe
 
 /// The same changes in columns without depth_exponent, as they were kept before it was a parameter.
 void write_without_exponent(hid_t file, const std::vector<haptics::LiveChange>& changes) {
-  const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(haptics::LiveChange));
+  const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(ChangeRow));
   for (const Column& column : change_columns()) {
     if (std::string_view(column.name) == "depth_exponent") continue;
     const hid_t native = column.type == ColumnType::kU32   ? H5T_NATIVE_UINT32
@@ -326,12 +326,14 @@ void write_without_exponent(hid_t file, const std::vector<haptics::LiveChange>& 
     H5Tinsert(type, column.name, column.offset, native);
   }
   const hdf5::Handle name = hdf5::text_type(haptics::LiveChange::kNameBytes);
-  H5Tinsert(type, kChangeName, offsetof(haptics::LiveChange, tissue), name.id());
+  H5Tinsert(type, kChangeName, offsetof(ChangeRow, name), name.id());
   H5Tpack(type);
   const hsize_t count = changes.size();
   const hid_t space = H5Screate_simple(1, &count, nullptr);
   const hid_t set = H5Dcreate2(file, "changes", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  H5Dwrite(set, live_change_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, changes.data());
+  std::vector<ChangeRow> rows(changes.size());
+  std::transform(changes.begin(), changes.end(), rows.begin(), row_of);
+  H5Dwrite(set, change_row_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
   H5Dclose(set);
   H5Sclose(space);
   H5Tclose(type);
@@ -352,7 +354,7 @@ TEST(LiveChangesRecorded, ChangesFromBeforeTheDepthsExponentHaveOneHalf) {
   const Recording old = read_recording(folder / "a.h5");
   ASSERT_GT(old.changes.size(), 3U);
   EXPECT_EQ(old.changes, now.changes) << "which all have 1/2";
-  EXPECT_EQ(old.changes[2].depth_exponent, 0.5);
+  EXPECT_EQ(old.changes[2].tissue.reach.depth_exponent, 0.5);
 }
 
 TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/model/tissue_fields.h"
 #include "palpate/record/scene_json.h"
 #include "palpate/record/test/sample_recording.h"
 
@@ -30,23 +31,6 @@ void add_pose(const Pose& pose, std::vector<double>& out) {
 std::vector<double> numbers(const scene::Setup& s) {
   const model::TissueParameters& t = s.tissue;
   std::vector<double> out = {s.rate_Hz,
-                             t.k1,
-                             t.beta,
-                             t.q,
-                             t.rest_length,
-                             t.max_length,
-                             t.min_length,
-                             t.t1,
-                             t.reach.contact_ratio,
-                             t.reach.first_bar_ratio,
-                             t.reach.bar_ratio,
-                             t.reach.weight_ratio,
-                             t.reach.depth_exponent,
-                             t.contact.friction,
-                             t.contact.tangential_stiffness.value_or(-1),
-                             t.contact.damping,
-                             t.contact.reference_radius,
-                             t.contact.grip_limit,
                              t.source ? t.source->radius : -1,
                              s.noise.gain,
                              s.noise.threshold,
@@ -55,6 +39,7 @@ std::vector<double> numbers(const scene::Setup& s) {
                              s.safety.max_slew,
                              s.safety.max_torque,
                              s.safety.max_torque_slew};
+  for (const model::TissueField& field : model::kTissueFields) out.push_back(field.at.get(t).value_or(-1));
   for (const model::RelaxationTerm& term : t.relaxation) out.insert(out.end(), {term.share, term.time});
   add_pose(s.organ_pose, out);
   for (const geometry::Tool& tool : s.tools) {
@@ -223,6 +208,14 @@ TEST(RoundTrip, ARecordingFromBeforeTheDepthsExponentHasOneHalf) {
   ASSERT_NE(text.find(key), std::string::npos);
   text.replace(text.find(key), key.size(), "\"was_not\"");
   EXPECT_EQ(setup_from_json(text).tissue.reach.depth_exponent, 0.5);
+}
+
+TEST(RoundTrip, ARecordingFromBeforeTangentialDampingHasNone) {
+  std::string text = setup_to_json(sample_setup(1));
+  const std::string key = "\"tangential_damping_N_s_per_m\"";
+  ASSERT_NE(text.find(key), std::string::npos);
+  text.replace(text.find(key), key.size(), "\"was_not\"");
+  EXPECT_EQ(setup_from_json(text).tissue.contact.tangential_damping, 0.0);
 }
 
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {

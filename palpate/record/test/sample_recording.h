@@ -45,6 +45,7 @@ inline scene::Setup sample_setup(std::size_t hands) {
   setup.tissue.reach = {1.1, 0.43, 1.8, 0.58, 1.1 / 3};
   setup.tissue.contact.friction = 0.30000000000000004;
   setup.tissue.contact.tangential_stiffness = 180.0 / 7;
+  setup.tissue.contact.tangential_damping = 0.7 / 3;
   setup.tissue.contact.damping = 0.25;
   setup.tissue.contact.reference_radius = 0.011;
   setup.tissue.contact.grip_limit = 7.7;

@@ -53,6 +53,7 @@ depth_exponent = 0.4
 [tissue.contact]
 friction = 0
 tangential_N_per_m = 200.0
+tangential_damping_N_s_per_m = 0.75
 damping_N_s_per_m = 0.25
 reference_radius_mm = 8.0
 grip_limit_N = 6.0
@@ -76,6 +77,7 @@ radius_mm = 3.0
   EXPECT_EQ(tissue.reach.depth_exponent, 0.4);
   EXPECT_EQ(tissue.contact.friction, 0.0);
   EXPECT_EQ(tissue.contact.tangential_stiffness, 200.0);
+  EXPECT_EQ(tissue.contact.tangential_damping, 0.75);
   EXPECT_EQ(tissue.contact.damping, 0.25);
   EXPECT_DOUBLE_EQ(tissue.contact.reference_radius, 0.008);
   EXPECT_EQ(tissue.contact.grip_limit, 6.0);
@@ -95,6 +97,7 @@ TEST(TissueFile, DefaultsAllThatIsNotRequired) {
   EXPECT_EQ(tissue.reach.depth_exponent, 0.5);
   EXPECT_EQ(tissue.contact.friction, 0.2);
   EXPECT_EQ(tissue.tangential_stiffness(), 180.0);
+  EXPECT_EQ(tissue.contact.tangential_damping, 0.0);
   EXPECT_EQ(tissue.contact.damping, 0.5);
   EXPECT_EQ(tissue.contact.reference_radius, 0.010);
   EXPECT_EQ(tissue.contact.grip_limit, 8.0);
