@@ -63,10 +63,9 @@ const Received& find(const std::vector<Received>& all, const std::string& type, 
 }
 
 TEST(IgtlStream, PosesAndSensorsAreTheSnapshotsInMillimetresAndNewtonsForEachHand) {
-  const double depth = 0.0;
   auto all = read_all(IgtlStream::poses(two_hands(), kNow));
   EXPECT_EQ(all.size(), 4u) << "two of each hand";
-  for (Received& received : read_all(stream_with(depth).sensors(two_hands(), kNow))) all.push_back(received);
+  for (Received& received : read_all(IgtlStream(block()).sensors(two_hands(), kNow))) all.push_back(received);
   EXPECT_EQ(all.size(), 11u) << "the time, and three of each hand";
   EXPECT_THAT(find(all, "SENSOR", "PalpateTime").values(), ElementsAre(1.234)) << "tick 2468 at 2 kHz";
   EXPECT_THAT(find(all, "TRANSFORM", "PalpateTool").position(),
@@ -98,10 +97,9 @@ TEST(IgtlStream, TheContactPointIsShownWhileTheToolTouches) {
 }
 
 TEST(IgtlStream, TheWordsSayWhatEachHandDoesAndWhichFaultItHas) {
-  const double depth = 0.0;
   haptics::Snapshot snapshot = two_hands();
   snapshot.faults[1] = haptics::Fault::kStale;
-  const auto all = read_all(stream_with(depth).words(snapshot, kNow));
+  const auto all = read_all(IgtlStream(block()).words(snapshot, kNow));
   const auto text = [&](const char* name) {
     return std::string(find(all, "STRING", name).as<igtl::StringMessage>()->GetString());
   };
