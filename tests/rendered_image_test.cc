@@ -11,11 +11,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "palpate/base/statistics.h"
 #include "palpate/deform/displacement.h"
 #include "palpate/deform/live_surface.h"
 #include "palpate/fit/image_file.h"
 #include "palpate/fit/image_measure.h"
-#include "palpate/fit/robust.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/render/offscreen.h"
 
@@ -110,7 +110,7 @@ TEST_F(RenderedImage, IsMeasuredToHalfAPixel) {
     errors.push_back(std::abs(point.u - drawn_at(r)) / kPixel);
     within += std::abs(point.u - drawn_at(r)) <= point.uncertainty ? 1 : 0;
   }
-  EXPECT_LT(fit::median(errors), 0.5);
+  EXPECT_LT(median(errors), 0.5);
   EXPECT_GT(static_cast<double>(within), 0.9 * static_cast<double>(errors.size()));
 }
 

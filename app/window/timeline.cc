@@ -176,8 +176,8 @@ void draw_timeline(const Rectangle& place, const Seen& seen, const ViewerState& 
   ImGui::NewLine();
   const ImVec2 low = ImGui::GetCursorScreenPos();
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  const TimelineStrip strip{ImVec2(low.x, low.y + 0.35F * text), ImVec2(low.x + room.x, low.y + room.y - 1.3F * text),
-                    seen.view.duration_s()};
+  const TimelineStrip strip{ImVec2(low.x, low.y + 0.35F * text),
+                            ImVec2(low.x + room.x, low.y + room.y - 1.3F * text), seen.view.duration_s()};
   if (strip.high.y > strip.low.y && strip.high.x > strip.low.x) {
     draw_run(strip, seen, hand);
     draw_times(strip);

@@ -159,7 +159,8 @@ ViewerLayout lay_out(float width, float height, float scale, const ViewerState& 
   const bool plots = state.plots && height >= least + timeline + kViewerPlotsHeight * scale;
   if (plots) {
     all.picture.height -= kViewerPlotsHeight * scale;
-    all.plots = {all.picture.x, height - kViewerPlotsHeight * scale, all.picture.width, kViewerPlotsHeight * scale};
+    all.plots = {all.picture.x, height - kViewerPlotsHeight * scale, all.picture.width,
+                 kViewerPlotsHeight * scale};
   }
   all.timeline = {all.picture.x, all.picture.height, all.picture.width, timeline};
   return all;

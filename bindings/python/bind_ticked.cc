@@ -51,8 +51,9 @@ class TickedSimulation final {
   std::unique_ptr<palpate_simulation> simulation_;
 };
 
-std::unique_ptr<TickedSimulation> open(const SceneWish& wish, const std::optional<fs::path>& record,
-                                       bool record_waits, bool no_hand, double surface_edge, bool cache) {
+std::unique_ptr<TickedSimulation> ticked_open(const SceneWish& wish, const std::optional<fs::path>& record,
+                                              bool record_waits, bool no_hand, double surface_edge,
+                                              bool cache) {
   const py::gil_scoped_release others_may_run;
   check_surface_edge(surface_edge);
   const std::string file = record ? record->string() : std::string();
@@ -127,7 +128,7 @@ void restart(TickedSimulation& ticked) {
   });
 }
 
-void reset_fault(TickedSimulation& ticked, std::optional<std::size_t> hand) {
+void ticked_reset_fault(TickedSimulation& ticked, std::optional<std::size_t> hand) {
   ticked.with([&](palpate_simulation& simulation) {
     if (!hand) return simulation.reset_faults(~0U);
     if (*hand >= simulation.hands()) {
@@ -155,7 +156,7 @@ Surface surface_now(TickedSimulation& ticked) {
   });
 }
 
-std::vector<std::string> remarks_of(TickedSimulation& ticked) {
+std::vector<std::string> ticked_remarks_of(TickedSimulation& ticked) {
   return ticked.with([](palpate_simulation& simulation) {
     std::vector<std::string> remarks = simulation.setup().repairs;
     const std::vector<std::string>& more = simulation.setup().remarks;
@@ -202,9 +203,10 @@ void bind_ticked(py::module_& module) {
   py::class_<TickedSimulation> ticked(module, "TickedSimulation", kAbout);
   std::apply(
       [&](const auto&... scene) {
-        ticked.def(py::init(of_a_scene<std::optional<fs::path>, bool, bool, double, bool>(&open)), scene...,
-                   py::arg("record") = none, py::arg("record_waits") = true, py::arg("no_hand") = false,
-                   py::arg("surface_edge") = 0.0, py::arg("cache") = true, kAboutOpening);
+        ticked.def(py::init(of_a_scene<std::optional<fs::path>, bool, bool, double, bool>(&ticked_open)),
+                   scene..., py::arg("record") = none, py::arg("record_waits") = true,
+                   py::arg("no_hand") = false, py::arg("surface_edge") = 0.0, py::arg("cache") = true,
+                   kAboutOpening);
       },
       scene_arguments());
   ticked
@@ -215,7 +217,7 @@ void bind_ticked(py::module_& module) {
            "the "
            "organ's middle onto it and back. Held hands wait a second before they go.")
       .def("tick", &tick, py::arg("samples"), kAboutTick)
-      .def("reset_fault", &reset_fault, py::arg("hand") = none,
+      .def("reset_fault", &ticked_reset_fault, py::arg("hand") = none,
            "Clears the latched fault of one hand, or of all, at the next tick.")
       .def("restart", &restart, others_may_run, "Back to before tick 0. Raises RuntimeError while recording.")
       .def("surface", &surface_now, others_may_run, "The organ's visible surface at the newest tick.")
@@ -237,7 +239,7 @@ void bind_ticked(py::module_& module) {
       .def_property_readonly(
           "max_force", [](TickedSimulation& self) { return info_of(self).max_force; },
           "N, no larger one is ever given.")
-      .def_property_readonly("remarks", &remarks_of,
+      .def_property_readonly("remarks", &ticked_remarks_of,
                              "What a user should be told of the scene: repairs to meshes, warnings.");
 }
 

@@ -14,7 +14,7 @@
 namespace palpate::contact {
 namespace {
 
-constexpr float kClusterSlack = 1.00001F;         // the same
+constexpr float kClusterSlack = 1.00001F;  // the same
 constexpr double kClustersInRadius = 4.0;  // a cluster's cell is at most this part of it
 // Of the radius. A cluster this small that borders on what the surface leads to counts as led to, wherever
 // the border is: else a fold whose rim passes just outside the reach would have to be asked about point by

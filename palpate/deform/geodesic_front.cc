@@ -21,7 +21,7 @@ std::size_t front_index(std::int32_t i) { return static_cast<std::size_t>(i); }
 // Length of the straight way to c that crosses edge ab, given the distances of a and b; infinity when the
 // straight line does not cross it.
 float front_way_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float distance_a,
-                 float distance_b) {
+                       float distance_b) {
   const Vector3f edge = b - a;
   const float squared = edge.squaredNorm();
   if (!(squared > 0.0F)) return kFrontFar;
@@ -50,7 +50,8 @@ FrontSurface::FrontSurface(const geometry::TriangleMesh& mesh) : start(mesh.vert
   around.resize(mesh.triangles.size() * 3);
   std::vector<std::int32_t> next(start.begin(), start.end() - 1);
   for (const geometry::Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) around[front_index(next[front_index(t[k])]++)] = {t[(k + 1) % 3], t[(k + 2) % 3]};
+    for (std::size_t k = 0; k < 3; ++k)
+      around[front_index(next[front_index(t[k])]++)] = {t[(k + 1) % 3], t[(k + 2) % 3]};
 }
 
 GeodesicFront::GeodesicFront(const FrontSurface& surface)
@@ -89,7 +90,8 @@ void GeodesicFront::relax(std::int32_t from, std::int32_t known, std::int32_t to
   const float other = distance_[front_index(known)];
   float distance = here + (c - a).norm();
   if (other < kFrontFar)
-    distance = std::min(distance, front_way_across(a, surface_->vertices[front_index(known)], c, here, other));
+    distance =
+        std::min(distance, front_way_across(a, surface_->vertices[front_index(known)], c, here, other));
   offer(to, distance);
 }
 

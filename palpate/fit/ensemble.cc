@@ -15,8 +15,8 @@ namespace palpate::fit {
 namespace {
 
 constexpr std::uint32_t kEnsembleStream = 1;  // of a specimen's job
-constexpr int kGenerations = 1500;        // of one round
-constexpr int kMostRounds = 4;            // the first is thrown away; more when halves differ
+constexpr int kGenerations = 1500;            // of one round
+constexpr int kMostRounds = 4;                // the first is thrown away; more when halves differ
 constexpr int kKeepEvery = 4;
 
 /// ln of the posterior, up to a constant.

@@ -3,9 +3,9 @@
 namespace palpate::fit {
 namespace {
 
-constexpr std::size_t kMostUntimedPoints = 1000;       // of a specimen without relaxation
-constexpr std::size_t kMostTimedPoints = 2000;  // with relaxation, whose fast terms need dense samples
-constexpr std::size_t kMostPooledPoints = 400;  // of a specimen, pooled
+constexpr std::size_t kMostUntimedPoints = 1000;  // of a specimen without relaxation
+constexpr std::size_t kMostTimedPoints = 2000;    // with relaxation, whose fast terms need dense samples
+constexpr std::size_t kMostPooledPoints = 400;    // of a specimen, pooled
 
 }  // namespace
 

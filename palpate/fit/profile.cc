@@ -32,7 +32,9 @@ std::vector<Point> profile_points(const Minima& minima, double effective,
       for (const double direction : {-1.0, 1.0}) {
         walk_valley(
             problem, minimum, i, direction,
-            [&](const Solution& at) { return log_posterior_of(problem, profile_point(at), effective) >= floor; },
+            [&](const Solution& at) {
+              return log_posterior_of(problem, profile_point(at), effective) >= floor;
+            },
             [&](const Solution& at) { points.push_back(profile_point(at)); });
       }
     }

@@ -12,7 +12,7 @@ namespace palpate::fit {
 namespace {
 
 constexpr std::uint32_t kResamplingStream = 2;  // of a specimen's job
-constexpr std::size_t kDescents = 2;      // minima that are descended to again for every resample
+constexpr std::size_t kDescents = 2;            // minima that are descended to again for every resample
 
 Solution best_from(const Problem& problem, const std::vector<Solution>& minima) {
   Solution best;

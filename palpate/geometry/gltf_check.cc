@@ -108,7 +108,8 @@ class GltfCheck final {
     while (!open.empty()) {
       const auto [node, depth] = open.back();
       open.pop_back();
-      if (depth > kDeepestGltfNode) refuse(fmt::format("its nodes are nested more than {} deep", kDeepestGltfNode));
+      if (depth > kDeepestGltfNode)
+        refuse(fmt::format("its nodes are nested more than {} deep", kDeepestGltfNode));
       if (++visited > kMostNodes) refuse(fmt::format("its nodes are used more than {} times", kMostNodes));
       add(list(nodes[node], "children"), depth + 1);
     }

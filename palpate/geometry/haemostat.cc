@@ -17,11 +17,11 @@ namespace {
 using portable::kPi;
 
 // All in millimetres until meshed.
-constexpr double kPlate = 1.5;        // half thickness of the jaws' two hinge plates together
+constexpr double kPlate = 1.5;                 // half thickness of the jaws' two hinge plates together
 constexpr double kHaemostatHingeRadius = 2.5;  // of the plates
-constexpr double kSlot = 1.75;        // half width of the box's slot
-constexpr double kSlotFloor = -3.0;   // where the slot ends
-constexpr double kGap = 0.1;          // half gap between the closed jaws
+constexpr double kSlot = 1.75;                 // half width of the box's slot
+constexpr double kSlotFloor = -3.0;            // where the slot ends
+constexpr double kGap = 0.1;                   // half gap between the closed jaws
 constexpr double kHaemostatFar = 6.0;          // more than any blend
 
 /// |a| <= half, as a solid.
@@ -32,7 +32,8 @@ FieldValue slab(const FieldValue& a, double half) { return magnitude(a) + (-half
 class Jaw final : public ImplicitSolid {
  public:
   /// @param side +1 for the jaw on the +x side, -1 for its fellow
-  Jaw(const HaemostatShape& shape, double side) : shape_(shape), side_(side), bar_(bar(shape), kHaemostatFar) {}
+  Jaw(const HaemostatShape& shape, double side)
+      : shape_(shape), side_(side), bar_(bar(shape), kHaemostatFar) {}
 
   [[nodiscard]] FieldValue at(const Vec3& p_m) const noexcept override {
     const Vec3 p = p_m / kMillimetre;
@@ -171,7 +172,8 @@ struct HaemostatCounts {
 }  // namespace
 
 Tool make_haemostat(const char* name, const HaemostatShape& shape, Detail detail) {
-  const HaemostatCounts counts = detail == Detail::k30k ? HaemostatCounts{3002, 8998, 0} : HaemostatCounts{7502, 22498, 1};
+  const HaemostatCounts counts =
+      detail == Detail::k30k ? HaemostatCounts{3002, 8998, 0} : HaemostatCounts{7502, 22498, 1};
   Tool tool;
   tool.name = name;
   for (const double side : {1.0, -1.0}) {

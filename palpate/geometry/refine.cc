@@ -171,7 +171,8 @@ class Refiner final {
 TriangleMesh refine(const TriangleMesh& mesh, double longest) {
   if (!(longest > 0.0)) throw ParameterError("longest edge (m)", longest, "> 0");
   // No triangle of the result has more area than the equilateral one.
-  const double most_area = 0.25 * std::sqrt(3.0) * longest * longest * static_cast<double>(kMostRefinedTriangles);
+  const double most_area =
+      0.25 * std::sqrt(3.0) * longest * longest * static_cast<double>(kMostRefinedTriangles);
   double doubled_area = 0.0;
   for (const Triangle& triangle : mesh.triangles) doubled_area += area_vector_doubled(mesh, triangle).norm();
   if (!(0.5 * doubled_area <= most_area)) refuse_as_too_many();

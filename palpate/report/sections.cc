@@ -85,10 +85,11 @@ std::vector<std::string> marks_of(const WorkedExperiment& worked) {
   const HandAnalysis& hand = main_hand(worked);
   const record::Recording& recording = *worked.experiment->recording;
   std::vector<std::string> marks;
-  marks.push_back(marked(mark_of(hand.peak_depth >= kGoalDepth),
-                         fmt::format("{} to {} mm; the goal of both experiments is {} mm.",
-                                     is_pull(worked) ? "Pulled" : "Pressed",
-                                     fixed(hand.peak_depth * kSectionMilli, 2), fixed(kGoalDepth * kSectionMilli, 0))));
+  marks.push_back(
+      marked(mark_of(hand.peak_depth >= kGoalDepth),
+             fmt::format("{} to {} mm; the goal of both experiments is {} mm.",
+                         is_pull(worked) ? "Pulled" : "Pressed", fixed(hand.peak_depth * kSectionMilli, 2),
+                         fixed(kGoalDepth * kSectionMilli, 0))));
   if (hand.law.rows > 0) {
     marks.push_back(
         marked(Mark::kTold, fmt::format("Normal force beside the law of one contact, over {} ticks: half "

@@ -277,8 +277,8 @@ std::string hash_of(const OrganArrays& arrays) {
   return hasher.hash().hexadecimal();
 }
 
-std::string prepared(const TriangleMesh& organ, const fs::path& cache = {}, double reference = kPreparedReference,
-                     std::string* remark = nullptr) {
+std::string prepared(const TriangleMesh& organ, const fs::path& cache = {},
+                     double reference = kPreparedReference, std::string* remark = nullptr) {
   Preparation how;
   how.cache = cache;
   if (remark != nullptr) how.remark = [remark](const std::string& words) { *remark = words; };

@@ -109,13 +109,15 @@ TEST(EmulatedDevice, WithoutAnEncoderItReadsTheTruth) {
 TEST(EmulatedDevice, ItsVelocityIsTheFilteredDifferenceOfItsReadings) {
   scene::DeviceSetup setup = emulated();
   setup.dynamics.friction = 0.0;
-  EmulatedDevice device(scene::ToolPath({row_at(0.0, Vec3::Zero()), row_at(10.0, Vec3(0.2, 0, 0))}), setup, kEmulatedRate);
+  EmulatedDevice device(scene::ToolPath({row_at(0.0, Vec3::Zero()), row_at(10.0, Vec3(0.2, 0, 0))}), setup,
+                        kEmulatedRate);
   Vec3 reading = run(device, 0, 1).position_D;
   Vec3 filtered = Vec3::Zero();
   double mean = 0.0;
   for (std::uint64_t tick = 1; tick < 3000; ++tick) {
     const DeviceState sample = run(device, tick, tick + 1);
-    filtered = 5.0 / 6.0 * filtered + 1.0 / 6.0 * (sample.position_D - reading) * kEmulatedRate;  // 5 ms at 1 kHz
+    filtered =
+        5.0 / 6.0 * filtered + 1.0 / 6.0 * (sample.position_D - reading) * kEmulatedRate;  // 5 ms at 1 kHz
     reading = sample.position_D;
     ASSERT_NEAR((sample.velocity_D - filtered).norm(), 0.0, 1e-12) << tick;
     if (tick >= 2000) mean += sample.velocity_D.x() / 1000.0;
@@ -159,7 +161,8 @@ TEST(EmulatedDevice, StopTakesTheForceAwayUntilTheNextCommand) {
 }
 
 TEST(EmulatedDevice, ARefusedCommandLeavesTheLastForceUntilItsOwnWatchdogLetsGo) {
-  EmulatedDevice device(still_at(Vec3::Zero()), with_fault(EmulatedFaultKind::kRefuse, 0.1, 0.05), kEmulatedRate);
+  EmulatedDevice device(still_at(Vec3::Zero()), with_fault(EmulatedFaultKind::kRefuse, 0.1, 0.05),
+                        kEmulatedRate);
   run(device, 0, 100, Vec3(0, 0, 1.0));
   for (std::uint64_t tick = 100; tick < 150; ++tick) {
     (void)device.read(tick, static_cast<double>(tick) / kEmulatedRate);
@@ -171,7 +174,8 @@ TEST(EmulatedDevice, ARefusedCommandLeavesTheLastForceUntilItsOwnWatchdogLetsGo)
 }
 
 TEST(EmulatedDevice, WithItsForceOffNoCommandReachesTheHand) {
-  EmulatedDevice device(still_at(Vec3::Zero()), with_fault(EmulatedFaultKind::kForceOff, 0.1, 0.05), kEmulatedRate);
+  EmulatedDevice device(still_at(Vec3::Zero()), with_fault(EmulatedFaultKind::kForceOff, 0.1, 0.05),
+                        kEmulatedRate);
   run(device, 0, 100, Vec3(0, 0, 1.0));
   EXPECT_EQ(device.force_on_hand(), Vec3(0, 0, 1.0));
   EXPECT_EQ(run(device, 100, 101, Vec3(0, 0, 1.0)).fault, Fault::kForceOff);
@@ -182,7 +186,8 @@ TEST(EmulatedDevice, WithItsForceOffNoCommandReachesTheHand) {
 
 TEST(EmulatedDevice, AFaultSpoilsWhatItSaysAndNotWhereTheHandIs) {
   EmulatedDevice good(still_at(Vec3(0, 0, 0.02)), emulated(), kEmulatedRate);
-  EmulatedDevice bad(still_at(Vec3(0, 0, 0.02)), with_fault(EmulatedFaultKind::kSpike, 0.1, 0.0), kEmulatedRate);
+  EmulatedDevice bad(still_at(Vec3(0, 0, 0.02)), with_fault(EmulatedFaultKind::kSpike, 0.1, 0.0),
+                     kEmulatedRate);
   for (std::uint64_t tick = 0; tick < 200; ++tick) {
     const DeviceState a = run(good, tick, tick + 1, Vec3(0, 0, 0.7));
     const DeviceState b = run(bad, tick, tick + 1, Vec3(0, 0, 0.7));
@@ -192,7 +197,8 @@ TEST(EmulatedDevice, AFaultSpoilsWhatItSaysAndNotWhereTheHandIs) {
 }
 
 TEST(EmulatedDevice, SaysWhichFaultItHadLast) {
-  EmulatedDevice device(still_at(Vec3::Zero()), with_fault(EmulatedFaultKind::kDropOut, 0.1, 0.0), kEmulatedRate);
+  EmulatedDevice device(still_at(Vec3::Zero()), with_fault(EmulatedFaultKind::kDropOut, 0.1, 0.0),
+                        kEmulatedRate);
   run(device, 0, 100);
   EXPECT_EQ(device.trouble(), "");
   run(device, 100, 200);
@@ -200,8 +206,8 @@ TEST(EmulatedDevice, SaysWhichFaultItHadLast) {
 }
 
 TEST(EmulatedDevice, EndsHalfASecondAfterThePathsLastRow) {
-  const EmulatedDevice device(scene::ToolPath({row_at(0.0, Vec3::Zero()), row_at(1.2, Vec3::Zero())}), emulated(),
-                              kEmulatedRate);
+  const EmulatedDevice device(scene::ToolPath({row_at(0.0, Vec3::Zero()), row_at(1.2, Vec3::Zero())}),
+                              emulated(), kEmulatedRate);
   EXPECT_EQ(device.last_tick(1000.0), 1700U);
   EXPECT_EQ(device.last_tick(4000.0), 6800U);
 }

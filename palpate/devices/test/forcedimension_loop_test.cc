@@ -23,7 +23,7 @@ using stand_in::Loaded;
 using testing::HasSubstr;
 
 constexpr double kDhdRate = 1000.0;            // Hz
-constexpr std::uint64_t kPressTick = 1000;  // engaged: 0.25 s still, 0.5 s of ramp
+constexpr std::uint64_t kPressTick = 1000;     // engaged: 0.25 s still, 0.5 s of ramp
 constexpr std::uint64_t kDhdFaultTick = 3000;  // the hand has come to rest in the tissue
 constexpr std::uint64_t kTicks = 3500;
 constexpr std::uint64_t kFallTicks = 10;  // 10 ms
@@ -227,13 +227,14 @@ TEST_P(ForceDimensionSafety, AFaultTakesTheForceAwayIn10MsAndAResetBringsItBackW
   const std::uint64_t ticks_to_zero = check_fall(hand);
   hand.forces.resize(kDhdFaultTick);
   check_return(device, largest_step_of(hand.forces));
-  palpate::test::tell({.device = "forcedimension",
-              .fault = GetParam().injected,
-              .injected = "at the stand-in for the vendor's library, while the tissue carries a hand of 1 N",
-              .zero_within_ms = static_cast<double>(ticks_to_zero) / kDhdRate * 1e3,
-              .cause = haptics::name_of(GetParam().recorded),
-              .recovery = "in order again and reset: engaged outside, then the force of the first touch",
-              .survived = !HasFailure()});
+  palpate::test::tell(
+      {.device = "forcedimension",
+       .fault = GetParam().injected,
+       .injected = "at the stand-in for the vendor's library, while the tissue carries a hand of 1 N",
+       .zero_within_ms = static_cast<double>(ticks_to_zero) / kDhdRate * 1e3,
+       .cause = haptics::name_of(GetParam().recorded),
+       .recovery = "in order again and reset: engaged outside, then the force of the first touch",
+       .survived = !HasFailure()});
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ForceDimensionSafety, testing::ValuesIn(kFaults),

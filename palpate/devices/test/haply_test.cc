@@ -87,7 +87,8 @@ TEST(Haply, SendsZeroWhenTheLoopWritesNoMore) {
   times.no_write = 50 * kMillisecond;
   HaplyDevice device(service.address(), 0, times);
   // Until one of them is felt: on a busy machine a write may be too old when it is found.
-  EXPECT_TRUE(eventually([&] { return pushed_arm(device, Vec3(1.0, 0.0, 0.0)) && service.force().x() == 1.0; }));
+  EXPECT_TRUE(
+      eventually([&] { return pushed_arm(device, Vec3(1.0, 0.0, 0.0)) && service.force().x() == 1.0; }));
   EXPECT_TRUE(eventually([&] { return service.force() == Vec3::Zero(); }));
 }
 

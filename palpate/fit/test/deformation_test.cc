@@ -79,10 +79,13 @@ TEST(ReadDeformations, RefusesABadRowNamingItsLine) {
 TEST(ReadDeformations, RefusesWhatNoProfileCanBeComparedWith) {
   const std::string header = "r_mm,u_mm\n";
   EXPECT_THAT(deformation_error_in(header + "0,1\n"), HasSubstr("has 1 row, must have at least 5"));
-  EXPECT_THAT(deformation_error_in(header + "1,5\n1,4\n1,3\n1,2\n-1,1\n"), HasSubstr("r_mm is 1 in every row"));
-  EXPECT_THAT(deformation_error_in(header + "0,1\n1,1\n2,1\n3,1\n4,1\n"), HasSubstr("u_mm is 1 in every row"));
+  EXPECT_THAT(deformation_error_in(header + "1,5\n1,4\n1,3\n1,2\n-1,1\n"),
+              HasSubstr("r_mm is 1 in every row"));
+  EXPECT_THAT(deformation_error_in(header + "0,1\n1,1\n2,1\n3,1\n4,1\n"),
+              HasSubstr("u_mm is 1 in every row"));
   EXPECT_THAT(deformation_error_in(header + "0,-2\n1,-1.5\n2,-1\n3,-0.5\n4,0\n"), HasSubstr("does not fall"));
-  EXPECT_THAT(deformation_error_in(header + "0,-1\n1,-1.5\n2,-2\n3,-2.5\n4,-3\n"), HasSubstr("does not fall"));
+  EXPECT_THAT(deformation_error_in(header + "0,-1\n1,-1.5\n2,-2\n3,-2.5\n4,-3\n"),
+              HasSubstr("does not fall"));
 }
 
 // Seven places into three: the first two, the next two and the last three.

@@ -106,13 +106,15 @@ TEST(ReadSpecimens, RefusesSignsTheOtherWayRound) {
 }
 
 TEST(Thinned, AveragesNeighboursInDisplacementWithoutTimes) {
-  const Specimen few = thinned(Specimen{"a", {}, {3.0, 1.0, 2.0, 4.0, 5.0}, {30.0, 10.0, 20.0, 40.0, 50.0}}, 3);
+  const Specimen few =
+      thinned(Specimen{"a", {}, {3.0, 1.0, 2.0, 4.0, 5.0}, {30.0, 10.0, 20.0, 40.0, 50.0}}, 3);
   EXPECT_EQ(few.displacement, (std::vector<double>{1.5, 3.5, 5.0}));
   EXPECT_EQ(few.force, (std::vector<double>{15.0, 35.0, 50.0}));
 }
 
 TEST(Thinned, AveragesNeighboursInTime) {
-  const Specimen few = thinned(Specimen{"a", {0.0, 1.0, 2.0, 3.0}, {1.0, 3.0, 5.0, 1.0}, {1.0, 2.0, 3.0, 4.0}}, 2);
+  const Specimen few =
+      thinned(Specimen{"a", {0.0, 1.0, 2.0, 3.0}, {1.0, 3.0, 5.0, 1.0}, {1.0, 2.0, 3.0, 4.0}}, 2);
   EXPECT_EQ(few.time, (std::vector<double>{0.5, 2.5}));
   EXPECT_EQ(few.displacement, (std::vector<double>{2.0, 3.0}));
 }

@@ -16,9 +16,9 @@ namespace palpate::geometry {
 namespace {
 
 using test::crossings;
-using ::testing::HasSubstr;
 using test::Hit;
 using test::hits_from_above;
+using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 constexpr double kMm = 1e-3;

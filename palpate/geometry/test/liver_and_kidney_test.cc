@@ -87,7 +87,8 @@ TEST_F(Liver, LowerMarginIsSharpAndTheFrontIsNot) {
     const double z = hits_from_above(mesh_, x * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5).at(0).z / kLiverMm;
     EXPECT_GT(turn_near(mesh_, {x, y, z}), 70.0) << x;
     const double above = y + 30.0;
-    const double front = hits_from_above(mesh_, x * kLiverMm + 1.3e-5, above * kLiverMm + 2.7e-5).at(0).z / kLiverMm;
+    const double front =
+        hits_from_above(mesh_, x * kLiverMm + 1.3e-5, above * kLiverMm + 2.7e-5).at(0).z / kLiverMm;
     EXPECT_LT(turn_near(mesh_, {x, above, front}), 40.0) << x;
   }
 }

@@ -332,7 +332,8 @@ void write_without_exponent(hid_t file, const std::vector<haptics::LiveChange>& 
   const hid_t space = H5Screate_simple(1, &count, nullptr);
   const hid_t set = H5Dcreate2(file, "changes", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   std::vector<ChangeRow> rows(changes.size());
-  std::transform(changes.begin(), changes.end(), rows.begin(), row_of);
+  std::transform(changes.begin(), changes.end(), rows.begin(),
+                 [](const haptics::LiveChange& change) { return record::row_of(change); });
   H5Dwrite(set, change_row_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
   H5Dclose(set);
   H5Sclose(space);

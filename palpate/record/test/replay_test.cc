@@ -26,8 +26,9 @@ scene::Setup block_and_balls(std::size_t hands) {
   setup.organ_pose.position = Vec3(0, 0, -0.02);
   setup.tissue = model::tissue_preset("gallbladder");
   for (std::size_t hand = 0; hand < hands; ++hand) {
-    setup.tools.push_back(
-        {"ball", {{.name = "ball", .mesh = geometry::make_ball(kReplayedBallRadius, 80)}}, kReplayedBallRadius});
+    setup.tools.push_back({"ball",
+                           {{.name = "ball", .mesh = geometry::make_ball(kReplayedBallRadius, 80)}},
+                           kReplayedBallRadius});
     setup.devices.emplace_back();
   }
   return setup;

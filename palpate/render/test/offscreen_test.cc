@@ -126,7 +126,8 @@ TEST_F(Offscreen, IsTheOrgansSizeOnThePicture) {
   const Image image = liver_->draw(far_tool(), camera);
   // Seen from distance d, a ball fills a cone of half angle asin(R/d).
   const double distance = camera.eye.norm();
-  const double radius_px = 0.5 * kPictureHeight / std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) *
+  const double radius_px = 0.5 * kPictureHeight /
+                           std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) *
                            std::tan(std::asin(kBall / distance));
   int left = kPictureWidth;
   int right = 0;

@@ -15,9 +15,9 @@
 namespace palpate::report {
 namespace {
 
+using test::SyntheticRecording;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using test::SyntheticRecording;
 
 std::string read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

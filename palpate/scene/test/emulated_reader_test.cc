@@ -14,7 +14,8 @@ using test::error_of;
 using test::TemporaryFolder;
 using testing::HasSubstr;
 
-const std::string kShortEmulated = "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n[device]\n";  // five lines
+const std::string kShortEmulated =
+    "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n[device]\n";  // five lines
 
 DeviceSetup device_of(const std::string& lines) {
   const TemporaryFolder folder;
@@ -101,10 +102,12 @@ TEST(EmulatedReader, RefusesWhatIsOutOfRangeOrGivenTwice) {
       HasSubstr("device.fault.kind = \"flood\": must be freeze, drop-out, nan, spike, late, wrong-units, "
                 "force-off or refuse"));
   EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\n"), HasSubstr("device.fault.time_s: missing"));
-  EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = -1\n"), HasSubstr("device.fault.time_s = -1"));
+  EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = -1\n"),
+              HasSubstr("device.fault.time_s = -1"));
   EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = 1\nduration_s = -1\n"),
               HasSubstr("duration_s = -1"));
-  EXPECT_THAT(emulated_error_in(fault + "kind = \"late\"\ntime_s = 1\nage_ms = 2000\n"), HasSubstr("age_ms = 2000"));
+  EXPECT_THAT(emulated_error_in(fault + "kind = \"late\"\ntime_s = 1\nage_ms = 2000\n"),
+              HasSubstr("age_ms = 2000"));
   EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = 1\nage_ms = 8\n"),
               HasSubstr("age_ms = 8: is only for kind = \"late\""));
   EXPECT_THAT(emulated_error_in(fault + "kind = \"nan\"\ntime_s = 1\nwhen = 2\n"), HasSubstr("unknown key"));

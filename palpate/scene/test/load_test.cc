@@ -118,8 +118,8 @@ TEST(Load, FlagsOverrideTheScene) {
   const TemporaryFolder folder;
   const auto box = folder.write("box.obj", kBox);
   const auto way = folder.write("way.csv", "time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1\n");
-  Request request =
-      scene(folder.write("s.toml", kShortLoaded + "[scene]\nname = \"mine\"\n[device]\nworkspace_scale = 2\n"));
+  Request request = scene(
+      folder.write("s.toml", kShortLoaded + "[scene]\nname = \"mine\"\n[device]\nworkspace_scale = 2\n"));
   request.task = "pull";
   request.organ = box.string();
   request.organ_unit = "mm";

@@ -110,7 +110,8 @@ TEST(OrganMotionTable, RefusesMotionsThatAreTooFastOrTooManyTogether) {
   EXPECT_THAT(motion_error_in(fast + fast), HasSubstr(":11: organ.motion.period_s = 0.3: must be so long"));
   std::string many;
   for (int i = 0; i < 5; ++i) many += "[[organ.motion]]\nkind = \"breathing\"\n";
-  EXPECT_THAT(motion_error_in(many), HasSubstr(":14: organ.motion.kind = \"breathing\": 5 motions of one organ"));
+  EXPECT_THAT(motion_error_in(many),
+              HasSubstr(":14: organ.motion.kind = \"breathing\": 5 motions of one organ"));
 }
 
 TEST(OrganMotionFlag, ReplacesTheMotionsOfTheScene) {

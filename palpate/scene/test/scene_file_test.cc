@@ -226,7 +226,8 @@ TEST(SceneFile, RefusesBadValuesInOrganAndTool) {
               HasSubstr(":3: organ.unit = \"feet\": must be mm, cm, m or in"));
   EXPECT_THAT(scene_error_in("[organ]\nmesh = 3\n"), HasSubstr(":2: organ.mesh = 3: must be a text"));
   EXPECT_THAT(scene_error_in("[organ]\nmesh = \"\"\n"), HasSubstr(":2: organ.mesh = \"\": must be a text"));
-  EXPECT_THAT(scene_error_in("[tool]\nunit = \"mm\"\n"), HasSubstr(":1: tool.mesh: missing, a tool needs a mesh"));
+  EXPECT_THAT(scene_error_in("[tool]\nunit = \"mm\"\n"),
+              HasSubstr(":1: tool.mesh: missing, a tool needs a mesh"));
   EXPECT_THAT(scene_error_in("[tool]\nmesh = \"sphere:3\"\ntip_radius_mm = 0\n"),
               HasSubstr(":3: tool.tip_radius_mm = 0: must be a number > 0"));
   EXPECT_THAT(scene_error_in("tool = 3\n"), HasSubstr(":1: tool = 3: must be a table or an array of tables"));

@@ -127,7 +127,8 @@ TEST(TissueFile, RefusesWrongTypesWithLineFieldAndValue) {
             "soft.toml:4: tissue.q = \"0.7\": must be a finite number");
   EXPECT_EQ(tissue_error_in(replaced(kRequired, "q = 0.7", "q = true")),
             "soft.toml:4: tissue.q = true: must be a finite number");
-  EXPECT_THAT(tissue_error_in(kRequired + "name = 3\n"), HasSubstr("soft.toml:9: tissue.name = 3: must be a text"));
+  EXPECT_THAT(tissue_error_in(kRequired + "name = 3\n"),
+              HasSubstr("soft.toml:9: tissue.name = 3: must be a text"));
   EXPECT_THAT(tissue_error_in(kRequired + "name = \"a\\nb\"\n"),
               HasSubstr("soft.toml:9: tissue.name = \"a b\": must be"));
   EXPECT_THAT(tissue_error_in(kRequired + "reach = 3\n"),
@@ -186,8 +187,10 @@ TEST(TissueFile, RefusesOtherLawsAndRelaxationThatCannotBe) {
   const std::string term = "[[tissue.relaxation]]\n";
   EXPECT_THAT(tissue_error_in(kRequired + "law = \"hertz\"\n"),
               EndsWith("tissue.law = \"hertz\": must be \"layered\" or \"smooth\""));
-  EXPECT_THAT(tissue_error_in(kRequired + term + "share = 0\ntime_s = 1.5\n"), HasSubstr("share = 0: must be"));
-  EXPECT_THAT(tissue_error_in(kRequired + term + "share = 0.3\ntime_s = -1\n"), HasSubstr("time_s = -1: must be"));
+  EXPECT_THAT(tissue_error_in(kRequired + term + "share = 0\ntime_s = 1.5\n"),
+              HasSubstr("share = 0: must be"));
+  EXPECT_THAT(tissue_error_in(kRequired + term + "share = 0.3\ntime_s = -1\n"),
+              HasSubstr("time_s = -1: must be"));
   EXPECT_THAT(tissue_error_in(kRequired + term + "share = 0.3\n"), HasSubstr("time_s: missing"));
   EXPECT_THAT(
       tissue_error_in(kRequired + term + "share = 0.3\ntime_s = 1\n" + term + "share = 0.7\ntime_s = 2\n"),

@@ -185,8 +185,10 @@ TEST(ReadToolPath, RefusesAPathLongerThanANumberCanTell) {
 
 TEST(ReadToolPath, RefusesTimeThatRunsBackwardsOrStandsStill) {
   const std::string start = "time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0\n";
-  EXPECT_EQ(path_error_in(start + "0.5,0,0,0\n"), "way.csv:4: time_s = 0.5: must be later than the row before, 1");
-  EXPECT_EQ(path_error_in(start + "1,0,0,0\n"), "way.csv:4: time_s = 1: must be later than the row before, 1");
+  EXPECT_EQ(path_error_in(start + "0.5,0,0,0\n"),
+            "way.csv:4: time_s = 0.5: must be later than the row before, 1");
+  EXPECT_EQ(path_error_in(start + "1,0,0,0\n"),
+            "way.csv:4: time_s = 1: must be later than the row before, 1");
 }
 
 TEST(ReadToolPath, RefusesGripperAndRotationOutOfRange) {
