@@ -86,6 +86,7 @@ bool wait(LiveSimulation& live, std::optional<double> timeout_s) {
   for (;;) {
     const std::chrono::duration<double> waited = Clock::now() - begun;
     const double left = timeout_s ? *timeout_s - waited.count() : 1.0;
+    const bool running = live.running();  // before the look at its end: a run that ends in between has ended
     bool ended = false;
     {
       const py::gil_scoped_release others_may_run;
@@ -98,7 +99,7 @@ bool wait(LiveSimulation& live, std::optional<double> timeout_s) {
       raise_failure(live);
       return true;
     }
-    if (left <= 0.0 || !live.running()) return false;
+    if (left <= 0.0 || !running) return false;
   }
 }
 

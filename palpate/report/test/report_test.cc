@@ -106,8 +106,8 @@ TEST_F(Report, EscapesWhatTheUserNamed) {
 }
 
 TEST_F(Report, TellsTissueSeedRateAndMachine) {
-  for (const char* fact : {"18 N/m", "1.6", "14 mm, 22 mm, 6 mm", "1000 Hz", "a machine", "a compiler",
-                           "2011-07-01 12:00:00 UTC", "4,000 ticks, 4.000 s"}) {
+  for (const char* fact : {"18 N/m", "1.6", "<td>14 mm</td>", "<td>22 mm</td>", "<td>6 mm</td>", "1000 Hz",
+                           "a machine", "a compiler", "2011-07-01 12:00:00 UTC", "4,000 ticks, 4.000 s"}) {
     EXPECT_THAT(html_, HasSubstr(fact));
   }
 }
