@@ -41,7 +41,7 @@ if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
 endif()
 
 # The sources of a target are compiled joined, up to a dozen at a time, so that a header is read once for all of them
-# (docs/decisions/0016-joined-sources.md). Names in unnamed namespaces are therefore unique within a target.
+# (docs/decisions/0017-joined-sources.md). Names in unnamed namespaces are therefore unique within a target.
 # -DCMAKE_UNITY_BUILD=OFF compiles each source alone: quicker when you change one source at a time.
 set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile the sources of a target joined")
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 12 CACHE STRING "How many sources are joined at most")

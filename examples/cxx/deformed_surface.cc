@@ -7,28 +7,20 @@
 
 #include "palpate/deform/displacement.h"
 #include "palpate/deform/indentations.h"
-#include "palpate/devices/devices.h"
 #include "palpate/geometry/mesh.h"
-#include "palpate/haptics/loop.h"
 #include "palpate/scene/load.h"
-#include "palpate/scene/make_world.h"
+#include "palpate/session/session.h"
 
 namespace {
 
 using palpate::Vec3;
 
-/// Runs the first `ticks` ticks of the scripted hand and gives back what the tools do then.
-std::vector<palpate::contact::ToolResult> contacts_after(const palpate::scene::Setup& setup,
-                                                         std::uint64_t ticks) {
-  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
-  palpate::haptics::SimulationState state(world);
-  const auto device = palpate::devices::open_device(setup, 0);
-  palpate::haptics::Device* const hand = device.get();
-  palpate::haptics::LoopOptions options;
-  options.offline = true;
-  options.ticks = ticks;
-  (void)palpate::haptics::run_loop(world, state, {&hand, 1}, {}, options);
-  return state.results;
+/// Runs the first 3 s of the scripted hand and returns the newest snapshot.
+palpate::haptics::Snapshot press(const palpate::scene::Setup& setup) {
+  palpate::haptics::SnapshotPublisher newest;
+  palpate::session::Session(setup, {.duration_s = 3.0}).run({.offline = true}, {&newest});
+  newest.cell().refresh();
+  return newest.cell().value();
 }
 
 void write_obj(const char* file, const std::vector<Vec3>& vertices,
@@ -43,7 +35,8 @@ void write_obj(const char* file, const std::vector<Vec3>& vertices,
 int main(int argc, char** argv) {
   const palpate::scene::Setup setup = palpate::scene::load({});
   // Each contact pushes (or pulls) the surface at one place, by its depth, as wide as the tool is there.
-  const auto indentations = palpate::deform::indentations_of(contacts_after(setup, 3000));
+  const palpate::haptics::Snapshot snapshot = press(setup);
+  const auto indentations = palpate::deform::indentations_of({snapshot.results.data(), snapshot.hands});
 
   // The forces need no fine mesh; a smooth picture does. Edges of 2 mm, the surface stays where it is.
   palpate::deform::SurfaceDeformer deformer(palpate::geometry::refine(setup.organ, 2e-3));

@@ -3,16 +3,17 @@
 
 #include <chrono>
 #include <iostream>
+#include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "palpate/base/error.h"
 #include "palpate/devices/scripted.h"
-#include "palpate/haptics/loop.h"
 #include "palpate/scene/load.h"
-#include "palpate/scene/make_world.h"
 #include "palpate/scene/tool_path.h"
+#include "palpate/session/session.h"
 
 namespace {
 
@@ -61,34 +62,28 @@ class Watch final : public palpate::haptics::TickObserver {
 }  // namespace
 
 int main() {
-  const palpate::scene::Setup setup = palpate::scene::load({});
-  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
-  palpate::haptics::SimulationState state(world);
-  palpate::devices::ScriptedDevice device(press_and_hold(setup));
-  palpate::haptics::Device* const hand = &device;
-  const auto changes = palpate::scene::live_changes(setup, world);
+  palpate::scene::Setup setup = palpate::scene::load({});
+  palpate::model::TissueParameters stiffer = setup.tissue;
+  palpate::session::SessionOptions options{.duration_s = 2.0};
+  options.devices.push_back(std::make_unique<palpate::devices::ScriptedDevice>(press_and_hold(setup)));
+  palpate::session::Session session(std::move(setup), std::move(options));
 
   Watch watch;
-  palpate::haptics::LoopOptions options;
-  options.ticks = 2000;                                 // two seconds of wall time
-  palpate::haptics::RunControl control(changes.get());  // stops and pauses a run, too
-  options.control = &control;
-  std::thread loop([&] { (void)palpate::haptics::run_loop(world, state, {&hand, 1}, {&watch}, options); });
+  const auto run = session.run_in_background({}, {&watch});
 
   // Everything is checked and worked out here; the loop only picks up the result at one of its next ticks.
   std::this_thread::sleep_for(800ms);
-  palpate::model::TissueParameters stiffer = setup.tissue;
   stiffer.k1 *= 2.0;
-  (void)changes->offer(stiffer);
+  (void)session.updates().offer(stiffer);
   std::this_thread::sleep_for(400ms);
-  (void)changes->offer(palpate::haptics::LiveNoise{.enabled = false});
+  (void)session.updates().offer(palpate::haptics::LiveNoise{.enabled = false});
   try {
     stiffer.k1 = -1.0;
-    (void)changes->offer(stiffer);
+    (void)session.updates().offer(stiffer);
   } catch (const palpate::ParameterError& error) {
     std::cout << "refused: " << error.what() << '\n';  // nothing has changed
   }
-  loop.join();
+  run->wait();
   watch.tell();
   return watch.changes() == 2 ? 0 : 1;
 }

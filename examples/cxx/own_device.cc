@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <atomic>
 #include <iostream>
+#include <memory>
 #include <string>
-#include <vector>
+#include <utility>
 
-#include "palpate/devices/devices.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/device.h"
 #include "palpate/scene/load.h"
-#include "palpate/scene/make_world.h"
 #include "palpate/scene/tool_path.h"
+#include "palpate/session/session.h"
 
 namespace {
 
@@ -105,21 +105,19 @@ int main() {
   // "host": a hand holds it. So the force waits until the hand has been still outside the tissue, rises by a
   // ramp, and the passivity controller acts. Never run a device that can push as an unheld kind.
   setup.devices[0].kind = "host";
-  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
-  palpate::haptics::SimulationState state(world);
-
-  ToyDevice device(palpate::scene::default_path(setup, 0).at(0.0), 1.0 / setup.rate_Hz);
-  palpate::haptics::Device* const hand = &device;
+  auto toy = std::make_unique<ToyDevice>(palpate::scene::default_path(setup, 0).at(0.0), 1.0 / setup.rate_Hz);
+  const ToyDevice& device = *toy;
+  palpate::session::SessionOptions options{.duration_s = 5.0};
+  options.devices.push_back(std::move(toy));
+  palpate::session::Session session(std::move(setup), std::move(options));
   Diary diary;
-  palpate::haptics::LoopOptions options;
-  options.offline = true;  // a toy needs no wall clock; hardware does: leave it false
-  options.ticks = 5000;
-  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, {&diary}, options);
+  // A toy needs no wall clock; hardware does: leave `offline` false.
+  const auto result = session.run({.offline = true, .keep_fault = false}, {&diary});
 
-  for (const palpate::haptics::FaultSeen& fault : report.faults) {
+  for (const palpate::haptics::FaultSeen& fault : result.loop.faults) {
     std::cout << "tick " << fault.tick << ": " << palpate::haptics::words_of(fault.fault) << ": "
               << device.trouble() << '\n';
   }
   std::cout << (device.stopped() ? "stopped at the end\n" : "never stopped\n");
-  return report.fault == Fault::kDevice && device.stopped() ? 0 : 1;
+  return result.loop.fault == Fault::kDevice && device.stopped() ? 0 : 1;
 }

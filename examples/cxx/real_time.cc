@@ -2,11 +2,9 @@
 #include <iostream>
 #include <string>
 
-#include "palpate/devices/devices.h"
-#include "palpate/haptics/loop.h"
 #include "palpate/haptics/machine_checks.h"
 #include "palpate/scene/load.h"
-#include "palpate/scene/make_world.h"
+#include "palpate/session/session.h"
 
 namespace {
 
@@ -24,18 +22,11 @@ int main() {
     if (!check.advice.empty()) std::cout << "  " << check.advice << '\n';
   }
 
-  const palpate::scene::Setup setup = palpate::scene::load({});
-  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
-  palpate::haptics::SimulationState state(world);
-  const auto device = palpate::devices::open_device(setup, 0);
-  palpate::haptics::Device* const hand = device.get();
-
-  palpate::haptics::LoopOptions options;
-  options.ticks = 1000;
-  const auto report = palpate::haptics::run_loop(world, state, {&hand, 1}, {}, options);
+  auto session = palpate::session::Session::open(palpate::scene::load({}), {.duration_s = 1.0});
+  const palpate::haptics::LoopReport report = session.run().loop;
   show("computing a tick", report.tick_time);
   show("a tick begins late by", report.lateness);
   std::cout << report.ticks << " ticks, " << report.missed_deadlines << " missed deadlines\n";
   for (const std::string& remark : report.remarks) std::cout << "note: " << remark << '\n';
-  return report.ticks == options.ticks ? 0 : 1;
+  return report.ticks == session.ticks() ? 0 : 1;
 }

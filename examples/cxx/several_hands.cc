@@ -2,14 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <iostream>
-#include <memory>
-#include <vector>
 
 #include "palpate/base/error.h"
-#include "palpate/devices/devices.h"
-#include "palpate/haptics/loop.h"
 #include "palpate/scene/load.h"
-#include "palpate/scene/make_world.h"
+#include "palpate/session/session.h"
 
 namespace {
 
@@ -44,25 +40,13 @@ class LargestForces final : public palpate::haptics::TickObserver {
 void press_with_both() {
   palpate::scene::Request request;
   request.scene_text = palpate::scene::SceneText{kScene, "."};
-  const palpate::scene::Setup setup = palpate::scene::load(request);
-  const palpate::haptics::SimulationWorld world = palpate::scene::make_world(setup);
-  palpate::haptics::SimulationState state(world);
-
-  std::vector<std::unique_ptr<palpate::haptics::Device>> devices;
-  std::vector<palpate::haptics::Device*> hands;
-  palpate::haptics::LoopOptions options;
-  options.offline = true;
-  for (std::size_t hand = 0; hand < world.hands(); ++hand) {
-    devices.push_back(palpate::devices::open_device(setup, hand));
-    hands.push_back(devices.back().get());
-    options.ticks = std::max(options.ticks, devices.back()->last_tick(setup.rate_Hz));
-  }
+  auto session = palpate::session::Session::open(palpate::scene::load(request));
 
   LargestForces largest;
-  const auto report = palpate::haptics::run_loop(world, state, hands, {&largest}, options);
-  std::cout << setup.name << ": " << report.ticks << " ticks\n";
-  for (std::size_t hand = 0; hand < world.hands(); ++hand) {
-    std::cout << "hand " << hand << ", " << setup.tools[hand].name << ": largest force "
+  const auto result = session.run({.offline = true}, {&largest});
+  std::cout << result.scene << ": " << result.loop.ticks << " ticks\n";
+  for (std::size_t hand = 0; hand < session.hands(); ++hand) {
+    std::cout << "hand " << hand << ", " << session.setup().tools[hand].name << ": largest force "
               << largest.of_hand[hand] << " N\n";
   }
 }
