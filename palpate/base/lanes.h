@@ -1,36 +1,130 @@
 #pragma once
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 
-#include <xsimd/xsimd.hpp>
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
-// Four numbers at once, in single precision. In the loop they pass over quickly what cannot count: whatever
-// counts is then worked out in double precision, so that no force depends on these. Pictures are drawn from
-// them. Two at once in double precision are the same bits as one after the other.
+// Several numbers at once (SIMD), by the compiler's vector types. Single precision sorts out quickly what
+// cannot count; what counts is computed again in double precision, so that no force depends on it. Pictures
+// are drawn from single precision. Double precision gives the same bits as one number after the other.
 namespace palpate {
 
-/// Four lanes, the baseline of the processor family, so that one program runs everywhere.
-using Lanes = xsimd::batch<float, xsimd::sse2>;
-using LaneMask = xsimd::batch_bool<float, xsimd::sse2>;
-inline constexpr std::size_t kLanes = 4;
+using Float4 = float __attribute__((vector_size(16)));
+using Double2 = double __attribute__((vector_size(16)));
+using Int4 = std::int32_t __attribute__((vector_size(16)));
+using Long2 = std::int64_t __attribute__((vector_size(16)));
 
-/// [any] One bit a lane, the first lowest.
-[[nodiscard]] inline std::uint32_t lanes_of(const LaneMask& mask) noexcept {
-  return static_cast<std::uint32_t>(_mm_movemask_ps(mask));
-}
+/// The outcome of a comparison: all bits of a lane are set, or none.
+template <typename T>
+struct SimdMask {
+  using Value = std::conditional_t<sizeof(T) == 4, Int4, Long2>;
+  Value v;
 
-using Pair = xsimd::batch<double, xsimd::sse2>;
-using PairMask = xsimd::batch_bool<double, xsimd::sse2>;
-inline constexpr std::size_t kPair = 2;
+  SimdMask() = default;
+  SimdMask(Value value) noexcept
+      : v(value) {}  // NOLINT(google-explicit-constructor): what a comparison gives
+  explicit SimdMask(bool all) noexcept : v(Value{} - (all ? 1 : 0)) {}
+
+  friend SimdMask operator!(const SimdMask& a) noexcept { return {~a.v}; }
+  friend SimdMask operator&(const SimdMask& a, const SimdMask& b) noexcept { return {a.v & b.v}; }
+  friend SimdMask operator&&(const SimdMask& a, const SimdMask& b) noexcept { return {a.v & b.v}; }
+  friend SimdMask operator|(const SimdMask& a, const SimdMask& b) noexcept { return {a.v | b.v}; }
+
+  /// [any] One bit a lane, the first lowest.
+  friend std::uint32_t lanes_of(const SimdMask& a) noexcept {
+#if defined(__SSE2__)
+    if constexpr (sizeof(T) == 4) {
+      return static_cast<std::uint32_t>(_mm_movemask_ps(reinterpret_cast<__m128>(a.v)));
+    } else {
+      return static_cast<std::uint32_t>(_mm_movemask_pd(reinterpret_cast<__m128d>(a.v)));
+    }
+#else
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < 16 / sizeof(T); ++i) bits |= (a.v[i] != 0 ? 1U : 0U) << i;
+    return bits;
+#endif
+  }
+  friend bool any(const SimdMask& a) noexcept { return lanes_of(a) != 0; }
+  friend bool none(const SimdMask& a) noexcept { return lanes_of(a) == 0; }
+  friend bool all(const SimdMask& a) noexcept { return lanes_of(!a) == 0; }
+};
+
+/// 16 bytes of numbers.
+template <typename T>
+struct Simd {
+  using Value = std::conditional_t<sizeof(T) == 4, Float4, Double2>;
+  using Mask = SimdMask<T>;
+  static constexpr std::size_t kSize = 16 / sizeof(T);
+  Value v;
+
+  Simd() = default;
+  explicit Simd(Value value) noexcept : v(value) {}
+  explicit Simd(T all) noexcept : v(all - Value{}) {}
+  explicit Simd(const std::array<T, kSize>& values) noexcept { std::memcpy(&v, values.data(), sizeof(v)); }
+
+  static Simd load_aligned(const T* from) noexcept { return Simd(*reinterpret_cast<const Value*>(from)); }
+  static Simd load_unaligned(const T* from) noexcept {
+    Simd loaded;
+    std::memcpy(&loaded.v, from, sizeof(v));
+    return loaded;
+  }
+  void store_unaligned(T* to) const noexcept { std::memcpy(to, &v, sizeof(v)); }
+  [[nodiscard]] T get(std::size_t lane) const noexcept { return v[lane]; }
+
+  friend Simd operator+(const Simd& a, const Simd& b) noexcept { return Simd(a.v + b.v); }
+  friend Simd operator-(const Simd& a, const Simd& b) noexcept { return Simd(a.v - b.v); }
+  friend Simd operator*(const Simd& a, const Simd& b) noexcept { return Simd(a.v * b.v); }
+  friend Simd operator/(const Simd& a, const Simd& b) noexcept { return Simd(a.v / b.v); }
+  friend Simd operator-(const Simd& a) noexcept { return Simd(-a.v); }
+  Simd& operator+=(const Simd& b) noexcept { return v += b.v, *this; }
+  friend Mask operator<(const Simd& a, const Simd& b) noexcept { return {a.v < b.v}; }
+  friend Mask operator>(const Simd& a, const Simd& b) noexcept { return {a.v > b.v}; }
+  friend Mask operator<=(const Simd& a, const Simd& b) noexcept { return {a.v <= b.v}; }
+  friend Mask operator>=(const Simd& a, const Simd& b) noexcept { return {a.v >= b.v}; }
+
+  friend Simd select(const Mask& mask, const Simd& a, const Simd& b) noexcept {
+    return Simd(reinterpret_cast<Value>((mask.v & reinterpret_cast<typename Mask::Value>(a.v)) |
+                                        (~mask.v & reinterpret_cast<typename Mask::Value>(b.v))));
+  }
+  /// [any] The second number where one is no number.
+  friend Simd min(const Simd& a, const Simd& b) noexcept { return Simd(a.v < b.v ? a.v : b.v); }
+  friend Simd max(const Simd& a, const Simd& b) noexcept { return Simd(a.v > b.v ? a.v : b.v); }
+  friend Simd abs(const Simd& a) noexcept {
+    return Simd(reinterpret_cast<Value>(reinterpret_cast<typename Mask::Value>(a.v) &
+                                        ~reinterpret_cast<typename Mask::Value>(-Value{})));
+  }
+  friend Simd sqrt(const Simd& a) noexcept {
+#if defined(__SSE2__)
+    if constexpr (sizeof(T) == 4) {
+      return Simd(reinterpret_cast<Value>(_mm_sqrt_ps(a.v)));
+    } else {
+      return Simd(reinterpret_cast<Value>(_mm_sqrt_pd(a.v)));
+    }
+#else
+    Simd root;
+    for (std::size_t i = 0; i < kSize; ++i) root.v[i] = std::sqrt(a.v[i]);
+    return root;
+#endif
+  }
+};
+
+using Lanes = Simd<float>;
+using LaneMask = Lanes::Mask;
+inline constexpr std::size_t kLanes = Lanes::kSize;
+
+using Pair = Simd<double>;
+using PairMask = Pair::Mask;
+inline constexpr std::size_t kPair = Pair::kSize;
 
 /// [any]
 [[nodiscard]] inline Pair pair_of(double first, double second) noexcept {
-  return Pair(_mm_setr_pd(first, second));
-}
-
-/// [any] One bit a number, the first lowest.
-[[nodiscard]] inline std::uint32_t lanes_of(const PairMask& mask) noexcept {
-  return static_cast<std::uint32_t>(_mm_movemask_pd(mask));
+  return Pair(Pair::Value{first, second});
 }
 
 /// [any] The lesser of two numbers.
@@ -45,21 +139,15 @@ inline constexpr std::size_t kPair = 2;
 
 /// [any] The largest of the lanes.
 [[nodiscard]] inline float largest_of(const Lanes& lanes) noexcept {
-  alignas(16) float values[kLanes];
-  lanes.store_aligned(values);
-  const float a = values[0] > values[1] ? values[0] : values[1];
-  const float b = values[2] > values[3] ? values[2] : values[3];
+  const float a = lanes.get(0) > lanes.get(1) ? lanes.get(0) : lanes.get(1);
+  const float b = lanes.get(2) > lanes.get(3) ? lanes.get(2) : lanes.get(3);
   return a > b ? a : b;
 }
 
 /// [any] Row i becomes column i.
 inline void transpose(std::array<Lanes, kLanes>& rows) noexcept {
-  const __m128 low_01 = _mm_unpacklo_ps(rows[0], rows[1]);
-  const __m128 low_23 = _mm_unpacklo_ps(rows[2], rows[3]);
-  const __m128 high_01 = _mm_unpackhi_ps(rows[0], rows[1]);
-  const __m128 high_23 = _mm_unpackhi_ps(rows[2], rows[3]);
-  rows = {Lanes(_mm_movelh_ps(low_01, low_23)), Lanes(_mm_movehl_ps(low_23, low_01)),
-          Lanes(_mm_movelh_ps(high_01, high_23)), Lanes(_mm_movehl_ps(high_23, high_01))};
+  const auto [a, b, c, d] = rows;
+  for (std::size_t i = 0; i < kLanes; ++i) rows[i] = Lanes(Lanes::Value{a.v[i], b.v[i], c.v[i], d.v[i]});
 }
 
 }  // namespace palpate

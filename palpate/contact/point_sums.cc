@@ -60,7 +60,7 @@ double full_depths(const PartPoints& part, const Vec3& point, const Vec3& normal
     // Sums of three run as Eigen's do, so that they round alike.
     const Pair found = -(dx * nx + (dy * ny + dz * nz));
     found.store_unaligned(depths + first);
-    deepest = xsimd::max(found, deepest);
+    deepest = max(found, deepest);
   };
   std::size_t k = 0;
   for (; k + kPair <= points.size(); k += kPair) two(k, k + 1);
@@ -83,9 +83,9 @@ Support sum_up(const PartPoints& part, std::span<const std::uint16_t> points, do
     if (lanes_of(share > Pair(0.0)) == 0) return;
     const Weighed& a = weighed[points[first]];
     const Weighed& b = weighed[points[second]];
-    const Pair weight = pair_of(a.area, b.area) * xsimd::max(share, Pair(0.0));
-    sums.add(a, Pair(_mm_unpacklo_pd(weight, weight)));
-    if (first != second) sums.add(b, Pair(_mm_unpackhi_pd(weight, weight)));
+    const Pair weight = pair_of(a.area, b.area) * max(share, Pair(0.0));
+    sums.add(a, Pair(weight.get(0)));
+    if (first != second) sums.add(b, Pair(weight.get(1)));
   };
   std::size_t k = 0;
   for (; k + kPair <= points.size(); k += kPair) add_two(k, k + 1);

@@ -50,9 +50,9 @@ void bound_cluster(const PartPoints& points, std::size_t cluster, PartState& par
   const Pair inside(kInside);
   std::size_t i = points.clusters[cluster].begin;
   for (; i + kPair <= end; i += kPair) {
-    const Pair away = xsimd::abs(Pair::load_unaligned(&part.known[i]) - inside);
-    crosses = xsimd::min(Pair::load_unaligned(&part.since[i]) + away, crosses);
-    floor = xsimd::min(Pair::load_unaligned(&part.floor[i]), floor);
+    const Pair away = abs(Pair::load_unaligned(&part.known[i]) - inside);
+    crosses = min(Pair::load_unaligned(&part.since[i]) + away, crosses);
+    floor = min(Pair::load_unaligned(&part.floor[i]), floor);
   }
   double least_crosses = least_of(crosses);
   double least_floor = least_of(floor);
@@ -70,7 +70,7 @@ void bound_cluster(const PartPoints& points, std::size_t cluster, PartState& par
 double least_of_all(const std::vector<double>& values) noexcept {
   Pair least(std::numeric_limits<double>::infinity());
   for (std::size_t c = 0; c < values.size(); c += kPair) {
-    least = xsimd::min(Pair::load_unaligned(&values[c]), least);
+    least = min(Pair::load_unaligned(&values[c]), least);
   }
   return least_of(least);
 }

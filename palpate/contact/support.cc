@@ -60,7 +60,7 @@ struct PlanePair {
     const Pair dz = pair_of(a.z, b.z) - z;
     const Pair depth = -(dx * nx + (dy * ny + dz * nz));
     rho_squared = dx * dx + (dy * dy + dz * dz) - depth * depth;
-    if (xsimd::all(rho_squared <= inner_squared)) return depth;
+    if (all(rho_squared <= inner_squared)) return depth;
     return pair_of(plane.tapered(depth.get(0), rho_squared.get(0)),
                    plane.tapered(depth.get(1), rho_squared.get(1)));
   }
@@ -93,13 +93,13 @@ struct PlaneLanes {
       const Lanes dy = Lanes::load_unaligned(&part.near_y[i]) - y;
       const Lanes dz = Lanes::load_unaligned(&part.near_z[i]) - z;
       const Lanes depth = zero - (dx * nx + dy * ny + dz * nz);
-      const Lanes rho = xsimd::sqrt(xsimd::max(zero, dx * dx + dy * dy + dz * dz - depth * depth));
-      const Lanes t = xsimd::min(one, xsimd::max(zero, (rho - inner) * inverse_inner));
+      const Lanes rho = sqrt(max(zero, dx * dx + dy * dy + dz * dz - depth * depth));
+      const Lanes t = min(one, max(zero, (rho - inner) * inverse_inner));
       const Lanes tapered = depth * (one - t * t * (Lanes(3.0F) - (t + t)));
-      const Lanes value = xsimd::min(depth, tapered);  // a depth of 0 or less stays as it is
+      const Lanes value = min(depth, tapered);  // a depth of 0 or less stays as it is
       value.store_unaligned(depths + (i - begin));
-      greatest = xsimd::max(greatest, value);
-      greatest_aside = xsimd::max(greatest_aside, xsimd::select(t > zero, value, none));
+      greatest = max(greatest, value);
+      greatest_aside = max(greatest_aside, select(t > zero, value, none));
     }
     aside = largest_of(greatest_aside);
     return largest_of(greatest);
@@ -183,8 +183,8 @@ Depths measure(const PartPoints& part, const Plane& plane, std::span<const std::
     Pair rho_squared(0.0);
     const Pair two = pair.depths(a, b, plane, rho_squared);
     two.store_unaligned(depths + k);
-    deepest = xsimd::max(two, deepest);
-    farthest = xsimd::max(rho_squared, farthest);
+    deepest = max(two, deepest);
+    farthest = max(rho_squared, farthest);
   }
   return {largest_of(deepest), largest_of(farthest)};
 }

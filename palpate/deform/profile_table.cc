@@ -35,11 +35,11 @@ ProfileTable::ProfileTable(const model::ReachParameters& reach, double rounding)
 }
 
 ProfileTable::LaneValue ProfileTable::at(const Lanes& y) const noexcept {
-  const Lanes place = xsimd::min(y * Lanes(per_entry_), Lanes(last_));
-  const auto whole = xsimd::to_int(place);
-  const Lanes share = place - xsimd::to_float(whole);
-  alignas(16) std::array<std::int32_t, kLanes> entry{};
-  whole.store_aligned(entry.data());
+  const Lanes place = min(y * Lanes(per_entry_), Lanes(last_));
+  std::array<std::int32_t, kLanes> entry{};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) entry[lane] = static_cast<std::int32_t>(place.get(lane));
+  const Lanes share = place - Lanes(Lanes::Value{static_cast<float>(entry[0]), static_cast<float>(entry[1]),
+                                                 static_cast<float>(entry[2]), static_cast<float>(entry[3])});
   std::array<Lanes, kLanes> rows;  // u, its change, slope and its change, after the transposition
   for (std::size_t lane = 0; lane < kLanes; ++lane)
     rows[lane] = Lanes::load_unaligned(rows_[static_cast<std::size_t>(entry[lane])].data());

@@ -26,10 +26,10 @@ Lanes3 cross(const Lanes3& a, const Lanes3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 Lanes3 select(const LaneMask& mask, const Lanes3& a, const Lanes3& b) {
-  return {xsimd::select(mask, a.x, b.x), xsimd::select(mask, a.y, b.y), xsimd::select(mask, a.z, b.z)};
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 // Of length 1; a vector of no length stays so.
-Lanes3 unit(const Lanes3& a) { return (Lanes(1.0F) / xsimd::sqrt(xsimd::max(dot(a, a), Lanes(1e-30F)))) * a; }
+Lanes3 unit(const Lanes3& a) { return (Lanes(1.0F) / sqrt(max(dot(a, a), Lanes(1e-30F)))) * a; }
 
 // Four vertices at rest.
 struct Rest {
@@ -48,15 +48,15 @@ struct Effect {
                                                const Lanes& excess, const Rest& rest) {
   const Lanes zero(0.0F);
   const Lanes3 offset = rest.place - lanes_of(contact.point);
-  const Lanes r = xsimd::sqrt(dot(offset, offset)) + xsimd::max(excess - Lanes(contact.own_excess), zero);
+  const Lanes r = sqrt(dot(offset, offset)) + max(excess - Lanes(contact.own_excess), zero);
   Effect effect;
   // The share of D, and its derivative.
   const auto add = [&](const Vector3f& part, float reach, float lowered) {
     const ProfileTable::LaneValue value = profile.at(r * Lanes(1.0F / reach));
     const Lanes left = Lanes(1.0F / (1.0F - lowered));
-    const Lanes share = xsimd::max(zero, (value.u - Lanes(lowered)) * left);
+    const Lanes share = max(zero, (value.u - Lanes(lowered)) * left);
     const LaneMask moves = share > zero;
-    const Lanes slope = xsimd::select(moves, value.slope * left * Lanes(1.0F / reach), zero);
+    const Lanes slope = select(moves, value.slope * left * Lanes(1.0F / reach), zero);
     effect.moves = effect.moves | moves;
     effect.displacement = effect.displacement + share * lanes_of(part);
     effect.derived = effect.derived + slope * lanes_of(part);
@@ -71,8 +71,7 @@ struct Effect {
   }
   const Lanes3 in_surface = offset - dot(offset, rest.normal) * rest.normal;
   const Lanes squared = dot(in_surface, in_surface);
-  effect.along =
-      xsimd::select(squared > Lanes(1e-14F), Lanes(1.0F) / xsimd::sqrt(squared), zero) * in_surface;
+  effect.along = select(squared > Lanes(1e-14F), Lanes(1.0F) / sqrt(squared), zero) * in_surface;
   return effect;
 }
 
@@ -138,14 +137,13 @@ void Blend::add(const Effect& effect) {
   const Lanes3 displacement = mm * effect.displacement;
   const Lanes3 derived = mm * effect.derived;
   moves = moves | effect.moves;
-  const Lanes u = xsimd::sqrt(dot(displacement, displacement));
+  const Lanes u = sqrt(dot(displacement, displacement));
   const LaneMask clear = u > Lanes(1e-4F);
-  const Lanes u_slope = xsimd::select(clear, dot(displacement, derived) / xsimd::max(u, Lanes(1e-4F)), zero);
+  const Lanes u_slope = select(clear, dot(displacement, derived) / max(u, Lanes(1e-4F)), zero);
   const Lanes second = u * u;
   const Lanes fourth = second * second;
-  const Lanes weight = xsimd::select(effect.moves, xsimd::max(fourth * fourth, Lanes(1e-30F)), zero);
-  const Lanes weight_slope =
-      xsimd::select(clear, Lanes(8.0F) * weight * u_slope / xsimd::max(u, Lanes(1e-4F)), zero);
+  const Lanes weight = select(effect.moves, max(fourth * fourth, Lanes(1e-30F)), zero);
+  const Lanes weight_slope = select(clear, Lanes(8.0F) * weight * u_slope / max(u, Lanes(1e-4F)), zero);
   weights.add(weight, weight_slope, effect.along);
   lengths.add(weight * u, weight_slope * u + weight * u_slope, effect.along);
   squares.add(second, Lanes(2.0F) * u * u_slope, effect.along);
@@ -156,19 +154,19 @@ Moved Blend::result(const Rest& rest) const {
   const Lanes zero(0.0F);
   const Lanes metre(1e-3F);
   // The mean length m and the mean direction v, with their derivatives.
-  const Lanes share = Lanes(1.0F) / xsimd::max(weights.value, Lanes(1e-30F));
+  const Lanes share = Lanes(1.0F) / max(weights.value, Lanes(1e-30F));
   const Lanes m = share * lengths.value;
   const Lanes3 m_slope = share * (lengths.derivative - m * weights.derivative);
-  const Lanes square_share = Lanes(1.0F) / xsimd::max(squares.value, Lanes(1e-12F));
+  const Lanes square_share = Lanes(1.0F) / max(squares.value, Lanes(1e-12F));
   const Lanes3 v = square_share * directions.value;
   const std::array<Lanes, 3> square_slope = {squares.derivative.x, squares.derivative.y,
                                              squares.derivative.z};
   // As mean_direction_gain.
   const Lanes q = dot(v, v);
-  const Lanes bounded = xsimd::max(q, Lanes(kAlikeSquared));
-  const Lanes root = Lanes(1.0F) / xsimd::sqrt(bounded);
+  const Lanes bounded = max(q, Lanes(kAlikeSquared));
+  const Lanes root = Lanes(1.0F) / sqrt(bounded);
   const LaneMask alike = q >= Lanes(kAlikeSquared);
-  const Lanes gain = xsimd::select(alike, root, root * (Lanes(1.5F) - Lanes(0.5F / kAlikeSquared) * q));
+  const Lanes gain = select(alike, root, root * (Lanes(1.5F) - Lanes(0.5F / kAlikeSquared) * q));
   const Lanes gain_slope = Lanes(-0.5F) * root / bounded;  // over q
   const std::array<Lanes, 3> m_slopes = {m_slope.x, m_slope.y, m_slope.z};
   std::array<Lanes3, 3> derivative;
@@ -195,9 +193,9 @@ Moved under(std::span<const ContactField* const> contacts, const ProfileTable& p
   Blend blend;
   for (const ContactField* contact : contacts) {
     const Effect effect = effect_of(*contact, profile, excess_of(*contact), rest);
-    if (xsimd::any(effect.moves)) blend.add(effect);
+    if (any(effect.moves)) blend.add(effect);
   }
-  if (xsimd::none(blend.moves)) return {blend.moves, blend.directions.value, rest.normal};
+  if (none(blend.moves)) return {blend.moves, blend.directions.value, rest.normal};
   return blend.result(rest);
 }
 
@@ -207,8 +205,8 @@ void write(const Rest& rest, const Moved& moved, std::size_t count, LiveVertex* 
   const Lanes3 displacement = select(moved.moves, moved.displacement, {zero, zero, zero});
   const Lanes3 place = rest.place + displacement;
   const Lanes3 normal = select(moved.moves, moved.normal, rest.normal);
-  const Lanes length = xsimd::sqrt(dot(displacement, displacement));
-  const Lanes signed_length = xsimd::select(dot(displacement, rest.normal) < zero, zero - length, length);
+  const Lanes length = sqrt(dot(displacement, displacement));
+  const Lanes signed_length = select(dot(displacement, rest.normal) < zero, zero - length, length);
   // Each vertex is seven floats: two rows of four that share the fourth.
   static_assert(sizeof(LiveVertex) == 7 * sizeof(float));
   std::array<Lanes, kLanes> upper = {place.x, place.y, place.z, normal.x};
@@ -256,7 +254,7 @@ std::size_t SurfaceBlocks::size(std::size_t block) const noexcept {
 
 bool SurfaceBlocks::move(std::size_t block, std::span<const ContactField* const> contacts,
                          const ProfileTable& profile, LiveVertex* out) const noexcept {
-  bool any = false;
+  bool any_moved = false;
   const std::size_t begin = first(block);
   const std::size_t end = begin + size(block);
   for (std::size_t v = begin; v < end; v += kLanes) {
@@ -266,10 +264,10 @@ bool SurfaceBlocks::move(std::size_t block, std::span<const ContactField* const>
     const Moved moved = under(
         contacts, profile,
         [v](const ContactField& contact) { return Lanes::load_unaligned(&contact.excess[v]); }, rest);
-    any = any || xsimd::any(moved.moves);
+    any_moved = any_moved || any(moved.moves);
     write(rest, moved, std::min(kLanes, end - v), out + (v - begin));
   }
-  return any;
+  return any_moved;
 }
 
 void SurfaceBlocks::rest(std::size_t block, LiveVertex* out) const noexcept {

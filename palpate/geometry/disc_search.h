@@ -29,9 +29,9 @@ struct DiscQuery {
                         dz * Lanes::load_aligned(node.axis_z.data());
     const Lanes squared = dx * dx + dy * dy + dz * dz;
     const Lanes zero(0.0F);
-    const Lanes across = xsimd::sqrt(xsimd::max(zero, squared * Lanes(1.0F - kRounding) - along * along));
-    const Lanes beside = xsimd::max(zero, across - Lanes::load_aligned(node.radius.data()) - slack);
-    const Lanes above = xsimd::max(zero, xsimd::abs(along) - Lanes::load_aligned(node.height.data()) - slack);
+    const Lanes across = sqrt(max(zero, squared * Lanes(1.0F - kRounding) - along * along));
+    const Lanes beside = max(zero, across - Lanes::load_aligned(node.radius.data()) - slack);
+    const Lanes above = max(zero, abs(along) - Lanes::load_aligned(node.height.data()) - slack);
     return beside * beside + above * above;
   }
 
@@ -52,7 +52,7 @@ struct LaneVector {
   /// Squared distance of the vector's end to the segment from the origin to `edge`.
   [[nodiscard]] Lanes squared_to_edge(const LaneVector& edge) const noexcept {
     const Lanes length = edge.dot(edge) + Lanes(std::numeric_limits<float>::min());  // a point is an edge too
-    const Lanes along = xsimd::min(Lanes(1.0F), xsimd::max(Lanes(0.0F), dot(edge) / length));
+    const Lanes along = min(Lanes(1.0F), max(Lanes(0.0F), dot(edge) / length));
     const LaneVector off{x - along * edge.x, y - along * edge.y, z - along * edge.z};
     return off.dot(off);
   }
@@ -72,10 +72,9 @@ inline Lanes DiscQuery::squared_distances(const TriangleNode& node) const noexce
   const auto inside = normal.dot(ab.cross(ap)) >= zero && normal.dot(bc.cross(bp)) >= zero &&
                       normal.dot(ap.cross(ac)) >= zero;
   const Lanes to_plane = height * height / normal.dot(normal);
-  const Lanes to_edges =
-      xsimd::min(xsimd::min(ap.squared_to_edge(ab), ap.squared_to_edge(ac)), bp.squared_to_edge(bc));
-  const Lanes distance = xsimd::sqrt(xsimd::select(inside, xsimd::min(to_plane, to_edges), to_edges));
-  const Lanes least = xsimd::max(zero, distance - slack);
+  const Lanes to_edges = min(min(ap.squared_to_edge(ab), ap.squared_to_edge(ac)), bp.squared_to_edge(bc));
+  const Lanes distance = sqrt(select(inside, min(to_plane, to_edges), to_edges));
+  const Lanes least = max(zero, distance - slack);
   return least * least;
 }
 
@@ -102,7 +101,7 @@ void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexce
     const bool leaf = here.level == 0;
     const Lanes bounds = leaf ? query.squared_distances(leaves_[here.index])
                               : query.squared_distances(node_at(here.level, here.index));
-    bounds.store_aligned(squared.data());
+    bounds.store_unaligned(squared.data());
     // The lanes in reach, the nearest of them on top.
     const std::size_t below = count;
     for (std::uint32_t lanes = lanes_of(!(bounds > Lanes(within))); lanes != 0; lanes &= lanes - 1) {
@@ -151,19 +150,18 @@ struct DiscSegment {
     const Lanes height = Lanes::load_aligned(node.height.data());
     const Lanes zero(0.0F);
     const Lanes one(1.0F);
-    const Lanes along =
-        xsimd::min(one, xsimd::max(zero, (dx * x + dy * y + dz * z) * inverse_squared_length));
+    const Lanes along = min(one, max(zero, (dx * x + dy * y + dz * z) * inverse_squared_length));
     const Lanes rx = dx - along * x;
     const Lanes ry = dy - along * y;
     const Lanes rz = dz - along * z;
-    const Lanes reach = xsimd::sqrt(radius * radius + height * height) + slack;
+    const Lanes reach = sqrt(radius * radius + height * height) + slack;
     const auto in_ball = rx * rx + ry * ry + rz * rz <= reach * reach;
     const Lanes axis_x = Lanes::load_aligned(node.axis_x.data());
     const Lanes axis_y = Lanes::load_aligned(node.axis_y.data());
     const Lanes axis_z = Lanes::load_aligned(node.axis_z.data());
     const Lanes from = dx * axis_x + dy * axis_y + dz * axis_z;  // the centre above the start
     const Lanes to = from - (x * axis_x + y * axis_y + z * axis_z);
-    const auto in_slab = xsimd::min(from, to) <= height + slack && xsimd::max(from, to) >= -(height + slack);
+    const auto in_slab = min(from, to) <= height + slack && max(from, to) >= -(height + slack);
     return lanes_of(in_ball && in_slab && radius >= zero);
   }
 };

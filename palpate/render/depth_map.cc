@@ -19,12 +19,12 @@ const float kKnight = std::sqrt(5.0F);
 Lanes load(const float* from) { return Lanes::load_unaligned(from); }
 
 // Lanes moved one or two up; those below repeat the first.
-Lanes one_up(const Lanes& a) { return Lanes(_mm_shuffle_ps(a, a, _MM_SHUFFLE(2, 1, 0, 0))); }
-Lanes two_up(const Lanes& a) { return Lanes(_mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 0, 0))); }
-Lanes one_down(const Lanes& a) { return Lanes(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 2, 1))); }
-Lanes two_down(const Lanes& a) { return Lanes(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 2))); }
-Lanes lowest(const Lanes& a) { return Lanes(_mm_shuffle_ps(a, a, _MM_SHUFFLE(0, 0, 0, 0))); }
-Lanes highest(const Lanes& a) { return Lanes(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3))); }
+Lanes one_up(const Lanes& a) { return Lanes(Lanes::Value{a.v[0], a.v[0], a.v[1], a.v[2]}); }
+Lanes two_up(const Lanes& a) { return Lanes(Lanes::Value{a.v[0], a.v[0], a.v[0], a.v[1]}); }
+Lanes one_down(const Lanes& a) { return Lanes(Lanes::Value{a.v[1], a.v[2], a.v[3], a.v[3]}); }
+Lanes two_down(const Lanes& a) { return Lanes(Lanes::Value{a.v[2], a.v[3], a.v[3], a.v[3]}); }
+Lanes lowest(const Lanes& a) { return Lanes(Lanes::Value{a.v[0], a.v[0], a.v[0], a.v[0]}); }
+Lanes highest(const Lanes& a) { return Lanes(Lanes::Value{a.v[3], a.v[3], a.v[3], a.v[3]}); }
 
 }  // namespace
 
@@ -60,8 +60,8 @@ void DepthMap::add_triangle(const Vector3f& a, const Vector3f& b, const Vector3f
           (share_b >= least) & (share_c >= least) & (share_b + share_c <= Lanes(1.0F + kOverlap));
       float* const cell = &cells_[place(i, j)];
       const Lanes depth = Lanes(a.z()) + share_b * Lanes(ab.z()) + share_c * Lanes(ac.z());
-      const Lanes deepest = xsimd::max(load(cell), xsimd::min(depth, Lanes(most)));
-      xsimd::select(covered, deepest, load(cell)).store_unaligned(cell);
+      const Lanes deepest = max(load(cell), min(depth, Lanes(most)));
+      select(covered, deepest, load(cell)).store_unaligned(cell);
     }
   }
 }
@@ -81,12 +81,11 @@ void DepthMap::slopes_from_rows(int i, int step, float rise) noexcept {
   const Lanes diagonal(kDiagonal * rise);
   const Lanes knight(kKnight * rise);
   for (int j = 0; j < kStride; j += static_cast<int>(kLanes)) {
-    const Lanes beside = xsimd::max(load(near + j - 1), load(near + j + 1)) - diagonal;
-    const Lanes leaps = xsimd::max(xsimd::max(load(near + j - 2), load(near + j + 2)),
-                                   xsimd::max(load(far + j - 1), load(far + j + 1))) -
-                        knight;
-    const Lanes best = xsimd::max(xsimd::max(load(near + j) - straight, beside), leaps);
-    xsimd::max(load(row + j), best).store_unaligned(row + j);
+    const Lanes beside = max(load(near + j - 1), load(near + j + 1)) - diagonal;
+    const Lanes leaps =
+        max(max(load(near + j - 2), load(near + j + 2)), max(load(far + j - 1), load(far + j + 1))) - knight;
+    const Lanes best = max(max(load(near + j) - straight, beside), leaps);
+    max(load(row + j), best).store_unaligned(row + j);
   }
 }
 
@@ -100,9 +99,9 @@ void DepthMap::slopes_along(int i, bool forwards, float rise) noexcept {
     const Lanes ways = one * Lanes({1.0F, 2.0F, 3.0F, 4.0F});
     for (int j = 0; j < kStride; j += static_cast<int>(kLanes)) {
       Lanes cells = load(row + j);
-      cells = xsimd::max(cells, one_up(cells) - one);
-      cells = xsimd::max(cells, two_up(cells) - two);
-      cells = xsimd::max(cells, before - ways);
+      cells = max(cells, one_up(cells) - one);
+      cells = max(cells, two_up(cells) - two);
+      cells = max(cells, before - ways);
       cells.store_unaligned(row + j);
       before = highest(cells);
     }
@@ -110,9 +109,9 @@ void DepthMap::slopes_along(int i, bool forwards, float rise) noexcept {
     const Lanes ways = one * Lanes({4.0F, 3.0F, 2.0F, 1.0F});
     for (int j = kStride - static_cast<int>(kLanes); j >= 0; j -= static_cast<int>(kLanes)) {
       Lanes cells = load(row + j);
-      cells = xsimd::max(cells, one_down(cells) - one);
-      cells = xsimd::max(cells, two_down(cells) - two);
-      cells = xsimd::max(cells, before - ways);
+      cells = max(cells, one_down(cells) - one);
+      cells = max(cells, two_down(cells) - two);
+      cells = max(cells, before - ways);
       cells.store_unaligned(row + j);
       before = lowest(cells);
     }
