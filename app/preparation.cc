@@ -2,6 +2,7 @@
 
 #include "palpate/base/cache_folder.h"
 #include "palpate/base/clock.h"
+#include "palpate/scene/organ_cache.h"
 
 #include "app/messages.h"
 
@@ -14,11 +15,10 @@ constexpr std::int64_t kSilent_ns = 300'000'000;  // no bar flashes up for a sma
 
 OrganPreparation::OrganPreparation(bool no_cache)
     : bar_("preparing the organ"), show_from_ns_(monotonic_ns() + kSilent_ns) {
-  if (!no_cache) how_.cache = user_cache_folder();
   how_.progress = [this](double share, const std::string& what) {
     if (monotonic_ns() >= show_from_ns_) bar_.update(share, what);
   };
-  how_.remark = [](const std::string& words) { tell_detail(words); };
+  if (!no_cache) scene::use_organ_cache(how_, user_cache_folder(), tell_detail);
 }
 
 }  // namespace palpate::app

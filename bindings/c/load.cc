@@ -9,6 +9,7 @@
 #include "palpate/devices/scripted.h"
 #include "palpate/scene/device_kinds.h"
 #include "palpate/scene/make_world.h"
+#include "palpate/scene/organ_cache.h"
 #include "palpate/scene/tool_path.h"
 
 #include "bindings/c/errors.h"
@@ -32,7 +33,7 @@ scene::Request request_of(const palpate_options& options) {
 
 contact::Preparation preparation_of(const palpate_options& options) {
   contact::Preparation how;
-  if (options.no_cache == 0) how.cache = user_cache_folder();
+  if (options.no_cache == 0) scene::use_organ_cache(how, user_cache_folder());
   if (options.progress != nullptr) {
     how.progress = [tell = options.progress, user = options.progress_user](
                        double share, const std::string& what) { tell(share, what.c_str(), user); };

@@ -3,6 +3,7 @@
 #include "palpate/base/cache_folder.h"
 #include "palpate/base/error.h"
 #include "palpate/record/tick_columns.h"
+#include "palpate/scene/organ_cache.h"
 
 namespace palpate::python {
 
@@ -57,7 +58,7 @@ SceneWish wish_of(const std::optional<fs::path>& scene, const std::optional<std:
 
 contact::Preparation preparation_of(bool cache) {
   contact::Preparation how;
-  if (cache) how.cache = user_cache_folder();
+  if (cache) scene::use_organ_cache(how, user_cache_folder());
   return how;
 }
 

@@ -66,66 +66,7 @@ void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sid
   });
 }
 
-bool all_within(const std::vector<std::array<std::int32_t, 3>>& rows, std::int32_t lowest, std::size_t end) {
-  return std::all_of(rows.begin(), rows.end(), [&](const std::array<std::int32_t, 3>& row) {
-    return std::all_of(row.begin(), row.end(),
-                       [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
-  });
-}
-
-bool all_within(const std::vector<std::int32_t>& list, std::int32_t lowest, std::size_t end) {
-  return std::all_of(list.begin(), list.end(),
-                     [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
-}
-
-/// Whether every index leads somewhere: a file may be whole and yet not be what this code wrote.
-bool hangs_together(const OrganArrays& arrays) {
-  const std::size_t triangles = arrays.mesh.triangles.size();
-  const std::vector<std::int32_t>& start = arrays.sharp_start;
-  return arrays.neighbours.size() == triangles && arrays.row_of.size() == triangles &&
-         arrays.bends.size() == triangles && start.size() == triangles + 1 && start.front() == 0 &&
-         at(start.back()) == arrays.sharp_near.size() && std::is_sorted(start.begin(), start.end()) &&
-         arrays.normals.size() >= arrays.mesh.vertices.size() &&
-         all_within(arrays.mesh.triangles, 0, arrays.mesh.vertices.size()) &&
-         all_within(arrays.neighbours, -1, triangles) &&
-         all_within(arrays.row_of, -1, arrays.side_rows.size()) &&
-         all_within(arrays.side_rows, 0, arrays.normals.size()) &&
-         all_within(arrays.sharp_near, 0, arrays.sharp_edges.size()) &&
-         std::all_of(arrays.sharp_edges.begin(), arrays.sharp_edges.end(), [&](const SharpEdge& sharp) {
-           return std::all_of(sharp.triangle.begin(), sharp.triangle.end(),
-                              [&](std::int32_t i) { return i >= 0 && at(i) < triangles; }) &&
-                  std::all_of(sharp.edge.begin(), sharp.edge.end(),
-                              [](std::int32_t i) { return i >= 0 && i < 3; });
-         });
-}
-
 }  // namespace
-
-void OrganArrays::put(ArrayFileWriter& file) const {
-  file.put("vertices", mesh.vertices);
-  file.put("triangles", mesh.triangles);
-  file.put("neighbours", neighbours);
-  file.put("normals", normals);
-  file.put("bends", bends);
-  file.put("row_of", row_of);
-  file.put("side_rows", side_rows);
-  file.put("sharp_edges", sharp_edges);
-  file.put("sharp_start", sharp_start);
-  file.put("sharp_near", sharp_near);
-}
-
-std::optional<OrganArrays> OrganArrays::get(const ArrayFileReader& file) {
-  OrganArrays arrays;
-  const bool whole = file.get("vertices", arrays.mesh.vertices) &&
-                     file.get("triangles", arrays.mesh.triangles) &&
-                     file.get("neighbours", arrays.neighbours) && file.get("normals", arrays.normals) &&
-                     file.get("bends", arrays.bends) && file.get("row_of", arrays.row_of) &&
-                     file.get("side_rows", arrays.side_rows) && file.get("sharp_edges", arrays.sharp_edges) &&
-                     file.get("sharp_start", arrays.sharp_start) && file.get("sharp_near", arrays.sharp_near);
-  if (!whole || !hangs_together(arrays)) return std::nullopt;
-  arrays.face_normals = face_normals_of(arrays.mesh);
-  return arrays;
-}
 
 ContentHash organ_key(const geometry::TriangleMesh& organ, double reference_radius) {
   return ContentHasher()

@@ -1,5 +1,5 @@
 #pragma once
-// What an organ's surface consists of once it is prepared, and its file in the cache.
+// What an organ's surface consists of once it is prepared.
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/base/array_file.h"
+#include "palpate/base/content_hash.h"
 #include "palpate/contact/preparation.h"
 #include "palpate/geometry/mesh.h"
 
@@ -42,11 +42,6 @@ struct OrganArrays {
   std::vector<SharpEdge> sharp_edges;
   std::vector<std::int32_t> sharp_start;  // of each triangle, and the end, in sharp_near
   std::vector<std::int32_t> sharp_near;   // sharp edges within kBlendWidth of the triangle
-
-  /// [setup] Everything but face_normals, which are quicker worked out than read.
-  void put(ArrayFileWriter& file) const;
-  /// [setup] What put() wrote; nothing if anything is missing or an index leads outside.
-  [[nodiscard]] static std::optional<OrganArrays> get(const ArrayFileReader& file);
 };
 
 /// [setup] Hash of all that the arrays depend on: the mesh's bits, the radius [m] and this code's version.

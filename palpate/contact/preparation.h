@@ -1,19 +1,28 @@
 #pragma once
-#include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+
+namespace palpate::geometry {
+struct TriangleMesh;
+}
 
 namespace palpate::contact {
 
-/// How an organ is prepared; by default in silence and without a cache.
+struct OrganArrays;
+
+/// How an organ is prepared: by default computed, in silence.
 struct Preparation {
-  /// Folder of prepared organs that may be read instead of worked out again, and written; empty: none. A
-  /// folder or file that cannot be read or written is no error.
-  std::filesystem::path cache = {};
-  /// Told now and then what is being done and how far all of it is, 0..1; on the thread that prepares.
+  /// Returns the arrays of an earlier preparation of the same organ; nothing when there are none.
+  /// scene::use_organ_cache() keeps them in a folder.
+  std::function<std::optional<OrganArrays>(const geometry::TriangleMesh& organ, double reference_radius)>
+      load = {};
+  /// Keeps the arrays that were computed.
+  std::function<void(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays)>
+      store = {};
+  /// Called now and then with what is being done and the share of all of it that is done, 0..1; on the thread
+  /// that prepares.
   std::function<void(double share, const std::string& what)> progress = {};
-  /// Told once whether the cache served and, if not, why; for a log.
-  std::function<void(const std::string& words)> remark = {};
 };
 
 }  // namespace palpate::contact

@@ -277,12 +277,8 @@ std::string hash_of(const OrganArrays& arrays) {
   return hasher.hash().hexadecimal();
 }
 
-std::string prepared(const TriangleMesh& organ, const fs::path& cache = {},
-                     double reference = kPreparedReference, std::string* remark = nullptr) {
-  Preparation how;
-  how.cache = cache;
-  if (remark != nullptr) how.remark = [remark](const std::string& words) { *remark = words; };
-  return hash_of(OrganSurface(organ, reference, how).arrays());
+std::string prepared(const TriangleMesh& organ) {
+  return hash_of(OrganSurface(organ, kPreparedReference).arrays());
 }
 
 TEST(Preparation, OfThisVersionGivesTheseBits) {
@@ -300,90 +296,6 @@ TEST(Preparation, OnOneThreadGivesTheSameBits) {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     EXPECT_EQ(prepared(organ), on_all);
   }
-}
-
-TEST(Preparation, FromTheCacheGivesTheSameBits) {
-  const TemporaryFolder folder;
-  const TriangleMesh organ = test::block(Vec3(60e-3, 40e-3, 20e-3), 0.1);
-  const std::string fresh = prepared(organ);
-  std::string remark;
-  EXPECT_EQ(prepared(organ, folder / "new" / "cache", kPreparedReference, &remark), fresh);
-  EXPECT_NE(remark.find("does not have"), std::string::npos);
-  EXPECT_EQ(prepared(organ, folder / "new" / "cache", kPreparedReference, &remark), fresh);
-  EXPECT_NE(remark.find("taken from the cache"), std::string::npos);
-}
-
-TEST(Preparation, OfAnotherMeshOrRadiusIsAnotherInTheCache) {
-  const TemporaryFolder folder;
-  TriangleMesh organ = geometry::make_ball(20e-3, 1280);
-  (void)prepared(organ, folder.path());
-  (void)prepared(organ, folder.path(), 2.0 * kPreparedReference);
-  organ.vertices[7].x() = std::nextafter(organ.vertices[7].x(), 1.0);
-  (void)prepared(organ, folder.path());
-  EXPECT_EQ(folder.entries(), 3U);
-}
-
-TEST(Preparation, MakesADamagedCacheAnew) {
-  const TemporaryFolder folder;
-  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
-  const std::string fresh = prepared(organ, folder.path());
-  const fs::path file = fs::directory_iterator(folder.path())->path();
-  std::ostringstream whole;
-  whole << std::ifstream(file, std::ios::binary).rdbuf();
-  std::mt19937 random(9);
-  for (int i = 0; i < 20; ++i) {
-    std::string bytes = whole.str();
-    if (i % 2 == 0) {
-      bytes.resize(random() % bytes.size());
-    } else {
-      for (int change = 0; change < 100; ++change) {
-        bytes[random() % bytes.size()] ^= static_cast<char>(1 + random() % 255);
-      }
-    }
-    std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
-    std::string remark;
-    EXPECT_EQ(prepared(organ, folder.path(), kPreparedReference, &remark), fresh);
-    EXPECT_NE(remark.find("made anew"), std::string::npos);
-    EXPECT_EQ(prepared(organ, folder.path(), kPreparedReference, &remark), fresh);
-    EXPECT_NE(remark.find("taken from the cache"), std::string::npos);  // it was mended
-  }
-}
-
-TEST(Preparation, BelievesNoIndexThatLeadsOutside) {
-  const TemporaryFolder folder;
-  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
-  const OrganArrays good = OrganSurface(organ, kPreparedReference).arrays();
-  const ContentHash key = organ_key(organ, kPreparedReference);
-  const auto accepted = [&](const OrganArrays& arrays) {
-    ArrayFileWriter writer(folder / "file", key);
-    arrays.put(writer);
-    EXPECT_TRUE(writer.commit());
-    return OrganArrays::get(*ArrayFileReader::open(folder / "file", key)).has_value();
-  };
-  EXPECT_TRUE(accepted(good));
-  const auto broken = [&](auto change) {
-    OrganArrays arrays = good;
-    change(arrays);
-    return !accepted(arrays);
-  };
-  const auto beyond = static_cast<std::int32_t>(good.mesh.triangles.size());
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.mesh.triangles[3][1] = beyond; }));
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.neighbours[3][1] = beyond; }));
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.neighbours[3][1] = -2; }));
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.row_of[5] = 0; }));
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_start.back() = 1; }));
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.normals.pop_back(); }));
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.bends.pop_back(); }));
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_edges.push_back({{0, beyond}, {0, 0}}); }));
-  EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_edges.push_back({{0, 1}, {0, 3}}); }));
-}
-
-TEST(Preparation, WithoutAFolderThatCanBeWrittenIsNoError) {
-  const TemporaryFolder folder;
-  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
-  const fs::path file = folder.write("file", "not a folder");
-  EXPECT_EQ(prepared(organ, file / "cache"), prepared(organ));
-  EXPECT_EQ(prepared(organ, "/proc/cache"), prepared(organ));
 }
 
 TEST(Preparation, TellsHowFarItIsInRisingSharesAndItsStages) {
