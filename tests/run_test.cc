@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 
 #include "tests/built_in_experiments.h"
 

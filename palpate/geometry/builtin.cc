@@ -1,4 +1,5 @@
 #include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 
 #include <charconv>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/record/recording.h"
 #include "palpate/record/replay.h"
 #include "palpate/scene/tissue_file.h"

@@ -10,7 +10,6 @@
 #include <tuple>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "palpate/base/index.h"
 #include "palpate/base/test/temporary_folder.h"
@@ -18,6 +17,7 @@
 #include "palpate/contact/organ_surface.h"
 #include "palpate/contact/test/rig.h"
 #include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/geometry/read_mesh.h"
 
 namespace palpate::contact {
@@ -287,15 +287,6 @@ TEST(Preparation, OfThisVersionGivesTheseBits) {
   EXPECT_EQ(prepared(geometry::make_ball(20e-3, 5120)), "a389ba5ad14bc7c9327c591247397fe1");
   EXPECT_EQ(prepared(geometry::make_ball(20e-3, 81920)), "afaaafebec9e33296a27c35809bc1934");
   EXPECT_EQ(prepared(test::block(Vec3(60e-3, 40e-3, 20e-3), 0.1)), "6f8411271de850e061a71785101e13ce");
-}
-
-TEST(Preparation, OnOneThreadGivesTheSameBits) {
-  for (const int triangles : {5120, 81920}) {
-    const TriangleMesh organ = geometry::make_ball(20e-3, triangles);
-    const std::string on_all = prepared(organ);
-    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    EXPECT_EQ(prepared(organ), on_all);
-  }
 }
 
 TEST(Preparation, TellsHowFarItIsInRisingSharesAndItsStages) {

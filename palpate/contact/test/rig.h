@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "palpate/contact/contact.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 
 namespace palpate::contact::test {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 
 namespace palpate::deform {
 namespace {

@@ -10,7 +10,7 @@
 #include "palpate/deform/displacement.h"
 #include "palpate/deform/test/reordered.h"
 #include "palpate/deform/triangle_grid.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/geometry/crossings.h"
 
 namespace palpate::deform {

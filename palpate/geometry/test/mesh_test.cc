@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/geometry/cell.h"
 #include "palpate/geometry/tool.h"
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 
 namespace palpate::geometry {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/haptics/loop.h"
 
 namespace palpate::haptics::test {

@@ -14,7 +14,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/net/igtl_server.h"
 #include "palpate/net/test/igtl_received.h"
 

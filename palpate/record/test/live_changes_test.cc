@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/record/change_columns.h"
 #include "palpate/record/flight_recorder.h"
 #include "palpate/record/recording_frames.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/record/test/sample_recording.h"
 #include "palpate/scene/make_world.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/deform/indentations.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 #include "palpate/render/organ_picture.h"
 
 namespace palpate::render {

@@ -11,7 +11,7 @@
 #include <png.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 
 namespace palpate::render {
 namespace {

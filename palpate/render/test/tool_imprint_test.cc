@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 
 namespace palpate::render {
 namespace {

@@ -11,11 +11,12 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include "palpate/base/test/temporary_folder.h"
 #include "palpate/contact/organ_surface.h"
 #include "palpate/contact/test/rig.h"
-#include "palpate/geometry/builtin.h"
+#include "palpate/geometry/primitives.h"
 
 namespace palpate::scene {
 namespace {
@@ -52,6 +53,15 @@ std::string prepared(const TriangleMesh& organ, const fs::path& cache = {},
     if (remark != nullptr) *remark = words;
   });
   return hash_of(OrganSurface(organ, reference, how).arrays());
+}
+
+TEST(PreparedOrgan, OnOneThreadGivesTheSameBits) {
+  for (const int triangles : {5120, 81920}) {
+    const TriangleMesh organ = geometry::make_ball(20e-3, triangles);
+    const std::string on_all = prepared(organ);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_EQ(prepared(organ), on_all);
+  }
 }
 
 TEST(OrganCache, GivesTheSameBits) {
