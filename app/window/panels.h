@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/model/tissue.h"
 #include "palpate/noise/touch_noise.h"
 #include "palpate/scene/load.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "palpate/base/ring.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/tick_observer.h"
 
 namespace palpate::app {
 

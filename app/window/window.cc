@@ -10,6 +10,7 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
+#include "palpate/haptics/gate.h"
 
 #include "app/messages.h"
 #include "app/window/look.h"

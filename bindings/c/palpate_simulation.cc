@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "palpate/haptics/gate.h"
 #include "palpate/scene/setup.h"
 
 #include "bindings/c/errors.h"

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "palpate/base/snapshot_cell.h"
+#include "palpate/contact/preparation.h"
 #include "palpate/deform/displacement.h"
+#include "palpate/haptics/simulation.h"
 #include "palpate/haptics/snapshot.h"
 #include "palpate/record/recorder.h"
 #include "palpate/scene/setup.h"

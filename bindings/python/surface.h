@@ -5,7 +5,7 @@
 #include "palpate/base/pose.h"
 #include "palpate/deform/displacement.h"
 #include "palpate/geometry/mesh.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/record/recording.h"
 #include "palpate/scene/setup.h"
 

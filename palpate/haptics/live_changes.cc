@@ -6,6 +6,7 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
+#include "palpate/haptics/prepared_change.h"
 
 namespace palpate::haptics {
 namespace {
@@ -57,6 +58,8 @@ LiveChanges::LiveChanges(const SimulationWorld& world, const model::TissueParame
       tissue_(tissue),
       noise_(noise_of_world(world)),
       slots_(kMostWaiting, prepare_change(world, live_change(tissue, noise_of_world(world), 0))) {}
+
+LiveChanges::~LiveChanges() = default;
 
 void LiveChanges::hand_over(LiveChange values) {
   values.number = offered_ + 1;

@@ -7,23 +7,11 @@
 #include <vector>
 
 #include "palpate/haptics/live_change.h"
-#include "palpate/haptics/simulation.h"
 
 namespace palpate::haptics {
 
-/// A change with all that a tick needs of it.
-struct PreparedChange {
-  LiveChange values;
-  contact::TissueLaws laws;
-};
-
-/// [setup] Checks a change and works out what the ticks need of it. @throws ParameterError for a bad value,
-/// InputError for another reference radius than the world's, for which its organ was prepared.
-[[nodiscard]] PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& values);
-
-/// [rt] From this tick on the tissue and the noise are those of the change.
-void apply_change(const SimulationWorld& world, SimulationState& state,
-                  const PreparedChange& change) noexcept;
+struct PreparedChange;
+struct SimulationWorld;
 
 /// Hands new tissues and new noise from any thread to a loop that runs. Everything is prepared on the
 /// caller's side; the loop takes one a tick, with one copy of plain data, and never waits.
@@ -44,6 +32,9 @@ class LiveChanges final {
   /// [setup] @param world of the run, outlives this; @param tissue what the run begins with; @param warnings
   /// may be empty: nobody warns
   LiveChanges(const SimulationWorld& world, const model::TissueParameters& tissue, Warnings warnings);
+  ~LiveChanges();
+  LiveChanges(const LiveChanges&) = delete;
+  LiveChanges& operator=(const LiveChanges&) = delete;
 
   /// [any] Not for the tick: allocates, and waits for another caller. Another tissue, with its laws,
   /// relaxation, reach, friction, damping and grip limit, from one of the next ticks on.

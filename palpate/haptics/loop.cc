@@ -9,6 +9,7 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/base/text.h"
+#include "palpate/haptics/prepared_change.h"
 #include "palpate/haptics/realtime.h"
 #include "palpate/haptics/schedule.h"
 

@@ -31,29 +31,6 @@ inline constexpr double kStalledPeriods = 4.0;
 /// device.
 [[nodiscard]] std::int64_t stall_limit_ns(const SimulationWorld& world) noexcept;
 
-/// How a run went.
-struct LoopReport {
-  static constexpr std::size_t kMostFaults = 64;
-
-  std::uint64_t ticks = 0;
-  bool stopped_early = false;
-  Fault fault = Fault::kNone;          // the first
-  std::vector<FaultSeen> faults;       // the first kMostFaults
-  std::uint64_t further_faults = 0;    // beyond those
-  Histogram tick_time;                 // ns; also measured offline
-  Histogram lateness;                  // ns; empty offline
-  std::uint64_t missed_deadlines = 0;  // ticks that began a full period or more late
-  std::int64_t longest_gap_ns = 0;     // between two tick starts
-  bool realtime_priority = false;      // SCHED_FIFO granted
-  bool memory_locked = false;          // mlockall granted
-  bool polled = false;                 // between ticks; else the loop slept
-  std::uint64_t pauses = 0;            // how often it was paused
-  std::int64_t paused_ns = 0;          // for how long, in all
-  std::uint64_t watchdog_stops = 0;    // how often the watchdog stopped the devices
-  std::vector<WatchdogStop> stops;     // the first Watchdog::kMostKept
-  std::vector<std::string> remarks;    // what was not granted, what the watchdog did, in words
-};
-
 /// [setup] What a report says of pauses, at least one: "the run was paused once, for 0.3 s; ...".
 [[nodiscard]] std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns);
 

@@ -1,11 +1,30 @@
 #pragma once
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "palpate/haptics/live_changes.h"
+#include "palpate/haptics/fault.h"
+#include "palpate/haptics/histogram.h"
 
 namespace palpate::haptics {
+
+class LiveChanges;
+
+/// How a loop waits for its next tick.
+enum class Waiting {
+  kSleep,  // its core is free for others meanwhile; it wakes some tens of microseconds late, to cold caches
+  kPoll,   // it asks for the time until it is: ticks begin within some microseconds, and the core is taken
+};
+
+/// What a loop's thread is asked to be.
+struct LoopThread {
+  std::optional<int> core = std::nullopt;  // the one core that it runs on
+  Waiting waiting = Waiting::kSleep;
+};
 
 /// What any thread may ask of a run. The loop looks at it once a tick and never waits for the caller.
 class RunControl final {
@@ -40,6 +59,47 @@ class RunControl final {
   std::atomic<bool> pause_{false};
   std::atomic<std::uint32_t> resets_{0};
   LiveChanges* updates_;
+};
+
+/// A fault that was latched on one hand.
+struct FaultSeen {
+  static constexpr std::uint64_t kNotReset = std::numeric_limits<std::uint64_t>::max();
+
+  std::uint64_t tick = 0;
+  std::uint32_t hand = 0;
+  Fault fault = Fault::kNone;
+  std::uint64_t reset_tick = kNotReset;  // the first tick without it
+};
+
+/// One time that the watchdog stopped the devices.
+struct WatchdogStop {
+  static constexpr std::size_t kMostKept = 64;  // further ones are counted only
+
+  std::uint64_t tick = 0;     // the last tick that had begun
+  std::int64_t after_ns = 0;  // since the first tick began
+};
+
+/// How a run went.
+struct LoopReport {
+  static constexpr std::size_t kMostFaults = 64;
+
+  std::uint64_t ticks = 0;
+  bool stopped_early = false;
+  Fault fault = Fault::kNone;          // the first
+  std::vector<FaultSeen> faults;       // the first kMostFaults
+  std::uint64_t further_faults = 0;    // beyond those
+  Histogram tick_time;                 // ns; also measured offline
+  Histogram lateness;                  // ns; empty offline
+  std::uint64_t missed_deadlines = 0;  // ticks that began a full period or more late
+  std::int64_t longest_gap_ns = 0;     // between two tick starts
+  bool realtime_priority = false;      // SCHED_FIFO granted
+  bool memory_locked = false;          // mlockall granted
+  bool polled = false;                 // between ticks; else the loop slept
+  std::uint64_t pauses = 0;            // how often it was paused
+  std::int64_t paused_ns = 0;          // for how long, in all
+  std::uint64_t watchdog_stops = 0;    // how often the watchdog stopped the devices
+  std::vector<WatchdogStop> stops;     // the first WatchdogStop::kMostKept
+  std::vector<std::string> remarks;    // what was not granted, what the watchdog did, in words
 };
 
 }  // namespace palpate::haptics

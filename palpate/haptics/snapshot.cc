@@ -1,5 +1,7 @@
 #include "palpate/haptics/snapshot.h"
 
+#include "palpate/haptics/simulation.h"
+
 namespace palpate::haptics {
 
 void make_snapshot(const SimulationState& state, std::span<const ForceCommand> commands, std::uint64_t tick,

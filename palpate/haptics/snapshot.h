@@ -4,9 +4,14 @@
 #include <cstdint>
 #include <span>
 
-#include "palpate/haptics/simulation.h"
+#include "palpate/base/pose.h"
+#include "palpate/contact/tool_contact.h"
+#include "palpate/haptics/device.h"
+#include "palpate/model/tissue.h"
 
 namespace palpate::haptics {
+
+struct SimulationState;
 
 /// The state after one tick, for pictures and for other programs. Plain data, so that it can be handed from
 /// thread to thread.

@@ -1,24 +1,13 @@
 #pragma once
 #include <cstdint>
-#include <limits>
 
 #include "palpate/base/snapshot_cell.h"
-#include "palpate/haptics/fault.h"
 #include "palpate/haptics/live_change.h"
+#include "palpate/haptics/run_control.h"
 #include "palpate/haptics/snapshot.h"
 #include "palpate/haptics/tick_row.h"
 
 namespace palpate::haptics {
-
-/// A fault that was latched on one hand.
-struct FaultSeen {
-  static constexpr std::uint64_t kNotReset = std::numeric_limits<std::uint64_t>::max();
-
-  std::uint64_t tick = 0;
-  std::uint32_t hand = 0;
-  Fault fault = Fault::kNone;
-  std::uint64_t reset_tick = kNotReset;  // the first tick without it
-};
 
 /// Watches a run. The loop's thread calls these functions; they must not block. Within a tick the order is
 /// on_start (once), on_update, then on_row and on_fault of each hand, then on_tick.

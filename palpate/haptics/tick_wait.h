@@ -3,20 +3,9 @@
 #include <optional>
 
 #include "palpate/haptics/realtime.h"
+#include "palpate/haptics/run_control.h"
 
 namespace palpate::haptics {
-
-/// How a loop waits for its next tick.
-enum class Waiting {
-  kSleep,  // its core is free for others meanwhile; it wakes some tens of microseconds late, to cold caches
-  kPoll,   // it asks for the time until it is: ticks begin within some microseconds, and the core is taken
-};
-
-/// What a loop's thread is asked to be.
-struct LoopThread {
-  std::optional<int> core = std::nullopt;  // the one core that it runs on
-  Waiting waiting = Waiting::kSleep;
-};
 
 /// [any] The share of the time that a polling thread must leave to others, 0..1, so that the kernel never
 /// stops it for having used up its budget. @param budget none: Linux's own, 95 %

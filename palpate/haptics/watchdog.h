@@ -6,22 +6,15 @@
 #include <vector>
 
 #include "palpate/haptics/device.h"
+#include "palpate/haptics/run_control.h"
 
 namespace palpate::haptics {
-
-/// One time that the watchdog stopped the devices.
-struct WatchdogStop {
-  std::uint64_t tick = 0;     // the last tick that had begun
-  std::int64_t after_ns = 0;  // since the first tick began
-};
 
 /// A second thread that calls Device::stop() on all devices when no tick began for too long: a loop that
 /// hangs must leave no force behind. It runs at a higher priority than the loop where that is granted, and
 /// shares nothing with it but atomics, so that it never holds the loop up.
 class Watchdog final {
  public:
-  static constexpr std::size_t kMostKept = 64;  // stops; further ones are counted only
-
   /// [setup] Starts the thread; it does nothing before the first beat(). @param devices outlive it
   /// @param stalled_after_ns between two ticks' begins, > 0
   Watchdog(std::span<Device* const> devices, std::int64_t stalled_after_ns);
@@ -39,7 +32,7 @@ class Watchdog final {
   /// [rt] How often it has stopped the devices; counted before each stop begins.
   [[nodiscard]] std::uint64_t stops() const noexcept { return stops_.load(); }
 
-  /// [setup] Ends the thread (within 20 ms). @return the first kMostKept stops.
+  /// [setup] Ends the thread (within 20 ms). @return the first WatchdogStop::kMostKept stops.
   std::vector<WatchdogStop> finish();
 
  private:

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "palpate/base/portable_math.h"
 #include "palpate/base/pose.h"
 
 namespace palpate::model {
@@ -30,7 +29,7 @@ struct OrganMotionParameters {
 
 inline constexpr std::size_t kMostOrganMotions = 4;
 inline constexpr double kMostOrganAmplitude = 0.1;                            // m
-inline constexpr double kMostOrganRotation = 45.0 * (portable::kPi / 180.0);  // rad
+inline constexpr double kMostOrganRotation = 45.0 * (3.14159265358979323846 / 180.0);  // rad
 inline constexpr double kShortestOrganPeriod = 0.2;                           // s: 300 a minute
 inline constexpr double kLongestOrganPeriod = 60.0;                           // s
 inline constexpr double kFastestOrgan = 1.0;      // m/s, below it: all motions together

@@ -5,7 +5,7 @@
 
 #include "palpate/base/ring.h"
 #include "palpate/base/snapshot_cell.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/tick_observer.h"
 
 namespace palpate::net {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/scene/setup.h"
 
 namespace palpate::record {

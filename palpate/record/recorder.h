@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/record/recording.h"
 #include "palpate/scene/setup.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/haptics/tick_row.h"
 #include "palpate/scene/setup.h"
 

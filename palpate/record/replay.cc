@@ -12,6 +12,7 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/haptics/live_changes.h"
+#include "palpate/haptics/prepared_change.h"
 #include "palpate/haptics/simulation.h"
 #include "palpate/record/recording_frames.h"
 #include "palpate/record/tick_columns.h"

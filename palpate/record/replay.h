@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "palpate/contact/preparation.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/snapshot.h"
 #include "palpate/record/recording.h"
 
 namespace palpate::record {

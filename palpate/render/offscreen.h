@@ -8,7 +8,7 @@
 #include "palpate/deform/displacement.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/geometry/tool.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/snapshot.h"
 #include "palpate/model/tissue.h"
 #include "palpate/render/quality.h"
 

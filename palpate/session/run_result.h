@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/run_control.h"
 #include "palpate/session/run_statistics.h"
 
 namespace palpate::session {

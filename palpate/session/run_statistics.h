@@ -2,9 +2,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "palpate/haptics/tick_observer.h"
-#include "palpate/scene/setup.h"
-
 namespace palpate::session {
 
 /// A stretch of ticks that one hand spent in one phase.
@@ -30,29 +27,6 @@ struct RunStatistics {
   std::uint64_t changes = 0;        // of tissue or noise parameters during the run
   std::vector<PhaseSpan> phases;    // in order of their begin
   std::uint64_t phases_left_out = 0;
-};
-
-/// Computes the statistics of a run while it goes on.
-class StatisticsObserver final : public haptics::TickObserver {
- public:
-  /// [setup]
-  explicit StatisticsObserver(const scene::Setup& setup);
-
-  void on_update(const haptics::LiveChange& update) noexcept override;
-  void on_row(const haptics::TickRow& row) noexcept override;
-
-  /// [setup] After the run.
-  [[nodiscard]] const RunStatistics& statistics() const noexcept { return statistics_; }
-
- private:
-  void follow_phase(const haptics::TickRow& row) noexcept;
-
-  double period_;  // s
-  std::uint64_t last_contact_tick_;
-  std::uint64_t last_limited_tick_;
-  std::vector<std::int64_t> open_span_;  // of each hand, index into phases; -1: none, or left out
-  std::vector<std::int64_t> last_phase_;
-  RunStatistics statistics_;
 };
 
 }  // namespace palpate::session

@@ -8,9 +8,11 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/devices/devices.h"
+#include "palpate/haptics/loop.h"
 #include "palpate/record/flight_recorder.h"
 #include "palpate/record/recorder.h"
 #include "palpate/scene/make_world.h"
+#include "palpate/session/statistics_observer.h"
 
 namespace palpate::session {
 namespace {
@@ -52,9 +54,10 @@ std::uint64_t ticks_in(double duration_s, double rate_Hz, const std::string& nam
 
 Session::Session(scene::Setup setup, SessionOptions options)
     : setup_(std::move(setup)),
-      world_(scene::make_world(setup_, options.preparation)),
+      world_(
+          std::make_unique<const haptics::SimulationWorld>(scene::make_world(setup_, options.preparation))),
       devices_(std::move(options.devices)),
-      updates_(scene::live_changes(setup_, world_)),
+      updates_(scene::live_changes(setup_, *world_)),
       control_(updates_.get()) {
   if (devices_.empty()) open_devices();
   if (devices_.size() != hands()) throw std::invalid_argument("Session: there must be one device a hand");
@@ -63,9 +66,13 @@ Session::Session(scene::Setup setup, SessionOptions options)
   } else {
     for (const auto& device : devices_) ticks_ = std::max(ticks_, device->last_tick(setup_.rate_Hz));
   }
-  append(setup_.remarks, scene::radius_remarks(setup_, world_));
+  append(setup_.remarks, scene::radius_remarks(setup_, *world_));
   append(setup_.remarks, scene::stability_remarks(setup_));
 }
+
+Session::~Session() = default;
+
+bool Session::may_pause() const noexcept { return haptics::stall_limit_ns(*world_) == 0; }
 
 void Session::open_devices() {
   for (std::size_t hand = 0; hand < setup_.devices.size(); ++hand) {
@@ -90,14 +97,14 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
   for (const auto& device : devices_) devices.push_back(device.get());
 
   ran_ = true;
-  haptics::SimulationState state(world_);
+  haptics::SimulationState state(*world_);
   RunResult result = result_of(setup_, options.offline);
-  result.loop = haptics::run_loop(world_, state, devices, all,
+  result.loop = haptics::run_loop(*world_, state, devices, all,
                                   {.ticks = ticks_,
                                    .offline = options.offline,
                                    .control = &control_,
                                    .thread = options.thread,
-                                   .stalled_after_ns = haptics::stall_limit_ns(world_)});
+                                   .stalled_after_ns = haptics::stall_limit_ns(*world_)});
   if (recorder) recorder->finish(result.loop);
   if (flight && flight->fault_met()) keep_flight(*flight, result);
   result.statistics = statistics.statistics();

@@ -8,10 +8,16 @@
 #include <vector>
 
 #include "palpate/contact/preparation.h"
-#include "palpate/haptics/loop.h"
+#include "palpate/haptics/device.h"
+#include "palpate/haptics/live_changes.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/scene/load.h"
 #include "palpate/session/background_run.h"
 #include "palpate/session/run_result.h"
+
+namespace palpate::haptics {
+struct SimulationWorld;
+}
 
 namespace palpate::session {
 
@@ -48,6 +54,7 @@ class Session final {
   [[nodiscard]] static Session open(scene::Setup setup, SessionOptions options = {}) {
     return Session(std::move(setup), std::move(options));
   }
+  ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -63,11 +70,11 @@ class Session final {
   /// [any] Takes new tissue and noise parameters for the run.
   [[nodiscard]] haptics::LiveChanges& updates() noexcept { return *updates_; }
   /// [any] Whether the run may be paused: no hand holds one of its devices.
-  [[nodiscard]] bool may_pause() const noexcept { return haptics::stall_limit_ns(world_) == 0; }
+  [[nodiscard]] bool may_pause() const noexcept;
 
   [[nodiscard]] const scene::Setup& setup() const noexcept { return setup_; }
-  [[nodiscard]] const haptics::SimulationWorld& world() const noexcept { return world_; }
-  [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
+  [[nodiscard]] const haptics::SimulationWorld& world() const noexcept { return *world_; }
+  [[nodiscard]] std::size_t hands() const noexcept { return setup_.tools.size(); }
   /// [any] How many ticks the run has; 2^64-1: until it is stopped.
   [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_; }
   /// [any] One a hand; empty after close_devices().
@@ -81,7 +88,7 @@ class Session final {
   void open_devices();
 
   scene::Setup setup_;
-  haptics::SimulationWorld world_;
+  std::unique_ptr<const haptics::SimulationWorld> world_;
   std::vector<std::unique_ptr<haptics::Device>> devices_;
   std::uint64_t ticks_ = 0;
   std::unique_ptr<haptics::LiveChanges> updates_;

@@ -10,8 +10,8 @@
 #include "palpate/deform/displacement.h"
 #include "palpate/deform/test/reordered.h"
 #include "palpate/deform/triangle_grid.h"
-#include "palpate/geometry/primitives.h"
 #include "palpate/geometry/crossings.h"
+#include "palpate/geometry/primitives.h"
 
 namespace palpate::deform {
 namespace {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/haptics/live_changes.h"
+#include "palpate/haptics/prepared_change.h"
 #include "palpate/haptics/test/test_world.h"
 
 namespace palpate::haptics {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/haptics/prepared_change.h"
 #include "palpate/haptics/test/test_world.h"
 
 namespace palpate::haptics {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/clock.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/haptics/test/test_world.h"
 

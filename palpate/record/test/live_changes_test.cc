@@ -12,6 +12,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/primitives.h"
+#include "palpate/haptics/loop.h"
 #include "palpate/record/change_columns.h"
 #include "palpate/record/flight_recorder.h"
 #include "palpate/record/recording_frames.h"

@@ -7,6 +7,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/primitives.h"
+#include "palpate/haptics/loop.h"
 #include "palpate/record/test/sample_recording.h"
 #include "palpate/scene/make_world.h"
 

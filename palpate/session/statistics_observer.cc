@@ -1,4 +1,4 @@
-#include "palpate/session/run_statistics.h"
+#include "palpate/session/statistics_observer.h"
 
 #include <algorithm>
 #include <array>
