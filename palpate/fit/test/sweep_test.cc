@@ -274,9 +274,10 @@ TEST(Sweep, RefusesLinesThatSayThemselvesThatTheyHaveNoValues) {
     }
   }
   std::ofstream(file, std::ios::trunc) << emptied;
-  EXPECT_THAT([&] { (void)sweep_many(specimens, fits, requests, Settings{}, crew, file, {}); },
-              ::testing::ThrowsMessage<InputError>(
-                  file + ": its sweep of bent 1: q has 0 points, want 3: delete the file to sweep anew"));
+  EXPECT_THAT(
+      [&] { (void)sweep_many(specimens, fits, requests, Settings{}, crew, file, {}); },
+      ::testing::ThrowsMessage<InputError>(
+          file + ": the sweep of bent 1: q has 0 points, must have 3: delete the file to repeat the sweep"));
 }
 
 TEST(Sweep, RefusesARangeFarBeyondWhatAFitSearches) {
