@@ -10,6 +10,7 @@
 #include "palpate/haptics/passivity.h"
 #include "palpate/model/spring_law.h"
 #include "palpate/scene/make_world.h"
+#include "palpate/scene/minimum_jerk.h"
 
 namespace palpate::bench {
 namespace {
@@ -25,17 +26,14 @@ constexpr double kUpEnd = 5.0;
 constexpr double kEncoder = 1e-5;  // m
 constexpr double kSweepRowSpacing = 5e-3;
 
-/// Minimum-jerk way from 0 to 1 (Flash and Hogan 1985).
-double sweep_minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + u * 6.0)); }
-
 /// Where the hand wants to be: from kClear above the block to `lowest` [m] below its top and back.
 scene::ToolPath press_and_let_go(double lowest) {
   std::vector<scene::PathRow> rows;
   const auto steps = static_cast<int>(std::lround(kUpEnd / kSweepRowSpacing));
   for (int i = 0; i <= steps; ++i) {
     const double time = i * kSweepRowSpacing;
-    const double in = sweep_minimum_jerk(std::clamp((time - kDown) / (kHoldBegin - kDown), 0.0, 1.0));
-    const double out = sweep_minimum_jerk(std::clamp((time - kHoldEnd) / (kUpEnd - kHoldEnd), 0.0, 1.0));
+    const double in = scene::minimum_jerk(std::clamp((time - kDown) / (kHoldBegin - kDown), 0.0, 1.0));
+    const double out = scene::minimum_jerk(std::clamp((time - kHoldEnd) / (kUpEnd - kHoldEnd), 0.0, 1.0));
     const double height = kClear - (in - out) * (kClear + lowest);
     rows.push_back({time, Vec3(0.0, 0.0, kBallRadius + height), Quat::Identity(), 0.0});
   }

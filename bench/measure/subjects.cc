@@ -10,6 +10,7 @@
 
 #include "palpate/base/portable_math.h"
 #include "palpate/scene/load.h"
+#include "palpate/scene/minimum_jerk.h"
 
 namespace palpate::bench {
 namespace {
@@ -126,9 +127,6 @@ class Tessellation final {
   std::vector<std::vector<std::int32_t>> rows_;
 };
 
-/// Minimum-jerk way from 0 to 1 (Flash and Hogan 1985).
-double minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + u * 6.0)); }
-
 }  // namespace
 
 geometry::TriangleMesh tessellate(const geometry::TriangleMesh& mesh, int parts, Shape shape) {
@@ -174,7 +172,8 @@ scene::ToolPath hand_path(const scene::Setup& setup) {
       const double u = static_cast<double>(i) / steps;
       scene::PathRow row = end;
       row.time = begins + u * kWay;
-      row.position += (from > 0.0 ? 1.0 - minimum_jerk(u) : minimum_jerk(u)) * Vec3(kAside, 0.0, kAbove);
+      row.position +=
+          (from > 0.0 ? 1.0 - scene::minimum_jerk(u) : scene::minimum_jerk(u)) * Vec3(kAside, 0.0, kAbove);
       rows.push_back(row);
     }
   };

@@ -6,11 +6,10 @@
 #include <cstdint>
 #include <limits>
 
+#include "palpate/base/infinity.h"
+
 namespace palpate::portable {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Adding and subtracting 1.5 x 2^52 rounds to the nearest integer; the integer stands in the low bits
 // meanwhile.

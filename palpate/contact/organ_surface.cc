@@ -5,18 +5,12 @@
 
 #include "palpate/base/index.h"
 #include "palpate/contact/averaged_normals.h"
+#include "palpate/contact/segment.h"
 
 namespace palpate::contact {
 namespace {
 
 constexpr int kMostCrossings = 64;  // edges one walk may cross; a step is far shorter than that
-
-double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b, double& along) noexcept {
-  const Vec3 edge = b - a;
-  const double length_squared = edge.squaredNorm();
-  along = length_squared > 0.0 ? std::clamp((p - a).dot(edge) / length_squared, 0.0, 1.0) : 0.0;
-  return (p - (a + along * edge)).norm();
-}
 
 /// The sides beyond the sharp edges near a point. Several edges of one line lead to one side: the nearest
 /// counts.

@@ -4,16 +4,10 @@
 #include "palpate/base/index.h"
 #include "palpate/contact/averaged_normals.h"
 #include "palpate/contact/organ_arrays.h"
+#include "palpate/contact/segment.h"
 
 namespace palpate::contact {
 namespace {
-
-double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 edge = b - a;
-  const double length_squared = edge.squaredNorm();
-  const double along = length_squared > 0.0 ? std::clamp((p - a).dot(edge) / length_squared, 0.0, 1.0) : 0.0;
-  return (p - (a + along * edge)).norm();
-}
 
 /// Whether a triangle comes nearer to the segment from a to b than the blend is wide.
 bool is_near(const geometry::TriangleMesh& mesh, std::int32_t triangle, const Vec3& a, const Vec3& b) {
@@ -22,8 +16,9 @@ bool is_near(const geometry::TriangleMesh& mesh, std::int32_t triangle, const Ve
   for (std::size_t c = 0; c < 3; ++c) {
     const Vec3& p = mesh.vertices[at(corners[c])];
     const Vec3& q = mesh.vertices[at(corners[(c + 1) % 3])];
-    closest = std::min(
-        {closest, distance_to_segment(p, a, b), distance_to_segment(a, p, q), distance_to_segment(b, p, q)});
+    double along = 0.0;
+    closest = std::min({closest, distance_to_segment(p, a, b, along), distance_to_segment(a, p, q, along),
+                        distance_to_segment(b, p, q, along)});
   }
   return closest < kBlendWidth;
 }

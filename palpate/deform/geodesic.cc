@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
+#include "palpate/base/infinity.h"
 #include "palpate/geometry/surface_distance.h"
 
 namespace palpate::deform {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
 // Improvements below this share of the distance are rounding and are not propagated again.
 constexpr double kWorthwhile = 1.0 - 1e-9;
 
@@ -21,17 +20,17 @@ std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 double way_across(const Vec3& a, const Vec3& b, const Vec3& c, double distance_a, double distance_b) {
   const Vec3 edge = b - a;
   const double length = edge.norm();
-  if (!(length > 0.0)) return kFar;
+  if (!(length > 0.0)) return kInfinity;
   const double c_x = (c - a).dot(edge) / length;
   const double c_y = std::sqrt(std::max(0.0, (c - a).squaredNorm() - c_x * c_x));
   const double s_x = (distance_a * distance_a - distance_b * distance_b + length * length) / (2.0 * length);
   const double s_y_squared = distance_a * distance_a - s_x * s_x;
-  if (s_y_squared < 0.0) return kFar;
+  if (s_y_squared < 0.0) return kInfinity;
   const double s_y = std::sqrt(s_y_squared);  // below the edge, c above it
   const double height = c_y + s_y;
-  if (!(height > 0.0)) return kFar;
+  if (!(height > 0.0)) return kInfinity;
   const double crossing = s_x + (c_x - s_x) * s_y / height;
-  if (crossing < -1e-9 * length || crossing > (1.0 + 1e-9) * length) return kFar;
+  if (crossing < -1e-9 * length || crossing > (1.0 + 1e-9) * length) return kInfinity;
   return std::sqrt((c_x - s_x) * (c_x - s_x) + height * height);
 }
 
@@ -41,7 +40,7 @@ GeodesicDistance::GeodesicDistance(const geometry::TriangleMesh& mesh)
     : mesh_(mesh),
       normals_(mesh.vertices.size(), Vec3::Zero()),
       start_(mesh.vertices.size() + 1, 0),
-      distance_(mesh.vertices.size(), kFar) {
+      distance_(mesh.vertices.size(), kInfinity) {
   for (const geometry::Triangle& triangle : mesh_.triangles) {
     const Vec3 area = geometry::area_vector_doubled(mesh_, triangle);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -63,7 +62,7 @@ GeodesicDistance::GeodesicDistance(const geometry::TriangleMesh& mesh)
 
 SurfacePoint GeodesicDistance::nearest(const Vec3& p) const {
   SurfacePoint best;
-  double best_squared = kFar;
+  double best_squared = kInfinity;
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     const auto [a, b, c] = mesh_.triangles[t];
     const Vec3 q = geometry::nearest_on_triangle(p, mesh_.vertices[index(a)], mesh_.vertices[index(b)],
@@ -90,7 +89,7 @@ SurfacePoint GeodesicDistance::nearest(const Vec3& p) const {
 void GeodesicDistance::offer(std::int32_t vertex, double distance) {
   double& now = distance_[index(vertex)];
   if (!(distance < limit_) || !(distance < now * kWorthwhile)) return;
-  if (now == kFar) reached_.push_back(vertex);
+  if (now == kInfinity) reached_.push_back(vertex);
   now = distance;
   queue_.emplace_back(distance, vertex);
   std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
@@ -100,7 +99,7 @@ void GeodesicDistance::relax(std::int32_t from, std::int32_t known, std::int32_t
   const Vec3& a = mesh_.vertices[index(from)];
   const Vec3& c = mesh_.vertices[index(to)];
   double distance = distance_[index(from)] + (c - a).norm();
-  if (distance_[index(known)] < kFar) {
+  if (distance_[index(known)] < kInfinity) {
     distance = std::min(distance, way_across(a, mesh_.vertices[index(known)], c, distance_[index(from)],
                                              distance_[index(known)]));
   }
@@ -108,7 +107,7 @@ void GeodesicDistance::relax(std::int32_t from, std::int32_t known, std::int32_t
 }
 
 void GeodesicDistance::compute(const SurfacePoint& source, double limit) {
-  for (const std::int32_t v : reached_) distance_[index(v)] = kFar;
+  for (const std::int32_t v : reached_) distance_[index(v)] = kInfinity;
   reached_.clear();
   queue_.clear();
   // The shortest way to a vertex below the limit may cross an edge whose far end lies beyond it.
@@ -132,7 +131,7 @@ void GeodesicDistance::compute(const SurfacePoint& source, double limit) {
   }
   std::erase_if(reached_, [this, limit](std::int32_t v) {
     const bool beyond = !(distance_[index(v)] < limit);
-    if (beyond) distance_[index(v)] = kFar;
+    if (beyond) distance_[index(v)] = kInfinity;
     return beyond;
   });
 }

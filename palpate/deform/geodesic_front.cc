@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
+#include "palpate/base/infinity.h"
 #include "palpate/base/lanes.h"
 
 namespace palpate::deform {
@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kFrontFar = std::numeric_limits<float>::infinity();
 // Improvements below this share of the distance are rounding and are not propagated again.
 constexpr float kFrontWorthwhile = 1.0F - 1e-5F;
 
@@ -24,18 +23,18 @@ float front_way_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, 
                        float distance_b) {
   const Vector3f edge = b - a;
   const float squared = edge.squaredNorm();
-  if (!(squared > 0.0F)) return kFrontFar;
+  if (!(squared > 0.0F)) return kInfinityF;
   const float length = std::sqrt(squared);
   const float c_x = (c - a).dot(edge) / length;
   const float c_y = std::sqrt(std::max(0.0F, (c - a).squaredNorm() - c_x * c_x));
   const float s_x = (distance_a * distance_a - distance_b * distance_b + squared) / (2.0F * length);
   const float s_y_squared = distance_a * distance_a - s_x * s_x;
-  if (s_y_squared < 0.0F) return kFrontFar;
+  if (s_y_squared < 0.0F) return kInfinityF;
   const float s_y = std::sqrt(s_y_squared);  // below the edge, c above it
   const float height = c_y + s_y;
-  if (!(height > 0.0F)) return kFrontFar;
+  if (!(height > 0.0F)) return kInfinityF;
   const float crossing = s_x + (c_x - s_x) * s_y / height;
-  if (crossing < -1e-5F * length || crossing > (1.0F + 1e-5F) * length) return kFrontFar;
+  if (crossing < -1e-5F * length || crossing > (1.0F + 1e-5F) * length) return kInfinityF;
   return std::sqrt((c_x - s_x) * (c_x - s_x) + height * height);
 }
 
@@ -56,14 +55,14 @@ FrontSurface::FrontSurface(const geometry::TriangleMesh& mesh) : start(mesh.vert
 
 GeodesicFront::GeodesicFront(const FrontSurface& surface)
     : surface_(&surface),
-      distance_(surface.vertices.size(), kFrontFar),
-      excess_((surface.vertices.size() + kLanes - 1) / kLanes * kLanes, kFrontFar),
+      distance_(surface.vertices.size(), kInfinityF),
+      excess_((surface.vertices.size() + kLanes - 1) / kLanes * kLanes, kInfinityF),
       is_settled_(surface.vertices.size(), 0) {}
 
 void GeodesicFront::begin(const geometry::Triangle& corners, const Vector3f& point) {
   for (const std::int32_t v : seen_) {
-    distance_[front_index(v)] = kFrontFar;
-    excess_[front_index(v)] = kFrontFar;
+    distance_[front_index(v)] = kInfinityF;
+    excess_[front_index(v)] = kInfinityF;
     is_settled_[front_index(v)] = 0;
   }
   seen_.clear();
@@ -76,7 +75,7 @@ void GeodesicFront::begin(const geometry::Triangle& corners, const Vector3f& poi
 void GeodesicFront::offer(std::int32_t vertex, float distance) {
   float& now = distance_[front_index(vertex)];
   if (!(distance < now * kFrontWorthwhile)) return;
-  if (now == kFrontFar) seen_.push_back(vertex);
+  if (now == kInfinityF) seen_.push_back(vertex);
   now = distance;
   queue_.emplace_back(distance, vertex);
   std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
@@ -89,7 +88,7 @@ void GeodesicFront::relax(std::int32_t from, std::int32_t known, std::int32_t to
   const Vector3f& c = surface_->vertices[front_index(to)];
   const float other = distance_[front_index(known)];
   float distance = here + (c - a).norm();
-  if (other < kFrontFar)
+  if (other < kInfinityF)
     distance =
         std::min(distance, front_way_across(a, surface_->vertices[front_index(known)], c, here, other));
   offer(to, distance);
@@ -117,6 +116,6 @@ int GeodesicFront::advance(float limit, int most) {
   return steps;
 }
 
-float GeodesicFront::radius() const noexcept { return queue_.empty() ? kFrontFar : queue_.front().first; }
+float GeodesicFront::radius() const noexcept { return queue_.empty() ? kInfinityF : queue_.front().first; }
 
 }  // namespace palpate::deform

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "palpate/base/index.h"
+#include "palpate/base/infinity.h"
 
 namespace palpate::deform {
 namespace {
@@ -22,7 +22,6 @@ constexpr float kEarliestEnd = 0.9F;       // u/D where a front has not come far
 constexpr double kImprintReach = 20e-3;    // m: fronts under a press go at least as far, for near()
 constexpr std::size_t kMostContacts = 24;  // kept, with their fronts
 constexpr double kFreeShareOfThickness = 0.7;  // as held_back
-constexpr float kBlockFar = std::numeric_limits<float>::infinity();
 
 std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
@@ -242,7 +241,7 @@ int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
 void LiveSurface::lower_to_front(Contact& contact) {
   ContactField& field = contact.field;
   field.excess = contact.front.excess();
-  float least = kBlockFar;
+  float least = kInfinityF;
   for (const std::int32_t v : rest_.triangles[at(contact.place.triangle)])
     least = std::min(least, field.excess[at(v)]);
   field.own_excess = std::isfinite(least) ? least : 0.0F;
@@ -257,20 +256,20 @@ void LiveSurface::lower_to_front(Contact& contact) {
 
 void LiveSurface::note_settled(Contact& contact) {
   if (contact.is_anew) {
-    contact.least.assign(blocks_.count(), kBlockFar);
+    contact.least.assign(blocks_.count(), kInfinityF);
     contact.noted = 0;
     contact.noted_to = 0.0F;
   }
   // Where the front ended the profile had ended, too, so that what has settled since does not move yet; but
   // not at a front's first steps, nor behind obtuse triangles, which settle late.
   const bool had_ended = std::max(contact.before.lowered, contact.before.lowered_side) < kEarliestEnd;
-  const float ended_at = had_ended ? contact.noted_to : kBlockFar;
+  const float ended_at = had_ended ? contact.noted_to : kInfinityF;
   const std::span<const std::int32_t> settled = contact.front.settled();
   for (const std::int32_t v : settled.subspan(contact.noted)) {
     const std::size_t block = at(v) / SurfaceBlocks::kBlock;
     const float distance = contact.front.at(v);
     contact.least[block] = std::min(contact.least[block], distance);
-    if (distance < ended_at) state_[block].off = kBlockFar;
+    if (distance < ended_at) state_[block].off = kInfinityF;
   }
   contact.noted = settled.size();
   contact.noted_to = contact.front.radius();
@@ -295,7 +294,7 @@ float LiveSurface::newly_off(std::size_t block) {
     if (contact->is_anew && contact->was_used) {
       if (blocks_.near(block, contact->before.point, contact->before.limit) ||
           (contact->used && blocks_.near(block, contact->field.point, contact->field.limit)))
-        return kBlockFar;
+        return kInfinityF;
       continue;
     }
     const float distance = contact->least[block] - contact->slack;

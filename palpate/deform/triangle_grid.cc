@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "palpate/base/index.h"
+#include "palpate/base/infinity.h"
 #include "palpate/geometry/surface_distance.h"
 
 namespace palpate::deform {
 namespace {
 
-constexpr double kGridFar = std::numeric_limits<double>::infinity();
 constexpr double kEdgesACell = 2.0;
 constexpr double kMostCells = 4e6;
 constexpr double kOwnFace = 1e-6;  // m: a hit nearer than this is the start's own triangle
@@ -98,7 +97,7 @@ void TriangleGrid::nearest_in(const Cell& c, const Vec3& p, SurfacePoint& best, 
 
 SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
   SurfacePoint best;
-  double best_squared = kGridFar;
+  double best_squared = kInfinity;
   const Cell middle = cell_of(p);
   const int most = std::max({count_[0], count_[1], count_[2]});
   // Shells of cells around the one of p (or the nearest to p, when p lies outside the grid), until no cell
@@ -111,7 +110,7 @@ SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
   for (int shell = 0; shell <= most; ++shell) {
     if (shell > 0) {
       const double least = (shell - 1) * width_;
-      if (best_squared < kGridFar && least > 0.0 && least * least > best_squared - (p - held).squaredNorm())
+      if (best_squared < kInfinity && least > 0.0 && least * least > best_squared - (p - held).squaredNorm())
         break;
     }
     for (int i = -shell; i <= shell; ++i) {
@@ -133,7 +132,7 @@ SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
 }
 
 double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double limit) const {
-  double nearest = kGridFar;
+  double nearest = kInfinity;
   // Half a cell at a time, and the cells around: no cell that the ray touches is left out.
   std::size_t last = static_cast<std::size_t>(-1);
   for (int step = 0; 0.5 * width_ * step <= limit + width_; ++step) {
@@ -153,7 +152,7 @@ double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double l
       }
     }
   }
-  return nearest <= limit ? nearest : kGridFar;
+  return nearest <= limit ? nearest : kInfinity;
 }
 
 double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
@@ -163,15 +162,15 @@ double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Trian
   const Vec3 ab = mesh.vertices[at(triangle[1])] - a;
   const Vec3 ac = mesh.vertices[at(triangle[2])] - a;
   const double facing = ab.cross(ac).dot(direction);
-  if (!(facing > 0.0)) return kGridFar;
+  if (!(facing > 0.0)) return kInfinity;
   const Vec3 p = direction.cross(ac);
   const Vec3 s = start - a;
   const double u = -s.dot(p) / facing;
   const Vec3 q = s.cross(ab);
   const double v = -direction.dot(q) / facing;
-  if (u < 0.0 || v < 0.0 || u + v > 1.0) return kGridFar;
+  if (u < 0.0 || v < 0.0 || u + v > 1.0) return kInfinity;
   const double distance = -ac.dot(q) / facing;
-  return distance > kOwnFace ? distance : kGridFar;
+  return distance > kOwnFace ? distance : kInfinity;
 }
 
 }  // namespace palpate::deform

@@ -213,8 +213,7 @@ Opened open_connected(const std::string& what) {
   const std::size_t colon = what.find(':');
   const Kind* kind = find_kind(what.substr(0, colon));
   if (kind == nullptr || kind->connect == nullptr) {
-    throw InputError(
-        fmt::format("device \"{}\": must be {}, alone or with :PATH", what, names_of_kinds(true)));
+    throw InputError("device \"" + what + "\": must be " + names_of_kinds(true) + ", alone or with :PATH");
   }
   return kind->connect(colon == std::string::npos ? std::string() : what.substr(colon + 1));
 }

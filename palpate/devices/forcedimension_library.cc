@@ -70,9 +70,8 @@ void DhdLibrary::open(const std::string& path) {
     name_ = path;
     handle_ = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle_ == nullptr) {
-      throw InputError(
-          fmt::format("{}cannot be loaded ({}), must be the vendor's libdhd.so for this computer",
-                      in_front(path), loader_words()));
+      throw InputError(in_front(path) + "cannot be loaded (" + loader_words() +
+                       "), must be the vendor's libdhd.so for this computer");
     }
     return;
   }

@@ -11,11 +11,7 @@ haptics::DeviceState GamepadDevice::read(std::uint64_t /*tick*/, double /*time*/
   }
   // Unplugged, the tool stays where it is: a trigger that is let go by a cable must not pull it out.
   hand_.advance(wanted_.connected ? Vec3(led_to_ + wanted_.advance_D) : hand_.position(), wanted_.gripper);
-  haptics::DeviceState sample;
-  sample.position_D = hand_.position();
-  sample.orientation_D = hand_.orientation();
-  sample.velocity_D = hand_.velocity();
-  sample.gripper = hand_.gripper();
+  haptics::DeviceState sample = hand_.state();
   sample.buttons = wanted_.buttons;
   if (!wanted_.connected) sample.fault = haptics::Fault::kDevice;
   gone_.store(!wanted_.connected, std::memory_order_relaxed);

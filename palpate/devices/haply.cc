@@ -52,8 +52,7 @@ HaplyDevice::HaplyDevice(const std::string& address, std::size_t place, const Ha
   try {
     link_.open(times_.opening);
   } catch (const HaplyLinkError& error) {
-    throw InputError(
-        fmt::format("device haply: no service at {}: {}{}", address_.text(), error.what(), kHowToStart));
+    throw InputError("device haply: no service at " + address_.text() + ": " + error.what() + kHowToStart);
   }
   try {
     greet(place);
@@ -98,8 +97,7 @@ std::string HaplyDevice::trouble() const {
 }
 
 std::string HaplyDevice::description() const {
-  return fmt::format("Inverse3 {}{} at {}", arm_, grip_.empty() ? "" : " with verse grip " + grip_,
-                     address_.text());
+  return "Inverse3 " + arm_ + (grip_.empty() ? "" : " with verse grip " + grip_) + " at " + address_.text();
 }
 
 /// Takes the first message: at the first connection it says which arm is whose, later the arm must be there.

@@ -7,11 +7,7 @@ namespace palpate::devices {
 haptics::DeviceState MouseDevice::read(std::uint64_t /*tick*/, double /*time*/) noexcept {
   if (input_.refresh()) wanted_ = input_.value();
   hand_.advance(wanted_.target_D, wanted_.gripper);
-  haptics::DeviceState sample;
-  sample.position_D = hand_.position();
-  sample.orientation_D = hand_.orientation();
-  sample.velocity_D = hand_.velocity();
-  sample.gripper = hand_.gripper();
+  haptics::DeviceState sample = hand_.state();
   sample.buttons = wanted_.buttons;
   if (!wanted_.present) sample.fault = haptics::Fault::kDevice;
   gone_.store(!wanted_.present, std::memory_order_relaxed);

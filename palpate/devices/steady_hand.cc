@@ -39,4 +39,13 @@ void SteadyHand::advance(const Vec3& target, double gripper) noexcept {
   gripper_ += std::clamp(std::clamp(gripper, 0.0, 1.0) - gripper_, -most, most);
 }
 
+haptics::DeviceState SteadyHand::state() const noexcept {
+  haptics::DeviceState state;
+  state.position_D = position_;
+  state.orientation_D = orientation_;
+  state.velocity_D = velocity_;
+  state.gripper = gripper_;
+  return state;
+}
+
 }  // namespace palpate::devices

@@ -1,5 +1,6 @@
 #pragma once
 #include "palpate/base/pose.h"
+#include "palpate/haptics/device.h"
 #include "palpate/scene/tool_path.h"
 
 namespace palpate::devices {
@@ -23,6 +24,8 @@ class SteadyHand final {
   /// left out.
   void advance(const Vec3& target, double gripper) noexcept;
 
+  /// [rt] Pose, velocity and gripper as a device gives them; no buttons, no fault.
+  [[nodiscard]] haptics::DeviceState state() const noexcept;
   [[nodiscard]] const Vec3& position() const noexcept { return position_; }
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] const Quat& orientation() const noexcept { return orientation_; }

@@ -406,7 +406,7 @@ void refuse_unless_certain(const ImageMeasurement& measured, const std::string& 
   if (measured.asymmetry > kMostAsymmetry) {
     throw InputError(
         fmt::format("{}: the dent's left and right side differ by {} % of the depth, must differ by at most "
-                    "12 %: the model's dent is round, and something may stand in front of this one",
+                    "12 %: the model's dent is symmetric; check that nothing hides part of this one",
                     name, rounded(100.0 * measured.asymmetry)));
   }
   if (measured.uncertainty > kMostUncertain * measured.depth) {

@@ -51,8 +51,7 @@ void check_deformation(Deformation& deformation, const std::string& where) {
   const auto [least, most] =
       std::minmax_element(deformation.displacement.begin(), deformation.displacement.end());
   if (!(*most > *least)) {
-    throw InputError(
-        fmt::format("{}: u_mm is {} in every row, must change", where, shortest(*least / kMillimetre)));
+    throw InputError(where + ": u_mm is " + shortest(*least / kMillimetre) + " in every row, must change");
   }
   if (!(correlation(deformation.distance, deformation.displacement) < 0.0) || !(*most > 0.0)) {
     throw InputError(where +

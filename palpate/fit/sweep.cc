@@ -131,9 +131,9 @@ class Sweeping final {
       add_sweep_line(lines_[i], sweep);
       add_sweep_line(lines_[i + 1], sweep);
       if (sweep.points.size() < piece.request.values) {
-        throw InputError(
-            fmt::format("{}: its sweep of {} has {} points, want {}: delete the file to sweep anew",
-                        results_file_, name_of(piece), sweep.points.size(), piece.request.values));
+        throw InputError(fmt::format(
+            "{}: the sweep of {} has {} points, must have {}: delete the file to repeat the sweep",
+            results_file_, name_of(piece), sweep.points.size(), piece.request.values));
       }
       std::stable_sort(sweep.points.begin(), sweep.points.end(),
                        [](const SweepPoint& a, const SweepPoint& b) { return a.value < b.value; });

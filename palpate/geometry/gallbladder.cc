@@ -12,8 +12,7 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr int kGallbladderVertices =
-    1057;  // and 2 (V - 2) = 2,110 triangles, as in [Zhang 2011, section 3.1]
+constexpr int kGallbladderVertices = 1057;  // 2 (V - 2) = 2,110 triangles [Zhang 2011, section 3.1]
 
 /// In millimetres until it is meshed; a gallbladder is 70 to 100 mm long and 30 to 40 mm wide, a little
 /// flatter than wide.

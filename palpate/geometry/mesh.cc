@@ -3,17 +3,9 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "palpate/geometry/edge_key.h"
+
 namespace palpate::geometry {
-namespace {
-
-std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
-  const auto low = static_cast<std::uint64_t>(std::min(a, b));
-  const auto high = static_cast<std::uint64_t>(std::max(a, b));
-  return (low << 32) | high;
-}
-
-}  // namespace
-
 Bounds bounds(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return {};
   Bounds box{mesh.vertices.front(), mesh.vertices.front()};

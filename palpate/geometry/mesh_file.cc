@@ -41,9 +41,8 @@ MeshFormat format_of(const std::filesystem::path& path) {
   for (const auto& [known, format] : kEndings) {
     if (ending == known) return format;
   }
-  throw InputError(
-      fmt::format("{}: unknown ending \"{}\": must be .stl, .obj, .ply, .off, .3ds, .gltf, .glb or .vtk",
-                  path.string(), ending));
+  throw InputError(path.string() + ": unknown ending \"" + ending +
+                   "\": must be .stl, .obj, .ply, .off, .3ds, .gltf, .glb or .vtk");
 }
 
 std::uint32_t little_endian_32(const std::string& bytes, std::size_t at) {

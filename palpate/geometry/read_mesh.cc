@@ -150,10 +150,8 @@ void require_organ(const LoadedMesh& loaded, const std::string& name) {
                                  shortest(size * 1e3), unit_hint(size)));
   }
   if (loaded.findings.defects.empty()) return;
-  throw InputError(
-      fmt::format("{}: cannot be an organ: {}; an organ must be closed, manifold and turned outwards: repair "
-                  "it in a mesh tool first",
-                  name, joined(loaded.findings.defects)));
+  throw InputError(name + ": cannot be an organ: " + joined(loaded.findings.defects) +
+                   "; an organ must be closed, manifold and turned outwards: repair it in a mesh tool first");
 }
 
 }  // namespace palpate::geometry

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "palpate/base/error.h"
+#include "palpate/geometry/edge_key.h"
 #include "palpate/geometry/mesh.h"
 
 namespace palpate::geometry {
@@ -18,12 +19,6 @@ constexpr std::size_t kMostRefinedTriangles = 4'000'000;
 [[noreturn]] void refuse_as_too_many() {
   throw InputError("refining the mesh needs more than " + std::to_string(kMostRefinedTriangles) +
                    " triangles: is its unit right?");
-}
-
-std::uint64_t refined_edge_key(std::int32_t a, std::int32_t b) {
-  const auto low = static_cast<std::uint64_t>(std::min(a, b));
-  const auto high = static_cast<std::uint64_t>(std::max(a, b));
-  return (low << 32) | high;
 }
 
 /// Splits edges, longest first; equal lengths in the order of their vertex indices. An edge inside an
@@ -74,7 +69,7 @@ class Refiner final {
   };
 
   void attach(std::int32_t a, std::int32_t b, std::int32_t triangle, bool is_inner) {
-    const std::uint64_t key = refined_edge_key(a, b);
+    const std::uint64_t key = edge_key(a, b);
     Edge& edge = edges_[key];
     if (edge.triangles.empty()) {
       edge.is_inner = is_inner;
@@ -84,7 +79,7 @@ class Refiner final {
   }
 
   void replace(std::int32_t a, std::int32_t b, std::int32_t old_triangle, std::int32_t new_triangle) {
-    for (std::int32_t& triangle : edges_[refined_edge_key(a, b)].triangles) {
+    for (std::int32_t& triangle : edges_[edge_key(a, b)].triangles) {
       if (triangle == old_triangle) triangle = new_triangle;
     }
   }
@@ -92,7 +87,7 @@ class Refiner final {
   /// The triangle's corners, first the two of the edge, then the one across it.
   [[nodiscard]] Triangle from_edge(std::int32_t triangle, std::uint64_t key) const {
     Triangle corners = mesh_.triangles[static_cast<std::size_t>(triangle)];
-    while (refined_edge_key(corners[0], corners[1]) != key)
+    while (edge_key(corners[0], corners[1]) != key)
       std::rotate(corners.begin(), corners.begin() + 1, corners.end());
     return corners;
   }

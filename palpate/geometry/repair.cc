@@ -169,7 +169,7 @@ class Repair final {
     refuse(fmt::format(
         "{} of {} edges, {} mm across, at {} (closed are those of up to {} edges and {} mm, a fifth of its "
         "diagonal)",
-        std::string(holes.size() == 1 ? "a hole" : std::to_string(holes.size()) + " holes, the largest"),
+        holes.size() == 1 ? "a hole" : std::to_string(holes.size()) + " holes, the largest",
         widest.loop.size(), millimetres(widest.width), place(widest.middle), kMostHoleEdges,
         millimetres(kMostHoleWidth * diagonal)));
   }
@@ -187,14 +187,12 @@ class Repair final {
                       triangles(turned)));
     }
     if (pieces.scraps.times > 0) {
-      say(fmt::format("dropped {} ({}, {} of the volume)",
-                      counted(pieces.scraps.times, "small piece", "small pieces"),
-                      triangles(pieces.scraps.triangles), percent(pieces.scraps_share)));
+      say("dropped " + counted(pieces.scraps.times, "small piece", "small pieces") + " (" +
+          triangles(pieces.scraps.triangles) + ", " + percent(pieces.scraps_share) + " of the volume)");
     }
     if (pieces.inner.times > 0) {
-      say(fmt::format("dropped {} ({}): an organ is solid",
-                      counted(pieces.inner.times, "inner shell", "inner shells"),
-                      triangles(pieces.inner.triangles)));
+      say("dropped " + counted(pieces.inner.times, "inner shell", "inner shells") + " (" +
+          triangles(pieces.inner.triangles) + "): an organ is solid");
     }
     if (!pieces.refusal.empty()) return refuse(pieces.refusal);
     repaired_.crossing_pairs = pieces.crossing_pairs;
@@ -217,8 +215,7 @@ RepairedSurface repair_surface(TriangleMesh mesh) { return Repair(std::move(mesh
 LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
   RepairedSurface repaired = repair_surface(std::move(loaded.mesh));
   if (!repaired.refusal.empty()) {
-    throw InputError(
-        fmt::format("{}: cannot be an organ: {}: repair it in a mesh tool first", name, repaired.refusal));
+    throw InputError(name + ": cannot be an organ: " + repaired.refusal + ": repair it in a mesh tool first");
   }
   LoadedMesh organ{std::move(repaired.mesh), {}};
   organ.findings = findings_of(organ.mesh);

@@ -1,16 +1,12 @@
 #include "palpate/geometry/repair_holes.h"
 
 #include <algorithm>
-#include <limits>
+
+#include "palpate/base/infinity.h"
+#include "palpate/geometry/edge_key.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kHoleFar = std::numeric_limits<double>::infinity();
-
-std::uint64_t edge_of(std::int32_t a, std::int32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
-}
 
 double area_of(const TriangleMesh& mesh, const Triangle& triangle) {
   return 0.5 * area_vector_doubled(mesh, triangle).norm();
@@ -35,8 +31,8 @@ std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates) {
   for (std::size_t start = 0; start < next.size(); ++start) {
     if (next[start] < 0) continue;
     Hole hole;
-    Vec3 low = Vec3::Constant(kHoleFar);
-    Vec3 high = Vec3::Constant(-kHoleFar);
+    Vec3 low = Vec3::Constant(kInfinity);
+    Vec3 high = Vec3::Constant(-kInfinity);
     for (auto v = static_cast<std::int32_t>(start); v >= 0;) {
       hole.loop.push_back(v);
       low = low.cwiseMin(surface.point(v));
@@ -71,7 +67,7 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
   for (std::size_t span = 2; span < n; ++span) {
     for (std::size_t i = 0; i + span < n; ++i) {
       const std::size_t j = i + span;
-      double best = kHoleFar;
+      double best = kInfinity;
       const bool is_own = i == 0 && j + 1 == n;  // the edge from the last to the first is the loop's own
       if (is_own || may_join(loop[i], loop[j])) {
         for (std::size_t m = i + 1; m < j; ++m) {
@@ -87,7 +83,7 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
       least[i * n + j] = best;
     }
   }
-  if (!(least[n - 1] < kHoleFar)) return {};
+  if (!(least[n - 1] < kInfinity)) return {};
   std::vector<Triangle> patch;
   std::vector<std::array<std::size_t, 2>> open{{0, n - 1}};
   while (!open.empty()) {
@@ -104,7 +100,7 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
 
 double HoleCloser::plan(const Hole& hole) {
   planned_ = least_area_patch(surface_.mesh, hole.loop, [&](std::int32_t a, std::int32_t b) {
-    return !std::binary_search(edges_.begin(), edges_.end(), edge_of(a, b));
+    return !std::binary_search(edges_.begin(), edges_.end(), edge_key(a, b));
   });
   needs_middle_ = planned_.empty();
   if (!needs_middle_) return area_of(surface_.mesh, planned_);

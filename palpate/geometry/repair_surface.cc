@@ -8,13 +8,10 @@
 #include <utility>
 
 #include "palpate/geometry/cell.h"
+#include "palpate/geometry/edge_key.h"
 
 namespace palpate::geometry {
 namespace {
-
-std::uint64_t directed_edge_of(std::int32_t a, std::int32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
-}
 
 /// Patches of triangles that hang together by edges of exactly two.
 struct Patches {
@@ -238,7 +235,7 @@ std::vector<EdgeSide> sorted_sides(const std::vector<Triangle>& triangles) {
   for (const Triangle& t : triangles)
     vertices = std::max(vertices, static_cast<std::size_t>(*std::max_element(t.begin(), t.end())) + 1);
   const auto side = [&](Corner c) {
-    return EdgeSide{directed_edge_of(triangles[c / 3][c % 3], triangles[c / 3][(c + 1) % 3]), c};
+    return EdgeSide{edge_key(triangles[c / 3][c % 3], triangles[c / 3][(c + 1) % 3]), c};
   };
   const auto corners = static_cast<Corner>(3 * triangles.size());
   std::vector<std::size_t> begin(vertices + 1, 0);

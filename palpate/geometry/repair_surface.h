@@ -55,7 +55,7 @@ class DisjointSets final {
 
 /// One side of an edge; those of one edge stand together when sorted.
 struct EdgeSide {
-  std::uint64_t edge;  // smaller vertex << 32 | larger vertex
+  std::uint64_t edge;  // edge_key()
   Corner corner;
 };
 

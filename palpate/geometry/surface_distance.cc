@@ -8,6 +8,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/index.h"
+#include "palpate/base/infinity.h"
 #include "palpate/base/parallel.h"
 #include "palpate/base/portable_math.h"
 #include "palpate/geometry/disc_search.h"
@@ -15,7 +16,6 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // A triangle lower than this share of its longest edge counts as its edges alone: its own normal is noise.
@@ -288,7 +288,7 @@ Vec3 SurfaceDistance::Tree::pseudonormal(const Best& best) const noexcept {
 NearestPoint SurfaceDistance::Tree::finish(const Vec3& p, const Best& best) const noexcept {
   NearestPoint found;
   if (best.slot < 0) {  // p is not finite
-    found.distance = std::numeric_limits<double>::quiet_NaN();
+    found.distance = kNaN;
     return found;
   }
   found.point = best.on.point;

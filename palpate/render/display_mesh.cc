@@ -8,10 +8,12 @@
 #include <unordered_map>
 
 #include "palpate/base/index.h"
+#include "palpate/geometry/edge_key.h"
 
 namespace palpate::render {
 namespace {
 
+using geometry::edge_key;
 using geometry::Triangle;
 using geometry::TriangleMesh;
 
@@ -19,12 +21,6 @@ constexpr int kMostRounds = 12;
 constexpr int kEvenRounds = 12;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
-
-std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
-  const auto low = static_cast<std::uint64_t>(std::min(a, b));
-  const auto high = static_cast<std::uint64_t>(std::max(a, b));
-  return (low << 32U) | high;
-}
 
 // The edges of a mesh, numbered, and which of them are creases or boundaries.
 struct Edges {

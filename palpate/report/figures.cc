@@ -20,7 +20,6 @@ namespace {
 
 constexpr std::size_t kMostPoints = 2500;  // a line has no more, so that the page stays small
 constexpr std::size_t kMostMarkers = 300;  // a scatter has no more, so that the curve beneath is seen
-constexpr double kMilli = 1e3;             // m to mm, N to mN
 constexpr std::size_t kLongestSegment = 1024;
 constexpr std::size_t kShortestSegment = 64;
 

@@ -82,15 +82,15 @@ double tic_step(double largest) {
 }
 
 std::string preamble(int width, int height, const std::string& key) {
-  return fmt::format(
-      "set encoding utf8\n"
-      "set terminal svg size {},{} dynamic noenhanced font 'Helvetica,14' background '#ffffff'\n"
-      "set output 'figure.svg'\n"
-      "set border 3 lw 1 lc rgb '#555555'\n"
-      "set tics nomirror out scale 0.6 textcolor rgb '#333333'\n"
-      "set grid lc rgb '#e4e4e4' lw 1\n"
-      "set key {}\n",
-      width, height, key);
+  constexpr const char* kScript = R"(set encoding utf8
+set terminal svg size {},{} dynamic noenhanced font 'Helvetica,14' background '#ffffff'
+set output 'figure.svg'
+set border 3 lw 1 lc rgb '#555555'
+set tics nomirror out scale 0.6 textcolor rgb '#333333'
+set grid lc rgb '#e4e4e4' lw 1
+set key {}
+)";
+  return fmt::format(kScript, width, height, key);
 }
 
 TemporaryFolder::TemporaryFolder() {

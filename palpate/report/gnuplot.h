@@ -22,8 +22,8 @@ inline constexpr const char* kOrange = "#D55E00";
 inline constexpr const char* kGreen = "#009E73";
 inline constexpr const char* kGrey = "#9a9a9a";
 
-/// [setup] The first lines of every figure's script: size in points, output, border and grid. @param key
-/// where the legend stands and how, gnuplot's words
+/// [setup] The first lines of every figure's script: size in points, output, border and grid.
+/// @param key position and layout of the legend, as gnuplot's `set key` takes them
 [[nodiscard]] std::string preamble(int width, int height, const std::string& key);
 
 /// A folder of its own under the system's temporary folder, removed with everything in it at the end.

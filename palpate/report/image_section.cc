@@ -24,9 +24,8 @@ namespace {
 
 using Colour = std::array<double, 3>;
 
-constexpr Colour kLineBefore = {0.0, 114.0,
-                                178.0};  // the line before, as the other figures [Okabe and Ito 2008]
-constexpr Colour kLineAfter = {213.0, 94.0, 0.0};  // the line after: measured
+constexpr Colour kLineBefore = {0.0, 114.0, 178.0};  // as kBlue
+constexpr Colour kLineAfter = {213.0, 94.0, 0.0};    // as kOrange
 constexpr Colour kWhite = {255.0, 255.0, 255.0};
 constexpr int kWidest = 1200;  // pixels of a figure
 
@@ -202,8 +201,7 @@ void write_image_section(Page& page, const ImageSet& set, const std::filesystem:
                                     percent(measured.after.coverage, 1))},
        {"surface's tilt in the picture", digits(measured.tilt / kDegree) + " degrees"},
        {"second picture against the first, taken out",
-        fmt::format("{} degrees, {} mm", digits(measured.turn / kDegree),
-                    digits(measured.shift / kMillimetre))},
+        digits(measured.turn / kDegree) + " degrees, " + digits(measured.shift / kMillimetre) + " mm"},
        {"depth",
         digits(set.comparison.depth / kMillimetre) + " mm" +
             (set.depth_fitted ? ", the one that suits the line best: the tool hides the deepest place" : "")},

@@ -136,19 +136,19 @@ void Page::figure(const Figure& figure) {
 }
 
 std::string Page::html() const {
-  return fmt::format(
-      "<!DOCTYPE html>\n"
-      "<html lang=\"en\">\n"
-      "<head>\n"
-      "<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{}</title>\n"
-      "<style>{}</style>\n"
-      "</head>\n"
-      "<body>\n"
-      "{}</body>\n"
-      "</html>\n",
-      escaped(title_), kStyle, body_);
+  constexpr const char* kPage = R"(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{}</title>
+<style>{}</style>
+</head>
+<body>
+{}</body>
+</html>
+)";
+  return fmt::format(kPage, escaped(title_), kStyle, body_);
 }
 
 std::filesystem::path Page::write(const std::filesystem::path& folder) const {

@@ -12,7 +12,6 @@
 namespace palpate::report {
 namespace {
 
-constexpr double kSectionMilli = 1e3;
 constexpr double kGoalDepth = 10e-3;   // m, both experiments of the demo
 constexpr double kPaperForceNs = 1e6;  // "under 1 ms a force" [Zhang 2011, section 3.2]
 
@@ -85,17 +84,16 @@ std::vector<std::string> marks_of(const WorkedExperiment& worked) {
   const HandAnalysis& hand = main_hand(worked);
   const record::Recording& recording = *worked.experiment->recording;
   std::vector<std::string> marks;
-  marks.push_back(
-      marked(mark_of(hand.peak_depth >= kGoalDepth),
-             fmt::format("{} to {} mm; the goal of both experiments is {} mm.",
-                         is_pull(worked) ? "Pulled" : "Pressed", fixed(hand.peak_depth * kSectionMilli, 2),
-                         fixed(kGoalDepth * kSectionMilli, 0))));
+  marks.push_back(marked(mark_of(hand.peak_depth >= kGoalDepth),
+                         fmt::format("{} to {} mm; the goal of both experiments is {} mm.",
+                                     is_pull(worked) ? "Pulled" : "Pressed",
+                                     fixed(hand.peak_depth * kMilli, 2), fixed(kGoalDepth * kMilli, 0))));
   if (hand.law.rows > 0) {
     marks.push_back(
         marked(Mark::kTold, fmt::format("Normal force beside the law of one contact, over {} ticks: half "
                                         "within {} mN, 95\u00a0% within {} mN; the law's largest is {} N.",
-                                        grouped(hand.law.rows), fixed(hand.law.median * kSectionMilli, 2),
-                                        fixed(hand.law.p95 * kSectionMilli, 2), fixed(hand.law.peak, 3))));
+                                        grouped(hand.law.rows), fixed(hand.law.median * kMilli, 2),
+                                        fixed(hand.law.p95 * kMilli, 2), fixed(hand.law.peak, 3))));
   }
   if (hand.noise_check.count > 1) marks.push_back(noise_mark(hand.noise_check));
   if (is_timed(analysis)) {
@@ -126,10 +124,10 @@ std::string moment_caption(const MomentPictures& moment) {
   text += ": " + fixed(moment.row.time, 3) + " s";
   constexpr double kMoved = 0.05e-3;  // m: what is told to a tenth of a millimetre
   if (moment.organ_moved > kMoved)
-    text += ", organ " + fixed(moment.organ_moved * kSectionMilli, 1) + " mm from rest";
+    text += ", organ " + fixed(moment.organ_moved * kMilli, 1) + " mm from rest";
   if (moment.row.phase == 0)
-    return fmt::format("{}, {} mm away", text, fixed(moment.row.distance * kSectionMilli, 1));
-  return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(moment.row.depth * kSectionMilli, 2),
+    return fmt::format("{}, {} mm away", text, fixed(moment.row.distance * kMilli, 1));
+  return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(moment.row.depth * kMilli, 2),
                      fixed(moment.row.tissue_force, 3));
 }
 
@@ -166,7 +164,7 @@ void write_hand(Page& page, const HandAnalysis& hand, const HandFigures& figures
   page.open_grid("one");
   page.figure(figures.over_time);
   page.close_grid();
-  page.facts({{"largest depth", fixed(hand.peak_depth * kSectionMilli, 3) + " mm"},
+  page.facts({{"largest depth", fixed(hand.peak_depth * kMilli, 3) + " mm"},
               {"largest tissue force", fixed(hand.peak_tissue_force, 4) + " N"},
               {"largest force to the hand", fixed(hand.peak_device_force, 4) + " N, with noise"},
               {"largest step of force", fixed(hand.largest_step, 4) + " N between two ticks, with noise"}});
@@ -209,8 +207,7 @@ void write_timing(Page& page, const WorkedExperiment& worked) {
 }
 
 std::string mesh_count(const geometry::TriangleMesh& mesh) {
-  return fmt::format("{} vertices, {} triangles", grouped(mesh.vertices.size()),
-                     grouped(mesh.triangles.size()));
+  return grouped(mesh.vertices.size()) + " vertices, " + grouped(mesh.triangles.size()) + " triangles";
 }
 
 std::string tool_count(const std::vector<geometry::Tool>& tools) {
@@ -249,7 +246,7 @@ TableRows comparison(const WorkedExperiment& worked) {
        worked.pictures.missing.empty()
            ? fmt::format("{} ms ({})", fixed(worked.pictures.draw_ms, 1), escaped(worked.pictures.driver))
            : "not drawn"},
-      {"largest depth", "not given", fixed(main_hand(worked).peak_depth * kSectionMilli, 2) + " mm"},
+      {"largest depth", "not given", fixed(main_hand(worked).peak_depth * kMilli, 2) + " mm"},
       {"largest tissue force", "not given", fixed(main_hand(worked).peak_tissue_force, 3) + " N"},
   };
 }
@@ -267,7 +264,7 @@ void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
     const Analysis& analysis = worked.analysis;
     rows.push_back(
         {fmt::format("<a href=\"#{}\">{}</a>", anchor(++number), escaped(worked.experiment->title)),
-         fixed(hand.peak_depth * kSectionMilli, 2) + " mm", fixed(hand.peak_tissue_force, 3) + " N",
+         fixed(hand.peak_depth * kMilli, 2) + " mm", fixed(hand.peak_tissue_force, 3) + " N",
          is_timed(analysis) ? fmt::format("{} / {}\u00a0µs", microseconds(analysis.tick_time.figures.p50),
                                           microseconds(analysis.tick_time.figures.p99))
                             : "not recorded",

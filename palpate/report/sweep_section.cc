@@ -15,8 +15,6 @@
 namespace palpate::report {
 namespace {
 
-constexpr const char* kDarkGrey = "#555555";
-
 struct Line {
   const char* title;
   const char* colour;
@@ -54,31 +52,19 @@ std::string where(const fit::Sweep& sweep) {
 /// Columns: value, error in percent, the same where the data leave it, four factors.
 std::string script(const fit::Sweep& sweep, double most, double lowest, double highest) {
   const double unit = fit::labels(0)[sweep.parameter].unit;
-  std::string text = fmt::format(
-      "{}set lmargin 11\n"
-      "set rmargin 3\n"
-      "{}set multiplot\n"
-      "set origin 0,0.49\n"
-      "set size 1,0.51\n"
-      "set bmargin 0.6\n"
-      "set format x ''\n"
-      "set yrange [0:{}]\n"
-      "set ylabel 'error, % of force range'\n"
-      "plot 'sweep.dat' using 1:3 with filledcurves y1=0 lc rgb '#c9dfee' title 'left by the data', '' using "
-      "1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '{}' title 'error', 'best.dat' using 1:2 with points pt "
-      "9 ps 1.1 lc rgb '{}' title 'the fit'\n"
-      "set origin 0,0\n"
-      "set size 1,0.49\n"
-      "set key outside top center\n"
-      "set tmargin 2\n"
-      "set bmargin 3.4\n"
-      "set format x '%g'\n"
-      "{}set xlabel '{}'\n"
-      "set ylabel 'others / their best'\n"
-      "plot 1 with lines lw 1 lc rgb '{}' notitle",
-      preamble(760, 560, "top center horizontal samplen 2 noopaque"),
-      axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit), shortest(most), kBlue,
-      kDarkGrey, axis("y", lowest, highest), axis_name(sweep.parameter), kDarkGrey);
+  constexpr const char* kScript = R"({}set lmargin 11; set rmargin 3
+{}set multiplot; set origin 0,0.49; set size 1,0.51; set bmargin 0.6; set format x ''
+set yrange [0:{}]; set ylabel 'error, % of force range'
+plot 'sweep.dat' using 1:3 with filledcurves y1=0 lc rgb '#c9dfee' title 'left by the data', \
+  '' using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '#0072B2' title 'error', \
+  'best.dat' using 1:2 with points pt 9 ps 1.1 lc rgb '#555555' title 'the fit'
+set origin 0,0; set size 1,0.49; set key outside top center; set tmargin 2; set bmargin 3.4; set format x '%g'
+{}set xlabel '{}'; set ylabel 'others / their best'
+plot 1 with lines lw 1 lc rgb '#555555' notitle)";
+  std::string text =
+      fmt::format(kScript, preamble(760, 560, "top center horizontal samplen 2 noopaque"),
+                  axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit),
+                  shortest(most), axis("y", lowest, highest), axis_name(sweep.parameter));
   for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
     if (i == sweep.parameter) continue;
     text += fmt::format(", 'sweep.dat' using 1:{} with lines lw 2 lc rgb '{}' title '{}'", 4 + i,

@@ -5,6 +5,8 @@
 
 namespace palpate::report {
 
+inline constexpr double kMilli = 1e3;  // m to mm, N to mN
+
 /// [any] `value` with `digits` decimals, whatever the locale.
 [[nodiscard]] std::string fixed(double value, int digits);
 

@@ -28,35 +28,23 @@ struct Axes {
 /// Two panes over one axis: the two curves, then their absolute error with 7 % of the measured value drawn
 /// in. Columns: x, measured, computed.
 std::string script(const Axes& axes, double largest_error) {
-  const std::string jnd = shortest(fit::kForceJnd);
-  return fmt::format(
-      "{}set lmargin 11\n"
-      "set multiplot\n"
-      "set origin 0,0.40\n"
-      "set size 1,0.60\n"
-      "set bmargin 0.6\n"
-      "set format x ''\n"
-      "set ylabel '{}, {}'\n"
-      "set yrange [*:*<1e9]\n"
-      "set offsets 0,0,graph 0.12,0\n"
-      "plot 'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '{}' title 'measured', 'curve.dat' using "
-      "1:3 with lines lw 2 lc rgb '{}' title 'computed'\n"
-      "set origin 0,0\n"
-      "set size 1,0.40\n"
-      "set tmargin 0.8\n"
-      "set bmargin 3.4\n"
-      "set format x '%g'\n"
-      "set xlabel '{}'\n"
-      "set ylabel 'absolute error, {}'\n"
-      "set yrange [0:*]\n"
-      "set offsets 0,0,graph 0.35,0\n"
-      "set ytics {}\n"
-      "plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '{}' title 'absolute "
-      "error', 'curve.dat' using 1:({}*abs($2)) with lines lw 1.5 dt 2 lc rgb '#555555' title '{}'\n"
-      "unset multiplot\n",
-      preamble(760, 620, "top " + axes.key + " Left reverse samplen 2 spacing 1.15 noopaque"), axes.y,
-      axes.unit, kOrange, kBlue, axes.x, axes.unit, shortest(tic_step(largest_error)), kOrange, jnd,
-      axes.jnd);
+  constexpr const char* kScript = R"({}set lmargin 11
+set multiplot; set origin 0,0.40; set size 1,0.60; set bmargin 0.6; set format x ''
+set ylabel '{y}, {unit}'; set yrange [*:*<1e9]; set offsets 0,0,graph 0.12,0
+plot 'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '#D55E00' title 'measured', \
+  '' using 1:3 with lines lw 2 lc rgb '#0072B2' title 'computed'
+set origin 0,0; set size 1,0.40; set tmargin 0.8; set bmargin 3.4; set format x '%g'
+set xlabel '{x}'; set ylabel 'absolute error, {unit}'
+set yrange [0:*]; set offsets 0,0,graph 0.35,0; set ytics {step}
+plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '#D55E00' title 'absolute error', \
+  '' using 1:({jnd}*abs($2)) with lines lw 1.5 dt 2 lc rgb '#555555' title '{jnd_title}'
+unset multiplot
+)";
+  return fmt::format(kScript,
+                     preamble(760, 620, "top " + axes.key + " Left reverse samplen 2 spacing 1.15 noopaque"),
+                     fmt::arg("x", axes.x), fmt::arg("y", axes.y), fmt::arg("unit", axes.unit),
+                     fmt::arg("step", shortest(tic_step(largest_error))),
+                     fmt::arg("jnd", shortest(fit::kForceJnd)), fmt::arg("jnd_title", axes.jnd));
 }
 
 std::vector<std::vector<double>> rows_of(const std::vector<double>& x, double unit_x,

@@ -18,8 +18,6 @@ namespace {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-constexpr double kRunMilli = 1e3;
-
 std::string number(double value, const char* unit) {
   return shortest(value) + (*unit == '\0' ? "" : " ") + unit;
 }
@@ -31,7 +29,7 @@ std::string shown(double value, const char* unit) {
 
 /// A length of the scene in mm, rounded where the conversion from metres leaves a rest.
 std::string millimetres(double metres) {
-  std::string text = fixed(metres * kRunMilli, 6);
+  std::string text = fixed(metres * kMilli, 6);
   while (text.back() == '0') text.pop_back();
   if (text.back() == '.') text.pop_back();
   return text + " mm";
@@ -46,7 +44,7 @@ std::string point_mm(const Vec3& p) {
 }
 
 std::string mesh_in_words(const geometry::TriangleMesh& mesh) {
-  const Vec3 size = geometry::bounds(mesh).size() * kRunMilli;
+  const Vec3 size = geometry::bounds(mesh).size() * kMilli;
   return fmt::format("{} vertices, {} triangles, {} × {} × {} mm", grouped(mesh.vertices.size()),
                      grouped(mesh.triangles.size()), fixed(size.x(), 1), fixed(size.y(), 1),
                      fixed(size.z(), 1));
@@ -137,13 +135,13 @@ Facts other_facts(const scene::Setup& setup) {
   return {
       {"touch noise", noise.enabled ? fmt::format("K {}, d₀ {}, σ in contact {} mN, clock {}, seed {}",
                                                   number(noise.gain, "N m"), millimetres(noise.threshold),
-                                                  fixed(noise.gain / noise.threshold * kRunMilli, 3),
+                                                  fixed(noise.gain / noise.threshold * kMilli, 3),
                                                   number(noise.rate_Hz, "Hz"), noise.seed)
                                     : "off"},
       {"largest force, its change",
-       number(safety.max_force, "N") + ", " + number(safety.max_slew / kRunMilli, "N/ms")},
+       number(safety.max_force, "N") + ", " + number(safety.max_slew / kMilli, "N/ms")},
       {"largest torque, its change",
-       number(safety.max_torque, "N m") + ", " + number(safety.max_torque_slew / kRunMilli, "N m/ms")},
+       number(safety.max_torque, "N m") + ", " + number(safety.max_torque_slew / kMilli, "N m/ms")},
   };
 }
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "palpate/geometry/surface_distance.h"
+#include "palpate/scene/minimum_jerk.h"
 #include "palpate/scene/tool_path.h"
 
 namespace palpate::scene {
@@ -25,9 +26,6 @@ struct Leg {
   double gripper = 0.0;
   double duration = 0.0;
 };
-
-/// Minimum-jerk way from 0 to 1 (Flash and Hogan 1985): no speed and no acceleration at either end.
-double minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + u * 6.0)); }
 
 /// The time in which minimum_jerk() covers `distance` [m] at no more than the peak speed: its greatest slope
 /// is 1.875.

@@ -95,9 +95,8 @@ void override_numbers(const Request& request, SceneDescription& scene) {
   if (request.rate_Hz) {
     const double rate = *request.rate_Hz;
     if (!(rate >= kSlowestRate && rate <= kFastestRate)) {
-      throw ParameterError(
-          "--rate-Hz", rate,
-          fmt::format("a number >= {} and <= {}", shortest(kSlowestRate), shortest(kFastestRate)));
+      throw ParameterError("--rate-Hz", rate,
+                           "a number >= " + shortest(kSlowestRate) + " and <= " + shortest(kFastestRate));
     }
     scene.rate_Hz = rate;
   }
@@ -123,9 +122,8 @@ SceneDescription describe(const Request& request) {
                                  alternatives(geometry::builtin_organ_names())));
   }
   if (scene.tools.empty()) {
-    throw InputError(
-        fmt::format("{}: missing, must be a built-in tool ({}), sphere:R or a file; or [[tool.jaw]]",
-                    scene.tool_place, alternatives(geometry::builtin_tool_names())));
+    throw InputError(scene.tool_place + ": missing, must be a built-in tool (" +
+                     alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
   }
   if (!request.scene && !request.scene_text) {
     scene.name = std::filesystem::path(scene.organ->value).stem().string() +

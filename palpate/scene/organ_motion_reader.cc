@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 
 #include "palpate/base/error.h"
-#include "palpate/base/portable_math.h"
 #include "palpate/base/units.h"
 
 namespace palpate::scene {
@@ -14,7 +13,6 @@ namespace {
 using model::OrganMotionKind;
 using model::OrganMotionParameters;
 
-constexpr double kRadiansPerDegree = portable::kPi / 180.0;
 constexpr Range kDirection{-1e6, 1e6};
 constexpr const char* kKindWanted = "must be breathing, heartbeat or none";
 

@@ -3,10 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "palpate/base/portable_math.h"
 #include "palpate/model/organ_motion.h"
 #include "palpate/scene/toml_reader.h"
 
 namespace palpate::scene {
+
+inline constexpr double kRadiansPerDegree = portable::kPi / 180.0;
 
 /// [setup] The motions of [organ.motion], one table or several ([[organ.motion]]); what is left out is the
 /// kind's default, a table of kind "none" counts for nothing. @throws InputError as TomlTable: one line,

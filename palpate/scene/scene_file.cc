@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include "palpate/base/error.h"
-#include "palpate/base/portable_math.h"
 #include "palpate/scene/emulated_reader.h"
 #include "palpate/scene/organ_motion_reader.h"
 #include "palpate/scene/toml_reader.h"
@@ -11,7 +10,6 @@
 namespace palpate::scene {
 namespace {
 
-constexpr double kRadiansPerSceneDegree = portable::kPi / 180.0;
 constexpr double kMillisecondsPerSecond = 1000.0;  // slew is given a millisecond
 
 constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
@@ -101,7 +99,7 @@ class SceneReader final {
       if (axis->norm() < 1e-9) table.fail("axis", "must be a direction, not zero");
       jaw.axis = axis->normalized();
     }
-    jaw.open_angle = table.number("open_deg", kOpening).value_or(kDefaultOpening) * kRadiansPerSceneDegree;
+    jaw.open_angle = table.number("open_deg", kOpening).value_or(kDefaultOpening) * kRadiansPerDegree;
     return jaw;
   }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/test/rejected_file.h"
 #include "palpate/base/test/temporary_folder.h"
 
 namespace palpate {
@@ -21,18 +22,9 @@ const std::vector<CsvColumn> kColumns = {{"time_s", false}, {"depth_mm"}, {"spec
 const std::string kHeader = "time_s,depth_mm\n";
 
 std::string error_in(const std::string& content) {
-  const TemporaryFolder folder;
-  const auto file = folder.write("a.csv", content);
-  try {
+  return palpate::test::rejection_of("a.csv", content, [](const auto& file) {
     for (CsvTable table(file, kColumns, 1e9); table.next_row();) continue;
-  } catch (const InputError& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    EXPECT_TRUE(message.starts_with(file.string())) << message;
-    return message.substr(folder.path().string().size() + 1);
-  }
-  ADD_FAILURE() << "accepted: " << content.substr(0, 200);
-  return "";
+  });
 }
 
 std::vector<double> depths_in(const std::string& content) {

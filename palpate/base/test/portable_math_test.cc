@@ -9,11 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "palpate/base/infinity.h"
+
 namespace palpate {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // |got - want| in units of the last place of the double nearest to `want`.
 double ulps(double got, long double want) {

@@ -27,6 +27,7 @@ TEST(Median, OfAnEvenNumberIsTheMeanOfTheTwoMiddleOnes) {
 }
 
 TEST(NormalizedMad, EstimatesTheStandardDeviationOfNormalResidualsWithOutliers) {
+  EXPECT_DOUBLE_EQ(normalized_mad({-1.0, 2.0, -4.0, 1e6}), 3.0 * 1.4826);
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal(0.0, 3.0);
   std::vector<double> residuals(100'000);

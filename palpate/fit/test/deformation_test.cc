@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/test/rejected_file.h"
 #include "palpate/base/test/temporary_folder.h"
 
 namespace palpate::fit {
@@ -23,18 +24,8 @@ std::vector<Deformation> read_deformation_text(const std::string& content) {
 }
 
 std::string deformation_error_in(const std::string& content) {
-  const TemporaryFolder folder;
-  const auto file = folder.write("side.csv", content);
-  try {
-    (void)read_deformations(file);
-  } catch (const InputError& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    EXPECT_TRUE(message.starts_with(file.string())) << message;
-    return message.substr(folder.path().string().size() + 1);
-  }
-  ADD_FAILURE() << "accepted: " << content.substr(0, 200);
-  return "";
+  return palpate::test::rejection_of("side.csv", content,
+                                     [](const auto& file) { (void)read_deformations(file); });
 }
 
 TEST(ReadDeformations, TakesMillimetresAndTheFilesName) {

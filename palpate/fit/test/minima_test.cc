@@ -41,7 +41,7 @@ TEST(Minima, ThoseOfTwoSpringsWithoutNoiseAreTheSprings) {
 // The springs that made a curve, their noise fitted: no curve of the law has reason to be clearly farther
 // from it.
 TEST(Minima, OfRandomSpringsAreNoWorseThanTheSprings) {
-  for (std::uint32_t number = 0; number < 12; ++number) {
+  for (std::uint32_t number = 0; number < 40; ++number) {
     const Springs of = random_springs(number);
     const Specimen specimen = springs(of, number);
     const Minima minima = find_minima(make_problem(Settings{}, 0, {make_part(specimen)}));

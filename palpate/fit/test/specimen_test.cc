@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/base/test/rejected_file.h"
 #include "palpate/base/test/temporary_folder.h"
 
 namespace palpate::fit {
@@ -25,18 +26,8 @@ std::string rows(const std::string& more = "") {
 const std::string kHeader = "displacement_mm,force_N\n";
 
 std::string error_in(const std::string& content) {
-  const TemporaryFolder folder;
-  const auto file = folder.write("curve.csv", content);
-  try {
-    (void)read_specimens(file);
-  } catch (const InputError& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    EXPECT_TRUE(message.starts_with(file.string())) << message;
-    return message.substr(folder.path().string().size() + 1);
-  }
-  ADD_FAILURE() << "accepted: " << content.substr(0, 200);
-  return "";
+  return palpate::test::rejection_of("curve.csv", content,
+                                     [](const auto& file) { (void)read_specimens(file); });
 }
 
 std::vector<Specimen> read(const std::string& content) {

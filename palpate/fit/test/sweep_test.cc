@@ -99,7 +99,7 @@ TEST(Sweep, NoValueFitsBetterThanTheFitOfACurveWithManyMinima) {
 }
 
 TEST(Sweep, NoValueFitsClearlyBetterThanTheFitOfRandomSprings) {
-  for (std::uint32_t number = 0; number < 3; ++number) {
+  for (std::uint32_t number = 0; number < 6; ++number) {
     const std::vector<Specimen> specimens = {springs(random_springs(number), number)};
     for (const Sweep& sweep : sweeps_of(specimens, fits_of(specimens), "all").all) {
       EXPECT_FALSE(sweep.found_better) << number << ' ' << sweep.parameter;
@@ -185,9 +185,9 @@ TEST(Sweep, AParameterThatNoDataTellStaysOpenAtBothEnds) {
 }
 
 TEST(Sweep, OfAllTogetherIsBoundedByHowSpecimensDiffer) {
-  const std::vector<Specimen> specimens = {bent(1), bent(2), bent(3)};
+  const std::vector<Specimen> specimens = {bent(1), bent(2), bent(3), bent(4)};
   const ManyFits fits = fits_of(specimens);
-  const Sweep sweep = sweeps_of(specimens, fits, "limit_mm=1.5:9:9").all.back();
+  const Sweep sweep = sweeps_of(specimens, fits, "limit_mm=1.5:9:15").all.back();
   EXPECT_FALSE(sweep.open_below);
   EXPECT_FALSE(sweep.open_above);
   EXPECT_TRUE(std::isnan(sweep.points.front().deviance));
@@ -274,9 +274,10 @@ TEST(Sweep, RefusesLinesThatSayThemselvesThatTheyHaveNoValues) {
     }
   }
   std::ofstream(file, std::ios::trunc) << emptied;
-  EXPECT_THAT([&] { (void)sweep_many(specimens, fits, requests, Settings{}, crew, file, {}); },
-              ::testing::ThrowsMessage<InputError>(
-                  file + ": its sweep of bent 1: q has 0 points, want 3: delete the file to sweep anew"));
+  EXPECT_THAT(
+      [&] { (void)sweep_many(specimens, fits, requests, Settings{}, crew, file, {}); },
+      ::testing::ThrowsMessage<InputError>(
+          file + ": the sweep of bent 1: q has 0 points, must have 3: delete the file to repeat the sweep"));
 }
 
 TEST(Sweep, RefusesARangeFarBeyondWhatAFitSearches) {

@@ -65,6 +65,8 @@ TEST(Load, TissueDefaultsToTheOrgansOwnThenToTheTasks) {
   Request request;
   request.organ = "heart";
   EXPECT_EQ(load(request).tissue.name, "heart");
+  request.organ = "heart-30k";
+  EXPECT_EQ(load(request).tissue.name, "heart");
   request.organ = "liver";
   EXPECT_EQ(load(request).tissue.name, "liver");
   request.organ = "kidney-30k";
