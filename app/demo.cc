@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/report/report.h"
+#include "palpate/session/usable_core.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
@@ -51,7 +52,7 @@ fs::path write_demo_report(const std::vector<std::unique_ptr<Session>>& sessions
 }
 
 int demo(const DemoFlags& flags, const std::string& command_line) {
-  require_usable_core(flags.thread.core);
+  session::require_usable_core(flags.thread.core, "--core");
   std::vector<std::unique_ptr<Session>> sessions;
   for (const Experiment& experiment : kExperiments) {
     scene::Request request;

@@ -14,6 +14,7 @@
 #include "palpate/base/text.h"
 #include "palpate/report/report.h"
 #include "palpate/scene/device_kinds.h"
+#include "palpate/session/usable_core.h"
 
 #include "app/commands.h"
 #include "app/igtl.h"
@@ -142,7 +143,7 @@ Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& re
 
 int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
-  require_usable_core(flags.thread.core);
+  session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
   const std::unique_ptr<Session> session =
       prepare(scene::load(flags.request), flags.duration_s, flags.no_cache);

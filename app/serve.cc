@@ -15,6 +15,7 @@
 #include "palpate/base/error.h"
 #include "palpate/net/live_access.h"
 #include "palpate/net/live_server.h"
+#include "palpate/session/usable_core.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
@@ -70,7 +71,7 @@ net::LiveOptions server_options(const ServeFlags& flags) {
 }
 
 void check_runs(const ServedOptions& options) {
-  require_usable_core(options.thread.core);
+  session::require_usable_core(options.thread.core, "--core");
   if (!options.recording.empty()) require_writable_file(options.recording, "--record");
   std::error_code error;
   if (!options.scenes.empty() && !fs::is_directory(options.scenes, error)) {

@@ -1,6 +1,5 @@
 #include "app/session.h"
 
-#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <csignal>
@@ -12,7 +11,6 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
-#include "palpate/haptics/realtime.h"
 #include "palpate/record/replay.h"
 
 #include "app/commands.h"
@@ -136,15 +134,6 @@ void add_thread_flags(CLI::App& command, haptics::LoopThread& thread) {
       "--poll", [&thread] { thread.waiting = haptics::Waiting::kPoll; },
       "keep asking for the time between ticks instead of sleeping: ticks begin within a few "
       "microseconds, and one core is busy all the while");
-}
-
-void require_usable_core(std::optional<int> core) {
-  if (!core) return;
-  const std::vector<int> cores = haptics::usable_cores();
-  if (std::find(cores.begin(), cores.end(), *core) != cores.end()) return;
-  std::string list;
-  for (const int usable : cores) list += (list.empty() ? "" : ", ") + std::to_string(usable);
-  throw ParameterError("--core", *core, "a core that this program may use: " + list);
 }
 
 RunResult play(Session& session, const PlayOptions& how) {

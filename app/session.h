@@ -23,9 +23,9 @@ namespace palpate::app {
 using session::RunResult;
 using session::Session;
 
-/// [setup] Opens a session, with a progress bar while its organ is prepared. @param duration_s exactly
-/// round(duration x rate) ticks; none: until the devices have no more samples. @param no_cache the organ is
-/// prepared anew. @throws InputError, ParameterError naming --duration-s.
+/// [setup] Opens a session and shows a progress bar while its organ is prepared. @param duration_s simulated
+/// time [s], rounded to whole ticks; none: until the devices have no more samples. @param no_cache ignores
+/// the cache of prepared organs. @throws InputError; ParameterError naming --duration-s.
 [[nodiscard]] std::unique_ptr<Session> prepare(scene::Setup setup, std::optional<double> duration_s,
                                                bool no_cache);
 
@@ -48,9 +48,6 @@ class StopOnSignal final {
 /// [setup] Gives a command --core and --poll.
 void add_thread_flags(CLI::App& command, haptics::LoopThread& thread);
 
-/// [setup] Refuses a core that this program may not use. @throws ParameterError naming --core and the cores.
-void require_usable_core(std::optional<int> core);
-
 /// How a session is played.
 struct PlayOptions {
   session::RunOptions run;
@@ -59,12 +56,12 @@ struct PlayOptions {
   const std::atomic<bool>* stop = nullptr;        // Ctrl-C; null: whoever plays the session looks after it
 };
 
-/// [setup] Runs a session to its end, with a progress bar on a terminal. A fault that is latched is told on
-/// standard error while the run goes on at zero force; SIGUSR1 clears the faults of all hands.
+/// [setup] Runs a session to its end, with a progress bar on a terminal. Each latched fault is
+/// reported on standard error while the run continues at zero force; SIGUSR1 clears the faults of all hands.
 /// @throws InputError when the recording cannot be written.
 [[nodiscard]] RunResult play(Session& session, const PlayOptions& how);
 
-/// [setup] The same on a thread of its own, whose life ends with what this returns.
+/// [setup] Calls play() on a new thread. Destroying the result stops the run and waits for its end.
 [[nodiscard]] std::unique_ptr<session::BackgroundRun> play_in_background(Session& session, PlayOptions how);
 
 /// [setup] Exit code of a run: 3 with a fault, also one that was reset, 4 past the missed deadlines allowed,

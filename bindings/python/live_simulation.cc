@@ -1,26 +1,16 @@
 #include "bindings/python/live_simulation.h"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include "palpate/base/error.h"
-#include "palpate/haptics/realtime.h"
 #include "palpate/scene/device_kinds.h"
+#include "palpate/session/usable_core.h"
 
 #include "bindings/python/scene_arguments.h"
 
 namespace palpate::python {
 namespace {
-
-void require_usable_core(std::optional<int> core) {
-  if (!core) return;
-  const std::vector<int> cores = haptics::usable_cores();
-  if (std::find(cores.begin(), cores.end(), *core) != cores.end()) return;
-  std::string list;
-  for (const int usable : cores) list += (list.empty() ? "" : ", ") + std::to_string(usable);
-  throw ParameterError("core", *core, "a core that this program may use: " + list);
-}
 
 /// Rows that are kept of so many seconds.
 std::size_t rows_in(double seconds, const scene::Setup& setup) {
@@ -31,7 +21,7 @@ std::size_t rows_in(double seconds, const scene::Setup& setup) {
 
 /// What can be refused before the organ is prepared. @return the scene
 scene::Setup checked(scene::Setup setup, const LiveSimulation::Options& options) {
-  require_usable_core(options.thread.core);
+  session::require_usable_core(options.thread.core, "core");
   (void)rows_in(options.keep_s, setup);
   check_surface_edge(options.surface_edge);
   for (const scene::DeviceSetup& device : setup.devices) {

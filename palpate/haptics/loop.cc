@@ -156,8 +156,8 @@ class Loop final {
     return true;
   }
 
-  /// One sample a hand, with what the loop knows and the user asks. It stands in the row, so that a replay
-  /// meets the same.
+  /// Reads one sample per hand and adds faults found by the loop and resets asked for by the user. The row
+  /// records them, so that a replay repeats them.
   void read_samples(std::uint64_t number, bool changed) noexcept {
     const double time = static_cast<double>(number) / world_.rate_Hz;
     const std::uint32_t resets = options_.control == nullptr ? 0 : options_.control->take_resets();
@@ -184,7 +184,7 @@ class Loop final {
     }
   }
 
-  /// Tells the observers of the rows and of the state after the tick.
+  /// Passes the rows and the snapshot to the observers.
   void hand_over(std::uint64_t number, std::int64_t spent, std::int64_t late) noexcept {
     for (TickRow& row : rows_) {
       row.tick_ns = spent;
@@ -198,7 +198,8 @@ class Loop final {
     for (TickObserver* observer : observers_) observer->on_tick(snapshot_);
   }
 
-  /// Notes when a fault is latched, also anew in the tick of its reset, and when it is cleared.
+  /// Records when a fault is latched or cleared. A fault that persists in the tick of its reset is latched
+  /// again.
   void follow_fault(const TickRow& row) noexcept {
     Latched& latched = latched_[row.hand];
     const auto fault = static_cast<Fault>(row.fault);
@@ -262,17 +263,18 @@ void prepare_thread(const LoopOptions& options, LoopReport& report) {
 std::string milliseconds(std::int64_t ns) { return shortest(std::round(static_cast<double>(ns) * 1e-6)); }
 
 /// "the watchdog stopped the devices 2 times, as no tick had begun for 20 ms: after tick 12, after tick 90".
-std::string told(std::uint64_t number, const std::vector<WatchdogStop>& stops, std::int64_t stalled_after) {
-  constexpr std::size_t kMostTold = 5;
+std::string describe_stops(std::uint64_t number, const std::vector<WatchdogStop>& stops,
+                           std::int64_t stalled_after) {
+  constexpr std::size_t kMostListed = 5;
   std::string text = "the watchdog stopped the devices " +
                      (number == 1 ? std::string("once") : std::to_string(number) + " times") +
                      ", as no tick had begun for " + milliseconds(stalled_after) + " ms:";
-  for (std::size_t i = 0; i < std::min(kMostTold, stops.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMostListed, stops.size()); ++i) {
     const std::int64_t after_ms = stops[i].after_ns / 1'000'000;
     text += std::string(i == 0 ? "" : ",") + " after tick " + std::to_string(stops[i].tick) + " (" +
             shortest(static_cast<double>(after_ms) / 1e3) + " s)";
   }
-  if (number > kMostTold) text += " and " + std::to_string(number - kMostTold) + " more";
+  if (number > kMostListed) text += " and " + std::to_string(number - kMostListed) + " more";
   return text;
 }
 
@@ -325,7 +327,7 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
   }
   if (report.pauses > 0) report.remarks.push_back(told_pauses(report.pauses, report.paused_ns));
   if (report.watchdog_stops > 0) {
-    report.remarks.push_back(told(report.watchdog_stops, report.stops, stalled_after));
+    report.remarks.push_back(describe_stops(report.watchdog_stops, report.stops, stalled_after));
   }
   return report;
 }

@@ -316,7 +316,7 @@ TEST(Loop, AResetReachesItsHandsOnceInTheNextTick) {
   EXPECT_EQ(control.take_resets(), 0u);
 }
 
-/// Keeps the faults that it is told of.
+/// Collects the faults passed to on_fault().
 class FaultKeeper final : public TickObserver {
  public:
   void on_fault(const FaultSeen& fault) noexcept override { faults.push_back(fault); }

@@ -1,4 +1,4 @@
-// What observers of a loop are told, and the snapshot that they get.
+// Calls from the loop to its observers, and the contents of the snapshot.
 #include "palpate/haptics/snapshot.h"
 
 #include <string>
