@@ -17,7 +17,7 @@
 #include "palpate/fit/fit_many.h"
 #include "palpate/fit/sweep.h"
 #include "palpate/report/fit_report.h"
-#include "palpate/scene/tissue_file.h"
+#include "palpate/scene/setup.h"
 
 #include "app/commands.h"
 #include "app/fit_summary.h"

@@ -10,9 +10,8 @@
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
-#include "palpate/model/layered_law.h"
-#include "palpate/model/smooth_law.h"
-#include "palpate/scene/load.h"
+#include "palpate/model/spring_law.h"
+#include "palpate/scene/setup.h"
 
 #include "app/commands.h"
 #include "app/numbers.h"

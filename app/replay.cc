@@ -1,6 +1,4 @@
 // `palpate replay`: a recording's device samples through the tick again.
-#include "palpate/record/replay.h"
-
 #include <array>
 #include <cstdio>
 #include <iostream>

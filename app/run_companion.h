@@ -21,8 +21,8 @@ class RunCompanion final : public haptics::TickObserver {
   RunCompanion& operator=(const RunCompanion&) = delete;
 
   void on_fault(const haptics::FaultSeen& fault) noexcept override { (void)faults_.push(fault); }
-  void on_tick(const haptics::Snapshot& snapshot) noexcept override {
-    done_.store(snapshot.tick + 1, std::memory_order_relaxed);
+  void on_tick(const haptics::TickState& now) noexcept override {
+    done_.store(now.tick + 1, std::memory_order_relaxed);
   }
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 namespace palpate::app {
 

@@ -6,7 +6,7 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
-#include "palpate/deform/indentations.h"
+#include "palpate/deform/displacement.h"
 #include "palpate/haptics/simulation.h"
 #include "palpate/scene/device_kinds.h"
 #include "palpate/scene/names.h"

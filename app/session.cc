@@ -11,7 +11,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
-#include "palpate/record/replay.h"
+#include "palpate/record/recording.h"
 
 #include "app/commands.h"
 #include "app/preparation.h"
@@ -38,7 +38,7 @@ class SignalRelay final : public haptics::TickObserver {
  public:
   /// [setup] @param stop null: Ctrl-C does not end the run by itself
   SignalRelay(haptics::RunControl& control, const std::atomic<bool>* stop) : control_(control), stop_(stop) {}
-  void on_tick(const haptics::Snapshot& /*snapshot*/) noexcept override {
+  void on_tick(const haptics::TickState& /*now*/) noexcept override {
     if (stop_ != nullptr && stop_->load(std::memory_order_relaxed)) control_.stop();
     if (!reset_asked.load(std::memory_order_relaxed)) return;
     if (reset_asked.exchange(false, std::memory_order_relaxed)) control_.reset_faults();

@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "palpate/net/igtl_clients.h"
-#include "palpate/session/run_result.h"
+#include "palpate/session/session.h"
 
 namespace palpate::app {
 

@@ -15,8 +15,7 @@
 #include "palpate/fit/rivals.h"
 #include "palpate/fit/validation.h"
 #include "palpate/report/validation_report.h"
-#include "palpate/scene/load.h"
-#include "palpate/scene/tissue_file.h"
+#include "palpate/scene/setup.h"
 
 #include "app/commands.h"
 #include "app/messages.h"

@@ -7,9 +7,9 @@
 #include <valgrind/callgrind.h>
 
 #include "palpate/devices/scripted.h"
-#include "palpate/model/layered_law.h"
+#include "palpate/model/spring_law.h"
 #include "palpate/noise/touch_noise.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/make_world.h"
 
 #include "bench/measure/one_hand.h"

@@ -3,7 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "palpate/model/layered_law.h"
+#include "palpate/model/spring_law.h"
 
 namespace {
 

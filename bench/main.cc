@@ -14,10 +14,10 @@
 #include <CLI/CLI.hpp>
 
 #include "palpate/base/error.h"
-#include "palpate/model/layered_law.h"
+#include "palpate/model/spring_law.h"
 #include "palpate/noise/touch_noise.h"
 #include "palpate/record/machine.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "app/command_line.h"
 #include "app/commands.h"

@@ -1,9 +1,8 @@
 // Measured deformations as CSV; what was read can be compared with the model.
-#include "palpate/fit/deformation.h"
+#include "palpate/fit/validation.h"
 
 #include <cmath>
 
-#include "palpate/fit/validation.h"
 
 #include "fuzz/input.h"
 

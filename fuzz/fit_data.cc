@@ -2,8 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "palpate/fit/parameters.h"
-#include "palpate/fit/specimen.h"
+#include "palpate/fit/fit.h"
 
 #include "fuzz/input.h"
 

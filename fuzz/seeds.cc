@@ -15,7 +15,7 @@
 #include "palpate/model/tissue.h"
 #include "palpate/record/scene_json.h"
 #include "palpate/record/test/sample_recording.h"
-#include "palpate/scene/tissue_file.h"
+#include "palpate/scene/setup.h"
 
 namespace {
 

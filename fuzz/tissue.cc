@@ -1,5 +1,5 @@
 // Tissue files; what is read must be written so that it is read again.
-#include "palpate/scene/tissue_file.h"
+#include "palpate/scene/setup.h"
 
 #include "fuzz/input.h"
 

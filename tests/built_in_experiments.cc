@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "palpate/devices/devices.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/make_world.h"
 
 namespace palpate::tests {

@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/record/recorder.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "tests/program.h"
 

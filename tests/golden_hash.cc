@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "palpate/record/replay.h"
-#include "palpate/scene/load.h"
+#include "palpate/record/recording.h"
+#include "palpate/scene/setup.h"
 
 #include "tests/built_in_experiments.h"
 

@@ -11,7 +11,7 @@
 
 #include "palpate/record/recorder.h"
 #include "palpate/record/recording.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "tests/program.h"
 

@@ -16,7 +16,7 @@
 #include "palpate/deform/live_surface.h"
 #include "palpate/fit/image_file.h"
 #include "palpate/fit/image_measure.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/render/offscreen.h"
 
 #include "tests/program.h"

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 #include "tests/built_in_experiments.h"
 

@@ -33,7 +33,7 @@ class Bracket final : public haptics::TickObserver {
   void on_row(const haptics::TickRow& row) noexcept override {
     if (row.phase != 0) ++touching;
   }
-  void on_tick(const haptics::Snapshot& /*snapshot*/) noexcept override {
+  void on_tick(const haptics::TickState& /*now*/) noexcept override {
     if (--left_ == 0) end_();
   }
   std::uint64_t touching = 0;

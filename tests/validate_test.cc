@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/deform/displacement.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "tests/program.h"
 

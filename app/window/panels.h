@@ -12,7 +12,7 @@
 #include "palpate/haptics/tick_observer.h"
 #include "palpate/model/tissue.h"
 #include "palpate/noise/touch_noise.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "app/window/file_chooser.h"
 #include "app/window/stage.h"

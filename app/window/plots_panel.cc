@@ -7,8 +7,7 @@
 
 #include <imgui.h>
 
-#include "palpate/model/layered_law.h"
-#include "palpate/model/smooth_law.h"
+#include "palpate/model/spring_law.h"
 
 #include "app/window/look.h"
 #include "app/window/panels.h"

@@ -5,7 +5,7 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
-#include "palpate/scene/tissue_file.h"
+#include "palpate/scene/setup.h"
 
 #include "app/window/window.h"
 

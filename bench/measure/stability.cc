@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "palpate/devices/emulated.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/haptics/passivity.h"
 #include "palpate/model/spring_law.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "palpate/base/portable_math.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/minimum_jerk.h"
 
 namespace palpate::bench {

@@ -1,4 +1,4 @@
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include <filesystem>
 #include <string>

@@ -5,10 +5,9 @@
 #include <string_view>
 #include <variant>
 
-#include "palpate/model/layered_law.h"
-#include "palpate/model/smooth_law.h"
+#include "palpate/model/spring_law.h"
 #include "palpate/noise/touch_noise.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "bindings/c/errors.h"
 #include "bindings/c/float_environment.h"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "palpate/base/clock.h"
-#include "palpate/deform/indentations.h"
+#include "palpate/deform/displacement.h"
 
 #include "bindings/c/float_environment.h"
 
@@ -124,7 +124,7 @@ void palpate_simulation::give_result(std::size_t hand, palpate_result& result) c
 
 void palpate_simulation::publish() noexcept {
   const std::uint64_t tick = next_tick_ == 0 ? 0 : next_tick_ - 1;
-  palpate::haptics::make_snapshot(state_, commands_, tick, palpate::monotonic_ns(), snapshots_.writable());
+  palpate::haptics::make_snapshot({state_, commands_, tick, palpate::monotonic_ns()}, snapshots_.writable());
   snapshots_.publish();
 }
 

@@ -10,7 +10,7 @@
 #include "palpate/contact/preparation.h"
 #include "palpate/deform/displacement.h"
 #include "palpate/haptics/simulation.h"
-#include "palpate/haptics/snapshot.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/record/recorder.h"
 #include "palpate/scene/setup.h"
 

@@ -9,7 +9,7 @@
 #include "palpate/base/error.h"
 #include "palpate/base/units.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/geometry/read_mesh.h"
 
 #include "bindings/python/binding.h"

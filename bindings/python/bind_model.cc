@@ -5,12 +5,10 @@
 #include <string>
 #include <tuple>
 
-#include "palpate/model/layered_law.h"
-#include "palpate/model/smooth_law.h"
+#include "palpate/model/spring_law.h"
 #include "palpate/model/tissue_fields.h"
 #include "palpate/noise/touch_noise.h"
-#include "palpate/scene/load.h"
-#include "palpate/scene/tissue_file.h"
+#include "palpate/scene/setup.h"
 
 #include "bindings/python/binding.h"
 #include "bindings/python/docs.h"

@@ -8,7 +8,6 @@
 
 #include "palpate/base/error.h"
 #include "palpate/record/recording.h"
-#include "palpate/record/replay.h"
 #include "palpate/session/session.h"
 
 #include "bindings/python/docs.h"

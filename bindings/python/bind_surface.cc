@@ -7,7 +7,6 @@
 #include "palpate/base/error.h"
 #include "palpate/deform/displacement.h"
 #include "palpate/record/recording.h"
-#include "palpate/record/replay.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"

@@ -11,7 +11,7 @@
 
 #include "palpate/contact/preparation.h"
 #include "palpate/haptics/tick_row.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "bindings/python/binding.h"
 

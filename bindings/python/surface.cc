@@ -1,7 +1,7 @@
 #include "bindings/python/surface.h"
 
 #include "palpate/base/error.h"
-#include "palpate/deform/indentations.h"
+#include "palpate/deform/displacement.h"
 
 namespace palpate::python {
 

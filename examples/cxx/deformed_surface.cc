@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "palpate/deform/displacement.h"
-#include "palpate/deform/indentations.h"
 #include "palpate/geometry/mesh.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/session/session.h"
 
 namespace {

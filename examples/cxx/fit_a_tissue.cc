@@ -7,8 +7,6 @@
 
 #include "palpate/base/error.h"
 #include "palpate/fit/fit.h"
-#include "palpate/fit/parameters.h"
-#include "palpate/fit/specimen.h"
 #include "palpate/model/spring_law.h"
 #include "palpate/noise/touch_noise.h"
 

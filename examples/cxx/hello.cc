@@ -2,7 +2,7 @@
 #include <iostream>
 
 #include "palpate/base/error.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/session/session.h"
 
 int main(int argc, char** argv) {

@@ -5,8 +5,8 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/text.h"
-#include "palpate/model/layered_law.h"
-#include "palpate/scene/load.h"
+#include "palpate/model/spring_law.h"
+#include "palpate/scene/setup.h"
 
 int main(int argc, char** argv) {
   if (argc != 4) {

@@ -11,7 +11,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/devices/scripted.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/tool_path.h"
 #include "palpate/session/session.h"
 

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "palpate/render/offscreen.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/session/session.h"
 
 namespace {

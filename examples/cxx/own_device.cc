@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "palpate/haptics/device.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/tool_path.h"
 #include "palpate/session/session.h"
 

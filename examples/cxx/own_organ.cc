@@ -6,7 +6,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/read_mesh.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/session/session.h"
 
 namespace {

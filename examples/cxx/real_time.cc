@@ -3,7 +3,7 @@
 #include <string>
 
 #include "palpate/haptics/machine_checks.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/session/session.h"
 
 namespace {

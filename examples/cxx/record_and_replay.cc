@@ -6,8 +6,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/record/recording.h"
-#include "palpate/record/replay.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/session/session.h"
 
 namespace {

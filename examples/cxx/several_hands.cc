@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "palpate/base/error.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/session/session.h"
 
 namespace {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "palpate/base/portable_math.h"
+#include "palpate/deform/geodesic.h"
 #include "palpate/deform/triangle_grid.h"
 
 namespace palpate::deform {
@@ -138,11 +139,17 @@ SurfaceProfile SurfaceProfile::widened(double factor) const noexcept {
 }
 
 SurfaceDeformer::SurfaceDeformer(const geometry::TriangleMesh& rest)
-    : geodesic_(rest), sums_(rest.vertices.size()) {}
+    : geodesic_(std::make_unique<GeodesicDistance>(rest)), sums_(rest.vertices.size()) {}
+
+SurfaceDeformer::~SurfaceDeformer() = default;
+SurfaceDeformer::SurfaceDeformer(SurfaceDeformer&& other) noexcept = default;
+SurfaceDeformer& SurfaceDeformer::operator=(SurfaceDeformer&& other) noexcept = default;
+
+const geometry::TriangleMesh& SurfaceDeformer::rest() const noexcept { return geodesic_->mesh(); }
 
 void SurfaceDeformer::add(const model::ReachParameters& reach, const Indentation& indentation,
                           double rounding) {
-  const SurfacePoint contact = geodesic_.nearest(indentation.point);
+  const SurfacePoint contact = geodesic_->nearest(indentation.point);
   const double along_normal = indentation.direction.dot(contact.normal);
   double depth = indentation.depth;
   if (along_normal < 0.0)
@@ -155,9 +162,9 @@ void SurfaceDeformer::add(const model::ReachParameters& reach, const Indentation
 
   // The profile runs out at its reach, rounded at reach / (1 - rounding).
   const double limit = side_profile.reach() / (1.0 - rounding);
-  geodesic_.compute(contact, limit);
-  for (const std::int32_t v : geodesic_.reached()) {
-    const double r = geodesic_.at(v);
+  geodesic_->compute(contact, limit);
+  for (const std::int32_t v : geodesic_->reached()) {
+    const double r = geodesic_->at(v);
     const Vec3 displacement =
         profile.rounded_at(r, rounding) * normal_part + side_profile.rounded_at(r, rounding) * side_part;
     const double length = displacement.norm();

@@ -1,14 +1,17 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "palpate/deform/geodesic.h"
+#include "palpate/contact/tool_contact.h"
 #include "palpate/geometry/mesh.h"
 #include "palpate/model/tissue.h"
 
 namespace palpate::deform {
+
+class GeodesicDistance;
 
 /// One place where a tool presses or pulls the surface, in the organ's frame.
 struct Indentation {
@@ -83,6 +86,9 @@ class SurfaceDeformer final {
  public:
   /// [setup] Precomputes adjacency of the rest mesh (kept by copy). The mesh may be open.
   explicit SurfaceDeformer(const geometry::TriangleMesh& rest);
+  ~SurfaceDeformer();
+  SurfaceDeformer(SurfaceDeformer&& other) noexcept;
+  SurfaceDeformer& operator=(SurfaceDeformer&& other) noexcept;
 
   /// [setup] Displaced vertices under all indentations together; as many as the rest mesh has, organ frame.
   /// For the picture's thread. Only vertices in reach are touched: all others equal the rest bit for bit.
@@ -90,7 +96,7 @@ class SurfaceDeformer final {
   void deform(const model::ReachParameters& reach, std::span<const Indentation> indentations,
               std::vector<Vec3>& vertices, double rounding = 0.0);
 
-  [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return geodesic_.mesh(); }
+  [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept;
 
  private:
   // Of the contacts that move a vertex.
@@ -102,9 +108,18 @@ class SurfaceDeformer final {
   };
   void add(const model::ReachParameters& reach, const Indentation& indentation, double rounding);
 
-  GeodesicDistance geodesic_;
+  std::unique_ptr<GeodesicDistance> geodesic_;
   std::vector<Sums> sums_;  // a vertex
   std::vector<std::int32_t> touched_;
 };
+
+/// [setup] Where the tools of all hands press or pull the organ at one tick, organ frame.
+///
+/// A tip is drawn no blunter than it is wide: R is the smaller of its radius of curvature and its half-width
+/// there. The bound of R_1 itself (Indentation::half_width) is not used: a ball's half-width is its radius,
+/// and R_1 so bounded would cut the drawn surface through a ball that is pressed deeper than its radius; in
+/// the finite-element runs that the profile was fitted to, R_1 reaches 1.56 R at D = 2 R.
+/// @param results one a hand (haptics::Snapshot::hand_results)
+[[nodiscard]] std::vector<Indentation> indentations_of(std::span<const contact::ToolResult> results);
 
 }  // namespace palpate::deform

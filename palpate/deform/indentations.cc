@@ -1,6 +1,6 @@
-#include "palpate/deform/indentations.h"
-
 #include <algorithm>
+
+#include "palpate/deform/displacement.h"
 
 namespace palpate::deform {
 

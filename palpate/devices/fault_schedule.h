@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "palpate/haptics/device.h"
-#include "palpate/scene/emulated_hand.h"
+#include "palpate/scene/setup.h"
 
 namespace palpate::devices {
 

@@ -1,10 +1,9 @@
-#include "palpate/fit/ball_surface.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "palpate/base/portable_math.h"
+#include "palpate/fit/validation.h"
 
 namespace palpate::fit {
 namespace {

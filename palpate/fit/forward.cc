@@ -5,9 +5,8 @@
 #include <limits>
 
 #include "palpate/base/error.h"
-#include "palpate/model/layered_law.h"
 #include "palpate/model/relaxation.h"
-#include "palpate/model/smooth_law.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::fit {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include <string>
 
-#include "palpate/fit/deformation.h"
 #include "palpate/fit/image_measure.h"
+#include "palpate/fit/validation.h"
 #include "palpate/model/tissue.h"
 
 namespace palpate::fit {

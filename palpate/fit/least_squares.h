@@ -3,9 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/fit/parameters.h"
-#include "palpate/fit/settings.h"
-#include "palpate/fit/specimen.h"
+#include "palpate/fit/fit.h"
 
 namespace palpate::fit {
 

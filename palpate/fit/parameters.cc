@@ -1,5 +1,3 @@
-#include "palpate/fit/parameters.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,6 +6,7 @@
 #include "palpate/base/portable_math.h"
 #include "palpate/base/statistics.h"
 #include "palpate/base/units.h"
+#include "palpate/fit/fit.h"
 
 namespace palpate::fit {
 namespace {

@@ -1,8 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "palpate/fit/ball_surface.h"
-#include "palpate/fit/deformation.h"
+#include "palpate/fit/validation.h"
 #include "palpate/model/tissue.h"
 
 namespace palpate::fit {

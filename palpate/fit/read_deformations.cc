@@ -11,7 +11,7 @@
 #include "palpate/base/statistics.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
-#include "palpate/fit/deformation.h"
+#include "palpate/fit/validation.h"
 
 namespace palpate::fit {
 namespace {

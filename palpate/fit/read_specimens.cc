@@ -10,7 +10,7 @@
 #include "palpate/base/statistics.h"
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
-#include "palpate/fit/specimen.h"
+#include "palpate/fit/fit.h"
 
 namespace palpate::fit {
 namespace {

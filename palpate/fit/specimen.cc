@@ -1,7 +1,7 @@
-#include "palpate/fit/specimen.h"
-
 #include <algorithm>
 #include <numeric>
+
+#include "palpate/fit/fit.h"
 
 namespace palpate::fit {
 namespace {

@@ -9,8 +9,7 @@
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/fit/forward.h"
-#include "palpate/model/layered_law.h"
-#include "palpate/model/smooth_law.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::fit {
 namespace {

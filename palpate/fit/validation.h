@@ -1,14 +1,71 @@
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "palpate/fit/ball_surface.h"
-#include "palpate/fit/deformation.h"
-#include "palpate/fit/specimen.h"
+#include "palpate/deform/displacement.h"
+#include "palpate/fit/fit.h"
 #include "palpate/model/tissue.h"
 
 namespace palpate::fit {
+
+/// A measured deformation of the surface around one contact: how far each place moved along the tool's
+/// direction. SI.
+struct Deformation {
+  std::string name;
+  double depth = 0.0;                // D [m], of the tool into the rest surface; 0: the file does not say
+  std::vector<double> distance;      // r [m] from the contact along the surface at rest, rising from >= 0
+  std::vector<double> displacement;  // u [m], with the tool counts positive
+
+  [[nodiscard]] std::size_t size() const noexcept { return distance.size(); }
+};
+
+inline constexpr std::size_t kFewestPlaces = 5;
+
+/// [setup] The deformations of one CSV file with columns r_mm, u_mm and optionally depth_mm, by header name;
+/// lines that begin with # and blank lines do not count. Rows of one depth_mm are one deformation, named
+/// after the file and its depth. r_mm < 0 is the other side of the contact and counts as its distance. Rows
+/// may stand in any order.
+/// @throws InputError naming file, line, column and value: no such file, a header that is missing or unknown,
+/// a value that is no finite number, a depth that is not > 0, fewer than kFewestPlaces rows, places or
+/// displacements that are all the same, displacements that grow away from the contact (a wrong sign).
+[[nodiscard]] std::vector<Deformation> read_deformations(const std::filesystem::path& file);
+
+/// [setup] Refuses what no profile can be compared with, and sorts by distance. @param where for the message
+/// @throws InputError as read_deformations().
+void check_deformation(Deformation& deformation, const std::string& where);
+
+/// [setup] At most `most` places, each the mean of as many neighbours as that takes. A deformation, sorted by
+/// distance, that has no more is returned as it is.
+[[nodiscard]] Deformation thinned(const Deformation& deformation, std::size_t most);
+
+/// Which surface under a ball is meant.
+struct SurfaceRule {
+  /// False: u(r) of model.md, section 3, R_1 at most the ball's radius. True: as the picture shows it, R_1
+  /// without a bound, and nowhere above the ball itself.
+  bool as_drawn = false;
+  /// Of the surface at rest, bulging towards the ball [m]; 0: flat. Past a quarter turn it faces away from
+  /// the ball and u(r) alone holds.
+  double rest_radius = 0.0;
+};
+
+/// How far the surface moves around a ball that is pressed into it.
+class BallSurface final {
+ public:
+  /// [any] @param depth D [m]; <= 0: nothing moves @param radius R of the ball [m]
+  BallSurface(const model::ReachParameters& reach, double depth, double radius,
+              const SurfaceRule& rule) noexcept;
+
+  /// [rt] Displacement [m] at distance r [m] along the surface; at(0) is D.
+  [[nodiscard]] double at(double r) const noexcept;
+
+ private:
+  deform::SurfaceProfile profile_;
+  double depth_;
+  double radius_;
+  SurfaceRule rule_;
+};
 
 /// The smallest change of a force that a hand notices, in shares of the force [Jones 2000; model.md].
 inline constexpr double kForceJnd = 0.07;

@@ -9,9 +9,8 @@
 #include <utility>
 
 #include "palpate/base/clock.h"
-#include "palpate/fit/ball_surface.h"
-#include "palpate/model/layered_law.h"
-#include "palpate/model/smooth_law.h"
+#include "palpate/fit/validation.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::fit {
 namespace {

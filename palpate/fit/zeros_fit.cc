@@ -11,8 +11,8 @@
 
 #include "palpate/base/portable_math.h"
 #include "palpate/base/statistics.h"
+#include "palpate/fit/fit.h"
 #include "palpate/fit/forward.h"
-#include "palpate/fit/parameters.h"
 
 namespace palpate::fit {
 namespace {

@@ -1,5 +1,4 @@
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/primitives.h"
 
 #include <charconv>
 #include <cmath>
@@ -18,6 +17,7 @@
 #include "palpate/geometry/heart.h"
 #include "palpate/geometry/kidney.h"
 #include "palpate/geometry/liver.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::geometry {
 

@@ -47,4 +47,12 @@ void transform(TriangleMesh& mesh, const Pose& pose);
 /// [setup] Every triangle into four, by the middles of its edges (the surface stays where it is).
 [[nodiscard]] TriangleMesh quadruple(const TriangleMesh& mesh);
 
+/// [setup] Ball of `radius` [m] about the origin: an icosahedron divided until it has at least `triangles`
+/// (20, 80, 320, 1280, ...). Every vertex lies on the sphere.
+[[nodiscard]] TriangleMesh make_ball(double radius, int triangles = 1280);
+
+/// [setup] Box of `size` [m] about the origin, each side divided into squares of edge <= `longest` and those
+/// into two triangles; closed.
+[[nodiscard]] TriangleMesh make_box(const Vec3& size, double longest);
+
 }  // namespace palpate::geometry

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::geometry {
 namespace {

@@ -1,4 +1,4 @@
-#include "palpate/haptics/fault.h"
+#include "palpate/haptics/device.h"
 
 namespace palpate::haptics {
 

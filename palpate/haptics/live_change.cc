@@ -1,6 +1,6 @@
-#include "palpate/haptics/live_change.h"
-
 #include <algorithm>
+
+#include "palpate/haptics/live_changes.h"
 
 namespace palpate::haptics {
 

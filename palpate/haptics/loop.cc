@@ -184,7 +184,7 @@ class Loop final {
     }
   }
 
-  /// Passes the rows and the snapshot to the observers.
+  /// Passes the rows and the finished tick to the observers.
   void hand_over(std::uint64_t number, std::int64_t spent, std::int64_t late) noexcept {
     for (TickRow& row : rows_) {
       row.tick_ns = spent;
@@ -193,9 +193,8 @@ class Loop final {
       follow_fault(row);
     }
     report_.ticks = number + 1;
-    if (observers_.empty()) return;
-    make_snapshot(state_, commands_, number, options_.offline ? 0 : last_begin_, snapshot_);
-    for (TickObserver* observer : observers_) observer->on_tick(snapshot_);
+    const TickState now{state_, commands_, number, options_.offline ? 0 : last_begin_};
+    for (TickObserver* observer : observers_) observer->on_tick(now);
   }
 
   /// Records when a fault is latched or cleared. A fault that persists in the tick of its reset is latched
@@ -231,7 +230,6 @@ class Loop final {
   std::vector<DeviceState> samples_;
   std::vector<ForceCommand> commands_;
   std::vector<TickRow> rows_;
-  Snapshot snapshot_;
   std::vector<char> refused_;     // a hand's last command was
   std::vector<Latched> latched_;  // of each hand
   std::int64_t last_begin_ = 0;

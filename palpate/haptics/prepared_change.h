@@ -1,6 +1,6 @@
 #pragma once
 #include "palpate/contact/tissue_laws.h"
-#include "palpate/haptics/live_change.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/simulation.h"
 
 namespace palpate::haptics {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/haptics/fault.h"
+#include "palpate/haptics/device.h"
 #include "palpate/haptics/histogram.h"
 
 namespace palpate::haptics {

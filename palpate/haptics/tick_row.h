@@ -2,7 +2,7 @@
 #include <array>
 #include <cstdint>
 
-#include "palpate/haptics/fault.h"
+#include "palpate/haptics/device.h"
 
 namespace palpate::haptics {
 

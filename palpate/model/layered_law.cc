@@ -1,11 +1,10 @@
-#include "palpate/model/layered_law.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::model {
 namespace {

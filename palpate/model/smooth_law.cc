@@ -1,10 +1,9 @@
-#include "palpate/model/smooth_law.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "palpate/base/error.h"
 #include "palpate/base/portable_math.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::model {
 

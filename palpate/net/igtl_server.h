@@ -33,7 +33,12 @@ class IgtlServer final : public haptics::TickObserver {
   /// [setup] After the loop has ended: its last state still goes to every client that can take it.
   void end();
   /// [rt] The loop hands its state over.
-  void on_tick(const haptics::Snapshot& snapshot) noexcept override { published_.on_tick(snapshot); }
+  void on_tick(const haptics::TickState& now) noexcept override { published_.on_tick(now); }
+  /// [rt] The same with a snapshot that is made already.
+  void publish(const haptics::Snapshot& snapshot) noexcept {
+    published_.cell().writable() = snapshot;
+    published_.cell().publish();
+  }
 
   /// [setup] Says good-bye to all clients and ends. Once. @return how it went
   [[nodiscard]] IgtlTally finish();

@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "palpate/base/text.h"
-#include "palpate/deform/indentations.h"
+#include "palpate/deform/displacement.h"
 
 namespace palpate::net {
 namespace {

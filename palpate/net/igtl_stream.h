@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "palpate/deform/displacement.h"
-#include "palpate/haptics/snapshot.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/net/igtl_messages.h"
 #include "palpate/scene/setup.h"
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "palpate/base/pose.h"
-#include "palpate/haptics/live_change.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/model/tissue.h"
 #include "palpate/net/live_protocol.h"
 #include "palpate/net/live_tap.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "palpate/base/error.h"
-#include "palpate/haptics/live_change.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/model/tissue.h"
 #include "palpate/model/tissue_fields.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "palpate/haptics/live_change.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/model/tissue_fields.h"
 #include "palpate/record/tick_columns.h"
 

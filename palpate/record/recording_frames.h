@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "palpate/contact/preparation.h"
-#include "palpate/haptics/snapshot.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/record/recording.h"
 
 namespace palpate::record {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "palpate/haptics/live_change.h"
+#include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/tick_row.h"
 #include "palpate/record/hdf5_handle.h"
 #include "palpate/record/recording.h"

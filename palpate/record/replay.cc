@@ -1,5 +1,3 @@
-#include "palpate/record/replay.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -14,6 +12,7 @@
 #include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/prepared_change.h"
 #include "palpate/haptics/simulation.h"
+#include "palpate/record/recording.h"
 #include "palpate/record/recording_frames.h"
 #include "palpate/record/tick_columns.h"
 #include "palpate/scene/make_world.h"
@@ -94,7 +93,7 @@ class Replay final {
   [[nodiscard]] haptics::Snapshot snapshot(std::uint64_t number) const {
     haptics::Snapshot snapshot;
     const auto taken_ns = std::llround(static_cast<double>(number) / world_.rate_Hz * 1e9);
-    haptics::make_snapshot(state_, commands_, number, taken_ns, snapshot);
+    haptics::make_snapshot({state_, commands_, number, taken_ns}, snapshot);
     return snapshot;
   }
 

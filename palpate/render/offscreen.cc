@@ -9,7 +9,7 @@
 
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
-#include "palpate/deform/indentations.h"
+#include "palpate/deform/displacement.h"
 #include "palpate/render/gl_context.h"
 #include "palpate/render/organ_picture.h"
 #include "palpate/render/painter.h"

@@ -6,7 +6,6 @@
 #include "palpate/render/gl_context.h"
 #include "palpate/render/gl_objects.h"
 #include "palpate/render/offscreen.h"
-#include "palpate/render/quality.h"
 #include "palpate/render/tissue_look.h"
 
 namespace palpate::render {

@@ -1,6 +1,6 @@
-#include "palpate/render/quality.h"
-
 #include <algorithm>
+
+#include "palpate/render/offscreen.h"
 
 namespace palpate::render {
 namespace {

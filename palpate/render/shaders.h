@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "palpate/render/quality.h"
+#include "palpate/render/offscreen.h"
 
 /// GLSL 3.30 sources of the picture. Lengths in metres, colours linear until the last line.
 namespace palpate::render::shaders {

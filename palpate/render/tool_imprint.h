@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "palpate/geometry/tool.h"
-#include "palpate/haptics/snapshot.h"
+#include "palpate/haptics/tick_observer.h"
 #include "palpate/render/depth_map.h"
 
 namespace palpate::render {

@@ -8,7 +8,7 @@
 #include "palpate/base/clock.h"
 #include "palpate/base/error.h"
 #include "palpate/base/statistics.h"
-#include "palpate/record/replay.h"
+#include "palpate/record/recording.h"
 #include "palpate/render/offscreen.h"
 #include "palpate/report/text_format.h"
 

@@ -1,4 +1,4 @@
-#include "palpate/scene/emulated_hand.h"
+#include "palpate/scene/setup.h"
 
 namespace palpate::scene {
 namespace {

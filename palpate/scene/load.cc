@@ -1,5 +1,3 @@
-#include "palpate/scene/load.h"
-
 #include <algorithm>
 
 #include <fmt/core.h>
@@ -15,6 +13,7 @@
 #include "palpate/scene/names.h"
 #include "palpate/scene/organ_motion_reader.h"
 #include "palpate/scene/scene_file.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/tool_path.h"
 
 namespace palpate::scene {

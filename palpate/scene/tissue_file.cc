@@ -1,5 +1,3 @@
-#include "palpate/scene/tissue_file.h"
-
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -8,8 +6,8 @@
 #include "palpate/base/text.h"
 #include "palpate/base/units.h"
 #include "palpate/model/tissue_fields.h"
-#include "palpate/scene/load.h"
 #include "palpate/scene/names.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/toml_reader.h"
 
 namespace palpate::scene {

@@ -1,7 +1,7 @@
-#include "palpate/session/background_run.h"
-
 #include <exception>
 #include <utility>
+
+#include "palpate/session/session.h"
 
 namespace palpate::session {
 

@@ -1,25 +1,101 @@
 #pragma once
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "palpate/contact/preparation.h"
 #include "palpate/haptics/device.h"
 #include "palpate/haptics/live_changes.h"
+#include "palpate/haptics/run_control.h"
 #include "palpate/haptics/tick_observer.h"
-#include "palpate/scene/load.h"
-#include "palpate/session/background_run.h"
-#include "palpate/session/run_result.h"
+#include "palpate/scene/setup.h"
 
 namespace palpate::haptics {
 struct SimulationWorld;
 }
 
 namespace palpate::session {
+
+/// A stretch of ticks that one hand spent in one phase.
+struct PhaseSpan {
+  std::uint32_t hand = 0;
+  std::uint32_t phase = 0;  // contact::Phase
+  double from = 0.0;        // s
+  double to = 0.0;          // s, of the first tick after it
+};
+
+/// Peaks and counts over the rows of a run.
+struct RunStatistics {
+  static constexpr std::size_t kMaxSpans = 256;
+
+  double peak_force = 0.0;   // N, at the device
+  double peak_tissue = 0.0;  // N, before the gate
+  double peak_depth = 0.0;   // m
+  std::uint64_t deepest_tick = 0;
+  std::uint32_t deepest_hand = 0;
+  std::uint64_t contact_ticks = 0;  // ticks with a hand pressing or pulling
+  std::uint64_t limited_ticks = 0;  // ticks in which the gate shortened a force or torque
+  std::uint32_t status = 0;         // all bits seen
+  std::uint64_t changes = 0;        // of tissue or noise parameters during the run
+  std::vector<PhaseSpan> phases;    // in order of their begin
+  std::uint64_t phases_left_out = 0;
+};
+
+/// How a run went.
+struct RunResult {
+  std::string scene;  // its name
+  double rate_Hz = 0.0;
+  std::uint64_t seed = 0;
+  std::size_t hands = 0;
+  std::vector<std::string> scene_remarks;  // repairs of its meshes, and what the user should know of it
+  bool offline = false;
+  haptics::LoopReport loop;
+  RunStatistics statistics;
+  std::filesystem::path fault_recording;  // the last ticks before a fault of an unrecorded run; empty: none
+};
+
+/// A run on a thread of its own. All members: [any], unless said; none is for the tick.
+class BackgroundRun final {
+ public:
+  /// [setup] Starts. @param run does the run, on the new thread @param control of that run, outlives this
+  BackgroundRun(haptics::RunControl& control, std::function<RunResult()> run);
+  /// Ends the run: zero force, recording closed.
+  ~BackgroundRun();
+  BackgroundRun(const BackgroundRun&) = delete;
+  BackgroundRun& operator=(const BackgroundRun&) = delete;
+
+  /// Asks the run to end at its next tick. Does not wait.
+  void stop() noexcept { control_.stop(); }
+  /// Waits for the end: zero force, recording closed.
+  void wait();
+  /// Waits at most so long. @return whether the run has ended
+  [[nodiscard]] bool wait_for(std::chrono::milliseconds time) const;
+  [[nodiscard]] bool ended() const { return wait_for(std::chrono::milliseconds(0)); }
+
+  /// After the end: how the run went; nothing when it failed.
+  [[nodiscard]] const std::optional<RunResult>& result() const noexcept { return result_; }
+  /// After the end: why the run failed; empty: it did not.
+  [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+
+ private:
+  haptics::RunControl& control_;
+  std::optional<RunResult> result_;
+  std::string failure_;
+  mutable std::mutex mutex_;  // of ended_
+  mutable std::condition_variable changed_;
+  bool ended_ = false;
+  std::mutex joining_;
+  std::thread thread_;  // last: it uses all of the above
+};
 
 /// How a session is opened.
 struct SessionOptions {

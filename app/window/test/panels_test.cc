@@ -5,8 +5,7 @@
 #include <string_view>
 
 #include "palpate/record/recording.h"
-#include "palpate/record/replay.h"
-#include "palpate/scene/tissue_file.h"
+#include "palpate/scene/setup.h"
 
 #include "app/window/test/window_fixture.h"
 

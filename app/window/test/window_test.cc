@@ -8,10 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/record/recording.h"
-#include "palpate/record/replay.h"
-#include "palpate/scene/tissue_file.h"
+#include "palpate/scene/setup.h"
 
 #include "app/window/test/window_fixture.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/make_world.h"
 #include "palpate/scene/tool_path.h"
 

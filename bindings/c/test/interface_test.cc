@@ -12,13 +12,10 @@
 #include <gtest/gtest.h>
 
 #include "palpate/deform/displacement.h"
-#include "palpate/deform/indentations.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/model/layered_law.h"
-#include "palpate/model/smooth_law.h"
+#include "palpate/model/spring_law.h"
 #include "palpate/record/recording.h"
-#include "palpate/record/replay.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "bindings/c/test/c_session.h"
 #include "tests/program.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/clock.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 #include "bindings/c/simulation.h"
 #include "bindings/c/test/c_session.h"

@@ -17,7 +17,7 @@
 #include "palpate/contact/organ_surface.h"
 #include "palpate/contact/test/rig.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/geometry/read_mesh.h"
 
 namespace palpate::contact {

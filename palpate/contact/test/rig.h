@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "palpate/contact/contact.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::contact::test {
 

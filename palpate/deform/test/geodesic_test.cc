@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::deform {
 namespace {

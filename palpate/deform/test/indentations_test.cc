@@ -1,8 +1,8 @@
-#include "palpate/deform/indentations.h"
-
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "palpate/deform/displacement.h"
 
 namespace palpate::deform {
 namespace {

@@ -11,7 +11,7 @@
 #include "palpate/deform/live_surface.h"
 #include "palpate/deform/test/reordered.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::deform {
 namespace {

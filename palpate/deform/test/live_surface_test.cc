@@ -11,7 +11,7 @@
 #include "palpate/deform/test/reordered.h"
 #include "palpate/deform/triangle_grid.h"
 #include "palpate/geometry/crossings.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::deform {
 namespace {

@@ -11,7 +11,7 @@
 #include "palpate/base/error.h"
 #include "palpate/devices/replay.h"
 #include "palpate/devices/scripted.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 
 namespace palpate::devices {
 namespace {

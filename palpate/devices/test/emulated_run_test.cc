@@ -6,8 +6,8 @@
 
 #include "palpate/devices/devices.h"
 #include "palpate/devices/test/emulated_scene.h"
-#include "palpate/record/replay.h"
-#include "palpate/scene/load.h"
+#include "palpate/record/recording.h"
+#include "palpate/scene/setup.h"
 
 namespace palpate::devices {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "palpate/devices/emulated.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/scene/make_world.h"
 

@@ -1,9 +1,9 @@
-#include "palpate/fit/ball_surface.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "palpate/fit/validation.h"
 
 namespace palpate::fit {
 namespace {

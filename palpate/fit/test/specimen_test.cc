@@ -1,5 +1,3 @@
-#include "palpate/fit/specimen.h"
-
 #include <functional>
 #include <string>
 
@@ -9,6 +7,7 @@
 #include "palpate/base/error.h"
 #include "palpate/base/test/rejected_file.h"
 #include "palpate/base/test/temporary_folder.h"
+#include "palpate/fit/fit.h"
 
 namespace palpate::fit {
 namespace {

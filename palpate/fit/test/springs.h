@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "palpate/fit/fit.h"
 #include "palpate/fit/random.h"
-#include "palpate/fit/specimen.h"
 
 namespace palpate::fit {
 

@@ -8,7 +8,6 @@
 
 #include "palpate/base/error.h"
 #include "palpate/deform/displacement.h"
-#include "palpate/fit/ball_surface.h"
 #include "palpate/fit/reach_fit.h"
 #include "palpate/fit/rivals.h"
 

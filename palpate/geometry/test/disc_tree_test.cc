@@ -8,7 +8,7 @@
 
 #include "palpate/geometry/builtin.h"
 #include "palpate/geometry/disc_search.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/geometry/surface_distance.h"
 
 namespace palpate::geometry {

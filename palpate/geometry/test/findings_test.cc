@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/geometry/read_mesh.h"
 
 namespace palpate::geometry {

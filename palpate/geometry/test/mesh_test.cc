@@ -8,7 +8,6 @@
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/cell.h"
-#include "palpate/geometry/primitives.h"
 #include "palpate/geometry/tool.h"
 
 namespace palpate::geometry {

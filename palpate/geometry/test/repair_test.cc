@@ -12,7 +12,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/geometry/surface_distance.h"
 #include "palpate/geometry/test/shape_checks.h"
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::geometry {
 namespace {

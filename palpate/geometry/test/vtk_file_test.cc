@@ -10,7 +10,7 @@
 
 #include "palpate/base/error.h"
 #include "palpate/base/test/temporary_folder.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/geometry/read_mesh.h"
 
 namespace palpate::geometry {

@@ -54,7 +54,7 @@ class HangingDevice final : public Device {
 /// Everybody who looks at the loop from outside, until it is told to stop.
 struct Onlookers final : TickObserver {
   void on_fault(const FaultSeen& fault) noexcept override { (void)news.push(fault); }
-  void on_tick(const Snapshot& snapshot) noexcept override { progress.store(snapshot.tick + 1); }
+  void on_tick(const TickState& now) noexcept override { progress.store(now.tick + 1); }
 
   SnapshotPublisher publisher;
   Ring<FaultSeen> news{64};

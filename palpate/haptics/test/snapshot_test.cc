@@ -1,6 +1,4 @@
 // Calls from the loop to its observers, and the contents of the snapshot.
-#include "palpate/haptics/snapshot.h"
-
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +9,7 @@
 #include "palpate/haptics/live_changes.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/haptics/test/test_world.h"
+#include "palpate/haptics/tick_observer.h"
 
 namespace palpate::haptics {
 namespace {
@@ -69,7 +68,7 @@ TEST(TickObserver, ObserversAreCalledInTheirOrderRowsBeforeTheTick) {
     Witness(std::string name, std::vector<std::string>& calls) : name_(std::move(name)), calls_(calls) {}
     void on_start(std::int64_t) noexcept override { calls_.push_back(name_ + " start"); }
     void on_row(const TickRow&) noexcept override { calls_.push_back(name_ + " row"); }
-    void on_tick(const Snapshot&) noexcept override { calls_.push_back(name_ + " tick"); }
+    void on_tick(const TickState&) noexcept override { calls_.push_back(name_ + " tick"); }
 
    private:
     std::string name_;

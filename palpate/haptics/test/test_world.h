@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/haptics/loop.h"
 
 namespace palpate::haptics::test {

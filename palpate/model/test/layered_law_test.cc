@@ -1,5 +1,3 @@
-#include "palpate/model/layered_law.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::model {
 namespace {

@@ -9,8 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/model/layered_law.h"
-#include "palpate/model/smooth_law.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::model {
 namespace {

@@ -1,5 +1,3 @@
-#include "palpate/model/smooth_law.h"
-
 #include <cmath>
 #include <limits>
 #include <random>
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
+#include "palpate/model/spring_law.h"
 
 namespace palpate::model {
 namespace {

@@ -14,7 +14,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/net/igtl_server.h"
 #include "palpate/net/test/igtl_received.h"
 
@@ -79,7 +79,7 @@ inline void publish(IgtlServer& server, std::uint64_t tick) {
   snapshot.tools[0].pose_W.position = Vec3(1e-6 * static_cast<double>(tick), 0, 0.05);
   snapshot.commands[0].force = Vec3(0, 0, static_cast<double>(tick));
   snapshot.results[0].distance = 0.01;
-  server.on_tick(snapshot);
+  server.publish(snapshot);
 }
 
 /// A loop that publishes every millisecond until it is gone.

@@ -199,7 +199,7 @@ TEST(IgtlServer, AFaultIsToldInWords) {
   haptics::Snapshot snapshot;
   snapshot.hands = 1;
   snapshot.faults[0] = haptics::Fault::kDevice;
-  server.on_tick(snapshot);
+  server.publish(snapshot);
   for (int i = 0; i < 50; ++i) {
     const auto status = client.next("STATUS", "PalpateStatus").as<igtl::StatusMessage>();
     if (status->GetCode() == 13) continue;  // no tick yet

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/model/tissue.h"
 #include "palpate/net/live_protocol.h"
 

@@ -11,13 +11,13 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/haptics/loop.h"
 #include "palpate/record/change_columns.h"
 #include "palpate/record/flight_recorder.h"
+#include "palpate/record/recording.h"
 #include "palpate/record/recording_frames.h"
 #include "palpate/record/recording_writer.h"
-#include "palpate/record/replay.h"
 #include "palpate/record/test/sample_recording.h"
 #include "palpate/scene/make_world.h"
 

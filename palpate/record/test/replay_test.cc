@@ -1,13 +1,12 @@
-#include "palpate/record/replay.h"
-
 #include <algorithm>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/haptics/loop.h"
+#include "palpate/record/recording.h"
 #include "palpate/record/test/sample_recording.h"
 #include "palpate/scene/make_world.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/render/offscreen.h"
 
 namespace palpate::render {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/deform/indentations.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/deform/displacement.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/render/organ_picture.h"
 
 namespace palpate::render {

@@ -11,7 +11,7 @@
 #include <png.h>
 
 #include "palpate/base/error.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::render {
 namespace {

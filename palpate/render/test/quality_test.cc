@@ -1,6 +1,6 @@
-#include "palpate/render/quality.h"
-
 #include <gtest/gtest.h>
+
+#include "palpate/render/offscreen.h"
 
 namespace palpate::render {
 namespace {

@@ -10,7 +10,7 @@
 #include <png.h>
 
 #include "palpate/contact/contact.h"
-#include "palpate/deform/indentations.h"
+#include "palpate/deform/displacement.h"
 #include "palpate/geometry/builtin.h"
 #include "palpate/geometry/surface_distance.h"
 #include "palpate/render/offscreen.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::render {
 namespace {

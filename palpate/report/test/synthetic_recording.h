@@ -7,7 +7,7 @@
 
 #include "palpate/contact/contact.h"
 #include "palpate/geometry/builtin.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 #include "palpate/model/spring_law.h"
 #include "palpate/noise/touch_noise.h"
 #include "palpate/record/recording.h"

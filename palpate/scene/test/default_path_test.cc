@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/base/error.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/tool_path.h"
 
 namespace palpate::scene {

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/scene/load.h"
 #include "palpate/scene/scene_file.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/test/temporary_folder.h"
 
 namespace palpate::scene {

@@ -1,10 +1,9 @@
-#include "palpate/scene/load.h"
-
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "palpate/scene/setup.h"
 #include "palpate/scene/test/temporary_folder.h"
 
 namespace palpate::scene {

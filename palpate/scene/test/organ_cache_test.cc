@@ -16,7 +16,7 @@
 #include "palpate/base/test/temporary_folder.h"
 #include "palpate/contact/organ_surface.h"
 #include "palpate/contact/test/rig.h"
-#include "palpate/geometry/primitives.h"
+#include "palpate/geometry/mesh.h"
 
 namespace palpate::scene {
 namespace {

@@ -1,10 +1,8 @@
-#include "palpate/scene/tissue_file.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "palpate/base/units.h"
-#include "palpate/scene/load.h"
+#include "palpate/scene/setup.h"
 #include "palpate/scene/test/temporary_folder.h"
 
 namespace palpate::scene {

@@ -18,7 +18,6 @@
 #include "palpate/base/test/temporary_folder.h"
 #include "palpate/devices/test/emulated_scene.h"
 #include "palpate/record/recording.h"
-#include "palpate/record/replay.h"
 
 namespace palpate::session {
 namespace {
@@ -65,7 +64,7 @@ class Counter final : public haptics::TickObserver {
  public:
   void on_start(std::int64_t /*started_unix_ns*/) noexcept override { ++starts; }
   void on_row(const haptics::TickRow& /*row*/) noexcept override { ++rows; }
-  void on_tick(const haptics::Snapshot& /*snapshot*/) noexcept override { ++ticks; }
+  void on_tick(const haptics::TickState& /*now*/) noexcept override { ++ticks; }
   int starts = 0;
   int rows = 0;
   std::atomic<int> ticks{0};
