@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "palpate/base/text.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 

@@ -1,5 +1,5 @@
 // `palpate devices`: which devices are there, why others are not, and one of them looked at.
-#include "palpate/devices/devices.h"
+#include "run/devices/devices.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/clock.h"
-#include "palpate/base/text.h"
-#include "palpate/base/units.h"
+#include "palpate/units.h"
 
 #include "app/commands.h"
+#include "core/base/text.h"
+#include "io/system/clock.h"
 
 namespace palpate::app {
 namespace {

@@ -10,10 +10,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/text.h"
-#include "palpate/haptics/machine_checks.h"
-
 #include "app/commands.h"
+#include "core/base/text.h"
+#include "run/realtime/machine_checks.h"
 
 namespace palpate::app {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <fmt/core.h>
 
-#include "palpate/record/recording.h"
+#include "palpate/recording.h"
 
 #include "app/commands.h"
 #include "app/messages.h"

@@ -16,8 +16,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "palpate/base/error.h"
-#include "palpate/base/text.h"
+#include "palpate/error.h"
+
+#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "palpate/render/offscreen.h"
+#include "palpate/offscreen.h"
 
 namespace palpate::app {
 

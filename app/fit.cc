@@ -11,13 +11,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/base/error.h"
-#include "palpate/base/units.h"
-#include "palpate/fit/crew.h"
-#include "palpate/fit/fit_many.h"
-#include "palpate/fit/sweep.h"
-#include "palpate/report/fit_report.h"
-#include "palpate/scene/setup.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/units.h"
 
 #include "app/commands.h"
 #include "app/fit_summary.h"
@@ -25,6 +21,10 @@
 #include "app/numbers.h"
 #include "app/progress.h"
 #include "app/sweep_summary.h"
+#include "science/fit/crew.h"
+#include "science/fit/fit_many.h"
+#include "science/fit/sweep.h"
+#include "view/report/fit_report.h"
 
 namespace palpate::app {
 namespace {

@@ -7,9 +7,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/text.h"
-
 #include "app/sweep_summary.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

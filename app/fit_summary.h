@@ -2,8 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "palpate/fit/fit.h"
-#include "palpate/fit/sweep.h"
+#include "palpate/fit.h"
+
+#include "science/fit/sweep.h"
 
 namespace palpate::app {
 

@@ -2,9 +2,8 @@
 
 #include <fmt/core.h>
 
-#include "palpate/base/text.h"
-
 #include "app/messages.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 IgtlService::IgtlService(const std::optional<std::string>& where) {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "palpate/net/igtl_server.h"
+#include "net/igtl_server.h"
 
 namespace palpate::app {
 

@@ -10,16 +10,16 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/error.h"
-#include "palpate/base/text.h"
-#include "palpate/base/units.h"
-#include "palpate/geometry/builtin.h"
-#include "palpate/geometry/crossings.h"
-#include "palpate/geometry/read_mesh.h"
-#include "palpate/geometry/repair.h"
+#include "palpate/builtin.h"
+#include "palpate/error.h"
+#include "palpate/read_mesh.h"
+#include "palpate/units.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "core/base/text.h"
+#include "io/mesh_io/repair/crossings.h"
+#include "io/mesh_io/repair/repair.h"
 
 namespace palpate::app {
 namespace {

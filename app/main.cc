@@ -4,12 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/fit/crew.h"
 #include "palpate/version.h"
 
 #include "app/command_line.h"
 #include "app/commands.h"
 #include "app/messages.h"
+#include "science/fit/crew.h"
 
 namespace {
 

@@ -7,14 +7,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/error.h"
-#include "palpate/base/text.h"
-#include "palpate/base/units.h"
-#include "palpate/model/spring_law.h"
-#include "palpate/scene/setup.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/spring_law.h"
+#include "palpate/units.h"
 
 #include "app/commands.h"
 #include "app/numbers.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

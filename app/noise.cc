@@ -9,14 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "palpate/base/error.h"
-#include "palpate/base/text.h"
-#include "palpate/base/units.h"
-#include "palpate/noise/touch_noise.h"
+#include "palpate/error.h"
+#include "palpate/touch_noise.h"
+#include "palpate/units.h"
 
 #include "app/commands.h"
 #include "app/numbers.h"
 #include "app/progress.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "palpate/base/error.h"
+#include "palpate/error.h"
 
 namespace palpate::app {
 namespace {

@@ -1,10 +1,9 @@
 #include "app/preparation.h"
 
-#include "palpate/base/cache_folder.h"
-#include "palpate/base/clock.h"
-#include "palpate/scene/organ_cache.h"
-
 #include "app/messages.h"
+#include "io/scene/organ_cache.h"
+#include "io/system/cache_folder.h"
+#include "io/system/clock.h"
 
 namespace palpate::app {
 namespace {

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include "palpate/contact/preparation.h"
+#include "palpate/preparation.h"
 
 #include "app/progress.h"
 

@@ -6,7 +6,7 @@
 
 #include <unistd.h>
 
-#include "palpate/base/clock.h"
+#include "io/system/clock.h"
 
 namespace palpate::app {
 namespace {

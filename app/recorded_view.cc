@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "palpate/base/error.h"
+#include "palpate/error.h"
 
 namespace palpate::app {
 namespace {

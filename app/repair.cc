@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "palpate/record/recording.h"
+#include "palpate/recording.h"
 
 #include "app/commands.h"
 #include "app/progress.h"

@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/error.h"
-#include "palpate/record/recording.h"
+#include "palpate/error.h"
+#include "palpate/recording.h"
 
 #include "app/commands.h"
 #include "app/preparation.h"

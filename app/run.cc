@@ -10,11 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "palpate/base/error.h"
-#include "palpate/base/text.h"
-#include "palpate/report/report.h"
-#include "palpate/scene/device_kinds.h"
-#include "palpate/session/usable_core.h"
+#include "palpate/error.h"
 
 #include "app/commands.h"
 #include "app/igtl.h"
@@ -24,6 +20,10 @@
 #include "app/scene_flags.h"
 #include "app/session.h"
 #include "app/window/window.h"
+#include "core/base/text.h"
+#include "io/scene/device_kinds.h"
+#include "run/session/usable_core.h"
+#include "view/report/report.h"
 
 namespace palpate::app {
 namespace {

@@ -8,10 +8,9 @@
 
 #include <unistd.h>
 
-#include "palpate/base/text.h"
-
 #include "app/messages.h"
 #include "app/progress.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

@@ -4,8 +4,9 @@
 #include <stop_token>
 #include <thread>
 
-#include "palpate/base/ring.h"
-#include "palpate/session/session.h"
+#include "palpate/session.h"
+
+#include "core/base/ring.h"
 
 namespace palpate::app {
 

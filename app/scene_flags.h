@@ -1,7 +1,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
 
 namespace palpate::app {
 

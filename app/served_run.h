@@ -3,9 +3,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "palpate/net/live_tap.h"
-
 #include "app/session.h"
+#include "net/live_tap.h"
 
 namespace palpate::app {
 

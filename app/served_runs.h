@@ -9,12 +9,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/net/live_server.h"
-#include "palpate/net/live_surface.h"
-
 #include "app/next_session.h"
 #include "app/served_run.h"
 #include "app/session.h"
+#include "net/live_server.h"
+#include "net/live_surface.h"
 
 namespace palpate::app {
 

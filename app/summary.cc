@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/text.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 

@@ -7,8 +7,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "palpate/net/igtl_clients.h"
-#include "palpate/session/session.h"
+#include "palpate/session.h"
+
+#include "net/igtl_clients.h"
 
 namespace palpate::app {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/core.h>
 
-#include "palpate/base/text.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/fit/sweep.h"
+#include "science/fit/sweep.h"
 
 namespace palpate::app {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "palpate/base/error.h"
-#include "palpate/base/units.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
 
 #include "app/numbers.h"
 

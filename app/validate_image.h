@@ -5,8 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "palpate/fit/validation.h"
-#include "palpate/report/image_section.h"
+#include "palpate/validation.h"
+
+#include "view/report/image_section.h"
 
 namespace palpate::app {
 

@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/text.h"
-#include "palpate/base/units.h"
+#include "palpate/units.h"
 
 #include "app/validate_image.h"
+#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "palpate/report/validation_report.h"
+#include "view/report/validation_report.h"
 
 namespace palpate::app {
 

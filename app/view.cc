@@ -8,10 +8,8 @@
 
 #include <fmt/core.h>
 
-#include "palpate/base/error.h"
-#include "palpate/base/text.h"
-#include "palpate/render/map_legend.h"
-#include "palpate/render/offscreen.h"
+#include "palpate/error.h"
+#include "palpate/offscreen.h"
 
 #include "app/commands.h"
 #include "app/film.h"
@@ -22,6 +20,8 @@
 #include "app/recorded_view.h"
 #include "app/session.h"
 #include "app/window/viewer.h"
+#include "core/base/text.h"
+#include "view/render/map_legend.h"
 
 namespace palpate::app {
 namespace {

@@ -6,14 +6,14 @@
 
 #include <valgrind/callgrind.h>
 
-#include "palpate/devices/scripted.h"
-#include "palpate/model/spring_law.h"
-#include "palpate/noise/touch_noise.h"
-#include "palpate/scene/setup.h"
-#include "palpate/scene/make_world.h"
+#include "palpate/scene.h"
+#include "palpate/scripted_device.h"
+#include "palpate/spring_law.h"
+#include "palpate/touch_noise.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/subjects.h"
+#include "io/scene/make_world.h"
 
 namespace {
 

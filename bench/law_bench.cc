@@ -3,7 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "palpate/model/spring_law.h"
+#include "palpate/spring_law.h"
 
 namespace {
 

@@ -13,11 +13,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "palpate/base/error.h"
-#include "palpate/model/spring_law.h"
-#include "palpate/noise/touch_noise.h"
-#include "palpate/record/machine.h"
-#include "palpate/scene/setup.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/spring_law.h"
+#include "palpate/touch_noise.h"
 
 #include "app/command_line.h"
 #include "app/commands.h"
@@ -33,6 +32,7 @@
 #include "bench/measure/preparation.h"
 #include "bench/measure/subjects.h"
 #include "bench/measure/ticks.h"
+#include "io/record/machine.h"
 
 namespace palpate::bench {
 namespace {

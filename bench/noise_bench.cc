@@ -4,7 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "palpate/noise/touch_noise.h"
+#include "palpate/touch_noise.h"
 
 namespace {
 

@@ -1,25 +1,35 @@
-# palpate_module(NAME DEPS ...): the library palpate_NAME (alias palpate::NAME) from the *.cc files of the current
-# folder, and one test program palpate_NAME_test from test/*_test.cc. DEPS are module names or link targets.
+# palpate_module(NAME [HEADERS ...] [SUBFOLDERS ...] [DEPS ...] [PRIVATE_DEPS ...] [TEST_DEPS ...]): the library palpate_NAME (alias
+# palpate::NAME) from the *.cc files of the current folder and of its SUBFOLDERS, and one test program palpate_NAME_test from
+# test/*_test.cc. HEADERS are those in include/palpate/ that belong to it (tools/lint_modules), DEPS module names or link targets. Who links a module sees the public headers in include/ alone;
+# sources in this repository that may see src/ link palpate::private.
+add_library(palpate_private INTERFACE)
+add_library(palpate::private ALIAS palpate_private)
+target_include_directories(palpate_private INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
+
 function(palpate_module name)
-  cmake_parse_arguments(ARG "" "" "DEPS;PRIVATE_DEPS;TEST_DEPS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS *.cc)
-  if(sources)
-    add_library(palpate_${name} STATIC ${sources})
-    set(visibility PUBLIC)
-    target_link_libraries(palpate_${name} PRIVATE ${ARG_PRIVATE_DEPS})
-  else()
-    add_library(palpate_${name} INTERFACE)
-    set(visibility INTERFACE)
-  endif()
+  cmake_parse_arguments(ARG "" "" "HEADERS;SUBFOLDERS;DEPS;PRIVATE_DEPS;TEST_DEPS" ${ARGN})
+  list(TRANSFORM ARG_SUBFOLDERS APPEND "/*.cc")
+  file(GLOB sources CONFIGURE_DEPENDS *.cc ${ARG_SUBFOLDERS})
+  add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
-  target_include_directories(palpate_${name} ${visibility} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-    $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated> $<INSTALL_INTERFACE:include>)
-  target_link_libraries(palpate_${name} ${visibility} ${ARG_DEPS})
+  target_include_directories(palpate_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
+    $<INSTALL_INTERFACE:include>)
+  target_link_libraries(palpate_${name} PUBLIC ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
 
   file(GLOB tests CONFIGURE_DEPENDS test/*_test.cc)
+  if(PALPATE_CORE_ONLY)  # without the tests that take an organ or a file from other rooms
+    foreach(test IN LISTS tests)
+      file(STRINGS ${test} others REGEX "^#include \"(palpate/(builtin|read_mesh)|io|run)/?")
+      if(others)
+        list(REMOVE_ITEM tests ${test})
+      endif()
+    endforeach()
+  endif()
   if(BUILD_TESTING AND tests)
     add_executable(palpate_${name}_test ${tests})
-    target_link_libraries(palpate_${name}_test PRIVATE palpate::${name} ${ARG_TEST_DEPS} GTest::gmock GTest::gtest_main)
+    target_link_libraries(palpate_${name}_test PRIVATE palpate::${name} palpate::private ${ARG_TEST_DEPS} GTest::gmock
+      GTest::gtest_main)
     palpate_compile_quickly(palpate_${name}_test)
     palpate_add_suites(palpate_${name}_test ${name})
   endif()

@@ -1,5 +1,5 @@
 // Files of arrays, as in the cache of prepared organs: whatever is wrong with one, it is an empty optional.
-#include "palpate/base/array_file.h"
+#include "io/system/array_file.h"
 
 #include "fuzz/input.h"
 

@@ -1,8 +1,7 @@
 // Measured deformations as CSV; what was read can be compared with the model.
-#include "palpate/fit/validation.h"
-
 #include <cmath>
 
+#include "palpate/validation.h"
 
 #include "fuzz/input.h"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "palpate/fit/fit.h"
+#include "palpate/fit.h"
 
 #include "fuzz/input.h"
 

@@ -9,8 +9,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "palpate/base/error.h"
-#include "palpate/base/temporary.h"
+#include "palpate/error.h"
+
+#include "io/system/temporary.h"
 
 namespace palpate::fuzz {
 

@@ -1,6 +1,6 @@
 // Recordings: read, and repaired in place. HDF5 itself has no sanitizers in it: what goes wrong inside shows
 // when it crashes or when what it returns is used.
-#include "palpate/record/recording.h"
+#include "palpate/recording.h"
 
 #include "fuzz/input.h"
 

@@ -1,5 +1,5 @@
 // The scene inside a recording; what is read must be written as what is read again.
-#include "palpate/record/scene_json.h"
+#include "io/record/scene_json.h"
 
 #include "fuzz/input.h"
 

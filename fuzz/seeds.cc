@@ -9,13 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "palpate/base/array_file.h"
-#include "palpate/base/error.h"
-#include "palpate/fit/fit_record.h"
-#include "palpate/model/tissue.h"
-#include "palpate/record/scene_json.h"
-#include "palpate/record/test/sample_recording.h"
-#include "palpate/scene/setup.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/tissue.h"
+
+#include "io/record/scene_json.h"
+#include "io/record/test/sample_recording.h"
+#include "io/system/array_file.h"
+#include "science/fit/fit_record.h"
 
 namespace {
 

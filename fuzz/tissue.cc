@@ -1,5 +1,5 @@
 // Tissue files; what is read must be written so that it is read again.
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
 
 #include "fuzz/input.h"
 

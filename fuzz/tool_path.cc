@@ -1,5 +1,5 @@
 // Tool paths as CSV; between and beyond its rows a path that was read is finite.
-#include "palpate/scene/tool_path.h"
+#include "palpate/tool_path.h"
 
 #include <cmath>
 

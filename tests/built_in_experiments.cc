@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "palpate/devices/devices.h"
-#include "palpate/scene/setup.h"
-#include "palpate/scene/make_world.h"
+#include "palpate/scene.h"
+
+#include "io/scene/make_world.h"
+#include "run/devices/devices.h"
+#include "run/realtime/loop.h"
 
 namespace palpate::tests {
 

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "palpate/haptics/loop.h"
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
+
+#include "run/realtime/loop.h"
 
 namespace palpate::tests {
 

@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/record/recorder.h"
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
 
+#include "io/record/recorder.h"
 #include "tests/program.h"
 
 namespace palpate::tests {
@@ -57,7 +57,7 @@ TEST(ModelCommand, GivesTheFiguresWorkedByHand) {
   EXPECT_EQ(model(folder, "4000", "--depth-mm", "1")["layers_allowed"], 4);
 }
 
-// The tissue above with one layer a piece: worked by hand in palpate/model/test/smooth_law_test.cc.
+// The tissue above with one layer a piece: worked by hand in src/core/model/test/smooth_law_test.cc.
 TEST(ModelCommand, ComputesTheSmoothLawWhenAskedFor) {
   const Folder folder;
   std::ofstream(folder / "hand.toml") << kHandWorked;

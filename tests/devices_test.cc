@@ -1,4 +1,4 @@
-// `palpate devices`, and a run on a device whose library is the stand-in of palpate/devices/test/stand_in.
+// `palpate devices`, and a run on a device whose library is the stand-in of src/run/devices/test/stand_in.
 #include <string>
 
 #include <gtest/gtest.h>

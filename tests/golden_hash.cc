@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "palpate/record/recording.h"
-#include "palpate/scene/setup.h"
+#include "palpate/recording.h"
+#include "palpate/scene.h"
 
 #include "tests/built_in_experiments.h"
 

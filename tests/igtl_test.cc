@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/net/igtl_clients.h"
-#include "palpate/net/test/igtl_received.h"
-#include "palpate/record/recording.h"
+#include "palpate/recording.h"
 
+#include "net/igtl_clients.h"
+#include "net/test/igtl_received.h"
 #include "tests/program.h"
 
 namespace palpate::tests {

@@ -14,7 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "palpate/base/test/temporary_folder.h"
+#include "io/system/test/temporary_folder.h"
 
 namespace palpate::tests {
 

@@ -11,14 +11,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/base/statistics.h"
-#include "palpate/deform/displacement.h"
-#include "palpate/deform/live_surface.h"
-#include "palpate/fit/image_file.h"
-#include "palpate/fit/image_measure.h"
-#include "palpate/geometry/mesh.h"
-#include "palpate/render/offscreen.h"
+#include "palpate/mesh.h"
+#include "palpate/offscreen.h"
+#include "palpate/surface.h"
 
+#include "core/base/statistics.h"
+#include "core/deform/live_surface.h"
+#include "science/fit/image_file.h"
+#include "science/fit/image_measure.h"
 #include "tests/program.h"
 
 namespace palpate::tests {

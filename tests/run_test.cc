@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "palpate/geometry/builtin.h"
-#include "palpate/geometry/mesh.h"
+#include "palpate/builtin.h"
+#include "palpate/mesh.h"
 
 #include "tests/built_in_experiments.h"
 

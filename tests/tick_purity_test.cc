@@ -10,10 +10,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "palpate/net/igtl_server.h"
-#include "palpate/net/test/igtl_received.h"
-#include "palpate/record/recorder.h"
-
+#include "io/record/recorder.h"
+#include "net/igtl_server.h"
+#include "net/test/igtl_received.h"
 #include "tests/built_in_experiments.h"
 #include "tests/heap_and_lock_guard.h"
 #include "tests/syscall_guard.h"

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/deform/displacement.h"
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
+#include "palpate/surface.h"
 
 #include "tests/program.h"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/base/error.h"
-#include "palpate/record/recording.h"
+#include "palpate/error.h"
+#include "palpate/recording.h"
 
 #include "app/window/test/virtual_display.h"
 #include "tests/program.h"

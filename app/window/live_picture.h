@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "palpate/render/offscreen.h"
+#include "palpate/offscreen.h"
 
 #include "app/window/resolution_choice.h"
 #include "app/window/stage.h"

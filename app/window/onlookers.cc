@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "palpate/base/error.h"
+#include "palpate/error.h"
 
 namespace palpate::app {
 

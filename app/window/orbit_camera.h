@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "palpate/render/offscreen.h"
+#include "palpate/offscreen.h"
 
 namespace palpate::app {
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "palpate/haptics/tick_observer.h"
-#include "palpate/model/tissue.h"
-#include "palpate/noise/touch_noise.h"
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
+#include "palpate/tick_observer.h"
+#include "palpate/tissue.h"
+#include "palpate/touch_noise.h"
 
 #include "app/window/file_chooser.h"
 #include "app/window/stage.h"

@@ -7,7 +7,7 @@
 
 #include <imgui.h>
 
-#include "palpate/model/spring_law.h"
+#include "palpate/spring_law.h"
 
 #include "app/window/look.h"
 #include "app/window/panels.h"

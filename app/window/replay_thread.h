@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "palpate/record/recording_frames.h"
+#include "io/record/recording_frames.h"
 
 namespace palpate::app {
 

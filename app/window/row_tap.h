@@ -2,8 +2,9 @@
 #include <atomic>
 #include <cstdint>
 
-#include "palpate/base/ring.h"
-#include "palpate/haptics/tick_observer.h"
+#include "palpate/tick_observer.h"
+
+#include "core/base/ring.h"
 
 namespace palpate::app {
 

@@ -3,7 +3,7 @@
 
 #include <imgui.h>
 
-#include "palpate/geometry/builtin.h"
+#include "palpate/builtin.h"
 
 #include "app/window/look.h"
 #include "app/window/panels.h"

@@ -13,7 +13,7 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
-#include "palpate/base/error.h"
+#include "palpate/error.h"
 
 #include "app/numbers.h"
 #include "app/window/look.h"

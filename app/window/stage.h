@@ -8,7 +8,7 @@
 
 #include <SDL.h>
 
-#include "palpate/render/offscreen.h"
+#include "palpate/offscreen.h"
 
 #include "app/window/display.h"
 

@@ -5,11 +5,10 @@
 
 #include <SDL.h>
 
-#include "palpate/devices/gamepad.h"
-#include "palpate/devices/mouse.h"
-
 #include "app/session.h"
 #include "app/window/orbit_camera.h"
+#include "run/devices/gamepad.h"
+#include "run/devices/mouse.h"
 
 namespace palpate::app {
 

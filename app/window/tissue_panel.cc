@@ -5,12 +5,12 @@
 
 #include <imgui.h>
 
-#include "palpate/base/units.h"
-#include "palpate/model/tissue_fields.h"
+#include "palpate/units.h"
 
 #include "app/window/look.h"
 #include "app/window/panels.h"
 #include "app/window/rows.h"
+#include "core/model/tissue_fields.h"
 
 namespace palpate::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <deque>
 #include <vector>
 
-#include "palpate/haptics/histogram.h"
+#include "palpate/histogram.h"
 
 #include "app/window/row_tap.h"
 

@@ -9,14 +9,14 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
-#include "palpate/base/clock.h"
-#include "palpate/base/error.h"
-#include "palpate/render/map_legend.h"
+#include "palpate/error.h"
 
 #include "app/messages.h"
 #include "app/session.h"
 #include "app/window/look.h"
 #include "app/window/rows.h"
+#include "io/system/clock.h"
+#include "view/render/map_legend.h"
 
 namespace palpate::app {
 namespace {

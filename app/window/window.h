@@ -11,7 +11,7 @@
 
 #include <SDL.h>
 
-#include "palpate/render/offscreen.h"
+#include "palpate/offscreen.h"
 
 #include "app/next_session.h"
 #include "app/session.h"

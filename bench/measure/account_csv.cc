@@ -1,8 +1,7 @@
 #include <initializer_list>
 
-#include "palpate/base/text.h"
-
 #include "bench/measure/account.h"
+#include "core/base/text.h"
 
 namespace palpate::bench {
 namespace {

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/clock.h"
-#include "palpate/devices/scripted.h"
-#include "palpate/haptics/realtime.h"
-#include "palpate/haptics/schedule.h"
+#include "palpate/scripted_device.h"
 
 #include "bench/measure/one_hand.h"
+#include "io/system/clock.h"
+#include "run/realtime/realtime.h"
+#include "run/realtime/schedule.h"
 
 namespace palpate::bench {
 namespace {

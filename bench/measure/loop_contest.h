@@ -1,10 +1,10 @@
 #pragma once
-#include "palpate/haptics/simulation.h"
-#include "palpate/haptics/tick_wait.h"
-#include "palpate/scene/setup.h"
-#include "palpate/scene/tool_path.h"
+#include "palpate/scene.h"
+#include "palpate/tool_path.h"
 
 #include "bench/measure/account.h"
+#include "core/haptics/simulation.h"
+#include "run/realtime/tick_wait.h"
 
 namespace palpate::bench {
 

@@ -5,8 +5,9 @@
 
 #include <unistd.h>
 
-#include "palpate/base/clock.h"
-#include "palpate/base/error.h"
+#include "palpate/error.h"
+
+#include "io/system/clock.h"
 
 namespace palpate::bench {
 

@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "palpate/haptics/simulation.h"
-#include "palpate/record/recorder.h"
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
+
+#include "core/haptics/simulation.h"
+#include "io/record/recorder.h"
 
 namespace palpate::bench {
 

@@ -10,11 +10,10 @@
 
 #include <dlfcn.h>
 
-#include "palpate/base/clock.h"
-#include "palpate/base/text.h"
-#include "palpate/geometry/surface_distance.h"
-
 #include "bench/measure/subjects.h"
+#include "core/base/text.h"
+#include "core/geometry/surface_distance.h"
+#include "io/system/clock.h"
 
 namespace palpate::bench {
 namespace {

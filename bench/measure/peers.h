@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
 
 #include "bench/measure/account.h"
 #include "bench/measure/ticks.h"

@@ -3,14 +3,14 @@
 #include <ctime>
 #include <vector>
 
-#include "palpate/base/clock.h"
-#include "palpate/devices/scripted.h"
-#include "palpate/haptics/loop.h"
-#include "palpate/render/offscreen.h"
+#include "palpate/offscreen.h"
+#include "palpate/scripted_device.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/preparation.h"
 #include "bench/measure/subjects.h"
+#include "io/system/clock.h"
+#include "run/realtime/loop.h"
 
 namespace palpate::bench {
 namespace {

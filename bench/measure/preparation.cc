@@ -10,8 +10,8 @@
 
 #include <malloc.h>
 
-#include "palpate/base/clock.h"
-#include "palpate/scene/make_world.h"
+#include "io/scene/make_world.h"
+#include "io/system/clock.h"
 
 namespace palpate::bench {
 namespace {

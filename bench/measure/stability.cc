@@ -4,13 +4,14 @@
 #include <array>
 #include <cmath>
 
-#include "palpate/devices/emulated.h"
-#include "palpate/geometry/mesh.h"
-#include "palpate/haptics/loop.h"
-#include "palpate/haptics/passivity.h"
-#include "palpate/model/spring_law.h"
-#include "palpate/scene/make_world.h"
-#include "palpate/scene/minimum_jerk.h"
+#include "palpate/mesh.h"
+#include "palpate/spring_law.h"
+
+#include "core/haptics/passivity.h"
+#include "io/scene/make_world.h"
+#include "io/scene/minimum_jerk.h"
+#include "run/devices/emulated.h"
+#include "run/realtime/loop.h"
 
 namespace palpate::bench {
 namespace {

@@ -1,9 +1,10 @@
 #pragma once
 #include <vector>
 
-#include "palpate/haptics/simulation.h"
-#include "palpate/haptics/stability.h"
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
+
+#include "core/haptics/simulation.h"
+#include "core/haptics/stability.h"
 
 // Whether a pressed tissue lies still under an emulated hand: what docs/safety.md says of stability.
 namespace palpate::bench {

@@ -8,9 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/portable_math.h"
-#include "palpate/scene/setup.h"
-#include "palpate/scene/minimum_jerk.h"
+#include "palpate/scene.h"
+
+#include "core/base/portable_math.h"
+#include "io/scene/minimum_jerk.h"
 
 namespace palpate::bench {
 namespace {

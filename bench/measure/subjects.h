@@ -2,10 +2,10 @@
 #include <cstddef>
 #include <string>
 
-#include "palpate/geometry/mesh.h"
-#include "palpate/geometry/tool.h"
-#include "palpate/scene/setup.h"
-#include "palpate/scene/tool_path.h"
+#include "palpate/mesh.h"
+#include "palpate/scene.h"
+#include "palpate/tool.h"
+#include "palpate/tool_path.h"
 
 // What is measured: the built-in organs and instruments with any number of triangles, and one way of the hand
 // for all of them. The same bits on every machine.

@@ -2,12 +2,12 @@
 #include <cstddef>
 #include <vector>
 
-#include "palpate/contact/contact.h"
-#include "palpate/haptics/simulation.h"
-#include "palpate/scene/setup.h"
-#include "palpate/scene/tool_path.h"
+#include "palpate/scene.h"
+#include "palpate/tool_path.h"
 
 #include "bench/measure/account.h"
+#include "core/contact/contact.h"
+#include "core/haptics/simulation.h"
 
 namespace palpate::bench {
 

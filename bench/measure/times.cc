@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "palpate/base/statistics.h"
+#include "core/base/statistics.h"
 
 namespace palpate::bench {
 

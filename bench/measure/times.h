@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/clock.h"
-#include "palpate/base/statistics.h"
+#include "core/base/statistics.h"
+#include "io/system/clock.h"
 
 namespace palpate::bench {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "palpate/haptics/device.h"
+#include "palpate/device.h"
 #include "palpate/version.h"
 
 namespace palpate::c_interface {

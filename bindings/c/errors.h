@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "palpate/base/error.h"
+#include "palpate/error.h"
 
 #include "bindings/c/palpate.h"
 

@@ -1,19 +1,18 @@
-#include "palpate/scene/setup.h"
-
 #include <filesystem>
 #include <string>
 #include <utility>
 
-#include "palpate/base/cache_folder.h"
-#include "palpate/devices/devices.h"
-#include "palpate/devices/scripted.h"
-#include "palpate/scene/device_kinds.h"
-#include "palpate/scene/make_world.h"
-#include "palpate/scene/organ_cache.h"
-#include "palpate/scene/tool_path.h"
+#include "palpate/scene.h"
+#include "palpate/scripted_device.h"
+#include "palpate/tool_path.h"
 
 #include "bindings/c/errors.h"
 #include "bindings/c/simulation.h"
+#include "io/scene/device_kinds.h"
+#include "io/scene/make_world.h"
+#include "io/scene/organ_cache.h"
+#include "io/system/cache_folder.h"
+#include "run/devices/devices.h"
 
 namespace palpate::c_interface {
 namespace {

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <variant>
 
-#include "palpate/model/spring_law.h"
-#include "palpate/noise/touch_noise.h"
-#include "palpate/scene/setup.h"
+#include "palpate/scene.h"
+#include "palpate/spring_law.h"
+#include "palpate/touch_noise.h"
 
 #include "bindings/c/errors.h"
 #include "bindings/c/float_environment.h"

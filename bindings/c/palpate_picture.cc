@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "palpate/geometry/tool.h"
+#include "palpate/tool.h"
 
 #include "bindings/c/errors.h"
 #include "bindings/c/simulation.h"

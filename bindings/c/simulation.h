@@ -6,15 +6,15 @@
 #include <optional>
 #include <vector>
 
-#include "palpate/base/snapshot_cell.h"
-#include "palpate/contact/preparation.h"
-#include "palpate/deform/displacement.h"
-#include "palpate/haptics/simulation.h"
-#include "palpate/haptics/tick_observer.h"
-#include "palpate/record/recorder.h"
-#include "palpate/scene/setup.h"
+#include "palpate/preparation.h"
+#include "palpate/scene.h"
+#include "palpate/snapshot_cell.h"
+#include "palpate/surface.h"
+#include "palpate/tick_observer.h"
 
 #include "bindings/c/palpate.h"
+#include "core/haptics/simulation.h"
+#include "io/record/recorder.h"
 
 namespace palpate::c_interface {
 

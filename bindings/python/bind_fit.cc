@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/error.h"
-#include "palpate/base/units.h"
-#include "palpate/fit/fit.h"
+#include "palpate/error.h"
+#include "palpate/fit.h"
+#include "palpate/units.h"
 
 #include "bindings/python/binding.h"
 #include "bindings/python/docs.h"

@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
-#include "palpate/base/error.h"
-#include "palpate/base/units.h"
-#include "palpate/geometry/builtin.h"
-#include "palpate/geometry/mesh.h"
-#include "palpate/geometry/read_mesh.h"
+#include "palpate/builtin.h"
+#include "palpate/error.h"
+#include "palpate/mesh.h"
+#include "palpate/read_mesh.h"
+#include "palpate/units.h"
 
 #include "bindings/python/binding.h"
 #include "bindings/python/docs.h"

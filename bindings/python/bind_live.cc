@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/error.h"
-#include "palpate/haptics/tick_fields.h"
+#include "palpate/error.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/live_simulation.h"
 #include "bindings/python/scene_arguments.h"
+#include "core/haptics/tick_fields.h"
 
 namespace palpate::python {
 namespace {

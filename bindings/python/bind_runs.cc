@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/error.h"
-#include "palpate/record/recording.h"
-#include "palpate/session/session.h"
+#include "palpate/error.h"
+#include "palpate/recording.h"
+#include "palpate/session.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"

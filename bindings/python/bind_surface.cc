@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/error.h"
-#include "palpate/deform/displacement.h"
-#include "palpate/record/recording.h"
+#include "palpate/error.h"
+#include "palpate/recording.h"
+#include "palpate/surface.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/error.h"
+#include "palpate/error.h"
 
 #include "bindings/c/palpate.h"
 #include "bindings/c/simulation.h"

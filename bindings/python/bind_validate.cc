@@ -7,11 +7,11 @@
 #include <variant>
 #include <vector>
 
-#include "palpate/base/error.h"
-#include "palpate/fit/validation_sets.h"
+#include "palpate/error.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"
+#include "science/fit/validation_sets.h"
 
 namespace palpate::python {
 namespace {

@@ -11,8 +11,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "palpate/geometry/mesh.h"
-#include "palpate/model/tissue.h"
+#include "palpate/mesh.h"
+#include "palpate/tissue.h"
 
 namespace palpate::python {
 

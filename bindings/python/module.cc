@@ -1,7 +1,7 @@
 // The extension _palpate: one file a part. Docstrings are the C++ comments, taken at build time (make_docs).
 #include <array>
 
-#include "palpate/base/error.h"
+#include "palpate/error.h"
 #include "palpate/version.h"
 
 #include "bindings/python/binding.h"

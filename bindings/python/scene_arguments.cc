@@ -1,9 +1,10 @@
 #include "bindings/python/scene_arguments.h"
 
-#include "palpate/base/cache_folder.h"
-#include "palpate/base/error.h"
-#include "palpate/record/tick_columns.h"
-#include "palpate/scene/organ_cache.h"
+#include "palpate/error.h"
+
+#include "io/record/tick_columns.h"
+#include "io/scene/organ_cache.h"
+#include "io/system/cache_folder.h"
 
 namespace palpate::python {
 

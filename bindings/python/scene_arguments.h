@@ -9,9 +9,9 @@
 #include <variant>
 #include <vector>
 
-#include "palpate/contact/preparation.h"
-#include "palpate/haptics/tick_row.h"
-#include "palpate/scene/setup.h"
+#include "palpate/preparation.h"
+#include "palpate/scene.h"
+#include "palpate/tick_row.h"
 
 #include "bindings/python/binding.h"
 

@@ -1,7 +1,7 @@
 #include "bindings/python/surface.h"
 
-#include "palpate/base/error.h"
-#include "palpate/deform/displacement.h"
+#include "palpate/error.h"
+#include "palpate/surface.h"
 
 namespace palpate::python {
 

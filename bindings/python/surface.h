@@ -2,12 +2,12 @@
 // The organ's visible surface under the instruments, for those who draw.
 #include <cstdint>
 
-#include "palpate/base/pose.h"
-#include "palpate/deform/displacement.h"
-#include "palpate/geometry/mesh.h"
-#include "palpate/haptics/tick_observer.h"
-#include "palpate/record/recording.h"
-#include "palpate/scene/setup.h"
+#include "palpate/mesh.h"
+#include "palpate/pose.h"
+#include "palpate/recording.h"
+#include "palpate/scene.h"
+#include "palpate/surface.h"
+#include "palpate/tick_observer.h"
 
 namespace palpate::python {
 

@@ -5,10 +5,10 @@
 #include <iostream>
 #include <vector>
 
-#include "palpate/deform/displacement.h"
-#include "palpate/geometry/mesh.h"
-#include "palpate/scene/setup.h"
-#include "palpate/session/session.h"
+#include "palpate/mesh.h"
+#include "palpate/scene.h"
+#include "palpate/session.h"
+#include "palpate/surface.h"
 
 namespace {
 

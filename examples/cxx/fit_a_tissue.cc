@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "palpate/base/error.h"
-#include "palpate/fit/fit.h"
-#include "palpate/model/spring_law.h"
-#include "palpate/noise/touch_noise.h"
+#include "palpate/error.h"
+#include "palpate/fit.h"
+#include "palpate/spring_law.h"
+#include "palpate/touch_noise.h"
 
 namespace {
 

@@ -1,9 +1,9 @@
 // From a scene file to a recorded press. Usage: hello SCENE.toml RECORDING.h5
 #include <iostream>
 
-#include "palpate/base/error.h"
-#include "palpate/scene/setup.h"
-#include "palpate/session/session.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/session.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) {

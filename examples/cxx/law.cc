@@ -3,10 +3,9 @@
 #include <iostream>
 #include <string>
 
-#include "palpate/base/error.h"
-#include "palpate/base/text.h"
-#include "palpate/model/spring_law.h"
-#include "palpate/scene/setup.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/spring_law.h"
 
 int main(int argc, char** argv) {
   if (argc != 4) {
@@ -17,7 +16,7 @@ int main(int argc, char** argv) {
     const auto direction =
         std::string(argv[2]) == "pull" ? palpate::model::Direction::kPull : palpate::model::Direction::kPress;
     const palpate::model::LayeredSpringLaw law(palpate::scene::load_tissue(argv[1]), direction, 1e-3);
-    std::cout << palpate::shortest(law.force_at(std::atof(argv[3]) * 1e-3).force) << '\n';
+    std::cout << law.force_at(std::atof(argv[3]) * 1e-3).force << '\n';
   } catch (const palpate::InputError& error) {
     std::cerr << "law: " << error.what() << '\n';
     return 2;

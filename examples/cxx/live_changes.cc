@@ -1,5 +1,5 @@
 // Tissue and noise are changed from another thread while the loop runs, in real time: what a slider does.
-#include "palpate/haptics/live_changes.h"
+#include "palpate/live_changes.h"
 
 #include <chrono>
 #include <iostream>
@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/base/error.h"
-#include "palpate/devices/scripted.h"
-#include "palpate/scene/setup.h"
-#include "palpate/scene/tool_path.h"
-#include "palpate/session/session.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/scripted_device.h"
+#include "palpate/session.h"
+#include "palpate/tool_path.h"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <iostream>
 
-#include "palpate/noise/touch_noise.h"
+#include "palpate/touch_noise.h"
 
 int main() {
   constexpr double kRate = 1000.0;  // Hz

@@ -3,9 +3,9 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "palpate/render/offscreen.h"
-#include "palpate/scene/setup.h"
-#include "palpate/session/session.h"
+#include "palpate/offscreen.h"
+#include "palpate/scene.h"
+#include "palpate/session.h"
 
 namespace {
 

@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "palpate/base/error.h"
-#include "palpate/geometry/builtin.h"
-#include "palpate/haptics/loop.h"
-#include "palpate/render/offscreen.h"
+#include "palpate/builtin.h"
+#include "palpate/error.h"
+#include "palpate/offscreen.h"
+#include "palpate/tick_observer.h"
 
 namespace {
 

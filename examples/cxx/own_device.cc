@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
-#include "palpate/haptics/device.h"
-#include "palpate/scene/setup.h"
-#include "palpate/scene/tool_path.h"
-#include "palpate/session/session.h"
+#include "palpate/device.h"
+#include "palpate/scene.h"
+#include "palpate/session.h"
+#include "palpate/tool_path.h"
 
 namespace {
 

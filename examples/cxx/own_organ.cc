@@ -4,10 +4,10 @@
 #include <string>
 #include <utility>
 
-#include "palpate/base/error.h"
-#include "palpate/geometry/read_mesh.h"
-#include "palpate/scene/setup.h"
-#include "palpate/session/session.h"
+#include "palpate/error.h"
+#include "palpate/read_mesh.h"
+#include "palpate/scene.h"
+#include "palpate/session.h"
 
 namespace {
 

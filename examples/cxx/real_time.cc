@@ -2,9 +2,8 @@
 #include <iostream>
 #include <string>
 
-#include "palpate/haptics/machine_checks.h"
-#include "palpate/scene/setup.h"
-#include "palpate/session/session.h"
+#include "palpate/scene.h"
+#include "palpate/session.h"
 
 namespace {
 
@@ -16,12 +15,6 @@ void show(const char* what, const palpate::haptics::Histogram& times) {
 }  // namespace
 
 int main() {
-  // What `palpate doctor` tells.
-  for (const palpate::haptics::MachineCheck& check : palpate::haptics::check_machine()) {
-    std::cout << check.name << ": " << check.found << '\n';
-    if (!check.advice.empty()) std::cout << "  " << check.advice << '\n';
-  }
-
   auto session = palpate::session::Session::open(palpate::scene::load({}), {.duration_s = 1.0});
   const palpate::haptics::LoopReport report = session.run().loop;
   show("computing a tick", report.tick_time);

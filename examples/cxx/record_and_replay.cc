@@ -4,10 +4,10 @@
 #include <iostream>
 #include <string>
 
-#include "palpate/base/error.h"
-#include "palpate/record/recording.h"
-#include "palpate/scene/setup.h"
-#include "palpate/session/session.h"
+#include "palpate/error.h"
+#include "palpate/recording.h"
+#include "palpate/scene.h"
+#include "palpate/session.h"
 
 namespace {
 

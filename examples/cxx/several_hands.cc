@@ -3,9 +3,9 @@
 #include <array>
 #include <iostream>
 
-#include "palpate/base/error.h"
-#include "palpate/scene/setup.h"
-#include "palpate/session/session.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/session.h"
 
 namespace {
 

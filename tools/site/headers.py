@@ -5,7 +5,6 @@ comment of /// lines is followed by one declaration, which ends where its braces
 """
 import re
 
-MODULE_ROW = re.compile(r'^\| `([a-z_]+)` \|[^|]*\| ([^|]+) \|', re.MULTILINE)
 MARKS = {'setup': 'may allocate and throw', 'rt': 'for the tick: noexcept, never allocates, locks or calls the system',
          'any': 'from any thread', 'picture': 'for the picture\'s thread'}
 
@@ -129,30 +128,24 @@ def first_sentence(text):
 
 
 def write_pages(root, folder):
-    """api/README.md, a page a module, and palpate.h's."""
+    """api/README.md, a page a public header, and palpate.h's."""
     (folder / 'cxx').mkdir(parents=True, exist_ok=True)
-    modules = MODULE_ROW.findall((root / 'docs' / 'architecture.md').read_text())
-    index = ['# C++ API', '', 'The modules of the C++ library, from their headers\' own comments. What must last from version '
+    index = ['# C++ API', '', 'The public headers of the C++ library, from their own comments. What must last from version '
              'to version uses the [C interface](palpate.h.md) instead. How to link them: [installation]'
              '(../docs/install.md#in-a-cmake-project); how to use them: [examples](../examples/cxx/README.md).', '',
              'Who may call a function is said first:', '']
     index += [f'- **{mark}** {says}' for mark, says in MARKS.items() if mark != 'picture'] + ['']
-    for module, says in modules:
-        files = sorted((root / 'palpate' / module).glob('*.h'))
-        if not files:
+    for file in sorted((root / 'include' / 'palpate').glob('*.h')):
+        text, names = header_page(root, str(file.relative_to(root)))
+        if not text:
             continue
-        page, rows = f'# {module}\n\n{says.strip().capitalize()}.\n\n', []
-        for file in files:
-            text, names = header_page(root, str(file.relative_to(root)))
-            page += text
-            rows += [(n, c) for n, c in names if c]
-        (folder / 'cxx' / f'{module}.md').write_text(page)
-        index += [f'## [{module}](cxx/{module}.md)', '', says.strip().capitalize() + '.', '', '| name | |', '|---|---|']
+        (folder / 'cxx' / f'{file.stem}.md').write_text(f'# {file.stem}\n\n{text}')
+        index += [f'## [{file.stem}](cxx/{file.stem}.md)', '', f'`#include <palpate/{file.name}>`', '', '| name | |', '|---|---|']
         seen = set()
-        for name, comment in rows:
+        for name, comment in [(n, c) for n, c in names if c]:
             if name not in seen and 'operator' not in name:
                 seen.add(name)
-                index.append(f'| [`{name}`](cxx/{module}.md#{name.lower()}) | {first_sentence(comment)} |')
+                index.append(f'| [`{name}`](cxx/{file.stem}.md#{name.lower()}) | {first_sentence(comment)} |')
         index.append('')
     (folder / 'README.md').write_text('\n'.join(index))
     write_c_page(root, folder)

@@ -65,7 +65,7 @@ class Thing final {
         self.assertNotIn('size_', page)
 
     def test_every_documented_type_of_the_library_is_found(self):
-        for file in sorted((ROOT / 'palpate').glob('*/*.h')):
+        for file in sorted((ROOT / 'include' / 'palpate').glob('*.h')):
             text = file.read_text()
             wanted = re.findall(r'^///[^\n]*\n(?:template <[^\n]*>\n)?(?:class|struct|enum class) (?:alignas\(\d+\) )?(\w+)',
                                 text, re.MULTILINE)

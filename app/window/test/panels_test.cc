@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/record/recording.h"
-#include "palpate/scene/setup.h"
+#include "palpate/recording.h"
+#include "palpate/scene.h"
 
 #include "app/window/test/window_fixture.h"
 

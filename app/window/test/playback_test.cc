@@ -7,14 +7,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/base/error.h"
-#include "palpate/base/test/temporary_folder.h"
+#include "palpate/error.h"
 
 #include "app/session.h"
 #include "app/window/overview.h"
 #include "app/window/replay_thread.h"
 #include "app/window/stage.h"
 #include "app/window/viewer_panels.h"
+#include "io/system/test/temporary_folder.h"
 
 namespace palpate::app {
 namespace {

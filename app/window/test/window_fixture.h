@@ -11,10 +11,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/base/test/temporary_folder.h"
-
 #include "app/window/test/driven_window.h"
 #include "app/window/test/virtual_display.h"
+#include "io/system/test/temporary_folder.h"
 
 namespace palpate::app {
 

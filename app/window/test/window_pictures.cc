@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "palpate/render/offscreen.h"
+#include "palpate/offscreen.h"
 
 #include "app/window/test/driven_window.h"
 #include "app/window/test/virtual_display.h"

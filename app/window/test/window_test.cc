@@ -8,9 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/mesh.h"
-#include "palpate/record/recording.h"
-#include "palpate/scene/setup.h"
+#include "palpate/mesh.h"
+#include "palpate/recording.h"
+#include "palpate/scene.h"
 
 #include "app/window/test/window_fixture.h"
 

@@ -1,7 +1,8 @@
 #pragma once
-#include "palpate/scene/setup.h"
-#include "palpate/scene/make_world.h"
-#include "palpate/scene/tool_path.h"
+#include "palpate/scene.h"
+#include "palpate/tool_path.h"
+
+#include "io/scene/make_world.h"
 
 namespace palpate::bench {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/base/error.h"
+#include "palpate/error.h"
 
 // A few cases of the sweep that docs/safety.md shows; palpate_stability_sweep runs them all.
 namespace palpate::bench {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/mesh.h"
+#include "palpate/mesh.h"
 
 #include "bench/measure/test/sample_scene.h"
 

@@ -11,11 +11,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/deform/displacement.h"
-#include "palpate/geometry/builtin.h"
-#include "palpate/model/spring_law.h"
-#include "palpate/record/recording.h"
-#include "palpate/scene/setup.h"
+#include "palpate/builtin.h"
+#include "palpate/recording.h"
+#include "palpate/scene.h"
+#include "palpate/spring_law.h"
+#include "palpate/surface.h"
 
 #include "bindings/c/test/c_session.h"
 #include "tests/program.h"

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <xmmintrin.h>
 
-#include "palpate/record/recording.h"
+#include "palpate/recording.h"
 
 #include "bindings/c/test/c_session.h"
 #include "tests/program.h"

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/geometry/builtin.h"
+#include "palpate/builtin.h"
 
 #include "bindings/c/test/c_session.h"
 

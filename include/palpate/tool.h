@@ -1,0 +1,30 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/mesh.h"
+
+namespace palpate::geometry {
+
+/// One rigid part of an instrument, in the handle frame of the device, metres, drawn closed.
+struct ToolPart {
+  std::string name;
+  TriangleMesh mesh;  // need not be closed
+  bool is_jaw = false;
+  Vec3 pivot = Vec3::Zero();  // a point on the jaw's axis [m]
+  Vec3 axis = Vec3::UnitY();  // unit
+  double open_angle = 0.0;    // [rad] turned at gripper 1; may be negative
+};
+
+/// An instrument: its rigid parts, with the handle frame's origin as reference point of pose and torque.
+struct Tool {
+  std::string name;
+  std::vector<ToolPart> parts;
+  std::optional<double> tip_radius;  // [m], given by the user
+};
+
+/// [rt] Pose of a part in the handle frame at a gripper opening (0 closed .. 1 open).
+[[nodiscard]] Pose part_pose(const ToolPart& part, double gripper) noexcept;
+
+}  // namespace palpate::geometry

@@ -1,0 +1,291 @@
+#include "core/contact/contact.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "palpate/error.h"
+
+#include "core/contact/press.h"
+#include "core/contact/proximity.h"
+#include "core/contact/pull.h"
+#include "core/contact/sharing.h"
+#include "core/contact/state.h"
+
+namespace palpate::contact {
+namespace {
+
+constexpr std::size_t kPointsFetched = 16;  // of a shortlist: it seldom holds more
+
+ToolPoints sample_tool(const geometry::Tool& tool) {
+  if (tool.parts.empty() || tool.parts.size() > static_cast<std::size_t>(kMaxParts)) {
+    throw InputError("tool \"" + tool.name + "\" has " + std::to_string(tool.parts.size()) +
+                     " parts: must be 1 to " + std::to_string(kMaxParts));
+  }
+  ToolPoints points;
+  double tip_z = 0.0;
+  for (const geometry::ToolPart& part : tool.parts) {
+    points.parts.push_back(sample_part(part, tool.tip_radius.value_or(0.0)));
+    points.has_jaws = points.has_jaws || part.is_jaw;
+    const PartPoints& sampled = points.parts.back();
+    for (std::size_t i = 0; i < sampled.size(); ++i) {
+      if (points.tip_radius > 0.0 && sampled.z[i] <= tip_z) continue;
+      tip_z = sampled.z[i];
+      points.tip_radius = sampled.tip_radius[i];
+    }
+  }
+  return points;
+}
+
+std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
+  if (tools.empty() || tools.size() > kMaxTools) {
+    throw InputError(std::to_string(tools.size()) + " tools: must be 1 to " + std::to_string(kMaxTools));
+  }
+  std::vector<ToolPoints> sampled;
+  for (const geometry::Tool& tool : tools) sampled.push_back(sample_tool(tool));
+  return sampled;
+}
+
+/// Brings all parts of a tool to where they are now and works out its contacts; shares come later.
+std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
+                          const TissueLaws& laws, const ToolInput& input, ToolState& tool) noexcept {
+  std::uint32_t status = 0;
+  tool.pose_S = organ_W.inverse() * input.pose_W;
+  for (std::size_t i = 0; i < points.parts.size(); ++i) {
+    PartState& part = tool.parts[i];
+    const bool was_seen = part.seen;
+    if (part.gripper != input.gripper) {
+      part.gripper = input.gripper;
+      part.joint_T = geometry::part_pose(points.parts[i].joint, input.gripper);
+    }
+    const Pose pose_S = tool.pose_S * part.joint_T;
+    if (move_part(world.surface, points.parts[i], pose_S, world.tissue.contact.reference_radius, world.period,
+                  part))
+      continue;
+    part.contact_count = 0;
+    GripState grip;
+    grip.open = tool.grip.open;
+    grip.last_gripper = tool.grip.last_gripper;
+    tool.grip = grip;
+    if (was_seen) status |= kJump;
+  }
+  status |= update_pull(world, laws, points, input.gripper, tool);
+  for (std::size_t i = 0; i < points.parts.size(); ++i) {
+    status |= update_press(world, laws, points.parts[i], tool.parts[i]);
+  }
+  return status;
+}
+
+/// Sums over a tool's contacts, in the organ's frame.
+struct Sums {
+  Vec3 force = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();  // about the handle's origin
+  Vec3 friction = Vec3::Zero();
+
+  void add(const Vec3& part, const Vec3& where, const Vec3& origin) noexcept {
+    force += part;
+    torque += (where - origin).cross(part);
+  }
+};
+
+void add_view(const ContactView& view, ToolResult& result) noexcept {
+  if (result.view_count < kMaxViews) result.views[static_cast<std::size_t>(result.view_count++)] = view;
+}
+
+void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sums& sums,
+               ToolResult& result) noexcept {
+  double largest = -1.0;
+  for (PartState& part : tool.parts) {
+    for (const Contact& contact : part.active()) {
+      const double counts = contact.share * part.press_level;
+      const Vec3 force = counts * (contact.normal_force * contact.normal + contact.friction);
+      sums.add(force, contact.touch, tool.pose_S.position);
+      sums.friction += counts * contact.friction;
+      if (counts <= 0.0 || contact.depth <= 0.0) continue;
+      result.phase = Phase::kPress;
+      add_view({contact.at.point, -contact.normal, contact.depth * contact.presence * part.press_level,
+                contact.support.tip_radius, contact.support.half_width, contact.at.triangle, false},
+               result);
+      if (counts * contact.normal_force <= largest) continue;
+      largest = counts * contact.normal_force;
+      const model::ContactResponse response = laws.press.force_at(contact.depth);
+      result.depth = contact.depth;
+      result.cutoff_layer = response.cutoff_layer;
+      result.saturated = response.saturated;
+      result.contact_W = organ_W * contact.at.point;
+      result.normal_W = organ_W.rotation * contact.normal;
+    }
+  }
+}
+
+void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult& result) noexcept {
+  const GripState& grip = tool.grip;
+  if (!pulls(grip)) return;
+  const Vec3 carried = grip.anchor.point + grip.stretch;
+  sums.add(grip.force, carried, tool.pose_S.position);
+  const double length = grip.stretch.norm();
+  if (length > 0.0) {
+    add_view(
+        {grip.anchor.point, grip.stretch / length, length, grip.tip_radius, 0.0, grip.anchor.triangle, true},
+        result);
+  }
+  result.phase = Phase::kPull;
+  result.depth = length;
+  result.cutoff_layer = grip.cutoff_layer;
+  result.saturated = grip.saturated;
+  result.contact_W = organ_W * grip.anchor.point;
+  result.normal_W = organ_W.rotation * grip.normal;
+}
+
+/// Exact distance of the whole tool, and the way from the tissue to it.
+void add_nearest(const World::Data& world, const ToolPoints& points, const Pose& organ_W, ToolState& tool,
+                 ToolResult& result) noexcept {
+  // The part that was nearest last time first: with its distance known, the others are seldom asked.
+  const std::size_t first = tool.nearest_part;
+  find_nearest(world.surface, points.parts[first], tool.parts[first]);
+  for (std::size_t i = 0; i < tool.parts.size(); ++i) {
+    const double best = tool.parts[tool.nearest_part].nearest.distance;
+    if (i == first) continue;
+    find_nearest(world.surface, points.parts[i], tool.parts[i], best);
+    if (tool.parts[i].nearest.distance < best) tool.nearest_part = i;
+  }
+  const PartState& part = tool.parts[tool.nearest_part];
+  result.distance = part.nearest.distance;
+  result.nearest_W = organ_W * part.nearest.point;
+  const Vec3 to_tool =
+      part.placed_S * points.parts[tool.nearest_part].point(part.nearest_point) - part.nearest.point;
+  constexpr double kTouching =
+      1e-9;  // m: nearer than this the line has no direction, the surface's normal serves
+  Vec3 away = part.nearest.normal;
+  if (part.nearest.distance > kTouching) away = to_tool.normalized();
+  result.away_W = organ_W.rotation * away;
+  result.contact_W = result.nearest_W;
+  result.normal_W = result.away_W;
+}
+
+/// Makes a result as a new one, but for the views, which nobody reads past view_count: they are most of it.
+void clear(ToolResult& result) noexcept {
+  result.phase = Phase::kApproach;
+  result.friction = 0.0;
+  result.depth = 0.0;
+  result.cutoff_layer = 0;
+  result.saturated = false;
+  result.contact_W = Vec3::Zero();
+  result.normal_W = Vec3::UnitZ();
+  result.view_count = 0;
+}
+
+void summarize(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
+               const Pose& organ_W, ToolState& tool, std::uint32_t status, ToolResult& result) noexcept {
+  clear(result);
+  Sums sums;
+  result.status = status;
+  add_press(laws, organ_W, tool, sums, result);
+  add_pull(organ_W, tool, sums, result);
+  if (result.phase == Phase::kApproach) {
+    add_nearest(world, points, organ_W, tool, result);
+  } else {  // in contact the depth says where the tool is
+    result.distance = result.phase == Phase::kPress ? -result.depth : 0.0;
+    result.nearest_W = result.contact_W;
+    result.away_W = result.normal_W;
+  }
+  result.force_W = organ_W.rotation * sums.force;
+  result.torque_W = organ_W.rotation * sums.torque;
+  result.friction = sums.friction.norm();
+}
+
+}  // namespace
+
+World::World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
+             const model::TissueParameters& tissue, double loop_period, const Preparation& how) {
+  model::validate(tissue);
+  data_ =
+      std::make_unique<const Data>(Data{tissue, OrganSurface(organ, tissue.contact.reference_radius, how),
+                                        sample_tools(tools), TissueLaws(tissue, loop_period), loop_period});
+}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+std::size_t World::tool_count() const noexcept { return data_->tools.size(); }
+const model::TissueParameters& World::tissue() const noexcept { return data_->tissue; }
+const model::SpringLaw& World::press_law() const noexcept { return data_->laws.press; }
+const model::SpringLaw& World::pull_law() const noexcept { return data_->laws.pull; }
+const geometry::TriangleMesh& World::rest_surface() const noexcept { return data_->surface.mesh(); }
+double World::tip_radius(std::size_t tool) const noexcept { return data_->tools[tool].tip_radius; }
+
+State::State(const World& world) : data_(std::make_unique<Data>()) {
+  for (const ToolPoints& points : world.data().tools) {
+    ToolState tool;
+    for (const PartPoints& part_points : points.parts) {
+      PartState part;
+      part.known.assign(part_points.size(), 0.0);
+      part.since.assign(part_points.size(), 0.0);
+      part.floor.assign(part_points.size(), 0.0);
+      part.nearest_triangle.assign(part_points.size(), -1);
+      part.inside.assign(part_points.size(), 0);
+      const std::size_t pairs = (part_points.clusters.size() + 1) / 2;
+      part.cluster_crosses.assign(2 * pairs, std::numeric_limits<double>::infinity());
+      part.cluster_floor.assign(2 * pairs, std::numeric_limits<double>::infinity());
+      tool.parts.push_back(std::move(part));
+    }
+    data_->tools.push_back(std::move(tool));
+  }
+}
+State::~State() = default;
+State::State(const State& other) : data_(std::make_unique<Data>(*other.data_)) {}
+State& State::operator=(const State& other) {
+  if (this != &other) data_ = std::make_unique<Data>(*other.data_);
+  return *this;
+}
+State::State(State&&) noexcept = default;
+State& State::operator=(State&&) noexcept = default;
+
+void list_memory(const State& state, FetchList& list) {
+  const State::Data& now = state.data();
+  list.add(now.tools);
+  list.add_elements(now.tools);
+  for (const ToolState& tool : now.tools) {
+    for (const PartState& part : tool.parts) {
+      list.add(&part, &part.contacts);
+      list.add_elements(part.cluster_crosses);
+      const Contact& first = part.contacts.front();
+      list.add(&first, &first.kept.points[kPointsFetched]);
+    }
+  }
+}
+
+void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept {
+  State::Data& now = state.data();
+  const model::Relaxation before = now.laws(world.data()).relaxation;
+  for (ToolState& tool : now.tools) {
+    for (PartState& part : tool.parts) {
+      for (Contact& contact : part.active()) laws.relaxation.take_over(contact.memory, before);
+    }
+    for (model::RelaxationState& memory : tool.grip.memory) {
+      laws.relaxation.take_over(memory, before);
+    }
+  }
+  now.changed = laws;
+}
+
+void advance(const World& world, const Pose& organ_W, std::span<const ToolInput> inputs, State& state,
+             std::span<ToolResult> results) noexcept {
+  const World::Data& data = world.data();
+  State::Data& now = state.data();
+  const TissueLaws& laws = now.laws(data);
+  std::array<std::uint32_t, kMaxTools> status{};
+  std::array<Contact*, kMostContacts> all;  // the first `count`
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < data.tools.size(); ++t) {
+    status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t]);
+    for (PartState& part : now.tools[t].parts) {
+      for (Contact& contact : part.active()) all[count++] = &contact;
+    }
+  }
+  share_tissue(data.tissue.contact.reference_radius, std::span(all).first(count));
+  for (std::size_t t = 0; t < data.tools.size(); ++t) {
+    summarize(data, laws, data.tools[t], organ_W, now.tools[t], status[t], results[t]);
+  }
+}
+
+}  // namespace palpate::contact

@@ -1,0 +1,119 @@
+#include "core/contact/organ_arrays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/index.h"
+#include "core/base/parallel.h"
+#include "core/contact/averaged_normals.h"
+
+namespace palpate::contact {
+namespace {
+
+// Raise it whenever the arrays of any mesh change: files of an older version are then not taken for new ones.
+// A test holds a hash of them against it.
+constexpr std::uint64_t kArraysVersion = 2;
+
+constexpr std::size_t kMostTriangles =
+    2'000'000;  // of the refined surface: a 2 m organ is refined less finely
+
+double total_area(const geometry::TriangleMesh& mesh) {
+  double doubled = 0.0;
+  for (const geometry::Triangle& triangle : mesh.triangles) {
+    doubled += geometry::area_vector_doubled(mesh, triangle).norm();
+  }
+  return 0.5 * doubled;
+}
+
+/// Keeps the sides of corners only where a triangle has one that is not its vertex's first.
+void store_sides(const Sides& sides, OrganArrays& arrays) {
+  const std::vector<geometry::Triangle>& triangles = arrays.mesh.triangles;
+  arrays.row_of.assign(triangles.size(), -1);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const std::array<std::int32_t, 3> row{sides.of_corner[3 * t], sides.of_corner[3 * t + 1],
+                                          sides.of_corner[3 * t + 2]};
+    if (row == triangles[t]) continue;
+    arrays.row_of[t] = static_cast<std::int32_t>(arrays.side_rows.size());
+    arrays.side_rows.push_back(row);
+  }
+}
+
+/// A quadratic function has half the difference of its slopes along an edge, times the edge, beside the mean
+/// of the ends' values. Both triangles of an edge get the same bits.
+void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sides, OrganArrays& arrays) {
+  arrays.normals.resize(averaged.size());
+  for (std::size_t i = 0; i < averaged.size(); ++i) arrays.normals[i] = averaged[i].normal;
+  const std::vector<geometry::Triangle>& triangles = arrays.mesh.triangles;
+  arrays.bends.resize(triangles.size());
+  for_ranges(triangles.size(), 16384, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      for (std::size_t e = 0; e < 3; ++e) {
+        const std::size_t f = (e + 1) % 3;
+        const Vec3 edge =
+            arrays.mesh.vertices[at(triangles[t][f])] - arrays.mesh.vertices[at(triangles[t][e])];
+        Vec3 bend = 0.5 * ((averaged[at(sides.of_corner[3 * t + e])].slope -
+                            averaged[at(sides.of_corner[3 * t + f])].slope) *
+                           edge);
+        const double size = bend.norm();
+        if (size > kMostBend) bend *= kMostBend / size;
+        for (std::size_t i = 0; i < 3; ++i) {
+          const double units = bend[static_cast<Eigen::Index>(i)] / kBendUnit;
+          arrays.bends[t][e][i] = static_cast<std::int16_t>(std::lround(units));
+        }
+      }
+    }
+  });
+}
+
+}  // namespace
+
+ContentHash organ_key(const geometry::TriangleMesh& organ, double reference_radius) {
+  return ContentHasher()
+      .add(kArraysVersion)
+      .add(reference_radius)
+      .add(std::span<const Vec3>(organ.vertices))
+      .add(std::span<const geometry::Triangle>(organ.triangles))
+      .hash();
+}
+
+std::vector<Vec3> face_normals_of(const geometry::TriangleMesh& mesh) {
+  std::vector<Vec3> normals(mesh.triangles.size());
+  for_ranges(normals.size(), 16384, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      normals[t] = geometry::area_vector_doubled(mesh, mesh.triangles[t]).normalized();
+    }
+  });
+  return normals;
+}
+
+geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius) {
+  // Longest-edge splitting leaves triangles of about a quarter of longest^2.
+  const double affordable = std::sqrt(4.0 * total_area(organ) / static_cast<double>(kMostTriangles));
+  return geometry::refine(organ, std::max(reference_radius / 5.0, affordable));
+}
+
+OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
+                         const std::function<void(double, const std::string&)>& share) {
+  constexpr double kNormalsFrom = 0.08;  // of the whole time, for a fine mesh
+  constexpr double kNormalsTo = 0.95;
+  OrganArrays arrays;
+  arrays.mesh = std::move(mesh);
+  share(0.0, "neighbours");
+  arrays.neighbours = geometry::edge_neighbours(arrays.mesh);
+  arrays.face_normals = face_normals_of(arrays.mesh);
+  {
+    const SurfaceView view{arrays.mesh, arrays.neighbours, arrays.face_normals};
+    const Sides sides = find_sides(view);
+    const std::vector<NormalAndSlope> averaged = averaged_normals(
+        view, sides, reference_radius / 2.0,
+        [&](double done) { share(kNormalsFrom + (kNormalsTo - kNormalsFrom) * done, "normals"); });
+    store_normals(averaged, sides, arrays);
+    store_sides(sides, arrays);
+  }
+  share(kNormalsTo, "edges");
+  list_sharp_edges(arrays);
+  return arrays;
+}
+
+}  // namespace palpate::contact

@@ -1,0 +1,47 @@
+// How an organ's surface is prepared: computed on all processors, or loaded.
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/base/parallel.h"
+#include "core/contact/organ_surface.h"
+
+namespace palpate::contact {
+namespace {
+
+/// Part of the whole time at which each stage begins, for a fine mesh.
+constexpr double kDistanceFrom = 0.02;
+constexpr double kArraysFrom = 0.25;
+constexpr double kStoreFrom = 0.98;
+
+}  // namespace
+
+OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ, double reference_radius,
+                                             const Preparation& how) {
+  const auto tell = [&](double share, const std::string& what) {
+    if (how.progress) how.progress(share, what);
+  };
+  const WorkerThreads workers;
+  tell(0.0, "cache");
+  std::optional<OrganArrays> loaded = how.load ? how.load(organ, reference_radius) : std::nullopt;
+  if (loaded) {
+    tell(kDistanceFrom, "distances");
+    geometry::SurfaceDistance distance(loaded->mesh);
+    tell(1.0, "done");
+    return {std::move(*loaded), std::move(distance)};
+  }
+  tell(0.0, "refinement");
+  geometry::TriangleMesh mesh = refined(organ, reference_radius);
+  tell(kDistanceFrom, "distances");
+  geometry::SurfaceDistance distance(mesh);  // refuses what is no closed surface
+  OrganArrays arrays =
+      organ_arrays(std::move(mesh), reference_radius, [&](double share, const std::string& what) {
+        tell(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);
+      });
+  tell(kStoreFrom, "cache");
+  if (how.store) how.store(organ, reference_radius, arrays);
+  tell(1.0, "done");
+  return {std::move(arrays), std::move(distance)};
+}
+
+}  // namespace palpate::contact

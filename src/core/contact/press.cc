@@ -1,0 +1,379 @@
+#include "core/contact/press.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "core/base/portable_math.h"
+#include "core/contact/proximity.h"
+#include "core/contact/sharing.h"
+
+namespace palpate::contact {
+namespace {
+
+// The rules' own figures (model.md, section 4).
+constexpr double kWalkSpeed = 0.05;    // m/s, that c may gain on the tool
+constexpr double kTouchSpeed = 0.1;    // m/s, that the force's place may gain on the tool
+constexpr double kStillStep = 0.1e-6;  // m, where the walk stops
+constexpr int kWalkSteps = 3;          // a tick
+constexpr double kRestartShare = 8.0;  // of the motion since it stopped is a walk's next step
+constexpr double kLost = 0.1;        // of R_ref, that a contact is from its deepest place when it has lost it
+constexpr double kLetIn = 50e-3;     // s, over which depth that was kept back comes to count
+constexpr double kLeave = 100e-3;    // s, in which a contact that has merged or is lost goes
+constexpr double kShallow = 0.5e-3;  // m, an inside point this deep may start a contact
+constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
+constexpr double kDampingDepth = 1e-3;      // m, where the damping counts in full
+constexpr double kDeepInside = -1e-3;       // m, a part that loses its last contact here is off until outside
+constexpr int kMostEvaluations = 8;         // supports looked at for starts, a tick and part
+constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
+
+Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
+                     const Vec3& point_S, const Vec3& normal_S) noexcept {
+  const Placement& placed = part.placed_S;
+  Support support = support_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
+                               world.tissue.contact.reference_radius);
+  support.mean = placed * support.mean;
+  return support;
+}
+
+/// Turns `normal` towards `goal` by at most `most` [rad]. @return the angle turned
+double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
+  const double cosine = std::clamp(normal.dot(goal), -1.0, 1.0);
+  const Vec3 across = goal - cosine * normal;
+  const double sine = across.norm();
+  // Near 0 the cosine has lost its digits, and the sine is the angle.
+  if (cosine > 0.0 && sine <= most) {
+    normal = goal;
+    return cosine > 0.99 ? sine : portable::acos(cosine);
+  }
+  // An acute angle is greater than its sine, from here on by more than acos rounds: no need to work it out.
+  constexpr double kClear = 1e-3;
+  if (!(cosine > 0.0 && sine > kClear)) {
+    const double angle = portable::acos(cosine);
+    if (angle <= most) {
+      normal = goal;
+      return cosine > 0.99 ? sine : angle;
+    }
+  }
+  if (sine < 1e-9) return 0.0;  // turned right round: no way is nearer
+  const auto [s, c] = portable::sin_cos(most);
+  normal = (c * normal + (s / sine) * across).normalized();
+  return most;
+}
+
+/// From a contact's place to the middle of its support, along the tangent plane [m].
+Vec3 aside_of(const Contact& contact) noexcept {
+  const Vec3 away = contact.support.mean - contact.at.point;
+  return away - away.dot(contact.normal) * contact.normal;
+}
+
+/// Up to three steps along the surface towards the middle of the support; the normal turns along, so that a
+/// step too far shows in the next one. Leaves the support of where the contact ends.
+void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part,
+                  Contact& contact) noexcept {
+  const double own_motion = motion_at(part, contact.at.point).norm();
+  const double limit = kWalkSpeed * world.period + own_motion;
+  const double reference_radius = world.tissue.contact.reference_radius;
+  double left = limit;
+  double turn_left = limit / reference_radius;
+  contact.step = std::max(contact.step, (part.travelled - contact.walked) / kRestartShare);
+  const auto find_support = [&] {
+    const Placement& placed = part.placed_S;
+    contact.support = support_of(points, placed.bring_back(contact.at.point),
+                                 placed.turn_back(contact.normal), reference_radius, contact.kept);
+    contact.support.mean = placed * contact.support.mean;
+  };
+  find_support();
+  for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
+    if (contact.support.depth <= 0.0) break;
+    const Vec3 away = aside_of(contact);
+    const double distance = away.norm();
+    if (distance < kStillStep) break;
+    const Vec3 direction = away / distance;
+    contact.step *= direction.dot(contact.last_direction) < 0.0 ? 0.5 : 1.5;
+    contact.step = std::min(contact.step, limit);
+    if (contact.step < kStillStep) break;
+    const double length = std::min({contact.step, distance, left});
+    contact.at = world.surface.walk(contact.at, length * direction, contact.normal);
+    contact.last_direction = direction;
+    contact.walked = part.travelled;
+    left -= length;
+    contact.surface_normal = world.surface.normal_at(contact.at);
+    turn_left -= turn_towards(contact.normal, contact.surface_normal, turn_left);
+    find_support();
+  }
+  const Vec3 before = contact.normal;
+  const double turned = turn_towards(contact.normal, contact.surface_normal, turn_left);
+  contact.step = std::max(contact.step, turned * reference_radius / kRestartShare);
+  if (contact.normal != before) find_support();
+}
+
+/// Friction [Hayward and Armstrong 2000]: a tangential spring and a damper side by side on the slip s, in
+/// series with a slider that gives way at the cone: f = k_t s + c_t ds/dt, |f| <= mu F_n. Where it slides, s
+/// is the slip of which f is on the cone, so that ds/dt counts what the spring moves and not what the slider
+/// does.
+/// @param motion of the tool where it touches, this tick [m]
+void compute_friction(double period, const TissueLaws& laws, const Vec3& motion, Contact& contact) noexcept {
+  const double stiffness = laws.tangential_stiffness;
+  const double cone = laws.friction * contact.normal_force;
+  contact.slip += motion;
+  contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
+  if (laws.tangential_damping == 0.0) {
+    const double longest = cone / stiffness;
+    const double length = contact.slip.norm();
+    if (length > longest) contact.slip *= longest / length;
+    contact.friction = -stiffness * contact.slip;
+    return;
+  }
+  const double damping = laws.tangential_damping / period;  // N/m, of the slip's change in this tick
+  const Vec3 change = motion - motion.dot(contact.normal) * contact.normal;
+  const Vec3 before = contact.slip - change;
+  Vec3 force = stiffness * contact.slip + damping * change;
+  const double size = force.norm();
+  if (size > cone) {
+    force *= cone / size;
+    contact.slip = (force + damping * before) / (stiffness + damping);
+  }
+  contact.friction = -force;
+}
+
+/// Depth, force along the normal with damping, and friction of a contact whose support is known.
+void compute_force(const World::Data& world, const TissueLaws& laws, const PartState& part,
+                   Contact& contact) noexcept {
+  contact.offset = std::max(0.0, contact.offset - contact.offset_step);
+  const double depth = std::max(0.0, contact.support.depth - contact.offset);
+  contact.elastic_force = laws.press.force_at(depth).force;
+  const double relaxed = laws.relaxation.count() == 0
+                             ? contact.elastic_force
+                             : laws.relaxation.next(contact.memory, contact.elastic_force);
+  // The depth's rate is taken where the tool touches: the same in the limit, without the steps of the walk.
+  const Vec3 motion = motion_at(part, contact.touch);
+  const double speed = -motion.dot(contact.normal) / world.period;
+  contact.normal_force = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth / kDampingDepth));
+  contact.depth = depth;
+
+  compute_friction(world.period, laws, motion, contact);
+}
+
+/// Keeps `excess` [m] >= 0 of a contact's depth back this tick, and lets it in within kLetIn.
+void hold_back(double period, double excess, Contact& contact) noexcept {
+  contact.offset = excess;
+  contact.offset_step = excess * period / kLetIn;
+  contact.offset += contact.offset_step;  // this tick takes it off again
+}
+
+/// Whether a contact has lost its own deepest place and is on its way to a deeper contact of the part: there
+/// it would press what that one presses already.
+bool is_lost(double reference_radius, PartState& part, const Contact& contact) noexcept {
+  const Vec3 away = aside_of(contact);
+  const double farthest = kLost * reference_radius;
+  if (away.squaredNorm() <= farthest * farthest) return false;
+  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& other) {
+    return !other.merged && other.support.depth > contact.support.depth &&
+           (other.at.point - contact.at.point).dot(away) > 0.0;
+  });
+}
+
+/// The force applies at the middle of the support; from one deepest place to another it goes at a limited
+/// speed.
+void follow_support(double period, const PartState& part, Contact& contact) noexcept {
+  const Vec3 way = contact.support.mean - contact.touch;
+  const double surely = kTouchSpeed * period;
+  const double squared = way.squaredNorm();
+  if (squared > surely * surely) {
+    const double share = (surely + motion_at(part, contact.touch).norm()) / std::sqrt(squared);
+    if (share < 1.0) {
+      contact.touch += share * way;
+      return;
+    }
+  }
+  contact.touch = contact.support.mean;
+}
+
+void remove_contact(PartState& part, int index) noexcept {
+  for (int i = index; i + 1 < part.contact_count; ++i) {
+    const auto to = static_cast<std::size_t>(i);
+    part.contacts[to] = part.contacts[to + 1];
+  }
+  --part.contact_count;
+}
+
+/// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves. So does one that is lost,
+/// unless it finds a deepest place on the way out. All within kLeave, so that what they and their neighbours
+/// share does not jump.
+void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
+  const double closest = reference_radius / 10.0;
+  for (int i = 0; i < part.contact_count; ++i) {
+    for (int j = i + 1; j < part.contact_count; ++j) {
+      Contact& a = part.contacts[static_cast<std::size_t>(i)];
+      Contact& b = part.contacts[static_cast<std::size_t>(j)];
+      if (a.merged || b.merged) continue;
+      if ((a.at.point - b.at.point).squaredNorm() >= closest * closest) continue;
+      (a.depth >= b.depth ? b : a).merged = true;
+      share_memory(a, b);
+    }
+  }
+  for (Contact& contact : part.active()) {
+    const bool leaves = contact.merged || is_lost(reference_radius, part, contact);
+    contact.presence = std::min(1.0, contact.presence + (leaves ? -period : period) / kLeave);
+    // What leaves presses no deeper on its way to where another presses already.
+    const double deeper = contact.support.depth - contact.depth;
+    const double kept_back = std::max(0.0, contact.offset - contact.offset_step);
+    if (leaves && deeper > kept_back) hold_back(period, deeper, contact);
+  }
+  for (int i = 0; i < part.contact_count;) {
+    Contact& contact = part.contacts[static_cast<std::size_t>(i)];
+    if (contact.presence > 0.0) {
+      ++i;
+    } else {
+      remove_contact(part, i);
+    }
+  }
+}
+
+bool near_a_contact(double reference_radius, PartState& part, const Vec3& point) noexcept {
+  return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& contact) {
+    return (contact.at.point - point).squaredNorm() <= reference_radius * reference_radius;
+  });
+}
+
+std::size_t point_nearest_to(const PartPoints& points, const Vec3& wanted) noexcept {
+  std::size_t best = 0;
+  double best_squared = (points.point(0) - wanted).squaredNorm();
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double squared = (points.point(i) - wanted).squaredNorm();
+    if (squared < best_squared) {
+      best_squared = squared;
+      best = i;
+    }
+  }
+  return best;
+}
+
+/// Starting contacts of one part, with a bound on the supports looked at.
+class Starter final {
+ public:
+  Starter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
+      : world_(world), points_(points), part_(part) {}
+
+  void try_entries() noexcept {
+    for (std::size_t i = 0; i < part_.entry_count; ++i)
+      try_at(part_.entries[i].point, part_.entries[i].at, 2);
+  }
+
+  /// Points that are inside but not deep, a few a tick, in turn.
+  void try_shallow_points() noexcept {
+    const auto count = static_cast<std::uint32_t>(points_.size());
+    const std::uint32_t tried = std::min(kPointsTried, count);
+    for (std::uint32_t k = 0; k < tried && evaluations_ < kMostEvaluations; ++k) {
+      k += skip_outside(tried - k - 1, count);
+      part_.cursor = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
+      const std::size_t i = part_.cursor;
+      if (part_.inside[i] == 0 || greatest_distance(part_, i) < -kShallow) continue;
+      if (near_a_contact(radius(), part_, part_.placed_S * points_.point(i))) continue;
+      const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, i, part_);
+      if (nearest.distance >= kInside || nearest.distance < -kShallow) continue;
+      try_at(i, {nearest.point, nearest.triangle}, 0);
+    }
+  }
+
+  [[nodiscard]] std::uint32_t status() const noexcept { return status_; }
+
+ private:
+  [[nodiscard]] double radius() const noexcept { return world_.tissue.contact.reference_radius; }
+
+  /// Leads the cursor to before the next inside point, eight outside ones at a time. @return over how many,
+  /// at most `most`
+  std::uint32_t skip_outside(std::uint32_t most, std::uint32_t count) noexcept {
+    std::uint32_t skipped = 0;
+    for (std::uint64_t eight = 0; skipped + sizeof eight <= most;) {
+      const std::size_t next = std::size_t{part_.cursor} + 1;
+      if (next + sizeof eight > count) break;
+      std::memcpy(&eight, &part_.inside[next], sizeof eight);
+      const int outside = std::countr_zero(eight) / 8;  // of one byte each, the first lowest
+      part_.cursor += static_cast<std::uint32_t>(outside);
+      skipped += static_cast<std::uint32_t>(outside);
+      if (eight != 0) break;
+    }
+    return skipped;
+  }
+
+  /// Starts a contact at `at` if the point is the deepest of its own support; else looks where that is.
+  void try_at(std::size_t point, const SurfacePoint& at, int redirections) noexcept {
+    if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMostEvaluations) return;
+    if (part_.contact_count == kContactsPerPart) {
+      status_ |= kContactsFull;
+      return;
+    }
+    ++evaluations_;
+    const Vec3 normal = world_.surface.normal_at(at);
+    const Support support = support_in_S(world_, points_, part_, at.point, normal);
+    if (support.depth <= 0.0 || (part_.contact_count > 0 && support.depth > kDeepestSecond)) return;
+    const Vec3 here = part_.placed_S * points_.point(point);
+    if ((support.mean - here).norm() > radius() / 5.0) {
+      if (redirections == 0) return;
+      const std::size_t deepest = point_nearest_to(points_, part_.placed_S.bring_back(support.mean));
+      const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, deepest, part_);
+      if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
+      return;
+    }
+    Contact contact;
+    contact.at = at;
+    contact.surface_normal = normal;
+    contact.normal = normal;
+    contact.support = support;
+    contact.touch = support.mean;
+    if (is_lost(radius(), part_, contact)) return;
+    const double own_motion = motion_at(part_, at.point).norm();
+    contact.step = own_motion;
+    contact.walked = part_.travelled;
+    hold_back(world_.period, std::max(0.0, support.depth - own_motion), contact);
+    part_.contacts[static_cast<std::size_t>(part_.contact_count++)] = contact;
+  }
+
+  const World::Data& world_;
+  const PartPoints& points_;
+  PartState& part_;
+  int evaluations_ = 0;
+  std::uint32_t status_ = 0;
+};
+
+}  // namespace
+
+std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
+                           PartState& part) noexcept {
+  const int before = part.contact_count;
+  for (int i = 0; i < part.contact_count;) {
+    Contact& contact = part.contacts[static_cast<std::size_t>(i)];
+    walk_contact(world, points, part, contact);
+    if (contact.support.depth > 0.0) {
+      ++i;
+    } else {
+      remove_contact(part, i);
+    }
+  }
+  merge_contacts(world.tissue.contact.reference_radius, world.period, part);
+  if (before > 0 && part.contact_count == 0) {
+    find_nearest(world.surface, points, part);
+    if (part.nearest.distance < kDeepInside) part.armed = false;
+  }
+
+  std::uint32_t status = 0;
+  if (part.armed) {
+    Starter starter(world, points, part);
+    starter.try_entries();
+    if (part.inside_count > 0) starter.try_shallow_points();
+    status = starter.status();
+  } else {
+    status = kStartedInside;
+  }
+  for (Contact& contact : part.active()) {
+    follow_support(world.period, part, contact);
+    compute_force(world, laws, part, contact);
+    contact.elastic_force *= part.press_level;  // jaws that hold press nothing, and take no share from others
+  }
+  return status;
+}
+
+}  // namespace palpate::contact

@@ -1,0 +1,88 @@
+#include "core/contact/sharing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/portable_math.h"
+
+namespace palpate::contact {
+namespace {
+
+/// c_ij: 1 for coincident contacts, 0 from R_ref on; r_ij is the arc that chord and normals span.
+double closeness(const Contact& a, const Contact& b, double reference_radius) noexcept {
+  const double chord_squared = (a.at.point - b.at.point).squaredNorm();
+  if (chord_squared >= reference_radius * reference_radius) return 0.0;  // the arc is longer than its chord
+  const double cosine = std::clamp(a.normal.dot(b.normal), -1.0, 1.0);
+  const double half_sine = std::sqrt(0.5 * (1.0 - cosine));
+  constexpr double kStraight = 1e-6;  // below this the arc is its chord
+  const double stretch = half_sine > kStraight ? 0.5 * portable::acos(cosine) / half_sine : 1.0;
+  const double ratio_squared = chord_squared * stretch * stretch / (reference_radius * reference_radius);
+  return std::max(0.0, 1.0 - ratio_squared);
+}
+
+double eighth_power(double x) noexcept {
+  const double x2 = x * x;
+  const double x4 = x2 * x2;
+  return x4 * x4;
+}
+
+/// 1 - C + C / (1 + crowd), C = max c_ij, crowd = sum over the others of c_ij (F_j/F_i)^8 where c_ij = C. One
+/// that is less close weighs as much as would alone, at C, lower the share by what it lowers it by alone
+/// where it is: then it weighs nothing as it comes within reach, however strong (docs/decisions/0010).
+double share_among(const Contact& one, std::span<Contact* const> contacts, double reference_radius,
+                   bool with_leaving) noexcept {
+  std::array<double, kMostContacts> closeness_of;  // of those that are within reach
+  std::array<double, kMostContacts> crowd_of;      // each one's c_ij (F_j/F_i)^8
+  std::size_t count = 0;
+  double greatest = 0.0;
+  for (const Contact* const other : contacts) {
+    if (other == &one || (other->leaving() && !with_leaving)) continue;
+    const double close = closeness(one, *other, reference_radius);
+    if (close <= 0.0) continue;
+    greatest = std::max(greatest, close);
+    if (!(one.elastic_force > 0.0)) continue;
+    closeness_of[count] = close;
+    crowd_of[count++] = close * eighth_power(other->elastic_force / one.elastic_force);
+  }
+  double crowd = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (closeness_of[k] == greatest) {
+      crowd += crowd_of[k];
+    } else {
+      const double lowers = closeness_of[k] * (1.0 - 1.0 / (1.0 + crowd_of[k]));
+      crowd += lowers / (greatest - lowers);
+    }
+  }
+  return 1.0 - greatest + greatest / (1.0 + crowd);
+}
+
+}  // namespace
+
+void share_tissue(double reference_radius, std::span<Contact* const> contacts) noexcept {
+  double presence = 0.0;  // of what is leaving
+  for (const Contact* const contact : contacts) {
+    if (contact->leaving()) presence = std::max(presence, contact->presence);
+  }
+  for (Contact* const one : contacts) {
+    one->share = share_among(*one, contacts, reference_radius, true);
+    if (one->leaving()) {
+      one->share *= one->presence;
+    } else if (presence > 0.0) {  // from the shares beside it to those without it
+      one->share =
+          presence * one->share + (1.0 - presence) * share_among(*one, contacts, reference_radius, false);
+    }
+  }
+}
+
+void share_memory(Contact& a, Contact& b) noexcept {
+  const double elastic = a.memory.elastic + b.memory.elastic;
+  if (!(elastic > 0.0)) return;
+  for (std::size_t i = 0; i < model::kMostRelaxationTerms; ++i) {
+    const double kept = (a.memory.kept[i] + b.memory.kept[i]) / elastic;
+    a.memory.kept[i] = kept * a.memory.elastic;
+    b.memory.kept[i] = kept * b.memory.elastic;
+  }
+}
+
+}  // namespace palpate::contact

@@ -1,0 +1,35 @@
+#pragma once
+#include <type_traits>
+
+#include "palpate/spring_law.h"
+
+#include "core/model/relaxation.h"
+
+namespace palpate::contact {
+
+/// What the ticks compute of a tissue: its laws, relaxation and rules of contact. Plain data without memory
+/// of its own, so that a running loop can be handed another (haptics/live_changes.h).
+struct TissueLaws {
+  /// [setup] @param loop_period T [s] @throws ParameterError as the law and model::validate() do
+  TissueLaws(const model::TissueParameters& tissue, double loop_period)
+      : press(tissue, model::Direction::kPress, loop_period),
+        pull(tissue, model::Direction::kPull, loop_period),
+        relaxation(tissue.relaxation, loop_period),
+        tangential_stiffness(tissue.tangential_stiffness()),
+        tangential_damping(tissue.contact.tangential_damping),
+        friction(tissue.contact.friction),
+        damping(tissue.contact.damping),
+        grip_limit(tissue.contact.grip_limit) {}
+
+  model::SpringLaw press;
+  model::SpringLaw pull;
+  model::Relaxation relaxation;
+  double tangential_stiffness;  // k_t [N/m]
+  double tangential_damping;    // c_t [N s/m]
+  double friction;              // mu
+  double damping;               // b [N s/m]
+  double grip_limit;            // N
+};
+static_assert(std::is_trivially_copyable_v<TissueLaws>, "a tick copies it without memory of its own");
+
+}  // namespace palpate::contact

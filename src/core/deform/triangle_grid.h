@@ -1,0 +1,47 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "palpate/mesh.h"
+
+#include "core/deform/geodesic.h"
+
+namespace palpate::deform {
+
+/// [any] Distance [m] from a point along a unit direction to a triangle that faces that way; infinity when it
+/// is not hit.
+[[nodiscard]] double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
+                                     const Vec3& start, const Vec3& direction);
+
+/// Finds triangles near a point or along a ray without a pass over the whole mesh: a grid of cells about two
+/// edges wide, each with the triangles whose boxes touch it. The mesh may be open. It must outlive the grid.
+class TriangleGrid final {
+ public:
+  /// [setup]
+  explicit TriangleGrid(const geometry::TriangleMesh& mesh);
+
+  /// [any] The point of the surface nearest to p, with the normal of its triangle; of equally near triangles
+  /// the first. Triangle -1 for an empty mesh.
+  [[nodiscard]] SurfacePoint nearest(const Vec3& p) const;
+
+  /// [any] Distance [m] from a point along a unit direction to the first triangle that faces that way (the
+  /// far side of an organ), if it is nearer than `limit` [m]; infinity otherwise. Triangles through the start
+  /// itself do not count.
+  [[nodiscard]] double far_side(const Vec3& start, const Vec3& direction, double limit) const;
+
+ private:
+  using Cell = std::array<int, 3>;
+  [[nodiscard]] Cell cell_of(const Vec3& p) const noexcept;  // clamped into the grid
+  [[nodiscard]] std::size_t place(const Cell& c) const noexcept;
+  void nearest_in(const Cell& c, const Vec3& p, SurfacePoint& best, double& best_squared) const;
+
+  const geometry::TriangleMesh& mesh_;
+  Vec3 low_ = Vec3::Zero();
+  double width_ = 1.0;  // of a cell [m]
+  Cell count_{1, 1, 1};
+  std::vector<std::int32_t> start_;  // of each cell's triangles in inside_
+  std::vector<std::int32_t> inside_;
+};
+
+}  // namespace palpate::deform

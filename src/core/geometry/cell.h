@@ -1,0 +1,26 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "palpate/pose.h"
+
+namespace palpate::geometry {
+
+/// A cube of a regular grid, by its whole numbers along x, y and z.
+using Cell = std::array<std::int64_t, 3>;
+
+/// [any] The cell that `p` lies in when cells are `width` (> 0) wide. A place more than 2^62 cells away, as a
+/// file's largest numbers are, lies in the outermost one: every cell has neighbours that can be named.
+[[nodiscard]] inline Cell cell_at(const Vec3& p, double width) noexcept {
+  constexpr double kOutermost = 0x1p62;
+  Cell cell{};
+  for (int k = 0; k < 3; ++k) {
+    const double at = std::floor(p[k] / width);
+    const double held = at < kOutermost ? at : kOutermost;
+    cell[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(held > -kOutermost ? held : -kOutermost);
+  }
+  return cell;
+}
+
+}  // namespace palpate::geometry

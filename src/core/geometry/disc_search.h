@@ -1,0 +1,193 @@
+#pragma once
+#include <bit>
+#include <limits>
+
+#include "core/base/lanes.h"
+#include "core/geometry/disc_tree.h"
+
+// The two walks through a DiscTree, four discs at a time in single precision. They only leave out what cannot
+// count; what counts is worked out in double precision by the caller, so that no answer depends on them.
+namespace palpate::geometry {
+
+/// A query point relative to the tree's origin, and what single precision may have lost of it.
+struct DiscQuery {
+  static constexpr float kRounding = 32.0F * std::numeric_limits<float>::epsilon();
+  Lanes x, y, z, slack;
+  DiscQuery(const Vec3& relative, double extent) noexcept
+      : x(static_cast<float>(relative.x())),
+        y(static_cast<float>(relative.y())),
+        z(static_cast<float>(relative.z())),
+        slack(kRounding * static_cast<float>(relative.cwiseAbs().maxCoeff() + extent)) {}
+
+  /// Squared lower bounds of the distances to the four discs.
+  [[nodiscard]] Lanes squared_distances(const DiscNode& node) const noexcept {
+    const Lanes dx = x - Lanes::load_aligned(node.centre_x.data());
+    const Lanes dy = y - Lanes::load_aligned(node.centre_y.data());
+    const Lanes dz = z - Lanes::load_aligned(node.centre_z.data());
+    const Lanes along = dx * Lanes::load_aligned(node.axis_x.data()) +
+                        dy * Lanes::load_aligned(node.axis_y.data()) +
+                        dz * Lanes::load_aligned(node.axis_z.data());
+    const Lanes squared = dx * dx + dy * dy + dz * dz;
+    const Lanes zero(0.0F);
+    const Lanes across = sqrt(max(zero, squared * Lanes(1.0F - kRounding) - along * along));
+    const Lanes beside = max(zero, across - Lanes::load_aligned(node.radius.data()) - slack);
+    const Lanes above = max(zero, abs(along) - Lanes::load_aligned(node.height.data()) - slack);
+    return beside * beside + above * above;
+  }
+
+  /// Squared lower bounds of the distances to the four triangles; not a number where rounding cannot tell.
+  [[nodiscard]] Lanes squared_distances(const TriangleNode& node) const noexcept;
+};
+
+/// Vectors, four at once.
+struct LaneVector {
+  Lanes x, y, z;
+  [[nodiscard]] LaneVector operator-(const LaneVector& b) const noexcept {
+    return {x - b.x, y - b.y, z - b.z};
+  }
+  [[nodiscard]] Lanes dot(const LaneVector& b) const noexcept { return x * b.x + y * b.y + z * b.z; }
+  [[nodiscard]] LaneVector cross(const LaneVector& b) const noexcept {
+    return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
+  }
+  /// Squared distance of the vector's end to the segment from the origin to `edge`.
+  [[nodiscard]] Lanes squared_to_edge(const LaneVector& edge) const noexcept {
+    const Lanes length = edge.dot(edge) + Lanes(std::numeric_limits<float>::min());  // a point is an edge too
+    const Lanes along = min(Lanes(1.0F), max(Lanes(0.0F), dot(edge) / length));
+    const LaneVector off{x - along * edge.x, y - along * edge.y, z - along * edge.z};
+    return off.dot(off);
+  }
+};
+
+inline Lanes DiscQuery::squared_distances(const TriangleNode& node) const noexcept {
+  const auto load = [](const std::array<float, 4>& values) { return Lanes::load_aligned(values.data()); };
+  const LaneVector ab{load(node.ab_x), load(node.ab_y), load(node.ab_z)};
+  const LaneVector ac{load(node.ac_x), load(node.ac_y), load(node.ac_z)};
+  const LaneVector bc = ac - ab;
+  const LaneVector ap{x - load(node.corner_x), y - load(node.corner_y), z - load(node.corner_z)};
+  const LaneVector bp = ap - ab;
+  const LaneVector normal = ab.cross(ac);
+  const Lanes zero(0.0F);
+  const Lanes height = ap.dot(normal);
+  // Over the face when inside of all three edges; what a face's rounding says wrongly, an edge is as near.
+  const auto inside = normal.dot(ab.cross(ap)) >= zero && normal.dot(bc.cross(bp)) >= zero &&
+                      normal.dot(ap.cross(ac)) >= zero;
+  const Lanes to_plane = height * height / normal.dot(normal);
+  const Lanes to_edges = min(min(ap.squared_to_edge(ab), ap.squared_to_edge(ac)), bp.squared_to_edge(bc));
+  const Lanes distance = sqrt(select(inside, min(to_plane, to_edges), to_edges));
+  const Lanes least = max(zero, distance - slack);
+  return least * least;
+}
+
+template <typename Visit, typename Reach>
+void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexcept {
+  struct Wait {
+    float squared;
+    std::uint32_t index;  // of the node in its level
+    int level;
+  };
+  const DiscQuery query(p - origin_, extent_);
+  // Up, so that rounding never leaves out what is as near; finite, so that an empty lane is out of reach.
+  constexpr double kMost = 0.25 * std::numeric_limits<float>::max();
+  const auto limit = [&reach] {
+    const double squared = reach();
+    return static_cast<float>(squared < kMost ? squared : kMost) * (1.0F + DiscQuery::kRounding);
+  };
+  std::array<Wait, kMostVisits> waiting;
+  std::size_t count = 0;
+  Wait here{0.0F, 0, levels_};
+  float within = limit();
+  alignas(16) std::array<float, 4> squared;
+  while (true) {
+    const bool leaf = here.level == 0;
+    const Lanes bounds = leaf ? query.squared_distances(leaves_[here.index])
+                              : query.squared_distances(node_at(here.level, here.index));
+    bounds.store_unaligned(squared.data());
+    // The lanes in reach, the nearest of them on top.
+    const std::size_t below = count;
+    for (std::uint32_t lanes = lanes_of(!(bounds > Lanes(within))); lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+      std::size_t at = count++;
+      for (; at > below && waiting[at - 1].squared < squared[lane]; --at) waiting[at] = waiting[at - 1];
+      waiting[at] = {squared[lane], 4 * here.index + lane, here.level - 1};
+    }
+    if (leaf) {
+      for (; count > below; --count) {
+        const std::uint32_t slot = waiting[count - 1].index;
+        if (waiting[count - 1].squared > within || slot >= triangle_of_.size()) continue;
+        visit(static_cast<std::int32_t>(slot));
+        within = limit();
+      }
+    }
+    do {
+      if (count == 0) return;
+      here = waiting[--count];
+    } while (here.squared > within);
+  }
+}
+
+/// A segment against four discs: apart when a disc's ball is farther away than the slack, or the segment is
+/// on one side of its slab.
+struct DiscSegment {
+  DiscQuery start;
+  Lanes x, y, z;  // from start to end
+  Lanes inverse_squared_length;
+  Lanes slack;
+
+  DiscSegment(const Vec3& a, const Vec3& b, double extent, double given_slack) noexcept
+      : start(a, extent + (b - a).norm()),
+        x(static_cast<float>((b - a).x())),
+        y(static_cast<float>((b - a).y())),
+        z(static_cast<float>((b - a).z())),
+        inverse_squared_length(static_cast<float>(1.0 / (b - a).squaredNorm())),
+        slack(start.slack + Lanes(static_cast<float>(2.0 * given_slack))) {}
+
+  /// One bit a lane: may be within the slack.
+  [[nodiscard]] std::uint32_t near(const DiscNode& node) const noexcept {
+    const Lanes dx = Lanes::load_aligned(node.centre_x.data()) - start.x;
+    const Lanes dy = Lanes::load_aligned(node.centre_y.data()) - start.y;
+    const Lanes dz = Lanes::load_aligned(node.centre_z.data()) - start.z;
+    const Lanes radius = Lanes::load_aligned(node.radius.data());
+    const Lanes height = Lanes::load_aligned(node.height.data());
+    const Lanes zero(0.0F);
+    const Lanes one(1.0F);
+    const Lanes along = min(one, max(zero, (dx * x + dy * y + dz * z) * inverse_squared_length));
+    const Lanes rx = dx - along * x;
+    const Lanes ry = dy - along * y;
+    const Lanes rz = dz - along * z;
+    const Lanes reach = sqrt(radius * radius + height * height) + slack;
+    const auto in_ball = rx * rx + ry * ry + rz * rz <= reach * reach;
+    const Lanes axis_x = Lanes::load_aligned(node.axis_x.data());
+    const Lanes axis_y = Lanes::load_aligned(node.axis_y.data());
+    const Lanes axis_z = Lanes::load_aligned(node.axis_z.data());
+    const Lanes from = dx * axis_x + dy * axis_y + dz * axis_z;  // the centre above the start
+    const Lanes to = from - (x * axis_x + y * axis_y + z * axis_z);
+    const auto in_slab = min(from, to) <= height + slack && max(from, to) >= -(height + slack);
+    return lanes_of(in_ball && in_slab && radius >= zero);
+  }
+};
+
+template <typename Visit>
+void DiscTree::each_along(const Vec3& a, const Vec3& b, double slack, Visit visit) const noexcept {
+  struct Wait {
+    std::uint32_t index;
+    int level;
+  };
+  const DiscSegment segment(a - origin_, b - origin_, extent_, slack);
+  std::array<Wait, kMostVisits> waiting;
+  std::size_t count = 0;
+  waiting[count++] = {0, levels_};
+  while (count > 0) {
+    const Wait here = waiting[--count];
+    std::uint32_t lanes = segment.near(node_at(here.level, here.index));
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const std::uint32_t child = 4 * here.index + static_cast<std::uint32_t>(std::countr_zero(lanes));
+      if (here.level == 1) {
+        visit_leaf(child, visit);
+      } else {
+        waiting[count++] = {child, here.level - 1};
+      }
+    }
+  }
+}
+
+}  // namespace palpate::geometry

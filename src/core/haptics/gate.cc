@@ -1,0 +1,107 @@
+#include "core/haptics/gate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::haptics {
+namespace {
+
+// A shortened vector ends this share below its limit, so that rounding never leaves it above.
+constexpr double kHairBelow = 1.0 - 4e-15;
+
+struct Limited {
+  Vec3 value;
+  bool clamped = false;
+  bool slewed = false;
+};
+
+/// `wanted` with its norm at most `largest`, and at most `step` away from `last`.
+Limited limit(const Vec3& wanted, const Vec3& last, double largest, double step) noexcept {
+  Limited result{wanted};
+  const double norm = wanted.norm();
+  if (norm > largest) {
+    result.value = wanted * (largest / norm * kHairBelow);
+    result.clamped = true;
+  }
+  const Vec3 change = result.value - last;
+  const double size = change.norm();
+  if (size > step) {
+    result.value = last + change * (step / size * kHairBelow);
+    result.slewed = true;
+    const double rounded = result.value.norm();
+    if (rounded > largest) result.value *= largest / rounded * kHairBelow;
+  }
+  return result;
+}
+
+bool finite(const ForceCommand& tissue, const Vec3& wanted) noexcept {
+  return std::isfinite(wanted.norm()) && std::isfinite(tissue.torque.norm()) &&
+         std::isfinite(tissue.gripper_force);
+}
+
+void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
+  constexpr double kMostTicks = 1e6;
+  const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMostTicks);
+  const double ticks = fault == Fault::kStalled ? 1.0 : whole;  // the hand feels nothing any more
+  state.fault = fault;
+  state.fault_ticks_left = static_cast<int>(ticks);
+  state.fault_step = {state.force / ticks, state.torque / ticks, state.gripper_force / ticks};
+}
+
+/// The next command on the way to zero: the step times the ticks left, so exactly zero at the end.
+void fall(GateState& state) noexcept {
+  if (state.fault_ticks_left > 0) --state.fault_ticks_left;
+  const double left = state.fault_ticks_left;
+  if (state.fault_ticks_left == 0) state.fault_step = {};
+  state.force = state.fault_step.force * left;
+  state.torque = state.fault_step.torque * left;
+  state.gripper_force = state.fault_step.gripper_force * left;
+}
+
+/// Clamp and slew towards what is wanted. @return status bits
+std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
+                              const Vec3& noise) noexcept {
+  const Limited force = limit(tissue.force + noise, state.force, limits.max_force, limits.force_step);
+  const Limited torque = limit(tissue.torque, state.torque, limits.max_torque, limits.torque_step);
+  const double grip = std::clamp(tissue.gripper_force, -limits.max_force, limits.max_force);
+  state.force = force.value;
+  state.torque = torque.value;
+  state.gripper_force =
+      std::clamp(grip, state.gripper_force - limits.force_step, state.gripper_force + limits.force_step);
+  return (force.clamped ? kForceClamped : 0U) | (force.slewed ? kForceSlewed : 0U) |
+         (torque.clamped ? kTorqueClamped : 0U) | (torque.slewed ? kTorqueSlewed : 0U);
+}
+
+}  // namespace
+
+GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput& input) noexcept {
+  book(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, input.motion);
+  if (input.outside) forgive_surplus(state.energy);
+
+  ForceCommand tissue = input.tissue;
+  const bool usable = finite(tissue, tissue.force + input.noise);
+  const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
+  if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);
+
+  GateOutput output;
+  if (state.fault != Fault::kNone) {
+    fall(state);
+    state.noise = Vec3::Zero();
+  } else {
+    if (input.controlled && damp_deficit(state.energy, input.motion, limits.period, tissue)) {
+      output.status |= kEnergyDamped;
+    }
+    output.status |= approach_limits(limits, state, tissue, input.noise);
+    state.noise = input.noise;
+  }
+  output.command = {state.force, state.torque, state.gripper_force};
+  return output;
+}
+
+void reset_fault(GateState& state) noexcept {
+  state.fault = Fault::kNone;
+  state.fault_ticks_left = 0;
+  state.fault_step = {};
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,70 @@
+#pragma once
+#include <cstdint>
+
+#include "palpate/device.h"
+#include "palpate/tick_row.h"
+
+#include "core/haptics/passivity.h"
+
+namespace palpate::haptics {
+
+/// Bits of TickRow::status that the gate sets (contact's bits are below 1 << 8).
+inline constexpr std::uint32_t kForceClamped = 1U << 8;
+inline constexpr std::uint32_t kForceSlewed = 1U << 9;
+inline constexpr std::uint32_t kTorqueClamped = 1U << 10;
+inline constexpr std::uint32_t kTorqueSlewed = 1U << 11;
+inline constexpr std::uint32_t kEnergyDamped = 1U << 12;  // the passivity controller acted
+
+/// Limits a tick; vector (Euclidean) norms.
+struct GateLimits {
+  double max_force = 20.0;    // N
+  double force_step = 5.0;    // N a tick
+  double max_torque = 0.2;    // N m
+  double torque_step = 0.05;  // N m a tick
+  double period = 1e-3;       // s
+};
+
+/// What the gate carries from tick to tick, one a hand.
+struct GateState {
+  Vec3 force = Vec3::Zero();  // written at the last tick
+  Vec3 torque = Vec3::Zero();
+  double gripper_force = 0.0;
+  Vec3 noise = Vec3::Zero();  // its part of `force`
+  EnergyAccount energy;
+  ForceCommand fault_step;  // a tick, while a fault brings the force to zero
+  int fault_ticks_left = 0;
+  Fault fault = Fault::kNone;  // latched until reset
+};
+
+/// What one tick brings to the gate.
+struct GateInput {
+  ForceCommand tissue{};       // from contact
+  Vec3 noise = Vec3::Zero();   // N
+  DeviceMotion motion{};       // since the last tick
+  bool outside = false;        // the tool touches nothing
+  bool controlled = false;     // the passivity controller acts; else the energy is only observed
+  Fault fault = Fault::kNone;  // seen this tick outside the gate
+};
+
+struct GateOutput {
+  ForceCommand command;
+  std::uint32_t status = 0;
+};
+
+/// From the tick of a fault the force goes linearly to zero and is there within this time, whatever the rate
+/// and the slew limit.
+inline constexpr double kFaultFall = 10e-3;  // s
+
+/// [rt] The one gate before the hardware: finite check, passivity controller on the tissue's force, + noise,
+/// clamp, slew (the norm of a vector each time). The written force is never above max_force and never changes
+/// by more than force_step a tick; torque the same; the gripper's force obeys the force's limits. A vector
+/// whose norm overflows counts as not finite. A fault latches: everything falls linearly to zero within
+/// kFaultFall and stays exactly zero until reset_fault(). After a stalled loop it is zero at once: the
+/// watchdog has taken the force away meanwhile. The energy observer books what was written, faults or not.
+[[nodiscard]] GateOutput pass_gate(const GateLimits& limits, GateState& state,
+                                   const GateInput& input) noexcept;
+
+/// [rt] Clears a latched fault; the force then rises from where it is, by the slew limit.
+void reset_fault(GateState& state) noexcept;
+
+}  // namespace palpate::haptics

@@ -1,0 +1,203 @@
+#include "core/haptics/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::haptics {
+namespace {
+
+constexpr double kQuaternionSlack =
+    0.05;  // a unit quaternion's norm may be off by this, from rounding in files
+
+/// What is wrong with a sample, if anything.
+Fault judge(const DeviceState& sample) noexcept {
+  if (sample.fault != Fault::kNone) return sample.fault;
+  const double norm = sample.orientation_D.norm();
+  if (!sample.position_D.allFinite() || !sample.velocity_D.allFinite() || !std::isfinite(sample.gripper) ||
+      !std::isfinite(norm) || !std::isfinite(sample.age)) {
+    return Fault::kNotFinite;
+  }
+  if (sample.age > kStaleAfter) return Fault::kStale;
+  if (std::abs(norm - 1.0) > kQuaternionSlack) return Fault::kDevice;
+  if (sample.position_D.cwiseAbs().maxCoeff() > kFarthest) return Fault::kDevice;
+  return Fault::kNone;
+}
+
+bool finite(const contact::ToolResult& result) noexcept {
+  return std::isfinite(result.distance) && result.nearest_W.allFinite() && result.away_W.allFinite() &&
+         std::isfinite(result.force_W.norm()) && std::isfinite(result.torque_W.norm()) &&
+         std::isfinite(result.friction) && std::isfinite(result.depth) && result.contact_W.allFinite() &&
+         result.normal_W.allFinite();
+}
+
+std::array<double, 3> plain(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
+std::array<double, 4> plain(const Quat& q) noexcept { return {q.w(), q.x(), q.y(), q.z()}; }
+
+/// The columns that say where the hand is and what contact found.
+void describe_contact(const contact::ToolInput& input, const contact::ToolResult& result,
+                      TickRow& row) noexcept {
+  row.phase = static_cast<std::uint32_t>(result.phase);
+  row.distance = result.distance;
+  row.depth = result.depth;
+  row.cutoff_layer = static_cast<std::uint32_t>(result.cutoff_layer);
+  row.saturated = result.saturated ? 1 : 0;
+  row.tissue_force = result.force_W.norm();
+  row.friction = result.friction;
+  row.tool = plain(input.pose_W.position);
+  row.tool_q = plain(input.pose_W.rotation);
+  row.gripper = input.gripper;
+  row.contact = plain(result.contact_W);
+  row.normal = plain(result.normal_W);
+}
+
+void keep_sample(const DeviceState& sample, TickRow& row) noexcept {
+  row.device = plain(sample.position_D);
+  row.device_q = plain(sample.orientation_D);
+  row.device_velocity = plain(sample.velocity_D);
+  row.device_gripper = sample.gripper;
+  row.buttons = sample.buttons;
+  row.device_age = sample.age;
+  row.device_valid = sample.fault == Fault::kDevice ? 0 : 1;
+  row.device_fault = static_cast<std::uint32_t>(sample.fault);
+  row.events = sample.events;
+}
+
+/// Takes a hand's sample: the tool's pose and the device's motion. A sample that cannot be used leaves the
+/// last good pose.
+DeviceMotion take_sample(const SimulationWorld& world, SimulationState& state, std::size_t hand,
+                         const DeviceState& sample) noexcept {
+  if ((sample.events & kResetFault) != 0) reset_fault(state.gates[hand]);
+  if (judge(sample) != Fault::kNone) return {};
+  const WorkspaceMapping& mapping = world.mappings[hand];
+  DeviceTrack& track = state.tracks[hand];
+  DeviceMotion motion = follow(mapping, track, sample, 1.0 / world.rate_Hz);
+  state.inputs[hand].pose_W = mapping.apply(sample.position_D, sample.orientation_D, track.index_D);
+  state.inputs[hand].gripper = std::clamp(sample.gripper, 0.0, 1.0);
+  return motion;
+}
+
+/// Takes the noise's strength one tick nearer to where it goes, so that it does not jump.
+void glide(NoiseGlide& glide, noise::TouchNoise& noise) noexcept {
+  const noise::NoiseSettings& now = noise.settings();
+  const double share = 1.0 / static_cast<double>(glide.ticks_left);
+  if (--glide.ticks_left == 0) {
+    noise.set_strength(glide.gain, glide.threshold);
+  } else {
+    noise.set_strength(now.gain + share * (glide.gain - now.gain),
+                       now.threshold + share * (glide.threshold - now.threshold));
+  }
+}
+
+/// How much of the force a hand gets: all, on a device that nobody holds.
+double engagement_of(const SimulationWorld& world, SimulationState& state, std::size_t hand, Fault fault,
+                     bool outside) noexcept {
+  if (!world.mappings[hand].held) return 1.0;
+  const DeviceTrack& track = state.tracks[hand];
+  const bool usable = fault == Fault::kNone && state.gates[hand].fault == Fault::kNone;
+  return advance_engagement(state.engagements[hand], {track.position_D, usable, outside, track.clutched},
+                            1.0 / world.rate_Hz);
+}
+
+/// Noise, gate and row of one hand, once contact is known.
+void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
+                 std::size_t hand, const DeviceState& sample, const DeviceMotion& motion,
+                 ForceCommand& command, TickRow& row) noexcept {
+  contact::ToolResult& result = state.results[hand];
+  GateState& gate = state.gates[hand];
+  Fault fault = judge(sample);
+  if (!finite(result)) {
+    if (fault == Fault::kNone) fault = Fault::kNotFinite;
+    result = contact::ToolResult{};
+  }
+  const bool touching = result.phase != contact::Phase::kApproach;
+  const double noise =
+      state.touch_noise.force(state.noise[hand], state.noise_enabled, static_cast<std::uint32_t>(hand),
+                              tick_number, touching ? 0.0 : result.distance);
+  const bool outside = !touching && result.distance > 0.0;
+  const double share = engagement_of(world, state, hand, fault, outside);
+  const double torque_share = world.mappings[hand].torque ? share : 0.0;
+  const GateOutput out = pass_gate(world.limits, gate,
+                                   {.tissue = {share * result.force_W, torque_share * result.torque_W, 0.0},
+                                    .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
+                                    .motion = motion,
+                                    .outside = outside,
+                                    .controlled = world.mappings[hand].held,
+                                    .fault = fault});
+  command = out.command;
+
+  row = TickRow{};
+  row.tick = tick_number;
+  row.time = static_cast<double>(tick_number) / world.rate_Hz;
+  row.hand = static_cast<std::uint32_t>(hand);
+  describe_contact(state.inputs[hand], result, row);
+  row.noise_force = gate.fault == Fault::kNone ? share * noise : 0.0;
+  row.force = plain(command.force);
+  row.torque = plain(command.torque);
+  row.gripper_force = command.gripper_force;
+  row.status = result.status | out.status;
+  row.fault = static_cast<std::uint32_t>(gate.fault);
+  row.energy = gate.energy.tissue;
+  row.engagement = share;
+  keep_sample(sample, row);
+}
+
+}  // namespace
+
+SimulationState::SimulationState(const SimulationWorld& world)
+    : contact(world.contact),
+      noise(world.hands()),
+      gates(world.hands()),
+      tracks(world.hands()),
+      engagements(world.hands()),
+      motions(world.hands()),
+      inputs(world.hands()),
+      results(world.hands()),
+      organ_W(world.organ_W),
+      noise_enabled(world.noise.settings().enabled),
+      touch_noise(world.noise),
+      reach(world.contact.tissue().reach) {}
+
+DeviceState sample_of(const TickRow& row) noexcept {
+  DeviceState sample;
+  sample.position_D = Vec3(row.device[0], row.device[1], row.device[2]);
+  sample.orientation_D = Quat(row.device_q[0], row.device_q[1], row.device_q[2], row.device_q[3]);
+  sample.velocity_D = Vec3(row.device_velocity[0], row.device_velocity[1], row.device_velocity[2]);
+  sample.gripper = row.device_gripper;
+  sample.age = row.device_age;
+  sample.buttons = row.buttons;
+  sample.fault = static_cast<Fault>(row.device_fault);
+  sample.events = row.events;
+  return sample;
+}
+
+FetchList memory_of(const SimulationState& state) {
+  FetchList list;
+  list.add(state);
+  list.add_elements(state.noise);
+  list.add_elements(state.gates);
+  list.add_elements(state.tracks);
+  list.add_elements(state.engagements);
+  list.add_elements(state.motions);
+  list.add_elements(state.inputs);
+  for (const contact::ToolResult& result : state.results) list.add(&result, &result.views[1]);
+  contact::list_memory(state.contact, list);
+  return list;
+}
+
+void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
+          std::span<const DeviceState> samples, std::span<ForceCommand> commands,
+          std::span<TickRow> rows) noexcept {
+  const std::size_t hands = world.hands();
+  if (state.noise_glide.ticks_left > 0) glide(state.noise_glide, state.touch_noise);
+  for (std::size_t hand = 0; hand < hands; ++hand) {
+    state.motions[hand] = take_sample(world, state, hand, samples[hand]);
+  }
+  state.organ_W = world.organ_motion.pose_at(world.organ_W, tick_number, world.rate_Hz);
+  contact::advance(world.contact, state.organ_W, state.inputs, state.contact, state.results);
+  for (std::size_t hand = 0; hand < hands; ++hand) {
+    finish_hand(world, state, tick_number, hand, samples[hand], state.motions[hand], commands[hand],
+                rows[hand]);
+  }
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,67 @@
+#include "core/haptics/stability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "palpate/spring_law.h"
+
+#include "core/base/text.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr int kDepths = 1500;  // a hundredth of a millimetre apart
+
+double largest_tangent(const model::SpringLaw& law, double max_force) {
+  double largest = 0.0;
+  for (int i = 1; i <= kDepths; ++i) {
+    const model::ContactResponse response = law.force_at(kDepthWithinReach * i / kDepths);
+    if (response.force > max_force || response.saturated) break;
+    largest = std::max(largest, response.stiffness);
+  }
+  return largest;
+}
+
+std::string rounded(double value) {
+  constexpr double kThreeDigits = 1000.0;
+  return shortest(std::round(value * kThreeDigits) / kThreeDigits);
+}
+
+}  // namespace
+
+StabilityCheck check_stability(const model::TissueParameters& tissue, model::Direction direction,
+                               double period, double max_force, double scale, const DeviceMechanics& device) {
+  const model::SpringLaw law(tissue, direction, period);
+  StabilityCheck check;
+  check.stiffness = scale * largest_tangent(law, max_force);
+  // Along the normal or along the surface: the hand may move either way.
+  check.virtual_damping = scale * std::max(tissue.contact.damping, tissue.contact.tangential_damping);
+  check.damping_needed = check.stiffness * period / 2.0 + std::abs(check.virtual_damping);
+  check.stiffness_allowed = device.resolution > 0.0 ? 2.0 * device.friction / device.resolution
+                                                    : std::numeric_limits<double>::infinity();
+  check.damping_short = device.damping < check.damping_needed;
+  check.friction_short = check.stiffness > check.stiffness_allowed;
+  return check;
+}
+
+std::vector<std::string> stability_warnings(const StabilityCheck& check, const DeviceMechanics& device) {
+  std::vector<std::string> warnings;
+  if (check.damping_short) {
+    warnings.push_back("the device may tremble: its damping, " + rounded(device.damping) +
+                       " N s/m, is less than this tissue asks for at this rate, " +
+                       rounded(check.damping_needed) +
+                       " N s/m (K T/2 + B with K = " + rounded(check.stiffness) +
+                       " N/m); a faster loop, a softer tissue, less contact damping or "
+                       "a smaller workspace_scale help");
+  }
+  if (check.friction_short) {
+    warnings.push_back("the device may buzz: the tissue's stiffness, " + rounded(check.stiffness) +
+                       " N/m, is more than its friction and sensors can hold still, " +
+                       rounded(check.stiffness_allowed) +
+                       " N/m (2 f_c / resolution); a softer tissue or a smaller workspace_scale help");
+  }
+  return warnings;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,143 @@
+#include "core/haptics/passivity.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/haptics/gate.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr double kPassivityPeriod = 1e-3;
+
+DeviceMotion moved(double x) { return {Vec3(x, 0.0, 0.0), Vec3::Zero()}; }
+
+ForceCommand pushing(double x) { return {Vec3(x, 0.0, 0.0), Vec3::Zero(), 0.0}; }
+
+TEST(Passivity, TheObserverBooksForceTimesWayAndTorqueTimesTurn) {
+  EnergyAccount account;
+  book(account, {Vec3(-2.0, 0.0, 0.0), Vec3(0.0, 0.5, 0.0), 0.0}, Vec3::Zero(),
+       {Vec3(0.001, 0.0, 0.0), Vec3(0.0, -0.002, 0.0)});
+  EXPECT_DOUBLE_EQ(account.tissue, 0.002 + 0.001) << "against the force and the torque: put in";
+  EXPECT_EQ(account.noise, 0.0);
+}
+
+TEST(Passivity, NoiseHasItsOwnAccount) {
+  EnergyAccount account;
+  book(account, pushing(-1.9), Vec3(0.1, 0.0, 0.0), moved(0.001));
+  EXPECT_DOUBLE_EQ(account.tissue, 0.002) << "the tissue's part of the force was -2 N";
+  EXPECT_DOUBLE_EQ(account.noise, 1e-4);
+}
+
+TEST(Passivity, OutsideASurplusIsForgivenAndADeficitIsNot) {
+  EnergyAccount account{0.5, 0.1};
+  forgive_surplus(account);
+  EXPECT_EQ(account.tissue, 0.0);
+  account.tissue = -0.5;
+  forgive_surplus(account);
+  EXPECT_EQ(account.tissue, -0.5);
+  EXPECT_EQ(account.noise, 0.1);
+}
+
+TEST(Passivity, WithinTheLeewayNothingIsDone) {
+  ForceCommand tissue = pushing(3.0);
+  EXPECT_FALSE(damp_deficit({-kEnergyLeeway, 0.0}, moved(0.001), kPassivityPeriod, tissue));
+  EXPECT_EQ(tissue.force.x(), 3.0);
+}
+
+TEST(Passivity, ADeficitTakesWhatGivesMoreAndDampsInTheNextTick) {
+  const double deficit = 1e-4;  // J
+  const double way = 2e-4;      // m in a tick: 0.2 m/s
+  ForceCommand tissue = {Vec3(3.0, 1.0, 0.0), Vec3::Zero(), 0.0};
+  EXPECT_TRUE(damp_deficit({-deficit, 0.0}, moved(way), kPassivityPeriod, tissue));
+  EXPECT_NEAR(tissue.force.x(), -deficit / way, 1e-12) << "over the same way again it takes the deficit";
+  EXPECT_DOUBLE_EQ(tissue.force.y(), 1.0) << "across the way no work is done";
+}
+
+TEST(Passivity, DampingIsBounded) {
+  ForceCommand tissue;
+  EXPECT_TRUE(damp_deficit({-1.0, 0.0}, moved(1e-5), kPassivityPeriod, tissue));
+  EXPECT_NEAR(tissue.force.x(), -kMostDamping * 1e-5 / kPassivityPeriod, 1e-12);
+  ForceCommand turned;
+  EXPECT_TRUE(damp_deficit({-1.0, 0.0}, {Vec3::Zero(), Vec3(0, 1e-5, 0)}, kPassivityPeriod, turned));
+  EXPECT_NEAR(turned.torque.y(), -kMostAngularDamping * 1e-5 / kPassivityPeriod, 1e-15);
+}
+
+TEST(Passivity, ADeviceThatStandsStillIsLeftAlone) {
+  ForceCommand tissue = pushing(3.0);
+  (void)damp_deficit({-1.0, 0.0}, {}, kPassivityPeriod, tissue);
+  EXPECT_EQ(tissue.force.x(), 3.0);
+}
+
+/// A mass thrown against a spring that is felt a tick late, through the gate.
+struct Bounce {
+  bool controlled = false;
+  double stiffness = 0.0;  // N/m
+  double mass = 0.0;       // kg
+
+  struct Result {
+    double given = 0.0;         // J that the mass got more than it gave, at worst
+    double largest_tick = 0.0;  // J exchanged in one tick, at most
+    double speed_at_end = 0.0;  // m/s, largest in the last quarter
+  };
+
+  [[nodiscard]] Result run(int ticks) const {
+    GateState state;
+    GateLimits limits;
+    limits.force_step = 1e3;
+    Result result;
+    double x = 1e-3;  // m above the spring
+    double speed = -0.1;
+    double balance = 0.0;
+    for (int i = 0; i < ticks; ++i) {
+      const double before = x;
+      x += speed * kPassivityPeriod + 0.5 * state.force.x() / mass * kPassivityPeriod * kPassivityPeriod;
+      speed += state.force.x() / mass * kPassivityPeriod;
+      const double work = state.force.x() * (x - before);
+      balance += work;
+      result.given = std::max(result.given, balance);
+      result.largest_tick = std::max(result.largest_tick, std::abs(work));
+      if (i > ticks * 3 / 4) result.speed_at_end = std::max(result.speed_at_end, std::abs(speed));
+      // A wall on both sides keeps the mass at the spring.
+      const double force = x < 0.0 ? -stiffness * x : (x > 2e-3 ? -stiffness * (x - 2e-3) : 0.0);
+      (void)pass_gate(limits, state,
+                      {.tissue = pushing(force), .motion = moved(x - before), .controlled = controlled});
+    }
+    return result;
+  }
+};
+
+TEST(Passivity, WithTheControllerASampledSpringGivesNoMoreThanItGotButForTheStatedBound) {
+  for (const double stiffness : {200.0, 1000.0, 1500.0}) {
+    for (const double mass : {0.05, 0.1, 0.25}) {
+      const Bounce::Result open = Bounce{false, stiffness, mass}.run(20'000);
+      const Bounce::Result damped = Bounce{true, stiffness, mass}.run(20'000);
+      const double bound = kEnergyLeeway + 2.0 * damped.largest_tick;
+      EXPECT_LE(damped.given, bound) << stiffness << " N/m, " << mass << " kg";
+      EXPECT_GT(open.given, 10.0 * bound) << "the same without the controller shows that it is needed";
+      EXPECT_LT(damped.speed_at_end, open.speed_at_end);
+    }
+  }
+}
+
+TEST(Passivity, OnADeviceThatIsOnlyObservedNothingIsDamped) {
+  GateState state;
+  state.energy.tissue = -1.0;
+  const GateInput input{.tissue = pushing(3.0), .motion = moved(1e-3), .controlled = false};
+  const GateOutput out = pass_gate({}, state, input);
+  EXPECT_EQ(out.command.force.x(), 3.0);
+  EXPECT_EQ(out.status & kEnergyDamped, 0U);
+}
+
+TEST(Passivity, TheGateBooksWhatItWroteNotWhatWasAskedFor) {
+  GateState state;
+  GateLimits limits;  // 5 N a tick
+  (void)pass_gate(limits, state, {.tissue = pushing(-8.0)});
+  (void)pass_gate(limits, state, {.tissue = pushing(-8.0), .motion = moved(1e-3)});
+  EXPECT_NEAR(state.energy.tissue, 5.0 * 1e-3, 1e-12);
+}
+
+}  // namespace
+}  // namespace palpate::haptics

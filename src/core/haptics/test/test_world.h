@@ -1,0 +1,98 @@
+#pragma once
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "palpate/mesh.h"
+#include "palpate/tick_observer.h"
+
+#include "core/haptics/simulation.h"
+
+namespace palpate::haptics::test {
+
+inline constexpr double kBallRadius = 3e-3;  // m
+
+/// A 60 x 60 x 40 mm block whose top lies at z = 0, touched by a 3 mm ball in each hand.
+inline SimulationWorld block_and_balls(std::size_t hands, double rate_Hz, noise::NoiseSettings noise = {}) {
+  geometry::Tool ball{"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius};
+  const geometry::TriangleMesh block = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  const std::vector<geometry::Tool> tools(hands, ball);
+  SimulationWorld world{
+      .contact = contact::World(block, tools, model::tissue_preset("gallbladder"), 1.0 / rate_Hz),
+      .noise = noise::TouchNoise(noise, rate_Hz),
+      .limits = {20.0, 5000.0 / rate_Hz, 0.2, 50.0 / rate_Hz, 1.0 / rate_Hz},
+      .mappings = std::vector<WorkspaceMapping>(hands),
+      .organ_W = {Quat::Identity(), Vec3(0, 0, -0.02)},
+      .rate_Hz = rate_Hz,
+  };
+  return world;
+}
+
+inline noise::NoiseSettings no_noise() {
+  noise::NoiseSettings settings;
+  settings.enabled = false;
+  return settings;
+}
+
+/// From 5 mm above the block straight down at 20 mm/s to 5 mm of depth, where it stays.
+inline DeviceState pressing(double time) {
+  DeviceState state;
+  state.position_D = Vec3(0.001, 0.002, kBallRadius + std::max(-0.005, 0.005 - 0.02 * time));
+  return state;
+}
+
+/// A device whose samples come from a function; remembers what was written.
+class FakeDevice final : public Device {
+ public:
+  explicit FakeDevice(std::function<DeviceState(std::uint64_t, double)> sample)
+      : sample_(std::move(sample)) {}
+
+  DeviceState read(std::uint64_t tick, double time) noexcept override { return sample_(tick, time); }
+  bool write(const ForceCommand& command) noexcept override {
+    last = command;
+    if (heard) heard(command);
+    ++writes;
+    return writes != refuse_write;
+  }
+  void stop() noexcept override { ++stops; }
+  [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return ~std::uint64_t{0}; }
+
+  ForceCommand last;
+  std::function<void(const ForceCommand&)> heard;  // each command
+  std::uint64_t writes = 0;
+  std::uint64_t refuse_write = 0;  // number of the command that is refused; 0: none
+  std::atomic<int> stops{0};       // from any thread
+
+ private:
+  std::function<DeviceState(std::uint64_t, double)> sample_;
+};
+
+/// Keeps all rows.
+class RowKeeper final : public TickObserver {
+ public:
+  explicit RowKeeper(std::size_t expected) { rows.reserve(expected); }
+  void on_start(std::int64_t unix_ns) noexcept override {
+    ++begins;
+    started = unix_ns;
+  }
+  void on_row(const TickRow& row) noexcept override {
+    if (rows.size() < rows.capacity()) rows.push_back(row);
+  }
+
+  std::vector<TickRow> rows;
+  int begins = 0;
+  std::int64_t started = 0;
+};
+
+/// Bit for bit, but for the two times.
+inline bool same_bits(TickRow a, TickRow b) {
+  a.tick_ns = b.tick_ns = 0;
+  a.late_ns = b.late_ns = 0;
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are what is compared, -0 and NaN too
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+}  // namespace palpate::haptics::test

@@ -1,0 +1,42 @@
+#include "core/haptics/tick_fields.h"
+
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace palpate::haptics {
+namespace {
+
+TEST(TickFields, EveryColumnHasANameOfItsOwn) {
+  std::set<std::string> names;
+  for (const TickField& field : kTickFields) {
+    for (std::size_t i = 0; i < field.size(); ++i) EXPECT_TRUE(names.insert(field.columns[i]).second);
+  }
+}
+
+/// The table of docs/file-formats.md.
+std::string table_for_documentation() {
+  std::string text = "| columns | meaning |\n|---|---|\n";
+  for (const TickField& field : kTickFields) {
+    for (std::size_t i = 0; i < field.size(); ++i) {
+      text += (i == 0 ? "| `" : ", `") + std::string(field.columns[i]) + "`";
+    }
+    text += " | " + std::string(field.meaning) + " |\n";
+  }
+  return text;
+}
+
+TEST(TickFields, TheDocumentationHasThisTable) {
+  std::ifstream file(PALPATE_DOCS "/file-formats.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_NE(text.str().find(table_for_documentation()), std::string::npos)
+      << "docs/file-formats.md must contain:\n"
+      << table_for_documentation();
+}
+
+}  // namespace
+}  // namespace palpate::haptics

@@ -1,0 +1,46 @@
+#include "core/model/relaxation.h"
+
+#include <cmath>
+
+#include "palpate/error.h"
+
+#include "core/base/portable_math.h"
+
+namespace palpate::model {
+
+Relaxation::Relaxation(std::span<const RelaxationTerm> terms, double step) {
+  validate_relaxation(terms);
+  if (!std::isfinite(step) || !(step > 0.0)) throw ParameterError("step_s", step, "finite and > 0");
+  for (const RelaxationTerm& term : terms) {
+    Term& made = terms_[count_];
+    ++count_;
+    made.share = term.share;
+    made.time = term.time;
+    lasting_ -= term.share;
+  }
+  set_step(step);
+}
+
+void Relaxation::set_step(double step) noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    Term& term = terms_[i];
+    const double steps = step / term.time;
+    const double lost = -portable::expm1(-steps);
+    term.keep = 1.0 - lost;
+    term.gain = steps > 0.0 ? lost / steps : 1.0;  // a time too long for the quotient lets nothing go
+  }
+}
+
+double Relaxation::next(RelaxationState& state, double elastic) const noexcept {
+  const double rise = elastic - state.elastic;
+  state.elastic = elastic;
+  double force = lasting_ * elastic;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Term& term = terms_[i];
+    state.kept[i] = term.keep * state.kept[i] + term.gain * rise;
+    force += term.share * state.kept[i];
+  }
+  return force;
+}
+
+}  // namespace palpate::model

@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/error.h"
+#include "palpate/spring_law.h"
+
+#include "core/base/portable_math.h"
+
+namespace palpate::model {
+
+SmoothSpringLaw::SmoothSpringLaw(const TissueParameters& tissue, Direction direction, double loop_period)
+    : layers_(tissue, direction, loop_period) {
+  constexpr double kLn4 = 1.3862943611198906;
+  const auto layers = static_cast<std::size_t>(layers_.layers_allowed());
+  const double step = kLn4 + 1.0 / tissue.beta;  // ln(P_(i+1) k_(i+1)) - ln(P_i k_i), eq. 3
+  pieces_ = std::max<std::size_t>(1, layers - 1);
+  piece_[0].stiffness = tissue.k1;
+  double limit = tissue.first_limit(direction);  // L_i
+  for (std::size_t i = 0; i < pieces_ && layers > 1; ++i) {
+    const double between = 0.5 * (limit + limit * tissue.q);  // m_(i+1) - m_i, eq. 4
+    piece_[i].growth = step / between;
+    if (i == 0) {  // K(m_1) = k_1, and the first piece runs back to D = 0
+      piece_[0].stiffness = tissue.k1 * portable::exp(-0.5 * limit * piece_[0].growth);
+    }
+    if (i + 1 < pieces_) {
+      Piece& next = piece_[i + 1];
+      next.depth = (i == 0 ? 0.5 * limit : piece_[i].depth) + between;
+      next.force = force_in(piece_[i], next.depth);
+      next.stiffness = piece_[i].stiffness * portable::exp(piece_[i].growth * (next.depth - piece_[i].depth));
+    }
+    limit *= tissue.q;
+  }
+  max_force_ = force_in(piece_[pieces_ - 1], max_depth());
+  if (!std::isfinite(max_force_)) {
+    throw ParameterError("beta", tissue.beta, "large enough that the smooth law's force stays finite");
+  }
+}
+
+double SmoothSpringLaw::force_in(const Piece& piece, double depth) const noexcept {
+  const double in = depth - piece.depth;
+  if (piece.growth == 0.0) return piece.force + piece.stiffness * in;
+  return piece.force + piece.stiffness * (portable::expm1(piece.growth * in) / piece.growth);
+}
+
+ContactResponse SmoothSpringLaw::force_at(double depth) const noexcept {
+  if (depth <= 0.0) return {0.0, piece_[0].stiffness, 1, false};
+  const ContactResponse layered = layers_.force_at(depth);
+  if (layered.saturated) return {max_force_, 0.0, layered.cutoff_layer, true};
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < pieces_; ++i) last += depth > piece_[i].depth ? 1 : 0;
+  const Piece& piece = piece_[last];
+  const double force = force_in(piece, depth);
+  const double bounded = force > max_force_ ? max_force_ : force;
+  return {bounded, piece.stiffness * portable::exp(piece.growth * (depth - piece.depth)),
+          layered.cutoff_layer, false};
+}
+
+SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_at(double depth) const noexcept {
+  LayerState state = layers_.deformation_at(depth);
+  const ContactResponse response = force_at(depth);
+  state.force = response.force;
+  state.stiffness = response.stiffness;
+  return state;
+}
+
+SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_under(double force) const noexcept {
+  if (force <= 0.0) return deformation_at(0.0);
+  constexpr double kJustPast = 1.0 + 1e-12;  // rounding of a sum of pieces is no saturation
+  if (force > max_force_ * kJustPast) return deformation_at(2.0 * max_depth());
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < pieces_; ++i) last += force > piece_[i].force ? 1 : 0;
+  const Piece& piece = piece_[last];
+  const double share =
+      (force - piece.force) / piece.stiffness;  // depth that the starting stiffness would need
+  const double in = piece.growth == 0.0 ? share : portable::log1p(piece.growth * share) / piece.growth;
+  LayerState state = deformation_at(std::min(piece.depth + in, max_depth()));
+  state.force = std::min(force, max_force_);
+  return state;
+}
+
+}  // namespace palpate::model

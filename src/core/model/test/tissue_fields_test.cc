@@ -1,0 +1,101 @@
+#include "core/model/tissue_fields.h"
+
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/error.h"
+
+#include "core/base/text.h"
+
+namespace palpate::model {
+namespace {
+
+/// Bytes of the members that the fields of a section lead to.
+std::size_t bytes_of(std::string_view section) {
+  std::size_t bytes = 0;
+  for (const TissueField& field : kTissueFields) {
+    if (field.section == section) bytes += field.optional() ? sizeof(std::optional<double>) : sizeof(double);
+  }
+  return bytes;
+}
+
+TEST(TissueFields, EveryNumberOfATissueHasALine) {
+  EXPECT_EQ(bytes_of("reach"), sizeof(ReachParameters));
+  EXPECT_EQ(bytes_of("contact"), sizeof(ContactParameters));
+  EXPECT_EQ(bytes_of(""), offsetof(TissueNumbers, law));
+}
+
+TEST(TissueFields, EveryLineIsAboutAnotherNumber) {
+  TissueNumbers tissue;
+  double value = 1.0;
+  for (const TissueField& field : kTissueFields) field.at.set(tissue, value++);
+  value = 1.0;
+  for (const TissueField& field : kTissueFields) {
+    EXPECT_EQ(field.at.get(tissue), value) << field.key;
+    EXPECT_EQ(field.in_force(tissue), value++) << field.key;
+  }
+}
+
+TEST(TissueFields, NamesAreUnambiguousWhereverTheyStandAlone) {
+  std::set<std::string> names;
+  std::set<std::string> columns;
+  for (const TissueField& field : kTissueFields) {
+    EXPECT_TRUE(names.insert(field.name).second) << field.name;
+    EXPECT_TRUE(columns.insert(field.si_key).second) << field.si_key;
+  }
+}
+
+TEST(TissueFields, WithoutAValueANumberThatMustBeGivenStaysAndAnotherIsDerived) {
+  TissueParameters tissue = tissue_preset("heart");
+  tissue.contact.tangential_stiffness = 7.0;
+  for (const TissueField& field : kTissueFields) field.at.set(tissue, std::nullopt);
+  EXPECT_EQ(tissue.numbers(), tissue_preset("heart").numbers());
+  EXPECT_EQ(tissue.contact.tangential_stiffness, std::nullopt);
+}
+
+TEST(TissueFields, SlidersReachNoValueThatIsRefused) {
+  for (const TissueField& field : kTissueFields) {
+    EXPECT_TRUE(field.range.contains(field.slider.low)) << field.key;
+    EXPECT_TRUE(field.range.contains(field.slider.high)) << field.key;
+    EXPECT_LT(field.slider.low, field.slider.high) << field.key;
+  }
+}
+
+std::string range_in_words(const TissueField& field) {
+  if (field.order == LengthOrder::kAboveRest) return "> `rest_length_mm`";
+  if (field.order == LengthOrder::kBelowRest) return ">= 0 and < `rest_length_mm`";
+  return field.range.in_words();
+}
+
+std::string default_in_words(const TissueField& field) {
+  if (field.required) return "required";
+  const std::optional<double> value = field.default_value();
+  return value ? shortest(*value / field.unit.si) : field.derived_text;
+}
+
+/// The table of docs/file-formats.md.
+std::string table_for_documentation() {
+  std::string text = "| key | default | must be | meaning |\n|---|---|---|---|\n";
+  for (const TissueField& field : kTissueFields) {
+    text += "| `" + field.path() + "` | " + default_in_words(field) + " | " + range_in_words(field) + " | " +
+            field.meaning + " |\n";
+  }
+  return text;
+}
+
+TEST(TissueFields, TheDocumentationHasThisTable) {
+  std::ifstream file(PALPATE_DOCS "/file-formats.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_NE(text.str().find(table_for_documentation()), std::string::npos)
+      << "docs/file-formats.md must contain:\n"
+      << table_for_documentation();
+}
+
+}  // namespace
+}  // namespace palpate::model

@@ -1,0 +1,165 @@
+#include "palpate/tissue.h"
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/error.h"
+
+namespace palpate::model {
+namespace {
+
+constexpr double kTissueInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTissueNaN = std::numeric_limits<double>::quiet_NaN();
+
+const std::vector<std::string> kPresetNames{"gallbladder", "heart", "liver", "kidney"};
+
+// One bad value of one field, and how the message shows it.
+struct BadValue {
+  std::string field;
+  std::string shown;
+  std::function<void(TissueParameters&)> spoil;
+};
+
+void expect_refused(const BadValue& bad) {
+  TissueParameters tissue = tissue_preset("gallbladder");
+  tissue.source = SourceParameters{"ball", 3e-3};
+  ASSERT_NO_THROW(validate(tissue));
+  bad.spoil(tissue);
+  try {
+    validate(tissue);
+    ADD_FAILURE() << "accepted " << bad.field << " = " << bad.shown;
+  } catch (const ParameterError& error) {
+    EXPECT_EQ(error.field(), bad.field);
+    EXPECT_THAT(error.what(), testing::StartsWith(bad.field + " = " + bad.shown + ": must be "));
+  }
+}
+
+// Every number that has to be finite and above 0, by its name in a tissue file, and SI per unit there.
+struct PositiveField {
+  std::string name;
+  double unit;
+  double& (*of)(TissueParameters&);
+};
+
+const std::vector<PositiveField> kPositiveFields{
+    {"k1_N_per_m", 1.0, [](TissueParameters& t) -> double& { return t.k1; }},
+    {"beta", 1.0, [](TissueParameters& t) -> double& { return t.beta; }},
+    {"q", 1.0, [](TissueParameters& t) -> double& { return t.q; }},
+    {"t1_us", 1e-6, [](TissueParameters& t) -> double& { return t.t1; }},
+    {"rest_length_mm", 1e-3, [](TissueParameters& t) -> double& { return t.rest_length; }},
+    {"reach.contact_ratio", 1.0, [](TissueParameters& t) -> double& { return t.reach.contact_ratio; }},
+    {"reach.first_bar_ratio", 1.0, [](TissueParameters& t) -> double& { return t.reach.first_bar_ratio; }},
+    {"reach.bar_ratio", 1.0, [](TissueParameters& t) -> double& { return t.reach.bar_ratio; }},
+    {"reach.weight_ratio", 1.0, [](TissueParameters& t) -> double& { return t.reach.weight_ratio; }},
+    {"reach.depth_exponent", 1.0, [](TissueParameters& t) -> double& { return t.reach.depth_exponent; }},
+    {"contact.tangential_N_per_m", 1.0,
+     [](TissueParameters& t) -> double& { return t.contact.tangential_stiffness.emplace(1.0); }},
+    {"contact.reference_radius_mm", 1e-3,
+     [](TissueParameters& t) -> double& { return t.contact.reference_radius; }},
+    {"contact.grip_limit_N", 1.0, [](TissueParameters& t) -> double& { return t.contact.grip_limit; }},
+    {"source.radius_mm", 1e-3, [](TissueParameters& t) -> double& { return t.source->radius; }},
+};
+
+TEST(ValidateTissue, RefusesWhatIsNotFiniteAndAboveZeroInTheUnitOfTheFile) {
+  for (const PositiveField& field : kPositiveFields) {
+    const auto set = [&field](double value) {
+      return [&field, value](TissueParameters& tissue) { field.of(tissue) = value * field.unit; };
+    };
+    expect_refused({field.name, "0", set(0.0)});
+    expect_refused({field.name, "-2", set(-2.0)});
+    expect_refused({field.name, "inf", set(kTissueInfinity)});
+    expect_refused({field.name, "-inf", set(-kTissueInfinity)});
+    expect_refused({field.name, "nan", set(kTissueNaN)});
+  }
+}
+
+TEST(ValidateTissue, RefusesNegativeFrictionAndDampingButNotZero) {
+  for (const double bad : {-0.5, kTissueInfinity, kTissueNaN}) {
+    const std::string shown = bad == -0.5 ? "-0.5" : bad == kTissueInfinity ? "inf" : "nan";
+    expect_refused({"contact.friction", shown, [bad](TissueParameters& t) { t.contact.friction = bad; }});
+    expect_refused({"contact.tangential_damping_N_s_per_m", shown,
+                    [bad](TissueParameters& t) { t.contact.tangential_damping = bad; }});
+    expect_refused(
+        {"contact.damping_N_s_per_m", shown, [bad](TissueParameters& t) { t.contact.damping = bad; }});
+  }
+  TissueParameters tissue = tissue_preset("heart");
+  tissue.contact.friction = 0.0;
+  tissue.contact.damping = 0.0;
+  EXPECT_NO_THROW(validate(tissue));
+}
+
+TEST(ValidateTissue, RefusesLengthsOutOfOrder) {
+  const auto set_max = [](double value) { return [value](TissueParameters& t) { t.max_length = value; }; };
+  const auto set_min = [](double value) { return [value](TissueParameters& t) { t.min_length = value; }; };
+  expect_refused({"max_length_mm", "14", set_max(14e-3)});  // as long as at rest
+  expect_refused({"max_length_mm", "2", set_max(2e-3)});
+  expect_refused({"max_length_mm", "inf", set_max(kTissueInfinity)});
+  expect_refused({"max_length_mm", "nan", set_max(kTissueNaN)});
+  expect_refused({"min_length_mm", "14", set_min(14e-3)});
+  expect_refused({"min_length_mm", "30", set_min(30e-3)});
+  expect_refused({"min_length_mm", "-1", set_min(-1e-3)});
+  expect_refused({"min_length_mm", "nan", set_min(kTissueNaN)});
+  TissueParameters tissue = tissue_preset("heart");
+  tissue.min_length = 0.0;  // a spring may be pressed flat
+  EXPECT_NO_THROW(validate(tissue));
+}
+
+TEST(ValidateTissue, RefusesRatiosOfTheReachOutsideTheirRange) {
+  expect_refused({"reach.bar_ratio", "1", [](TissueParameters& t) { t.reach.bar_ratio = 1.0; }});
+  expect_refused({"reach.weight_ratio", "1", [](TissueParameters& t) { t.reach.weight_ratio = 1.0; }});
+  expect_refused({"reach.weight_ratio", "1.5", [](TissueParameters& t) { t.reach.weight_ratio = 1.5; }});
+  expect_refused(
+      {"reach.depth_exponent", "1.001", [](TissueParameters& t) { t.reach.depth_exponent = 1.001; }});
+  TissueParameters tissue = tissue_preset("liver");
+  tissue.reach.depth_exponent = 1.0;
+  EXPECT_NO_THROW(validate(tissue));
+}
+
+TEST(TissueParameters, FirstLimitIsByDirection) {
+  TissueParameters tissue;
+  tissue.rest_length = 14e-3;
+  tissue.max_length = 24e-3;
+  tissue.min_length = 6e-3;
+  EXPECT_DOUBLE_EQ(tissue.first_limit(Direction::kPull), 10e-3);
+  EXPECT_DOUBLE_EQ(tissue.first_limit(Direction::kPress), 8e-3);
+}
+
+TEST(TissueParameters, TangentialStiffnessIsTenTimesTheFirstSpringUnlessGiven) {
+  TissueParameters tissue = tissue_preset("gallbladder");
+  EXPECT_DOUBLE_EQ(tissue.tangential_stiffness(), 180.0);
+  tissue.contact.tangential_stiffness = 50.0;
+  EXPECT_EQ(tissue.tangential_stiffness(), 50.0);
+}
+
+TEST(TissuePreset, EveryOneIsValidAndCarriesItsName) {
+  for (const std::string& name : kPresetNames) {
+    const TissueParameters tissue = tissue_preset(name);
+    EXPECT_EQ(tissue.name, name);
+    EXPECT_NO_THROW(validate(tissue)) << name;
+  }
+}
+
+TEST(TissuePreset, GallbladderAndHeartHaveThePapersFigures) {
+  EXPECT_EQ(tissue_preset("gallbladder").beta, 1.6);
+  EXPECT_EQ(tissue_preset("gallbladder").k1, 18.0);  // 0.18 N/cm
+  EXPECT_EQ(tissue_preset("heart").beta, 2.0);
+  EXPECT_EQ(tissue_preset("heart").k1, 15.0);  // 0.15 N/cm
+}
+
+TEST(TissuePreset, RefusesUnknownNamesAndListsTheKnownOnes) {
+  try {
+    static_cast<void>(tissue_preset("spleen"));
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("spleen"));
+    for (const std::string& name : kPresetNames) EXPECT_THAT(error.what(), testing::HasSubstr(name));
+  }
+}
+
+}  // namespace
+}  // namespace palpate::model

@@ -1,0 +1,115 @@
+#include "palpate/tissue.h"
+
+#include <array>
+#include <cmath>
+
+#include "palpate/error.h"
+#include "palpate/units.h"
+
+#include "core/model/tissue_fields.h"
+
+namespace palpate::model {
+namespace {
+
+[[noreturn]] void refuse_terms(std::size_t count) {
+  throw ParameterError("relaxation", static_cast<double>(count),
+                       "at most " + std::to_string(kMostRelaxationTerms) + " terms");
+}
+
+void require_positive(const std::string& field, double value) {
+  if (!kPositive.contains(value)) throw ParameterError(field, value, kPositive.in_words());
+}
+
+// The law's own figures of one preset; everything else keeps its default.
+struct Preset {
+  const char* name;
+  double k1_N_per_m;
+  double beta;
+  double q;
+  double first_limit_mm;  // L_1, pressed and pulled alike
+  double rest_length_mm;
+  double t1_us;
+};
+
+// Where each figure comes from: docs/tissues.md. k1 and beta of gallbladder and heart are the paper's.
+constexpr std::array kPresets{
+    Preset{"gallbladder", 18.0, 1.6, 0.7, 8.0, 14.0, 1.0},
+    Preset{"heart", 15.0, 2.0, 0.7, 8.0, 14.0, 1.0},
+    Preset{"liver", 25.0, 2.5, 0.7, 8.0, 16.0, 1.0},
+    Preset{"kidney", 40.0, 3.5, 0.7, 7.5, 15.0, 1.0},
+};
+
+}  // namespace
+
+const char* to_string(LawKind law) noexcept { return law == LawKind::kSmooth ? "smooth" : "layered"; }
+
+LawKind parse_law(std::string_view text) {
+  if (text == "layered") return LawKind::kLayered;
+  if (text == "smooth") return LawKind::kSmooth;
+  throw InputError("law = \"" + std::string(text) + "\": must be layered or smooth");
+}
+
+void RelaxationTerms::push_back(const RelaxationTerm& term) {
+  if (count_ == kMostRelaxationTerms) refuse_terms(count_ + 1);
+  terms_[count_++] = term;
+}
+
+double TissueNumbers::first_limit(Direction direction) const noexcept {
+  const double limit = direction == Direction::kPull ? max_length - rest_length : rest_length - min_length;
+  // To a femtometre, so that 22 mm - 14 mm is 8 mm and not the 7.999999999999998 mm that the difference
+  // leaves.
+  constexpr double kPerMetre = 1e15;
+  const double rounded = std::floor(limit * kPerMetre + 0.5) / kPerMetre;
+  return rounded > 0.0 && std::isfinite(rounded) ? rounded : limit;
+}
+
+double TissueNumbers::tangential_stiffness() const noexcept {
+  constexpr double kOfFirstSpring =
+      10.0;  // reaches the friction cone within 0.6 mm of travel (docs/model.md, section 4)
+  return contact.tangential_stiffness.value_or(kOfFirstSpring * k1);
+}
+
+void validate(const TissueParameters& tissue) {
+  if (tissue.law > LawKind::kSmooth) {
+    throw ParameterError("law", static_cast<double>(tissue.law), "0 (layered) or 1 (smooth)");
+  }
+  for (const TissueField& field : kTissueFields) field.check(tissue);
+  validate_relaxation(tissue.relaxation);
+  if (tissue.source) require_positive("source.radius_mm", tissue.source->radius / kMillimetre);
+}
+
+void validate_relaxation(std::span<const RelaxationTerm> terms) {
+  if (terms.size() > kMostRelaxationTerms) refuse_terms(terms.size());
+  double sum = 0.0;
+  for (const RelaxationTerm& term : terms) {
+    require_positive("relaxation.share", term.share);
+    require_positive("relaxation.time_s", term.time);
+    sum += term.share;
+  }
+  if (!(sum < 1.0)) {
+    throw ParameterError("relaxation.share", sum,
+                         "< 1 in sum, so that some force stays however long one holds");
+  }
+}
+
+TissueParameters tissue_preset(const std::string& name) {
+  std::string known;
+  for (const Preset& preset : kPresets) {
+    if (name == preset.name) {
+      TissueParameters tissue;
+      tissue.name = name;
+      tissue.k1 = preset.k1_N_per_m;
+      tissue.beta = preset.beta;
+      tissue.q = preset.q;
+      tissue.rest_length = preset.rest_length_mm * kMillimetre;
+      tissue.max_length = (preset.rest_length_mm + preset.first_limit_mm) * kMillimetre;
+      tissue.min_length = (preset.rest_length_mm - preset.first_limit_mm) * kMillimetre;
+      tissue.t1 = preset.t1_us * kMicrosecond;
+      return tissue;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(preset.name);
+  }
+  throw InputError("tissue = \"" + name + "\": no built-in tissue of that name; there are " + known);
+}
+
+}  // namespace palpate::model

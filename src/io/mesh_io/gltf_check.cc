@@ -1,0 +1,199 @@
+#include "io/mesh_io/gltf_check.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "palpate/error.h"
+
+#include "io/mesh_io/text_scan.h"
+
+namespace palpate::geometry {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kDeepestJson = 100;
+constexpr int kDeepestGltfNode = 200;
+constexpr std::size_t kMostNodes = 100'000;
+constexpr std::uint64_t kMostElements = 20'000'000;       // indices and vertices of all parts
+constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // numbers that only a count stands for
+
+std::uint32_t read_u32_le(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+/// The JSON chunk of a .glb, which comes first.
+std::string_view json_of_glb(const MeshFile& file) {
+  const std::string_view bytes = file.bytes;
+  const auto refuse = [&](const std::string& words) { throw InputError(file.path.string() + ": " + words); };
+  constexpr std::size_t kHeader = 20;  // of the file 12, of the chunk 8
+  if (bytes.size() < kHeader || bytes.substr(0, 4) != "glTF") {
+    refuse("not a binary glTF: must start with \"glTF\" and a JSON chunk");
+  }
+  const std::size_t declared = read_u32_le(bytes, 8);
+  if (declared != bytes.size()) {
+    refuse(fmt::format("truncated or damaged: declares {} bytes, has {}", declared, bytes.size()));
+  }
+  const std::size_t length = read_u32_le(bytes, 12);
+  if (length > bytes.size() - kHeader) refuse("truncated: its JSON chunk does not end");
+  return bytes.substr(kHeader, length);
+}
+
+class GltfCheck final {
+ public:
+  GltfCheck(const MeshFile& file, std::string_view text) : file_(file), text_(text) {}
+
+  void run() {
+    check_nesting();
+    root_ = json::parse(text_.begin(), text_.end(), nullptr, /*allow_exceptions=*/false);
+    if (!root_.is_object()) refuse("not a JSON document");
+    check_nodes();
+    check_buffers();
+    check_accessors();
+    check_parts();
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& words) const {
+    throw InputError(file_.path.string() + ": " + words);
+  }
+
+  void check_nesting() const {
+    int depth = 0;
+    bool in_string = false;
+    for (std::size_t i = 0; i < text_.size(); ++i) {
+      const char c = text_[i];
+      if (in_string) {
+        if (c == '\\') ++i;
+        in_string = c != '"';
+      } else if (c == '"') {
+        in_string = true;
+      } else if (c == '[' || c == '{') {
+        if (++depth > kDeepestJson) refuse(fmt::format("its JSON is nested more than {} deep", kDeepestJson));
+      } else if (c == ']' || c == '}') {
+        --depth;
+      }
+    }
+  }
+
+  [[nodiscard]] const json& list(const json& owner, const char* name) const {
+    static const json kNone = json::array();
+    if (!owner.is_object()) return kNone;
+    const auto found = owner.find(name);
+    return found != owner.end() && found->is_array() ? *found : kNone;
+  }
+
+  /// Walks the tree as an importer would, a node once for each time that it is used.
+  void check_nodes() const {
+    const json& nodes = list(root_, "nodes");
+    std::vector<std::pair<std::size_t, int>> open;  // node, depth
+    const auto add = [&](const json& indices, int depth) {
+      for (const json& index : indices) {
+        if (!index.is_number_unsigned()) continue;  // the importer says so
+        if (index.get<std::uint64_t>() < nodes.size()) open.emplace_back(index.get<std::size_t>(), depth);
+      }
+    };
+    for (const json& scene : list(root_, "scenes")) add(list(scene, "nodes"), 1);
+    std::size_t visited = 0;
+    while (!open.empty()) {
+      const auto [node, depth] = open.back();
+      open.pop_back();
+      if (depth > kDeepestGltfNode)
+        refuse(fmt::format("its nodes are nested more than {} deep", kDeepestGltfNode));
+      if (++visited > kMostNodes) refuse(fmt::format("its nodes are used more than {} times", kMostNodes));
+      add(list(nodes[node], "children"), depth + 1);
+    }
+  }
+
+  /// Dots and slashes written as codes.
+  static bool hides_a_path(const std::string& name) {
+    for (std::size_t at = name.find("%2"); at != std::string::npos; at = name.find("%2", at + 1)) {
+      if (at + 2 < name.size() && std::string_view("eEfF").find(name[at + 2]) != std::string_view::npos)
+        return true;
+    }
+    return false;
+  }
+
+  /// A buffer of a file of its own lies beside or below the mesh file: no other file is opened for it.
+  void check_buffers() const {
+    for (const json& buffer : list(root_, "buffers")) {
+      if (!buffer.is_object()) continue;
+      const auto uri = buffer.find("uri");
+      if (uri == buffer.end() || !uri->is_string()) continue;
+      const std::string name = uri->get<std::string>();
+      if (name.starts_with("data:")) continue;
+      const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+      const bool leaves = path.is_absolute() || path.empty() || *path.begin() == ".." ||
+                          name.find(':') != std::string::npos || hides_a_path(name);
+      if (leaves) {
+        refuse(without_controls("buffer \"" + name.substr(0, 60) +
+                                "\": must be a file in the folder of the mesh"));
+      }
+    }
+  }
+
+  void check_accessors() const {
+    std::uint64_t without_buffer = 0;
+    for (const json& accessor : list(root_, "accessors")) {
+      if (!accessor.is_object() || accessor.contains("bufferView")) continue;
+      const auto count = accessor.find("count");
+      if (count == accessor.end() || !count->is_number_unsigned()) continue;
+      without_buffer += std::min(count->get<std::uint64_t>(), kMostWithoutBuffer + 1);
+      if (without_buffer > kMostWithoutBuffer) {
+        refuse(fmt::format("accessors without a buffer declare more than {} elements", kMostWithoutBuffer));
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint64_t count_of(const json& accessor_index) const {
+    const json& accessors = list(root_, "accessors");
+    if (!accessor_index.is_number_unsigned() || accessor_index.get<std::uint64_t>() >= accessors.size())
+      return 0;
+    const json& accessor = accessors[accessor_index.get<std::size_t>()];
+    const auto count = accessor.is_object() ? accessor.find("count") : accessor.end();
+    if (count == accessor.end() || !count->is_number_unsigned()) return 0;
+    return std::min(count->get<std::uint64_t>(), kMostElements + 1);
+  }
+
+  /// The importer copies indices and vertices for each part, also where parts share them.
+  void check_parts() const {
+    std::uint64_t elements = 0;
+    for (const json& mesh : list(root_, "meshes")) {
+      for (const json& part : list(mesh, "primitives")) {
+        if (!part.is_object()) continue;
+        if (const auto indices = part.find("indices"); indices != part.end()) elements += count_of(*indices);
+        const auto attributes = part.find("attributes");
+        if (attributes == part.end() || !attributes->is_object()) continue;
+        for (const json& attribute : *attributes) elements += count_of(attribute);
+        if (elements > kMostElements) {
+          refuse(fmt::format("its parts declare more than {} indices and vertices", kMostElements));
+        }
+      }
+    }
+  }
+
+  const MeshFile& file_;
+  std::string_view text_;
+  json root_;
+};
+
+}  // namespace
+
+void check_gltf(const MeshFile& file) {
+  const std::string_view text =
+      file.format == MeshFormat::kGlb ? json_of_glb(file) : std::string_view(file.bytes);
+  GltfCheck(file, text).run();
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,11 @@
+#pragma once
+#include "io/mesh_io/mesh_file.h"
+
+namespace palpate::geometry {
+
+/// [setup] Looks through the JSON of a .gltf or .glb file for what would take an importer's memory or stack:
+/// nesting, parts that are used again and again, counts that no buffer bounds. @throws InputError naming the
+/// file and the element.
+void check_gltf(const MeshFile& file);
+
+}  // namespace palpate::geometry

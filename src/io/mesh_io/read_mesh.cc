@@ -1,0 +1,158 @@
+#include "palpate/read_mesh.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <unordered_map>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+
+#include "core/base/text.h"
+#include "io/mesh_io/import_mesh.h"
+#include "io/mesh_io/mesh_file.h"
+#include "io/mesh_io/vtk_file.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kSmallestOrgan = 5e-3;  // m
+constexpr double kLargestOrgan = 2.0;    // m
+// What a mesh file can hold, and squares of it can be summed.
+constexpr double kLargestCoordinate = std::numeric_limits<float>::max();
+
+struct PlaceHash {
+  std::size_t operator()(const std::array<double, 3>& place) const noexcept {
+    std::uint64_t hash = 0;
+    for (const double x : place) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
+    return static_cast<std::size_t>(hash ^ (hash >> 29));
+  }
+};
+
+struct Merged {
+  TriangleMesh mesh;
+  std::size_t collapsed = 0;  // triangles dropped that name a vertex twice
+  std::size_t distinct = 0;   // places that had a vertex, used or not
+};
+
+/// One vertex for each place that a triangle uses, in the order of the input; only exactly equal places are
+/// one.
+Merged merge_equal_vertices(const TriangleMesh& mesh) {
+  std::unordered_map<std::array<double, 3>, std::size_t, PlaceHash> first_at;
+  first_at.reserve(mesh.vertices.size());
+  std::vector<std::size_t> place_of(mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vec3 p = mesh.vertices[v] + Vec3::Zero();  // -0 is 0
+    place_of[v] = first_at.try_emplace({p.x(), p.y(), p.z()}, v).first->second;
+  }
+  const auto places = [&](const Triangle& triangle) {
+    return std::array<std::size_t, 3>{place_of[static_cast<std::size_t>(triangle[0])],
+                                      place_of[static_cast<std::size_t>(triangle[1])],
+                                      place_of[static_cast<std::size_t>(triangle[2])]};
+  };
+  const auto is_collapsed = [](const std::array<std::size_t, 3>& p) {
+    return p[0] == p[1] || p[1] == p[2] || p[2] == p[0];
+  };
+  std::vector<bool> is_used(mesh.vertices.size(), false);
+  for (const Triangle& triangle : mesh.triangles) {
+    if (is_collapsed(places(triangle))) continue;
+    for (const std::size_t place : places(triangle)) is_used[place] = true;
+  }
+  Merged merged;
+  merged.distinct = first_at.size();
+  std::vector<std::int32_t> new_index(mesh.vertices.size(), -1);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!is_used[v]) continue;
+    new_index[v] = static_cast<std::int32_t>(merged.mesh.vertices.size());
+    merged.mesh.vertices.push_back(mesh.vertices[v]);
+  }
+  merged.mesh.triangles.reserve(mesh.triangles.size());
+  for (const Triangle& triangle : mesh.triangles) {
+    const auto [a, b, c] = places(triangle);
+    if (is_collapsed({a, b, c})) {
+      ++merged.collapsed;
+    } else {
+      merged.mesh.triangles.push_back({new_index[a], new_index[b], new_index[c]});
+    }
+  }
+  return merged;
+}
+
+void say_merged(const MeshFile& file, const FileFacts& facts, const TriangleMesh& imported,
+                const Merged& merged, std::vector<std::string>& repairs) {
+  // The importer gives each OBJ, PLY and OFF face vertices of its own: there the file's own list counts.
+  const std::size_t vertices = facts.has_vertex_list ? facts.vertices : imported.vertices.size();
+  const std::size_t distinct = facts.has_vertex_list ? facts.distinct_vertices : merged.distinct;
+  const std::size_t kept = merged.mesh.vertices.size();
+  if (file.format == MeshFormat::kStl) {  // a list of triangles without a list of vertices
+    repairs.push_back(fmt::format("joined {} triangle corners in {} vertices", vertices, kept));
+  } else if (vertices > distinct) {
+    repairs.push_back(fmt::format("merged {} duplicate vertices", vertices - distinct));
+  }
+  if (file.format != MeshFormat::kStl && distinct > kept) {
+    repairs.push_back(fmt::format("dropped {} vertices that no triangle uses", distinct - kept));
+  }
+  if (merged.collapsed > 0) {
+    repairs.push_back(fmt::format("dropped {}{} with two corners in one place", merged.collapsed,
+                                  merged.collapsed == 1 ? " triangle" : " triangles"));
+  }
+}
+
+/// The unit in which `size` metres, as read, would be a likely organ, for a hint.
+std::string unit_hint(double size) {
+  for (const double factor : {1e-3, 1e3, 1e-2, 1e2, 25.4e-3, 1.0 / 25.4e-3}) {
+    const double other = size * factor;
+    if (other >= 0.02 && other <= 0.5) {
+      return fmt::format(": is its unit right? ({} times {} it would be {} mm)",
+                         shortest(factor < 1.0 ? 1.0 / factor : factor), factor < 1.0 ? "smaller" : "larger",
+                         shortest(std::round(other * 1e3)));
+    }
+  }
+  return ": is its unit right?";
+}
+
+}  // namespace
+
+LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
+  const MeshFile file = open_mesh_file(path);
+  if (!unit) throw InputError(path.string() + ": its unit is missing: must be mm, cm, m or in");
+  const FileFacts facts = check_mesh_file(file);
+  ImportedMesh imported = file.format == MeshFormat::kVtk ? read_vtk(file) : import_mesh(file, facts);
+  if (imported.mesh.triangles.empty()) {
+    throw InputError(path.string() + ": no triangles" +
+                     (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));
+  }
+  for (std::size_t v = 0; v < imported.mesh.vertices.size(); ++v) {
+    // Parts within parts may have scaled it past what a file's own numbers can be.
+    if ((imported.mesh.vertices[v].array().abs() <= kLargestCoordinate).all()) continue;  // false of NaN
+    throw InputError(
+        fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)", path.string(), v + 1));
+  }
+  Merged merged = merge_equal_vertices(imported.mesh);
+  say_merged(file, facts, imported.mesh, merged, imported.repairs);
+  if (merged.mesh.triangles.empty()) {
+    throw InputError(fmt::format("{}: no triangles ({})", path.string(), joined(imported.repairs)));
+  }
+  for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(*unit);
+  LoadedMesh loaded{std::move(merged.mesh), {}};
+  loaded.findings = findings_of(loaded.mesh);
+  loaded.findings.repairs = std::move(imported.repairs);
+  return loaded;
+}
+
+void require_organ(const LoadedMesh& loaded, const std::string& name) {
+  const double size = bounds(loaded.mesh).size().maxCoeff();
+  if (!(size >= kSmallestOrgan && size <= kLargestOrgan)) {
+    throw InputError(fmt::format("{}: its largest side is {} mm, an organ's is 5 to 2000 mm{}", name,
+                                 shortest(size * 1e3), unit_hint(size)));
+  }
+  if (loaded.findings.defects.empty()) return;
+  throw InputError(name + ": cannot be an organ: " + joined(loaded.findings.defects) +
+                   "; an organ must be closed, manifold and turned outwards: repair it in a mesh tool first");
+}
+
+}  // namespace palpate::geometry

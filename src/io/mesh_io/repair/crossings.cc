@@ -1,0 +1,211 @@
+#include "io/mesh_io/repair/crossings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace palpate::geometry {
+namespace {
+
+constexpr std::size_t kMostTests = 40'000'000;  // pairs of boxes or triangles, about 3 s
+constexpr std::size_t kMostPairs = 1'000'000;
+constexpr std::size_t kLeaf = 4;  // triangles
+// Volumes below this share of what their lengths could make are rounding.
+constexpr double kRounding = 1e-12;
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  [[nodiscard]] bool meets(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+};
+
+struct Node {
+  Box box;
+  std::uint32_t begin = 0;  // of the order
+  std::uint32_t end = 0;
+  std::uint32_t left = 0;  // child; 0: a leaf; the right child follows the left one
+};
+
+double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return (b - a).cross(c - a).dot(d - a);
+}
+
+class Search final {
+ public:
+  explicit Search(const TriangleMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
+    std::iota(order_.begin(), order_.end(), 0U);
+    boxes_.reserve(mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles) {
+      Box box;
+      for (const std::int32_t v : t) box.add({point(v), point(v)});
+      boxes_.push_back(box);
+    }
+    scale_ = 0.0;
+    for (const Vec3& v : mesh.vertices) scale_ = std::max(scale_, v.cwiseAbs().maxCoeff());
+  }
+
+  Crossings run() {
+    if (order_.size() < 2) return {};
+    build();
+    walk();
+    std::sort(found_.pairs.begin(), found_.pairs.end());
+    return std::move(found_);
+  }
+
+ private:
+  void build() {
+    nodes_.reserve(order_.size());
+    nodes_.push_back({{}, 0, static_cast<std::uint32_t>(order_.size()), 0});
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      Node node = nodes_[n];
+      Box centres;
+      for (std::uint32_t i = node.begin; i < node.end; ++i) {
+        node.box.add(boxes_[order_[i]]);
+        const Vec3 middle = centre(order_[i]);
+        centres.add({middle, middle});
+      }
+      if (node.end - node.begin > kLeaf) {
+        int axis = 0;
+        (void)(centres.high - centres.low).maxCoeff(&axis);
+        const std::uint32_t middle = node.begin + (node.end - node.begin) / 2;
+        std::nth_element(order_.begin() + node.begin, order_.begin() + middle, order_.begin() + node.end,
+                         [&](std::uint32_t a, std::uint32_t b) {
+                           const double ca = centre(a)[axis];
+                           const double cb = centre(b)[axis];
+                           return ca != cb ? ca < cb : a < b;
+                         });
+        node.left = static_cast<std::uint32_t>(nodes_.size());
+        nodes_.push_back({{}, node.begin, middle, 0});
+        nodes_.push_back({{}, middle, node.end, 0});
+      }
+      nodes_[n] = node;
+    }
+  }
+
+  /// Every pair of nodes whose boxes meet, from the pair of the root with itself down.
+  void walk() {
+    std::vector<std::array<std::uint32_t, 2>> open{{0, 0}};
+    while (!open.empty()) {
+      const auto [a, b] = open.back();
+      open.pop_back();
+      if (++tests_ > kMostTests || found_.pairs.size() > kMostPairs) {
+        found_.all = false;
+        return;
+      }
+      const Node& one = nodes_[a];
+      const Node& other = nodes_[b];
+      if (a == b) {
+        if (one.left == 0) {
+          test_leaves(one, one);
+        } else {
+          open.push_back({one.left, one.left});
+          open.push_back({one.left + 1, one.left + 1});
+          open.push_back({one.left, one.left + 1});
+        }
+        continue;
+      }
+      if (!one.box.meets(other.box)) continue;
+      if (one.left == 0 && other.left == 0) {
+        test_leaves(one, other);
+      } else if (other.left == 0 || (one.left != 0 && one.end - one.begin >= other.end - other.begin)) {
+        open.push_back({one.left, b});
+        open.push_back({one.left + 1, b});
+      } else {
+        open.push_back({a, other.left});
+        open.push_back({a, other.left + 1});
+      }
+    }
+  }
+
+  void test_leaves(const Node& one, const Node& other) {
+    const bool same = &one == &other;
+    for (std::uint32_t i = one.begin; i < one.end; ++i) {
+      for (std::uint32_t j = same ? i + 1 : other.begin; j < other.end; ++j) {
+        const std::uint32_t s = std::min(order_[i], order_[j]);
+        const std::uint32_t t = std::max(order_[i], order_[j]);
+        if (!boxes_[s].meets(boxes_[t])) continue;
+        ++tests_;
+        if (cross(mesh_.triangles[s], mesh_.triangles[t])) found_.pairs.push_back({s, t});
+      }
+    }
+  }
+
+  [[nodiscard]] bool cross(const Triangle& s, const Triangle& t) const {
+    int common = 0;
+    for (const std::int32_t v : s) common += std::count(t.begin(), t.end(), v) > 0 ? 1 : 0;
+    if (common > 1) return false;
+    if (all_on_one_side(s, t) || all_on_one_side(t, s)) return false;
+    return edge_pierces(s, t) || edge_pierces(t, s);
+  }
+
+  [[nodiscard]] double rounding(const Triangle& s, const Triangle& t) const {
+    Box box;
+    for (const std::int32_t v : s) box.add({point(v), point(v)});
+    for (const std::int32_t v : t) box.add({point(v), point(v)});
+    const double size = (box.high - box.low).maxCoeff();
+    return kRounding * (size + 1e-3 * scale_) * size * size;
+  }
+
+  /// Whether the corners of s lie on one side of t's plane (those on it do not count as across).
+  [[nodiscard]] bool all_on_one_side(const Triangle& s, const Triangle& t) const {
+    const double slack = rounding(s, t);
+    int above = 0;
+    int below = 0;
+    for (const std::int32_t v : s) {
+      const double height = volume(point(t[0]), point(t[1]), point(t[2]), point(v));
+      above += height > slack ? 1 : 0;
+      below += height < -slack ? 1 : 0;
+    }
+    return above == 0 || below == 0;
+  }
+
+  /// Whether an edge of s that has no corner in common with t goes through the inside of t.
+  [[nodiscard]] bool edge_pierces(const Triangle& s, const Triangle& t) const {
+    const double slack = rounding(s, t);
+    const auto in_t = [&](std::int32_t v) { return std::count(t.begin(), t.end(), v) > 0; };
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t from = s[k];
+      const std::int32_t to = s[(k + 1) % 3];
+      if (in_t(from) || in_t(to)) continue;
+      const Vec3& p = point(from);
+      const Vec3& q = point(to);
+      const Vec3& a = point(t[0]);
+      const Vec3& b = point(t[1]);
+      const Vec3& c = point(t[2]);
+      const double before = volume(a, b, c, p);
+      const double behind = volume(a, b, c, q);
+      if (std::min(std::abs(before), std::abs(behind)) <= slack || (before > 0.0) == (behind > 0.0)) continue;
+      const double u = volume(p, q, a, b);
+      const double v = volume(p, q, b, c);
+      const double w = volume(p, q, c, a);
+      if ((u > slack && v > slack && w > slack) || (u < -slack && v < -slack && w < -slack)) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] const Vec3& point(std::int32_t v) const {
+    return mesh_.vertices[static_cast<std::size_t>(v)];
+  }
+  [[nodiscard]] Vec3 centre(std::uint32_t t) const { return boxes_[t].low + boxes_[t].high; }
+
+  const TriangleMesh& mesh_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Box> boxes_;
+  std::vector<Node> nodes_;
+  double scale_ = 0.0;
+  std::size_t tests_ = 0;
+  Crossings found_;
+};
+
+}  // namespace
+
+Crossings find_crossings(const TriangleMesh& mesh) { return Search(mesh).run(); }
+
+}  // namespace palpate::geometry

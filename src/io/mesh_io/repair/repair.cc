@@ -1,0 +1,234 @@
+#include "io/mesh_io/repair/repair.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+#include "palpate/units.h"
+
+#include "core/base/text.h"
+#include "io/mesh_io/repair/repair_holes.h"
+#include "io/mesh_io/repair/repair_pieces.h"
+#include "io/mesh_io/repair/repair_slivers.h"
+#include "io/mesh_io/repair/repair_surface.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kWeld =
+    1e-6;  // of the bounding box's diagonal: the rounding of 32-bit coordinates, and text
+
+// A hole is small when it has at most so many edges and spans at most so much of the bounding box's diagonal
+// ...
+constexpr std::size_t kMostHoleEdges = 200;
+constexpr double kMostHoleWidth = 0.2;
+// ... or when it is a missing triangle or two, of at most so much of the surface.
+constexpr std::size_t kFewHoleEdges = 4;
+constexpr double kFewHoleArea = 0.1;
+constexpr std::uint64_t kMostHoleSteps = 60'000'000;  // about 2 s
+
+std::string triangles(std::size_t count) { return counted(count, "triangle", "triangles"); }
+
+/// With three digits that count.
+std::string millimetres(double metres) {
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), metres / kMillimetre,
+                                 std::chars_format::general, 3);
+  double rounded = 0.0;
+  (void)std::from_chars(digits.data(), end.ptr, rounded);
+  return shortest(rounded);
+}
+
+std::string place(const Vec3& p) {
+  return fmt::format("({}, {}, {}) mm", millimetres(p.x()), millimetres(p.y()), millimetres(p.z()));
+}
+
+std::string percent(double share) {
+  const double value = 100.0 * share;
+  return value < 0.01 ? "under 0.01 %" : shortest(std::round(value * 100.0) / 100.0) + " %";
+}
+
+class Repair final {
+ public:
+  explicit Repair(TriangleMesh mesh) : surface_(std::move(mesh)) {}
+
+  RepairedSurface run() {
+    drop_and_weld();
+    if (repaired_.refusal.empty()) part_and_turn();
+    if (repaired_.refusal.empty()) close_holes();
+    if (repaired_.refusal.empty()) finish();
+    repaired_.mesh = std::move(surface_.mesh);
+    return std::move(repaired_);
+  }
+
+ private:
+  void say(const std::string& words) { repaired_.repairs.push_back(words); }
+  void refuse(const std::string& words) { repaired_.refusal = words; }
+
+  void drop_and_weld() {
+    if (const std::size_t count = drop_collapsed(surface_); count > 0) {
+      say(fmt::format("dropped {} that {} a vertex twice", triangles(count), count == 1 ? "names" : "name"));
+    }
+    std::size_t duplicates = drop_duplicates(surface_);
+    const double tolerance = kWeld * bounds(surface_.mesh).size().norm();
+    if (const std::size_t count = weld_boundaries(surface_, tolerance); count > 0) {
+      say(fmt::format("joined {} at boundaries less than {} mm apart", counted(count, "vertex", "vertices"),
+                      millimetres(tolerance)));
+      duplicates += drop_duplicates(surface_);
+    }
+    if (duplicates > 0) say("dropped " + counted(duplicates, "duplicate triangle", "duplicate triangles"));
+    if (const Done fins = drop_fins(surface_); fins.times > 0) {
+      say(fmt::format("dropped {} ({})", counted(fins.times, "fin", "fins"), triangles(fins.triangles)));
+    }
+    if (const Done walls = drop_walls(surface_); walls.times > 0) {
+      say(fmt::format("dropped {} inside ({})", counted(walls.times, "wall", "walls"),
+                      triangles(walls.triangles)));
+    }
+    if (surface_.mesh.triangles.empty()) refuse("no triangles are left");
+  }
+
+  void part_and_turn() {
+    std::size_t crowded = 0;
+    Mates mates = pair_sides(surface_, crowded);
+    if (crowded > 0) return refuse_crowded(crowded);
+    std::size_t added = split_fans(surface_, mates);
+    constexpr int kMostRounds = 4;  // a triangle may be at three such edges
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::size_t middles = part_pinched_edges(surface_, mates);
+      if (middles == 0) break;
+      mates = pair_sides(surface_, crowded);
+      added += middles + split_fans(surface_, mates);
+    }
+    if (added > 0) {
+      say("parted surfaces that touched, with " + counted(added, "new vertex", "new vertices"));
+    }
+    if (!turn_alike(surface_, mates)) {
+      return refuse("its surface has only one side: its triangles cannot all be turned outwards");
+    }
+    if (const Done scraps = drop_open_scraps(surface_, mates); scraps.times > 0) {
+      say(fmt::format("dropped {} ({})", counted(scraps.times, "open scrap", "open scraps"),
+                      triangles(scraps.triangles)));
+    }
+    for_each_edge(sorted_sides(surface_.mesh.triangles),
+                  [&](const EdgeSide* first, const EdgeSide* last) { crowded += last - first > 2 ? 1 : 0; });
+    if (crowded > 0) refuse_crowded(crowded);
+  }
+
+  void refuse_crowded(std::size_t count) {
+    Vec3 at = Vec3::Zero();
+    bool is_found = false;
+    for_each_edge(sorted_sides(surface_.mesh.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
+      if (last - first <= 2 || is_found) return;
+      at = 0.5 * (surface_.point_at(first->corner) + surface_.point_at(next_corner(first->corner)));
+      is_found = true;
+    });
+    refuse(fmt::format("{} of more than two triangles (the first at {}) that are no fins",
+                       counted(count, "edge", "edges"), place(at)));
+  }
+
+  void close_holes() {
+    std::size_t crowded = 0;
+    const std::vector<Hole> holes = holes_of(surface_, pair_sides(surface_, crowded));
+    if (holes.empty()) return;
+    const double diagonal = bounds(surface_.mesh).size().norm();
+    const double area = surface_.area();
+    std::uint64_t steps = 0;
+    for (const Hole& hole : holes) steps += hole.loop.size() <= kMostHoleEdges ? steps_to_close(hole) : 0;
+    if (steps > kMostHoleSteps) {
+      return refuse(counted(holes.size(), "hole", "holes") + ": too many to be damage");
+    }
+    HoleCloser closer(surface_);
+    std::vector<const Hole*> large;
+    std::size_t added = 0;
+    double widest = 0.0;
+    for (const Hole& hole : holes) {
+      const bool is_narrow = hole.loop.size() <= kMostHoleEdges && hole.width <= kMostHoleWidth * diagonal;
+      const bool is_short = hole.loop.size() <= kFewHoleEdges;
+      if ((!is_narrow && !is_short) || (closer.plan(hole) > kFewHoleArea * area && !is_narrow)) {
+        large.push_back(&hole);
+        continue;
+      }
+      added += closer.close();
+      widest = std::max(widest, hole.width);
+    }
+    if (const std::size_t closed = holes.size() - large.size(); closed > 0) {
+      say(fmt::format("closed {} with {}{}{} mm across)", counted(closed, "hole", "holes"), triangles(added),
+                      closed == 1 ? " (" : " (the widest ", millimetres(widest)));
+    }
+    if (!large.empty()) refuse_holes(large, diagonal);
+  }
+
+  void refuse_holes(const std::vector<const Hole*>& holes, double diagonal) {
+    const Hole& widest = **std::max_element(holes.begin(), holes.end(),
+                                            [](const Hole* a, const Hole* b) { return a->width < b->width; });
+    refuse(fmt::format(
+        "{} of {} edges, {} mm across, at {} (closed are those of up to {} edges and {} mm, a fifth of its "
+        "diagonal)",
+        holes.size() == 1 ? "a hole" : std::to_string(holes.size()) + " holes, the largest",
+        widest.loop.size(), millimetres(widest.width), place(widest.middle), kMostHoleEdges,
+        millimetres(kMostHoleWidth * diagonal)));
+  }
+
+  void finish() {
+    if (const std::size_t count = remove_slivers(surface_); count > 0) {
+      say("took out " + triangles(count) + " without area");
+    }
+    const PiecesDone pieces = sort_out_pieces(surface_);
+    const auto turned = static_cast<std::size_t>(
+        std::count_if(surface_.marks.begin(), surface_.marks.end(),
+                      [](std::uint8_t mark) { return (mark & (kTurned | kAdded)) == kTurned; }));
+    if (turned > 0) {
+      say(fmt::format("turned {}{} outwards", turned == surface_.marks.size() ? "all " : std::string(),
+                      triangles(turned)));
+    }
+    if (pieces.scraps.times > 0) {
+      say("dropped " + counted(pieces.scraps.times, "small piece", "small pieces") + " (" +
+          triangles(pieces.scraps.triangles) + ", " + percent(pieces.scraps_share) + " of the volume)");
+    }
+    if (pieces.inner.times > 0) {
+      say("dropped " + counted(pieces.inner.times, "inner shell", "inner shells") + " (" +
+          triangles(pieces.inner.triangles) + "): an organ is solid");
+    }
+    if (!pieces.refusal.empty()) return refuse(pieces.refusal);
+    repaired_.crossing_pairs = pieces.crossing_pairs;
+    if (pieces.crossing_pairs > 0) {
+      repaired_.remarks.push_back(
+          fmt::format("{} of triangles that go through each other ({} of the surface)",
+                      counted(pieces.crossing_pairs, "pair", "pairs"), percent(pieces.crossing_share)));
+    }
+    if (pieces.kept > 1) repaired_.remarks.push_back(std::to_string(pieces.kept) + " separate pieces");
+  }
+
+  WorkSurface surface_;
+  RepairedSurface repaired_;
+};
+
+}  // namespace
+
+RepairedSurface repair_surface(TriangleMesh mesh) { return Repair(std::move(mesh)).run(); }
+
+LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
+  RepairedSurface repaired = repair_surface(std::move(loaded.mesh));
+  if (!repaired.refusal.empty()) {
+    throw InputError(name + ": cannot be an organ: " + repaired.refusal + ": repair it in a mesh tool first");
+  }
+  LoadedMesh organ{std::move(repaired.mesh), {}};
+  organ.findings = findings_of(organ.mesh);
+  organ.findings.crossing_pairs = repaired.crossing_pairs;
+  const auto append = [](std::vector<std::string>& all, const std::vector<std::string>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  append(organ.findings.repairs, loaded.findings.repairs);
+  append(organ.findings.repairs, repaired.repairs);
+  append(organ.findings.remarks, repaired.remarks);
+  require_organ(organ, name);
+  return organ;
+}
+
+}  // namespace palpate::geometry

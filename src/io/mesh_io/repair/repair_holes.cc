@@ -1,0 +1,130 @@
+#include "io/mesh_io/repair/repair_holes.h"
+
+#include <algorithm>
+
+#include "core/base/infinity.h"
+#include "core/geometry/edge_key.h"
+
+namespace palpate::geometry {
+namespace {
+
+double area_of(const TriangleMesh& mesh, const Triangle& triangle) {
+  return 0.5 * area_vector_doubled(mesh, triangle).norm();
+}
+
+double area_of(const TriangleMesh& mesh, const std::vector<Triangle>& triangles) {
+  double sum = 0.0;
+  for (const Triangle& triangle : triangles) sum += area_of(mesh, triangle);
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates) {
+  // A patch runs against the boundary, so from each boundary edge's end to its start.
+  std::vector<std::int32_t> next(surface.mesh.vertices.size(), -1);
+  for (Corner c = 0; c < mates.size(); ++c) {
+    if (mates[c] != kNoMate) continue;
+    next[static_cast<std::size_t>(surface.vertex_at(next_corner(c)))] = surface.vertex_at(c);
+  }
+  std::vector<Hole> holes;
+  for (std::size_t start = 0; start < next.size(); ++start) {
+    if (next[start] < 0) continue;
+    Hole hole;
+    Vec3 low = Vec3::Constant(kInfinity);
+    Vec3 high = Vec3::Constant(-kInfinity);
+    for (auto v = static_cast<std::int32_t>(start); v >= 0;) {
+      hole.loop.push_back(v);
+      low = low.cwiseMin(surface.point(v));
+      high = high.cwiseMax(surface.point(v));
+      std::int32_t& after = next[static_cast<std::size_t>(v)];
+      v = after;
+      after = -1;
+      if (v == static_cast<std::int32_t>(start)) break;
+    }
+    hole.width = (high - low).norm();
+    hole.middle = 0.5 * (low + high);
+    holes.push_back(std::move(hole));
+  }
+  return holes;
+}
+
+std::uint64_t steps_to_close(const Hole& hole) {
+  const std::uint64_t n = hole.loop.size();
+  return n * n * n / 6 + 1;
+}
+
+HoleCloser::HoleCloser(WorkSurface& surface) : surface_(surface) {
+  for (const EdgeSide& side : sorted_sides(surface.mesh.triangles)) edges_.push_back(side.edge);
+}
+
+std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
+                                       const std::function<bool(std::int32_t, std::int32_t)>& may_join) {
+  const std::size_t n = loop.size();
+  if (n < 3) return {};
+  std::vector<double> least(n * n, 0.0);  // [i, j]: area that closes the loop from i to j
+  std::vector<std::size_t> split(n * n, 0);
+  for (std::size_t span = 2; span < n; ++span) {
+    for (std::size_t i = 0; i + span < n; ++i) {
+      const std::size_t j = i + span;
+      double best = kInfinity;
+      const bool is_own = i == 0 && j + 1 == n;  // the edge from the last to the first is the loop's own
+      if (is_own || may_join(loop[i], loop[j])) {
+        for (std::size_t m = i + 1; m < j; ++m) {
+          const double rest = least[i * n + m] + least[m * n + j];
+          if (!(rest < best)) continue;
+          const double area = rest + area_of(mesh, Triangle{loop[i], loop[m], loop[j]});
+          if (area < best) {
+            best = area;
+            split[i * n + j] = m;
+          }
+        }
+      }
+      least[i * n + j] = best;
+    }
+  }
+  if (!(least[n - 1] < kInfinity)) return {};
+  std::vector<Triangle> patch;
+  std::vector<std::array<std::size_t, 2>> open{{0, n - 1}};
+  while (!open.empty()) {
+    const auto [from, to] = open.back();
+    open.pop_back();
+    if (to < from + 2) continue;
+    const std::size_t middle = split[from * n + to];
+    patch.push_back({loop[from], loop[middle], loop[to]});
+    open.push_back({from, middle});
+    open.push_back({middle, to});
+  }
+  return patch;
+}
+
+double HoleCloser::plan(const Hole& hole) {
+  planned_ = least_area_patch(surface_.mesh, hole.loop, [&](std::int32_t a, std::int32_t b) {
+    return !std::binary_search(edges_.begin(), edges_.end(), edge_key(a, b));
+  });
+  needs_middle_ = planned_.empty();
+  if (!needs_middle_) return area_of(surface_.mesh, planned_);
+  const std::size_t n = hole.loop.size();
+  middle_ = Vec3::Zero();
+  for (const std::int32_t v : hole.loop) middle_ += surface_.point(v) / static_cast<double>(n);
+  double fan = 0.0;
+  const auto added = static_cast<std::int32_t>(surface_.mesh.vertices.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t a = hole.loop[i];
+    const std::int32_t b = hole.loop[(i + 1) % n];
+    fan += 0.5 * (surface_.point(a) - middle_).cross(surface_.point(b) - middle_).norm();
+    planned_.push_back({a, b, added});
+  }
+  return fan;
+}
+
+std::size_t HoleCloser::close() {
+  if (needs_middle_) surface_.mesh.vertices.push_back(middle_);
+  for (const Triangle& triangle : planned_) {
+    surface_.mesh.triangles.push_back(triangle);
+    surface_.marks.push_back(kAdded);
+  }
+  return planned_.size();
+}
+
+}  // namespace palpate::geometry

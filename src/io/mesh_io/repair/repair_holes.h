@@ -1,0 +1,51 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "io/mesh_io/repair/repair_surface.h"
+
+// Holes of an evenly turned surface whose vertices each have one fan, for repair.cc.
+namespace palpate::geometry {
+
+struct Hole {
+  std::vector<std::int32_t> loop;  // vertices in the order in which a patch runs along them
+  double width = 0.0;              // diagonal of its bounding box [m]
+  Vec3 middle = Vec3::Zero();      // of its bounding box [m]
+};
+
+/// All boundary loops. @param mates of a surface without edges of more than two triangles
+[[nodiscard]] std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates);
+
+/// How much one hole's patch costs to find, in steps: with n edges about n^3 / 6.
+[[nodiscard]] std::uint64_t steps_to_close(const Hole& hole);
+
+/// The triangles over a loop of vertices that have the least area together; for a polygon in a plane that is
+/// one way to cut it up, whatever its shape. [Barequet and Sharir 1995] n^3 / 6 steps.
+/// @param may_join whether an edge may be made between two vertices that are not next to each other
+/// @return empty where there is no way
+[[nodiscard]] std::vector<Triangle> least_area_patch(
+    const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
+    const std::function<bool(std::int32_t, std::int32_t)>& may_join);
+
+/// Closes holes by patches of the least area that has no edge that the surface has already; where there is
+/// none, by a fan about a new vertex in the middle.
+class HoleCloser final {
+ public:
+  explicit HoleCloser(WorkSurface& surface);
+
+  /// @return area of the patch [m^2], without adding it
+  double plan(const Hole& hole);
+  /// Adds what was planned last. @return number of triangles
+  std::size_t close();
+
+ private:
+  WorkSurface& surface_;
+  std::vector<std::uint64_t> edges_;  // sorted, before any patch: two holes share no vertex, so no edge
+  std::vector<Triangle> planned_;
+  Vec3 middle_ = Vec3::Zero();
+  bool needs_middle_ = false;
+};
+
+}  // namespace palpate::geometry

@@ -1,0 +1,150 @@
+#include "io/mesh_io/repair/repair_slivers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace palpate::geometry {
+namespace {
+
+// A round looks at each sliver once; what one takes out may free the next.
+constexpr int kMostRounds = 20;
+// An edge shorter than this share of its triangle's longest is shrunk to a point.
+constexpr double kNoLength = 4e-7;
+
+std::size_t count_flat(const TriangleMesh& mesh) {
+  return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
+                                                [&](const Triangle& t) { return is_flat(mesh, t); }));
+}
+
+/// One round over all slivers. Triangles about a change are left alone until the next, since the mates are of
+/// before.
+class Round final {
+ public:
+  explicit Round(WorkSurface& surface)
+      : surface_(surface),
+        mates_(pair_sides(surface, crowded_)),
+        touched_(surface.mesh.vertices.size(), 0),
+        doomed_(surface.mesh.triangles.size(), 0) {}
+
+  /// @return whether anything changed
+  bool run() {
+    bool changed = false;
+    for (std::uint32_t t = 0; t < doomed_.size(); ++t) {
+      if (doomed_[t] != 0 || !is_flat(surface_.mesh, surface_.mesh.triangles[t])) continue;
+      Corner shortest = 3 * t;
+      Corner longest = 3 * t;
+      for (Corner c = 3 * t + 1; c < 3 * t + 3; ++c) {
+        if (length(c) < length(shortest)) shortest = c;
+        if (length(c) > length(longest)) longest = c;
+      }
+      const bool is_needle = length(shortest) <= kNoLength * length(longest);
+      if (is_needle ? shrink(shortest) : flip(longest)) changed = true;
+    }
+    surface_.drop(doomed_);
+    return changed;
+  }
+
+ private:
+  [[nodiscard]] double length(Corner c) const {
+    return (surface_.point_at(next_corner(c)) - surface_.point_at(c)).norm();
+  }
+
+  /// The triangles about the vertex of a corner, as their corners there; empty where the surface is open or
+  /// has changed.
+  [[nodiscard]] std::vector<Corner> ring(Corner start) const {
+    std::vector<Corner> corners;
+    Corner c = start;
+    do {
+      const Triangle& triangle = surface_.mesh.triangles[c / 3];
+      if (mates_[c] == kNoMate || corners.size() > 100) return {};
+      for (const std::int32_t v : triangle) {
+        if (touched_[static_cast<std::size_t>(v)] != 0) return {};
+      }
+      corners.push_back(c);
+      c = next_corner(mates_[c]);
+    } while (c != start);
+    return corners;
+  }
+
+  void touch(const std::vector<Corner>& corners) {
+    for (const Corner c : corners) {
+      for (const std::int32_t v : surface_.mesh.triangles[c / 3]) touched_[static_cast<std::size_t>(v)] = 1;
+    }
+  }
+
+  /// Shrinks the edge of a corner to its start. The two ends may have no common neighbour but the two
+  /// opposite the edge: otherwise the surface would be pinched.
+  bool shrink(Corner c) {
+    const std::vector<Corner> about_kept = ring(c);
+    const std::vector<Corner> about_gone = ring(next_corner(c));
+    if (about_kept.empty() || about_gone.empty()) return false;
+    int common = 0;
+    for (const Corner a : about_kept) {
+      for (const Corner b : about_gone)
+        common += surface_.vertex_at(next_corner(a)) == surface_.vertex_at(next_corner(b)) ? 1 : 0;
+    }
+    if (common != 2 || about_kept.size() + about_gone.size() < 7) return false;
+    const std::int32_t kept = surface_.vertex_at(c);
+    touch(about_kept);
+    touch(about_gone);
+    for (const Corner b : about_gone) surface_.mesh.triangles[b / 3][b % 3] = kept;
+    doomed_[c / 3] = doomed_[mates_[c] / 3] = 1;
+    return true;
+  }
+
+  /// Turns the edge of a corner to the other diagonal of its two triangles, where that leaves fewer slivers.
+  bool flip(Corner c) {
+    const Corner mate = mates_[c];
+    if (mate == kNoMate) return false;
+    const std::vector<Corner> about_apex = ring(previous_corner(c));
+    const std::vector<Corner> about_other = ring(previous_corner(mate));
+    if (about_apex.empty() || about_other.empty()) return false;
+    const std::int32_t a = surface_.vertex_at(c);
+    const std::int32_t b = surface_.vertex_at(mate);
+    const std::int32_t p = surface_.vertex_at(previous_corner(c));
+    const std::int32_t q = surface_.vertex_at(previous_corner(mate));
+    if (p == q) return false;
+    for (const Corner corner : about_apex) {
+      if (surface_.vertex_at(next_corner(corner)) == q) return false;
+    }
+    const auto flat = [&](const Triangle& t) { return is_flat(surface_.mesh, t) ? 1 : 0; };
+    const int before = 1 + flat(surface_.mesh.triangles[mate / 3]);
+    if (flat({a, q, p}) + flat({q, b, p}) >= before) return false;
+    touch(about_apex);
+    touch(about_other);
+    surface_.mesh.triangles[c / 3] = {a, q, p};
+    surface_.mesh.triangles[mate / 3] = {q, b, p};
+    return true;
+  }
+
+  WorkSurface& surface_;
+  std::size_t crowded_ = 0;
+  Mates mates_;
+  std::vector<std::uint8_t> touched_;  // vertices
+  std::vector<std::uint8_t> doomed_;   // triangles
+};
+
+}  // namespace
+
+bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
+  double longest_squared = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3& a = mesh.vertices[static_cast<std::size_t>(triangle[k])];
+    const Vec3& b = mesh.vertices[static_cast<std::size_t>(triangle[(k + 1) % 3])];
+    longest_squared = std::max(longest_squared, (b - a).squaredNorm());
+  }
+  return area_vector_doubled(mesh, triangle).norm() <= kFlat * longest_squared;
+}
+
+std::size_t remove_slivers(WorkSurface& surface) {
+  const std::size_t before = count_flat(surface.mesh);
+  if (before == 0) return 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    if (!Round(surface).run()) break;
+  }
+  const std::size_t after = count_flat(surface.mesh);
+  return before - std::min(before, after);
+}
+
+}  // namespace palpate::geometry

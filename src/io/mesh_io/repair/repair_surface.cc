@@ -1,0 +1,463 @@
+#include "io/mesh_io/repair/repair_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+
+#include "core/geometry/cell.h"
+#include "core/geometry/edge_key.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// Patches of triangles that hang together by edges of exactly two.
+struct Patches {
+  struct Patch {
+    double area = 0.0;
+    bool has_boundary = false;
+    bool meets_others = false;  // at an edge of more than two
+    bool was_doubled = true;    // all of it
+  };
+  std::vector<std::uint32_t> of;  // each triangle
+  std::vector<Patch> patches;     // by their smallest triangle; the others empty
+  std::size_t crowded_edges = 0;
+  std::uint32_t largest = 0;
+};
+
+Patches patches_of(const WorkSurface& surface) {
+  const std::size_t count = surface.mesh.triangles.size();
+  Patches found{std::vector<std::uint32_t>(count), std::vector<Patches::Patch>(count), 0, 0};
+  DisjointSets sets(count);
+  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
+  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+    if (last - first == 2) sets.unite(first[0].corner / 3, first[1].corner / 3);
+  });
+  for (std::uint32_t t = 0; t < count; ++t) {
+    found.of[t] = sets.find(t);
+    Patches::Patch& patch = found.patches[found.of[t]];
+    patch.area += surface.area(t);
+    if ((surface.marks[t] & kDoubled) == 0) patch.was_doubled = false;
+  }
+  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+    if (last - first == 1) found.patches[found.of[first->corner / 3]].has_boundary = true;
+    if (last - first <= 2) return;
+    ++found.crowded_edges;
+    for (const EdgeSide* side = first; side != last; ++side)
+      found.patches[found.of[side->corner / 3]].meets_others = true;
+  });
+  for (std::uint32_t t = 0; t < count; ++t) {
+    if (found.patches[t].area > found.patches[found.largest].area) found.largest = t;
+  }
+  return found;
+}
+
+/// Drops patches at edges of more than two triangles, as long as that changes something.
+template <typename IsDoomed>
+Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
+  constexpr int kMostRounds = 8;  // what goes may uncover the next
+  Done done;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Patches found = patches_of(surface);
+    if (found.crowded_edges == 0) break;
+    std::vector<std::uint8_t> doomed(surface.mesh.triangles.size(), 0);
+    for (std::uint32_t t = 0; t < doomed.size(); ++t) {
+      const Patches::Patch& patch = found.patches[found.of[t]];
+      if (!patch.meets_others || found.of[t] == found.largest || !is_doomed(patch)) continue;
+      doomed[t] = 1;
+      if (found.of[t] == t) ++done.times;
+    }
+    const std::size_t dropped = surface.drop(doomed);
+    if (dropped == 0) break;
+    done.triangles += dropped;
+  }
+  return done;
+}
+
+/// Grows with the angle from 0 to a full turn, 0 to 4, without a trigonometric function.
+double turn_of(double x, double y) {
+  const double sum = std::abs(x) + std::abs(y);
+  if (!(sum > 0.0)) return 0.0;
+  if (y >= 0.0) return x >= 0.0 ? y / sum : 1.0 - x / sum;
+  return x < 0.0 ? 2.0 - y / sum : 3.0 + x / sum;
+}
+
+struct Spoke {
+  double turn;  // of the triangle about its edge
+  Corner corner;
+  bool ascends;  // along the edge, from its smaller vertex to its larger one
+};
+
+/// Pairs the sides of a crowded edge so that between two of a pair lies what is solid: seen along the edge
+/// and going round against the clock, solid begins at a side that descends and ends at one that ascends.
+/// Where the sides do not agree on that, the narrower wedges are taken for solid. Sides of one patch come
+/// before all that.
+void pair_around(const WorkSurface& surface, const EdgeSide* first, const EdgeSide* last,
+                 DisjointSets& patches, Mates& mates) {
+  const auto low = static_cast<std::int32_t>(first->edge >> 32);
+  const auto high = static_cast<std::int32_t>(first->edge & 0xffffffffU);
+  const Vec3 axis = (surface.point(high) - surface.point(low)).normalized();
+  Vec3 u = Vec3::Zero();
+  std::vector<Spoke> spokes;
+  for (const EdgeSide* side = first; side != last; ++side) {
+    const Vec3 out = surface.point_at(previous_corner(side->corner)) - surface.point(low);
+    const Vec3 across = out - axis.dot(out) * axis;
+    if (u.isZero()) u = across.normalized();
+    spokes.push_back({turn_of(across.dot(u), across.dot(axis.cross(u))), side->corner,
+                      surface.vertex_at(side->corner) == low});
+  }
+  std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
+    return a.turn != b.turn ? a.turn < b.turn : a.corner < b.corner;
+  });
+  const std::size_t count = spokes.size();
+  std::array<int, 2> of_one_patch{0, 0};
+  std::array<int, 2> agreeing{0, 0};
+  std::array<double, 2> width{0.0, 0.0};
+  for (std::size_t i = 0; i < count; ++i) {
+    const Spoke& begin = spokes[i];
+    const Spoke& end = spokes[(i + 1) % count];
+    if (patches.find(begin.corner / 3) == patches.find(end.corner / 3)) ++of_one_patch[i % 2];
+    if (!begin.ascends && end.ascends) ++agreeing[i % 2];
+    width[i % 2] += end.turn - begin.turn + (i + 1 == count ? 4.0 : 0.0);
+  }
+  std::size_t offset = width[1] < width[0] ? 1 : 0;
+  if (agreeing[0] != agreeing[1]) offset = agreeing[1] > agreeing[0] ? 1 : 0;
+  if (of_one_patch[0] != of_one_patch[1]) offset = of_one_patch[1] > of_one_patch[0] ? 1 : 0;
+  for (std::size_t i = offset; i < count + offset; i += 2) {
+    const Corner a = spokes[i % count].corner;
+    const Corner b = spokes[(i + 1) % count].corner;
+    mates[a] = b;
+    mates[b] = a;
+  }
+}
+
+struct CellHash {
+  std::size_t operator()(const Cell& cell) const noexcept {
+    std::uint64_t hash = 0;
+    for (const std::int64_t x : cell) hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
+    return static_cast<std::size_t>(hash ^ (hash >> 31));
+  }
+};
+
+/// Finds for each point the first one before it that lies near.
+class NearestBefore final {
+ public:
+  NearestBefore(const WorkSurface& surface, double tolerance) : surface_(surface), tolerance_(tolerance) {}
+
+  std::int32_t find_or_add(std::int32_t vertex) {
+    const Vec3& p = surface_.point(vertex);
+    const Cell home = cell_at(p, tolerance_);
+    for (int n = 0; n < 27; ++n) {
+      const auto found = cells_.find({home[0] + n % 3 - 1, home[1] + n / 3 % 3 - 1, home[2] + n / 9 - 1});
+      if (found == cells_.end()) continue;
+      if ((surface_.point(found->second) - p).norm() <= tolerance_) return found->second;
+    }
+    cells_.try_emplace(home, vertex);
+    return vertex;
+  }
+
+ private:
+  const WorkSurface& surface_;
+  double tolerance_;
+  std::unordered_map<Cell, std::int32_t, CellHash> cells_;
+};
+
+}  // namespace
+
+double WorkSurface::area(std::size_t triangle) const {
+  return 0.5 * area_vector_doubled(mesh, mesh.triangles[triangle]).norm();
+}
+
+double WorkSurface::area() const {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) sum += area(t);
+  return sum;
+}
+
+void WorkSurface::turn(std::size_t triangle) {
+  std::swap(mesh.triangles[triangle][1], mesh.triangles[triangle][2]);
+  marks[triangle] ^= kTurned;
+}
+
+std::size_t WorkSurface::drop(const std::vector<std::uint8_t>& doomed) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (doomed[t] != 0) continue;
+    mesh.triangles[kept] = mesh.triangles[t];
+    marks[kept] = marks[t];
+    ++kept;
+  }
+  const std::size_t dropped = mesh.triangles.size() - kept;
+  if (dropped == 0) return 0;
+  mesh.triangles.resize(kept);
+  marks.resize(kept);
+  drop_unused_vertices();
+  return dropped;
+}
+
+void WorkSurface::drop_unused_vertices() {
+  std::vector<std::int32_t> name(mesh.vertices.size(), -1);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::int32_t v : triangle) name[static_cast<std::size_t>(v)] = 0;
+  }
+  std::size_t used = 0;
+  for (std::size_t v = 0; v < name.size(); ++v) {
+    if (name[v] < 0) continue;
+    mesh.vertices[used] = mesh.vertices[v];
+    name[v] = static_cast<std::int32_t>(used++);
+  }
+  mesh.vertices.resize(used);
+  for (Triangle& triangle : mesh.triangles) {
+    for (std::int32_t& v : triangle) v = name[static_cast<std::size_t>(v)];
+  }
+}
+
+DisjointSets::DisjointSets(std::size_t count) : parent_(count) {
+  std::iota(parent_.begin(), parent_.end(), 0U);
+}
+
+std::uint32_t DisjointSets::find(std::uint32_t n) {
+  while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
+  return n;
+}
+
+void DisjointSets::unite(std::uint32_t a, std::uint32_t b) {
+  a = find(a);
+  b = find(b);
+  parent_[std::max(a, b)] = std::min(a, b);
+}
+
+std::vector<EdgeSide> sorted_sides(const std::vector<Triangle>& triangles) {
+  // Dealt out by the smaller vertex first, so that only a handful at each is left to sort.
+  std::size_t vertices = 0;
+  for (const Triangle& t : triangles)
+    vertices = std::max(vertices, static_cast<std::size_t>(*std::max_element(t.begin(), t.end())) + 1);
+  const auto side = [&](Corner c) {
+    return EdgeSide{edge_key(triangles[c / 3][c % 3], triangles[c / 3][(c + 1) % 3]), c};
+  };
+  const auto corners = static_cast<Corner>(3 * triangles.size());
+  std::vector<std::size_t> begin(vertices + 1, 0);
+  for (Corner c = 0; c < corners; ++c) ++begin[(side(c).edge >> 32) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<EdgeSide> sides(corners);
+  std::vector<std::size_t> next = begin;
+  for (Corner c = 0; c < corners; ++c) {
+    const EdgeSide one = side(c);
+    sides[next[one.edge >> 32]++] = one;
+  }
+  for (std::size_t v = 0; v < vertices; ++v) {
+    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin[v]),
+              sides.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]),
+              [](const EdgeSide& a, const EdgeSide& b) {
+                return a.edge != b.edge ? a.edge < b.edge : a.corner < b.corner;
+              });
+  }
+  return sides;
+}
+
+Mates pair_sides(const WorkSurface& surface, std::size_t& left) {
+  Mates mates(surface.corners(), kNoMate);
+  left = 0;
+  DisjointSets patches(surface.mesh.triangles.size());
+  std::vector<std::array<const EdgeSide*, 2>> crowded;
+  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
+  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+    if (last - first == 2) {
+      mates[first[0].corner] = first[1].corner;
+      mates[first[1].corner] = first[0].corner;
+      patches.unite(first[0].corner / 3, first[1].corner / 3);
+    } else if ((last - first) % 2 == 0) {
+      crowded.push_back({first, last});
+    } else if (last - first > 2) {
+      ++left;
+    }
+  });
+  for (const auto& [first, last] : crowded) pair_around(surface, first, last, patches, mates);
+  return mates;
+}
+
+std::size_t drop_collapsed(WorkSurface& surface) {
+  std::vector<std::uint8_t> doomed(surface.mesh.triangles.size(), 0);
+  for (std::size_t t = 0; t < doomed.size(); ++t) {
+    const auto& [a, b, c] = surface.mesh.triangles[t];
+    doomed[t] = a == b || b == c || c == a ? 1 : 0;
+  }
+  return surface.drop(doomed);
+}
+
+std::size_t drop_duplicates(WorkSurface& surface) {
+  struct Face {
+    Triangle sorted;
+    std::uint32_t triangle;
+    bool is_even;  // an even number of swaps sorts it
+  };
+  std::vector<Face> faces(surface.mesh.triangles.size());
+  for (std::uint32_t t = 0; t < faces.size(); ++t) {
+    Triangle sorted = surface.mesh.triangles[t];
+    bool is_even = true;
+    for (const std::size_t k : {0U, 1U, 0U}) {
+      if (sorted[k] <= sorted[k + 1]) continue;
+      std::swap(sorted[k], sorted[k + 1]);
+      is_even = !is_even;
+    }
+    faces[t] = {sorted, t, is_even};
+  }
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
+    return a.sorted != b.sorted ? a.sorted < b.sorted : a.triangle < b.triangle;
+  });
+  std::vector<std::uint8_t> doomed(faces.size(), 0);
+  for (std::size_t first = 0, i = 1; i < faces.size(); ++i) {
+    if (faces[i].sorted != faces[first].sorted) {
+      first = i;
+      continue;
+    }
+    doomed[faces[i].triangle] = 1;
+    if (faces[i].is_even != faces[first].is_even) surface.marks[faces[first].triangle] |= kDoubled;
+  }
+  return surface.drop(doomed);
+}
+
+std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
+  std::vector<std::uint8_t> at_boundary(surface.mesh.vertices.size(), 0);
+  bool is_open = false;
+  for_each_edge(sorted_sides(surface.mesh.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
+    if (last - first != 1) return;
+    at_boundary[first->edge >> 32] = at_boundary[first->edge & 0xffffffffU] = 1;
+    is_open = true;
+  });
+  if (!is_open || !(tolerance > 0.0)) return 0;
+  NearestBefore near(surface, tolerance);
+  std::vector<std::int32_t> name(surface.mesh.vertices.size());
+  std::size_t joined = 0;
+  for (std::size_t v = 0; v < name.size(); ++v) {
+    name[v] = static_cast<std::int32_t>(v);
+    if (at_boundary[v] != 0) name[v] = near.find_or_add(name[v]);
+    joined += name[v] == static_cast<std::int32_t>(v) ? 0 : 1;
+  }
+  if (joined == 0) return 0;
+  for (Triangle& triangle : surface.mesh.triangles) {
+    for (std::int32_t& v : triangle) v = name[static_cast<std::size_t>(v)];
+  }
+  surface.drop_unused_vertices();
+  drop_collapsed(surface);
+  return joined;
+}
+
+Done drop_fins(WorkSurface& surface) {
+  constexpr double kMostOfArea = 0.05;
+  const double most = kMostOfArea * surface.area();
+  return drop_patches(surface, [&](const Patches::Patch& p) { return p.has_boundary && p.area <= most; });
+}
+
+Done drop_walls(WorkSurface& surface) {
+  const auto was_doubled = [](std::uint8_t mark) { return (mark & kDoubled) != 0; };
+  if (std::none_of(surface.marks.begin(), surface.marks.end(), was_doubled)) return {};
+  return drop_patches(surface, [](const Patches::Patch& p) { return p.was_doubled; });
+}
+
+std::size_t split_fans(WorkSurface& surface, const Mates& mates) {
+  DisjointSets fans(surface.corners());
+  for (Corner c = 0; c < mates.size(); ++c) {
+    if (mates[c] == kNoMate || mates[c] < c) continue;
+    const bool runs_back = surface.vertex_at(mates[c]) != surface.vertex_at(c);
+    fans.unite(c, runs_back ? next_corner(mates[c]) : mates[c]);
+    fans.unite(next_corner(c), runs_back ? mates[c] : next_corner(mates[c]));
+  }
+  const std::size_t before = surface.mesh.vertices.size();
+  std::vector<std::uint32_t> first_fan(before, kNoMate);
+  std::unordered_map<std::uint32_t, std::int32_t> vertex_of_fan;
+  for (Corner c = 0; c < mates.size(); ++c) {
+    const std::uint32_t fan = fans.find(c);
+    std::int32_t& vertex = surface.mesh.triangles[c / 3][c % 3];
+    const auto old = static_cast<std::size_t>(vertex);
+    if (first_fan[old] == kNoMate) first_fan[old] = fan;
+    if (first_fan[old] == fan) continue;
+    const auto [entry, is_new] =
+        vertex_of_fan.try_emplace(fan, static_cast<std::int32_t>(surface.mesh.vertices.size()));
+    if (is_new) {
+      const Vec3 place = surface.mesh.vertices[old];
+      surface.mesh.vertices.push_back(place);
+    }
+    vertex = entry->second;
+  }
+  return surface.mesh.vertices.size() - before;
+}
+
+std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates) {
+  std::size_t parted = 0;
+  std::vector<std::uint8_t> is_cut(surface.mesh.triangles.size(), 0);
+  const auto cut = [&](Corner corner, std::int32_t middle) {
+    Triangle& whole = surface.mesh.triangles[corner / 3];
+    Triangle half = whole;
+    whole[(corner % 3 + 1) % 3] = middle;
+    half[corner % 3] = middle;
+    surface.mesh.triangles.push_back(half);
+    surface.marks.push_back(std::uint8_t{surface.marks[corner / 3]});
+  };
+  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
+  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+    if (last - first <= 2) return;
+    for (const EdgeSide* side = first; side != last; ++side) {
+      const Corner mate = mates[side->corner];
+      if (mate == kNoMate || mate < side->corner) continue;
+      if (is_cut[side->corner / 3] != 0 || is_cut[mate / 3] != 0) continue;
+      is_cut[side->corner / 3] = is_cut[mate / 3] = 1;
+      const auto middle = static_cast<std::int32_t>(surface.mesh.vertices.size());
+      const Vec3 point = 0.5 * (surface.point_at(side->corner) + surface.point_at(next_corner(side->corner)));
+      surface.mesh.vertices.push_back(point);
+      cut(side->corner, middle);
+      cut(mate, middle);
+      ++parted;
+    }
+  });
+  return parted;
+}
+
+bool turn_alike(WorkSurface& surface, const Mates& mates) {
+  const std::size_t count = surface.mesh.triangles.size();
+  std::vector<std::uint8_t> seen(count, 0);
+  std::vector<std::uint8_t> turned(count, 0);
+  std::vector<std::uint32_t> piece;
+  for (std::uint32_t start = 0; start < count; ++start) {
+    if (seen[start] != 0) continue;
+    piece.assign(1, start);
+    seen[start] = 1;
+    std::size_t turned_ones = 0;
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      for (Corner c = 3 * piece[i]; c < 3 * piece[i] + 3; ++c) {
+        if (mates[c] == kNoMate) continue;
+        const std::uint32_t other = mates[c] / 3;
+        const bool runs_along = surface.vertex_at(mates[c]) == surface.vertex_at(c);
+        const auto wanted = static_cast<std::uint8_t>(turned[piece[i]] ^ (runs_along ? 1 : 0));
+        if (seen[other] != 0) {
+          if (turned[other] != wanted) return false;
+          continue;
+        }
+        seen[other] = 1;
+        turned[other] = wanted;
+        turned_ones += wanted;
+        piece.push_back(other);
+      }
+    }
+    const std::uint8_t majority = 2 * turned_ones > piece.size() ? 1 : 0;
+    for (const std::uint32_t t : piece) turned[t] ^= majority;
+  }
+  for (std::size_t t = 0; t < count; ++t) {
+    if (turned[t] != 0) surface.turn(t);
+  }
+  return true;
+}
+
+std::vector<std::uint32_t> pieces_of(const Mates& mates) {
+  DisjointSets sets(mates.size() / 3);
+  for (Corner c = 0; c < mates.size(); ++c) {
+    if (mates[c] != kNoMate && mates[c] > c) sets.unite(c / 3, mates[c] / 3);
+  }
+  std::vector<std::uint32_t> pieces(mates.size() / 3);
+  for (std::uint32_t t = 0; t < pieces.size(); ++t) pieces[t] = sets.find(t);
+  return pieces;
+}
+
+}  // namespace palpate::geometry

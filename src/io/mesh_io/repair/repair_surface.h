@@ -1,0 +1,114 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "palpate/mesh.h"
+
+// The mesh that is being repaired, its edges, and the steps that need no more than who meets whom; for
+// repair.cc.
+namespace palpate::geometry {
+
+/// A corner 3 t + k is corner k of triangle t, and the edge from there to the next corner.
+using Corner = std::uint32_t;
+
+[[nodiscard]] inline Corner next_corner(Corner corner) { return corner - corner % 3 + (corner + 1) % 3; }
+[[nodiscard]] inline Corner previous_corner(Corner corner) { return corner - corner % 3 + (corner + 2) % 3; }
+
+inline constexpr std::uint8_t kTurned = 1;   // the other way round than in the input
+inline constexpr std::uint8_t kAdded = 2;    // not in the input
+inline constexpr std::uint8_t kDoubled = 4;  // was there twice, once each way round
+
+struct WorkSurface {
+  TriangleMesh mesh;
+  std::vector<std::uint8_t> marks;  // of each triangle
+
+  explicit WorkSurface(TriangleMesh whole) : mesh(std::move(whole)), marks(mesh.triangles.size(), 0) {}
+
+  [[nodiscard]] std::size_t corners() const { return 3 * mesh.triangles.size(); }
+  [[nodiscard]] std::int32_t vertex_at(Corner corner) const { return mesh.triangles[corner / 3][corner % 3]; }
+  [[nodiscard]] const Vec3& point(std::int32_t vertex) const {
+    return mesh.vertices[static_cast<std::size_t>(vertex)];
+  }
+  [[nodiscard]] const Vec3& point_at(Corner corner) const { return point(vertex_at(corner)); }
+  [[nodiscard]] double area(std::size_t triangle) const;
+  [[nodiscard]] double area() const;
+
+  void turn(std::size_t triangle);
+  /// Drops the triangles that are marked with anything but 0, and then the vertices that none uses.
+  /// @return how many triangles were dropped
+  std::size_t drop(const std::vector<std::uint8_t>& doomed);
+  void drop_unused_vertices();
+};
+
+/// Groups of triangles that hang together in some way; the smallest member names the group.
+class DisjointSets final {
+ public:
+  explicit DisjointSets(std::size_t count);
+  std::uint32_t find(std::uint32_t n);
+  void unite(std::uint32_t a, std::uint32_t b);
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// One side of an edge; those of one edge stand together when sorted.
+struct EdgeSide {
+  std::uint64_t edge;  // edge_key()
+  Corner corner;
+};
+
+/// All sides of all edges, sorted by edge, then corner.
+[[nodiscard]] std::vector<EdgeSide> sorted_sides(const std::vector<Triangle>& triangles);
+
+/// Calls `visit(first, last)` with the sides of each edge.
+template <typename Visit>
+void for_each_edge(const std::vector<EdgeSide>& sides, const Visit& visit) {
+  for (std::size_t first = 0; first < sides.size();) {
+    std::size_t end = first + 1;
+    while (end < sides.size() && sides[end].edge == sides[first].edge) ++end;
+    visit(sides.data() + first, sides.data() + end);
+    first = end;
+  }
+}
+
+inline constexpr Corner kNoMate = 0xffffffffU;
+
+/// For each corner the one across its edge, or kNoMate.
+using Mates = std::vector<Corner>;
+
+/// Two sides of an edge are mates, and of more an even number two by two, so that what lies between two mates
+/// is solid. @param left is set to how many edges of an odd number larger than one there are: these have no
+/// mates
+[[nodiscard]] Mates pair_sides(const WorkSurface& surface, std::size_t& left);
+
+/// How often something was done, and to how many triangles.
+struct Done {
+  std::size_t times = 0;
+  std::size_t triangles = 0;
+};
+
+/// Drops triangles that name a vertex twice. @return how many
+std::size_t drop_collapsed(WorkSurface& surface);
+/// Of triangles with the same three vertices keeps the first. @return how many went
+std::size_t drop_duplicates(WorkSurface& surface);
+/// Joins vertices at boundaries that lie within `tolerance` [m]. @return how many went
+std::size_t weld_boundaries(WorkSurface& surface, double tolerance);
+/// At edges of more than two triangles drops patches that end in a boundary (fins).
+Done drop_fins(WorkSurface& surface);
+/// At edges of more than two triangles drops patches that were there once each way round (walls between
+/// solids).
+Done drop_walls(WorkSurface& surface);
+/// Gives each fan of triangles about a vertex a vertex of its own. @return how many vertices came
+std::size_t split_fans(WorkSurface& surface, const Mates& mates);
+/// Where an edge is still of more than two triangles after that, cuts the triangles of each two mates in half
+/// at a middle of their own. @return how many middles came
+std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates);
+/// Turns triangles so that all of one piece agree, the fewer to the more. @return false for one-sided
+/// surfaces
+bool turn_alike(WorkSurface& surface, const Mates& mates);
+/// The piece of each triangle, by its smallest triangle.
+[[nodiscard]] std::vector<std::uint32_t> pieces_of(const Mates& mates);
+
+}  // namespace palpate::geometry

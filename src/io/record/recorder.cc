@@ -1,0 +1,308 @@
+#include "io/record/recorder.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "palpate/error.h"
+
+#include "core/base/ring.h"
+#include "io/record/machine.h"
+#include "io/record/recording_writer.h"
+#include "io/system/clock.h"
+
+namespace palpate::record {
+namespace {
+
+// In real time a disk may stall for this long. Offline the ticks wait for the disk, and what is in the ring
+// and not flushed when the program is killed must be less than a second of the simulation.
+constexpr double kRingSeconds = 8.0;
+constexpr double kRingSecondsOffline = 0.25;
+constexpr double kSimulatedFlush = 0.5;                  // s of the simulation's time
+constexpr std::size_t kChangesKept = 1024;               // that wait to be written
+constexpr std::size_t kRingLeast = 64;                   // rows
+constexpr std::size_t kRingMost = std::size_t{1} << 20;  // rows
+constexpr std::chrono::milliseconds kPoll{10};
+constexpr std::chrono::microseconds kPollOffline{500};
+constexpr std::int64_t kFlushEvery = 200'000'000;   // ns
+constexpr std::int64_t kToDiskEvery = 400'000'000;  // ns; such a flush waits for the disk
+
+/// Rows of `seconds` of a simulation, within bounds.
+std::size_t ring_rows_in(double seconds, const scene::Setup& setup) {
+  const double rows = setup.rate_Hz * static_cast<double>(setup.tools.size()) * seconds;
+  if (!(rows < static_cast<double>(kRingMost))) return kRingMost;
+  return std::max(kRingLeast, static_cast<std::size_t>(rows));
+}
+
+RunFacts facts_before(bool offline) {
+  RunFacts facts;
+  facts.version = palpate_version();
+  facts.compiler = compiler_version();
+  facts.machine = machine_description();
+  facts.offline = offline;
+  return facts;
+}
+
+TimeFigures figures(const haptics::Histogram& histogram) {
+  return {histogram.percentile(0.5), histogram.percentile(0.99), histogram.percentile(0.999),
+          histogram.max()};
+}
+
+RunFacts facts_after(const haptics::LoopReport& report, bool complete) {
+  RunFacts facts;
+  facts.complete = complete;
+  facts.missed_deadlines = report.missed_deadlines;
+  facts.longest_gap_ns = report.longest_gap_ns;
+  facts.realtime_priority = report.realtime_priority;
+  facts.memory_locked = report.memory_locked;
+  facts.polled = report.polled;
+  facts.tick_time = figures(report.tick_time);
+  facts.lateness = figures(report.lateness);
+  facts.tick_histogram = report.tick_time.buckets();
+  facts.late_histogram = report.lateness.buckets();
+  facts.watchdog_stops = report.watchdog_stops;
+  facts.remarks = report.remarks;
+  return facts;
+}
+
+std::filesystem::path partial_name(const std::filesystem::path& file) {
+  return file.parent_path() /
+         ("." + file.filename().string() + "." + std::to_string(::getpid()) + ".partial");
+}
+
+/// Makes a new name in a folder outlive a power failure.
+void sync_folder_of(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  (void)!::fsync(fd);
+  ::close(fd);
+}
+
+}  // namespace
+
+/// The writing thread and what it shares: the ring, and flags.
+struct Recorder::Impl {
+  std::filesystem::path file;
+  std::filesystem::path partial;
+  bool offline = false;
+  Ring<haptics::TickRow> ring;
+  Ring<haptics::LiveChange> change_ring{kChangesKept};
+  std::unique_ptr<RecordingWriter> writer;  // of the thread; of finish() once that has ended
+
+  std::atomic<std::int64_t> started_unix_ns{0};
+  std::atomic<bool> begun{false};
+  std::atomic<bool> finishing{false};
+  std::atomic<std::uint64_t> rows_lost{0};
+
+  // Of the thread:
+  bool started = false;
+  std::string failure;  // why nothing more is written; empty: nothing went wrong
+  std::vector<haptics::TickRow> block;
+  std::vector<haptics::LiveChange> changes;
+  std::int64_t next_flush = 0;
+  std::int64_t next_to_disk = 0;
+  std::size_t flush_rows;     // so many rows are flushed at once
+  std::size_t unflushed = 0;  // rows
+  std::thread thread;
+
+  Impl(std::filesystem::path target, const scene::Setup& setup, bool is_offline)
+      : file(std::move(target)),
+        partial(partial_name(file)),
+        offline(is_offline),
+        ring(ring_rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, setup)),
+        flush_rows(ring_rows_in(kSimulatedFlush, setup)) {
+    block.reserve(RecordingWriter::kChunkRows);
+  }
+
+  void run();
+  void start();
+  bool drain();
+  void write_block();
+  void flush_when_due(bool now);
+  void stop_thread();
+  void close_file(const RunFacts& facts);
+  void remove_partial() const noexcept;
+  /// Runs a step of writing; a failure ends all writing and is told at finish().
+  template <typename Step>
+  void guarded(const Step& step);
+};
+
+template <typename Step>
+void Recorder::Impl::guarded(const Step& step) {
+  if (!failure.empty()) return;
+  try {
+    step();
+  } catch (const std::exception& error) {
+    failure = error.what();
+  }
+}
+
+void Recorder::Impl::run() {
+  const hdf5::Quiet quiet;
+  for (bool last = false; !last;) {
+    last = finishing.load(std::memory_order_acquire);
+    if (!started && begun.load(std::memory_order_acquire)) start();
+    const bool busy = drain();
+    if (started) flush_when_due(last);
+    if (last || busy) continue;
+    if (offline) {
+      std::this_thread::sleep_for(kPollOffline);
+    } else {
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+}
+
+/// The first tick is due: the file gets its name.
+void Recorder::Impl::start() {
+  started = true;
+  next_flush = monotonic_ns() + kFlushEvery;
+  guarded([this] {
+    writer->start(started_unix_ns.load(std::memory_order_relaxed));
+    writer->flush(true);
+    std::error_code error;
+    std::filesystem::rename(partial, file, error);
+    if (error) throw hdf5::Error("cannot be made: " + error.message());
+    writer->moved_to(file);
+    sync_folder_of(file);
+  });
+}
+
+/// Takes all that is in the ring. @return whether that was more than a block.
+bool Recorder::Impl::drain() {
+  bool busy = false;
+  haptics::TickRow row;
+  while (started && ring.pop(row)) {
+    block.push_back(row);
+    ++unflushed;
+    if (block.size() < RecordingWriter::kChunkRows && unflushed < flush_rows) continue;
+    busy = true;
+    write_block();
+    flush_when_due(false);
+  }
+  return busy;
+}
+
+/// Changes first: whoever reads a file that was cut off finds those of every tick that is there.
+void Recorder::Impl::write_block() {
+  haptics::LiveChange change;
+  while (change_ring.pop(change)) changes.push_back(change);
+  guarded([this] {
+    writer->append(changes);
+    writer->append(block);
+  });
+  changes.clear();
+  block.clear();
+}
+
+void Recorder::Impl::flush_when_due(bool now) {
+  const std::int64_t time = monotonic_ns();
+  if (!now && time < next_flush && unflushed < flush_rows) return;
+  next_flush = time + kFlushEvery;
+  if (!block.empty()) write_block();
+  if (unflushed == 0) return;
+  unflushed = 0;
+  const bool to_disk = time >= next_to_disk;
+  if (to_disk) next_to_disk = time + kToDiskEvery;
+  guarded([this, to_disk] { writer->flush(to_disk); });
+}
+
+void Recorder::Impl::stop_thread() {
+  if (!thread.joinable()) return;
+  finishing.store(true, std::memory_order_release);
+  thread.join();
+}
+
+void Recorder::Impl::remove_partial() const noexcept {
+  std::error_code ignored;
+  std::filesystem::remove(partial, ignored);
+}
+
+/// After the thread's end.
+void Recorder::Impl::close_file(const RunFacts& facts) {
+  if (!writer) return;
+  const hdf5::Quiet quiet;
+  if (writer->damaged()) writer->abandon();
+  if (writer->path() == partial) {
+    remove_partial();  // the run never began, or the file could not get its name
+  } else if (!writer->damaged()) {
+    const std::string before = failure;
+    failure.clear();
+    guarded([&] {
+      writer->write_summary(facts, rows_lost.load(std::memory_order_relaxed));
+      writer->close();
+    });
+    if (!before.empty()) failure = before;
+  }
+  writer.reset();
+}
+
+Recorder::Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline)
+    : impl_(std::make_unique<Impl>(std::move(file), setup, offline)) {
+  if (std::filesystem::is_directory(impl_->file)) {
+    throw InputError(impl_->file.string() + ": cannot be made: it is a folder");
+  }
+  const hdf5::Quiet quiet;
+  try {
+    impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, setup, facts_before(offline));
+    impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
+  } catch (const std::exception& error) {
+    impl_->writer.reset();
+    impl_->remove_partial();
+    throw InputError(impl_->file.string() + ": the recording cannot be made: " + error.what());
+  }
+}
+
+Recorder::~Recorder() {
+  impl_->stop_thread();
+  impl_->close_file(RunFacts{});
+}
+
+void Recorder::on_start(std::int64_t started_unix_ns) noexcept {
+  impl_->started_unix_ns.store(started_unix_ns, std::memory_order_relaxed);
+  impl_->begun.store(true, std::memory_order_release);
+}
+
+void Recorder::on_update(const haptics::LiveChange& change) noexcept {
+  while (!impl_->change_ring.push(change)) {
+    if (!impl_->offline) {
+      impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    std::this_thread::sleep_for(kPollOffline / 5);
+  }
+}
+
+void Recorder::on_row(const haptics::TickRow& row) noexcept {
+  while (!impl_->ring.push(row)) {
+    if (!impl_->offline) {
+      impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    std::this_thread::sleep_for(kPollOffline / 5);
+  }
+}
+
+void Recorder::finish(const haptics::LoopReport& report) {
+  impl_->stop_thread();
+  const std::uint64_t lost = impl_->rows_lost.load(std::memory_order_relaxed);
+  impl_->close_file(facts_after(report, impl_->failure.empty()));
+  if (!impl_->failure.empty()) {
+    throw InputError(impl_->file.string() + ": the recording ends early: " + impl_->failure);
+  }
+  if (lost > 0) {
+    throw InputError(impl_->file.string() + ": the disk could not keep up, " + std::to_string(lost) +
+                     " rows are missing from the recording");
+  }
+}
+
+}  // namespace palpate::record

@@ -1,0 +1,30 @@
+#include "palpate/recording.h"
+
+#include <new>
+
+#include "palpate/error.h"
+
+#include "io/record/recording_reader.h"
+
+namespace palpate::record {
+
+Recording read_recording(const std::filesystem::path& file, const Progress& progress) {
+  RecordingReader reader(file);
+  Recording recording;
+  try {
+    (void)reader.for_each_block(true, [&](std::span<const haptics::TickRow> rows) {
+      recording.rows.insert(recording.rows.end(), rows.begin(), rows.end());
+      if (progress && reader.rows_claimed() > 0) {
+        progress(static_cast<double>(recording.rows.size()) / static_cast<double>(reader.rows_claimed()));
+      }
+    });
+  } catch (const std::bad_alloc&) {
+    throw InputError(file.string() + ": too large for this machine's memory");
+  }
+  recording.facts = reader.facts();
+  recording.changes = reader.changes();
+  recording.setup = reader.take_setup();
+  return recording;
+}
+
+}  // namespace palpate::record

@@ -1,0 +1,421 @@
+#include "io/record/recording_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <new>
+#include <sstream>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/sendfile.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "palpate/error.h"
+
+#include "core/base/text.h"
+#include "io/record/change_columns.h"
+#include "io/record/recording_writer.h"
+#include "io/record/scene_json.h"
+#include "io/record/tick_columns.h"
+#include "io/system/temporary.h"
+
+namespace palpate::record {
+namespace {
+
+using hdf5::check;
+using hdf5::Handle;
+
+constexpr std::size_t kLongestScene = std::size_t{64} << 20;   // bytes
+constexpr std::size_t kLongestRemarks = std::size_t{1} << 20;  // bytes
+constexpr std::size_t kMostHands = 16;
+constexpr hsize_t kMostChanges = hsize_t{1} << 20;
+constexpr std::size_t kMostBuckets = std::size_t{1} << 17;  // of a histogram
+constexpr std::array<unsigned char, 8> kHdf5Signature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
+// Superblock of versions 2 and 3: signature, version, two sizes, flags, base, extension, end of file.
+constexpr std::size_t kEndOfFileOffset = 28;
+constexpr std::size_t kSuperblockBytes = 48;
+
+/// Closes a descriptor at the end of a scope.
+struct Descriptor {
+  int fd = -1;
+  explicit Descriptor(int descriptor) : fd(descriptor) {}
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+};
+
+bool copy_bytes(int from, int to, std::uint64_t count) {
+  while (count > 0) {
+    const ssize_t part = ::sendfile(to, from, nullptr, count);
+    if (part <= 0) return false;
+    count -= static_cast<std::uint64_t>(part);
+  }
+  return true;
+}
+
+Handle open_dataset(hid_t parent, const std::string& name, const std::string& path) {
+  return Handle(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), fmt::format("no {}/{}", path, name));
+}
+
+geometry::TriangleMesh read_mesh(hid_t file, const std::string& path, std::uint64_t file_bytes) {
+  const Handle group(H5Gopen2(file, path.c_str(), H5P_DEFAULT), "no " + path);
+  const Handle vertices = open_dataset(group.id(), "vertices", path);
+  const Handle triangles = open_dataset(group.id(), "triangles", path);
+  geometry::TriangleMesh mesh;
+  mesh.vertices.resize(hdf5::rows_of_three(vertices.id(), path + "/vertices", sizeof(double), file_bytes));
+  mesh.triangles.resize(
+      hdf5::rows_of_three(triangles.id(), path + "/triangles", sizeof(std::int32_t), file_bytes));
+  if (!mesh.vertices.empty()) {
+    check(H5Dread(vertices.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, mesh.vertices.data()),
+          path + "/vertices cannot be read");
+  }
+  if (!mesh.triangles.empty()) {
+    check(H5Dread(triangles.id(), H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, mesh.triangles.data()),
+          path + "/triangles cannot be read");
+  }
+  for (const Vec3& v : mesh.vertices) {
+    if (!v.allFinite()) throw hdf5::Error(path + "/vertices has a value that is not finite");
+  }
+  const auto count = static_cast<std::int64_t>(mesh.vertices.size());
+  for (const geometry::Triangle& triangle : mesh.triangles) {
+    for (const std::int32_t index : triangle) {
+      if (index < 0 || index >= count) {
+        throw hdf5::Error(fmt::format("{}/triangles has index {}, want 0 to {}", path, index, count - 1));
+      }
+    }
+  }
+  return mesh;
+}
+
+/// A value of /run; 0 when it cannot be read (a file that was cut off).
+std::int64_t run_value(hid_t file, const char* name) {
+  std::int64_t value = 0;
+  const std::string path = std::string("/run/") + name;
+  const hid_t id = H5Dopen2(file, path.c_str(), H5P_DEFAULT);
+  if (id < 0) return 0;
+  const Handle dataset(id, path);
+  const Handle space(H5Dget_space(id), path);
+  if (H5Sget_simple_extent_npoints(space.id()) != 1) return 0;
+  if (H5Dread(id, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value) < 0) return 0;
+  return value;
+}
+
+TimeFigures run_figures(hid_t file, const char* name) {
+  std::array<std::int64_t, 4> values{};
+  const std::string path = std::string("/run/") + name;
+  const hid_t id = H5Dopen2(file, path.c_str(), H5P_DEFAULT);
+  if (id < 0) return {};
+  const Handle dataset(id, path);
+  const Handle space(H5Dget_space(id), path);
+  if (H5Sget_simple_extent_npoints(space.id()) != 4) return {};
+  if (H5Dread(id, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) return {};
+  return {values[0], values[1], values[2], values[3]};
+}
+
+/// A histogram of /run; empty when it cannot be read (cut off, or written before there was one), or is none:
+/// edges rise, counts are above 0.
+TimeHistogram run_histogram(hid_t file, const char* name) {
+  TimeHistogram histogram;
+  try {
+    const std::vector<std::int64_t> pairs = hdf5::read_pairs(file, std::string("run/") + name, kMostBuckets);
+    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
+      const std::int64_t before = histogram.empty() ? -1 : histogram.back().upper;
+      if (pairs[i] <= before || pairs[i + 1] <= 0) return {};
+      histogram.push_back({pairs[i], static_cast<std::uint64_t>(pairs[i + 1])});
+    }
+  } catch (const hdf5::Error&) {
+    histogram.clear();
+  }
+  return histogram;
+}
+
+std::vector<std::string> run_remarks(hid_t file) {
+  std::vector<std::string> remarks;
+  try {
+    std::istringstream lines(
+        hdf5::read_text(file, std::string("run/") + run_names::kRemarks, kLongestRemarks));
+    for (std::string line; std::getline(lines, line);) remarks.push_back(line);
+  } catch (const hdf5::Error&) {
+    remarks.clear();  // a file that was cut off
+  }
+  return remarks;
+}
+
+RunFacts read_facts(hid_t file) {
+  RunFacts facts;
+  facts.version = hdf5::read_text_attribute(file, "version");
+  facts.compiler = hdf5::read_text_attribute(file, "compiler");
+  facts.machine = hdf5::read_text_attribute(file, "machine");
+  facts.started_unix_ns = hdf5::read_integer_attribute(file, "started_unix_ns");
+  facts.offline = hdf5::read_integer_attribute(file, "offline") != 0;
+  facts.complete = run_value(file, run_names::kComplete) == 1;
+  facts.missed_deadlines = static_cast<std::uint64_t>(run_value(file, run_names::kMissedDeadlines));
+  facts.longest_gap_ns = run_value(file, run_names::kLongestGap);
+  facts.realtime_priority = run_value(file, run_names::kRealtimePriority) != 0;
+  facts.memory_locked = run_value(file, run_names::kMemoryLocked) != 0;
+  facts.polled = run_value(file, run_names::kPolled) != 0;  // none in files from before there was a choice
+  facts.tick_time = run_figures(file, run_names::kTickTime);
+  facts.lateness = run_figures(file, run_names::kLateness);
+  facts.tick_histogram = run_histogram(file, run_names::kTickHistogram);
+  facts.late_histogram = run_histogram(file, run_names::kLateHistogram);
+  facts.watchdog_stops = static_cast<std::uint64_t>(run_value(file, run_names::kWatchdogStops));
+  facts.remarks = run_remarks(file);
+  return facts;
+}
+
+scene::Setup read_setup(hid_t file, std::uint64_t file_bytes) {
+  scene::Setup setup = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
+  if (!(std::isfinite(setup.rate_Hz) && setup.rate_Hz > 0.0)) {
+    throw InputError("scene: rate_Hz is " + shortest(setup.rate_Hz) + ", want finite and > 0");
+  }
+  if (setup.tools.empty() || setup.tools.size() > kMostHands || setup.devices.size() != setup.tools.size()) {
+    throw InputError(fmt::format("scene: {} tools and {} devices, want one of each a hand",
+                                 setup.tools.size(), setup.devices.size()));
+  }
+  setup.organ = read_mesh(file, "/organ", file_bytes);
+  for (std::size_t t = 0; t < setup.tools.size(); ++t) {
+    for (std::size_t p = 0; p < setup.tools[t].parts.size(); ++p) {
+      const std::string path = fmt::format("/tools/{}/parts/{}", t, p);
+      setup.tools[t].parts[p].mesh = read_mesh(file, path, file_bytes);
+    }
+  }
+  return setup;
+}
+
+/// A list of rows has these columns, among others. @throws hdf5::Error naming what is missing.
+void check_columns(hid_t dataset, const std::string& name, std::span<const Column> columns) {
+  const Handle type(H5Dget_type(dataset), name);
+  if (H5Tget_class(type.id()) != H5T_COMPOUND) throw hdf5::Error(name + " has no columns");
+  for (const Column& column : columns) {
+    const int index = H5Tget_member_index(type.id(), column.name);
+    if (index < 0 && column.old_lack_it) continue;
+    if (index < 0) throw hdf5::Error(name + " has no column " + column.name);
+    const H5T_class_t kind = H5Tget_member_class(type.id(), static_cast<unsigned>(index));
+    if (kind != (column.type == ColumnType::kF64 ? H5T_FLOAT : H5T_INTEGER)) {
+      throw hdf5::Error(fmt::format("{} has a column {} of another type", name, column.name));
+    }
+  }
+}
+
+/// First row that does not follow the one before it by tick and hand; rows.size() when all do.
+std::size_t first_out_of_order(std::span<const haptics::TickRow> rows, const haptics::TickRow* before,
+                               std::size_t hands) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const haptics::TickRow& row = rows[i];
+    if (row.hand >= hands || row.phase > 2) return i;
+    if (before != nullptr &&
+        (row.tick < before->tick || (row.tick == before->tick && row.hand <= before->hand))) {
+      return i;
+    }
+    before = &row;
+  }
+  return rows.size();
+}
+
+/// Rows up to the end of the last tick that has all its hands.
+std::size_t whole_ticks(const std::vector<haptics::TickRow>& rows, std::size_t hands) {
+  std::size_t count = rows.size();
+  while (count > 0 && rows[count - 1].hand + 1 != hands) --count;
+  return count;
+}
+
+}  // namespace
+
+RecordingReader::RecordingReader(std::filesystem::path file) : path_(std::move(file)) {
+  open();
+  try {
+    read_all_but_ticks();
+  } catch (const InputError& error) {
+    refuse(error.what());
+  } catch (const hdf5::Error& error) {
+    refuse(std::string("not a palpate recording: ") + error.what());
+  } catch (const std::bad_alloc&) {
+    refuse("too large for this machine's memory");
+  }
+}
+
+void RecordingReader::refuse(const std::string& why) const { throw InputError(path_.string() + ": " + why); }
+
+void RecordingReader::open() {
+  const Descriptor in(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat facts {};
+  if (in.fd < 0 || ::fstat(in.fd, &facts) != 0) {
+    refuse(errno == ENOENT ? "there is no such file"
+                           : std::string("cannot be opened: ") + std::strerror(errno));
+  }
+  if (!S_ISREG(facts.st_mode)) refuse("not a palpate recording: not a regular file");
+  std::array<unsigned char, 8> start{};
+  if (::pread(in.fd, start.data(), start.size(), 0) != static_cast<ssize_t>(start.size()) ||
+      start != kHdf5Signature) {
+    refuse("not a palpate recording: not an HDF5 file");
+  }
+  file_bytes_ = static_cast<std::uint64_t>(facts.st_size);
+  if (!open_as_is() && !open_filled_up()) refuse("not a palpate recording: a damaged HDF5 file");
+}
+
+bool RecordingReader::open_as_is() {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
+  // More tries wait ever longer for a block that a cut-off file does not have.
+  constexpr unsigned kTries = 10;
+  check(H5Pset_metadata_read_attempts(access.id(), kTries), "file access");
+  check(H5Pset_file_locking(access.id(), 1, 1), "file access");
+  hid_t id = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access.id());
+  if (id < 0) {
+    id = H5Fopen(path_.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
+    cut_off_ = id >= 0;
+  }
+  if (id >= 0) file_ = Handle(id, "file");
+  return id >= 0;
+}
+
+/// A file that was closed in good order, but of which the end is missing, is opened as a temporary copy in
+/// which zeros stand for what is missing.
+bool RecordingReader::open_filled_up() {
+  const Descriptor in(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+  std::array<unsigned char, kSuperblockBytes> superblock{};
+  if (::pread(in.fd, superblock.data(), superblock.size(), 0) != static_cast<ssize_t>(superblock.size())) {
+    return false;
+  }
+  std::int64_t end = 0;
+  std::memcpy(&end, superblock.data() + kEndOfFileOffset, sizeof(end));
+  if (end <= 0 || static_cast<std::uint64_t>(end) <= file_bytes_) return false;
+  std::error_code error;
+  std::string name = (std::filesystem::temp_directory_path(error) / "palpate-").string();
+  const Descriptor copy(open_temporary_file(name));
+  if (copy.fd < 0) return false;
+  hid_t id = H5I_INVALID_HID;
+  if (copy_bytes(in.fd, copy.fd, file_bytes_) && ::ftruncate(copy.fd, end) == 0) {
+    id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  }
+  ::unlink(name.c_str());  // the open file stays
+  if (id < 0) return false;
+  file_ = Handle(id, "file");
+  cut_off_ = true;
+  return true;
+}
+
+void RecordingReader::read_all_but_ticks() {
+  if (hdf5::read_text_attribute(file_.id(), "format") != kFormatName) {
+    throw hdf5::Error("attribute format has another value");
+  }
+  if (const std::int64_t version = hdf5::read_integer_attribute(file_.id(), "format_version");
+      version != kFormatVersion) {
+    throw InputError(fmt::format("recording of format version {}; this palpate reads version {}", version,
+                                 kFormatVersion));
+  }
+  ticks_ = Handle(H5Dopen2(file_.id(), "ticks", H5P_DEFAULT), "no /ticks");
+  const Handle space(H5Dget_space(ticks_.id()), "/ticks");
+  hsize_t rows = 0;
+  if (H5Sget_simple_extent_ndims(space.id()) != 1 ||
+      H5Sget_simple_extent_dims(space.id(), &rows, nullptr) < 0) {
+    throw hdf5::Error("/ticks is not a list of rows");
+  }
+  rows_claimed_ = rows;
+  row_type_ = tick_row_type();
+  check_columns(ticks_.id(), "/ticks", tick_columns());
+  setup_ = read_setup(file_.id(), file_bytes_);
+  facts_ = read_facts(file_.id());
+  rows_lost_ = static_cast<std::uint64_t>(run_value(file_.id(), run_names::kRowsLost));
+  read_changes();
+  if (cut_off_) facts_.complete = false;
+}
+
+/// A recording from before there were changes has none. In a file that was cut off they end at the damage.
+void RecordingReader::read_changes() {
+  if (H5Lexists(file_.id(), "changes", H5P_DEFAULT) <= 0) return;
+  try {
+    const Handle dataset(H5Dopen2(file_.id(), "changes", H5P_DEFAULT), "no /changes");
+    check_columns(dataset.id(), "/changes", change_columns());
+    const Handle space(H5Dget_space(dataset.id()), "/changes");
+    hsize_t count = 0;
+    if (H5Sget_simple_extent_ndims(space.id()) != 1 ||
+        H5Sget_simple_extent_dims(space.id(), &count, nullptr) < 0) {
+      throw hdf5::Error("/changes is not a list of rows");
+    }
+    if (count > kMostChanges) throw hdf5::Error("/changes is too long");
+    if (count == 0) return;
+    std::vector<ChangeRow> rows(count, row_of({}));  // a column that the file lacks keeps its default
+    const Handle type = change_row_type();
+    check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()),
+          "/changes cannot be read");
+    std::transform(rows.begin(), rows.end(), std::back_inserter(changes_), change_of);
+  } catch (const hdf5::Error&) {
+    if (!cut_off_) throw;
+    changes_.clear();
+  }
+  for (std::size_t i = 0; i < changes_.size(); ++i) {
+    if (changes_[i].number != 0 && (i == 0 || changes_[i].tick > changes_[i - 1].tick)) continue;
+    if (!cut_off_) throw hdf5::Error(fmt::format("row {} of /changes is out of order", i));
+    changes_.resize(i);
+  }
+}
+
+void RecordingReader::read_block(std::uint64_t start, std::span<haptics::TickRow> rows) {
+  const hsize_t first = start;
+  const hsize_t count = rows.size();
+  const Handle in_file(H5Dget_space(ticks_.id()), "/ticks");
+  check(H5Sselect_hyperslab(in_file.id(), H5S_SELECT_SET, &first, nullptr, &count, nullptr), "/ticks");
+  const Handle in_memory(H5Screate_simple(1, &count, nullptr), "/ticks");
+  check(H5Dread(ticks_.id(), row_type_.id(), in_memory.id(), in_file.id(), H5P_DEFAULT, rows.data()),
+        "rows cannot be read");
+}
+
+/// Of `count` rows from `start` on, which begin a chunk, how many lie whole within the file's length.
+std::size_t RecordingReader::rows_within_file(std::uint64_t start, std::size_t count) const {
+  const hsize_t first = start;
+  unsigned filters = 0;
+  haddr_t address = HADDR_UNDEF;
+  hsize_t bytes = 0;
+  if (H5Dget_chunk_info_by_coord(ticks_.id(), &first, &filters, &address, &bytes) < 0) return count;
+  // Another layout than RecordingWriter's: compressed, or other chunks.
+  if (bytes != RecordingWriter::kChunkRows * sizeof(haptics::TickRow)) return count;
+  if (address == HADDR_UNDEF || address >= file_bytes_) return 0;
+  return std::min<std::uint64_t>(count, (file_bytes_ - address) / sizeof(haptics::TickRow));
+}
+
+std::uint64_t RecordingReader::for_each_block(
+    bool strict, const std::function<void(std::span<const haptics::TickRow>)>& use) {
+  strict = strict && facts_.complete;
+  const std::size_t hands = setup_.tools.size();
+  std::vector<haptics::TickRow> rows;  // of ticks that are not whole yet, then the block
+  haptics::TickRow last;
+  std::uint64_t given = 0;
+  bool intact = true;
+  for (std::uint64_t start = 0; start < rows_claimed_ && intact;) {
+    const std::uint64_t count = std::min<std::uint64_t>(RecordingWriter::kChunkRows, rows_claimed_ - start);
+    const std::size_t kept = rows.size();
+    rows.resize(kept + count);
+    const std::span<haptics::TickRow> block = std::span(rows).subspan(kept);
+    std::size_t good = 0;
+    try {
+      read_block(start, block);
+      good = first_out_of_order(block, start == 0 ? nullptr : &last, hands);
+      // Where a power failure left zeros, the row before them may have lost its end.
+      if (cut_off_ && good > 0 && good < count) --good;
+      if (cut_off_) good = std::min(good, rows_within_file(start, count));
+    } catch (const hdf5::Error& error) {
+      if (strict) refuse(fmt::format("rows from {} on cannot be read", start));
+    }
+    intact = good == count;
+    if (!intact && strict) refuse(fmt::format("row {} of /ticks is out of order", start + good));
+    rows.resize(kept + good);
+    if (good > 0) last = rows.back();
+    start += count;
+    const bool at_end = !intact || start >= rows_claimed_;
+    const std::size_t whole = at_end && strict ? rows.size() : whole_ticks(rows, hands);
+    use(std::span(rows).first(whole));
+    given += whole;
+    rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(whole));
+  }
+  return given;
+}
+
+}  // namespace palpate::record

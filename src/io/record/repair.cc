@@ -1,0 +1,91 @@
+#include <cerrno>
+#include <exception>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "palpate/error.h"
+#include "palpate/recording.h"
+
+#include "io/record/recording_reader.h"
+#include "io/record/recording_writer.h"
+
+namespace palpate::record {
+namespace {
+
+/// Keeps a lock on a file that nobody writes, for as long as it lives.
+class OnlyUser final {
+ public:
+  explicit OnlyUser(const std::filesystem::path& file) : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      ::close(fd_);
+      throw InputError(file.string() + ": is still being written or read by another program");
+    }
+  }
+  ~OnlyUser() { release(); }
+  OnlyUser(const OnlyUser&) = delete;
+  OnlyUser& operator=(const OnlyUser&) = delete;
+  void release() noexcept {
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = -1;
+  }
+
+ private:
+  int fd_ = -1;
+};
+
+/// Copies what `reader` can read into a new file. @return rows.
+std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::path& copy,
+                             const Progress& progress) {
+  RecordingWriter writer(copy, reader.setup(), reader.facts());
+  std::uint64_t rows = 0;
+  try {
+    writer.append(reader.changes());
+    (void)reader.for_each_block(false, [&](std::span<const haptics::TickRow> block) {
+      writer.append(block);
+      rows += block.size();
+      if (progress) progress(static_cast<double>(rows) / static_cast<double>(reader.rows_claimed()));
+    });
+    writer.write_summary(reader.facts(), reader.rows_lost());
+    writer.flush(true);
+    writer.close();
+  } catch (...) {
+    writer.abandon();
+    throw;
+  }
+  return rows;
+}
+
+}  // namespace
+
+RepairResult repair_recording(const std::filesystem::path& file, const Progress& progress) {
+  // Only a look: HDF5 takes a lock of its own when it reads.
+  OnlyUser(file).release();
+  RecordingReader reader(file);
+  const std::uint64_t rows = reader.for_each_block(false, [](std::span<const haptics::TickRow>) {});
+  if (!reader.cut_off() && rows == reader.rows_claimed()) return {rows, false};
+
+  const std::filesystem::path target = std::filesystem::canonical(file);
+  const std::filesystem::path copy =
+      target.parent_path() / fmt::format(".{}.{}.partial", target.filename().string(), ::getpid());
+  std::error_code ignored;
+  try {
+    RepairResult result{copy_recording(reader, copy, progress), true};
+    struct stat facts {};
+    if (::stat(target.c_str(), &facts) == 0) (void)!::chmod(copy.c_str(), facts.st_mode & 07777);
+    std::filesystem::rename(copy, target);
+    return result;
+  } catch (const InputError&) {
+    std::filesystem::remove(copy, ignored);
+    throw;
+  } catch (const std::exception& error) {
+    std::filesystem::remove(copy, ignored);
+    throw InputError(file.string() + ": cannot be repaired, the file is as it was: " + error.what());
+  }
+}
+
+}  // namespace palpate::record

@@ -1,0 +1,291 @@
+#include "io/record/scene_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/error.h"
+
+#include "core/base/text.h"
+#include "core/model/tissue_fields.h"
+#include "io/system/whole_json.h"
+
+namespace palpate::record {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector_json(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Vec3 vector_from(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
+
+Json pose_json(const Pose& pose) {
+  const Quat& q = pose.rotation;
+  return {{"position_m", vector_json(pose.position)},
+          {"rotation_wxyz", Json::array({q.w(), q.x(), q.y(), q.z()})}};
+}
+
+Pose pose_from(const Json& json) {
+  const Json& q = json.at("rotation_wxyz");
+  Pose pose;
+  pose.position = vector_from(json.at("position_m"));
+  pose.rotation =
+      Quat(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(), q.at(3).get<double>());
+  return pose;
+}
+
+Json motion_json(const model::OrganMotionParameters& motion) {
+  return {{"kind", model::to_string(motion.kind)},
+          {"amplitude_m", motion.amplitude},
+          {"direction", vector_json(motion.direction_W)},
+          {"rotation_rad", motion.rotation},
+          {"axis", vector_json(motion.axis_W)},
+          {"period_s", motion.period},
+          {"phase", motion.phase}};
+}
+
+model::OrganMotionParameters motion_from(const Json& json) {
+  model::OrganMotionParameters motion;
+  const auto kind = json.at("kind").get<std::string>();
+  if (kind == model::to_string(model::OrganMotionKind::kHeartbeat)) {
+    motion.kind = model::OrganMotionKind::kHeartbeat;
+  } else if (kind != model::to_string(model::OrganMotionKind::kBreathing)) {
+    throw InputError("motion of kind \"" + kind + "\", want breathing or heartbeat");
+  }
+  motion.amplitude = json.at("amplitude_m").get<double>();
+  motion.direction_W = vector_from(json.at("direction"));
+  motion.rotation = json.at("rotation_rad").get<double>();
+  motion.axis_W = vector_from(json.at("axis"));
+  motion.period = json.at("period_s").get<double>();
+  motion.phase = json.at("phase").get<double>();
+  return motion;
+}
+
+Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+std::optional<double> optional_from(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
+}
+
+Json relaxation_json(const model::RelaxationTerms& terms) {
+  Json json = Json::array();
+  for (const model::RelaxationTerm& term : terms)
+    json.push_back({{"share", term.share}, {"time_s", term.time}});
+  return json;
+}
+
+Json tissue_json(const model::TissueParameters& t) {
+  Json json = {
+      {"name", t.name}, {"law", model::to_string(t.law)}, {"relaxation", relaxation_json(t.relaxation)}};
+  for (const model::TissueField& field : model::kTissueFields) {
+    Json& table = field.section.empty() ? json : json[std::string(field.section)];
+    table[field.si_key] = optional_json(field.at.get(t));
+  }
+  json["source"] =
+      t.source ? Json{{"indenter", t.source->indenter}, {"radius_m", t.source->radius}} : Json(nullptr);
+  return json;
+}
+
+model::TissueParameters tissue_from(const Json& json) {
+  model::TissueParameters t;
+  t.name = json.at("name").get<std::string>();
+  // A recording from before there were laws to choose from has the paper's, without relaxation.
+  t.law = model::parse_law(json.value("law", model::to_string(model::LawKind::kLayered)));
+  for (const Json& term : json.value("relaxation", Json::array())) {
+    t.relaxation.push_back({term.at("share").get<double>(), term.at("time_s").get<double>()});
+  }
+  for (const model::TissueField& field : model::kTissueFields) {
+    const Json& table = field.section.empty() ? json : json.at(std::string(field.section));
+    if (field.old_lack_it && !table.contains(field.si_key)) continue;
+    const Json& value = table.at(field.si_key);
+    field.at.set(t, field.optional() ? optional_from(value) : value.get<double>());
+  }
+  if (const Json& source = json.at("source"); !source.is_null()) {
+    t.source = model::SourceParameters{source.at("indenter").get<std::string>(),
+                                       source.at("radius_m").get<double>()};
+  }
+  return t;
+}
+
+Json tool_json(const geometry::Tool& tool) {
+  Json parts = Json::array();
+  for (const geometry::ToolPart& part : tool.parts) {
+    parts.push_back({{"name", part.name},
+                     {"is_jaw", part.is_jaw},
+                     {"pivot_m", vector_json(part.pivot)},
+                     {"axis", vector_json(part.axis)},
+                     {"open_angle_rad", part.open_angle}});
+  }
+  return {{"name", tool.name}, {"tip_radius_m", optional_json(tool.tip_radius)}, {"parts", parts}};
+}
+
+geometry::Tool tool_from(const Json& json) {
+  geometry::Tool tool;
+  tool.name = json.at("name").get<std::string>();
+  tool.tip_radius = optional_from(json.at("tip_radius_m"));
+  for (const Json& entry : json.at("parts")) {
+    geometry::ToolPart part;
+    part.name = entry.at("name").get<std::string>();
+    part.is_jaw = entry.at("is_jaw").get<bool>();
+    part.pivot = vector_from(entry.at("pivot_m"));
+    part.axis = vector_from(entry.at("axis"));
+    part.open_angle = entry.at("open_angle_rad").get<double>();
+    tool.parts.push_back(std::move(part));
+  }
+  return tool;
+}
+
+Json emulated_json(const scene::EmulatedHand& hand) {
+  Json json = {
+      {"mass_kg", hand.mass}, {"grip_N_per_m", hand.grip.stiffness}, {"grip_N_s_per_m", hand.grip.damping}};
+  json["faults"] = Json::array();
+  for (const scene::EmulatedFault& fault : hand.faults) {
+    json["faults"].push_back({{"kind", scene::name_of(fault.kind)},
+                              {"time_s", fault.time},
+                              {"duration_s", fault.duration},
+                              {"age_s", fault.age}});
+  }
+  return json;
+}
+
+scene::EmulatedHand emulated_from(const Json& json) {
+  scene::EmulatedHand hand;
+  hand.mass = json.at("mass_kg").get<double>();
+  hand.grip = {json.at("grip_N_per_m").get<double>(), json.at("grip_N_s_per_m").get<double>()};
+  for (const Json& entry : json.at("faults")) {
+    const auto word = entry.at("kind").get<std::string>();
+    const std::optional<scene::EmulatedFaultKind> kind = scene::find_emulated_fault(word);
+    if (!kind) throw InputError("fault of kind \"" + word + "\" is not known");
+    hand.faults.push_back({*kind, entry.at("time_s").get<double>(), entry.at("duration_s").get<double>(),
+                           entry.at("age_s").get<double>()});
+  }
+  return hand;
+}
+
+Json device_json(const scene::DeviceSetup& device) {
+  Json json = {{"kind", device.kind},
+               {"path", device.path},
+               {"workspace_scale", device.workspace_scale},
+               {"base", pose_json(device.base)},
+               {"damping_N_s_per_m", optional_json(device.dynamics.damping)},
+               {"friction_N", optional_json(device.dynamics.friction)},
+               {"resolution_m", optional_json(device.dynamics.resolution)},
+               {"clutch_button", device.clutch_button ? Json(*device.clutch_button) : Json(nullptr)}};
+  if (device.kind == "emulated") json["emulated"] = emulated_json(device.emulated);
+  return json;
+}
+
+scene::DeviceSetup device_from(const Json& json) {
+  scene::DeviceSetup device;
+  device.kind = json.at("kind").get<std::string>();
+  device.path = json.at("path").get<std::string>();
+  device.workspace_scale = json.at("workspace_scale").get<double>();
+  device.base = pose_from(json.at("base"));
+  device.dynamics.damping = optional_from(json.at("damping_N_s_per_m"));
+  device.dynamics.friction = optional_from(json.at("friction_N"));
+  device.dynamics.resolution = optional_from(json.at("resolution_m"));
+  if (!json.at("clutch_button").is_null()) {
+    device.clutch_button = whole_number<std::uint32_t>(json, "clutch_button");
+  }
+  if (json.contains("emulated")) device.emulated = emulated_from(json.at("emulated"));
+  return device;
+}
+
+Json noise_json(const noise::NoiseSettings& noise) {
+  return {{"enabled", noise.enabled},
+          {"gain_N_m", noise.gain},
+          {"threshold_m", noise.threshold},
+          {"rate_Hz", noise.rate_Hz},
+          {"seed", noise.seed}};
+}
+
+noise::NoiseSettings noise_from(const Json& json) {
+  noise::NoiseSettings noise;
+  noise.enabled = json.at("enabled").get<bool>();
+  noise.gain = json.at("gain_N_m").get<double>();
+  noise.threshold = json.at("threshold_m").get<double>();
+  noise.rate_Hz = json.at("rate_Hz").get<double>();
+  noise.seed = whole_number<std::uint64_t>(json, "seed");
+  return noise;
+}
+
+Json safety_json(const scene::SafetySetup& safety) {
+  return {{"max_force_N", safety.max_force},
+          {"max_slew_N_per_s", safety.max_slew},
+          {"max_torque_N_m", safety.max_torque},
+          {"max_torque_slew_N_m_per_s", safety.max_torque_slew}};
+}
+
+scene::SafetySetup safety_from(const Json& json) {
+  scene::SafetySetup safety;
+  safety.max_force = json.at("max_force_N").get<double>();
+  safety.max_slew = json.at("max_slew_N_per_s").get<double>();
+  safety.max_torque = json.at("max_torque_N_m").get<double>();
+  safety.max_torque_slew = json.at("max_torque_slew_N_m_per_s").get<double>();
+  return safety;
+}
+
+scene::Task task_from(const std::string& word) {
+  if (word == "press") return scene::Task::kPress;
+  if (word == "pull") return scene::Task::kPull;
+  throw InputError("task is \"" + word + "\", want press or pull");
+}
+
+scene::Setup setup_from(const Json& json) {
+  scene::Setup setup;
+  setup.name = json.at("name").get<std::string>();
+  setup.task = task_from(json.at("task").get<std::string>());
+  setup.rate_Hz = json.at("rate_Hz").get<double>();
+  setup.seed = whole_number<std::uint64_t>(json, "seed");
+  setup.organ_name = json.at("organ").at("name").get<std::string>();
+  setup.organ_pose = pose_from(json.at("organ").at("pose"));
+  // A recording from before organs moved has no motion.
+  for (const Json& motion : json.at("organ").value("motion", Json::array())) {
+    setup.organ_motion.push_back(motion_from(motion));
+  }
+  setup.tissue = tissue_from(json.at("tissue"));
+  for (const Json& tool : json.at("tools")) setup.tools.push_back(tool_from(tool));
+  for (const Json& device : json.at("devices")) setup.devices.push_back(device_from(device));
+  setup.noise = noise_from(json.at("noise"));
+  setup.safety = safety_from(json.at("safety"));
+  if (json.contains("repairs")) setup.repairs = json.at("repairs").get<std::vector<std::string>>();
+  setup.remarks = json.at("remarks").get<std::vector<std::string>>();
+  return setup;
+}
+
+}  // namespace
+
+std::string setup_to_json(const scene::Setup& setup) {
+  Json json = {{"name", setup.name},
+               {"task", setup.task == scene::Task::kPress ? "press" : "pull"},
+               {"rate_Hz", setup.rate_Hz},
+               {"seed", setup.seed},
+               {"organ", {{"name", setup.organ_name}, {"pose", pose_json(setup.organ_pose)}}},
+               {"tissue", tissue_json(setup.tissue)}};
+  json["organ"]["motion"] = Json::array();
+  for (const model::OrganMotionParameters& motion : setup.organ_motion) {
+    json["organ"]["motion"].push_back(motion_json(motion));
+  }
+  json["tools"] = Json::array();
+  for (const geometry::Tool& tool : setup.tools) json["tools"].push_back(tool_json(tool));
+  json["devices"] = Json::array();
+  for (const scene::DeviceSetup& device : setup.devices) json["devices"].push_back(device_json(device));
+  json["noise"] = noise_json(setup.noise);
+  json["safety"] = safety_json(setup.safety);
+  json["repairs"] = setup.repairs;
+  json["remarks"] = setup.remarks;
+  // File names need not be UTF-8; a byte that is not becomes a replacement character.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+scene::Setup setup_from_json(const std::string& text) {
+  try {
+    return setup_from(Json::parse(text));
+  } catch (const Json::exception& error) {
+    throw InputError("scene: " + one_line(error.what()));
+  } catch (const InputError& error) {
+    throw InputError("scene: " + one_line(error.what()));
+  }
+}
+
+}  // namespace palpate::record

@@ -1,0 +1,258 @@
+#include <atomic>
+#include <csignal>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include "palpate/error.h"
+
+#include "io/record/test/sample_recording.h"
+#include "io/system/clock.h"
+
+namespace palpate::record {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Number of ticks handed to the recorder, shared with a child process.
+class SharedCount final {
+ public:
+  SharedCount()
+      : count_(new (::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))
+                   std::atomic<std::uint64_t>(0)) {}
+  ~SharedCount() { ::munmap(count_, 4096); }
+  SharedCount(const SharedCount&) = delete;
+  SharedCount& operator=(const SharedCount&) = delete;
+  std::atomic<std::uint64_t>& operator*() const { return *count_; }
+
+ private:
+  std::atomic<std::uint64_t>* count_;
+};
+
+constexpr std::uint64_t kTicksAChange = 7;
+
+/// What tissue and noise are from a tick on, of which every kTicksAChange-th has a change.
+haptics::LiveChange sample_change(std::uint64_t tick) {
+  haptics::LiveChange change = haptics::live_change(sample_setup(1).tissue, {}, haptics::kTissueChanged);
+  change.tick = tick;
+  change.number = tick / kTicksAChange + 1;
+  change.tissue.k1 = 10.0 + 1.0 / static_cast<double>(change.number);
+  return change;
+}
+
+/// Records at 1 kHz in real time until it is killed.
+[[noreturn]] void record_until_killed(const std::filesystem::path& file, std::size_t hands,
+                                      std::atomic<std::uint64_t>& ticks) {
+  Recorder recorder(file, sample_setup(hands), false);
+  recorder.on_start(kStarted);
+  const std::int64_t begin = monotonic_ns();
+  for (std::uint64_t tick = 0;; ++tick) {
+    sleep_until_ns(begin + static_cast<std::int64_t>(tick) * 1'000'000);
+    if (tick % kTicksAChange == 0) recorder.on_update(sample_change(tick));
+    for (std::uint32_t hand = 0; hand < hands; ++hand) recorder.on_row(sample_row(tick, hand));
+    ticks.store(tick + 1);
+  }
+}
+
+/// A recording whose process was killed after `ms` milliseconds of ticks. @return ticks handed over by then.
+std::uint64_t record_and_kill(const std::filesystem::path& file, std::size_t hands, int ms) {
+  const SharedCount ticks;
+  const pid_t child = ::fork();
+  if (child == 0) record_until_killed(file, hands, *ticks);
+  while ((*ticks).load() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  return (*ticks).load();
+}
+
+void expect_rows_from_the_start(const Recording& recording, std::size_t hands) {
+  ASSERT_EQ(recording.rows.size() % hands, 0U);
+  for (std::size_t i = 0; i < recording.rows.size(); ++i) {
+    ASSERT_TRUE(same_bits(recording.rows[i], sample_row(i / hands, static_cast<std::uint32_t>(i % hands))))
+        << i;
+  }
+}
+
+/// The changes of every tick whose rows are there, whatever else.
+void expect_all_changes(const Recording& recording, std::size_t hands) {
+  const std::size_t ticks = recording.rows.size() / hands;
+  ASSERT_GE(recording.changes.size(), (ticks + kTicksAChange - 1) / kTicksAChange);
+  for (std::size_t i = 0; i < recording.changes.size(); ++i) {
+    ASSERT_EQ(recording.changes[i], sample_change(i * kTicksAChange)) << i;
+  }
+}
+
+class Killed : public ::testing::TestWithParam<std::pair<int, std::size_t>> {};
+
+TEST_P(Killed, RecordingIsReadAndLacksAtMostTheLastSecond) {
+  const auto [ms, hands] = GetParam();
+  const TemporaryFolder folder;
+  const std::uint64_t ticks = record_and_kill(folder / "a.h5", hands, ms);
+  const Recording recording = read_recording(folder / "a.h5");
+  EXPECT_FALSE(recording.facts.complete);
+  EXPECT_EQ(recording.facts.started_unix_ns, kStarted);
+  expect_rows_from_the_start(recording, hands);
+  expect_all_changes(recording, hands);
+  EXPECT_GE(recording.rows.size() / hands + 1000, ticks);
+  EXPECT_LE(recording.rows.size() / hands, ticks);
+}
+
+TEST(Killed, OfflineRunLacksAtMostItsLastSimulatedSecond) {
+  const TemporaryFolder folder;
+  const SharedCount ticks;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    Recorder recorder(folder / "a.h5", sample_setup(1), true);
+    recorder.on_start(kStarted);
+    for (std::uint64_t tick = 0;; ++tick) {
+      recorder.on_row(sample_row(tick, 0));
+      (*ticks).store(tick + 1);
+    }
+  }
+  while ((*ticks).load() < 20000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  const Recording recording = read_recording(folder / "a.h5");
+  expect_rows_from_the_start(recording, 1);
+  EXPECT_GE(recording.rows.size() + 1000, (*ticks).load());
+}
+
+INSTANTIATE_TEST_SUITE_P(Moments, Killed,
+                         ::testing::Values(std::pair{150, 1}, std::pair{201, 2}, std::pair{403, 1},
+                                           std::pair{777, 3}, std::pair{1234, 1}, std::pair{1999, 2}));
+
+TEST(Killed, RecordingIsRepairedWithTheSameRowsAndOpensPlainly) {
+  const TemporaryFolder folder;
+  (void)record_and_kill(folder / "a.h5", 2, 900);
+  EXPECT_FALSE(opens_plainly(folder / "a.h5"));
+  const std::size_t rows = read_recording(folder / "a.h5").rows.size();
+  EXPECT_GT(rows, 0U);
+  const RepairResult result = repair_recording(folder / "a.h5");
+  EXPECT_TRUE(result.was_damaged);
+  EXPECT_EQ(result.rows, rows);
+  EXPECT_TRUE(opens_plainly(folder / "a.h5"));
+  const Recording recording = read_recording(folder / "a.h5");
+  EXPECT_EQ(recording.rows.size(), rows);
+  EXPECT_EQ(recording.facts.started_unix_ns, kStarted);
+  EXPECT_FALSE(recording.facts.complete);
+  expect_rows_from_the_start(recording, 2);
+  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_FALSE(repair_recording(folder / "a.h5").was_damaged);
+  expect_all_changes(read_recording(folder / "a.h5"), 2);
+}
+
+TEST(Repair, WholeRecordingIsLeftUntouched) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 5000, 1);
+  const std::string before = contents(folder / "a.h5");
+  const RepairResult result = repair_recording(folder / "a.h5");
+  EXPECT_FALSE(result.was_damaged);
+  EXPECT_EQ(result.rows, 5000U);
+  EXPECT_EQ(contents(folder / "a.h5"), before);
+}
+
+/// Reads, repairs and reads again; whatever is wrong with the file, only InputError may come out.
+void expect_no_crash(const std::filesystem::path& file, std::size_t hands) {
+  try {
+    const Recording recording = read_recording(file);
+    expect_rows_from_the_start(recording, hands);
+    EXPECT_EQ(repair_recording(file).rows, recording.rows.size());
+    EXPECT_TRUE(opens_plainly(file));
+    EXPECT_EQ(read_recording(file).rows.size(), recording.rows.size());
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(file.string()));
+  }
+}
+
+class Truncated : public ::testing::TestWithParam<bool> {};
+
+TEST_P(Truncated, FileOfAnyLengthGivesItsFirstRowsOrAnInputError) {
+  const bool killed = GetParam();
+  const TemporaryFolder folder;
+  if (killed) {
+    (void)record_and_kill(folder / "whole.h5", 2, 1500);
+  } else {
+    record_sample(folder / "whole.h5", 1500, 2);
+  }
+  const std::string bytes = contents(folder / "whole.h5");
+  std::mt19937 random(5);
+  std::uniform_int_distribution<std::size_t> anywhere(0, bytes.size());
+  std::uniform_int_distribution<std::size_t> early(0, 20000);
+  for (int i = 0; i < 120; ++i) {
+    const std::size_t length = i % 2 == 0 ? anywhere(random) : early(random);
+    SCOPED_TRACE(length);
+    std::ofstream(folder / "a.h5", std::ios::binary) << bytes.substr(0, length);
+    expect_no_crash(folder / "a.h5", 2);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(KilledOrClosed, Truncated, ::testing::Values(true, false));
+
+TEST(Truncated, HalfAFileStillGivesRows) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 5000, 1);
+  std::filesystem::resize_file(folder / "a.h5", std::filesystem::file_size(folder / "a.h5") / 2);
+  const Recording recording = read_recording(folder / "a.h5");
+  EXPECT_GE(recording.rows.size(), 2000U);
+  EXPECT_FALSE(recording.facts.complete);
+  expect_rows_from_the_start(recording, 1);
+}
+
+TEST(Damaged, FlippedBytesNeverCrash) {
+  const TemporaryFolder folder;
+  record_sample(folder / "whole.h5", 50, 1);
+  const std::string bytes = contents(folder / "whole.h5");
+  std::mt19937 random(6);
+  std::uniform_int_distribution<std::size_t> anywhere(8, 20000);
+  for (int i = 0; i < 200; ++i) {
+    std::string damaged = bytes;
+    for (int k = 0; k < 3; ++k) damaged.at(anywhere(random)) = static_cast<char>(random());
+    std::ofstream(folder / "a.h5", std::ios::binary) << damaged;
+    try {
+      (void)read_recording(folder / "a.h5");
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+}
+
+/// In a child process: the recorder may write no more than `limit` bytes to a file.
+int record_with_limit(const std::filesystem::path& file, rlim_t limit) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  Recorder recorder(file, sample_setup(1), true);
+  recorder.on_start(kStarted);
+  for (std::uint64_t tick = 0; tick < 2000; ++tick) recorder.on_row(sample_row(tick, 0));
+  const rlimit bounds{limit, limit};
+  ::setrlimit(RLIMIT_FSIZE, &bounds);
+  for (std::uint64_t tick = 2000; tick < 40000; ++tick) recorder.on_row(sample_row(tick, 0));
+  try {
+    recorder.finish({});
+  } catch (const InputError& error) {
+    return std::string(error.what()).find(file.string()) == std::string::npos ? 2 : 0;
+  }
+  return 1;
+}
+
+TEST(DiskFull, IsToldAtTheEndAndWhatWasWrittenStaysReadable) {
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(record_with_limit(folder / "a.h5", 5'000'000));
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const Recording recording = read_recording(folder / "a.h5");
+  EXPECT_GE(recording.rows.size(), 2000U);
+  EXPECT_LT(recording.rows.size(), 40000U);
+  expect_rows_from_the_start(recording, 1);
+  EXPECT_TRUE(repair_recording(folder / "a.h5").was_damaged);
+  EXPECT_TRUE(opens_plainly(folder / "a.h5"));
+}
+
+}  // namespace
+}  // namespace palpate::record

@@ -1,0 +1,146 @@
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/error.h"
+
+#include "io/record/hdf5_handle.h"
+#include "io/record/recording_writer.h"
+#include "io/record/test/sample_recording.h"
+
+namespace palpate::record {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string message_for(const std::filesystem::path& file) {
+  try {
+    (void)read_recording(file);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// A sound recording of 10 ticks, changed by `change`.
+std::filesystem::path changed_file(const TemporaryFolder& folder, const std::function<void(hid_t)>& change) {
+  record_sample(folder / "a.h5", 10, 1);
+  const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  change(file);
+  H5Fclose(file);
+  return folder / "a.h5";
+}
+
+TEST(ForeignFile, MissingFileIsNamed) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "none.h5").string();
+  EXPECT_THAT(message_for(file), AllOf(StartsWith(file), HasSubstr("there is no such file")));
+}
+
+TEST(ForeignFile, FolderTextAndEmptyFileAreRefused) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(message_for(folder / "."), HasSubstr("not a palpate recording"));
+  std::ofstream(folder / "text") << "tick,time_s\n0,0\n";
+  EXPECT_THAT(message_for(folder / "text"), HasSubstr("not an HDF5 file"));
+  std::ofstream(folder / "empty") << "";
+  EXPECT_THAT(message_for(folder / "empty"), HasSubstr("not an HDF5 file"));
+}
+
+TEST(ForeignFile, OtherHdf5FileIsRefused) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "other.h5").string();
+  H5Fclose(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  EXPECT_THAT(message_for(file),
+              AllOf(StartsWith(file), HasSubstr("not a palpate recording: no attribute format")));
+  EXPECT_THROW((void)repair_recording(file), InputError);
+}
+
+TEST(ForeignFile, RecordingWithoutTicksOrSceneOrMeshSaysWhatIsMissing) {
+  for (const std::string name : {"/ticks", "/scene", "/organ/vertices", "/tools/0/parts/1", "/organ"}) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file =
+        changed_file(folder, [&](hid_t id) { H5Ldelete(id, name.c_str(), H5P_DEFAULT); });
+    EXPECT_THAT(message_for(file), HasSubstr("not a palpate recording: no " + name));
+  }
+}
+
+TEST(ForeignFile, FormatVersionOfTheFutureIsRefused) {
+  const TemporaryFolder folder;
+  const auto file = changed_file(folder, [](hid_t id) { hdf5::rewrite_attribute(id, "format_version", 2); });
+  EXPECT_THAT(message_for(file), HasSubstr("format version 2"));
+}
+
+TEST(ForeignFile, TicksWithoutAColumnAreRefusedWithItsName) {
+  const TemporaryFolder folder;
+  const auto file = changed_file(folder, [](hid_t id) {
+    H5Ldelete(id, "/ticks", H5P_DEFAULT);
+    const hid_t type = H5Tcreate(H5T_COMPOUND, 8);
+    H5Tinsert(type, "tick", 0, H5T_NATIVE_UINT64);
+    const hsize_t rows = 4;
+    H5Dclose(H5Dcreate2(id, "/ticks", type, H5Screate_simple(1, &rows, nullptr), H5P_DEFAULT, H5P_DEFAULT,
+                        H5P_DEFAULT));
+  });
+  EXPECT_THAT(message_for(file), HasSubstr("no column time_s"));
+}
+
+TEST(ForeignFile, TriangleWithAnIndexOutOfRangeIsRefused) {
+  const TemporaryFolder folder;
+  const auto file = changed_file(folder, [](hid_t id) {
+    const std::int32_t wrong[4][3] = {{0, 2, 1}, {0, 1, 4}, {0, 3, 2}, {1, 2, 3}};
+    const hid_t set = H5Dopen2(id, "/organ/triangles", H5P_DEFAULT);
+    H5Dwrite(set, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, wrong);
+    H5Dclose(set);
+  });
+  EXPECT_THAT(message_for(file), HasSubstr("/organ/triangles has index 4, want 0 to 3"));
+}
+
+TEST(ForeignFile, HugeClaimedSizesAreRefusedOrIgnoredWithoutTakingMemory) {
+  const TemporaryFolder folder;
+  const auto mesh = changed_file(folder, [](hid_t id) {
+    H5Ldelete(id, "/organ/vertices", H5P_DEFAULT);
+    const hsize_t size[2] = {hsize_t{1} << 50, 3};
+    const hsize_t chunk[2] = {1024, 3};
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(properties, 2, chunk);
+    H5Dclose(H5Dcreate2(id, "/organ/vertices", H5T_NATIVE_DOUBLE, H5Screate_simple(2, size, nullptr),
+                        H5P_DEFAULT, properties, H5P_DEFAULT));
+  });
+  EXPECT_THAT(message_for(mesh), HasSubstr("more rows than the file can hold"));
+  const auto ticks = changed_file(folder, [](hid_t id) {
+    const hsize_t rows = hsize_t{1} << 50;
+    const hid_t set = H5Dopen2(id, "/ticks", H5P_DEFAULT);
+    H5Dset_extent(set, &rows);
+    H5Dclose(set);
+  });
+  EXPECT_THAT(message_for(ticks), HasSubstr("row 10 of /ticks is out of order"));
+}
+
+TEST(ForeignFile, RowsOutOfOrderInACompleteRecordingAreRefused) {
+  const TemporaryFolder folder;
+  const auto file = changed_file(folder, [](hid_t id) {
+    const hid_t set = H5Dopen2(id, "/ticks", H5P_DEFAULT);
+    std::vector<haptics::TickRow> rows(10);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = sample_row(i == 6 ? 2 : i, 0);
+    H5Dwrite(set, tick_row_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
+    H5Dclose(set);
+  });
+  EXPECT_THAT(message_for(file), HasSubstr("row 6 of /ticks is out of order"));
+}
+
+TEST(ForeignFile, BadSceneIsRefusedWithTheFilesName) {
+  const TemporaryFolder folder;
+  scene::Setup setup = sample_setup(1);
+  setup.rate_Hz = 0.0;
+  {
+    Recorder recorder(folder / "a.h5", setup, true);
+    recorder.on_start(0);
+    recorder.finish({});
+  }
+  EXPECT_THAT(message_for(folder / "a.h5"), AllOf(HasSubstr("a.h5"), HasSubstr("rate_Hz is 0")));
+}
+
+}  // namespace
+}  // namespace palpate::record

@@ -1,0 +1,94 @@
+#include "io/record/scene_json.h"
+
+#include <cstdint>
+#include <limits>
+#include <regex>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/error.h"
+
+#include "io/record/test/sample_recording.h"
+
+namespace palpate::record {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// A scene whose organ beats and whose device fails, as JSON with `from` replaced by `to`.
+std::string changed(const std::string& from, const std::string& to) {
+  scene::Setup setup = sample_setup(1);
+  setup.organ_motion.resize(1);
+  setup.organ_motion[0].kind = model::OrganMotionKind::kHeartbeat;
+  setup.devices[0].kind = "emulated";
+  setup.devices[0].emulated.faults = {{scene::EmulatedFaultKind::kFreeze, 0.1, 0.2, 0.05}};
+  std::string text = setup_to_json(setup);
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    (void)setup_from_json(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no refusal";
+}
+
+TEST(SceneJson, EveryWordThatIsNotKnownIsRefusedInTheSceneWithWhatWouldBeRight) {
+  EXPECT_THAT(refusal(changed(R"("law": "smooth")", R"("law": "smoovh")")),
+              AllOf(StartsWith("scene: law"), HasSubstr("smoovh"), HasSubstr("layered or smooth")));
+  EXPECT_THAT(refusal(changed(R"("task": "pull")", R"("task": "push")")),
+              AllOf(StartsWith("scene: task"), HasSubstr("push"), HasSubstr("press or pull")));
+  EXPECT_THAT(refusal(changed(R"("kind": "heartbeat")", R"("kind": "hiccup")")),
+              AllOf(StartsWith("scene: motion"), HasSubstr("hiccup"), HasSubstr("breathing or heartbeat")));
+  EXPECT_THAT(refusal(changed(R"("kind": "freeze")", R"("kind": "found")")),
+              AllOf(StartsWith("scene: fault"), HasSubstr("found")));
+}
+
+TEST(SceneJson, AKeyThatIsMissingAndTextThatIsNoJsonAreRefusedInTheScene) {
+  EXPECT_THAT(refusal(changed(R"("beta":)", R"("beat":)")), AllOf(StartsWith("scene: "), HasSubstr("beta")));
+  EXPECT_THAT(refusal("{"), StartsWith("scene: "));
+}
+
+TEST(SceneJson, ASeedOrButtonThatIsNoWholeNumberOfItsRangeIsRefusedByName) {
+  scene::Setup setup = sample_setup(1);
+  setup.noise.seed = 77;
+  const std::string written = setup_to_json(setup);
+  const auto with = [&written](const std::string& name, const std::string& value, const std::string& other) {
+    const std::string field = '"' + name + "\": ";
+    return std::regex_replace(written, std::regex(field + value), field + other);
+  };
+  for (const std::string number : {"1.5", "1.83648e+20", "18446744073709551616", "-1", "\"7\"", "[7]"}) {
+    for (const std::string seed : {"77", "18364758544493064720"}) {
+      EXPECT_THAT(refusal(with("seed", seed, number)),
+                  AllOf(StartsWith("scene: seed is "), HasSubstr("from 0 to 18446744073709551615")))
+          << seed << " replaced by " << number;
+    }
+  }
+  for (const std::string number : {"4294967296", "-1", "2.5"}) {
+    EXPECT_EQ(refusal(with("clutch_button", "3", number)),
+              "scene: clutch_button is " + number + ", want a whole number from 0 to 4294967295");
+  }
+}
+
+TEST(SceneJson, TheLargestSeedIsReadBack) {
+  scene::Setup setup = sample_setup(1);
+  setup.seed = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(setup_from_json(setup_to_json(setup)).seed, setup.seed);
+}
+
+TEST(SceneJson, ARefusalIsOneLineWhateverWordIsRefused) {
+  EXPECT_THAT(refusal(changed(R"("law": "smooth")", R"("law": "smo\noth")")),
+              AllOf(HasSubstr("smo oth"), Not(HasSubstr("\n"))));
+}
+
+}  // namespace
+}  // namespace palpate::record

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "palpate/tool_path.h"
+
+#include "core/geometry/surface_distance.h"
+#include "io/scene/minimum_jerk.h"
+
+namespace palpate::scene {
+namespace {
+
+constexpr double kClearance = 10e-3;    // m, above the surface at start and end
+constexpr double kTravel = 12e-3;       // m, of depth or of lift
+constexpr double kTouchDepth = 0.2e-3;  // m, of the tool's lowest point when the jaws close
+constexpr double kHold = 1.0;           // s, at the deepest or highest point
+constexpr double kTurnJaws = 0.3;       // s, to open or close
+constexpr double kPause = 0.1;          // s, between moving and closing
+constexpr double kPeakSpeed = 15e-3;    // m/s: calm
+constexpr double kRowSpacing = 5e-3;    // s
+constexpr double kHandSpacing = 30e-3;  // m, between two hands at most
+constexpr double kTipHeight = 0.2e-3;   // m: vertices this close to the lowest one make the tip
+
+/// One stretch of the way: height [m] above the surface point and gripper at its end, and its duration [s].
+struct Leg {
+  double height = 0.0;
+  double gripper = 0.0;
+  double duration = 0.0;
+};
+
+/// The time in which minimum_jerk() covers `distance` [m] at no more than the peak speed: its greatest slope
+/// is 1.875.
+double time_for(double distance) { return 1.875 * distance / kPeakSpeed; }
+
+/// Tool +z down: half a turn about x.
+Quat downwards() { return {0.0, 1.0, 0.0, 0.0}; }
+
+/// The tool's lowest point when it hangs downwards, closed, relative to the handle, world directions: the
+/// middle of the vertices at its bottom, at the height of the lowest.
+Vec3 lowest_point(const geometry::Tool& tool) {
+  const Quat down = downwards();
+  std::vector<Vec3> points;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const geometry::ToolPart& part : tool.parts) {
+    const Pose pose = geometry::part_pose(part, 0.0);
+    for (const Vec3& vertex : part.mesh.vertices) {
+      points.push_back(down * (pose * vertex));
+      lowest = std::min(lowest, points.back().z());
+    }
+  }
+  if (points.empty()) return Vec3::Zero();
+  Vec3 sum = Vec3::Zero();
+  double count = 0.0;
+  for (const Vec3& p : points) {
+    if (p.z() > lowest + kTipHeight) continue;
+    sum += p;
+    count += 1.0;
+  }
+  return {sum.x() / count, sum.y() / count, lowest};
+}
+
+geometry::Bounds world_bounds(const Setup& setup) {
+  geometry::TriangleMesh placed = setup.organ;
+  geometry::transform(placed, setup.organ_pose);
+  return geometry::bounds(placed);
+}
+
+/// Where a hand comes down: the organ's middle, with several hands side by side along its longer side.
+Vec3 column_of(const geometry::Bounds& box, std::size_t hand, std::size_t hands) {
+  Vec3 place = box.middle();
+  if (hands < 2) return place;
+  const Eigen::Index along = box.size().y() > box.size().x() ? 1 : 0;
+  const double spacing = std::min(kHandSpacing, box.size()(along) / (static_cast<double>(hands) + 1.0));
+  place(along) += spacing * (static_cast<double>(hand) - 0.5 * (static_cast<double>(hands) - 1.0));
+  return place;
+}
+
+/// The first point of the organ straight below; its highest vertex where there is none (a ring's middle).
+Vec3 surface_below(const Setup& setup, const geometry::Bounds& box, const Vec3& column) {
+  constexpr double kMargin = 10e-3;  // m, beyond the box at both ends
+  const geometry::SurfaceDistance surface(setup.organ);
+  const Pose to_organ = setup.organ_pose.inverse();
+  const Vec3 top(column.x(), column.y(), box.high.z() + kMargin);
+  const Vec3 bottom(column.x(), column.y(), box.low.z() - kMargin);
+  if (const auto entry = surface.first_entry(to_organ * top, to_organ * bottom)) {
+    return {column.x(), column.y(), top.z() + entry->fraction * (bottom.z() - top.z())};
+  }
+  Vec3 highest(0.0, 0.0, -std::numeric_limits<double>::infinity());
+  for (const Vec3& vertex : setup.organ.vertices) {
+    const Vec3 placed = setup.organ_pose * vertex;
+    if (placed.z() > highest.z()) highest = placed;
+  }
+  return highest;
+}
+
+std::vector<Leg> legs_of(Task task) {
+  const double approach = kClearance + (task == Task::kPress ? kTravel : kTouchDepth);
+  if (task == Task::kPress) {
+    return {
+        {-kTravel, 0.0, time_for(approach)}, {-kTravel, 0.0, kHold}, {kClearance, 0.0, time_for(approach)}};
+  }
+  const double top = kTravel - kTouchDepth;
+  return {{-kTouchDepth, 1.0, time_for(approach)}, {-kTouchDepth, 1.0, kPause},
+          {-kTouchDepth, 0.0, kTurnJaws},          {-kTouchDepth, 0.0, kPause},
+          {top, 0.0, time_for(kTravel)},           {top, 0.0, kHold},
+          {-kTouchDepth, 0.0, time_for(kTravel)},  {-kTouchDepth, 1.0, kTurnJaws},
+          {kClearance, 1.0, time_for(approach)}};
+}
+
+}  // namespace
+
+ToolPath default_path(const Setup& setup, std::size_t hand) {
+  const geometry::Bounds box = world_bounds(setup);
+  const Vec3 touch = surface_below(setup, box, column_of(box, hand, setup.tools.size()));
+  const Vec3 handle_at_touch = touch - lowest_point(setup.tools[hand]);
+  const DeviceSetup& device = setup.devices[hand];
+  const Pose to_device = device.base.inverse();
+
+  std::vector<PathRow> rows;
+  const auto add = [&](double time, double height, double gripper) {
+    const Vec3 handle_W = handle_at_touch + Vec3(0.0, 0.0, height);
+    rows.push_back(
+        {time, (to_device * handle_W) / device.workspace_scale, to_device.rotation * downwards(), gripper});
+  };
+  Leg from{kClearance, setup.task == Task::kPull ? 1.0 : 0.0, 0.0};
+  double start = 0.0;
+  add(start, from.height, from.gripper);
+  for (const Leg& leg : legs_of(setup.task)) {
+    const int steps = std::max(1, static_cast<int>(std::ceil(leg.duration / kRowSpacing)));
+    for (int i = 1; i <= steps; ++i) {
+      const double u = static_cast<double>(i) / steps;
+      const double way = minimum_jerk(u);
+      add(start + u * leg.duration, (1.0 - way) * from.height + way * leg.height,
+          (1.0 - way) * from.gripper + way * leg.gripper);
+    }
+    start += leg.duration;
+    from = leg;
+  }
+  return ToolPath(std::move(rows));
+}
+
+}  // namespace palpate::scene

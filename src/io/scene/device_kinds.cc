@@ -1,0 +1,29 @@
+#include "io/scene/device_kinds.h"
+
+#include <algorithm>
+
+namespace palpate::scene {
+namespace {
+
+constexpr DeviceKind kKinds[] = {
+    {"scripted", DevicePath::kToolPath, false, true, false},
+    {"replay", DevicePath::kRecording, false, true, false},
+    {"emulated", DevicePath::kToolPath, true, true, false},
+    {"mouse", DevicePath::kNone, false, true, true},
+    {"gamepad", DevicePath::kNone, false, true, true},
+    {"forcedimension", DevicePath::kLibrary, true, true, false},
+    {"haply", DevicePath::kAddress, true, false, false},
+    {"host", DevicePath::kToolPath, true, true, false},
+};
+
+}  // namespace
+
+std::span<const DeviceKind> device_kinds() noexcept { return kKinds; }
+
+const DeviceKind* find_device_kind(std::string_view name) noexcept {
+  const auto* found = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                   [name](const DeviceKind& kind) { return kind.name == name; });
+  return found == std::end(kKinds) ? nullptr : found;
+}
+
+}  // namespace palpate::scene

@@ -1,0 +1,78 @@
+#include "io/scene/emulated_reader.h"
+
+#include <string>
+
+#include "palpate/units.h"
+
+#include "io/scene/names.h"
+
+namespace palpate::scene {
+namespace {
+
+constexpr double kMillisecond = 1e-3;                                   // s
+constexpr Range kMass{1e-3, 100.0};                                     // kg
+constexpr Range kGripStiffness{0.0, 1e5};                               // N/m
+constexpr Range kGripDamping{0.0, 1e3};                                 // N s/m
+constexpr Range kFaultTime{0.0, 1e6};                                   // s: eleven days
+constexpr Range kFaultAge{0.0, kLongestFaultAge / kMillisecond, true};  // ms
+
+HandGrip read_grip(const TomlTable& device) {
+  HandGrip grip = kFirmGrip;
+  const std::optional<std::string> word = device.text("grip");
+  if (word) {
+    for (const char* key : {"grip_N_per_m", "grip_N_s_per_m"}) {
+      if (device.number(key)) device.fail(key, "stands beside grip, give only one of them");
+    }
+    if (*word != "light" && *word != "firm") device.fail("grip", "must be light or firm");
+    return *word == "light" ? kLightGrip : kFirmGrip;
+  }
+  grip.stiffness = device.number("grip_N_per_m", kGripStiffness).value_or(grip.stiffness);
+  grip.damping = device.number("grip_N_s_per_m", kGripDamping).value_or(grip.damping);
+  return grip;
+}
+
+EmulatedFault read_fault(const TomlTable& table) {
+  table.allow_only({"kind", "time_s", "duration_s", "age_ms"});
+  std::vector<std::string> names;
+  for (const EmulatedFaultName& known : emulated_fault_names()) names.emplace_back(known.name);
+  const std::string want = "must be " + alternatives(names);
+  const std::optional<std::string> word = table.text("kind");
+  if (!word) table.fail_missing("kind", want);
+  const std::optional<EmulatedFaultKind> kind = find_emulated_fault(*word);
+  if (!kind) table.fail("kind", want);
+  EmulatedFault fault;
+  fault.kind = *kind;
+  fault.time = table.required_number("time_s", kFaultTime);
+  fault.duration = table.number("duration_s", kFaultTime).value_or(fault.duration);
+  if (const auto age = table.number("age_ms", kFaultAge)) {
+    if (fault.kind != EmulatedFaultKind::kLate) table.fail("age_ms", "is only for kind = \"late\"");
+    fault.age = *age * kMillisecond;
+  }
+  return fault;
+}
+
+}  // namespace
+
+EmulatedHand read_emulated_hand(const TomlTable& device, std::string_view kind) {
+  EmulatedHand hand;
+  if (kind != "emulated") {
+    for (const char* key : {"mass_kg", "grip", "grip_N_per_m", "grip_N_s_per_m", "fault"}) {
+      if (device.has(key)) device.fail(key, "is only for kind = \"emulated\"");
+    }
+    return hand;
+  }
+  hand.mass = device.number("mass_kg", kMass).value_or(hand.mass);
+  hand.grip = read_grip(device);
+  for (const TomlTable& fault : device.tables("fault")) hand.faults.push_back(read_fault(fault));
+  return hand;
+}
+
+DeviceDynamics with_emulated_defaults(const DeviceDynamics& given) noexcept {
+  DeviceDynamics all = given;
+  all.damping = given.damping.value_or(kEmulatedDamping);
+  all.friction = given.friction.value_or(kEmulatedFriction);
+  all.resolution = given.resolution.value_or(kEmulatedResolution);
+  return all;
+}
+
+}  // namespace palpate::scene

@@ -1,0 +1,128 @@
+#include "io/scene/instrument.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "palpate/builtin.h"
+#include "palpate/error.h"
+#include "palpate/read_mesh.h"
+
+#include "io/scene/mesh_source.h"
+#include "io/scene/names.h"
+
+namespace palpate::scene {
+namespace {
+
+constexpr std::string_view kSpherePrefix = "sphere:";
+
+geometry::Tool make_sphere(const Stated& mesh) {
+  try {
+    geometry::Tool tool = geometry::make_tool(mesh.value);
+    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // every vertex lies on the sphere
+    return tool;
+  } catch (const InputError& error) {
+    throw InputError(mesh.where + ": " + error.what());
+  }
+}
+
+geometry::ToolPart read_part(const Stated& mesh, const std::optional<LengthUnit>& unit, MeshNotes& notes) {
+  geometry::ToolPart part;
+  part.name = std::filesystem::path(mesh.value).stem().string();
+  geometry::LoadedMesh loaded = read_part_source(mesh, unit, notes);
+  if (!loaded.findings.closed) {
+    notes.remarks.push_back(mesh.value + ": not closed, used as it is (a tool need not be closed)");
+  }
+  part.mesh = std::move(loaded.mesh);
+  return part;
+}
+
+geometry::Tool read_main_mesh(const ToolDescription& description, MeshNotes& notes) {
+  const Stated& mesh = *description.mesh;
+  if (mesh.value.starts_with(kSpherePrefix)) return make_sphere(mesh);
+  geometry::Tool tool;
+  if (means_file(mesh.value)) {
+    tool.parts.push_back(read_part(mesh, description.unit, notes));
+    return tool;
+  }
+  const std::vector<std::string>& known = geometry::builtin_tool_names();
+  if (std::find(known.begin(), known.end(), mesh.value) == known.end()) {
+    mesh.fail("must be " + alternatives(known) +
+              ", sphere:R, or a file (with a / or an ending such as .stl)");
+  }
+  return geometry::make_tool(mesh.value);
+}
+
+/// Middle of a surface, by area; of the vertices where it has none.
+Vec3 middle(const geometry::TriangleMesh& mesh) {
+  Vec3 sum = Vec3::Zero();
+  double area = 0.0;
+  for (const geometry::Triangle& t : mesh.triangles) {
+    const double doubled = geometry::area_vector_doubled(mesh, t).norm();
+    for (const std::int32_t corner : t)
+      sum += doubled / 3.0 * mesh.vertices[static_cast<std::size_t>(corner)];
+    area += doubled;
+  }
+  return area > 0.0 ? Vec3(sum / area) : geometry::bounds(mesh).middle();
+}
+
+std::string names_of(const ToolDescription& description) {
+  std::string name = description.mesh ? description.mesh->value : "";
+  for (const JawDescription& jaw : description.jaws) name += (name.empty() ? "" : " + ") + jaw.mesh.value;
+  return name;
+}
+
+}  // namespace
+
+void open_apart(std::vector<geometry::ToolPart>& jaws) {
+  if (jaws.size() < 2) return;
+  std::vector<Vec3> middles;
+  Vec3 sum = Vec3::Zero();
+  for (const geometry::ToolPart& jaw : jaws) {
+    middles.push_back(middle(jaw.mesh));
+    sum += middles.back();
+  }
+  const double others = static_cast<double>(jaws.size()) - 1.0;
+  Vec3 spread = Vec3::Zero();
+  for (const Vec3& m : middles) spread += (m - (sum - m) / others).cwiseAbs();
+  const Vec3 axis = spread.y() > spread.x() ? Vec3::UnitX() : Vec3::UnitY();
+  for (std::size_t i = 0; i < jaws.size(); ++i) {
+    geometry::ToolPart& jaw = jaws[i];
+    jaw.axis = axis;
+    const Vec3 away = middles[i] - (sum - middles[i]) / others;
+    const double side = axis.cross(middles[i] - jaw.pivot).dot(away);
+    if (side < 0.0) jaw.open_angle = -jaw.open_angle;
+  }
+}
+
+geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& notes) {
+  geometry::Tool tool;
+  if (description.mesh) tool = read_main_mesh(description, notes);
+  std::vector<geometry::ToolPart> jaws;
+  for (const JawDescription& jaw : description.jaws) {
+    if (!means_file(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an ending such as .stl)");
+    geometry::ToolPart part = read_part(jaw.mesh, description.unit, notes);
+    part.is_jaw = true;
+    part.pivot = jaw.pivot;
+    part.axis = jaw.axis;
+    part.open_angle = jaw.open_angle;
+    jaws.push_back(std::move(part));
+  }
+  if (description.jaws_by_flags) open_apart(jaws);
+  for (geometry::ToolPart& jaw : jaws) tool.parts.push_back(std::move(jaw));
+  if (tool.parts.size() > kMaxToolParts) {
+    const Stated& last = description.jaws.empty() ? *description.mesh : description.jaws.back().mesh;
+    last.fail(fmt::format("the tool has {} parts, must be at most {}", tool.parts.size(), kMaxToolParts));
+  }
+  for (geometry::ToolPart& part : tool.parts) {
+    geometry::transform(part.mesh, description.mount);
+    part.pivot = description.mount * part.pivot;
+    part.axis = description.mount.rotation * part.axis;
+  }
+  tool.name = names_of(description);
+  if (description.tip_radius) tool.tip_radius = description.tip_radius;
+  return tool;
+}
+
+}  // namespace palpate::scene

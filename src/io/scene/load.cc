@@ -1,0 +1,262 @@
+#include <algorithm>
+
+#include <fmt/core.h>
+
+#include "palpate/builtin.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/tool_path.h"
+
+#include "core/base/portable_math.h"
+#include "core/base/text.h"
+#include "io/scene/device_kinds.h"
+#include "io/scene/emulated_reader.h"
+#include "io/scene/instrument.h"
+#include "io/scene/mesh_source.h"
+#include "io/scene/names.h"
+#include "io/scene/organ_motion_reader.h"
+#include "io/scene/scene_file.h"
+
+namespace palpate::scene {
+namespace {
+
+constexpr double kFlagJawOpening = 15.0 * portable::kPi / 180.0;  // rad
+
+Stated flag(const std::string& name, const std::string& value) { return {value, name, {}}; }
+
+Task task_of(const Request& request, Task otherwise) {
+  return request.task ? parse_task(flag("--task", *request.task)) : otherwise;
+}
+
+/// The scene that a run without a scene file takes.
+SceneDescription default_scene(Task task) {
+  SceneDescription scene;
+  const bool press = task == Task::kPress;
+  scene.task = task;
+  scene.organ = Stated{press ? "gallbladder" : "heart", "organ", {}};
+  ToolDescription tool;
+  tool.mesh = Stated{press ? "curved-forceps" : "straight-forceps", "tool", {}};
+  scene.tools.push_back(std::move(tool));
+  return scene;
+}
+
+ToolDescription tool_from_flags(const std::vector<std::string>& files) {
+  ToolDescription tool;
+  if (files.size() == 1) {
+    tool.mesh = flag("--tool", files.front());
+    return tool;
+  }
+  tool.jaws_by_flags = true;
+  for (const std::string& file : files) {
+    JawDescription jaw;
+    jaw.mesh = flag("--tool", file);
+    jaw.open_angle = kFlagJawOpening;
+    tool.jaws.push_back(std::move(jaw));
+  }
+  return tool;
+}
+
+void override_meshes(const Request& request, SceneDescription& scene) {
+  if (request.organ) {
+    scene.organ = flag("--organ", *request.organ);
+    scene.organ_unit.reset();
+  }
+  if (request.organ_unit) scene.organ_unit = parse_unit(flag("--organ-unit", *request.organ_unit));
+  if (!request.organ_motion.empty()) scene.organ_motion = organ_motions_by_flags(request.organ_motion);
+  if (request.tissue) scene.tissue = flag("--tissue", *request.tissue);
+  if (!request.tools.empty()) {
+    if (scene.tools.size() > 1) {
+      flag("--tool", request.tools.front())
+          .fail("the scene has several tools, change them in the scene file");
+    }
+    scene.tools = {tool_from_flags(request.tools)};
+  }
+  if (request.tool_unit) {
+    const LengthUnit unit = parse_unit(flag("--tool-unit", *request.tool_unit));
+    for (ToolDescription& tool : scene.tools) tool.unit = unit;
+  }
+}
+
+void override_device(const std::string& text, SceneDescription& scene) {
+  if (scene.tools.size() > 1 || scene.devices.size() > 1) {
+    flag("--device", text).fail("the scene has several hands, change their devices in the scene file");
+  }
+  if (scene.devices.empty()) scene.devices.emplace_back();
+  DeviceDescription& device = scene.devices.front();
+  const std::size_t colon = text.find(':');
+  device.kind = flag("--device", text.substr(0, colon));
+  device.path.reset();
+  if (colon == std::string::npos) return;
+  device.path = flag("--device", text.substr(colon + 1));
+  if (device.path->value.empty()) flag("--device", text).fail("must be KIND or KIND:PATH");
+}
+
+void override_numbers(const Request& request, SceneDescription& scene) {
+  if (request.rate_Hz) {
+    const double rate = *request.rate_Hz;
+    if (!(rate >= kSlowestRate && rate <= kFastestRate)) {
+      throw ParameterError("--rate-Hz", rate,
+                           "a number >= " + shortest(kSlowestRate) + " and <= " + shortest(kFastestRate));
+    }
+    scene.rate_Hz = rate;
+  }
+  if (request.seed) scene.seed = *request.seed;
+  if (request.no_noise) scene.noise.enabled = false;
+}
+
+/// The scene file, or the default scene, with the flags laid over it.
+SceneDescription describe(const Request& request) {
+  SceneDescription scene;
+  if (request.scene || request.scene_text) {
+    scene = request.scene ? read_scene_file(*request.scene)
+                          : read_scene_text(request.scene_text->toml, request.scene_text->folder);
+    scene.task = task_of(request, scene.task);
+  } else {
+    scene = default_scene(task_of(request, Task::kPress));
+  }
+  override_meshes(request, scene);
+  if (request.device) override_device(*request.device, scene);
+  override_numbers(request, scene);
+  if (!scene.organ) {
+    throw InputError(fmt::format("{}: missing, must be a built-in organ ({}) or a file", scene.organ_place,
+                                 alternatives(geometry::builtin_organ_names())));
+  }
+  if (scene.tools.empty()) {
+    throw InputError(scene.tool_place + ": missing, must be a built-in tool (" +
+                     alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
+  }
+  if (!request.scene && !request.scene_text) {
+    scene.name = std::filesystem::path(scene.organ->value).stem().string() +
+                 (scene.task == Task::kPress ? " press" : " pull");
+  }
+  return scene;
+}
+
+void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
+  const Stated& organ = *scene.organ;
+  setup.organ_name = organ.value;
+  if (means_file(organ.value)) {
+    setup.organ = read_organ_source(organ, scene.organ_unit, notes);
+    return;
+  }
+  const std::vector<std::string>& known = geometry::builtin_organ_names();
+  if (std::find(known.begin(), known.end(), organ.value) == known.end()) {
+    const std::string near = nearest_word(organ.value, known);
+    organ.fail(fmt::format("must be {}, or a file (with a / or an ending such as .stl){}",
+                           alternatives(known), near.empty() ? "" : "; did you mean " + near + "?"));
+  }
+  setup.organ = geometry::make_organ(organ.value);
+}
+
+/// The tissue asked for; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
+model::TissueParameters find_tissue(const SceneDescription& scene) {
+  if (scene.tissue) {
+    try {
+      return load_tissue(means_file(scene.tissue->value) ? scene.tissue->file().string()
+                                                         : scene.tissue->value);
+    } catch (const InputError& error) {
+      throw InputError(scene.tissue->where + ": " + error.what());
+    }
+  }
+  if (!means_file(scene.organ->value)) {
+    try {
+      return model::tissue_preset(scene.organ->value.substr(0, scene.organ->value.find('-')));
+    } catch (const InputError&) {  // an organ without a tissue of its own, such as the box
+    }
+  }
+  return model::tissue_preset(scene.task == Task::kPull ? "heart" : "gallbladder");
+}
+
+const DeviceKind& check_device_kind(const Stated& kind) {
+  if (const DeviceKind* found = find_device_kind(kind.value)) return *found;
+  std::vector<std::string> names;
+  for (const DeviceKind& known : device_kinds()) {
+    if (known.name != "host") names.emplace_back(known.name);  // no run can open that one
+  }
+  kind.fail("must be " + alternatives(names));
+}
+
+void check_tool_path(const Stated& path, const std::filesystem::path& file, Task task) {
+  try {
+    const ToolPath read = read_tool_path(file);
+    if (task == Task::kPull && !read.has_gripper()) {
+      throw InputError(file.string() + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
+    }
+  } catch (const InputError& error) {
+    throw InputError(path.where + ": " + error.what());
+  }
+}
+
+/// Checks what a device would read at its opening. @return its path, resolved; empty: none given.
+std::string check_device_path(const DeviceDescription& device, const DeviceKind& kind, Task task) {
+  if (!device.path) {
+    if (kind.path == DevicePath::kRecording) device.kind.fail("needs the path of a recording beside it");
+    return {};
+  }
+  if (kind.path == DevicePath::kNone)
+    device.path->fail("must be left out: a " + std::string(kind.name) + " has none");
+  if (kind.path == DevicePath::kAddress) return device.path->value;  // checked by the device itself
+  const std::filesystem::path file = device.path->file();
+  std::error_code status;
+  if (!std::filesystem::exists(file, status)) device.path->fail("there is no such file");
+  if (std::filesystem::is_directory(file, status)) device.path->fail("is a folder, must be a file");
+  if (kind.path == DevicePath::kToolPath) check_tool_path(*device.path, file, task);
+  return file.string();
+}
+
+void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
+  const std::size_t hands = scene.tools.size();
+  if (hands > kMaxHands) {
+    throw InputError(
+        fmt::format("{}: there are {} tools, must be at most {}", scene.tool_place, hands, kMaxHands));
+  }
+  std::vector<DeviceDescription> devices = scene.devices;
+  if (devices.empty()) devices.resize(hands);
+  if (devices.size() != hands) {
+    throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one a tool",
+                                 devices.front().kind.where, devices.size(), hands));
+  }
+  for (const DeviceDescription& device : devices) {
+    const DeviceKind& kind = check_device_kind(device.kind);
+    DeviceSetup& made = setup.devices.emplace_back(device.setup);
+    made.kind = kind.name;
+    if (made.kind == "emulated") made.dynamics = with_emulated_defaults(made.dynamics);
+    made.path = check_device_path(device, kind, scene.task);
+  }
+  for (const ToolDescription& tool : scene.tools) setup.tools.push_back(load_instrument(tool, notes));
+}
+
+void set_noise(const SceneDescription& scene, Setup& setup) {
+  setup.noise = scene.noise;
+  setup.noise.seed = scene.seed;
+  if (setup.noise.rate_Hz <= scene.rate_Hz) return;
+  if (!scene.noise_rate_place.empty()) {
+    throw InputError(fmt::format("{} = {}: must be at most the loop's rate, {} Hz", scene.noise_rate_place,
+                                 shortest(setup.noise.rate_Hz), shortest(scene.rate_Hz)));
+  }
+  setup.noise.rate_Hz = scene.rate_Hz;
+}
+
+}  // namespace
+
+Setup load(const Request& request) {
+  const SceneDescription scene = describe(request);
+  Setup setup;
+  setup.name = scene.name;
+  setup.task = scene.task;
+  setup.rate_Hz = scene.rate_Hz;
+  setup.seed = scene.seed;
+  setup.organ_pose = scene.organ_pose;
+  setup.organ_motion = scene.organ_motion;
+  setup.safety = scene.safety;
+  set_noise(scene, setup);
+  setup.tissue = find_tissue(scene);
+  MeshNotes notes;
+  load_hands(scene, setup, notes);
+  load_organ(scene, setup, notes);
+  setup.repairs = std::move(notes.repairs);
+  setup.remarks = std::move(notes.remarks);
+  return setup;
+}
+
+}  // namespace palpate::scene

@@ -1,0 +1,60 @@
+#include "io/scene/mesh_source.h"
+
+#include <utility>
+
+#include "palpate/error.h"
+
+#include "io/mesh_io/repair/repair.h"
+
+namespace palpate::scene {
+namespace {
+
+/// The field or flag that would have given the unit: "tool.jaw.mesh" -> "tool.unit", "--organ" ->
+/// "--organ-unit".
+std::string unit_field(const Stated& mesh) {
+  if (mesh.by_flag()) return mesh.where + "-unit";
+  return mesh.where.find(": organ.") != std::string::npos ? "organ.unit" : "tool.unit";
+}
+
+void note(const geometry::MeshFindings& findings, const std::string& file, MeshNotes& notes) {
+  const auto add = [&](const std::vector<std::string>& words, std::vector<std::string>& all) {
+    for (const std::string& word : words) all.push_back(file + ": " + word);
+  };
+  add(findings.repairs, notes.repairs);
+  add(findings.defects, notes.remarks);
+  add(findings.remarks, notes.remarks);
+}
+
+template <typename Read>
+geometry::LoadedMesh naming_place(const Stated& mesh, const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(mesh.where + ": " + error.what());
+  }
+}
+
+void require_unit(const Stated& mesh, const std::optional<LengthUnit>& unit) {
+  if (!unit) mesh.fail("its unit is missing, give " + unit_field(mesh) + ": mm, cm, m or in");
+}
+
+}  // namespace
+
+geometry::LoadedMesh read_part_source(const Stated& mesh, const std::optional<LengthUnit>& unit,
+                                      MeshNotes& notes) {
+  require_unit(mesh, unit);
+  geometry::LoadedMesh loaded = naming_place(mesh, [&] { return geometry::read_mesh(mesh.file(), unit); });
+  note(loaded.findings, mesh.value, notes);
+  return loaded;
+}
+
+geometry::TriangleMesh read_organ_source(const Stated& mesh, const std::optional<LengthUnit>& unit,
+                                         MeshNotes& notes) {
+  require_unit(mesh, unit);
+  geometry::LoadedMesh loaded = naming_place(
+      mesh, [&] { return geometry::repair_organ(geometry::read_mesh(mesh.file(), unit), mesh.value); });
+  note(loaded.findings, mesh.value, notes);
+  return std::move(loaded.mesh);
+}
+
+}  // namespace palpate::scene

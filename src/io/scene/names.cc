@@ -1,0 +1,28 @@
+#include "io/scene/names.h"
+
+#include <algorithm>
+#include <array>
+
+namespace palpate::scene {
+
+bool means_file(std::string_view text) {
+  static constexpr std::array<std::string_view, 14> kEndings = {".toml", ".stl",  ".obj", ".ply", ".off",
+                                                                ".3ds",  ".gltf", ".glb", ".vtk", ".csv",
+                                                                ".h5",   ".hdf5", ".dae", ".vtp"};
+  if (text.find('/') != std::string_view::npos) return true;
+  std::string ending = std::filesystem::path(text).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+std::string alternatives(std::span<const std::string> words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
+    text += words[i];
+  }
+  return text;
+}
+
+}  // namespace palpate::scene

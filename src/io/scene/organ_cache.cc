@@ -1,0 +1,145 @@
+#include "io/scene/organ_cache.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/base/index.h"
+#include "io/system/cache_folder.h"
+
+namespace palpate::scene {
+namespace {
+
+namespace fs = std::filesystem;
+using contact::OrganArrays;
+
+constexpr const char* kEnding = ".organ";
+constexpr std::uint64_t kMostCached = std::uint64_t{1}
+                                      << 30;  // bytes: about ten organs of a million triangles
+
+/// The folder of prepared organs.
+class OrganCache final {
+ public:
+  OrganCache(fs::path folder, std::function<void(const std::string&)> remark)
+      : folder_(std::move(folder)), remark_(std::move(remark)) {}
+
+  [[nodiscard]] std::optional<OrganArrays> load(const geometry::TriangleMesh& organ,
+                                                double reference_radius) const {
+    const ContentHash key = contact::organ_key(organ, reference_radius);
+    const fs::path file = file_of(key);
+    std::error_code error;
+    if (!fs::exists(file, error)) {
+      report("the cache does not have this organ: " + file.string());
+      return std::nullopt;
+    }
+    const std::optional<ArrayFileReader> reader = ArrayFileReader::open(file, key);
+    std::optional<OrganArrays> arrays = reader ? get(*reader) : std::nullopt;
+    if (!arrays) {
+      report("the cached organ is damaged or of another version and is made anew: " + file.string());
+      return std::nullopt;
+    }
+    report("prepared organ taken from the cache: " + file.string());
+    fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used last are kept longest
+    return arrays;
+  }
+
+  void store(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays) const {
+    const ContentHash key = contact::organ_key(organ, reference_radius);
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    ArrayFileWriter writer(file_of(key), key);
+    put(arrays, writer);
+    if (!writer.commit()) report("the prepared organ could not be kept as " + file_of(key).string());
+    trim_cache(folder_, kEnding, kMostCached);
+  }
+
+ private:
+  [[nodiscard]] fs::path file_of(const ContentHash& key) const {
+    return folder_ / (key.hexadecimal() + kEnding);
+  }
+  void report(const std::string& text) const {
+    if (remark_) remark_(text);
+  }
+
+  fs::path folder_;
+  std::function<void(const std::string&)> remark_;
+};
+
+bool all_within(const std::vector<std::array<std::int32_t, 3>>& rows, std::int32_t lowest, std::size_t end) {
+  return std::all_of(rows.begin(), rows.end(), [&](const std::array<std::int32_t, 3>& row) {
+    return std::all_of(row.begin(), row.end(),
+                       [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
+  });
+}
+
+bool all_within(const std::vector<std::int32_t>& list, std::int32_t lowest, std::size_t end) {
+  return std::all_of(list.begin(), list.end(),
+                     [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
+}
+
+/// Whether every index leads somewhere: a file may be whole and yet not be what this code wrote.
+bool hangs_together(const OrganArrays& arrays) {
+  const std::size_t triangles = arrays.mesh.triangles.size();
+  const std::vector<std::int32_t>& start = arrays.sharp_start;
+  return arrays.neighbours.size() == triangles && arrays.row_of.size() == triangles &&
+         arrays.bends.size() == triangles && start.size() == triangles + 1 && start.front() == 0 &&
+         at(start.back()) == arrays.sharp_near.size() && std::is_sorted(start.begin(), start.end()) &&
+         arrays.normals.size() >= arrays.mesh.vertices.size() &&
+         all_within(arrays.mesh.triangles, 0, arrays.mesh.vertices.size()) &&
+         all_within(arrays.neighbours, -1, triangles) &&
+         all_within(arrays.row_of, -1, arrays.side_rows.size()) &&
+         all_within(arrays.side_rows, 0, arrays.normals.size()) &&
+         all_within(arrays.sharp_near, 0, arrays.sharp_edges.size()) &&
+         std::all_of(arrays.sharp_edges.begin(), arrays.sharp_edges.end(),
+                     [&](const contact::SharpEdge& sharp) {
+                       return std::all_of(sharp.triangle.begin(), sharp.triangle.end(),
+                                          [&](std::int32_t i) { return i >= 0 && at(i) < triangles; }) &&
+                              std::all_of(sharp.edge.begin(), sharp.edge.end(),
+                                          [](std::int32_t i) { return i >= 0 && i < 3; });
+                     });
+}
+
+}  // namespace
+
+void use_organ_cache(contact::Preparation& how, fs::path folder,
+                     std::function<void(const std::string&)> remark) {
+  if (folder.empty()) return;
+  const OrganCache cache(std::move(folder), std::move(remark));
+  how.load = [cache](const geometry::TriangleMesh& organ, double reference_radius) {
+    return cache.load(organ, reference_radius);
+  };
+  how.store = [cache](const geometry::TriangleMesh& organ, double reference_radius,
+                      const OrganArrays& arrays) { cache.store(organ, reference_radius, arrays); };
+}
+
+void put(const OrganArrays& arrays, ArrayFileWriter& file) {
+  file.put("vertices", arrays.mesh.vertices);
+  file.put("triangles", arrays.mesh.triangles);
+  file.put("neighbours", arrays.neighbours);
+  file.put("normals", arrays.normals);
+  file.put("bends", arrays.bends);
+  file.put("row_of", arrays.row_of);
+  file.put("side_rows", arrays.side_rows);
+  file.put("sharp_edges", arrays.sharp_edges);
+  file.put("sharp_start", arrays.sharp_start);
+  file.put("sharp_near", arrays.sharp_near);
+}
+
+std::optional<OrganArrays> get(const ArrayFileReader& file) {
+  OrganArrays arrays;
+  const bool whole = file.get("vertices", arrays.mesh.vertices) &&
+                     file.get("triangles", arrays.mesh.triangles) &&
+                     file.get("neighbours", arrays.neighbours) && file.get("normals", arrays.normals) &&
+                     file.get("bends", arrays.bends) && file.get("row_of", arrays.row_of) &&
+                     file.get("side_rows", arrays.side_rows) && file.get("sharp_edges", arrays.sharp_edges) &&
+                     file.get("sharp_start", arrays.sharp_start) && file.get("sharp_near", arrays.sharp_near);
+  if (!whole || !hangs_together(arrays)) return std::nullopt;
+  arrays.face_normals = contact::face_normals_of(arrays.mesh);
+  return arrays;
+}
+
+}  // namespace palpate::scene

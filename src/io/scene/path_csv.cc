@@ -1,0 +1,69 @@
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "palpate/tool_path.h"
+
+#include "core/base/text.h"
+#include "io/system/csv_table.h"
+
+namespace palpate::scene {
+namespace {
+
+enum Column : std::size_t { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kGripper };
+
+const std::vector<CsvColumn> kColumns = {{"time_s"},    {"x_m"},       {"y_m"},
+                                         {"z_m"},       {"qw", false}, {"qx", false},
+                                         {"qy", false}, {"qz", false}, {"gripper", false}};
+
+/// Whether the path has rotations: all four numbers of a quaternion.
+bool has_rotations(const CsvTable& table) {
+  const bool any = table.has(kQw) || table.has(kQx) || table.has(kQy) || table.has(kQz);
+  for (const std::size_t column : {kQw, kQx, kQy, kQz}) {
+    if (any && !table.has(column)) {
+      table.fail(kColumns[column].name + ": missing, must be all of qw, qx, qy, qz or none");
+    }
+  }
+  return any;
+}
+
+Quat rotation(const CsvTable& table) {
+  constexpr double kShortest = 1e-6;  // below: no direction left to speak of
+  const Quat q(table.number(kQw), table.number(kQx), table.number(kQy), table.number(kQz));
+  const double norm = q.norm();
+  if (std::isfinite(norm) && norm > kShortest) {
+    return {q.w() / norm, q.x() / norm, q.y() / norm, q.z() / norm};
+  }
+  table.fail(fmt::format("qw,qx,qy,qz = {},{},{},{}: must be a rotation, not of length {}", shortest(q.w()),
+                         shortest(q.x()), shortest(q.y()), shortest(q.z()), shortest(norm)));
+}
+
+}  // namespace
+
+ToolPath read_tool_path(const std::filesystem::path& file) {
+  CsvTable table(file, kColumns);
+  const bool turns = has_rotations(table);
+  std::vector<PathRow> rows;
+  while (table.next_row()) {
+    PathRow row;
+    row.time = table.number(kTime);
+    row.position = {table.number(kX), table.number(kY), table.number(kZ)};
+    if (turns) row.orientation = rotation(table);
+    row.gripper = table.number(kGripper);
+    if (row.gripper < 0.0 || row.gripper > 1.0) table.fail(kGripper, "must be 0 (closed) to 1 (open)");
+    if (!rows.empty() && row.time <= rows.back().time) {
+      table.fail(kTime, "must be later than the row before, " + shortest(rows.back().time));
+    }
+    if (!rows.empty() && !std::isfinite(row.time - rows.front().time)) {
+      table.fail(kTime,
+                 "the path's length must be a finite number, it begins at " + shortest(rows.front().time));
+    }
+    rows.push_back(row);
+  }
+  return ToolPath(std::move(rows), table.has(kGripper));
+}
+
+}  // namespace palpate::scene

@@ -1,0 +1,314 @@
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/scene.h"
+
+#include "io/scene/test/temporary_folder.h"
+
+namespace palpate::scene {
+namespace {
+
+using test::error_of;
+using test::TemporaryFolder;
+using testing::HasSubstr;
+
+const std::string kShortLoaded =
+    "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"curved-forceps\"\n";  // four lines
+
+/// A box of 40 mm as an OBJ file.
+const std::string kBox =
+    "v -20 -20 -20\nv 20 -20 -20\nv 20 20 -20\nv -20 20 -20\nv -20 -20 20\nv 20 -20 20\nv 20 20 20\nv -20 20 "
+    "20\n"
+    "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 "
+    "5 8\n";
+
+Request scene(const std::filesystem::path& file) {
+  Request request;
+  request.scene = file;
+  return request;
+}
+
+std::string error_in(const Request& request) {
+  return error_of([&] { (void)load(request); });
+}
+
+TEST(Load, NothingAskedForIsTheGallbladderPress) {
+  const scene::Setup setup = load({});
+  EXPECT_EQ(setup.name, "gallbladder press");
+  EXPECT_EQ(setup.task, Task::kPress);
+  EXPECT_EQ(setup.organ_name, "gallbladder");
+  EXPECT_EQ(setup.organ.vertices.size(), 1057U);
+  EXPECT_EQ(setup.tissue.name, "gallbladder");
+  ASSERT_EQ(setup.tools.size(), 1U);
+  EXPECT_EQ(setup.tools[0].name, "curved-forceps");
+  ASSERT_EQ(setup.devices.size(), 1U);
+  EXPECT_EQ(setup.devices[0].kind, "scripted");
+  EXPECT_EQ(setup.devices[0].path, "");
+  EXPECT_EQ(setup.rate_Hz, 1000.0);
+  EXPECT_TRUE(setup.noise.enabled);
+}
+
+TEST(Load, TaskPullAloneIsTheHeart) {
+  Request request;
+  request.task = "pull";
+  const scene::Setup setup = load(request);
+  EXPECT_EQ(setup.name, "heart pull");
+  EXPECT_EQ(setup.task, Task::kPull);
+  EXPECT_EQ(setup.organ_name, "heart");
+  EXPECT_EQ(setup.tissue.name, "heart");
+  EXPECT_EQ(setup.tools[0].name, "straight-forceps");
+}
+
+TEST(Load, TissueDefaultsToTheOrgansOwnThenToTheTasks) {
+  Request request;
+  request.organ = "heart";
+  EXPECT_EQ(load(request).tissue.name, "heart");
+  request.organ = "heart-30k";
+  EXPECT_EQ(load(request).tissue.name, "heart");
+  request.organ = "liver";
+  EXPECT_EQ(load(request).tissue.name, "liver");
+  request.organ = "kidney-30k";
+  EXPECT_EQ(load(request).tissue.name, "kidney");
+  request.organ = "box";
+  EXPECT_EQ(load(request).tissue.name, "gallbladder");
+  request.task = "pull";
+  EXPECT_EQ(load(request).tissue.name, "heart");
+  request.tissue = "liver";
+  EXPECT_EQ(load(request).tissue.name, "liver");
+}
+
+TEST(Load, TakesATissueOfTheSmoothLawThatRelaxes) {
+  const TemporaryFolder folder;
+  Request request;
+  request.task = "press";
+  request.tissue = folder
+                       .write("soft.toml",
+                              "[tissue]\nlaw=\"smooth\"\nk1_N_per_m=10\nbeta=1\nq=0.5\nrest_length_mm=10\n"
+                              "max_length_mm=12\nmin_length_mm=8\nt1_us=1\n"
+                              "[[tissue.relaxation]]\nshare = 0.3\ntime_s = 1.5\n")
+                       .string();
+  const model::TissueParameters tissue = load(request).tissue;
+  EXPECT_EQ(tissue.law, model::LawKind::kSmooth);
+  ASSERT_EQ(tissue.relaxation.size(), 1U);
+  EXPECT_EQ(tissue.relaxation[0].time, 1.5);
+}
+
+TEST(Load, ReadsFilesRelativeToTheScene) {
+  const TemporaryFolder folder;
+  (void)folder.write("box.obj", kBox);
+  (void)folder.write("soft.toml",
+                     "[tissue]\nk1_N_per_m=10\nbeta=1\nq=0.5\nrest_length_mm=10\nmax_length_mm=12\n"
+                     "min_length_mm=5\nt1_us=1\n");
+  (void)folder.write("way.csv", "time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1\n");
+  const scene::Setup setup =
+      load(scene(folder.write("s.toml",
+                              "[scene]\ntask=\"pull\"\n[organ]\nmesh=\"box.obj\"\nunit=\"mm\"\n"
+                              "tissue=\"soft.toml\"\n[tool]\nmesh=\"sphere:3\"\n"
+                              "[device]\npath=\"way.csv\"\nworkspace_scale=3\n")));
+  EXPECT_EQ(setup.organ_name, "box.obj");
+  EXPECT_EQ(setup.organ.triangles.size(), 12U);
+  EXPECT_NEAR(geometry::bounds(setup.organ).high.x(), 0.020, 1e-9);
+  EXPECT_EQ(setup.tissue.name, "soft");
+  EXPECT_EQ(setup.tissue.k1, 10.0);
+  EXPECT_EQ(setup.devices[0].path, (folder.path() / "way.csv").string());
+  EXPECT_EQ(setup.devices[0].workspace_scale, 3.0);
+}
+
+TEST(Load, FlagsOverrideTheScene) {
+  const TemporaryFolder folder;
+  const auto box = folder.write("box.obj", kBox);
+  const auto way = folder.write("way.csv", "time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1\n");
+  Request request = scene(
+      folder.write("s.toml", kShortLoaded + "[scene]\nname = \"mine\"\n[device]\nworkspace_scale = 2\n"));
+  request.task = "pull";
+  request.organ = box.string();
+  request.organ_unit = "mm";
+  request.tissue = "kidney";
+  request.tools = {"sphere:2"};
+  request.device = "scripted:" + way.string();
+  request.rate_Hz = 2000.0;
+  request.seed = 99;
+  request.no_noise = true;
+  const scene::Setup setup = load(request);
+  EXPECT_EQ(setup.name, "mine");
+  EXPECT_EQ(setup.task, Task::kPull);
+  EXPECT_EQ(setup.organ.triangles.size(), 12U);
+  EXPECT_EQ(setup.tissue.name, "kidney");
+  EXPECT_DOUBLE_EQ(*setup.tools[0].tip_radius, 2e-3);
+  EXPECT_EQ(setup.devices[0].path, way.string());
+  EXPECT_EQ(setup.devices[0].workspace_scale, 2.0);
+  EXPECT_EQ(setup.rate_Hz, 2000.0);
+  EXPECT_EQ(setup.seed, 99U);
+  EXPECT_EQ(setup.noise.seed, 99U);
+  EXPECT_FALSE(setup.noise.enabled);
+}
+
+TEST(Load, SeveralToolFlagsAreJawsThatOpenApart) {
+  const TemporaryFolder folder;
+  const auto jaw = [&](const std::string& name, const std::string& y0, const std::string& y1) {
+    return folder
+        .write(name, "v -2 " + y0 + " 0\nv 2 " + y0 + " 0\nv 0 " + y1 + " 0\nv 0 " + y0 +
+                         " 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        .string();
+  };
+  Request request;
+  request.tools = {jaw("a.obj", "0", "2"), jaw("b.obj", "-0.1", "-2")};
+  request.tool_unit = "mm";
+  const scene::Setup setup = load(request);
+  ASSERT_EQ(setup.tools.size(), 1U);
+  ASSERT_EQ(setup.tools[0].parts.size(), 2U);
+  double gap = 0.0;
+  for (const std::size_t i : {0U, 1U}) {
+    const geometry::ToolPart& part = setup.tools[0].parts[i];
+    EXPECT_TRUE(part.is_jaw);
+    const double y = (geometry::part_pose(part, 1.0) * Vec3(0.0, 0.0, 20e-3)).y();
+    gap += i == 0 ? y : -y;
+  }
+  EXPECT_NEAR(gap, 2.0 * 20e-3 * 0.25881904510252074, 1e-12);  // sin 15 deg
+}
+
+TEST(Load, ANoiseClockThatIsNotGivenNeverRunsFasterThanTheLoop) {
+  Request request;
+  request.rate_Hz = 500.0;
+  EXPECT_EQ(load(request).noise.rate_Hz, 500.0);
+  request.rate_Hz = 4000.0;
+  EXPECT_EQ(load(request).noise.rate_Hz, 1000.0);
+  const TemporaryFolder folder;
+  const Request given =
+      scene(folder.write("s.toml", kShortLoaded + "[scene]\nrate_Hz = 500\n[noise]\nrate_Hz = 600\n"));
+  EXPECT_THAT(error_in(given),
+              HasSubstr("s.toml:8: noise.rate_Hz = 600: must be at most the loop's rate, 500 Hz"));
+}
+
+TEST(Load, RefusesBadFlagsByTheirName) {
+  const auto with = [](auto change) {
+    Request request;
+    change(request);
+    return error_in(request);
+  };
+  EXPECT_EQ(with([](Request& r) { r.task = "cut"; }), "--task = \"cut\": must be press or pull");
+  EXPECT_THAT(with([](Request& r) { r.organ = "lung"; }),
+              HasSubstr("--organ = \"lung\": must be gallbladder"));
+  EXPECT_THAT(with([](Request& r) { r.organ = "./lung.stl"; }),
+              HasSubstr("--organ = \"./lung.stl\": its unit is missing, give --organ-unit"));
+  EXPECT_EQ(with([](Request& r) { r.organ_unit = "feet"; }),
+            "--organ-unit = \"feet\": must be mm, cm, m or in");
+  EXPECT_EQ(with([](Request& r) { r.tool_unit = "feet"; }),
+            "--tool-unit = \"feet\": must be mm, cm, m or in");
+  EXPECT_THAT(with([](Request& r) {
+                r.organ = "/no/such/lung.stl";
+                r.organ_unit = "mm";
+              }),
+              HasSubstr("--organ: /no/such/lung.stl"));
+  EXPECT_THAT(with([](Request& r) { r.tissue = "bone"; }), HasSubstr("--tissue: "));
+  EXPECT_THAT(with([](Request& r) { r.tissue = "/no/such.toml"; }),
+              HasSubstr("--tissue: /no/such.toml: there is no such file"));
+  EXPECT_THAT(with([](Request& r) { r.tools = {"scissors"}; }), HasSubstr("--tool = \"scissors\": must be"));
+  for (const double rate : {0.0, -1.0, 99.0, 20001.0, std::numeric_limits<double>::quiet_NaN(),
+                            std::numeric_limits<double>::infinity()}) {
+    EXPECT_THAT(with([rate](Request& r) { r.rate_Hz = rate; }), HasSubstr("--rate-Hz = "));
+  }
+  EXPECT_THAT(with([](Request& r) { r.scene = "/no/such.toml"; }),
+              HasSubstr("/no/such.toml: there is no such file"));
+}
+
+TEST(Load, RefusesDevicesItCannotOpen) {
+  const auto with = [](const std::string& device) {
+    Request request;
+    request.device = device;
+    return error_in(request);
+  };
+  EXPECT_THAT(with("joystick"),
+              HasSubstr("--device = \"joystick\": must be scripted, replay, emulated, mouse, gamepad, "
+                        "forcedimension or haply"));
+  EXPECT_THAT(with("mouse:left"), HasSubstr("\"left\": must be left out: a mouse has none"));
+  EXPECT_THAT(with("replay"), HasSubstr("needs the path of a recording"));
+  EXPECT_THAT(with("replay:/no/such.h5"), HasSubstr("--device = \"/no/such.h5\": there is no such file"));
+  EXPECT_THAT(with("scripted:/no/such.csv"), HasSubstr("there is no such file"));
+  EXPECT_THAT(with("scripted:"), HasSubstr("must be KIND or KIND:PATH"));
+  EXPECT_THAT(with("scripted:/"), HasSubstr("is a folder"));
+}
+
+TEST(Load, RefusesWhatAScenesFilesDoWrong) {
+  const TemporaryFolder folder;
+  const std::string name = (folder.path() / "s.toml").string();
+  const auto error_with = [&](const std::string& content) {
+    return error_in(scene(folder.write("s.toml", content)));
+  };
+  EXPECT_THAT(error_with("[tool]\nmesh=\"sphere:3\"\n"),
+              HasSubstr(name + ":1: organ.mesh: missing, must be a built-in"));
+  EXPECT_THAT(error_with("[organ]\nmesh=\"heart\"\n"),
+              HasSubstr("tool.mesh: missing, must be a built-in tool"));
+  EXPECT_THAT(error_with("[organ]\nmesh=\"lung\"\n[tool]\nmesh=\"sphere:3\"\n"),
+              HasSubstr(name + ":2: organ.mesh = \"lung\": must be gallbladder"));
+  EXPECT_THAT(error_with("[organ]\nmesh=\"lung.stl\"\n[tool]\nmesh=\"sphere:3\"\n"),
+              HasSubstr(name + ":2: organ.mesh = \"lung.stl\": its unit is missing, give organ.unit"));
+  EXPECT_THAT(error_with("[organ]\nmesh=\"lung.stl\"\nunit=\"mm\"\n[tool]\nmesh=\"sphere:3\"\n"),
+              HasSubstr(name + ":2: organ.mesh: " + folder.path().string() + "/lung.stl: "));
+  EXPECT_THAT(
+      error_with("[organ]\nmesh=\"heart\"\ntissue=\"no.toml\"\n[tool]\nmesh=\"sphere:3\"\n"),
+      HasSubstr(name + ":3: organ.tissue: " + folder.path().string() + "/no.toml: there is no such file"));
+  EXPECT_THAT(error_with(kShortLoaded + "[device]\nkind=\"spoon\"\n"),
+              HasSubstr(name + ":6: device.kind = \"spoon\": must be scripted, replay"));
+  EXPECT_THAT(error_with(kShortLoaded + "[device]\nkind=\"replay\"\n"),
+              HasSubstr(name + ":6: device.kind = \"replay\": needs"));
+  EXPECT_THAT(error_with(kShortLoaded + "[device]\npath=\"no.csv\"\n"),
+              HasSubstr(name + ":6: device.path = \"no.csv\": there is no such file"));
+  (void)folder.write("way.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n");
+  EXPECT_THAT(error_with(kShortLoaded + "[scene]\ntask=\"pull\"\n[device]\npath=\"way.csv\"\n"),
+              HasSubstr("way.csv:1: gripper: missing, a pull needs this column"));
+  (void)folder.write("back.csv", "time_s,x_m,y_m,z_m\n1,0,0,0\n0,0,0,0\n");
+  EXPECT_THAT(error_with(kShortLoaded + "[device]\npath=\"back.csv\"\n"),
+              HasSubstr("back.csv:3: time_s = 0: must be later"));
+}
+
+TEST(Load, RepairsAnOrganAndKeepsWhatWasDone) {
+  const TemporaryFolder folder;
+  Request request;
+  const auto damaged = folder.write("box.obj", kBox + "f 1 2 3\nf 1 1 2\n");
+  request.organ = damaged.string();
+  request.organ_unit = "mm";
+  const scene::Setup setup = load(request);
+  EXPECT_EQ(setup.organ.triangles.size(), 12U);
+  EXPECT_THAT(setup.repairs,
+              testing::ElementsAre(damaged.string() + ": dropped 1 triangle with two corners in one place",
+                                   damaged.string() + ": dropped 1 duplicate triangle"));
+  EXPECT_THAT(setup.remarks, testing::IsEmpty());
+}
+
+TEST(Load, RefusesOrgansThatAreTooLargeOrCannotBeRepaired) {
+  const TemporaryFolder folder;
+  const auto box = folder.write("box.obj", kBox);
+  Request request;
+  request.organ = box.string();
+  request.organ_unit = "m";  // 40 m
+  EXPECT_THAT(error_in(request), HasSubstr("--organ: "));
+  request.organ = folder.write("open.obj", kBox.substr(0, kBox.rfind("f 3 8 7"))).string();
+  request.organ_unit = "mm";
+  EXPECT_THAT(error_in(request), testing::AllOf(HasSubstr("--organ: "),
+                                                HasSubstr("cannot be an organ: a hole of 7 edges, 69.3 mm")));
+}
+
+TEST(Load, RefusesHandsThatDoNotMatchUp) {
+  const TemporaryFolder folder;
+  const std::string organ = "[organ]\nmesh=\"heart\"\n";
+  const std::string tool = "[[tool]]\nmesh=\"sphere:3\"\n";
+  const std::string device = "[[device]]\nkind=\"scripted\"\n";
+  EXPECT_EQ(load(scene(folder.write("s.toml", organ + tool + tool))).devices.size(), 2U);
+  EXPECT_EQ(load(scene(folder.write("s.toml", organ + tool + tool + device + device))).tools.size(), 2U);
+  EXPECT_THAT(error_in(scene(folder.write("s.toml", organ + tool + tool + device))),
+              HasSubstr("there are 1 devices for 2 tools, must be one a tool"));
+  EXPECT_THAT(error_in(scene(folder.write("s.toml", organ + tool + tool + tool + tool + tool))),
+              HasSubstr("there are 5 tools, must be at most 4"));
+  Request request = scene(folder.write("s.toml", organ + tool + tool));
+  request.tools = {"sphere:2"};
+  EXPECT_THAT(error_in(request), HasSubstr("--tool = \"sphere:2\": the scene has several tools"));
+  request.tools.clear();
+  request.device = "scripted";
+  EXPECT_THAT(error_in(request), HasSubstr("--device = \"scripted\": the scene has several hands"));
+}
+
+}  // namespace
+}  // namespace palpate::scene

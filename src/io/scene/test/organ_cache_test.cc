@@ -1,0 +1,153 @@
+// Prepared organs that are kept in a folder.
+#include "io/scene/organ_cache.h"
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <random>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include "palpate/mesh.h"
+
+#include "core/contact/organ_surface.h"
+#include "core/contact/test/rig.h"
+#include "io/system/test/temporary_folder.h"
+
+namespace palpate::scene {
+namespace {
+
+namespace fs = std::filesystem;
+using contact::organ_key;
+using contact::OrganArrays;
+using contact::OrganSurface;
+using geometry::TriangleMesh;
+using palpate::test::TemporaryFolder;
+
+constexpr double kCachedReference = 10e-3;
+
+std::string hash_of(const OrganArrays& arrays) {
+  const auto rows = [](const auto& list) { return std::span(list.data(), list.size()); };
+  ContentHasher hasher;
+  hasher.add(std::span<const Vec3>(arrays.mesh.vertices));
+  hasher.add(std::span<const geometry::Triangle>(arrays.mesh.triangles));
+  hasher.add(std::span<const geometry::Triangle>(arrays.neighbours));
+  hasher.add(std::span<const Vec3>(arrays.face_normals)).add(std::span<const Vec3>(arrays.normals));
+  hasher.add(std::span<const contact::NormalBends>(arrays.bends));
+  hasher.add(std::span<const std::int32_t>(rows(arrays.row_of)));
+  hasher.add(std::span<const geometry::Triangle>(arrays.side_rows));
+  hasher.add(std::span<const contact::SharpEdge>(arrays.sharp_edges));
+  hasher.add(std::span<const std::int32_t>(arrays.sharp_start));
+  hasher.add(std::span<const std::int32_t>(arrays.sharp_near));
+  return hasher.hash().hexadecimal();
+}
+
+std::string prepared(const TriangleMesh& organ, const fs::path& cache = {},
+                     double reference = kCachedReference, std::string* remark = nullptr) {
+  contact::Preparation how;
+  use_organ_cache(how, cache, [remark](const std::string& words) {
+    if (remark != nullptr) *remark = words;
+  });
+  return hash_of(OrganSurface(organ, reference, how).arrays());
+}
+
+TEST(PreparedOrgan, OnOneThreadGivesTheSameBits) {
+  for (const int triangles : {5120, 81920}) {
+    const TriangleMesh organ = geometry::make_ball(20e-3, triangles);
+    const std::string on_all = prepared(organ);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_EQ(prepared(organ), on_all);
+  }
+}
+
+TEST(OrganCache, GivesTheSameBits) {
+  const TemporaryFolder folder;
+  const TriangleMesh organ = contact::test::block(Vec3(60e-3, 40e-3, 20e-3), 0.1);
+  const std::string fresh = prepared(organ);
+  std::string remark;
+  EXPECT_EQ(prepared(organ, folder / "new" / "cache", kCachedReference, &remark), fresh);
+  EXPECT_NE(remark.find("does not have"), std::string::npos);
+  EXPECT_EQ(prepared(organ, folder / "new" / "cache", kCachedReference, &remark), fresh);
+  EXPECT_NE(remark.find("taken from the cache"), std::string::npos);
+}
+
+TEST(OrganCache, KeepsAnotherMeshOrRadiusApart) {
+  const TemporaryFolder folder;
+  TriangleMesh organ = geometry::make_ball(20e-3, 1280);
+  (void)prepared(organ, folder.path());
+  (void)prepared(organ, folder.path(), 2.0 * kCachedReference);
+  organ.vertices[7].x() = std::nextafter(organ.vertices[7].x(), 1.0);
+  (void)prepared(organ, folder.path());
+  EXPECT_EQ(folder.entries(), 3U);
+}
+
+TEST(OrganCache, ReplacesADamagedFile) {
+  const TemporaryFolder folder;
+  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
+  const std::string fresh = prepared(organ, folder.path());
+  const fs::path file = fs::directory_iterator(folder.path())->path();
+  std::ostringstream whole;
+  whole << std::ifstream(file, std::ios::binary).rdbuf();
+  std::mt19937 random(9);
+  for (int i = 0; i < 20; ++i) {
+    std::string bytes = whole.str();
+    if (i % 2 == 0) {
+      bytes.resize(random() % bytes.size());
+    } else {
+      for (int change = 0; change < 100; ++change) {
+        bytes[random() % bytes.size()] ^= static_cast<char>(1 + random() % 255);
+      }
+    }
+    std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+    std::string remark;
+    EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
+    EXPECT_NE(remark.find("made anew"), std::string::npos);
+    EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
+    EXPECT_NE(remark.find("taken from the cache"), std::string::npos);  // it was mended
+  }
+}
+
+TEST(OrganCache, BelievesNoIndexThatLeadsOutside) {
+  const TemporaryFolder folder;
+  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
+  const OrganArrays good = OrganSurface(organ, kCachedReference).arrays();
+  const ContentHash key = organ_key(organ, kCachedReference);
+  const auto accepted = [&](const OrganArrays& arrays) {
+    ArrayFileWriter writer(folder / "file", key);
+    put(arrays, writer);
+    EXPECT_TRUE(writer.commit());
+    return get(*ArrayFileReader::open(folder / "file", key)).has_value();
+  };
+  EXPECT_TRUE(accepted(good));
+  const auto broken = [&](auto change) {
+    OrganArrays arrays = good;
+    change(arrays);
+    return !accepted(arrays);
+  };
+  const auto beyond = static_cast<std::int32_t>(good.mesh.triangles.size());
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.mesh.triangles[3][1] = beyond; }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.neighbours[3][1] = beyond; }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.neighbours[3][1] = -2; }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.row_of[5] = 0; }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_start.back() = 1; }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.normals.pop_back(); }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.bends.pop_back(); }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_edges.push_back({{0, beyond}, {0, 0}}); }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_edges.push_back({{0, 1}, {0, 3}}); }));
+}
+
+TEST(OrganCache, WithoutAFolderThatCanBeWrittenIsNoError) {
+  const TemporaryFolder folder;
+  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
+  const fs::path file = folder.write("file", "not a folder");
+  EXPECT_EQ(prepared(organ, file / "cache"), prepared(organ));
+  EXPECT_EQ(prepared(organ, "/proc/cache"), prepared(organ));
+}
+
+}  // namespace
+}  // namespace palpate::scene

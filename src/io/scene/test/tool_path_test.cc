@@ -1,0 +1,204 @@
+#include "palpate/tool_path.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "io/scene/test/temporary_folder.h"
+
+namespace palpate::scene {
+namespace {
+
+using test::error_of;
+using test::TemporaryFolder;
+using testing::HasSubstr;
+
+const double kHalfRoot = std::sqrt(0.5);
+
+PathRow row(double time, const Vec3& position, double gripper = 0.0) {
+  PathRow r;
+  r.time = time;
+  r.position = position;
+  r.gripper = gripper;
+  return r;
+}
+
+std::string path_error_in(const std::string& content) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("way.csv", content);
+  const std::string message = error_of([&] { (void)read_tool_path(file); });
+  EXPECT_TRUE(message.starts_with(file.string())) << message;
+  return message.starts_with(folder.path().string()) ? message.substr(folder.path().string().size() + 1)
+                                                     : message;
+}
+
+TEST(ToolPath, InterpolatesPositionAndGripperLinearly) {
+  const ToolPath path({row(1.0, {0.0, 1.0, 2.0}, 1.0), row(3.0, {4.0, 1.0, -2.0}, 0.0)});
+  const PathRow quarter = path.at(1.5);
+  EXPECT_EQ(quarter.time, 1.5);
+  EXPECT_DOUBLE_EQ(quarter.position.x(), 1.0);
+  EXPECT_DOUBLE_EQ(quarter.position.y(), 1.0);
+  EXPECT_DOUBLE_EQ(quarter.position.z(), 1.0);
+  EXPECT_DOUBLE_EQ(quarter.gripper, 0.75);
+}
+
+TEST(ToolPath, SlerpsTheRotationAtConstantSpeed) {
+  PathRow turned = row(2.0, Vec3::Zero());
+  turned.orientation = Quat(kHalfRoot, 0.0, 0.0, kHalfRoot);  // 90 degrees about z
+  const ToolPath path({row(0.0, Vec3::Zero()), turned});
+  const Quat third = path.at(2.0 / 3.0).orientation;  // 30 degrees
+  EXPECT_NEAR(third.w(), std::cos(std::acos(-1.0) / 12.0), 1e-12);
+  EXPECT_NEAR(third.z(), std::sin(std::acos(-1.0) / 12.0), 1e-12);
+}
+
+TEST(ToolPath, FindsTheRowOfEvenAndUnevenTimesAlike) {
+  for (const bool even : {true, false}) {
+    std::vector<PathRow> rows;
+    for (int i = 0; i < 200; ++i) {
+      const double time =
+          even ? 0.3 + 0.005 * i : 0.3 + 0.1 * std::sqrt(static_cast<double>(i)) + 1e-4 * i * i;
+      rows.push_back(row(time, {static_cast<double>(i), 0.0, 0.0}));
+    }
+    const ToolPath path(rows);
+    for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+      EXPECT_EQ(path.at(rows[i].time).position.x(), static_cast<double>(i));
+      const double middle = 0.5 * (rows[i].time + rows[i + 1].time);
+      EXPECT_NEAR(path.at(middle).position.x(), static_cast<double>(i) + 0.5, 1e-9);
+    }
+  }
+}
+
+TEST(ToolPath, FindsTheRowWhereTimesLieNearerThanNumbersCanTell) {
+  const ToolPath path(
+      {row(-4e-320, {1.0, 0.0, 0.0}), row(0.0, {2.0, 0.0, 0.0}), row(4e-320, {3.0, 0.0, 0.0})});
+  EXPECT_EQ(path.at(0.0).position.x(), 2.0);
+  EXPECT_EQ(path.at(2e-320).position.x(), 2.5);
+}
+
+TEST(ToolPath, LongerThanANumberCanTellIsRefused) {
+  EXPECT_THAT(error_of([] {
+                ToolPath({row(-1.7e308, Vec3::Zero()), row(1.7e308, Vec3::Zero())});
+              }),
+              HasSubstr("time_s = -1.7e+308 to 1.7e+308: the path's length must be a finite number"));
+}
+
+TEST(ToolPath, HoldsBeforeTheFirstAndAfterTheLastRow) {
+  const ToolPath path({row(1.0, {1.0, 0.0, 0.0}, 1.0), row(2.0, {2.0, 0.0, 0.0}, 0.0)});
+  for (const double time : {-5.0, 0.0, 1.0}) EXPECT_EQ(path.at(time).position.x(), 1.0);
+  for (const double time : {2.0, 2.5, 1e9}) EXPECT_EQ(path.at(time).position.x(), 2.0);
+  EXPECT_EQ(path.at(0.5).gripper, 1.0);
+  EXPECT_EQ(path.at(9.0).gripper, 0.0);
+  EXPECT_EQ(path.end_time(), 2.0);
+}
+
+TEST(ToolPath, GivesEveryRowExactlyAtItsOwnTime) {
+  std::vector<PathRow> rows;
+  for (int i = 0; i < 50; ++i) {
+    rows.push_back(row(0.1 * i, {0.3 * i, -0.7 * i, std::sqrt(i)}, (i % 7) / 6.0));
+    rows.back().orientation = Quat(1.0, 0.1 * i, 0.2, -0.05 * i).normalized();
+  }
+  const ToolPath path(rows);
+  for (const PathRow& want : rows) {
+    const PathRow got = path.at(want.time);
+    EXPECT_EQ(got.position, want.position);
+    EXPECT_EQ(got.orientation.coeffs(), want.orientation.coeffs());
+    EXPECT_EQ(got.gripper, want.gripper);
+  }
+}
+
+TEST(ToolPath, OneRowHoldsForEver) {
+  const ToolPath path({row(0.0, {1.0, 2.0, 3.0})});
+  EXPECT_EQ(path.at(-1.0).position, Vec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(path.at(1.0).position, Vec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(path.velocity_at(0.0), Vec3(0.0, 0.0, 0.0));
+}
+
+TEST(ToolPath, VelocityIsTheSlopeOfThePieceAndZeroOutside) {
+  const ToolPath path({row(0.0, {0.0, 0.0, 0.0}), row(2.0, {1.0, 0.0, 0.0}), row(3.0, {1.0, 0.0, -4.0})});
+  EXPECT_EQ(path.velocity_at(-0.1), Vec3(0.0, 0.0, 0.0));
+  EXPECT_EQ(path.velocity_at(1.0), Vec3(0.5, 0.0, 0.0));
+  EXPECT_EQ(path.velocity_at(2.0), Vec3(0.0, 0.0, -4.0));
+  EXPECT_EQ(path.velocity_at(3.0), Vec3(0.0, 0.0, 0.0));
+}
+
+TEST(ToolPath, RefusesNoRowsAndTimesThatDoNotRise) {
+  EXPECT_THAT(error_of([] { (void)ToolPath({}); }), HasSubstr("at least one row"));
+  EXPECT_THAT(error_of([] {
+                (void)ToolPath({row(1.0, Vec3::Zero()), row(1.0, Vec3::Zero())});
+              }),
+              HasSubstr("time_s = 1: must be later"));
+  EXPECT_THAT(
+      error_of([] {
+        (void)ToolPath({row(1.0, Vec3::Zero()), row(std::numeric_limits<double>::quiet_NaN(), Vec3::Zero())});
+      }),
+      HasSubstr("time_s = nan"));
+}
+
+TEST(ReadToolPath, ReadsColumnsByNameInAnyOrder) {
+  const TemporaryFolder folder;
+  const ToolPath path = read_tool_path(folder.write(
+      "way.csv",
+      "gripper,z_m, x_m "
+      ",y_m,time_s,qz,qy,qx,qw\r\n1,0.3,0.1,0.2,0,0,0,0,2\r\n0.5,-3e-1,0.1,+0.2,1.5,1,0,0,1\r\n\r\n\n"));
+  ASSERT_EQ(path.rows().size(), 2U);
+  EXPECT_TRUE(path.has_gripper());
+  const PathRow& first = path.rows()[0];
+  EXPECT_EQ(first.time, 0.0);
+  EXPECT_EQ(first.position, Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(first.orientation.coeffs(), Quat::Identity().coeffs());
+  EXPECT_EQ(first.gripper, 1.0);
+  const PathRow& second = path.rows()[1];
+  EXPECT_EQ(second.time, 1.5);
+  EXPECT_EQ(second.position.z(), -0.3);
+  EXPECT_DOUBLE_EQ(second.orientation.w(), kHalfRoot);
+  EXPECT_DOUBLE_EQ(second.orientation.z(), kHalfRoot);
+  EXPECT_EQ(second.gripper, 0.5);
+}
+
+TEST(ReadToolPath, DefaultsToUprightAndClosed) {
+  const TemporaryFolder folder;
+  const ToolPath path = read_tool_path(folder.write("way.csv", "time_s,x_m,y_m,z_m\n0,1,2,3"));
+  EXPECT_FALSE(path.has_gripper());
+  EXPECT_EQ(path.rows()[0].gripper, 0.0);
+  EXPECT_EQ(path.rows()[0].orientation.w(), 1.0);
+}
+
+TEST(ReadToolPath, RefusesBadHeaders) {
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m\n"),
+            "way.csv:1: z_m: missing, the header must name time_s, x_m, y_m and z_m");
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,qw,qx,qz\n"),
+            "way.csv:1: qy: missing, must be all of qw, qx, qy, qz or none");
+}
+
+TEST(ReadToolPath, RefusesBadNumbersWithLineColumnAndValue) {
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,1e999,0\n"),
+            "way.csv:3: y_m = 1e999: must be a finite number");
+}
+
+TEST(ReadToolPath, RefusesAPathLongerThanANumberCanTell) {
+  EXPECT_EQ(
+      path_error_in("time_s,x_m,y_m,z_m\n-1.7e308,0,0,0\n1.7e308,0,0,0\n"),
+      "way.csv:3: time_s = 1.7e+308: the path's length must be a finite number, it begins at -1.7e+308");
+}
+
+TEST(ReadToolPath, RefusesTimeThatRunsBackwardsOrStandsStill) {
+  const std::string start = "time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0\n";
+  EXPECT_EQ(path_error_in(start + "0.5,0,0,0\n"),
+            "way.csv:4: time_s = 0.5: must be later than the row before, 1");
+  EXPECT_EQ(path_error_in(start + "1,0,0,0\n"),
+            "way.csv:4: time_s = 1: must be later than the row before, 1");
+}
+
+TEST(ReadToolPath, RefusesGripperAndRotationOutOfRange) {
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1.1\n"),
+            "way.csv:2: gripper = 1.1: must be 0 (closed) to 1 (open)");
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,gripper\n0,0,0,0,-0.1\n"),
+            "way.csv:2: gripper = -0.1: must be 0 (closed) to 1 (open)");
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"),
+            "way.csv:2: qw,qx,qy,qz = 0,0,0,0: must be a rotation, not of length 0");
+}
+
+}  // namespace
+}  // namespace palpate::scene

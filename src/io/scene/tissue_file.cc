@@ -1,0 +1,159 @@
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/units.h"
+
+#include "core/base/text.h"
+#include "core/model/tissue_fields.h"
+#include "io/scene/names.h"
+#include "io/scene/toml_reader.h"
+
+namespace palpate::scene {
+namespace {
+
+model::LawKind read_law(const TomlTable& table) {
+  const std::string law = table.text("law").value_or("layered");
+  if (law == model::to_string(model::LawKind::kSmooth)) return model::LawKind::kSmooth;
+  if (law != model::to_string(model::LawKind::kLayered)) {
+    table.fail("law", "must be \"layered\" or \"smooth\"");
+  }
+  return model::LawKind::kLayered;
+}
+
+model::RelaxationTerms read_relaxation(const TomlTable& table) {
+  model::RelaxationTerms terms;
+  double sum = 0.0;
+  for (const TomlTable& entry : table.tables("relaxation")) {
+    entry.allow_only({"share", "time_s"});
+    model::RelaxationTerm term;
+    term.share = entry.required_number("share", kPositive);
+    term.time = entry.required_number("time_s", kPositive);
+    sum += term.share;
+    if (!(sum < 1.0)) {
+      entry.fail("share", "the shares of all terms must sum to less than 1, these to " + shortest(sum));
+    }
+    if (terms.size() == model::kMostRelaxationTerms) {
+      entry.fail("share", "one term too many, must be at most " +
+                              std::to_string(model::kMostRelaxationTerms) + " [[tissue.relaxation]]");
+    }
+    terms.push_back(term);
+  }
+  return terms;
+}
+
+std::vector<std::string> keys_of(std::string_view section) {
+  std::vector<std::string> keys;
+  for (const model::TissueField& field : model::kTissueFields) {
+    if (field.section == section) keys.emplace_back(field.key);
+  }
+  return keys;
+}
+
+/// The numbers of [tissue] itself or of a table below it.
+void read_numbers(const TomlTable& table, std::string_view section, model::TissueNumbers& tissue) {
+  for (const model::TissueField& field : model::kTissueFields) {
+    if (field.section != section) continue;
+    const std::optional<double> value =
+        field.required ? table.required_number(field.key) : table.number(field.key);
+    if (value) field.at.set(tissue, *value * field.unit.si);
+  }
+}
+
+model::SourceParameters read_source(const TomlTable& table) {
+  model::SourceParameters source;
+  table.allow_only({"indenter", "radius_mm"});
+  source.indenter = table.text("indenter").value_or("");
+  source.radius = table.required_number("radius_mm", kPositive) * kMillimetre;
+  return source;
+}
+
+model::TissueParameters read_parameters(const TomlTable& table, const std::string& default_name) {
+  model::TissueParameters tissue;
+  std::vector<std::string> keys = keys_of("");
+  keys.insert(keys.end(), {"name", "law", "relaxation", "source"});
+  for (const model::TissueSection& section : model::kTissueSections) keys.emplace_back(section.key);
+  table.allow_only(keys);
+  tissue.name = table.text("name").value_or(default_name);
+  tissue.law = read_law(table);
+  read_numbers(table, "", tissue);
+  tissue.relaxation = read_relaxation(table);
+  for (const model::TissueSection& section : model::kTissueSections) {
+    const std::optional<TomlTable> below = table.table(section.key);
+    if (!below) continue;
+    below->allow_only(keys_of(section.key));
+    read_numbers(*below, section.key, tissue);
+  }
+  if (const auto source = table.table("source")) tissue.source = read_source(*source);
+  return tissue;
+}
+
+std::string real(double value) {
+  const std::string text = shortest(value);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : one_line(text)) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+}  // namespace
+
+model::TissueParameters read_tissue_file(const std::filesystem::path& file) {
+  const TomlFile toml = read_toml(file);
+  const TomlTable root(toml);
+  root.allow_only({"tissue"});
+  const std::optional<TomlTable> table = root.table("tissue");
+  if (!table) root.fail_missing("tissue", "a tissue file must have a table [tissue]");
+  model::TissueParameters tissue = read_parameters(*table, file.stem().string());
+  try {
+    model::validate(tissue);
+  } catch (const ParameterError& error) {
+    table->fail(error);
+  }
+  return tissue;
+}
+
+std::string to_toml(const model::TissueParameters& tissue) {
+  std::string out =
+      "[tissue]\nname = " + quoted(tissue.name) + "\nlaw = " + quoted(model::to_string(tissue.law)) + "\n";
+  const auto line = [&out](const char* key, const std::string& value) {
+    out += std::string(key) + " = " + value + "\n";
+  };
+  const auto numbers = [&](std::string_view section) {
+    for (const model::TissueField& field : model::kTissueFields) {
+      const std::optional<double> value = field.at.get(tissue);
+      if (field.section == section && value) line(field.key, real(*value / field.unit.si));
+    }
+  };
+  numbers("");
+  for (const model::RelaxationTerm& term : tissue.relaxation) {
+    out += "[[tissue.relaxation]]\n";
+    line("share", real(term.share));
+    line("time_s", real(term.time));
+  }
+  for (const model::TissueSection& section : model::kTissueSections) {
+    out += "[tissue." + std::string(section.key) + "]\n";
+    numbers(section.key);
+  }
+  if (tissue.source) {
+    out += "[tissue.source]\n";
+    if (!tissue.source->indenter.empty()) line("indenter", quoted(tissue.source->indenter));
+    line("radius_mm", real(tissue.source->radius / kMillimetre));
+  }
+  return out;
+}
+
+model::TissueParameters load_tissue(const std::string& name_or_file) {
+  if (means_file(name_or_file)) return read_tissue_file(name_or_file);
+  return model::tissue_preset(name_or_file);
+}
+
+}  // namespace palpate::scene

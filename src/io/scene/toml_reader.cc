@@ -1,0 +1,217 @@
+#include "io/scene/toml_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "io/scene/names.h"
+
+namespace palpate::scene {
+namespace {
+
+constexpr std::streamsize kLargestFile = 16 << 20;  // bytes: no scene or tissue comes near
+
+std::string value_in_words(const toml::node& node) {
+  constexpr std::size_t kLongest = 80;
+  if (const auto* number = node.as_floating_point()) return shortest(number->get());
+  if (const auto* text = node.as_string()) return "\"" + one_line(text->get()) + "\"";
+  std::ostringstream out;
+  node.visit([&out](const auto& n) { out << n; });
+  std::string words = one_line(out.str());
+  if (words.size() > kLongest) words = words.substr(0, kLongest) + "...";
+  return words;
+}
+
+std::optional<double> as_number(const toml::node& node) {
+  if (const auto* real = node.as_floating_point()) return real->get();
+  if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
+  return std::nullopt;
+}
+
+/// The known key meant: one that goes on after `word` (its unit was left out), else the nearest by spelling.
+std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
+  const std::string start = std::string(word) + "_";
+  const auto longer =
+      std::find_if(known.begin(), known.end(), [&](const auto& key) { return key.starts_with(start); });
+  return longer != known.end() ? *longer : nearest_word(word, known);
+}
+
+}  // namespace
+
+std::string Range::in_words() const {
+  if (std::isfinite(low) && std::isfinite(high)) {
+    return fmt::format("a number {}{} and <= {}", low_excluded ? "> " : ">= ", shortest(low), shortest(high));
+  }
+  if (std::isfinite(low))
+    return std::string("a finite number ") + (low_excluded ? "> " : ">= ") + shortest(low);
+  return "a finite number";
+}
+
+TomlFile read_toml(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::error_code status;
+  if (!std::filesystem::exists(file, status)) throw InputError(name + ": there is no such file");
+  if (std::filesystem::is_directory(file, status))
+    throw InputError(name + ": is a folder, must be a TOML file");
+  std::ifstream in(file, std::ios::binary);
+  std::string content;
+  std::vector<char> block(1 << 16);
+  while (in) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    content.append(block.data(), static_cast<std::size_t>(in.gcount()));
+    if (static_cast<std::streamsize>(content.size()) > kLargestFile) {
+      throw InputError(name + ": longer than 16 MB, must be a TOML file");
+    }
+  }
+  if (!in.eof()) throw InputError(name + ": cannot be read");
+  return parse_toml(content, name);
+}
+
+TomlFile parse_toml(const std::string& text, const std::string& name) {
+  try {
+    return {name, toml::parse(text, name)};
+  } catch (const toml::parse_error& error) {
+    throw InputError(fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line,
+                                 one_line(std::string(error.description()))));
+  }
+}
+
+TomlTable::TomlTable(std::string file, std::string field, const toml::table& table, int line)
+    : file_(std::move(file)), field_(std::move(field)), table_(&table), line_(line) {}
+
+std::string TomlTable::field(std::string_view key) const {
+  return field_.empty() ? std::string(key) : field_ + "." + std::string(key);
+}
+
+std::string TomlTable::place(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  const auto line = node == nullptr ? static_cast<unsigned>(line_) : node->source().begin.line;
+  return fmt::format("{}:{}", file_, line);
+}
+
+void TomlTable::fail(std::string_view key, const std::string& want) const {
+  const toml::node* node = table_->get(key);
+  const std::string value = node == nullptr ? "" : " = " + value_in_words(*node);
+  throw InputError(fmt::format("{}: {}{}: {}", place(key), field(key), value, want));
+}
+
+void TomlTable::fail_missing(std::string_view key, const std::string& want) const {
+  throw InputError(fmt::format("{}:{}: {}: missing, {}", file_, line_, field(key), want));
+}
+
+void TomlTable::fail(const ParameterError& error) const {
+  const std::string message = error.what();  // "field = value: must be ..."
+  const std::size_t colon = message.find(": ");
+  fail_path(error.field(), colon == std::string::npos ? message : message.substr(colon + 2));
+}
+
+void TomlTable::fail_path(std::string_view dotted, const std::string& want) const {
+  const std::size_t dot = dotted.find('.');
+  if (dot == std::string_view::npos) fail(dotted, want);
+  const std::string_view key = dotted.substr(0, dot);
+  const toml::node* node = table_->get(key);
+  if (node == nullptr || !node->is_table()) fail(dotted, want);
+  child(key, *node).fail_path(dotted.substr(dot + 1), want);
+}
+
+TomlTable TomlTable::child(std::string_view key, const toml::node& node) const {
+  return {file_, field(key), *node.as_table(), static_cast<int>(node.source().begin.line)};
+}
+
+std::optional<double> TomlTable::number(std::string_view key, const Range& range) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  const std::optional<double> value = as_number(*node);
+  if (!value || !std::isfinite(*value) || !range.contains(*value)) fail(key, "must be " + range.in_words());
+  return value;
+}
+
+double TomlTable::required_number(std::string_view key, const Range& range) const {
+  const std::optional<double> value = number(key, range);
+  if (!value) fail_missing(key, "must be " + range.in_words());
+  return *value;
+}
+
+std::optional<std::uint64_t> TomlTable::whole_number(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  const auto* value = node->as_integer();
+  if (value == nullptr || value->get() < 0) fail(key, "must be a whole number >= 0");
+  return static_cast<std::uint64_t>(value->get());
+}
+
+std::optional<bool> TomlTable::truth(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  const auto* value = node->as_boolean();
+  if (value == nullptr) fail(key, "must be true or false");
+  return value->get();
+}
+
+std::optional<std::string> TomlTable::text(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  const auto* value = node->as_string();
+  if (value == nullptr || value->get().empty() || value->get() != one_line(value->get())) {
+    fail(key, "must be a text in quotes, not empty, on one line");
+  }
+  return value->get();
+}
+
+std::optional<Vec3> TomlTable::vector(std::string_view key, const Range& range) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  const std::string want = "must be three numbers [x, y, z], each " + range.in_words();
+  const auto* array = node->as_array();
+  if (array == nullptr || array->size() != 3) fail(key, want);
+  Vec3 value = Vec3::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::optional<double> entry = as_number(*array->get(i));
+    if (!entry || !std::isfinite(*entry) || !range.contains(*entry)) fail(key, want);
+    value(static_cast<Eigen::Index>(i)) = *entry;
+  }
+  return value;
+}
+
+std::optional<TomlTable> TomlTable::table(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_table()) fail(key, "must be a table, [" + field(key) + "] or { ... }");
+  return child(key, *node);
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
+  std::vector<TomlTable> found;
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return found;
+  const std::string want = "must be a table or an array of tables, [[" + field(key) + "]]";
+  if (node->is_table()) {
+    found.push_back(child(key, *node));
+    return found;
+  }
+  const auto* array = node->as_array();
+  if (array == nullptr) fail(key, want);
+  for (const toml::node& entry : *array) {
+    if (!entry.is_table()) fail(key, want);
+    found.push_back(child(key, entry));
+  }
+  return found;
+}
+
+void TomlTable::allow_only(const std::vector<std::string>& known) const {
+  for (const auto& [key, node] : *table_) {
+    const std::string_view name = key.str();
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::string near = nearest_key(name, known);
+    const std::string hint = near.empty() ? "known are " + alternatives(known) : "did you mean " + near + "?";
+    throw InputError(fmt::format("{}:{}: {} = {}: unknown key, {}", file_, key.source().begin.line,
+                                 field(one_line(std::string(name))), value_in_words(node), hint));
+  }
+}
+
+}  // namespace palpate::scene

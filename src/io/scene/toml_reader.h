@@ -1,0 +1,97 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "palpate/error.h"
+#include "palpate/pose.h"
+
+namespace palpate::scene {
+
+/// What a number in a file may be; the ends count unless said.
+struct Range {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_excluded = false;
+
+  [[nodiscard]] bool contains(double value) const noexcept {
+    return (low_excluded ? value > low : value >= low) && value <= high;
+  }
+  /// [setup] "a finite number > 0", for messages.
+  [[nodiscard]] std::string in_words() const;
+};
+
+inline constexpr Range kAnyNumber{};
+inline constexpr Range kNotNegative{0.0, std::numeric_limits<double>::infinity(), false};
+inline constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), true};
+
+/// A TOML file in memory, with its name for messages.
+struct TomlFile {
+  std::string name;
+  toml::table root;
+};
+
+/// [setup] Reads and parses a file. @throws InputError naming the file (and the line).
+[[nodiscard]] TomlFile read_toml(const std::filesystem::path& file);
+
+/// [setup] Parses a text. @param name for messages, in place of a file's @throws InputError naming the line.
+[[nodiscard]] TomlFile parse_toml(const std::string& text, const std::string& name);
+
+/// One table of a TOML file, read key by key. Every error is one line, FILE:LINE: field = value: what would
+/// be right. All functions are [setup] and throw InputError.
+class TomlTable final {
+ public:
+  /// @param field the table's name with its path ("tool.jaw"), empty for the root
+  TomlTable(std::string file, std::string field, const toml::table& table, int line);
+  /// The root of a file.
+  explicit TomlTable(const TomlFile& file) : TomlTable(file.name, "", file.root, 1) {}
+
+  /// Call before reading. @throws InputError at the first key that is not one of `known`, with the nearest
+  /// one.
+  void allow_only(const std::vector<std::string>& known) const;
+
+  /// Whether the key stands there, with whatever value.
+  [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
+  /// A finite number (an integer will do).
+  [[nodiscard]] std::optional<double> number(std::string_view key, const Range& range = kAnyNumber) const;
+  [[nodiscard]] double required_number(std::string_view key, const Range& range = kAnyNumber) const;
+  [[nodiscard]] std::optional<std::uint64_t> whole_number(std::string_view key) const;
+  [[nodiscard]] std::optional<bool> truth(std::string_view key) const;
+  /// A text that is not empty and has no line break or other control character.
+  [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
+  /// Three finite numbers, each within `range`.
+  [[nodiscard]] std::optional<Vec3> vector(std::string_view key, const Range& range = kAnyNumber) const;
+  [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
+  /// A table, or an array of tables; empty when the key is absent.
+  [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
+
+  /// "FILE:LINE: field = value: want", at `key`'s own line.
+  [[noreturn]] void fail(std::string_view key, const std::string& want) const;
+  /// "FILE:LINE: field: missing; want", at the table's line.
+  [[noreturn]] void fail_missing(std::string_view key, const std::string& want) const;
+
+  /// "FILE:LINE" of a key (of the table when the key is absent).
+  [[nodiscard]] std::string place(std::string_view key) const;
+  /// "table.key".
+  [[nodiscard]] std::string field(std::string_view key) const;
+  /// A library's complaint about a field of this table (dotted for a table inside it), at that field's line
+  /// and with the value as it stands in the file.
+  [[noreturn]] void fail(const ParameterError& error) const;
+
+ private:
+  [[noreturn]] void fail_path(std::string_view dotted, const std::string& want) const;
+  [[nodiscard]] TomlTable child(std::string_view key, const toml::node& node) const;
+
+  std::string file_;
+  std::string field_;
+  const toml::table* table_;
+  int line_;
+};
+
+}  // namespace palpate::scene

@@ -1,0 +1,72 @@
+#include "palpate/tool_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+
+#include "core/base/text.h"
+
+namespace palpate::scene {
+
+ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper)
+    : rows_(std::move(rows)), has_gripper_(has_gripper) {
+  if (rows_.empty()) throw InputError("a tool path must have at least one row");
+  for (std::size_t i = 1; i < rows_.size(); ++i) {
+    if (rows_[i].time > rows_[i - 1].time) continue;
+    throw InputError(fmt::format("time_s = {}: must be later than the row before, {}",
+                                 shortest(rows_[i].time), shortest(rows_[i - 1].time)));
+  }
+  const double length = rows_.back().time - rows_.front().time;
+  if (!std::isfinite(length)) {
+    throw InputError(fmt::format("time_s = {} to {}: the path's length must be a finite number",
+                                 shortest(rows_.front().time), shortest(rows_.back().time)));
+  }
+  if (length > 0.0) rows_per_second_ = static_cast<double>(rows_.size() - 1) / length;
+}
+
+std::size_t ToolPath::row_before(double time) const noexcept {
+  // Most paths have their rows evenly in time: then the row is where it should be, or by rounding the one
+  // after.
+  const double place = (time - rows_.front().time) * rows_per_second_;
+  const std::size_t last = rows_.size() - 1;
+  std::size_t i = place < static_cast<double>(last) ? static_cast<std::size_t>(place) : last;
+  const auto has_begun = [&](std::size_t row) { return row < rows_.size() && rows_[row].time <= time; };
+  if (has_begun(i + 1)) ++i;
+  if (has_begun(i) && !has_begun(i + 1)) return i;
+  const auto after = std::upper_bound(rows_.begin(), rows_.end(), time,
+                                      [](double t, const PathRow& row) { return t < row.time; });
+  return static_cast<std::size_t>(after - rows_.begin()) - 1;
+}
+
+PathRow ToolPath::at(double time) const noexcept {
+  PathRow row;
+  if (!(time > rows_.front().time)) {
+    row = rows_.front();
+  } else if (time >= rows_.back().time) {
+    row = rows_.back();
+  } else {
+    const std::size_t i = row_before(time);
+    const PathRow& a = rows_[i];
+    const PathRow& b = rows_[i + 1];
+    const double u = (time - a.time) / (b.time - a.time);
+    row = a;
+    if (u > 0.0) {
+      row.position = (1.0 - u) * a.position + u * b.position;
+      row.orientation = slerp(a.orientation, b.orientation, u);
+      row.gripper = (1.0 - u) * a.gripper + u * b.gripper;
+    }
+  }
+  row.time = time;
+  return row;
+}
+
+Vec3 ToolPath::velocity_at(double time) const noexcept {
+  if (!(time >= rows_.front().time) || time >= rows_.back().time) return Vec3::Zero();
+  const std::size_t i = row_before(time);
+  return (rows_[i + 1].position - rows_[i].position) / (rows_[i + 1].time - rows_[i].time);
+}
+
+}  // namespace palpate::scene

@@ -1,0 +1,75 @@
+#include "io/system/cache_folder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kTemporaryLetters = 7;  // a dot and mkstemp's six
+constexpr std::chrono::hours kAbandoned{1};
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): at set-up, nothing writes it
+  return value == nullptr ? std::string() : std::string(value);
+}
+
+/// The folder named by `variable`, else `in_home` of the home folder; empty without either.
+fs::path user_folder(const char* variable, const char* in_home) {
+  const fs::path given = environment(variable);
+  if (given.is_absolute()) return given / "palpate";
+  const fs::path home = environment("HOME");
+  return home.is_absolute() ? home / in_home / "palpate" : fs::path();
+}
+
+struct CachedFile {
+  fs::path path;
+  std::uint64_t size = 0;
+  fs::file_time_type written;
+};
+
+}  // namespace
+
+fs::path user_cache_folder() {
+  if (environment("PALPATE_CACHE") == "off") return {};
+  return user_folder("XDG_CACHE_HOME", ".cache");
+}
+
+fs::path user_state_folder() { return user_folder("XDG_STATE_HOME", ".local/state"); }
+
+void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t most_bytes) {
+  std::error_code error;
+  std::vector<CachedFile> files;
+  std::uint64_t total = 0;
+  const fs::file_time_type abandoned = fs::file_time_type::clock::now() - kAbandoned;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code of_this;
+    if (!entry->is_regular_file(of_this) || entry->is_symlink(of_this)) continue;
+    const std::string name = entry->path().filename().string();
+    const CachedFile file{entry->path(), entry->file_size(of_this), entry->last_write_time(of_this)};
+    if (of_this) continue;
+    if (name.size() > kTemporaryLetters &&
+        name.substr(0, name.size() - kTemporaryLetters).ends_with(ending) && file.written < abandoned) {
+      fs::remove(file.path, of_this);
+    } else if (name.ends_with(ending)) {
+      total += file.size;
+      files.push_back(file);
+    }
+  }
+  std::sort(files.begin(), files.end(), [](const CachedFile& a, const CachedFile& b) {
+    return a.written != b.written ? a.written < b.written : a.path < b.path;
+  });
+  for (const CachedFile& file : files) {
+    if (total <= most_bytes) return;
+    std::error_code of_this;
+    if (fs::remove(file.path, of_this)) total -= file.size;
+  }
+}
+
+}  // namespace palpate

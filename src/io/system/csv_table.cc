@@ -1,0 +1,156 @@
+#include "io/system/csv_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "palpate/error.h"
+
+#include "core/base/text.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kLongestLine = std::size_t{64} << 10U;
+
+/// "a, b and c"
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 == names.size() ? " and " : ", ";
+    text += names[i];
+  }
+  return text;
+}
+
+std::string required_names(const std::vector<CsvColumn>& columns) {
+  std::vector<std::string> names;
+  for (const CsvColumn& column : columns) {
+    if (column.required) names.push_back(column.name);
+  }
+  return listed(names);
+}
+
+}  // namespace
+
+CsvTable::CsvTable(const std::filesystem::path& file, std::vector<CsvColumn> columns, double largest)
+    : file_(file.string()),
+      columns_(std::move(columns)),
+      largest_(largest),
+      buffer_(kLongestLine, '\0'),
+      cell_of_(columns_.size(), kAbsent),
+      numbers_(columns_.size(), 0.0) {
+  std::error_code status;
+  if (!std::filesystem::exists(file, status)) throw InputError(file_ + ": there is no such file");
+  if (std::filesystem::is_directory(file, status)) {
+    throw InputError(file_ + ": is a folder, must be a CSV file");
+  }
+  in_.open(file, std::ios::binary);
+  if (!in_) throw InputError(file_ + ": cannot be read");
+  if (!next_line()) throw InputError(file_ + ": is empty, must have a header and rows");
+  read_header();
+}
+
+bool CsvTable::next_row() {
+  if (!next_line()) {
+    if (!has_rows_) throw InputError(file_ + ": has no rows after the header");
+    return false;
+  }
+  has_rows_ = true;
+  split();
+  if (cells_.size() != header_cells_) {
+    const bool decimal_comma = cells_.size() == 2 * header_cells_;
+    fail("the row has " + std::to_string(cells_.size()) + " values, must have " +
+         std::to_string(header_cells_) + " as the header" +
+         (decimal_comma ? "; a decimal comma must be a point" : ""));
+  }
+  for (std::size_t column = 0; column < columns_.size(); ++column) {
+    if (!has(column)) continue;
+    if (!columns_[column].is_text) {
+      read_number(column);
+    } else if (text(column).empty()) {
+      fail(columns_[column].name + ": empty, must be a name");
+    }
+  }
+  return true;
+}
+
+void CsvTable::fail(const std::string& what) const {
+  throw InputError(file_ + ":" + std::to_string(line_number_) + ": " + what);
+}
+
+void CsvTable::fail(std::size_t column, const std::string& want) const {
+  fail(columns_[column].name + " = " + shortest(number(column)) + ": " + want);
+}
+
+/// The next line that counts, without blanks at its ends.
+bool CsvTable::next_line() {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  for (;;) {
+    in_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    if (in_.bad()) throw InputError(file_ + ": cannot be read to its end");
+    if (in_.fail() && in_.eof()) return false;
+    ++line_number_;
+    if (in_.fail()) fail("the line is longer than 64 KiB, is this a CSV file?");
+    const auto taken = static_cast<std::size_t>(in_.gcount());
+    line_ = std::string_view(buffer_).substr(0, in_.eof() ? taken : taken - 1);
+    if (line_number_ == 1 && line_.starts_with(kByteOrderMark)) line_.remove_prefix(kByteOrderMark.size());
+    line_ = trimmed(line_);
+    if (!line_.empty() && !line_.starts_with('#')) return true;
+  }
+}
+
+void CsvTable::split() {
+  cells_.clear();
+  for (std::string_view rest = line_;;) {
+    const std::size_t comma = rest.find(',');
+    cells_.push_back(trimmed(rest.substr(0, comma)));
+    if (comma == std::string_view::npos) return;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+void CsvTable::read_header() {
+  if (line_.find(';') != std::string_view::npos) {
+    fail("semicolons stand between the columns, must be commas, and points in the numbers");
+  }
+  split();
+  const std::string required = required_names(columns_);
+  if (parse_number(cells_.front())) fail("the header is missing: the first line must name " + required);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const std::size_t column = column_named(cells_[i]);
+    if (has(column)) fail(columns_[column].name + ": stands twice, must stand once");
+    cell_of_[column] = i;
+  }
+  header_cells_ = cells_.size();
+  for (std::size_t column = 0; column < columns_.size(); ++column) {
+    if (columns_[column].required && !has(column)) {
+      fail(columns_[column].name + ": missing, the header must name " + required);
+    }
+  }
+}
+
+std::size_t CsvTable::column_named(std::string_view cell) const {
+  std::vector<std::string> names;
+  for (const CsvColumn& column : columns_) names.push_back(column.name);
+  const auto known = std::find(names.begin(), names.end(), cell);
+  if (known != names.end()) return static_cast<std::size_t>(known - names.begin());
+  const std::string near = nearest_word(cell, names);
+  fail("column \"" + excerpt(cell) + "\": unknown, " +
+       (near.empty() ? "known are " + listed(names) : "did you mean " + near + "?"));
+}
+
+void CsvTable::read_number(std::size_t column) {
+  const std::optional<double> value = parse_number(text(column));
+  if (!value || !std::isfinite(*value) || std::abs(*value) > largest_) {
+    int power = 0;
+    for (double size = 1.0; size < largest_ && !std::isinf(size); size *= 10.0) ++power;
+    const std::string most = largest_ < 1e300 ? " up to 1e" + std::to_string(power) : "";
+    fail(columns_[column].name + " = " + excerpt(text(column)) + ": must be a finite number" + most);
+  }
+  numbers_[column] = *value;
+}
+
+}  // namespace palpate

@@ -1,0 +1,235 @@
+#include "net/igtl_clients.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+
+#include <arpa/inet.h>
+#include <fmt/core.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "palpate/error.h"
+
+#include "io/system/clock.h"
+
+namespace palpate::net {
+namespace {
+
+constexpr int kLargestPort = 65535;
+/// What the system keeps on its way to a client: more would only make what a slow one sees older.
+constexpr int kSendBuffer = 128 * 1024;  // bytes
+constexpr std::size_t kMostReadAtOnce = std::size_t{64} * 1024;
+
+InputError wrong_address(const std::string& text, const std::string& why) {
+  return InputError(fmt::format("--igtl {}: {}", text, why));
+}
+
+void set_option(int socket, int level, int name, int value) {
+  (void)setsockopt(socket, level, name, &value, sizeof value);
+}
+
+sockaddr_in socket_address(const IgtlAddress& address) {
+  sockaddr_in where{};
+  where.sin_family = AF_INET;
+  where.sin_port = htons(static_cast<std::uint16_t>(address.port));
+  if (inet_pton(AF_INET, address.host.c_str(), &where.sin_addr) != 1) {
+    throw wrong_address(address.host, "no address such as 127.0.0.1 or 0.0.0.0");
+  }
+  return where;
+}
+
+/// Why a port cannot be listened at, in words.
+std::string words_of(int error, const IgtlAddress& address) {
+  switch (error) {
+    case EADDRINUSE:
+      return "the port is taken by another program; choose another port";
+    case EACCES:
+      return "this user may not listen at that port; choose one from 1024 on";
+    case EADDRNOTAVAIL:
+      return "this machine has no address " + address.host +
+             "; 127.0.0.1 is this machine alone, 0.0.0.0 all its addresses";
+    default:
+      return std::string("the port cannot be listened at: ") + std::strerror(error);
+  }
+}
+
+Descriptor listen_at(const IgtlAddress& address) {
+  const std::string text = fmt::format("{}:{}", address.host, address.port);
+  const sockaddr_in where = socket_address(address);
+  Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  set_option(listener.number(), SOL_SOCKET, SO_REUSEADDR, 1);  // the port of a run that has just ended
+  if (listener.number() < 0 ||
+      bind(listener.number(), reinterpret_cast<const sockaddr*>(&where), sizeof where) != 0 ||
+      listen(listener.number(), SOMAXCONN) != 0) {
+    throw wrong_address(text, words_of(errno, address));
+  }
+  return listener;
+}
+
+int port_of(int socket) {
+  sockaddr_in where{};
+  socklen_t size = sizeof where;
+  (void)getsockname(socket, reinterpret_cast<sockaddr*>(&where), &size);
+  return ntohs(where.sin_port);
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (number_ >= 0) close(number_);
+}
+
+IgtlAddress parse_igtl_address(const std::string& text) {
+  const std::string want =
+      "wanted is a port from 1 to 65535, or an address of this machine and a port, as in 0.0.0.0:18944";
+  IgtlAddress address;
+  const std::size_t colon = text.rfind(':');
+  if (colon != std::string::npos) address.host = text.substr(0, colon);
+  const std::string digits = colon == std::string::npos ? text : text.substr(colon + 1);
+  const char* end = digits.data() + digits.size();
+  const auto [stopped_at, error] = std::from_chars(digits.data(), end, address.port);
+  if (error != std::errc() || stopped_at != end || address.port < 1 || address.port > kLargestPort) {
+    throw wrong_address(text, want);
+  }
+  in_addr ignored{};
+  if (inet_pton(AF_INET, address.host.c_str(), &ignored) != 1) throw wrong_address(text, want);
+  return address;
+}
+
+IgtlClients::IgtlClients(const IgtlAddress& address, const Limits& limits)
+    : limits_(limits), listener_(listen_at(address)), port_(port_of(listener_.number())) {}
+
+bool IgtlClients::busy() const noexcept {
+  return std::any_of(clients_.begin(), clients_.end(), [](const Client& client) { return client.busy(); });
+}
+
+void IgtlClients::let_in() {
+  for (;;) {
+    Descriptor socket(accept4(listener_.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (socket.number() < 0) return;
+    if (clients_.size() >= limits_.most_clients) {
+      ++tally_.refused;
+      continue;
+    }
+    set_option(socket.number(), IPPROTO_TCP, TCP_NODELAY, 1);
+    set_option(socket.number(), SOL_SOCKET, SO_SNDBUF, kSendBuffer);
+    clients_.emplace_back(std::move(socket));
+    ++tally_.clients;
+  }
+}
+
+/// At most so much at a time: a client that sends without end is held up by its own connection.
+void IgtlClients::read_and_forget(Client& client) {
+  std::array<unsigned char, kMostReadAtOnce> received;
+  if (!client.talks) return;
+  const ssize_t got = recv(client.socket.number(), received.data(), received.size(), MSG_DONTWAIT);
+  if (got > 0) recognise(client, std::span(received).first(static_cast<std::size_t>(got)));
+  if (got == 0) client.talks = false;  // it may still listen
+  if (got < 0 && errno != EAGAIN && errno != EINTR) client.gone = true;
+}
+
+void IgtlClients::recognise(Client& client, std::span<const unsigned char> received) {
+  constexpr std::array<unsigned char, 12> kStatus = {'S', 'T', 'A', 'T', 'U', 'S'};
+  const std::size_t wanted = std::min(received.size(), kHeadBytes - client.head_bytes);
+  if (wanted == 0) return;
+  std::copy_n(received.begin(), wanted, client.head.begin() + static_cast<std::ptrdiff_t>(client.head_bytes));
+  client.head_bytes += wanted;
+  if (client.head_bytes < kHeadBytes) return;
+  const auto type = client.head.begin() + 2;
+  const auto name = type + kStatus.size();
+  client.is_slicer = std::equal(kStatus.begin(), kStatus.end(), type) &&
+                     std::all_of(name, client.head.end(), [](unsigned char letter) { return letter == 0; });
+}
+
+void IgtlClients::look_after() {
+  let_in();
+  const std::int64_t now = monotonic_ns();
+  for (Client& client : clients_) {
+    read_and_forget(client);
+    if (client.gone || !client.busy() || now - client.last_progress_ns <= limits_.patience_ns) continue;
+    client.gone = true;
+    ++tally_.given_up;
+  }
+  forget_the_gone();
+}
+
+void IgtlClients::forget_the_gone() {
+  clients_.erase(
+      std::remove_if(clients_.begin(), clients_.end(), [](const Client& client) { return client.gone; }),
+      clients_.end());
+}
+
+void IgtlClients::send_on(Client& client) {
+  while (client.busy()) {
+    const ssize_t sent = send(client.socket.number(), client.pending.data() + client.sent,
+                              client.pending.size() - client.sent, MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0) {
+      client.gone = errno != EAGAIN;
+      return;
+    }
+    client.sent += static_cast<std::size_t>(sent);
+    client.last_progress_ns = monotonic_ns();
+  }
+}
+
+void IgtlClients::fill(Client& client, const IgtlChannels& channels) {
+  client.pending.clear();
+  client.sent = 0;
+  client.last_progress_ns = monotonic_ns();
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const IgtlChannel& channel = channels[i];
+    if (channel.number == client.had[i] || (i == kSensorChannel && client.is_slicer)) continue;
+    if (i == kPoseChannel) {
+      ++tally_.frames;
+      if (client.had[i] != 0) tally_.frames_left_out += channel.number - client.had[i] - 1;
+    }
+    client.had[i] = channel.number;
+    client.pending.insert(client.pending.end(), channel.bytes.begin(), channel.bytes.end());
+  }
+}
+
+void IgtlClients::offer(const IgtlChannels& channels) {
+  for (Client& client : clients_) {
+    if (client.busy()) continue;
+    fill(client, channels);
+    send_on(client);
+  }
+  forget_the_gone();
+}
+
+void IgtlClients::send_until(std::int64_t deadline_ns, int wake) {
+  std::vector<pollfd> waited_for;
+  for (;;) {
+    waited_for.assign(1, {wake, POLLIN, 0});
+    for (const Client& client : clients_) {
+      // A negative number is passed over.
+      waited_for.push_back({client.busy() ? client.socket.number() : -1, POLLOUT, 0});
+    }
+    const std::int64_t left = std::max<std::int64_t>(0, deadline_ns - monotonic_ns());
+    const timespec limit{left / 1'000'000'000, left % 1'000'000'000};
+    const int ready = ppoll(waited_for.data(), waited_for.size(), &limit, nullptr);
+    for (std::size_t i = 0; ready > 0 && i < clients_.size(); ++i) {
+      if (waited_for[i + 1].revents != 0) send_on(clients_[i]);
+    }
+    forget_the_gone();
+    if (left == 0 || (ready > 0 && waited_for[0].revents != 0)) return;
+  }
+}
+
+/// A connection closed with something unread in it is cut off, and what is on its way lost.
+void IgtlClients::close_all() {
+  listener_ = Descriptor(-1);
+  for (Client& client : clients_) {
+    (void)shutdown(client.socket.number(), SHUT_WR);
+    read_and_forget(client);
+  }
+  clients_.clear();
+}
+
+}  // namespace palpate::net

@@ -1,0 +1,186 @@
+#include "net/igtl_server.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "io/system/clock.h"
+#include "run/realtime/realtime.h"
+
+namespace palpate::net {
+namespace {
+
+constexpr std::int64_t period_ns(double rate_Hz) { return static_cast<std::int64_t>(1e9 / rate_Hz); }
+
+/// A surface takes at most one part in so many of the thread's time.
+constexpr std::int64_t kShareOfSurface = 4;
+/// Behind everything else of the run.
+constexpr int kNiceness = 5;
+
+}  // namespace
+
+IgtlServer::IgtlServer(const IgtlAddress& address, const IgtlClients::Limits& limits)
+    : clients_(address, limits), wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  const haptics::SignalsHeld held;
+  thread_ = std::thread([this] { serve(); });
+}
+
+IgtlServer::~IgtlServer() {
+  if (thread_.joinable()) (void)finish();
+}
+
+void IgtlServer::begin(std::unique_ptr<IgtlStream> stream) { ask(Ask::kBegin, std::move(stream)); }
+
+void IgtlServer::end() { ask(Ask::kEnd, nullptr); }
+
+IgtlTally IgtlServer::finish() {
+  ask(Ask::kFinish, nullptr);
+  thread_.join();
+  IgtlTally tally = clients_.tally();
+  tally.failure = failure_;
+  return tally;
+}
+
+/// Returns when the thread has done it.
+void IgtlServer::ask(Ask what, std::unique_ptr<IgtlStream> stream) {
+  std::unique_lock lock(mutex_);
+  if (!serving_) return;
+  asked_ = what;
+  next_ = std::move(stream);
+  const std::uint64_t one = 1;
+  (void)!write(wake_.number(), &one, sizeof one);
+  answered_.wait(lock, [this] { return asked_ == Ask::kNothing || !serving_; });
+}
+
+void IgtlServer::answer() {
+  const std::lock_guard lock(mutex_);
+  asked_ = Ask::kNothing;
+  answered_.notify_all();
+}
+
+void IgtlServer::serve() {
+  (void)setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread alone
+  try {
+    serve_until_finish();
+  } catch (const std::exception& error) {
+    failure_ = error.what();
+  }
+  clients_.close_all();
+  const std::lock_guard lock(mutex_);
+  serving_ = false;
+  answered_.notify_all();
+}
+
+void IgtlServer::serve_until_finish() {
+  std::int64_t due = monotonic_ns();
+  for (;;) {
+    clients_.send_until(due, wake_.number());
+    std::uint64_t ignored = 0;
+    (void)!read(wake_.number(), &ignored, sizeof ignored);
+    Ask asked{};
+    std::unique_ptr<IgtlStream> next;
+    {
+      const std::lock_guard lock(mutex_);
+      asked = asked_;
+      next = std::move(next_);
+    }
+    const std::int64_t now = monotonic_ns();
+    if (asked == Ask::kFinish) return say_farewell();
+    if (asked == Ask::kBegin) begin_stream(std::move(next));
+    if (asked == Ask::kEnd || now >= due) frame(now, asked == Ask::kEnd);
+    if (asked == Ask::kEnd) stream_.reset();
+    if (asked != Ask::kNothing) answer();
+    if (now >= due) due = std::max(due + period_ns(kStateRate), now);
+  }
+}
+
+/// What the cell still holds is another run's.
+void IgtlServer::begin_stream(std::unique_ptr<IgtlStream> stream) {
+  (void)published_.cell().refresh();
+  stream_ = std::move(stream);
+  seen_ = false;
+  state_stale_ = false;
+  surface_stale_ = false;
+  faults_told_ = {};
+  for (IgtlChannel& channel : channels_) channel.bytes.clear();
+  words_due_ = 0;
+  surface_due_ = 0;
+}
+
+void IgtlServer::frame(std::int64_t now, bool last) {
+  if (stream_ != nullptr && published_.cell().refresh()) {
+    seen_ = true;
+    state_stale_ = true;
+    surface_stale_ = true;
+  }
+  clients_.look_after();
+  if (clients_.none()) return;
+  pack(now, last);
+  clients_.offer(channels_);
+}
+
+/// Wall time of the state in hand [ns]. An offline run has none: its state is of now.
+std::int64_t IgtlServer::stamp() const noexcept {
+  const std::int64_t taken = published_.cell().value().taken_ns;
+  const std::int64_t now = unix_ns();
+  return taken == 0 ? now : now - monotonic_ns() + taken;
+}
+
+bool IgtlServer::faults_changed() noexcept {
+  const bool changed = published_.cell().value().faults != faults_told_;
+  faults_told_ = published_.cell().value().faults;
+  return changed;
+}
+
+void IgtlServer::send_next(std::size_t channel, Bytes bytes) {
+  channels_[channel] = {std::move(bytes), channels_[channel].number + 1};
+}
+
+void IgtlServer::pack(std::int64_t now, bool last) {
+  const bool running = stream_ != nullptr && seen_;
+  const haptics::Snapshot& snapshot = published_.cell().value();
+  const std::int64_t taken = running ? stamp() : unix_ns();
+  if (running && std::exchange(state_stale_, false)) {
+    send_next(kPoseChannel, IgtlStream::poses(snapshot, taken));
+    send_next(kSensorChannel, stream_->sensors(snapshot, taken));
+  }
+  if (last || now >= words_due_ || (running && faults_changed())) {
+    words_due_ = now + period_ns(kWordsRate);
+    send_next(kWordsChannel, running ? stream_->words(snapshot, taken) : words_without_run(false, taken));
+  }
+  if (running && surface_stale_ && (last || now >= surface_due_)) pack_surface(now, taken);
+}
+
+void IgtlServer::pack_surface(std::int64_t now, std::int64_t stamp) {
+  surface_stale_ = false;
+  const std::int64_t before = thread_cpu_ns();
+  Bytes bytes = stream_->surface(published_.cell().value(), stamp);
+  surface_due_ = now + std::max(period_ns(kSurfaceRate), kShareOfSurface * (thread_cpu_ns() - before));
+  if (!bytes.empty()) send_next(kSurfaceChannel, std::move(bytes));
+}
+
+/// Whatever clients have not had yet, and that it was the last.
+void IgtlServer::say_farewell() {
+  send_next(kWordsChannel, words_without_run(true, unix_ns()));
+  const std::int64_t until = monotonic_ns() + kFarewell;
+  clients_.look_after();
+  clients_.offer(channels_);
+  while (clients_.busy() && monotonic_ns() < until) {
+    clients_.send_until(monotonic_ns() + period_ns(kStateRate), wake_.number());
+    clients_.offer(channels_);
+  }
+}
+
+IgtlRun::IgtlRun(IgtlServer* server, const scene::Setup& setup) : server_(server) {
+  if (server_ != nullptr) server_->begin(std::make_unique<IgtlStream>(setup));
+}
+
+IgtlRun::~IgtlRun() {
+  if (server_ != nullptr) server_->end();
+}
+
+}  // namespace palpate::net

@@ -1,0 +1,158 @@
+#include "net/igtl_stream.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "palpate/surface.h"
+
+#include "core/base/text.h"
+
+namespace palpate::net {
+namespace {
+
+constexpr const char* kStatusNames = "PalpateStatus";
+
+/// Finer, so that a dent is a dent and not one corner pushed in; the surface stays where it is.
+geometry::TriangleMesh finely_divided(geometry::TriangleMesh mesh) {
+  while (!mesh.triangles.empty() && mesh.triangles.size() <= IgtlStream::kFewestTriangles) {
+    mesh = geometry::quadruple(mesh);
+  }
+  return mesh;
+}
+
+std::array<double, 3> plain(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+/// With so many digits after the point.
+std::string with_digits(double value, int digits) {
+  const double scale = std::pow(10.0, digits);
+  return shortest(std::round(value * scale) / scale);
+}
+
+/// "hand 0 at 1.234 s: presses 3.2 mm deep, 1.05 N".
+std::string reading(const haptics::Snapshot& snapshot, std::size_t hand, double time) {
+  const contact::ToolResult& result = snapshot.results[hand];
+  std::string text = fmt::format("hand {} at {} s: ", hand, with_digits(time, 3));
+  switch (result.phase) {
+    case contact::Phase::kApproach:
+      text += "touches nothing, " + with_digits(1e3 * result.distance, 1) + " mm away";
+      break;
+    case contact::Phase::kPress:
+      text += "presses " + with_digits(1e3 * result.depth, 1) + " mm deep";
+      break;
+    case contact::Phase::kPull:
+      text += "pulls " + with_digits(1e3 * result.depth, 1) + " mm far";
+      break;
+  }
+  return fmt::format("{}, {} N", text, with_digits(snapshot.commands[hand].force.norm(), 2));
+}
+
+StatusCode code_of(haptics::Fault fault) {
+  switch (fault) {
+    case haptics::Fault::kNone:
+      return StatusCode::kOk;
+    case haptics::Fault::kNotFinite:
+      return StatusCode::kUnknownError;
+    case haptics::Fault::kDevice:
+      return StatusCode::kHardwareFailure;
+    case haptics::Fault::kStale:
+    case haptics::Fault::kStalled:
+      return StatusCode::kTimeOut;
+    case haptics::Fault::kForceOff:
+      return StatusCode::kDisabled;
+  }
+  return StatusCode::kUnknownError;
+}
+
+std::size_t hands_of(const haptics::Snapshot& snapshot) {
+  return std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
+}
+
+bool same_indentation(const deform::Indentation& a, const deform::Indentation& b) {
+  return a.point == b.point && a.direction == b.direction && a.depth == b.depth &&
+         a.tip_radius == b.tip_radius && a.half_width == b.half_width;
+}
+
+}  // namespace
+
+std::string name_for_hand(const std::string& name, std::size_t hand) {
+  return hand == 0 ? name : name + std::to_string(hand + 1);
+}
+
+IgtlStream::IgtlStream(const scene::Setup& setup)
+    : rate_Hz_(setup.rate_Hz),
+      deformer_(finely_divided(setup.organ)),
+      surface_("PalpateOrgan", deformer_.rest().triangles) {}
+
+Bytes IgtlStream::poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns) {
+  IgtlMessages messages(unix_ns);
+  for (std::size_t hand = 0; hand < hands_of(snapshot); ++hand) {
+    const contact::ToolResult& result = snapshot.results[hand];
+    const bool touches = result.phase != contact::Phase::kApproach;
+    messages.add_transform(name_for_hand("PalpateTool", hand), snapshot.tools[hand].pose_W);
+    messages.add_point(name_for_hand("PalpateContact", hand), "contact", result.contact_W, touches);
+  }
+  return messages.bytes();
+}
+
+Bytes IgtlStream::sensors(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const {
+  IgtlMessages messages(unix_ns);
+  const std::array<double, 1> time = {static_cast<double>(snapshot.tick) / rate_Hz_};
+  messages.add_sensor("PalpateTime", time, SensorUnit::kSecond);
+  for (std::size_t hand = 0; hand < hands_of(snapshot); ++hand) {
+    const haptics::ForceCommand& command = snapshot.commands[hand];
+    const std::array<double, 1> depth = {1e3 * snapshot.results[hand].depth};
+    messages.add_sensor(name_for_hand("PalpateForce", hand), plain(command.force), SensorUnit::kNewton);
+    messages.add_sensor(name_for_hand("PalpateTorque", hand), plain(command.torque),
+                        SensorUnit::kNewtonMetre);
+    messages.add_sensor(name_for_hand("PalpateDepth", hand), depth, SensorUnit::kMillimetre);
+  }
+  return messages.bytes();
+}
+
+Bytes IgtlStream::words(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const {
+  IgtlMessages messages(unix_ns);
+  const double time = static_cast<double>(snapshot.tick) / rate_Hz_;
+  for (std::size_t hand = 0; hand < hands_of(snapshot); ++hand) {
+    const haptics::Fault fault = snapshot.faults[hand];
+    const bool faulty = fault != haptics::Fault::kNone;
+    messages.add_string(name_for_hand("PalpateReading", hand), reading(snapshot, hand, time));
+    messages.add_status(
+        name_for_hand(kStatusNames, hand), code_of(fault), static_cast<std::int64_t>(fault),
+        haptics::name_of(fault),
+        faulty ? std::string(haptics::words_of(fault)) + "; the force stays zero until it is reset"
+               : "no fault");
+  }
+  return messages.bytes();
+}
+
+bool IgtlStream::same(const Shape& a, const Shape& b) {
+  return a.organ_W.position == b.organ_W.position &&
+         a.organ_W.rotation.coeffs() == b.organ_W.rotation.coeffs() && a.reach == b.reach &&
+         std::equal(a.indentations.begin(), a.indentations.end(), b.indentations.begin(),
+                    b.indentations.end(), same_indentation);
+}
+
+Bytes IgtlStream::surface(const haptics::Snapshot& snapshot, std::int64_t unix_ns) {
+  Shape now{deform::indentations_of(snapshot.hand_results()), snapshot.organ_W, snapshot.reach};
+  if (last_ != nullptr && same(now, *last_)) return {};
+  deformer_.deform(now.reach, now.indentations, vertices_);
+  for (Vec3& vertex : vertices_) vertex = now.organ_W * vertex;
+  last_ = std::make_unique<Shape>(std::move(now));
+  return surface_.message(vertices_, unix_ns);
+}
+
+Bytes words_without_run(bool ending, std::int64_t unix_ns) {
+  IgtlMessages messages(unix_ns);
+  if (ending) {
+    messages.add_status(kStatusNames, StatusCode::kShutDown, 0, "ended", "palpate ends");
+  } else {
+    messages.add_status(kStatusNames, StatusCode::kNotReady, 0, "no-run", "nothing is being run");
+  }
+  return messages.bytes();
+}
+
+}  // namespace palpate::net

@@ -1,0 +1,126 @@
+#pragma once
+// One client's connection: only the .cc files of this module and its tests include it.
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>  // before Asio, whose 1.74 forgets it
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "net/rate_limit.h"
+
+namespace palpate::net {
+
+class LiveConnection;
+
+using HttpRequest = boost::beast::http::request<boost::beast::http::string_body>;
+using HttpResponse = boost::beast::http::response<boost::beast::http::string_body>;
+
+/// What connections ask of the server that they belong to. One thread, the server's.
+class LiveDesk {
+ public:
+  virtual ~LiveDesk() = default;
+  /// Whether a WebSocket may be opened: nothing, or the answer that refuses it (also a page that was asked
+  /// for).
+  virtual std::optional<HttpResponse> refusal(const LiveConnection& from, const HttpRequest& request) = 0;
+  /// A message has come. @param excess it is one too many
+  virtual void received(LiveConnection& from, std::string_view message, bool text, bool excess) = 0;
+  /// The next frame of the client's stream; empty: there is nothing new.
+  virtual std::string next_frame(LiveConnection& to) = 0;
+  /// The WebSocket has been opened; the connection has ended.
+  virtual void opened(LiveConnection& connection) = 0;
+  virtual void ended(LiveConnection& connection) = 0;
+};
+
+/// One connection: a HTTP request, and if it is let in a WebSocket. What is sent waits in a queue with an
+/// end; a stream's frames do not wait at all: when the client has not taken the last one, the next is left
+/// out and counted. Every operation has a time limit. One thread, the one that runs the context.
+class LiveConnection final {
+ public:
+  using tcp = boost::asio::ip::tcp;
+  using error_code = boost::beast::error_code;
+
+  static constexpr double kMessagesPerSecond = 100.0;
+  static constexpr double kMessagesAtOnce = 200.0;
+  static constexpr int kMostExcess = 100;              // messages beyond these in a row end the connection
+  static constexpr std::size_t kMostWaiting = 256;     // answers and events; more end the connection
+  static constexpr std::size_t kReadOnBelow = 32;      // answers waiting: with more nothing is read
+  static constexpr std::chrono::seconds kOpening{5};   // for the request, and for the handshakes
+  static constexpr std::chrono::seconds kSilence{30};  // without a sign of the client, pings counted in
+  static constexpr int kSendBuffer = 65536;            // bytes that the system keeps for a slow client
+
+  LiveConnection(std::uint64_t number, tcp::socket socket, LiveDesk& desk);
+  LiveConnection(const LiveConnection&) = delete;
+  LiveConnection& operator=(const LiveConnection&) = delete;
+
+  /// Reads the request and goes on from there.
+  void begin();
+  /// Sends a message after those that wait; nothing when the connection is ending.
+  void send(std::string text);
+  /// Ends the connection once what waits is sent. @param why at most 123 bytes, for the client
+  void close(boost::beast::websocket::close_code code, const std::string& why);
+  /// Ends it at once without a word.
+  void drop() noexcept;
+  /// Sends a frame so often from now on [Hz]; 0: no more.
+  void stream(double rate_Hz);
+
+  [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
+  [[nodiscard]] bool is_open() const noexcept { return open_ && !closing_ && !ended_; }
+  /// Whether nothing of it is under way any more, so that it can be destroyed.
+  [[nodiscard]] bool is_over() const noexcept { return ended_ && under_way_ == 0; }
+  /// Where the connection came in.
+  [[nodiscard]] const tcp::endpoint& local() const noexcept { return local_; }
+  [[nodiscard]] std::int64_t opened_ns() const noexcept { return opened_ns_; }
+  /// Frames of the stream that were due and not sent, because the client had not taken the one before.
+  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+
+  // The server's own notes:
+  bool greeted = false;
+  std::pair<std::uint64_t, std::uint64_t> last_frame{0, 0};  // run and tick
+
+ private:
+  void on_request(const error_code& error);
+  void answer_http(HttpResponse response);
+  void read();
+  void on_message(const error_code& error);
+  void count_control();
+  void write();
+  void end() noexcept;
+  void wait_for_frame();
+  void on_frame_due();
+
+  std::uint64_t number_;
+  LiveDesk& desk_;
+  tcp::endpoint local_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::asio::steady_timer alarm_;
+  boost::beast::flat_buffer incoming_;
+  std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
+  std::optional<HttpResponse> response_;
+  RateLimit limit_{kMessagesPerSecond, kMessagesAtOnce};
+  std::deque<std::string> waiting_;
+  std::string outgoing_;
+  std::optional<boost::beast::websocket::close_reason> closing_;
+  std::chrono::nanoseconds period_{0};  // of the stream; 0: none
+  std::chrono::steady_clock::time_point due_;
+  std::uint64_t streams_ = 0;  // asked for so far, so that an alarm of an earlier one is known
+  std::uint64_t left_out_ = 0;
+  std::int64_t opened_ns_ = 0;
+  int under_way_ = 0;  // operations
+  int excess_ = 0;     // messages in a row
+  bool reading_ = false;
+  bool writing_ = false;
+  bool close_begun_ = false;
+  bool frame_due_ = false;
+  bool open_ = false;
+  bool ended_ = false;
+};
+
+}  // namespace palpate::net

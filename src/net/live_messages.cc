@@ -1,0 +1,194 @@
+#include "net/live_messages.h"
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "palpate/units.h"
+
+#include "core/haptics/gate.h"
+#include "core/haptics/tick_fields.h"
+#include "core/model/tissue_fields.h"
+
+namespace palpate::net {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<std::uint32_t, const char*>, 9> kStatus{{
+    {contact::kStartedInside, "started-inside"},
+    {contact::kContactsFull, "contacts-full"},
+    {contact::kGripReleased, "grip-released"},
+    {contact::kJump, "jump"},
+    {haptics::kForceClamped, "force-clamped"},
+    {haptics::kForceSlewed, "force-slewed"},
+    {haptics::kTorqueClamped, "torque-clamped"},
+    {haptics::kTorqueSlewed, "torque-slewed"},
+    {haptics::kEnergyDamped, "energy-damped"},
+}};
+
+const char* phase_name(std::uint32_t phase) {
+  switch (static_cast<contact::Phase>(phase)) {
+    case contact::Phase::kPress:
+      return "press";
+    case contact::Phase::kPull:
+      return "pull";
+    case contact::Phase::kApproach:
+      break;
+  }
+  return "approach";
+}
+
+Json status_json(std::uint32_t status) {
+  Json words = Json::array();
+  for (const auto& [bit, name] : kStatus) {
+    if ((status & bit) != 0) words.push_back(name);
+  }
+  return words;
+}
+
+Json number_json(haptics::ColumnType type, const std::byte* at) {
+  const auto read = [at](auto value) {
+    std::memcpy(&value, at, sizeof value);
+    return Json(value);
+  };
+  switch (type) {
+    case haptics::ColumnType::kU32:
+      return read(std::uint32_t{});
+    case haptics::ColumnType::kU64:
+      return read(std::uint64_t{});
+    case haptics::ColumnType::kI64:
+      return read(std::int64_t{});
+    case haptics::ColumnType::kF64:
+      break;
+  }
+  return read(double{});
+}
+
+Json value_json(const haptics::TickRow& row, const haptics::TickField& field) {
+  using haptics::TickRow;
+  if (field.offset == offsetof(TickRow, phase)) return phase_name(row.phase);
+  if (field.offset == offsetof(TickRow, saturated)) return row.saturated != 0;
+  if (field.offset == offsetof(TickRow, status)) return status_json(row.status);
+  if (field.offset == offsetof(TickRow, fault))
+    return haptics::name_of(static_cast<haptics::Fault>(row.fault));
+  const std::byte* const begin = reinterpret_cast<const std::byte*>(&row) + field.offset;
+  if (field.size() == 1) return number_json(field.type, begin);
+  Json numbers = Json::array();
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    numbers.push_back(number_json(field.type, begin + i * column_size(field.type)));
+  }
+  return numbers;
+}
+
+Json hand_json(const haptics::TickRow& row) {
+  Json json = Json::object();
+  for (const haptics::TickField& field : haptics::kTickFields) {
+    if (field.live != nullptr) json[field.live] = value_json(row, field);
+  }
+  return json;
+}
+
+/// What stands in every answer.
+Json refer(const LiveReference& reference) {
+  Json json = Json::object();
+  json["answer"] = reference.command.empty() ? Json(nullptr) : Json(reference.command);
+  if (!reference.id.empty()) json["id"] = Json::parse(reference.id);
+  return json;
+}
+
+}  // namespace
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json tissue_json(const model::TissueParameters& tissue) {
+  Json json{{"name", tissue.name}, {"law", model::to_string(tissue.law)}};
+  for (const model::TissueField& field : model::kTissueFields) {
+    Json& table = field.section.empty() ? json : json[std::string(field.section)];
+    const std::optional<double> value = field.at.get(tissue);
+    table[field.key] = value ? Json(*value / field.unit.si) : Json(nullptr);
+  }
+  json["relaxation"] = Json::array();
+  for (const model::RelaxationTerm& term : tissue.relaxation) {
+    json["relaxation"].push_back({{"share", term.share}, {"time_s", term.time}});
+  }
+  return json;
+}
+
+Json noise_json(const haptics::LiveNoise& noise) {
+  return {
+      {"enabled", noise.enabled}, {"gain_N_m", noise.gain}, {"threshold_mm", noise.threshold / kMillimetre}};
+}
+
+Json scene_json(const scene::Setup& setup) {
+  Json hands = Json::array();
+  for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
+    hands.push_back({{"tool", setup.tools[hand].name}, {"device", setup.devices[hand].kind}});
+  }
+  Json motion = Json::array();
+  for (const auto& one : setup.organ_motion) motion.push_back(model::to_string(one.kind));
+  return {{"name", setup.name},
+          {"task", setup.task == scene::Task::kPull ? "pull" : "press"},
+          {"rate_Hz", setup.rate_Hz},
+          {"seed", setup.seed},
+          {"organ", setup.organ_name},
+          {"organ_triangles", setup.organ.triangles.size()},
+          {"organ_motion", motion},
+          {"hands", hands},
+          {"max_force_N", setup.safety.max_force},
+          {"repairs", setup.repairs},
+          {"remarks", setup.remarks}};
+}
+
+Json state_json(const LiveState& state) {
+  const Quat& q = state.organ_W.rotation;
+  const Vec3& p = state.organ_W.position;
+  Json hands = Json::array();
+  for (std::uint32_t hand = 0; hand < state.tick->hands; ++hand) {
+    hands.push_back(hand_json(state.tick->rows[hand]));
+  }
+  return {{"run", state.run},
+          {"tick", state.tick->tick},
+          {"time_s", state.tick->rows[0].time},
+          {"change", state.tick->change},
+          {"organ_m", {p.x(), p.y(), p.z()}},
+          {"organ_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+          {"hands", hands}};
+}
+
+std::string answer_text(const LiveReference& reference, const Json& members) {
+  Json json = refer(reference);
+  json.update(members);
+  return text_of(json);
+}
+
+std::string error_text(const LiveReference& reference, const InputError& error) {
+  Json json;
+  const auto* live = dynamic_cast<const LiveError*>(&error);
+  const auto* parameter = dynamic_cast<const ParameterError*>(&error);
+  json["error"]["code"] = live != nullptr ? live->code() : "refused";
+  const std::string field = live != nullptr        ? live->field()
+                            : parameter != nullptr ? parameter->field()
+                                                   : std::string();
+  if (!field.empty()) json["error"]["field"] = field;
+  json["error"]["words"] = error.what();
+  json.update(refer(reference));
+  return text_of(json);
+}
+
+std::string event_text(const std::string& name, const Json& members) {
+  Json json{{"event", name}};
+  json.update(members);
+  return text_of(json);
+}
+
+std::string frame_text(const std::string& state, std::uint64_t left_out) {
+  return fmt::format("{{\"left_out\":{},\"state\":{}}}", left_out, state);
+}
+
+}  // namespace palpate::net

@@ -1,0 +1,350 @@
+#include "net/live_protocol.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <span>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/touch_noise.h"
+#include "palpate/units.h"
+
+#include "core/base/text.h"
+
+namespace palpate::net {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kDeepest = 8;                  // levels of a message; the commands need three
+constexpr std::size_t kLongestText = 1024;   // bytes of a text: a path
+constexpr std::size_t kLongestName = 63;     // bytes of a tissue's name, as a recorded change keeps it
+constexpr std::size_t kLongestId = 64;       // bytes
+constexpr std::size_t kLongestExcerpt = 40;  // bytes of a value in an error
+constexpr double kLargestWhole = 9007199254740992.0;  // 2^53: beyond it JSON readers lose the last digits
+
+/// Printable ASCII only, and not too long: what a stranger sent is about to be shown.
+std::string excerpt(std::string text) {
+  if (text.size() > kLongestExcerpt) text = text.substr(0, kLongestExcerpt) + "...";
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
+[[noreturn]] void fail(const std::string& field, const json& value, const std::string& want) {
+  throw LiveError("field",
+                  field + " = " + excerpt(value.dump(-1, ' ', false, json::error_handler_t::replace)) +
+                      ": must be " + want,
+                  field);
+}
+
+/// An object of a message, read key by key; what nobody has asked for at the end is refused.
+class Members final {
+ public:
+  /// @param path of the object in the message, empty: the message itself
+  Members(const json& object, std::string path) : object_(object), path_(std::move(path)) {
+    if (!object_.is_object()) fail(path_.empty() ? "message" : path_, object_, "an object");
+  }
+
+  [[nodiscard]] std::string path_of(const std::string& key) const {
+    return path_.empty() ? key : path_ + "." + key;
+  }
+  [[nodiscard]] const json* find(const std::string& key) {
+    known_.push_back(key);
+    const auto found = object_.find(key);
+    return found == object_.end() ? nullptr : &*found;
+  }
+  [[nodiscard]] std::optional<double> number(const std::string& key) {
+    const json* value = find(key);
+    if (value == nullptr) return std::nullopt;
+    if (!value->is_number()) fail(path_of(key), *value, "a finite number");
+    return value->get<double>();
+  }
+  [[nodiscard]] double required_number(const std::string& key) {
+    const std::optional<double> value = number(key);
+    if (!value) throw LiveError("field", path_of(key) + ": missing, must be a finite number", path_of(key));
+    return *value;
+  }
+  [[nodiscard]] std::optional<bool> flag(const std::string& key) {
+    const json* value = find(key);
+    if (value == nullptr) return std::nullopt;
+    if (!value->is_boolean()) fail(path_of(key), *value, "true or false");
+    return value->get<bool>();
+  }
+  [[nodiscard]] std::optional<std::string> text(const std::string& key, std::size_t longest) {
+    const json* value = find(key);
+    if (value == nullptr) return std::nullopt;
+    const std::string want =
+        "a text of 1 to " + std::to_string(longest) + " bytes without control characters";
+    if (!value->is_string()) fail(path_of(key), *value, want);
+    const auto& read = value->get_ref<const std::string&>();
+    const bool plain = std::none_of(
+        read.begin(), read.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; });
+    if (read.empty() || read.size() > longest || !plain) fail(path_of(key), *value, want);
+    return read;
+  }
+  /// Refuses what was not asked for.
+  void allow_no_more() const {
+    for (const auto& [key, value] : object_.items()) {
+      if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+      const std::string near = nearest_word(key, known_);
+      throw LiveError("field",
+                      path_of(excerpt(key)) + ": is no field of this command" +
+                          (near.empty() ? "" : ", did you mean " + near + "?"),
+                      path_of(excerpt(key)));
+    }
+  }
+
+ private:
+  const json& object_;
+  std::string path_;
+  std::vector<std::string> known_;
+};
+
+/// The library reads and writes values by recursion, so that one nested a million deep would end the program.
+void check_depth(std::string_view text) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (!quoted && (c == '[' || c == '{')) {
+      if (++depth > kDeepest) {
+        throw LiveError("json", "message: is nested deeper than " + std::to_string(kDeepest) +
+                                    " levels at byte " + std::to_string(i + 1));
+      }
+    } else if (!quoted && (c == ']' || c == '}')) {
+      --depth;
+    }
+  }
+}
+
+json parse(std::string_view text) {
+  if (text.size() > kLargestRequest) {
+    throw LiveError("json", "message: has " + std::to_string(text.size()) + " bytes, must have at most " +
+                                std::to_string(kLargestRequest));
+  }
+  check_depth(text);
+  try {
+    json message = json::parse(text);
+    if (message.is_object()) return message;
+  } catch (const json::parse_error& error) {
+    // The byte is enough to find it; what the parser says would repeat the message's own bytes.
+    throw LiveError("json", "message: byte " + std::to_string(error.byte) + " of " +
+                                std::to_string(text.size()) + ": is no JSON");
+  } catch (const json::exception&) {
+    throw LiveError("json", "message: has a number that no double holds, must be finite");
+  }
+  throw LiveError("json", "message: must be a JSON object, such as {\"do\": \"state\"}");
+}
+
+TissueEdit read_tissue(Members& root) {
+  TissueEdit edit;
+  const json* object = root.find("tissue");
+  if (object == nullptr) {
+    throw LiveError("field", "tissue: missing, must be an object of the tissue's new values", "tissue");
+  }
+  Members tissue(*object, "tissue");
+  edit.preset = tissue.text("preset", kLongestName);
+  edit.name = tissue.text("name", kLongestName);
+  if (const json* law = tissue.find("law"); law != nullptr) {
+    if (*law != "layered" && *law != "smooth") fail("tissue.law", *law, "\"layered\" or \"smooth\"");
+    edit.law = model::parse_law(law->get_ref<const std::string&>());
+  }
+  std::map<std::string_view, Members> sections;
+  for (const model::TissueSection& section : model::kTissueSections) {
+    if (const json* found = tissue.find(std::string(section.key)); found != nullptr) {
+      sections.emplace(section.key, Members(*found, "tissue." + std::string(section.key)));
+    }
+  }
+  for (const model::TissueField& field : model::kTissueFields) {
+    const auto found = sections.find(field.section);
+    if (!field.section.empty() && found == sections.end()) continue;
+    Members& from = field.section.empty() ? tissue : found->second;
+    const json* value = from.find(field.key);
+    if (value == nullptr) continue;
+    if (field.optional() && value->is_null()) {
+      edit.numbers.emplace_back(&field, std::nullopt);
+    } else {
+      edit.numbers.emplace_back(&field, from.required_number(field.key) * field.unit.si);
+    }
+  }
+  if (const json* terms = tissue.find("relaxation"); terms != nullptr) {
+    if (!terms->is_array() || terms->size() > model::kMostRelaxationTerms) {
+      fail("tissue.relaxation", *terms, "an array of at most three {\"share\": ..., \"time_s\": ...}");
+    }
+    edit.relaxation.emplace();
+    for (std::size_t i = 0; i < terms->size(); ++i) {
+      Members term((*terms)[i], "tissue.relaxation[" + std::to_string(i) + "]");
+      model::RelaxationTerm read;
+      read.share = term.required_number("share");
+      read.time = term.required_number("time_s");
+      edit.relaxation->push_back(read);
+      term.allow_no_more();
+    }
+  }
+  for (const auto& [name, section] : sections) section.allow_no_more();
+  tissue.allow_no_more();
+  return edit;
+}
+
+NoiseEdit read_noise(Members& root) {
+  NoiseEdit edit;
+  const json* object = root.find("noise");
+  if (object == nullptr) {
+    throw LiveError("field", "noise: missing, must be an object of the noise's new values", "noise");
+  }
+  Members noise(*object, "noise");
+  edit.enabled = noise.flag("enabled");
+  edit.gain = noise.number("gain_N_m");
+  edit.threshold = noise.number("threshold_mm");
+  if (edit.threshold) *edit.threshold *= kMillimetre;
+  edit.user_threshold = noise.number("user_threshold_N");
+  edit.share = noise.number("share_of_threshold");
+  noise.allow_no_more();
+  if (edit.user_threshold.has_value() != edit.share.has_value() || (edit.share && edit.gain)) {
+    throw LiveError("field",
+                    "noise: give gain_N_m, or user_threshold_N and share_of_threshold, which set it together",
+                    "noise.share_of_threshold");
+  }
+  return edit;
+}
+
+Hello read_hello(Members& root) {
+  const json* version = root.find("palpate");
+  if (version == nullptr || *version != kLiveProtocol) {
+    throw LiveError(
+        "version",
+        "palpate" + (version == nullptr ? ": missing" : " = " + excerpt(version->dump(-1, ' ', true))) +
+            ": must be \"" + kLiveProtocol + "\", the protocol's version that this program speaks",
+        "palpate");
+  }
+  return {root.text("token", kLongestText).value_or("")};
+}
+
+Stream read_stream(Members& root) {
+  const double rate = root.required_number("rate_Hz");
+  if (!(rate == 0.0 || (rate >= 0.1 && rate <= kFastestStream))) {
+    throw LiveError(
+        "field",
+        "rate_Hz = " + shortest(rate) + ": must be 0 (no stream) or 0.1 to " + shortest(kFastestStream),
+        "rate_Hz");
+  }
+  return {rate};
+}
+
+Load read_load(Members& root) {
+  Load load;
+  load.scene = root.text("scene", kLongestText);
+  load.task = root.text("task", kLongestText);
+  load.organ = root.text("organ", kLongestText);
+  load.organ_unit = root.text("organ_unit", kLongestText);
+  load.tissue = root.text("tissue", kLongestText);
+  load.tool = root.text("tool", kLongestText);
+  load.tool_unit = root.text("tool_unit", kLongestText);
+  load.device = root.text("device", kLongestText);
+  load.rate_Hz = root.number("rate_Hz");
+  if (const std::optional<double> seed = root.number("seed")) {
+    if (!(*seed >= 0.0 && *seed <= kLargestWhole) || *seed != std::floor(*seed)) {
+      throw LiveError("field", "seed = " + shortest(*seed) + ": must be a whole number from 0 to 2^53",
+                      "seed");
+    }
+    load.seed = static_cast<std::uint64_t>(*seed);
+  }
+  load.no_noise = root.flag("no_noise").value_or(false);
+  return load;
+}
+
+using Reader = std::function<LiveCommand(Members&)>;
+
+const std::map<std::string, Reader>& readers() {
+  static const std::map<std::string, Reader> all{
+      {"hello", [](Members& root) { return LiveCommand(read_hello(root)); }},
+      {"version", [](Members&) { return LiveCommand(AskVersion{}); }},
+      {"state", [](Members&) { return LiveCommand(AskState{}); }},
+      {"scene", [](Members&) { return LiveCommand(AskScene{}); }},
+      {"surface",
+       [](Members& root) { return LiveCommand(AskSurface{root.flag("at_rest").value_or(false)}); }},
+      {"stream", [](Members& root) { return LiveCommand(read_stream(root)); }},
+      {"load", [](Members& root) { return LiveCommand(read_load(root)); }},
+      {"start", [](Members&) { return LiveCommand(Start{}); }},
+      {"stop", [](Members&) { return LiveCommand(Stop{}); }},
+      {"set_tissue", [](Members& root) { return LiveCommand(SetTissue{read_tissue(root)}); }},
+      {"set_noise", [](Members& root) { return LiveCommand(SetNoise{read_noise(root)}); }},
+      {"reset_faults", [](Members&) { return LiveCommand(ResetFaults{}); }},
+  };
+  return all;
+}
+
+std::string read_id(Members& root) {
+  const json* id = root.find("id");
+  if (id == nullptr) return {};
+  std::string text;
+  if (id->is_string() || id->is_number_integer()) text = id->dump(-1, ' ', true);
+  if (text.empty() || text.size() > kLongestId) {
+    fail("id", *id, "a text or whole number of at most " + std::to_string(kLongestId) + " bytes as JSON");
+  }
+  return text;
+}
+
+const Reader& find_reader(const json& command) {
+  std::vector<std::string> names;
+  for (const auto& [name, reader] : readers()) names.push_back(name);
+  if (command.is_string()) {
+    const auto found = readers().find(command.get_ref<const std::string&>());
+    if (found != readers().end()) return found->second;
+  }
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  const std::string near =
+      command.is_string() ? nearest_word(command.get_ref<const std::string&>(), names) : std::string();
+  throw LiveError("command",
+                  "do = " + excerpt(command.dump(-1, ' ', true)) + ": must be one of " + list +
+                      (near.empty() ? "" : "; did you mean " + near + "?"),
+                  "do");
+}
+
+}  // namespace
+
+LiveCommand read_live_message(std::string_view text, LiveReference& reference) {
+  reference = {};
+  const json message = parse(text);
+  Members root(message, "");
+  reference.id = read_id(root);
+  const json* command = root.find("do");
+  if (command == nullptr) {
+    throw LiveError("command", "do: missing, must name a command, such as \"state\"", "do");
+  }
+  const Reader& reader = find_reader(*command);
+  reference.command = command->get<std::string>();
+  LiveCommand read = reader(root);
+  root.allow_no_more();
+  return read;
+}
+
+model::TissueParameters edited(model::TissueParameters tissue, const TissueEdit& edit) {
+  if (edit.preset) tissue = model::tissue_preset(*edit.preset);
+  if (edit.name) tissue.name = *edit.name;
+  if (edit.law) tissue.law = *edit.law;
+  if (edit.relaxation) tissue.relaxation = *edit.relaxation;
+  for (const auto& [field, value] : edit.numbers) field->at.set(tissue, value);
+  if (!edit.numbers.empty() || edit.law || edit.relaxation) tissue.source.reset();
+  return tissue;
+}
+
+haptics::LiveNoise edited(haptics::LiveNoise noise, const NoiseEdit& edit) {
+  if (edit.enabled) noise.enabled = *edit.enabled;
+  if (edit.threshold) noise.threshold = *edit.threshold;
+  if (edit.gain) noise.gain = *edit.gain;
+  if (edit.user_threshold && edit.share) {
+    noise.gain = noise::gain_from_threshold(*edit.user_threshold, *edit.share, noise.threshold);
+  }
+  return noise;
+}
+
+}  // namespace palpate::net

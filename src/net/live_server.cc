@@ -1,0 +1,343 @@
+#include "net/live_server.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <map>
+#include <utility>  // before Asio, whose 1.74 forgets it
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <fmt/core.h>
+
+#include "palpate/version.h"
+
+#include "io/system/clock.h"
+#include "net/live_access.h"
+#include "net/live_connection.h"
+
+namespace palpate::net {
+namespace {
+
+namespace asio = boost::asio;
+namespace http = boost::beast::http;
+namespace websocket = boost::beast::websocket;
+using asio::ip::tcp;
+using boost::beast::error_code;
+using boost::beast::websocket::close_code;
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t kHelloLimit = 5'000'000'000;  // ns from the opening on
+constexpr std::size_t kMostConnections = 32;         // clients, and whoever is about to become one
+constexpr std::int64_t kFarewell = 500'000'000;      // ns, for clients to take the last word
+
+/// An address as it stands in a URL.
+std::string in_url(const asio::ip::address& address) {
+  return address.is_v6() ? "[" + address.to_string() + "]" : address.to_string();
+}
+
+asio::ip::address address_of(const LiveOptions& options) {
+  error_code error;
+  const auto address =
+      asio::ip::make_address(options.address == "localhost" ? "127.0.0.1" : options.address, error);
+  if (error) {
+    throw InputError(
+        "--listen " + options.address +
+        ": must be an address of this machine as a number, such as 127.0.0.1, ::1 or 0.0.0.0 (all)");
+  }
+  if (!address.is_loopback() && options.token.empty()) {
+    throw InputError("--listen " + options.address +
+                     ": beyond this machine clients must show a token: --token-file FILE, or --new-token");
+  }
+  return address;
+}
+
+HttpResponse plain_answer(http::status status, const std::string& words) {
+  HttpResponse response(status, 11);
+  response.set(http::field::content_type, "text/plain; charset=utf-8");
+  response.body() = words + "\n";
+  return response;
+}
+
+/// The page may speak to its own server alone, and nobody may put it into a frame.
+HttpResponse page_answer(const std::string& page) {
+  HttpResponse response(http::status::ok, 11);
+  response.set(http::field::content_type, "text/html; charset=utf-8");
+  response.set("Content-Security-Policy",
+               "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+               "connect-src 'self' ws:; frame-ancestors 'none'");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set(http::field::cache_control, "no-store");
+  response.body() = page;
+  return response;
+}
+
+}  // namespace
+
+class LiveServer::Desk final : public LiveDesk {
+ public:
+  Desk(const LiveOptions& options, LiveHost& host) : options_(options), host_(host) {
+    for (const std::string& origin : options.origins) check_origin(origin);
+    const tcp::endpoint wanted(address_of(options), options.port);
+    error_code error;
+    acceptor_.open(wanted.protocol(), error);
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(wanted, error);
+    if (!error) acceptor_.listen(static_cast<int>(kMostConnections), error);
+    if (error) {
+      throw InputError(fmt::format("--listen {} --port {}: cannot be listened at: {}", options.address,
+                                   options.port, error.message()));
+    }
+    place_ = acceptor_.local_endpoint();
+  }
+
+  [[nodiscard]] const tcp::endpoint& place() const noexcept { return place_; }
+  [[nodiscard]] const LiveAccount& account() const noexcept { return account_; }
+
+  void run(const std::atomic<bool>& stop) {
+    accept();
+    look_after(stop);
+    context_.run();
+  }
+
+  std::optional<HttpResponse> refusal(const LiveConnection& from, const HttpRequest& request) override {
+    std::optional<HttpResponse> answer = refusal_for(from, request);
+    if (answer && answer->result() != http::status::ok) ++account_.refused;
+    return answer;
+  }
+
+  void opened(LiveConnection& /*connection*/) override {}
+
+  void ended(LiveConnection& connection) override { account_.left_out += connection.left_out(); }
+
+  void received(LiveConnection& from, std::string_view message, bool text, bool excess) override {
+    ++account_.messages;
+    LiveReference reference;
+    try {
+      if (excess) {
+        throw LiveError("rate",
+                        fmt::format("message: is one too many, there may be {} a second; it was not read",
+                                    static_cast<int>(LiveConnection::kMessagesPerSecond)));
+      }
+      if (!text) throw LiveError("json", "message: is binary, must be a text frame of JSON");
+      const LiveCommand command = read_live_message(message, reference);
+      obey(from, command, reference);
+    } catch (const InputError& error) {
+      ++account_.errors;
+      from.send(error_text(reference, error));
+      const auto* live = dynamic_cast<const LiveError*>(&error);
+      if (live != nullptr && (live->code() == "version" || live->code() == "token")) {
+        ++account_.refused;
+        from.close(close_code::policy_error, live->code());
+      }
+    } catch (const std::exception& error) {  // no client may end the run of the others
+      ++account_.errors;
+      from.send(error_text(reference, LiveError("refused", error.what())));
+    }
+  }
+
+  std::string next_frame(LiveConnection& to) override {
+    const LiveState state = host_.newest();
+    if (state.tick == nullptr) return {};
+    const std::pair<std::uint64_t, std::uint64_t> now{state.run, state.tick->tick};
+    if (now == to.last_frame) return {};
+    to.last_frame = now;
+    if (now != written_) {
+      written_ = now;
+      written_text_ = text_of(state_json(state));
+    }
+    ++account_.frames;
+    return frame_text(written_text_, to.left_out());
+  }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([this](const error_code& error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      // Without an error; else (no file handles left) the next one may do better, after a pause.
+      if (!error && connections_.size() < kMostConnections) {
+        ++account_.connections;
+        const std::uint64_t number = account_.connections;
+        auto made = std::make_unique<LiveConnection>(number, std::move(socket), *this);
+        LiveConnection& connection = *made;
+        connections_.emplace(number, std::move(made));
+        connection.begin();
+      } else if (!error) {
+        ++account_.refused;
+      }
+      if (error) {
+        accept_later_ = true;
+      } else {
+        accept();
+      }
+    });
+  }
+
+  std::optional<HttpResponse> refusal_for(const LiveConnection& from, const HttpRequest& request) const {
+    if (request.target() != "/") {
+      return plain_answer(http::status::not_found, "There is nothing here; the live interface is at /.");
+    }
+    if (!websocket::is_upgrade(request)) {
+      if (request.method() == http::verb::get && !options_.page.empty()) return page_answer(options_.page);
+      return plain_answer(http::status::upgrade_required,
+                          "This is palpate's live interface, which speaks WebSocket.");
+    }
+    const auto origin = request.find(http::field::origin);
+    const asio::ip::address& local = from.local().address();
+    const auto count = static_cast<std::size_t>(request.count(http::field::origin));
+    if (count > 1 ||
+        (count == 1 && !origin_allowed({origin->value().data(), origin->value().size()}, in_url(local),
+                                       place_.port(), local.is_loopback(), options_.origins))) {
+      return plain_answer(http::status::forbidden,
+                          "A web page of this origin may not connect; --allow-origin lets it.");
+    }
+    const auto open = std::count_if(connections_.begin(), connections_.end(),
+                                    [](const auto& entry) { return entry.second->is_open(); });
+    if (static_cast<std::size_t>(open) >= kMostClients) {
+      return plain_answer(http::status::service_unavailable,
+                          fmt::format("There are {} clients already.", kMostClients));
+    }
+    return std::nullopt;
+  }
+
+  void obey(LiveConnection& from, const LiveCommand& command, const LiveReference& reference) {
+    const auto* hello = std::get_if<Hello>(&command);
+    if (from.greeted == (hello != nullptr)) {
+      throw LiveError("hello", from.greeted ? "do = \"hello\": was said already"
+                                            : "do: must be \"hello\" in the first message");
+    }
+    if (hello != nullptr) {
+      greet(from, *hello, reference);
+    } else if (const auto* stream = std::get_if<Stream>(&command)) {
+      from.send(answer_text(reference, {{"rate_Hz", stream->rate_Hz}}));
+      from.stream(stream->rate_Hz);
+    } else if (std::holds_alternative<AskVersion>(command)) {
+      from.send(answer_text(reference, version()));
+    } else if (std::holds_alternative<AskState>(command)) {
+      const LiveState state = host_.newest();
+      from.send(
+          answer_text(reference, {{"run", host_.about_run()},
+                                  {"state", state.tick == nullptr ? Json(nullptr) : state_json(state)}}));
+    } else if (const auto answer = host_.answer(command, {from.number(), reference})) {
+      from.send(answer_text(reference, *answer));
+    }
+  }
+
+  void greet(LiveConnection& from, const Hello& hello, const LiveReference& reference) {
+    if (!options_.token.empty() && !same_token(options_.token, hello.token)) {
+      throw LiveError(
+          "token",
+          hello.token.empty() ? "token: missing, this server asks for one" : "token: is not this server's",
+          "token");
+    }
+    from.greeted = true;
+    someone_came_ = true;
+    Json members = version();
+    members["client"] = from.number();
+    members["limits"] = {{"message_bytes", kLargestRequest},
+                         {"messages_per_s", LiveConnection::kMessagesPerSecond},
+                         {"stream_Hz", kFastestStream},
+                         {"clients", kMostClients}};
+    from.send(answer_text(reference, members));
+  }
+
+  static Json version() {
+    return {{"palpate", kLiveProtocol}, {"program", std::string("palpate ") + kVersion}};
+  }
+
+  /// Every few milliseconds: what the host has to say, who has not said hello, who is gone, whether to stop.
+  void look_after(const std::atomic<bool>& stop) {
+    const bool ends = stop.load(std::memory_order_relaxed);  // before the host looks, which may want to know
+    const auto present = std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
+      return entry.second->greeted && entry.second->is_open();
+    });
+    const std::size_t clients =
+        std::max<std::size_t>(static_cast<std::size_t>(present), someone_came_ ? 1 : 0);
+    someone_came_ = false;
+    for (const News& news : host_.look_after(clients)) tell(news);
+    const std::int64_t now = monotonic_ns();
+    for (const auto& [number, connection] : connections_) {
+      if (connection->is_open() && !connection->greeted && now - connection->opened_ns() > kHelloLimit) {
+        connection->send(error_text({}, LiveError("hello", "do: must be \"hello\" within 5 s")));
+        connection->close(close_code::policy_error, "hello");
+      }
+    }
+    forget_the_gone();
+    if (ends) return say_farewell();
+    if (std::exchange(accept_later_, false)) accept();
+    timer_.expires_after(std::chrono::milliseconds(kLookAfterMs));
+    timer_.async_wait([this, &stop](const error_code&) { look_after(stop); });
+  }
+
+  void tell(const News& news) {
+    if (!news.to) {
+      const std::string text = event_text(news.event, news.members);
+      for (const auto& [number, connection] : connections_) {
+        if (connection->greeted) connection->send(text);
+      }
+      return;
+    }
+    const auto found = connections_.find(news.to->client);
+    if (found == connections_.end()) return;
+    if (news.error) ++account_.errors;
+    found->second->send(news.error ? error_text(news.to->reference, *news.error)
+                                   : answer_text(news.to->reference, news.members));
+  }
+
+  void forget_the_gone() {
+    for (auto entry = connections_.begin(); entry != connections_.end();) {
+      entry = entry->second->is_over() ? connections_.erase(entry) : std::next(entry);
+    }
+  }
+
+  void say_farewell() {
+    error_code ignored;
+    acceptor_.close(ignored);
+    for (const auto& [number, connection] : connections_) {
+      if (connection->is_open()) {
+        connection->close(close_code::going_away, "palpate serve ends");
+      } else {
+        connection->drop();
+      }
+    }
+    farewell_until_ns_ = monotonic_ns() + kFarewell;
+    wait_for_the_last();
+  }
+
+  /// Ends run() when all connections are over; those that take too long are dropped.
+  void wait_for_the_last() {
+    forget_the_gone();
+    if (connections_.empty()) return context_.stop();  // the library's own alarms may be set still
+    if (monotonic_ns() >= farewell_until_ns_) {
+      for (const auto& [number, connection] : connections_) connection->drop();
+    }
+    timer_.expires_after(std::chrono::milliseconds(kLookAfterMs));
+    timer_.async_wait([this](const error_code&) { wait_for_the_last(); });
+  }
+
+  LiveOptions options_;
+  LiveHost& host_;
+  LiveAccount account_;
+  asio::io_context context_{1};
+  tcp::acceptor acceptor_{context_};
+  tcp::endpoint place_;
+  asio::steady_timer timer_{context_};
+  bool accept_later_ = false;
+  bool someone_came_ = false;  // since the host last looked
+  std::int64_t farewell_until_ns_ = 0;
+  std::pair<std::uint64_t, std::uint64_t> written_{0, 0};  // run and tick of:
+  std::string written_text_;
+  std::map<std::uint64_t, std::unique_ptr<LiveConnection>> connections_;  // last: they use all of the above
+};
+
+LiveServer::LiveServer(const LiveOptions& options, LiveHost& host)
+    : desk_(std::make_unique<Desk>(options, host)) {}
+LiveServer::~LiveServer() = default;
+
+std::string LiveServer::host() const { return in_url(desk_->place().address()); }
+std::uint16_t LiveServer::port() const { return desk_->place().port(); }
+void LiveServer::run(const std::atomic<bool>& stop) { desk_->run(stop); }
+const LiveAccount& LiveServer::account() const noexcept { return desk_->account(); }
+
+}  // namespace palpate::net

@@ -1,0 +1,32 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "palpate/surface.h"
+
+namespace palpate::net {
+
+/// An organ's surface as clients of the live interface get it (docs/live-interface.md): organ frame,
+/// millimetres to a thousandth. All members: [setup], one thread, never the loop's.
+class LiveSurface final {
+ public:
+  /// An answer with more would take a client, and the server's thread, too long.
+  static constexpr std::size_t kMostTriangles = 20'000;
+
+  /// @throws LiveError when the organ has more triangles than kMostTriangles.
+  explicit LiveSurface(const geometry::TriangleMesh& organ);
+
+  /// {"vertices_mm": [x, y, z, ...], "triangles": [a, b, c, ...]}, at rest.
+  [[nodiscard]] nlohmann::ordered_json at_rest() const;
+  /// {"moved": [vertex, ...], "vertices_mm": [x, y, z, ...]}: the vertices that are not where they rest.
+  [[nodiscard]] nlohmann::ordered_json moved(const model::ReachParameters& reach,
+                                             const std::vector<deform::Indentation>& indentations);
+
+ private:
+  deform::SurfaceDeformer deformer_;
+  std::vector<Vec3> vertices_;
+};
+
+}  // namespace palpate::net

@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "palpate/snapshot_cell.h"
+#include "palpate/tick_observer.h"
+
+#include "core/base/ring.h"
+
+namespace palpate::net {
+
+/// All rows of one tick: plain data, handed over whole.
+struct LiveTick {
+  std::uint64_t tick = 0;
+  std::uint64_t change = 0;  // number of the last live change in force; 0: none
+  std::uint32_t hands = 0;
+  std::array<haptics::TickRow, haptics::Snapshot::kMaxHands> rows{};
+};
+
+/// A hand's latched fault as it comes and goes.
+struct FaultTurn {
+  std::uint64_t tick = 0;
+  std::uint32_t hand = 0;
+  haptics::Fault fault = haptics::Fault::kNone;  // kNone: it was reset
+};
+
+/// Sees the rows of a running loop for who streams them: the newest tick, and every change of a fault. The
+/// loop never waits.
+class LiveTap final : public haptics::TickObserver {
+ public:
+  /// [setup] @param hands of the scene
+  explicit LiveTap(std::size_t hands);
+  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_row(const haptics::TickRow& row) noexcept override;
+
+  /// [any] One thread. The newest tick; null before the first.
+  [[nodiscard]] const LiveTick* newest() noexcept;
+  /// [any] The same thread. The oldest turn not yet taken.
+  [[nodiscard]] std::optional<FaultTurn> take_fault() noexcept;
+
+ private:
+  static constexpr std::size_t kTurnsKept = 256;  // more between two looks are left out
+
+  std::uint32_t hands_;
+  std::uint64_t change_ = 0;
+  std::array<std::uint32_t, haptics::Snapshot::kMaxHands> faults_{};
+  SnapshotCell<LiveTick> ticks_;
+  Ring<FaultTurn> turns_{kTurnsKept};
+  bool seen_ = false;  // of the reader
+};
+
+}  // namespace palpate::net

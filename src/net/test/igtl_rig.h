@@ -1,0 +1,123 @@
+#pragma once
+// A server's surroundings: organs, loops that publish, clients.
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "palpate/mesh.h"
+
+#include "net/igtl_server.h"
+#include "net/test/igtl_received.h"
+
+namespace palpate::net::test {
+
+inline const IgtlAddress kAnyFreePort{"127.0.0.1", 0};
+
+/// A connection by the system's own calls, for what the library's client would never do.
+class BareClient final {
+ public:
+  explicit BareClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    const int small = 4096;  // bytes: full soon
+    (void)setsockopt(socket_.number(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+    sockaddr_in where{};
+    where.sin_family = AF_INET;
+    where.sin_port = htons(static_cast<std::uint16_t>(port));
+    where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    connected_ = connect(socket_.number(), reinterpret_cast<const sockaddr*>(&where), sizeof where) == 0;
+  }
+  [[nodiscard]] bool connected() const { return connected_; }
+  /// Bytes that came, at most so many; 0: the end.
+  [[nodiscard]] ssize_t receive(std::size_t most) {
+    Bytes bytes(most);
+    return recv(socket_.number(), bytes.data(), bytes.size(), 0);
+  }
+  /// Sends as much as goes without waiting. @return bytes
+  std::size_t send_what_goes(const Bytes& bytes) {
+    const ssize_t sent = send(socket_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    return sent < 0 ? 0 : static_cast<std::size_t>(sent);
+  }
+  /// Everything that is there already.
+  void receive_what_is_there() {
+    Bytes bytes(1 << 16);
+    while (recv(socket_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT) > 0) continue;
+  }
+  void send_no_more() { (void)shutdown(socket_.number(), SHUT_WR); }
+
+ private:
+  Descriptor socket_;
+  bool connected_ = false;
+};
+
+inline scene::Setup block_setup() {
+  scene::Setup setup;
+  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  setup.organ_pose.position = Vec3(0, 0, -0.02);
+  return setup;
+}
+
+/// The same, so finely divided that its surface takes some MB: more than the system's buffers hold.
+inline scene::Setup large_setup() {
+  scene::Setup setup = block_setup();
+  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.0005);
+  return setup;
+}
+
+/// As the loop does: tick after tick, each with its number in its pose and force.
+inline void publish(IgtlServer& server, std::uint64_t tick) {
+  haptics::Snapshot snapshot;
+  snapshot.tick = tick;
+  snapshot.hands = 1;
+  snapshot.tools[0].pose_W.position = Vec3(1e-6 * static_cast<double>(tick), 0, 0.05);
+  snapshot.commands[0].force = Vec3(0, 0, static_cast<double>(tick));
+  snapshot.results[0].distance = 0.01;
+  server.publish(snapshot);
+}
+
+/// A loop that publishes every millisecond until it is gone.
+class Publisher final {
+ public:
+  explicit Publisher(IgtlServer& server)
+      : thread_([this, &server] {
+          for (std::uint64_t tick = 1; !stop_.load(); ++tick) {
+            publish(server, tick);
+            ticks_.store(tick);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+          }
+        }) {}
+  ~Publisher() {
+    stop_.store(true);
+    thread_.join();
+  }
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_.load(); }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> ticks_{0};
+  std::thread thread_;
+};
+
+/// The last message of each name until the stream ends, read meanwhile.
+using Newest = std::map<std::string, Received>;
+inline std::future<Newest> newest_of(Client& client) {
+  return std::async(std::launch::async, [&client] {
+    Newest newest;
+    while (std::optional<Received> received = client.next()) newest[received->name] = *received;
+    return newest;
+  });
+}
+
+inline std::unique_ptr<IgtlStream> block_stream() { return std::make_unique<IgtlStream>(block_setup()); }
+
+}  // namespace palpate::net::test

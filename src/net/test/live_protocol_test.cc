@@ -1,0 +1,241 @@
+#include "net/live_protocol.h"
+
+#include <random>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "net/live_messages.h"
+
+namespace palpate::net {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+template <typename Command>
+Command read_as(const std::string& text) {
+  LiveReference reference;
+  return std::get<Command>(read_live_message(text, reference));
+}
+
+struct Refused {
+  std::string code;
+  std::string field;
+  std::string words;
+};
+
+Refused refusal(const std::string& text) {
+  LiveReference reference;
+  try {
+    (void)read_live_message(text, reference);
+  } catch (const LiveError& error) {
+    return {error.code(), error.field(), error.what()};
+  }
+  return {"none", "", "it was not refused: " + text};
+}
+
+void expect_refusal(const std::string& text, const std::string& code, const std::string& field,
+                    const std::string& words) {
+  const Refused refused = refusal(text);
+  EXPECT_EQ(refused.code, code) << text << ": " << refused.words;
+  EXPECT_EQ(refused.field, field) << text << ": " << refused.words;
+  EXPECT_THAT(refused.words, HasSubstr(words)) << text;
+  EXPECT_EQ(refused.words.find('\n'), std::string::npos) << "one line";
+}
+
+TEST(LiveProtocol, EveryCommandIsReadWithItsFields) {
+  EXPECT_EQ(read_as<Hello>(R"({"palpate": "1", "do": "hello", "token": "abc"})").token, "abc");
+  EXPECT_EQ(read_as<Stream>(R"({"do": "stream", "rate_Hz": 50})").rate_Hz, 50.0);
+  const auto load = read_as<Load>(
+      R"({"do":"load","scene":"a.toml","task":"pull","organ":"heart","organ_unit":"mm","tissue":"liver",
+          "tool":"sphere:3","tool_unit":"cm","device":"emulated","rate_Hz":500,"seed":9007199254740992,
+          "no_noise":true})");
+  EXPECT_EQ(load.scene, "a.toml");
+  EXPECT_EQ(load.task, "pull");
+  EXPECT_EQ(load.organ, "heart");
+  EXPECT_EQ(load.organ_unit, "mm");
+  EXPECT_EQ(load.tissue, "liver");
+  EXPECT_EQ(load.tool, "sphere:3");
+  EXPECT_EQ(load.tool_unit, "cm");
+  EXPECT_EQ(load.device, "emulated");
+  EXPECT_EQ(load.rate_Hz, 500.0);
+  EXPECT_EQ(load.seed, 9007199254740992U);
+  EXPECT_TRUE(load.no_noise);
+  (void)read_as<AskVersion>(R"({"do": "version"})");
+  (void)read_as<AskState>(R"({"do": "state"})");
+  (void)read_as<AskScene>(R"({"do": "scene"})");
+  EXPECT_FALSE(read_as<AskSurface>(R"({"do": "surface"})").at_rest);
+  EXPECT_TRUE(read_as<AskSurface>(R"({"do": "surface", "at_rest": true})").at_rest);
+  (void)read_as<Start>(R"({"do": "start"})");
+  (void)read_as<Stop>(R"({"do": "stop"})");
+  (void)read_as<ResetFaults>(R"({"do": "reset_faults"})");
+}
+
+TEST(LiveProtocol, TheCommandsNameAndIdAreKnownAlsoWhenItIsRefused) {
+  LiveReference reference;
+  EXPECT_THROW((void)read_live_message(R"({"do": "stream", "id": 7})", reference), LiveError);
+  EXPECT_EQ(reference.command, "stream");
+  EXPECT_EQ(reference.id, "7");
+  (void)read_live_message(R"({"do": "state", "id": "a\"b"})", reference);
+  EXPECT_EQ(reference.id, R"("a\"b")");
+  (void)read_live_message(R"({"do": "state"})", reference);
+  EXPECT_EQ(reference.id, "") << "nothing is left of the message before";
+}
+
+TEST(LiveProtocol, WhatIsNoJsonIsRefusedByItsByte) {
+  expect_refusal("", "json", "", "byte");
+  expect_refusal("{\"do\": \"state\"", "json", "", "is no JSON");
+  expect_refusal("{\"do\": nan}", "json", "", "is no JSON");
+  expect_refusal("{\"do\": \"\xff\"}", "json", "", "is no JSON");
+  expect_refusal("[1]", "json", "", "must be a JSON object");
+  expect_refusal("\"state\"", "json", "", "must be a JSON object");
+  expect_refusal(R"({"do": "stream", "rate_Hz": 1e999})", "json", "", "no double holds");
+}
+
+TEST(LiveProtocol, NestingIsBoundedBeforeAnythingIsRead) {
+  const std::string deep = std::string(8000, '[') + std::string(8000, ']');
+  expect_refusal(deep, "json", "", "nested deeper than 8 levels at byte 9");
+  EXPECT_EQ(refusal(R"({"do": "state", "id": "[[[[[[[[[[[[[["})").code, "none")
+      << "in a text it is no nesting";
+}
+
+TEST(LiveProtocol, AMessageIsBoundedInSize) {
+  const std::string command = R"({"do": "state"})";
+  EXPECT_EQ(refusal(command + std::string(kLargestRequest - command.size(), ' ')).code, "none");
+  expect_refusal(command + std::string(kLargestRequest - command.size() + 1, ' '), "json", "", "16384");
+}
+
+TEST(LiveProtocol, AnUnknownCommandIsToldWithTheNearestOne) {
+  expect_refusal(R"({"do": "set_tisue"})", "command", "do", "did you mean set_tissue?");
+  expect_refusal(R"({"do": 4})", "command", "do", "do = 4: must be one of");
+  expect_refusal(R"({"id": 1})", "command", "do", "missing");
+}
+
+TEST(LiveProtocol, AnUnknownFieldIsToldWithTheNearestOne) {
+  expect_refusal(R"({"do": "stream", "rate_Hz": 5, "rates": 1})", "field", "rates",
+                 "no field of this command");
+  expect_refusal(R"({"do": "set_tissue", "tissue": {"k1_N_pr_m": 5}})", "field", "tissue.k1_N_pr_m",
+                 "did you mean k1_N_per_m?");
+  expect_refusal(R"({"do": "set_tissue", "tissue": {"contact": {"frction": 5}}})", "field",
+                 "tissue.contact.frction", "did you mean friction?");
+  expect_refusal(R"({"do": "set_noise", "noise": {"gain": 5}})", "field", "noise.gain", "no field");
+}
+
+TEST(LiveProtocol, AValueOfAnotherTypeIsToldWithWhatWouldBeRight) {
+  expect_refusal(R"({"do": "stream"})", "field", "rate_Hz", "missing");
+  expect_refusal(R"({"do": "stream", "rate_Hz": "50"})", "field", "rate_Hz",
+                 "rate_Hz = \"50\": must be a finite number");
+  expect_refusal(R"({"do": "stream", "rate_Hz": null})", "field", "rate_Hz", "finite number");
+  expect_refusal(R"({"do": "set_tissue"})", "field", "tissue", "missing");
+  expect_refusal(R"({"do": "set_tissue", "tissue": 5})", "field", "tissue", "must be an object");
+  expect_refusal(R"({"do": "set_tissue", "tissue": {"law": "hard"}})", "field", "tissue.law", "smooth");
+  expect_refusal(R"({"do": "set_tissue", "tissue": {"reach": []}})", "field", "tissue.reach", "an object");
+  expect_refusal(R"({"do": "set_tissue", "tissue": {"relaxation": [{"share": 0.1}]}})", "field",
+                 "tissue.relaxation[0].time_s", "missing");
+  expect_refusal(R"({"do": "set_tissue", "tissue": {"relaxation": [{},{},{},{}]}})", "field",
+                 "tissue.relaxation", "at most three");
+  expect_refusal(R"({"do": "set_noise", "noise": {"enabled": 1}})", "field", "noise.enabled",
+                 "true or false");
+  expect_refusal(R"({"do": "set_noise"})", "field", "noise", "missing");
+  expect_refusal(R"({"do": "load", "organ": ""})", "field", "organ", "1 to 1024 bytes");
+  expect_refusal("{\"do\": \"load\", \"organ\": \"a\\nb\"}", "field", "organ", "without control characters");
+  expect_refusal(R"({"do": "load", "no_noise": "yes"})", "field", "no_noise", "true or false");
+  expect_refusal(R"({"do": "state", "id": [1]})", "field", "id", "a text or whole number");
+  expect_refusal(R"({"do": "state", "id": 1.5})", "field", "id", "a text or whole number");
+}
+
+TEST(LiveProtocol, ANumberOutOfRangeIsToldWithTheRange) {
+  expect_refusal(R"({"do": "stream", "rate_Hz": -1})", "field", "rate_Hz", "0.1 to 1000");
+  expect_refusal(R"({"do": "stream", "rate_Hz": 1000.5})", "field", "rate_Hz", "0.1 to 1000");
+  expect_refusal(R"({"do": "load", "seed": -1})", "field", "seed", "2^53");
+  expect_refusal(R"({"do": "load", "seed": 0.5})", "field", "seed", "whole number");
+  expect_refusal(R"({"do": "load", "seed": 1e300})", "field", "seed", "2^53");
+}
+
+TEST(LiveProtocol, AnotherVersionIsRefusedByName) {
+  expect_refusal(R"({"palpate": "2", "do": "hello"})", "version", "palpate", "must be \"1\"");
+  expect_refusal(R"({"palpate": 1, "do": "hello"})", "version", "palpate", "palpate = 1");
+  expect_refusal(R"({"do": "hello"})", "version", "palpate", "missing");
+}
+
+TEST(LiveProtocol, NoiseIsSetByItsGainOrByTheUsersThresholdAndNotByHalves) {
+  const auto by_threshold = read_as<SetNoise>(
+      R"({"do":"set_noise","noise":{"user_threshold_N":0.02,"share_of_threshold":0.6,"threshold_mm":5}})");
+  const haptics::LiveNoise noise = edited(haptics::LiveNoise{}, by_threshold.edit);
+  EXPECT_NEAR(noise.gain, 0.6 * 0.02 * 5e-3, 1e-18) << "sigma in contact is gain over threshold";
+  expect_refusal(R"({"do":"set_noise","noise":{"user_threshold_N":0.02}})", "field",
+                 "noise.share_of_threshold", "together");
+  expect_refusal(R"({"do":"set_noise","noise":{"user_threshold_N":1,"share_of_threshold":1,"gain_N_m":1}})",
+                 "field", "noise.share_of_threshold", "together");
+}
+
+TEST(LiveProtocol, ATissueStaysWhereAnEditDoesNotNameIt) {
+  const model::TissueParameters heart = model::tissue_preset("heart");
+  const auto edit = read_as<SetTissue>(
+      R"({"do":"set_tissue","tissue":{"k1_N_per_m":33,"rest_length_mm":12.5,"contact":{"friction":0.1}}})");
+  const model::TissueParameters made = edited(heart, edit.edit);
+  EXPECT_EQ(made.k1, 33.0);
+  EXPECT_EQ(made.rest_length, 12.5 * 1e-3);
+  EXPECT_EQ(made.contact.friction, 0.1);
+  EXPECT_EQ(made.beta, heart.beta);
+  EXPECT_EQ(made.name, "heart");
+}
+
+TEST(LiveProtocol, APresetComesFirstAndANullTangentialStiffnessIsTheDefault) {
+  model::TissueParameters stiff = model::tissue_preset("heart");
+  stiff.contact.tangential_stiffness = 500.0;
+  const auto null =
+      read_as<SetTissue>(R"({"do":"set_tissue","tissue":{"contact":{"tangential_N_per_m":null}}})");
+  EXPECT_FALSE(edited(stiff, null.edit).contact.tangential_stiffness);
+  const auto preset = read_as<SetTissue>(R"({"do":"set_tissue","tissue":{"preset":"liver","beta":3.5}})");
+  const model::TissueParameters made = edited(stiff, preset.edit);
+  EXPECT_EQ(made.name, "liver");
+  EXPECT_EQ(made.beta, 3.5);
+  EXPECT_EQ(made.k1, model::tissue_preset("liver").k1);
+  const auto wrong = read_as<SetTissue>(R"({"do":"set_tissue","tissue":{"preset":"lung"}})");
+  EXPECT_THROW((void)edited(stiff, wrong.edit), InputError);
+}
+
+TEST(LiveProtocol, ATissueThatIsWrittenIsReadAgainAsTheSame) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> some(0.01, 100.0);
+  for (int i = 0; i < 200; ++i) {
+    model::TissueParameters tissue = model::tissue_preset("liver");
+    for (const model::TissueField& field : model::kTissueFields) {
+      if (!field.optional() || i % 2 == 0) field.at.set(tissue, some(random) * field.unit.si);
+    }
+    for (int term = 0; term < i % 4; ++term) tissue.relaxation.push_back({some(random), some(random)});
+    tissue.law = i % 3 == 0 ? model::LawKind::kSmooth : model::LawKind::kLayered;
+    const std::string written = tissue_json(tissue).dump();
+    const auto command = read_as<SetTissue>(R"({"do":"set_tissue","tissue":)" + written + "}");
+    const model::TissueParameters again = edited(model::tissue_preset("heart"), command.edit);
+    for (const model::TissueField& field : model::kTissueFields) {
+      EXPECT_EQ(field.at.get(again).has_value(), field.at.get(tissue).has_value()) << field.key;
+      const double value = field.in_force(tissue);
+      EXPECT_NEAR(field.in_force(again), value, 3e-16 * value) << field.key;  // a unit's rounding
+    }
+    EXPECT_EQ(again.law, tissue.law);
+    EXPECT_EQ(again.name, tissue.name);
+    EXPECT_EQ(again.relaxation, tissue.relaxation);
+  }
+}
+
+TEST(LiveProtocol, AnyCutOrSpoiledMessageIsReadOrRefusedInOneLine) {
+  const std::string whole =
+      R"({"do":"set_tissue","id":"x","tissue":{"preset":"liver","k1_N_per_m":2.5e1,"reach":{"bar_ratio":2},)"
+      R"("relaxation":[{"share":0.1,"time_s":1}],"contact":{"tangential_N_per_m":null}}})";
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 5000; ++i) {
+    std::string spoiled = whole.substr(0, random() % (whole.size() + 1));
+    for (int changes = 0; changes < i % 4 && !spoiled.empty(); ++changes) {
+      spoiled[random() % spoiled.size()] = static_cast<char>(random());
+    }
+    const Refused refused = refusal(spoiled);
+    EXPECT_EQ(refused.words.find_first_of("\r\n") == std::string::npos || refused.code == "none", true);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::net

@@ -1,0 +1,109 @@
+#include "net/live_tap.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/haptics/gate.h"
+#include "net/live_messages.h"
+
+namespace palpate::net {
+namespace {
+
+haptics::TickRow row_of(std::uint64_t tick, std::uint32_t hand,
+                        haptics::Fault fault = haptics::Fault::kNone) {
+  haptics::TickRow row;
+  row.tick = tick;
+  row.time = 1e-3 * static_cast<double>(tick);
+  row.hand = hand;
+  row.fault = static_cast<std::uint32_t>(fault);
+  row.force = {0.0, 0.0, 1.5};
+  row.depth = 4e-3;
+  return row;
+}
+
+TEST(LiveTap, ATickIsSeenWhenAllItsHandsAreThere) {
+  LiveTap tap(2);
+  EXPECT_EQ(tap.newest(), nullptr);
+  tap.on_row(row_of(0, 0));
+  EXPECT_EQ(tap.newest(), nullptr) << "the second hand's row is missing";
+  tap.on_row(row_of(0, 1));
+  ASSERT_NE(tap.newest(), nullptr);
+  EXPECT_EQ(tap.newest()->hands, 2U);
+  tap.on_row(row_of(1, 0));
+  EXPECT_EQ(tap.newest()->rows[0].tick, 0U) << "never half of one tick and half of another";
+  tap.on_row(row_of(1, 1));
+  EXPECT_EQ(tap.newest()->rows[0].tick, 1U);
+  EXPECT_EQ(tap.newest()->rows[1].tick, 1U);
+}
+
+TEST(LiveTap, TheNewestTickKnowsTheChangeInForce) {
+  LiveTap tap(1);
+  haptics::LiveChange change;
+  change.number = 3;
+  tap.on_row(row_of(0, 0));
+  EXPECT_EQ(tap.newest()->change, 0U);
+  tap.on_update(change);
+  tap.on_row(row_of(1, 0));
+  EXPECT_EQ(tap.newest()->change, 3U);
+}
+
+TEST(LiveTap, EveryTurnOfAFaultIsKeptInItsOrder) {
+  LiveTap tap(2);
+  tap.on_row(row_of(0, 0));
+  tap.on_row(row_of(0, 1, haptics::Fault::kStale));
+  tap.on_row(row_of(1, 0));
+  tap.on_row(row_of(1, 1, haptics::Fault::kStale));
+  tap.on_row(row_of(2, 0));
+  tap.on_row(row_of(2, 1));
+  const auto latched = tap.take_fault();
+  ASSERT_TRUE(latched);
+  EXPECT_EQ(latched->tick, 0U);
+  EXPECT_EQ(latched->hand, 1U);
+  EXPECT_EQ(latched->fault, haptics::Fault::kStale);
+  const auto reset = tap.take_fault();
+  ASSERT_TRUE(reset);
+  EXPECT_EQ(reset->tick, 2U);
+  EXPECT_EQ(reset->fault, haptics::Fault::kNone);
+  EXPECT_FALSE(tap.take_fault());
+}
+
+TEST(LiveMessages, AStateSaysWhatTheRowsDo) {
+  LiveTap tap(1);
+  haptics::TickRow row = row_of(1500, 0, haptics::Fault::kDevice);
+  row.phase = 1;
+  row.status = contact::kJump | haptics::kForceClamped;
+  tap.on_row(row);
+  LiveState state;
+  state.run = 2;
+  state.organ_W.position = {0.0, 0.0, 0.25};
+  state.tick = tap.newest();
+  const nlohmann::ordered_json json = state_json(state);
+  EXPECT_EQ(json["run"], 2);
+  EXPECT_EQ(json["tick"], 1500);
+  EXPECT_EQ(json["time_s"], 1.5);
+  EXPECT_EQ(json["organ_m"][2], 0.25);
+  const auto& hand = json["hands"].at(0);
+  EXPECT_EQ(hand["phase"], "press");
+  EXPECT_EQ(hand["depth_m"], 4e-3);
+  EXPECT_EQ(hand["force_N"][2], 1.5);
+  EXPECT_EQ(hand["fault"], "device");
+  EXPECT_EQ(hand["status"], nlohmann::ordered_json({"jump", "force-clamped"}));
+}
+
+TEST(LiveMessages, AnErrorNamesItsCodeItsFieldAndItsMessage) {
+  const auto error =
+      nlohmann::json::parse(error_text({"stream", "7"}, LiveError("field", "rate_Hz: missing", "rate_Hz")));
+  EXPECT_EQ(error["error"]["code"], "field");
+  EXPECT_EQ(error["error"]["field"], "rate_Hz");
+  EXPECT_EQ(error["error"]["words"], "rate_Hz: missing");
+  EXPECT_EQ(error["answer"], "stream");
+  EXPECT_EQ(error["id"], 7);
+  const auto value =
+      nlohmann::json::parse(error_text({"set_tissue", ""}, ParameterError("beta", -1.0, "finite and > 0")));
+  EXPECT_EQ(value["error"]["code"], "refused");
+  EXPECT_EQ(value["error"]["field"], "beta");
+  EXPECT_FALSE(value.contains("id"));
+}
+
+}  // namespace
+}  // namespace palpate::net

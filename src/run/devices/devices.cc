@@ -1,0 +1,222 @@
+#include "run/devices/devices.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+#include "palpate/recording.h"
+#include "palpate/scripted_device.h"
+#include "palpate/tool_path.h"
+
+#include "core/base/text.h"
+#include "io/scene/device_kinds.h"
+#include "run/devices/emulated.h"
+#include "run/devices/forcedimension.h"
+#include "run/devices/gamepad.h"
+#include "run/devices/haply.h"
+#include "run/devices/mouse.h"
+#include "run/devices/replay.h"
+
+namespace palpate::devices {
+namespace {
+
+/// The path from a file, checked for the task. @param kind for messages
+scene::ToolPath path_from(const std::string& kind, const std::string& file, scene::Task task) {
+  scene::ToolPath path = scene::read_tool_path(file);
+  if (task == scene::Task::kPull && !path.has_gripper()) {
+    throw InputError(fmt::format("device {}: {}: gripper: missing, a pull needs this column", kind, file));
+  }
+  return path;
+}
+
+std::unique_ptr<haptics::Device> open_scripted(const scene::Setup& setup, std::size_t hand) {
+  const std::string& file = setup.devices[hand].path;
+  if (file.empty()) return std::make_unique<ScriptedDevice>(scene::default_path(setup, hand));
+  return std::make_unique<ScriptedDevice>(path_from("scripted", file, setup.task));
+}
+
+/// The default path begun a second later: a held device gets no force before it has been still for a while.
+scene::ToolPath default_path_of_a_hand(const scene::Setup& setup, std::size_t hand) {
+  constexpr double kSettle = 1.0;  // s: 0.25 s still and 0.5 s of ramp, and some more
+  std::vector<scene::PathRow> rows = scene::default_path(setup, hand).rows();
+  for (scene::PathRow& row : rows) row.time += kSettle;
+  return scene::ToolPath(std::move(rows));
+}
+
+std::unique_ptr<haptics::Device> open_emulated(const scene::Setup& setup, std::size_t hand) {
+  const scene::DeviceSetup& device = setup.devices[hand];
+  scene::ToolPath path = device.path.empty() ? default_path_of_a_hand(setup, hand)
+                                             : path_from("emulated", device.path, setup.task);
+  return std::make_unique<EmulatedDevice>(std::move(path), device, setup.rate_Hz);
+}
+
+std::unique_ptr<haptics::Device> open_replay(const scene::Setup& setup, std::size_t hand) {
+  const std::string& file = setup.devices[hand].path;
+  if (file.empty()) throw InputError("device replay: needs the path of a recording");
+  const record::Recording recording = record::read_recording(file);
+  const std::string place = "device replay: " + file + ": ";
+  if (recording.setup.rate_Hz != setup.rate_Hz) {
+    throw InputError(fmt::format("{}rate_Hz = {}: must be the scene's, {}", place,
+                                 shortest(recording.setup.rate_Hz), shortest(setup.rate_Hz)));
+  }
+  std::vector<haptics::DeviceState> samples = samples_of_hand(recording.rows, hand);
+  if (samples.empty()) {
+    throw InputError(fmt::format("{}has no tick of hand {}, must have at least one", place, hand));
+  }
+  return std::make_unique<ReplayDevice>(std::move(samples));
+}
+
+/// Hands that name the same service take its arms in order.
+std::unique_ptr<haptics::Device> open_haply(const scene::Setup& setup, std::size_t hand) {
+  const std::string& address = setup.devices[hand].path;
+  std::size_t place = 0;
+  for (std::size_t other = 0; other < hand; ++other) {
+    const scene::DeviceSetup& device = setup.devices[other];
+    if (device.kind != "haply") continue;
+    if (parse_haply_address(device.path).text() == parse_haply_address(address).text()) ++place;
+  }
+  return std::make_unique<HaplyDevice>(address, place);
+}
+
+std::unique_ptr<haptics::Device> open_mouse(const scene::Setup& setup, std::size_t hand) {
+  return std::make_unique<MouseDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
+}
+
+std::unique_ptr<haptics::Device> open_gamepad(const scene::Setup& setup, std::size_t hand) {
+  return std::make_unique<GamepadDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
+}
+
+Probe probe_mouse(const std::string& /*path*/) {
+  return {"mouse", true, "moves the tool in the window of `palpate run`: sideways, the wheel presses"};
+}
+
+Probe probe_gamepad(const std::string& /*path*/) {
+  std::error_code error;
+  int pads = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/input", error)) {
+    if (entry.path().filename().string().rfind("js", 0) == 0) ++pads;
+  }
+  if (pads == 0) return {"gamepad", false, "none is connected (nothing like /dev/input/js0)"};
+  return {"gamepad", true, "moves the tool in the window of `palpate run`: sticks, triggers, rumble"};
+}
+
+Probe probe_scripted(const std::string& /*path*/) {
+  return {"scripted", true, "follows a path from a CSV file, or one of its own onto the organ"};
+}
+
+Probe probe_emulated(const std::string& /*path*/) {
+  return {"emulated", true,
+          "a hand that the force moves, computed: it wants to follow a path as scripted does"};
+}
+
+/// The program around palpate, through the C interface, gives this device's samples itself.
+std::unique_ptr<haptics::Device> open_host(const scene::Setup& /*setup*/, std::size_t /*hand*/) {
+  throw InputError(
+      "device host: is the device of a program that embeds palpate (palpate.h); "
+      "here it must be another kind");
+}
+
+Probe probe_host(const std::string& /*path*/) {
+  return {"host", false, "is the device of a program that embeds palpate (palpate.h)"};
+}
+
+Probe probe_replay(const std::string& /*path*/) {
+  return {"replay", true, "follows the hand of a recording (replay:run.h5)"};
+}
+
+std::unique_ptr<haptics::Device> open_forcedimension(const scene::Setup& setup, std::size_t hand) {
+  std::size_t ordinal = 0;
+  for (std::size_t other = 0; other < hand; ++other) {
+    if (setup.devices[other].kind == "forcedimension") ++ordinal;
+  }
+  return std::make_unique<ForceDimensionDevice>(setup.devices[hand].path, ordinal);
+}
+
+Opened connect_forcedimension(const std::string& path) {
+  auto device = std::make_unique<ForceDimensionDevice>(path, 0);
+  std::string name = device->description();
+  return {std::move(device), std::move(name)};
+}
+
+Opened connect_haply(const std::string& path) {
+  auto device = std::make_unique<HaplyDevice>(path, 0);
+  std::string name = device->description();
+  return {std::move(device), std::move(name)};
+}
+
+/// What can be done with one kind of device.
+struct Kind {
+  std::string_view name;
+  std::unique_ptr<haptics::Device> (*open)(const scene::Setup& setup, std::size_t hand);
+  Probe (*probe)(const std::string& path);
+  Opened (*connect)(const std::string& path);  // null: nothing that could be connected to a computer
+};
+
+constexpr Kind kKinds[] = {
+    {"scripted", open_scripted, probe_scripted, nullptr},
+    {"replay", open_replay, probe_replay, nullptr},
+    {"emulated", open_emulated, probe_emulated, nullptr},
+    {"mouse", open_mouse, probe_mouse, nullptr},
+    {"gamepad", open_gamepad, probe_gamepad, nullptr},
+    {"forcedimension", open_forcedimension, probe_forcedimension, connect_forcedimension},
+    {"haply", open_haply, probe_haply, connect_haply},
+    {"host", open_host, probe_host, nullptr},
+};
+
+const Kind* find_kind(std::string_view name) noexcept {
+  const Kind* found = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                   [name](const Kind& kind) { return kind.name == name; });
+  return found == std::end(kKinds) ? nullptr : found;
+}
+
+/// The kinds that a run can open, for people, "scripted, replay or haply"; @param connected only those that
+/// can be connected.
+std::string names_of_kinds(bool connected) {
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) {
+    if (kind.open == open_host) continue;
+    if (!connected || kind.connect != nullptr) names.emplace_back(kind.name);
+  }
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
+    text += names[i];
+  }
+  return text;
+}
+
+}  // namespace
+
+std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand) {
+  if (hand >= setup.devices.size()) {
+    throw InputError(fmt::format("hand {}: the scene has only {} devices", hand, setup.devices.size()));
+  }
+  const std::string& name = setup.devices[hand].kind;
+  if (const Kind* kind = find_kind(name)) return kind->open(setup, hand);
+  throw InputError(fmt::format("device kind = \"{}\": must be {}", name, names_of_kinds(false)));
+}
+
+std::vector<Probe> probe_devices() {
+  std::vector<Probe> probes;
+  for (const scene::DeviceKind& known : scene::device_kinds()) {
+    Probe probe{std::string(known.name), false, "this version of palpate cannot open it"};
+    if (const Kind* kind = find_kind(known.name)) probe = kind->probe({});
+    probes.push_back(std::move(probe));
+  }
+  return probes;
+}
+
+Opened open_connected(const std::string& what) {
+  const std::size_t colon = what.find(':');
+  const Kind* kind = find_kind(what.substr(0, colon));
+  if (kind == nullptr || kind->connect == nullptr) {
+    throw InputError("device \"" + what + "\": must be " + names_of_kinds(true) + ", alone or with :PATH");
+  }
+  return kind->connect(colon == std::string::npos ? std::string() : what.substr(colon + 1));
+}
+
+}  // namespace palpate::devices

@@ -1,0 +1,303 @@
+#include "run/devices/forcedimension.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+
+namespace palpate::devices {
+namespace {
+
+// What trouble_ says in its upper half; the lower one is the vendor's error number or force-off cause.
+constexpr std::uint32_t kNotRead = 1;
+constexpr std::uint32_t kNoStatus = 2;
+constexpr std::uint32_t kRefused = 3;
+constexpr std::uint32_t kForceOff = 4;
+constexpr std::uint32_t kUncalibrated = 5;  // force off without a cause, and it waits to be calibrated
+constexpr std::uint32_t kNoPower = 6;       // force off without a cause, and without power
+
+constexpr int kOn = 1;
+constexpr unsigned char kWatchdogSteps = 160;  // of 125 us: 20 ms, haptics::kStalledAfter
+constexpr std::chrono::milliseconds kOpeningStep{10};
+constexpr int kOpeningSteps = 20;
+
+const char* words_of_cause(int cause) noexcept {
+  switch (cause) {
+    case 1:
+      return "its force button was pressed";
+    case 2:
+      return "it moved faster than its velocity limit";
+    case 3:
+      return "its watchdog had no command for 20 ms";
+    case 4:
+      return "a program switched the force off";
+    case 5:
+      return "the USB connection was lost";
+    case 6:
+      return "its dead-man switch was released";
+    default:
+      return "it does not say why";
+  }
+}
+
+std::string force_off_words(int cause) {
+  return std::string("the device switched its force off: ") + words_of_cause(cause) +
+         "; press its force button until its light is on";
+}
+
+const char* const kCalibrateWords =
+    "the device is not calibrated: put its end where the vendor's manual says until its light stops blinking";
+
+/// Whether a status has the force off, and if so why: what << 16 | code.
+std::uint32_t force_off_in(const int* status) noexcept {
+  if (status[kDhdStatusForce] == kOn) return 0;
+  const int cause = status[kDhdStatusForceOffCause];
+  if (cause > 0) return kForceOff << 16U | (static_cast<std::uint32_t>(cause) & 0xFFFFU);
+  if (status[kDhdStatusReset] == kOn) return kUncalibrated << 16U;
+  if (status[kDhdStatusPower] != kOn) return kNoPower << 16U;
+  return kForceOff << 16U;
+}
+
+}  // namespace
+
+ForceDimensionDevice::ForceDimensionDevice(const std::string& library, std::size_t ordinal)
+    : library_(library), place_("device forcedimension: ") {
+  open(ordinal);
+  try {
+    begin();
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+ForceDimensionDevice::~ForceDimensionDevice() { close(); }
+
+void ForceDimensionDevice::open(std::size_t ordinal) {
+  const DhdFunctions& call = library_.call();
+  const int count = call.GetDeviceCount();
+  if (count < 0) throw InputError(place_ + "cannot look for devices: " + library_.last_error());
+  if (static_cast<std::size_t>(count) <= ordinal) {
+    throw InputError(fmt::format(
+        "{}{}, must be at least {}, switched on and open to this user (docs/devices.md)", place_,
+        count == 0 ? "no device is connected" : std::to_string(count) + " connected", ordinal + 1));
+  }
+  // Without dhdOpenID, dhdOpen takes the first that is not open yet, which is the next in order.
+  const int id = call.OpenID != nullptr ? call.OpenID(static_cast<char>(ordinal)) : call.Open();
+  if (id < 0) {
+    throw InputError(
+        fmt::format("{}device {} cannot be opened: {}, must be switched on, open to this user and used by no "
+                    "other program (docs/devices.md)",
+                    place_, ordinal, library_.last_error()));
+  }
+  id_ = static_cast<char>(id);
+}
+
+/// Everything between opening and the first tick: what the device has, calibrated, force on, readable.
+void ForceDimensionDevice::begin() {
+  const DhdFunctions& call = library_.call();
+  has_wrist_ = call.HasWrist == nullptr || call.GetPosition == nullptr || call.HasWrist(id_);
+  has_gripper_ = call.GetGripperAngleRad != nullptr && (call.HasGripper == nullptr || call.HasGripper(id_));
+  require_calibrated();
+  set_force({});
+  if (call.EnableForce(kOn, id_) < 0) {
+    throw InputError(place_ + "its force cannot be switched on: " + library_.last_error());
+  }
+  // The velocity needs a few samples, and the force a moment.
+  for (int step = 0;; ++step) {
+    haptics::DeviceState first;
+    if (set_force({}) && read_pose(first) >= 0 && ask_status() && !force_off_) break;
+    if (step == kOpeningSteps) throw InputError(place_ + trouble());
+    std::this_thread::sleep_for(kOpeningStep);
+  }
+  read_gripper();
+  trouble_.store(0, std::memory_order_relaxed);
+}
+
+void ForceDimensionDevice::require_calibrated() const {
+  int status[kDhdStatusSize] = {};
+  if (library_.call().GetStatus(status, id_) < 0) {
+    throw InputError(place_ + "its status cannot be read: " + library_.last_error());
+  }
+  if (status[kDhdStatusReset] == kOn) throw InputError(place_ + kCalibrateWords);
+}
+
+void ForceDimensionDevice::close() noexcept {
+  set_force({});
+  if (watchdog_armed_) arm_watchdog(0);  // else it would outlive this program in the firmware
+  library_.call().SetBrakes(kOn, id_);
+  library_.call().Stop(id_);
+  library_.call().Close(id_);
+}
+
+haptics::DeviceState ForceDimensionDevice::read(std::uint64_t tick, double time) noexcept {
+  if (tick == 0) sampled_ = next_status_ = time;
+  haptics::DeviceState state;
+  const int result = read_pose(state);
+  if (result >= 0 && result != kDhdTimeGuarded) sampled_ = time;
+  state.age = std::max(0.0, time - sampled_);
+  read_gripper();
+  state.gripper = gripper_;
+  state.buttons = read_buttons();
+  bool status_read = true;
+  if (time >= next_status_ || force_off_) {
+    status_read = ask_status();
+    next_status_ = time + kStatusEvery;
+  }
+  if (force_off_) {
+    state.fault = haptics::Fault::kForceOff;
+  } else if (result < 0 || !status_read) {
+    state.fault = haptics::Fault::kDevice;
+  }
+  return state;
+}
+
+/// Position, orientation and velocity. @return what the position's call returned, or a negative number.
+int ForceDimensionDevice::read_pose(haptics::DeviceState& state) noexcept {
+  const DhdFunctions& call = library_.call();
+  Vec3& p = state.position_D;
+  Vec3& v = state.velocity_D;
+  int result = 0;
+  if (has_wrist_) {
+    double rotation[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    result = call.GetPositionAndOrientationFrame(&p[0], &p[1], &p[2], rotation, id_);
+    Mat3 m;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) m(row, column) = rotation[row][column];
+    }
+    if (result >= 0) state.orientation_D = Quat(m);
+  } else {
+    result = call.GetPosition(&p[0], &p[1], &p[2], id_);
+  }
+  if (result < 0 || call.GetLinearVelocity(&v[0], &v[1], &v[2], id_) < 0) {
+    note(kNotRead, call.ErrorGetLast());
+    return -1;
+  }
+  return result;
+}
+
+void ForceDimensionDevice::read_gripper() noexcept {
+  double angle = 0.0;
+  if (!has_gripper_ || library_.call().GetGripperAngleRad(&angle, id_) < 0) return;
+  gripper_ = std::clamp(std::abs(angle) / kOpenAngle, 0.0, 1.0);
+}
+
+std::uint32_t ForceDimensionDevice::read_buttons() const noexcept {
+  const DhdFunctions& call = library_.call();
+  if (call.GetButtonMask != nullptr) return call.GetButtonMask(id_);
+  std::uint32_t mask = 0;
+  for (int index = 0; index < kDhdButtons; ++index) {
+    if (call.GetButton(index, id_) == kOn) mask |= std::uint32_t{1} << static_cast<unsigned>(index);
+  }
+  return mask;
+}
+
+/// Whether the force is on. @return false when the device does not tell; the last answer then stays.
+bool ForceDimensionDevice::ask_status() noexcept {
+  int status[kDhdStatusSize] = {};
+  if (library_.call().GetStatus(status, id_) < 0) {
+    note(kNoStatus, library_.call().ErrorGetLast());
+    return false;
+  }
+  const std::uint32_t off = force_off_in(status);
+  force_off_ = off != 0;
+  if (force_off_) trouble_.store(off, std::memory_order_relaxed);
+  return true;
+}
+
+bool ForceDimensionDevice::write(const haptics::ForceCommand& command_D) noexcept {
+  if (!watchdog_armed_) arm_watchdog(kWatchdogSteps);
+  return set_force(command_D);
+}
+
+bool ForceDimensionDevice::set_force(const haptics::ForceCommand& command_D) noexcept {
+  const Vec3& f = command_D.force;
+  const Vec3& t = command_D.torque;
+  // 0, or positive: time-guarded or a saturated motor, which the vendor counts as done.
+  const int result = library_.call().SetForceAndTorqueAndGripperForce(f.x(), f.y(), f.z(), t.x(), t.y(),
+                                                                      t.z(), command_D.gripper_force, id_);
+  if (result < 0) note(kRefused, library_.call().ErrorGetLast());
+  return result >= 0;
+}
+
+/// The firmware's watchdog, where library and device have one (else nothing happens). It belongs to the
+/// functions that the vendor gives only in expert mode, which is left at once again.
+void ForceDimensionDevice::arm_watchdog(unsigned char steps) noexcept {
+  const DhdFunctions& call = library_.call();
+  watchdog_armed_ = true;
+  if (call.SetWatchdog == nullptr || call.EnableExpertMode == nullptr || call.DisableExpertMode == nullptr) {
+    return;
+  }
+  call.EnableExpertMode();
+  call.SetWatchdog(steps, id_);
+  call.DisableExpertMode();
+}
+
+void ForceDimensionDevice::stop() noexcept {
+  // The vendor's library is thread-safe by its documentation; nothing of this object is changed but an
+  // atomic.
+  set_force({});
+}
+
+void ForceDimensionDevice::note(std::uint32_t what, int code) noexcept {
+  trouble_.store(what << 16U | (static_cast<std::uint32_t>(code) & 0xFFFFU), std::memory_order_relaxed);
+}
+
+std::string ForceDimensionDevice::trouble() const {
+  const std::uint32_t trouble = trouble_.load(std::memory_order_relaxed);
+  const auto code = static_cast<int>(trouble & 0xFFFFU);
+  const auto error = [&] {
+    const char* words = library_.call().ErrorGetStr == nullptr ? nullptr : library_.call().ErrorGetStr(code);
+    return words == nullptr ? "the vendor's error " + std::to_string(code) : std::string(words);
+  };
+  switch (trouble >> 16U) {
+    case kNotRead:
+      return "the device could not be read: " + error();
+    case kNoStatus:
+      return "the device's status could not be read: " + error();
+    case kRefused:
+      return "the device refused a force: " + error();
+    case kForceOff:
+      return force_off_words(code);
+    case kUncalibrated:
+      return kCalibrateWords;
+    case kNoPower:
+      return "the device has no power: switch it on";
+    default:
+      return {};
+  }
+}
+
+std::string ForceDimensionDevice::description() const {
+  const char* name = library_.call().GetSystemName(id_);
+  return fmt::format("{} ({}, {})", name == nullptr ? "unknown device" : name, library_.name(),
+                     library_.version());
+}
+
+Probe probe_forcedimension(const std::string& library) {
+  Probe probe{"forcedimension", false, {}};
+  try {
+    const DhdLibrary opened(library);
+    const int count = opened.call().GetDeviceCount();
+    const std::string which = opened.name() + " " + opened.version();
+    if (count > 0) {
+      probe.available = true;
+      probe.words = fmt::format("{}{} connected ({})", count, count == 1 ? " device" : " devices", which);
+    } else if (count == 0) {
+      probe.words = "no device is connected, switched on and open to this user (docs/devices.md); " + which;
+    } else {
+      probe.words = fmt::format("cannot look for devices: {}; {}", opened.last_error(), which);
+    }
+  } catch (const InputError& error) {
+    const std::string words = error.what();
+    const std::string place = "device forcedimension: ";
+    probe.words = words.rfind(place, 0) == 0 ? words.substr(place.size()) : words;
+  }
+  return probe;
+}
+
+}  // namespace palpate::devices

@@ -1,0 +1,151 @@
+#include "run/devices/forcedimension_library.h"
+
+#include <filesystem>
+
+#include <dlfcn.h>
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+
+namespace palpate::devices {
+namespace {
+
+constexpr int kMajor = 3;
+constexpr int kOldestMinor = 3;  // the first with dhdSetForceAndTorqueAndGripperForce
+
+const char* const kAdvice = "(the vendor's SDK; give its path with --device forcedimension:/path/libdhd.so)";
+
+std::string in_front(const std::string& name) { return "device forcedimension: " + name + ": "; }
+
+/// What the loader says of its last failure, on one line.
+std::string loader_words() {
+  const char* words = dlerror();  // NOLINT(concurrency-mt-unsafe): at set-up only
+  std::string text = words == nullptr ? "no reason given" : words;
+  for (char& letter : text) {
+    if (letter == '\n') letter = ' ';
+  }
+  return text;
+}
+
+/// Looks functions up, and remembers the required one that is missing.
+class Lookup final {
+ public:
+  explicit Lookup(void* handle) : handle_(handle) {}
+
+  template <typename Function>
+  void required(Function& function, const char* name) {
+    optional(function, name);
+    if (function == nullptr && missing_.empty()) missing_ = name;
+  }
+
+  template <typename Function>
+  void optional(Function& function, const char* name) const {
+    function = reinterpret_cast<Function>(dlsym(handle_, name));
+  }
+
+  [[nodiscard]] const std::string& missing() const { return missing_; }
+
+ private:
+  void* handle_;
+  std::string missing_;
+};
+
+}  // namespace
+
+DhdLibrary::DhdLibrary(const std::string& path) {
+  open(path);
+  try {
+    load();
+    check_version();
+  } catch (...) {
+    dlclose(handle_);
+    throw;
+  }
+}
+
+DhdLibrary::~DhdLibrary() { dlclose(handle_); }
+
+void DhdLibrary::open(const std::string& path) {
+  if (!path.empty()) {
+    name_ = path;
+    handle_ = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle_ == nullptr) {
+      throw InputError(in_front(path) + "cannot be loaded (" + loader_words() +
+                       "), must be the vendor's libdhd.so for this computer");
+    }
+    return;
+  }
+  std::string words;
+  for (const char* name : {"libdhd.so.3", "libdhd.so"}) {
+    name_ = name;
+    handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    if (handle_ != nullptr) return;
+    words = loader_words();
+    // A library that is there and cannot be loaded is told as such; one that is not there has a plainer word.
+    if (words.rfind(name_ + ": cannot open shared object file", 0) != 0) {
+      throw InputError(fmt::format("{}cannot be loaded ({}) {}", in_front(name_), words, kAdvice));
+    }
+  }
+  throw InputError(std::string("device forcedimension: libdhd.so.3 is not installed ") + kAdvice);
+}
+
+void DhdLibrary::load() {
+  Lookup lookup(handle_);
+  DhdFunctions& f = functions_;
+  lookup.required(f.GetSDKVersion, "dhdGetSDKVersion");
+  lookup.required(f.GetDeviceCount, "dhdGetDeviceCount");
+  lookup.required(f.Close, "dhdClose");
+  lookup.required(f.Stop, "dhdStop");
+  lookup.required(f.GetSystemName, "dhdGetSystemName");
+  lookup.required(f.GetStatus, "dhdGetStatus");
+  lookup.required(f.EnableForce, "dhdEnableForce");
+  lookup.required(f.SetBrakes, "dhdSetBrakes");
+  lookup.required(f.GetPositionAndOrientationFrame, "dhdGetPositionAndOrientationFrame");
+  lookup.required(f.GetLinearVelocity, "dhdGetLinearVelocity");
+  lookup.required(f.GetButton, "dhdGetButton");
+  lookup.required(f.SetForceAndTorqueAndGripperForce, "dhdSetForceAndTorqueAndGripperForce");
+  lookup.required(f.ErrorGetLast, "dhdErrorGetLast");
+  lookup.required(f.ErrorGetLastStr, "dhdErrorGetLastStr");
+  lookup.optional(f.OpenID, "dhdOpenID");
+  lookup.optional(f.Open, "dhdOpen");
+  if (f.OpenID == nullptr) lookup.required(f.Open, "dhdOpen");
+  lookup.optional(f.GetButtonMask, "dhdGetButtonMask");
+  lookup.optional(f.HasWrist, "dhdHasWrist");
+  lookup.optional(f.HasGripper, "dhdHasGripper");
+  lookup.optional(f.GetPosition, "dhdGetPosition");
+  lookup.optional(f.GetGripperAngleRad, "dhdGetGripperAngleRad");
+  lookup.optional(f.ErrorGetStr, "dhdErrorGetStr");
+  lookup.optional(f.EnableExpertMode, "dhdEnableExpertMode");
+  lookup.optional(f.DisableExpertMode, "dhdDisableExpertMode");
+  lookup.optional(f.SetWatchdog, "dhdSetWatchdog");
+  if (lookup.missing().empty()) return;
+  std::string found;
+  if (f.GetSDKVersion != nullptr) found = " (its version is " + version() + ")";
+  throw InputError(fmt::format("{}has no function {}{}, must be version {}.{} or a later 3.x",
+                               in_front(name_), lookup.missing(), found, kMajor, kOldestMinor));
+}
+
+std::array<int, 4> DhdLibrary::version_numbers() const {
+  std::array<int, 4> v{};
+  functions_.GetSDKVersion(&v[0], &v[1], &v[2], &v[3]);
+  return v;
+}
+
+std::string DhdLibrary::version() const {
+  const std::array<int, 4> v = version_numbers();
+  return fmt::format("{}.{}.{}.{}", v[0], v[1], v[2], v[3]);
+}
+
+void DhdLibrary::check_version() const {
+  const std::array<int, 4> v = version_numbers();
+  if (v[0] == kMajor && v[1] >= kOldestMinor) return;
+  throw InputError(fmt::format("{}is version {}, must be {}.{} or a later 3.x", in_front(name_), version(),
+                               kMajor, kOldestMinor));
+}
+
+std::string DhdLibrary::last_error() const {
+  const char* words = functions_.ErrorGetLastStr();
+  return words == nullptr ? "error " + std::to_string(functions_.ErrorGetLast()) : words;
+}
+
+}  // namespace palpate::devices

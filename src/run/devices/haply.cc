@@ -1,0 +1,253 @@
+#include "run/devices/haply.h"
+
+#include <algorithm>
+#include <exception>
+
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+
+#include "io/system/clock.h"
+#include "run/realtime/realtime.h"
+
+namespace palpate::devices {
+namespace {
+
+constexpr std::int64_t kLastWords = 200'000'000;  // ns, for the last zero force, and again for the farewell
+constexpr std::int64_t kLookOut = 5'000'000;      // ns, between two looks at whether to end, in a pause
+
+const char* const kKind = "haply";
+const char* const kHowToStart =
+    " (start Haply's Inverse Service, or give its address with --device haply:ws://HOST:PORT)";
+
+/// The first message after the handshake. @throws HaplyLinkError when none comes in time.
+std::string first_message(HaplyLink& link, std::int64_t limit_ns, const std::atomic<bool>& give_up) {
+  const std::int64_t deadline = monotonic_ns() + limit_ns;
+  for (;;) {
+    if (std::optional<std::string> message = link.received()) return *std::move(message);
+    const std::int64_t now = monotonic_ns();
+    if (now >= deadline) {
+      throw HaplyLinkError(
+          fmt::format("the service sent nothing within {} ms of the handshake", limit_ns / 1'000'000));
+    }
+    if (give_up.load(std::memory_order_relaxed)) throw HaplyLinkError("given up");
+    link.wait_until(std::min(deadline, now + kLookOut));
+  }
+}
+
+std::string list_of(const std::vector<std::string>& ids) {
+  std::string text;
+  for (const std::string& id : ids) text += (text.empty() ? "" : ", ") + id;
+  return text;
+}
+
+std::string lacking(std::size_t place, const std::vector<std::string>& arms) {
+  if (arms.empty()) return "the service has no Inverse3";
+  return fmt::format("the service has no Inverse3 number {}, only {}", place + 1, list_of(arms));
+}
+
+}  // namespace
+
+HaplyDevice::HaplyDevice(const std::string& address, std::size_t place, const HaplyTimes& times) try
+    : times_(times), address_(parse_haply_address(address)), link_(address_, closing_) {
+  try {
+    link_.open(times_.opening);
+  } catch (const HaplyLinkError& error) {
+    throw InputError("device haply: no service at " + address_.text() + ": " + error.what() + kHowToStart);
+  }
+  try {
+    greet(place);
+  } catch (const std::exception& error) {
+    throw InputError(fmt::format("device haply: {}: {}", address_.text(), error.what()));
+  }
+  const haptics::SignalsHeld signals;
+  thread_ = std::thread([this] { run(); });
+} catch (const HaplyLinkError& error) {  // of the link's own making: its host's name
+  throw InputError(fmt::format("device haply: {}: {}", parse_haply_address(address).text(), error.what()));
+}
+
+HaplyDevice::~HaplyDevice() {
+  closing_.store(true);
+  thread_.join();
+}
+
+haptics::DeviceState HaplyDevice::read(std::uint64_t /*tick*/, double /*time*/) noexcept {
+  samples_.refresh();
+  const Sample& newest = samples_.value();
+  haptics::DeviceState state = newest.state;
+  state.age = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, monotonic_ns() - newest.received_ns));
+  return state;
+}
+
+bool HaplyDevice::write(const haptics::ForceCommand& command_D) noexcept {
+  const bool finite = command_D.force.allFinite();
+  Command& command = commands_.writable();
+  command.force_D = finite ? command_D.force : Vec3::Zero();
+  command.written_ns = monotonic_ns();
+  commands_.publish();
+  return finite;
+}
+
+void HaplyDevice::stop() noexcept { stopped_ns_.store(monotonic_ns()); }
+
+std::uint64_t HaplyDevice::last_tick(double /*rate_Hz*/) const noexcept { return ~std::uint64_t{0}; }
+
+std::string HaplyDevice::trouble() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return trouble_;
+}
+
+std::string HaplyDevice::description() const {
+  return "Inverse3 " + arm_ + (grip_.empty() ? "" : " with verse grip " + grip_) + " at " + address_.text();
+}
+
+/// Takes the first message: at the first connection it says which arm is whose, later the arm must be there.
+void HaplyDevice::greet(std::size_t place) {
+  const std::string message = first_message(link_, times_.opening, closing_);
+  const HaplyInventory inventory = read_haply_inventory(message);
+  if (arm_.empty()) {
+    if (place >= inventory.arms.size()) throw HaplyLinkError(lacking(place, inventory.arms));
+    arm_ = inventory.arms[place];
+    if (place < inventory.grips.size()) grip_ = inventory.grips[place];
+  }
+  force_field_ = inventory.force_field;
+  const HaplySample first = read_haply_state(message, arm_, grip_);
+  if (!first.off.empty()) say(fmt::format("Inverse3 {}: {}", arm_, first.off));
+  publish(first.state, monotonic_ns());
+}
+
+void HaplyDevice::run() noexcept {
+  while (!closing_.load()) {
+    try {
+      if (!link_.is_open()) {
+        link_.open(times_.opening);
+        greet(0);
+      }
+      exchange();
+    } catch (const std::exception& error) {
+      link_.drop();
+      if (closing_.load()) return;
+      fail(error.what());
+      pause();
+    }
+  }
+  let_go();
+}
+
+/// Commands and replies, until the device is closed. @throws HaplyLinkError when the connection ends.
+void HaplyDevice::exchange() {
+  Exchange now;
+  while (!closing_.load()) {
+    take_replies(now);
+    send_if_due(now);
+    // What comes or goes ends the wait; the rest is to notice a stop() and a dead loop.
+    const bool may_send = now.awaited == 0 && !link_.sending();
+    link_.wait_until(may_send ? now.next_send_ns : monotonic_ns() + times_.period);
+  }
+}
+
+void HaplyDevice::take_replies(Exchange& exchange) {
+  const std::optional<std::string> message = link_.received();
+  const std::int64_t now = monotonic_ns();
+  if (message) {
+    take(*message, now);
+    exchange.awaited = std::max<std::int64_t>(0, exchange.awaited - 1);
+    exchange.waiting_since_ns = now;
+  } else if (exchange.awaited > 0 && now - exchange.waiting_since_ns > times_.reply) {
+    throw HaplyLinkError(fmt::format("the service gave no reply for {} ms", times_.reply / 1'000'000));
+  }
+}
+
+void HaplyDevice::send_if_due(Exchange& exchange) {
+  const std::int64_t now = monotonic_ns();
+  const Vec3 force_D = wanted_force(now);
+  const bool releases = force_D.isZero(0.0) && !exchange.sent_D.isZero(0.0);
+  const bool due = exchange.awaited == 0 && now >= exchange.next_send_ns;
+  if (link_.sending() || !(due || releases)) return;
+  link_.send(haply_force_command(arm_, force_D, force_field_));
+  if (exchange.awaited == 0) exchange.waiting_since_ns = now;
+  ++exchange.awaited;
+  exchange.sent_D = force_D;
+  exchange.next_send_ns = now + times_.period;
+}
+
+/// The loop's newest force; zero when it was stopped or writes no more.
+Vec3 HaplyDevice::wanted_force(std::int64_t now) noexcept {
+  commands_.refresh();
+  const Command& command = commands_.value();
+  const bool stopped = command.written_ns <= stopped_ns_.load();
+  const bool dead = now - command.written_ns > times_.no_write;
+  return stopped || dead ? Vec3(Vec3::Zero()) : command.force_D;
+}
+
+void HaplyDevice::take(const std::string& message, std::int64_t now) {
+  try {
+    const HaplySample sample = read_haply_state(message, arm_, grip_);
+    if (!sample.off.empty()) say(fmt::format("Inverse3 {}: {}", arm_, sample.off));
+    publish(sample.state, now);
+  } catch (const InputError& error) {
+    fail(error.what());
+  }
+}
+
+void HaplyDevice::publish(const haptics::DeviceState& state, std::int64_t received_ns) {
+  newest_ = {state, received_ns};
+  samples_.writable() = newest_;
+  samples_.publish();
+}
+
+/// The newest good sample goes on, marked as one that could not be read.
+void HaplyDevice::fail(const std::string& why) {
+  say(why);
+  haptics::DeviceState state = newest_.state;
+  state.fault = haptics::Fault::kDevice;
+  publish(state, newest_.received_ns);
+}
+
+void HaplyDevice::say(const std::string& what) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  trouble_ = address_.text() + ": " + what;
+}
+
+/// Until the next attempt to connect.
+void HaplyDevice::pause() const noexcept {
+  const std::int64_t end = monotonic_ns() + times_.retry;
+  for (std::int64_t now = monotonic_ns(); now < end && !closing_.load(); now = monotonic_ns()) {
+    sleep_until_ns(std::min(end, now + kLookOut));
+  }
+}
+
+/// Zero force and a farewell, whatever became of the last command.
+void HaplyDevice::let_go() noexcept {
+  if (!link_.is_open()) return;
+  try {
+    const std::int64_t deadline = monotonic_ns() + kLastWords;
+    while (link_.sending() && monotonic_ns() < deadline) link_.wait_until(deadline);
+    if (!link_.sending()) link_.send(haply_force_command(arm_, Vec3::Zero(), force_field_));
+  } catch (const std::exception&) {
+    return;  // the connection has ended; the service lets go of an arm that has no client
+  }
+  link_.close(kLastWords);
+}
+
+Probe probe_haply(const std::string& address) {
+  const std::atomic<bool> never{false};
+  std::string where;
+  try {
+    const HaplyAddress parsed = parse_haply_address(address);
+    where = parsed.text();
+    HaplyLink link(parsed, never);
+    link.open();
+    const HaplyInventory found = read_haply_inventory(first_message(link, HaplyLink::kOpeningLimit, never));
+    link.close(kLastWords);
+    if (found.arms.empty()) return {kKind, false, "the service at " + where + " has no Inverse3"};
+    const std::string grips = found.grips.empty() ? "no verse grip" : "verse grip " + list_of(found.grips);
+    return {kKind, true, fmt::format("at {}: Inverse3 {}; {}", where, list_of(found.arms), grips)};
+  } catch (const HaplyLinkError& error) {
+    return {kKind, false, fmt::format("no service at {}: {}{}", where, error.what(), kHowToStart)};
+  } catch (const InputError& error) {
+    return {kKind, false, (where.empty() ? "" : "at " + where + ": ") + std::string(error.what())};
+  }
+}
+
+}  // namespace palpate::devices

@@ -1,0 +1,111 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "palpate/device.h"
+#include "palpate/snapshot_cell.h"
+
+#include "run/devices/haply_link.h"
+#include "run/devices/haply_messages.h"
+#include "run/devices/probe.h"
+
+namespace palpate::devices {
+
+/// Times of the exchange with the service [ns].
+struct HaplyTimes {
+  std::int64_t opening =
+      HaplyLink::kOpeningLimit;        // for connection and handshake; then for the first message
+  std::int64_t period = 500'000;       // between two commands, when replies come at once
+  std::int64_t reply = 1'000'000'000;  // without a reply for so long: the connection is given up
+  std::int64_t retry = 1'000'000'000;  // from the end of a connection to the next attempt
+  std::int64_t no_write = 20'000'000;  // without a write() for so long: the loop is dead, zero force
+};
+
+/// A Haply Inverse3 behind Haply's Inverse Service: JSON over a WebSocket, one state message a command.
+///
+/// A thread of the device's own sends the newest force and receives the newest state; the tick exchanges both
+/// with it without waiting. Zero force goes out at once, without waiting for the reply to the last command.
+/// Torques and gripper forces are ignored: an Inverse3 has none.
+class HaplyDevice final : public haptics::Device {
+ public:
+  /// [setup] Connects, and takes the service's arm number `place` (from 0) and grip number `place`, if there
+  /// is one. @param address ws://HOST:PORT; empty: ws://localhost:10001
+  /// @throws InputError that says what is wrong: address, no service, no such arm, a message of no use.
+  HaplyDevice(const std::string& address, std::size_t place, const HaplyTimes& times = {});
+  /// [setup] Sends zero force, closes the connection and joins the thread; about half a second at most.
+  ~HaplyDevice() override;
+  HaplyDevice(const HaplyDevice&) = delete;
+  HaplyDevice& operator=(const HaplyDevice&) = delete;
+
+  /// [rt] The newest sample; its age is the time since it was received. Fault kDevice while there is no
+  /// connection, or when the newest message was of no use; kForceOff when the arm says that it gives no
+  /// force.
+  haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
+  /// [rt] Leaves the force for the thread. @return false, and zero force is sent, when it is not finite.
+  bool write(const haptics::ForceCommand& command_D) noexcept override;
+  /// [any] Zero force until the next write().
+  void stop() noexcept override;
+  /// [any] Never ends.
+  [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override;
+  /// [any]
+  [[nodiscard]] std::string trouble() const override;
+  /// [any] Which devices of the service it is: "Inverse3 04BA with verse grip 77 at ws://localhost:10001".
+  [[nodiscard]] std::string description() const;
+
+ private:
+  struct Sample {
+    haptics::DeviceState state;
+    std::int64_t received_ns = 0;
+  };
+  struct Command {
+    Vec3 force_D = Vec3::Zero();
+    std::int64_t written_ns = 0;
+  };
+  /// Where the exchange of messages stands, on the thread.
+  struct Exchange {
+    std::int64_t next_send_ns = 0;
+    std::int64_t waiting_since_ns = 0;  // for a reply, while awaited > 0
+    std::int64_t awaited = 0;           // replies
+    Vec3 sent_D = Vec3::Zero();         // last force
+  };
+
+  void greet(std::size_t place);
+  void run() noexcept;
+  void exchange();
+  void take_replies(Exchange& exchange);
+  void send_if_due(Exchange& exchange);
+  void take(const std::string& message, std::int64_t now);
+  void publish(const haptics::DeviceState& state, std::int64_t received_ns);
+  void fail(const std::string& why);
+  void say(const std::string& what);
+  void pause() const noexcept;
+  void let_go() noexcept;
+  [[nodiscard]] Vec3 wanted_force(std::int64_t now) noexcept;
+
+  const HaplyTimes times_;
+  const HaplyAddress address_;
+  std::atomic<bool> closing_{false};
+  std::atomic<std::int64_t> stopped_ns_{0};
+  SnapshotCell<Sample> samples_;    // thread to loop
+  SnapshotCell<Command> commands_;  // loop to thread
+  mutable std::mutex mutex_;        // of trouble_
+  std::string trouble_;
+
+  // The thread's alone, once it runs:
+  HaplyLink link_;
+  std::string arm_;   // device_id, from the first connection on
+  std::string grip_;  // empty: none
+  HaplyForceField force_field_ = HaplyForceField::kValues;
+  Sample newest_;
+
+  std::thread thread_;
+};
+
+/// [setup] Whether the service is there, and which devices it has; else why not. Takes as long as HaplyLink's
+/// opening at most. Never throws InputError: a wrong address is told in words.
+[[nodiscard]] Probe probe_haply(const std::string& address);
+
+}  // namespace palpate::devices

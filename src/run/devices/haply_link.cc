@@ -1,0 +1,267 @@
+#include "run/devices/haply_link.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <utility>  // before Asio, whose 1.74 forgets it
+#include <vector>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+
+#include "io/system/clock.h"
+
+namespace palpate::devices {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using beast::error_code;
+
+constexpr std::int64_t kLinkLookOut = 5'000'000;  // ns, between two looks at whether to give up
+
+std::string words_of(const error_code& error) {
+  if (error == asio::error::connection_refused) return "connection refused";
+  if (error == websocket::error::closed) return "the service closed the connection";
+  if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow) {
+    return fmt::format("the service sent a message of more than {} bytes", HaplyLink::kLargestMessage);
+  }
+  if (error == asio::error::eof || error == asio::error::connection_reset ||
+      error == asio::error::broken_pipe) {
+    return "the connection broke off";
+  }
+  std::string text = error.message();  // the system's or the library's own words
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+}  // namespace
+
+std::string HaplyAddress::text() const {
+  const bool six = host.find(':') != std::string::npos;
+  return fmt::format("ws://{}:{}", six ? "[" + host + "]" : host, port);
+}
+
+HaplyAddress parse_haply_address(const std::string& text) {
+  const std::string given = text.empty() ? "ws://localhost:10001" : text;
+  const auto refuse = [&](const std::string& want) {
+    throw InputError(fmt::format(
+        "device haply: address \"{}\": {}, must be ws://HOST:PORT, as in ws://localhost:10001", given, want));
+  };
+  constexpr std::string_view kScheme = "ws://";
+  if (given.compare(0, kScheme.size(), kScheme) != 0) refuse("does not begin with ws://");
+  std::string rest = given.substr(kScheme.size());
+  if (!rest.empty() && rest.back() == '/') rest.pop_back();
+  const std::size_t colon = rest.rfind(':');
+  const std::size_t bracket = rest.find(']');
+  if (colon == std::string::npos || (bracket != std::string::npos && colon < bracket)) refuse("has no port");
+  HaplyAddress address{rest.substr(0, colon), rest.substr(colon + 1)};
+  unsigned port = 0;
+  const char* end = address.port.data() + address.port.size();
+  const auto [read_to, error] = std::from_chars(address.port.data(), end, port);
+  if (error != std::errc() || read_to != end || port < 1 || port > 65535) {
+    refuse("its port is no number from 1 to 65535");
+  }
+  std::string& host = address.host;
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+    if (host.find(':') == std::string::npos) refuse("has a name in brackets");
+  } else if (host.find(':') != std::string::npos) {
+    refuse("has a colon in its host");
+  }
+  const bool plain = std::all_of(host.begin(), host.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+           std::string_view(".-_:%").find(c) != std::string_view::npos;
+  });
+  if (host.empty() || !plain) refuse("has no host");
+  return address;
+}
+
+/// The library's part: one thread starts operations and runs what they call back.
+class HaplyLink::Socket final {
+ public:
+  Socket(const HaplyAddress& address, const std::atomic<bool>& give_up)
+      : give_up_(give_up), host_(address.text().substr(5)) {
+    tcp::resolver resolver(context_);
+    error_code error;
+    for (const auto& found : resolver.resolve(address.host, address.port, error)) {
+      endpoints_.push_back(found.endpoint());
+    }
+    if (error || endpoints_.empty()) throw HaplyLinkError("there is no host \"" + address.host + "\"");
+  }
+  ~Socket() { drop(); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  void open(std::int64_t limit_ns) {
+    drop();
+    const std::int64_t deadline = monotonic_ns() + limit_ns;
+    stream_.emplace(context_);
+    connecting_.running = true;
+    asio::async_connect(stream_->next_layer(), endpoints_,
+                        [this](const error_code& error, const tcp::endpoint&) { connecting_.end(error); });
+    finish(connecting_, deadline, "no connection within " + milliseconds(limit_ns));
+    error_code ignored;
+    stream_->next_layer().set_option(tcp::no_delay(true), ignored);  // a command is small and must not wait
+    stream_->read_message_max(kLargestMessage);
+    websocket::response_type response;
+    connecting_.running = true;
+    stream_->async_handshake(response, host_, "/",
+                             [this](const error_code& error) { connecting_.end(error); });
+    try {
+      finish(connecting_, deadline, "no answer to the WebSocket handshake within " + milliseconds(limit_ns));
+    } catch (const HaplyLinkError&) {
+      if (connecting_.error != websocket::error::upgrade_declined) throw;
+      throw HaplyLinkError("what listens there declines the WebSocket handshake with HTTP status " +
+                           std::to_string(response.result_int()));
+    }
+    stream_->text(true);
+    read();
+  }
+
+  [[nodiscard]] bool is_open() const noexcept { return stream_.has_value(); }
+  [[nodiscard]] bool sending() const noexcept { return writing_.running; }
+
+  void send(std::string message) {
+    check(writing_);
+    outgoing_ = std::move(message);
+    writing_.running = true;
+    stream_->async_write(asio::buffer(outgoing_),
+                         [this](const error_code& error, std::size_t) { writing_.end(error); });
+  }
+
+  std::optional<std::string> received() {
+    if (reading_.running) return std::nullopt;
+    check(reading_);
+    std::string message = beast::buffers_to_string(incoming_.data());
+    incoming_.consume(incoming_.size());
+    read();
+    return message;
+  }
+
+  void wait_until(std::int64_t deadline_ns) {
+    if (!alarm_set_ || deadline_ns < alarm_ns_) {
+      alarm_set_ = true;
+      alarm_ns_ = deadline_ns;
+      alarm_.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(deadline_ns)));
+      alarm_.async_wait([this](const error_code& error) {
+        if (!error) alarm_set_ = false;
+      });
+    }
+    run_one();
+  }
+
+  void close(std::int64_t limit_ns) {
+    if (!is_open()) return;
+    const std::int64_t deadline = monotonic_ns() + limit_ns;
+    while (writing_.running && monotonic_ns() < deadline) wait_until(deadline);
+    if (!writing_.running && !writing_.error) {
+      closing_.running = true;
+      stream_->async_close(websocket::close_code::normal,
+                           [this](const error_code& error) { closing_.end(error); });
+      while (closing_.running && monotonic_ns() < deadline) wait_until(deadline);
+    }
+    drop();
+  }
+
+  void drop() noexcept {
+    if (!stream_) return;
+    error_code ignored;
+    stream_->next_layer().close(ignored);
+    // A closed socket ends what is under way; the buffers must outlive it.
+    while (connecting_.running || reading_.running || writing_.running || closing_.running) run_one();
+    stream_.reset();
+    incoming_.clear();
+    connecting_ = reading_ = writing_ = closing_ = {};
+  }
+
+ private:
+  struct Operation {
+    bool running = false;
+    error_code error;
+    void end(const error_code& how) {
+      running = false;
+      error = how;
+    }
+  };
+
+  static std::string milliseconds(std::int64_t ns) { return std::to_string(ns / 1'000'000) + " ms"; }
+
+  void check(const Operation& operation) {
+    if (!is_open()) throw HaplyLinkError("not connected");
+    if (!operation.error) return;
+    const std::string why = words_of(operation.error);
+    drop();
+    throw HaplyLinkError(why);
+  }
+
+  void read() {
+    reading_.running = true;
+    stream_->async_read(incoming_, [this](const error_code& error, std::size_t) { reading_.end(error); });
+  }
+
+  void run_one() {
+    context_.restart();  // it stops by itself whenever it has nothing to do
+    context_.run_one();
+  }
+
+  /// Waits for the end of an operation of open(); closes on an error, or when it takes too long.
+  void finish(Operation& operation, std::int64_t deadline, const std::string& too_long) {
+    while (operation.running) {
+      const std::int64_t now = monotonic_ns();
+      if (now >= deadline || give_up_.load(std::memory_order_relaxed)) {
+        drop();
+        throw HaplyLinkError(now >= deadline ? too_long : "given up");
+      }
+      wait_until(std::min(deadline, now + kLinkLookOut));
+    }
+    if (!operation.error) return;
+    const error_code error = operation.error;
+    drop();
+    operation.error = error;  // for who wants to know more
+    throw HaplyLinkError(words_of(error));
+  }
+
+  const std::atomic<bool>& give_up_;
+  std::string host_;
+  std::vector<tcp::endpoint> endpoints_;
+  asio::io_context context_{1};
+  asio::steady_timer alarm_{context_};
+  bool alarm_set_ = false;
+  std::int64_t alarm_ns_ = 0;
+  std::optional<websocket::stream<tcp::socket>> stream_;
+  Operation connecting_, reading_, writing_, closing_;
+  beast::flat_buffer incoming_;
+  std::string outgoing_;
+};
+
+HaplyLink::HaplyLink(const HaplyAddress& address, const std::atomic<bool>& give_up)
+    : socket_(std::make_unique<Socket>(address, give_up)) {}
+HaplyLink::~HaplyLink() = default;
+
+void HaplyLink::open(std::int64_t limit_ns) { socket_->open(limit_ns); }
+bool HaplyLink::is_open() const noexcept { return socket_->is_open(); }
+void HaplyLink::send(std::string message) { socket_->send(std::move(message)); }
+bool HaplyLink::sending() const noexcept { return socket_->sending(); }
+std::optional<std::string> HaplyLink::received() { return socket_->received(); }
+void HaplyLink::wait_until(std::int64_t deadline_ns) { socket_->wait_until(deadline_ns); }
+void HaplyLink::drop() noexcept { socket_->drop(); }
+
+void HaplyLink::close(std::int64_t limit_ns) noexcept {
+  try {
+    socket_->close(limit_ns);
+  } catch (const std::exception&) {
+    socket_->drop();
+  }
+}
+
+}  // namespace palpate::devices

@@ -1,0 +1,42 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/device.h"
+
+namespace palpate::devices {
+
+/// Under which name a force command carries its vector: the service up to 3.4 documents "values", 3.5
+/// "vector".
+enum class HaplyForceField { kValues, kVector };
+
+/// What the service's first message lists.
+struct HaplyInventory {
+  std::vector<std::string> arms;   // device_id of every Inverse3, in the service's order
+  std::vector<std::string> grips;  // device_id of every verse grip, the wireless ones first
+  HaplyForceField force_field = HaplyForceField::kValues;
+};
+
+/// One arm's part of a state message, with its grip's.
+struct HaplySample {
+  haptics::DeviceState state;  // fault: kNone or kForceOff
+  std::string off;             // why its force is off, in words; empty: it is on
+};
+
+/// [setup] Reads which devices the service has; fields that it does not know are passed over.
+/// @throws InputError of one line that names the field, its value and what would be right, or the line and
+/// column at which the text is no JSON.
+[[nodiscard]] HaplyInventory read_haply_inventory(std::string_view text);
+
+/// [any] Reads the state of the arm with that device_id from a state message, and of the grip (empty: none is
+/// held, the orientation is the identity and the gripper open). Allocates; not for the tick.
+/// @throws InputError as above; also when the arm or the grip is not in the message.
+[[nodiscard]] HaplySample read_haply_state(std::string_view text, const std::string& arm,
+                                           const std::string& grip);
+
+/// [any] The message that commands a force [N] in the arm's base frame.
+[[nodiscard]] std::string haply_force_command(const std::string& arm, const Vec3& force_D,
+                                              HaplyForceField field);
+
+}  // namespace palpate::devices

@@ -1,0 +1,104 @@
+#pragma once
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "palpate/mesh.h"
+
+#include "io/scene/make_world.h"
+#include "run/devices/emulated.h"
+#include "run/realtime/loop.h"
+
+// An emulated hand that presses a block, through the loop.
+namespace palpate::devices::test {
+
+inline constexpr double kBallRadius = 3e-3;  // m
+inline constexpr double kRate = 1000.0;      // Hz
+
+/// A 60 x 60 x 40 mm block whose top lies at z = 0, and a 3 mm ball in one emulated hand.
+inline scene::Setup block_and_hand(std::vector<scene::EmulatedFault> faults = {}) {
+  scene::Setup setup;
+  setup.name = "block";
+  setup.rate_Hz = kRate;
+  setup.organ_name = "box";
+  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  setup.organ_pose.position = Vec3(0, 0, -0.02);
+  setup.tissue = model::tissue_preset("gallbladder");
+  setup.tools.push_back(
+      {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius});
+  scene::DeviceSetup& device = setup.devices.emplace_back();
+  device.kind = "emulated";
+  device.emulated.faults = std::move(faults);
+  return setup;
+}
+
+/// The ball's height above the block's top over time [s, m], straight from row to row.
+inline scene::ToolPath heights(const std::vector<std::pair<double, double>>& times_and_heights) {
+  std::vector<scene::PathRow> rows;
+  for (const auto& [time, height] : times_and_heights) {
+    rows.push_back({time, Vec3(0.001, 0.002, kBallRadius + height), Quat::Identity(), 0.0});
+  }
+  return scene::ToolPath(std::move(rows));
+}
+
+/// The emulated device with a user beside it, who resets a latched fault at some ticks, as the loop does for
+/// one.
+class WithResets final : public haptics::Device {
+ public:
+  WithResets(EmulatedDevice& device, std::vector<std::uint64_t> reset_at)
+      : device_(device), reset_at_(std::move(reset_at)) {
+    felt.reserve(device.last_tick(kRate));
+  }
+
+  haptics::DeviceState read(std::uint64_t tick, double time) noexcept override {
+    haptics::DeviceState sample = device_.read(tick, time);
+    for (const std::uint64_t at : reset_at_) {
+      if (tick == at) sample.events |= haptics::kResetFault;
+    }
+    return sample;
+  }
+  bool write(const haptics::ForceCommand& command_D) noexcept override {
+    const bool taken = device_.write(command_D);
+    if (felt.size() < felt.capacity()) felt.push_back(device_.force_on_hand());
+    return taken;
+  }
+  void stop() noexcept override { device_.stop(); }
+  [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override {
+    return device_.last_tick(rate_Hz);
+  }
+
+  std::vector<Vec3> felt;  // the force on the hand after every tick
+
+ private:
+  EmulatedDevice& device_;
+  std::vector<std::uint64_t> reset_at_;
+};
+
+/// Keeps all rows.
+class Rows final : public haptics::TickObserver {
+ public:
+  explicit Rows(std::size_t expected) { rows.reserve(expected); }
+  void on_row(const haptics::TickRow& row) noexcept override {
+    if (rows.size() < rows.capacity()) rows.push_back(row);
+  }
+  std::vector<haptics::TickRow> rows;
+};
+
+/// Runs a device to its last tick, offline or not. @return the rows
+inline std::vector<haptics::TickRow> run_through(const scene::Setup& setup, haptics::Device& device,
+                                                 bool offline = true) {
+  const haptics::SimulationWorld world = scene::make_world(setup);
+  haptics::SimulationState state(world);
+  const std::uint64_t ticks = device.last_tick(setup.rate_Hz);
+  Rows sink(ticks);
+  haptics::LoopOptions options;
+  options.ticks = ticks;
+  options.offline = offline;
+  std::array<haptics::Device*, 1> devices = {&device};
+  static_cast<void>(haptics::run_loop(world, state, devices, {&sink}, options));
+  return std::move(sink.rows);
+}
+
+inline Vec3 force_of(const haptics::TickRow& row) { return {row.force[0], row.force[1], row.force[2]}; }
+
+}  // namespace palpate::devices::test

@@ -1,0 +1,206 @@
+#pragma once
+// A stand-in for Haply's Inverse Service on 127.0.0.1, with every fault on a switch.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>  // before Asio, whose 1.74 forgets it
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <nlohmann/json.hpp>
+#include <sys/socket.h>
+
+#include "palpate/pose.h"
+
+namespace palpate::devices::test {
+
+/// One arm's and one grip's part of a message.
+inline nlohmann::json vector_json(const Vec3& v) { return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}}; }
+inline nlohmann::json arm_json(const std::string& id, const Vec3& position,
+                               const Vec3& velocity = Vec3::Zero()) {
+  return {{"device_id", id},
+          {"state", {{"cursor_position", vector_json(position)}, {"cursor_velocity", vector_json(velocity)}}},
+          {"status", {{"power_supply", true}, {"ready", true}}}};
+}
+inline nlohmann::json grip_json(const std::string& id, const Quat& q, bool a) {
+  return {{"device_id", id},
+          {"state",
+           {{"orientation", {{"w", q.w()}, {"x", q.x()}, {"y", q.y()}, {"z", q.z()}}},
+            {"buttons", {{"a", a}, {"b", false}, {"c", false}}}}}};
+}
+/// A message with one arm, "04BA".
+inline std::string one_arm(const Vec3& position = Vec3(0.01, 0.02, 0.03)) {
+  return nlohmann::json{{"inverse3", {arm_json("04BA", position)}}}.dump();
+}
+
+/// What the service does on a command.
+struct Answer {
+  std::optional<std::string> text;  // empty: says nothing
+  enum class Then { kGoOn, kClose, kBreakOff } then = Then::kGoOn;
+};
+
+class HaplyService final {
+ public:
+  enum class Manner { kWebSocket, kDeclines, kMute };  // kMute: takes connections and never says anything
+  using Script = std::function<Answer(std::size_t command)>;
+
+  struct Received {
+    std::string arm;
+    Vec3 force;
+  };
+
+  /// @param greeting the first message; empty: none
+  /// @param script called on a thread of the connection with the number of its command, from 0
+  explicit HaplyService(
+      std::string greeting, Script script = [](std::size_t) { return Answer{one_arm()}; },
+      Manner manner = Manner::kWebSocket)
+      : greeting_(std::move(greeting)), script_(std::move(script)), manner_(manner) {
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~HaplyService() {
+    ending_ = true;
+    ::shutdown(acceptor_.native_handle(), SHUT_RDWR);
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      for (const int open : open_) ::shutdown(open, SHUT_RDWR);
+    }
+    thread_.join();
+    for (std::thread& connection : threads_) connection.join();
+  }
+  HaplyService(const HaplyService&) = delete;
+  HaplyService& operator=(const HaplyService&) = delete;
+
+  [[nodiscard]] std::string address() const {
+    return "ws://127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port());
+  }
+  [[nodiscard]] std::vector<Received> received() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return received_;
+  }
+  /// The newest force; not a number before the first.
+  [[nodiscard]] Vec3 force() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return received_.empty() ? Vec3::Constant(std::nan("")) : received_.back().force;
+  }
+  [[nodiscard]] std::size_t connections() const { return connections_; }
+  [[nodiscard]] bool said_farewell() const { return farewell_; }
+  /// Whether connections must wait for their first message.
+  void hold_back(bool holds) { holds_back_ = holds; }
+  void greet_with(std::string greeting) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    greeting_ = std::move(greeting);
+  }
+
+ private:
+  using tcp = boost::asio::ip::tcp;
+  using Socket = boost::beast::websocket::stream<tcp::socket>;
+  using error_code = boost::beast::error_code;
+
+  void serve() {
+    while (!ending_) {
+      error_code error;
+      tcp::socket socket(context_);
+      acceptor_.accept(socket, error);
+      if (error) return;
+      threads_.emplace_back([this, connection = std::move(socket)]() mutable {
+        const int handle = connection.native_handle();
+        {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          open_.push_back(handle);
+        }
+        ++connections_;
+        if (!ending_) talk(connection, handle);
+        forget(handle);
+      });
+    }
+  }
+
+  void forget(int handle) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    open_.erase(std::remove(open_.begin(), open_.end(), handle), open_.end());
+  }
+
+  void talk(tcp::socket& socket, int handle) {
+    error_code error;
+    if (manner_ == Manner::kMute) {
+      char byte = 0;
+      while (!error) socket.read_some(boost::asio::buffer(&byte, 1), error);
+      return;
+    }
+    if (manner_ == Manner::kDeclines) {
+      boost::beast::flat_buffer buffer;
+      boost::beast::http::request<boost::beast::http::string_body> request;
+      boost::beast::http::read(socket, buffer, request, error);
+      boost::beast::http::response<boost::beast::http::string_body> response(
+          boost::beast::http::status::forbidden, request.version());
+      response.prepare_payload();
+      boost::beast::http::write(socket, response, error);
+      return;
+    }
+    Socket stream(std::move(socket));
+    stream.accept(error);
+    converse(stream, handle, error);
+    error_code ignored;
+    stream.next_layer().close(ignored);
+  }
+
+  void converse(Socket& stream, int handle, error_code error) {
+    stream.text(true);
+    while (holds_back_ && !ending_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::string greeting;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      greeting = greeting_;
+    }
+    if (!error && !greeting.empty()) stream.write(boost::asio::buffer(greeting), error);
+    for (std::size_t command = 0; !error; ++command) {
+      boost::beast::flat_buffer buffer;
+      stream.read(buffer, error);
+      if (error) break;
+      keep(boost::beast::buffers_to_string(buffer.data()));
+      const Answer answer = script_(command);
+      if (answer.text) stream.write(boost::asio::buffer(*answer.text), error);
+      if (answer.then == Answer::Then::kGoOn) continue;
+      forget(handle);
+      if (answer.then == Answer::Then::kClose)
+        stream.close(boost::beast::websocket::close_code::normal, error);
+      return;
+    }
+    if (error == boost::beast::websocket::error::closed) farewell_ = true;
+  }
+
+  void keep(const std::string& text) {
+    const nlohmann::json arm = nlohmann::json::parse(text).at("inverse3").at(0);
+    const nlohmann::json v = arm.at("commands").at("set_cursor_force").begin().value();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    received_.push_back({arm.at("device_id"), Vec3(v.at("x"), v.at("y"), v.at("z"))});
+  }
+
+  boost::asio::io_context context_;
+  tcp::acceptor acceptor_{context_, tcp::endpoint(boost::asio::ip::address_v4::loopback(), 0)};
+  mutable std::mutex mutex_;
+  std::string greeting_;
+  std::vector<Received> received_;
+  std::vector<int> open_;
+  const Script script_;
+  const Manner manner_;
+  std::atomic<bool> ending_{false};
+  std::atomic<bool> farewell_{false};
+  std::atomic<bool> holds_back_{false};
+  std::atomic<std::size_t> connections_{0};
+  std::vector<std::thread> threads_;
+  std::thread thread_;
+};
+
+}  // namespace palpate::devices::test

@@ -1,0 +1,340 @@
+#include "run/realtime/loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "core/base/text.h"
+#include "core/haptics/prepared_change.h"
+#include "io/system/clock.h"
+#include "run/realtime/realtime.h"
+#include "run/realtime/schedule.h"
+
+namespace palpate::haptics {
+namespace {
+
+bool is_zero(const ForceCommand& command) noexcept {
+  return command.force.isZero(0.0) && command.torque.isZero(0.0) && command.gripper_force == 0.0;
+}
+
+/// When a gap between two ticks counts as a stall [ns]; 0: never.
+std::int64_t stalled_after_ns(const LoopOptions& options, double rate_Hz) noexcept {
+  if (options.offline || options.stalled_after_ns <= 0) return 0;
+  return std::max(options.stalled_after_ns, static_cast<std::int64_t>(kStalledPeriods * 1e9 / rate_Hz));
+}
+
+/// Zero force on every device when a run ends, however it ends.
+struct StopAtEnd {
+  std::span<Device* const> devices;
+  ~StopAtEnd() {
+    for (Device* device : devices) device->stop();
+  }
+};
+
+class Loop final {
+ public:
+  /// @param watchdog null: nobody watches
+  Loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices,
+       const std::vector<TickObserver*>& observers, const LoopOptions& options, Watchdog* watchdog,
+       LoopReport& report)
+      : world_(world),
+        state_(state),
+        devices_(devices),
+        observers_(observers),
+        options_(options),
+        watchdog_(watchdog),
+        stalled_after_ns_(stalled_after_ns(options, world.rate_Hz)),
+        report_(report),
+        wait_(options.thread.waiting, world.rate_Hz),
+        samples_(devices.size()),
+        commands_(devices.size()),
+        rows_(devices.size()),
+        refused_(devices.size(), 0),
+        latched_(devices.size()) {}
+
+  /// All ticks, on the calling thread; nothing is allocated from here on.
+  void run() noexcept {
+    const auto period = static_cast<std::int64_t>(1e9 / world_.rate_Hz);
+    Schedule schedule(world_.rate_Hz, monotonic_ns() + period);
+    for (std::uint64_t number = 0; number < options_.ticks; ++number) {
+      if (pause_wanted()) {
+        wait_through_pause();
+        schedule = Schedule(world_.rate_Hz, monotonic_ns() + period);
+      }
+      if (stop_wanted()) break;
+      if (!options_.offline) wait_.until(schedule.due());
+      if (stop_wanted()) break;
+      if (number == 0) start();
+      const std::int64_t late = options_.offline ? 0 : begin_in_time(schedule, number);
+      run_tick(number, late);
+    }
+    if (watchdog_ != nullptr) watchdog_->rest();
+    report_.stopped_early = report_.ticks < options_.ticks;
+  }
+
+ private:
+  /// What is latched on a hand, from its rows.
+  struct Latched {
+    Fault fault = Fault::kNone;
+    std::size_t entry = LoopReport::kMostFaults;  // in report_.faults
+  };
+
+  void start() noexcept {
+    const std::int64_t now = unix_ns();
+    for (TickObserver* observer : observers_) observer->on_start(now);
+  }
+
+  [[nodiscard]] bool stop_wanted() const noexcept {
+    return options_.control != nullptr && options_.control->stopping();
+  }
+
+  [[nodiscard]] bool pause_wanted() const noexcept {
+    return options_.control != nullptr && watchdog_ == nullptr && !options_.offline &&
+           options_.control->pausing();
+  }
+
+  /// Zero force on every device until the run is to go on, or to end. No tick is late for it.
+  void wait_through_pause() noexcept {
+    constexpr std::int64_t kLookEvery = 2'000'000;  // ns
+    for (Device* device : devices_) device->stop();
+    const std::int64_t from = monotonic_ns();
+    while (pause_wanted() && !stop_wanted()) sleep_until_ns(monotonic_ns() + kLookEvery);
+    const std::int64_t lasted = monotonic_ns() - from;
+    ++report_.pauses;
+    report_.paused_ns += lasted;
+    last_begin_ += lasted;
+  }
+
+  /// Accounts for when a tick begins, and sees whether the loop had stood still. @return how late it is [ns].
+  std::int64_t begin_in_time(Schedule& schedule, std::uint64_t number) noexcept {
+    const std::int64_t now = monotonic_ns();
+    if (watchdog_ != nullptr) watchdog_->beat(number, now);
+    const Schedule::Begin begin = schedule.begin(now);
+    report_.lateness.add(begin.late_ns);
+    if (begin.missed) ++report_.missed_deadlines;
+    const std::int64_t gap = number > 0 ? now - last_begin_ : 0;
+    report_.longest_gap_ns = std::max(report_.longest_gap_ns, gap);
+    last_begin_ = now;
+    const bool stopped = stopped_meanwhile();
+    stalled_ = stopped || (watchdog_ != nullptr && gap > stalled_after_ns_);
+    if (stopped) {
+      stops_known_ = watchdog_->stops();
+      held_at_zero_ = true;
+    }
+    return begin.late_ns;
+  }
+
+  /// Whether the watchdog stopped the devices since this was last dealt with.
+  [[nodiscard]] bool stopped_meanwhile() const noexcept {
+    return watchdog_ != nullptr && watchdog_->stops() != stops_known_;
+  }
+
+  void run_tick(std::uint64_t number, std::int64_t late) noexcept {
+    const std::int64_t before = thread_cpu_ns();
+    const bool changed = take_change(number);
+    read_samples(number, changed);
+    tick(world_, state_, number, samples_, commands_, rows_);
+    write_commands();
+    const std::int64_t spent = thread_cpu_ns() - before;
+    report_.tick_time.add(spent);
+    hand_over(number, options_.offline ? 0 : spent, late);
+  }
+
+  /// The oldest change to tissue or noise that waits, from this tick on. @return whether there was one
+  bool take_change(std::uint64_t number) noexcept {
+    LiveChanges* updates = options_.control == nullptr ? nullptr : options_.control->updates();
+    const PreparedChange* change = updates == nullptr ? nullptr : updates->waiting();
+    if (change == nullptr) return false;
+    apply_change(world_, state_, *change);
+    LiveChange noted = change->values;
+    noted.tick = number;
+    updates->taken();
+    for (TickObserver* observer : observers_) observer->on_update(noted);
+    return true;
+  }
+
+  /// Reads one sample per hand and adds faults found by the loop and resets asked for by the user. The row
+  /// records them, so that a replay repeats them.
+  void read_samples(std::uint64_t number, bool changed) noexcept {
+    const double time = static_cast<double>(number) / world_.rate_Hz;
+    const std::uint32_t resets = options_.control == nullptr ? 0 : options_.control->take_resets();
+    for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
+      DeviceState& sample = samples_[hand];
+      sample = devices_[hand]->read(number, time);
+      sample.events = (sample.events & ~kLiveChange) | (changed ? kLiveChange : 0U);
+      if (refused_[hand] != 0) sample.fault = Fault::kDevice;
+      if (stalled_ && sample.fault == Fault::kNone) sample.fault = Fault::kStalled;
+      if (((resets >> hand) & 1U) != 0) sample.events |= kResetFault;
+    }
+  }
+
+  void write_commands() noexcept {
+    const bool zero = held_at_zero_ || stopped_meanwhile();
+    for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
+      const ForceCommand command_D = zero ? ForceCommand{} : world_.mappings[hand].to_device(commands_[hand]);
+      refused_[hand] = devices_[hand]->write(command_D) ? 0 : 1;
+    }
+    if (held_at_zero_ && std::all_of(commands_.begin(), commands_.end(), is_zero)) held_at_zero_ = false;
+    // A stop that came while these were written must have the last word; the next tick latches the fault.
+    if (!zero && stopped_meanwhile()) {
+      for (Device* device : devices_) device->stop();
+    }
+  }
+
+  /// Passes the rows and the finished tick to the observers.
+  void hand_over(std::uint64_t number, std::int64_t spent, std::int64_t late) noexcept {
+    for (TickRow& row : rows_) {
+      row.tick_ns = spent;
+      row.late_ns = late;
+      for (TickObserver* observer : observers_) observer->on_row(row);
+      follow_fault(row);
+    }
+    report_.ticks = number + 1;
+    const TickState now{state_, commands_, number, options_.offline ? 0 : last_begin_};
+    for (TickObserver* observer : observers_) observer->on_tick(now);
+  }
+
+  /// Records when a fault is latched or cleared. A fault that persists in the tick of its reset is latched
+  /// again.
+  void follow_fault(const TickRow& row) noexcept {
+    Latched& latched = latched_[row.hand];
+    const auto fault = static_cast<Fault>(row.fault);
+    const bool reset = (row.events & kResetFault) != 0;
+    if (fault == latched.fault && (fault == Fault::kNone || !reset)) return;
+    if (latched.entry < report_.faults.size()) report_.faults[latched.entry].reset_tick = row.tick;
+    latched = {fault, LoopReport::kMostFaults};
+    if (fault == Fault::kNone) return;
+    if (report_.fault == Fault::kNone) report_.fault = fault;
+    const FaultSeen seen{row.tick, row.hand, fault};
+    for (TickObserver* observer : observers_) observer->on_fault(seen);
+    if (report_.faults.size() == LoopReport::kMostFaults) {
+      ++report_.further_faults;
+      return;
+    }
+    latched.entry = report_.faults.size();
+    report_.faults.push_back(seen);  // within what was reserved
+  }
+
+  const SimulationWorld& world_;
+  SimulationState& state_;
+  std::span<Device* const> devices_;
+  const std::vector<TickObserver*>& observers_;
+  const LoopOptions& options_;
+  Watchdog* watchdog_;
+  std::int64_t stalled_after_ns_;
+  LoopReport& report_;
+  TickWait wait_;
+  std::vector<DeviceState> samples_;
+  std::vector<ForceCommand> commands_;
+  std::vector<TickRow> rows_;
+  std::vector<char> refused_;     // a hand's last command was
+  std::vector<Latched> latched_;  // of each hand
+  std::int64_t last_begin_ = 0;
+  std::uint64_t stops_known_ = 0;  // of the watchdog, dealt with
+  bool stalled_ = false;           // this tick began after a stall
+  bool held_at_zero_ = false;      // since a stop by the watchdog, until the gate's own commands are zero
+};
+
+void check_core(const LoopOptions& options) {
+  if (!options.thread.core) return;
+  const std::vector<int> cores = usable_cores();
+  if (std::find(cores.begin(), cores.end(), *options.thread.core) == cores.end()) {
+    throw std::invalid_argument("run_loop: core " + std::to_string(*options.thread.core) + " cannot be used");
+  }
+}
+
+/// What the loop's thread asks of the system before its first tick.
+void prepare_thread(const LoopOptions& options, LoopReport& report) {
+  if (options.thread.core && !pin_to_core(*options.thread.core)) {
+    report.remarks.push_back("the loop was not pinned to core " + std::to_string(*options.thread.core));
+  }
+  if (options.offline) return;
+  const std::optional<std::string> refusal = ask_for_priority(Urgency::kLoop);
+  report.realtime_priority = !refusal;
+  if (refusal) report.remarks.push_back(*refusal);
+  touch_stack();
+}
+
+std::string milliseconds(std::int64_t ns) { return shortest(std::round(static_cast<double>(ns) * 1e-6)); }
+
+/// "the watchdog stopped the devices 2 times, as no tick had begun for 20 ms: after tick 12, after tick 90".
+std::string describe_stops(std::uint64_t number, const std::vector<WatchdogStop>& stops,
+                           std::int64_t stalled_after) {
+  constexpr std::size_t kMostListed = 5;
+  std::string text = "the watchdog stopped the devices " +
+                     (number == 1 ? std::string("once") : std::to_string(number) + " times") +
+                     ", as no tick had begun for " + milliseconds(stalled_after) + " ms:";
+  for (std::size_t i = 0; i < std::min(kMostListed, stops.size()); ++i) {
+    const std::int64_t after_ms = stops[i].after_ns / 1'000'000;
+    text += std::string(i == 0 ? "" : ",") + " after tick " + std::to_string(stops[i].tick) + " (" +
+            shortest(static_cast<double>(after_ms) / 1e3) + " s)";
+  }
+  if (number > kMostListed) text += " and " + std::to_string(number - kMostListed) + " more";
+  return text;
+}
+
+}  // namespace
+
+std::int64_t stall_limit_ns(const SimulationWorld& world) noexcept {
+  const bool held = std::any_of(world.mappings.begin(), world.mappings.end(),
+                                [](const WorkspaceMapping& mapping) { return mapping.held; });
+  return held ? LoopOptions{}.stalled_after_ns : 0;
+}
+
+LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices,
+                    const std::vector<TickObserver*>& observers, const LoopOptions& options) {
+  const StopAtEnd stop_at_end{devices};
+  if (devices.size() != world.hands()) {
+    throw std::invalid_argument("run_loop: " + std::to_string(devices.size()) + " devices for " +
+                                std::to_string(world.hands()) + " hands");
+  }
+  check_core(options);
+  LoopReport report;
+  report.polled = !options.offline && options.thread.waiting == Waiting::kPoll;
+  if (report.polled && usable_cores().size() == 1) {
+    report.remarks.emplace_back(
+        "the loop polled on the only core that this program may use: all else had to wait");
+  }
+  report.faults.reserve(LoopReport::kMostFaults);
+  std::optional<MemoryLock> memory;
+  std::optional<Watchdog> watchdog;
+  if (!options.offline) report.memory_locked = memory.emplace(report.remarks).granted();
+  const std::int64_t stalled_after = stalled_after_ns(options, world.rate_Hz);
+  if (stalled_after > 0) watchdog.emplace(devices, stalled_after);
+  Loop loop(world, state, devices, observers, options, watchdog ? &*watchdog : nullptr, report);
+
+  std::exception_ptr failure;
+  std::optional<SignalsHeld> signals(std::in_place);
+  std::thread thread([&] {
+    try {
+      prepare_thread(options, report);
+      loop.run();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  });
+  signals.reset();
+  thread.join();
+  if (failure) std::rethrow_exception(failure);
+  if (watchdog) {
+    report.stops = watchdog->finish();
+    report.watchdog_stops = watchdog->stops();
+  }
+  if (report.pauses > 0) report.remarks.push_back(told_pauses(report.pauses, report.paused_ns));
+  if (report.watchdog_stops > 0) {
+    report.remarks.push_back(describe_stops(report.watchdog_stops, report.stops, stalled_after));
+  }
+  return report;
+}
+
+std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns) {
+  const std::string times = pauses == 1 ? "once" : std::to_string(pauses) + " times";
+  const double tenths = std::round(static_cast<double>(paused_ns) * 1e-8);
+  const std::string time = tenths < 1.0 ? "less than 0.1 s" : shortest(tenths / 10.0) + " s";
+  return "the run was paused " + times + ", for " + time + "; its times leave that out";
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,90 @@
+// Calls from the loop to its observers, and the contents of the snapshot.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "palpate/live_changes.h"
+#include "palpate/tick_observer.h"
+
+#include "core/haptics/test/test_world.h"
+#include "io/system/clock.h"
+#include "run/realtime/loop.h"
+
+namespace palpate::haptics {
+namespace {
+
+using test::block_and_balls;
+using test::FakeDevice;
+using test::pressing;
+using test::RowKeeper;
+
+TEST(SnapshotPublisher, HandsOverTheNewestTick) {
+  const SimulationWorld world = block_and_balls(1, 1000.0);
+  SimulationState state(world);
+  FakeDevice device([](std::uint64_t, double time) { return pressing(time); });
+  Device* devices[] = {&device};
+  RowKeeper rows(450);
+  SnapshotPublisher publisher;
+  (void)run_loop(world, state, devices, {&rows, &publisher}, {.ticks = 450, .offline = true});
+  ASSERT_TRUE(publisher.cell().refresh());
+  const Snapshot& newest = publisher.cell().value();
+  EXPECT_EQ(newest.tick, 449u);
+  EXPECT_EQ(newest.hands, 1u);
+  EXPECT_EQ(newest.organ_W.position, world.organ_W.position);
+  EXPECT_EQ(newest.tools[0].pose_W.position.z(), rows.rows.back().tool[2]);
+  EXPECT_EQ(newest.results[0].depth, rows.rows.back().depth);
+  EXPECT_EQ(newest.commands[0].force.z(), rows.rows.back().force[2]);
+}
+
+TEST(Snapshot, CarriesFaultsParametersAndTheTimeOfItsTick) {
+  const SimulationWorld world = block_and_balls(1, 1000.0);
+  SimulationState state(world);
+  model::TissueParameters tissue = model::tissue_preset("gallbladder");
+  LiveChanges updates(world, tissue, {});
+  tissue.reach.bar_ratio = 1.5 * tissue.reach.bar_ratio;
+  (void)updates.offer(tissue);
+  RunControl control(&updates);
+  FakeDevice device([](std::uint64_t, double time) { return pressing(time); });
+  device.refuse_write = 30;
+  Device* devices[] = {&device};
+  SnapshotPublisher publisher;
+  const std::int64_t before = monotonic_ns();
+  (void)run_loop(world, state, devices, {&publisher},
+                 {.ticks = 45, .control = &control, .stalled_after_ns = 0});
+  ASSERT_TRUE(publisher.cell().refresh());
+  const Snapshot& newest = publisher.cell().value();
+  EXPECT_EQ(newest.tick, 44u);
+  EXPECT_EQ(newest.faults[0], Fault::kDevice) << "latched since tick 30";
+  EXPECT_EQ(newest.change, 1u);
+  EXPECT_EQ(newest.reach, tissue.reach);
+  EXPECT_GT(newest.taken_ns, before);
+  EXPECT_LE(newest.taken_ns, monotonic_ns());
+}
+
+TEST(TickObserver, ObserversAreCalledInTheirOrderRowsBeforeTheTick) {
+  class Witness final : public TickObserver {
+   public:
+    Witness(std::string name, std::vector<std::string>& calls) : name_(std::move(name)), calls_(calls) {}
+    void on_start(std::int64_t) noexcept override { calls_.push_back(name_ + " start"); }
+    void on_row(const TickRow&) noexcept override { calls_.push_back(name_ + " row"); }
+    void on_tick(const TickState&) noexcept override { calls_.push_back(name_ + " tick"); }
+
+   private:
+    std::string name_;
+    std::vector<std::string>& calls_;
+  };
+  const SimulationWorld world = block_and_balls(1, 1000.0);
+  SimulationState state(world);
+  FakeDevice device([](std::uint64_t, double time) { return pressing(time); });
+  Device* devices[] = {&device};
+  std::vector<std::string> calls;
+  Witness a("a", calls);
+  Witness b("b", calls);
+  (void)run_loop(world, state, devices, {&a, &b}, {.ticks = 1, .offline = true});
+  EXPECT_EQ(calls, (std::vector<std::string>{"a start", "b start", "a row", "b row", "a tick", "b tick"}));
+}
+
+}  // namespace
+}  // namespace palpate::haptics

@@ -1,0 +1,62 @@
+#include "run/realtime/watchdog.h"
+
+#include <algorithm>
+#include <string>
+
+#include "io/system/clock.h"
+#include "run/realtime/realtime.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr std::int64_t kLongestNap = 20'000'000;         // ns, so that finish() does not wait longer
+constexpr std::int64_t kNapWithNothingToDo = 2'000'000;  // ns; while no tick began, or after a stop
+
+}  // namespace
+
+Watchdog::Watchdog(std::span<Device* const> devices, std::int64_t stalled_after_ns)
+    : devices_(devices), stalled_after_ns_(stalled_after_ns) {
+  kept_.reserve(WatchdogStop::kMostKept);
+  const SignalsHeld signals;
+  thread_ = std::thread([this] { watch(); });
+}
+
+Watchdog::~Watchdog() { (void)finish(); }
+
+std::vector<WatchdogStop> Watchdog::finish() {
+  ending_.store(true);
+  if (thread_.joinable()) thread_.join();
+  return kept_;
+}
+
+void Watchdog::watch() noexcept {
+  (void)ask_for_priority(Urgency::kWatchdog);
+  std::int64_t first_begin = kResting;
+  std::int64_t stopped_at = kResting;  // the begin after which the devices were stopped
+  while (!ending_.load()) {
+    const std::int64_t last = last_begin_.load();
+    const std::int64_t now = monotonic_ns();
+    if (last == kResting || last == stopped_at) {
+      sleep_until_ns(now + kNapWithNothingToDo);
+      continue;
+    }
+    if (first_begin == kResting) first_begin = last;
+    const std::int64_t due = last + stalled_after_ns_;
+    if (now < due) {
+      sleep_until_ns(std::min(due, now + kLongestNap));
+      continue;
+    }
+    stopped_at = last;
+    stop_devices(last, first_begin);
+  }
+}
+
+void Watchdog::stop_devices(std::int64_t last_begin, std::int64_t first_begin) noexcept {
+  stops_.fetch_add(1);  // before the stop: the loop that wakes meanwhile sees that one may have begun
+  for (Device* device : devices_) device->stop();
+  if (kept_.size() < WatchdogStop::kMostKept) {
+    kept_.push_back({tick_.load(std::memory_order_relaxed), last_begin + stalled_after_ns_ - first_begin});
+  }
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,54 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "palpate/device.h"
+#include "palpate/run_control.h"
+
+namespace palpate::haptics {
+
+/// A second thread that calls Device::stop() on all devices when no tick began for too long: a loop that
+/// hangs must leave no force behind. It runs at a higher priority than the loop where that is granted, and
+/// shares nothing with it but atomics, so that it never holds the loop up.
+class Watchdog final {
+ public:
+  /// [setup] Starts the thread; it does nothing before the first beat(). @param devices outlive it
+  /// @param stalled_after_ns between two ticks' begins, > 0
+  Watchdog(std::span<Device* const> devices, std::int64_t stalled_after_ns);
+  ~Watchdog();
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+
+  /// [rt] A tick begins at `now_ns` (monotonic).
+  void beat(std::uint64_t tick, std::int64_t now_ns) noexcept {
+    tick_.store(tick, std::memory_order_relaxed);
+    last_begin_.store(now_ns);
+  }
+  /// [rt] No further tick is to come: it stops no device from now on, but for a stop that is under way.
+  void rest() noexcept { last_begin_.store(kResting); }
+  /// [rt] How often it has stopped the devices; counted before each stop begins.
+  [[nodiscard]] std::uint64_t stops() const noexcept { return stops_.load(); }
+
+  /// [setup] Ends the thread (within 20 ms). @return the first WatchdogStop::kMostKept stops.
+  std::vector<WatchdogStop> finish();
+
+ private:
+  static constexpr std::int64_t kResting = -1;
+
+  void watch() noexcept;
+  void stop_devices(std::int64_t last_begin, std::int64_t first_begin) noexcept;
+
+  std::span<Device* const> devices_;
+  std::int64_t stalled_after_ns_;
+  std::vector<WatchdogStop> kept_;  // of the thread, until it has ended
+  std::atomic<bool> ending_{false};
+  std::atomic<std::uint64_t> stops_{0};
+  alignas(64) std::atomic<std::int64_t> last_begin_{kResting};
+  std::atomic<std::uint64_t> tick_{0};
+  std::thread thread_;  // last: it uses all of the above
+};
+
+}  // namespace palpate::haptics

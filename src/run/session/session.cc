@@ -1,0 +1,123 @@
+#include "palpate/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "palpate/error.h"
+
+#include "core/base/text.h"
+#include "io/record/flight_recorder.h"
+#include "io/record/recorder.h"
+#include "io/scene/make_world.h"
+#include "run/devices/devices.h"
+#include "run/realtime/loop.h"
+#include "run/session/statistics_observer.h"
+
+namespace palpate::session {
+namespace {
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+RunResult result_of(const scene::Setup& setup, bool offline) {
+  RunResult result;
+  result.scene = setup.name;
+  result.rate_Hz = setup.rate_Hz;
+  result.seed = setup.seed;
+  result.hands = setup.tools.size();
+  result.scene_remarks = setup.repairs;
+  append(result.scene_remarks, setup.remarks);
+  result.offline = offline;
+  return result;
+}
+
+/// That the file cannot be written is a remark, not a failure.
+void keep_flight(const record::FlightRecorder& flight, RunResult& result) {
+  try {
+    result.fault_recording = record::keep_flight(flight, result.loop);
+  } catch (const InputError& failure) {
+    result.loop.remarks.push_back(std::string("the ticks before the fault were not kept: ") + failure.what());
+  }
+}
+
+}  // namespace
+
+std::uint64_t ticks_in(double duration_s, double rate_Hz, const std::string& name, double most) {
+  const double ticks = std::round(duration_s * rate_Hz);
+  if (!(duration_s > 0.0) || !(ticks <= most)) {
+    throw ParameterError(name, duration_s, "> 0 and at most " + shortest(most / rate_Hz));
+  }
+  return static_cast<std::uint64_t>(ticks);
+}
+
+Session::Session(scene::Setup setup, SessionOptions options)
+    : setup_(std::move(setup)),
+      world_(
+          std::make_unique<const haptics::SimulationWorld>(scene::make_world(setup_, options.preparation))),
+      devices_(std::move(options.devices)),
+      updates_(scene::live_changes(setup_, *world_)),
+      control_(updates_.get()) {
+  if (devices_.empty()) open_devices();
+  if (devices_.size() != hands()) throw std::invalid_argument("Session: there must be one device a hand");
+  if (options.duration_s) {
+    ticks_ = ticks_in(*options.duration_s, setup_.rate_Hz);
+  } else {
+    for (const auto& device : devices_) ticks_ = std::max(ticks_, device->last_tick(setup_.rate_Hz));
+  }
+  append(setup_.remarks, scene::radius_remarks(setup_, *world_));
+  append(setup_.remarks, scene::stability_remarks(setup_));
+}
+
+Session::~Session() = default;
+
+bool Session::may_pause() const noexcept { return haptics::stall_limit_ns(*world_) == 0; }
+
+void Session::open_devices() {
+  for (std::size_t hand = 0; hand < setup_.devices.size(); ++hand) {
+    devices_.push_back(devices::open_device(setup_, hand));
+  }
+}
+
+RunResult Session::run(const RunOptions& options, const std::vector<haptics::TickObserver*>& observers) {
+  if (ran_) throw std::logic_error("Session::run: a session runs once; open another one");
+  std::vector<haptics::TickObserver*> all;
+  std::optional<record::Recorder> recorder;
+  std::optional<record::FlightRecorder> flight;
+  if (!options.recording.empty()) {
+    all.push_back(&recorder.emplace(options.recording, setup_, options.offline));
+  } else if (options.keep_fault) {
+    all.push_back(&flight.emplace(setup_));
+  }
+  StatisticsObserver statistics(setup_);
+  all.push_back(&statistics);
+  all.insert(all.end(), observers.begin(), observers.end());
+  std::vector<haptics::Device*> devices;
+  for (const auto& device : devices_) devices.push_back(device.get());
+
+  ran_ = true;
+  haptics::SimulationState state(*world_);
+  RunResult result = result_of(setup_, options.offline);
+  result.loop = haptics::run_loop(*world_, state, devices, all,
+                                  {.ticks = ticks_,
+                                   .offline = options.offline,
+                                   .control = &control_,
+                                   .thread = options.thread,
+                                   .stalled_after_ns = haptics::stall_limit_ns(*world_)});
+  if (recorder) recorder->finish(result.loop);
+  if (flight && flight->fault_met()) keep_flight(*flight, result);
+  result.statistics = statistics.statistics();
+  return result;
+}
+
+std::unique_ptr<BackgroundRun> Session::run_in_background(RunOptions options,
+                                                          std::vector<haptics::TickObserver*> observers) {
+  return std::make_unique<BackgroundRun>(
+      control_, [this, options = std::move(options), observers = std::move(observers)] {
+        return run(options, observers);
+      });
+}
+
+}  // namespace palpate::session

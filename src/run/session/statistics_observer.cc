@@ -1,0 +1,69 @@
+#include "run/session/statistics_observer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/haptics/gate.h"
+
+namespace palpate::session {
+namespace {
+
+constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint32_t kGateBits =
+    haptics::kForceClamped | haptics::kForceSlewed | haptics::kTorqueClamped | haptics::kTorqueSlewed;
+
+double norm(const std::array<double, 3>& v) noexcept {
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+}  // namespace
+
+StatisticsObserver::StatisticsObserver(const scene::Setup& setup)
+    : period_(1.0 / setup.rate_Hz),
+      last_contact_tick_(kNever),
+      last_limited_tick_(kNever),
+      open_span_(setup.tools.size(), -1),
+      last_phase_(setup.tools.size(), -1) {
+  statistics_.phases.reserve(RunStatistics::kMaxSpans);
+}
+
+void StatisticsObserver::on_update(const haptics::LiveChange& /*update*/) noexcept { ++statistics_.changes; }
+
+void StatisticsObserver::on_row(const haptics::TickRow& row) noexcept {
+  statistics_.peak_force = std::max(statistics_.peak_force, norm(row.force));
+  statistics_.peak_tissue = std::max(statistics_.peak_tissue, row.tissue_force);
+  if (row.depth > statistics_.peak_depth) {
+    statistics_.peak_depth = row.depth;
+    statistics_.deepest_tick = row.tick;
+    statistics_.deepest_hand = row.hand;
+  }
+  if (row.phase != 0 && row.tick != last_contact_tick_) {
+    ++statistics_.contact_ticks;
+    last_contact_tick_ = row.tick;
+  }
+  if ((row.status & kGateBits) != 0 && row.tick != last_limited_tick_) {
+    ++statistics_.limited_ticks;
+    last_limited_tick_ = row.tick;
+  }
+  statistics_.status |= row.status;
+  follow_phase(row);
+}
+
+void StatisticsObserver::follow_phase(const haptics::TickRow& row) noexcept {
+  if (last_phase_[row.hand] != static_cast<std::int64_t>(row.phase)) {
+    last_phase_[row.hand] = static_cast<std::int64_t>(row.phase);
+    open_span_[row.hand] = -1;
+    if (statistics_.phases.size() < RunStatistics::kMaxSpans) {
+      open_span_[row.hand] = static_cast<std::int64_t>(statistics_.phases.size());
+      statistics_.phases.push_back({row.hand, row.phase, row.time, row.time});  // within what was reserved
+    } else {
+      ++statistics_.phases_left_out;
+    }
+  }
+  const std::int64_t open = open_span_[row.hand];
+  if (open >= 0) statistics_.phases[static_cast<std::size_t>(open)].to = row.time + period_;
+}
+
+}  // namespace palpate::session

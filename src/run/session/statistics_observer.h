@@ -1,0 +1,35 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "palpate/scene.h"
+#include "palpate/tick_observer.h"
+
+#include "run/session/statistics_observer.h"
+
+namespace palpate::session {
+
+/// Computes the statistics of a run while it goes on.
+class StatisticsObserver final : public haptics::TickObserver {
+ public:
+  /// [setup]
+  explicit StatisticsObserver(const scene::Setup& setup);
+
+  void on_update(const haptics::LiveChange& update) noexcept override;
+  void on_row(const haptics::TickRow& row) noexcept override;
+
+  /// [setup] After the run.
+  [[nodiscard]] const RunStatistics& statistics() const noexcept { return statistics_; }
+
+ private:
+  void follow_phase(const haptics::TickRow& row) noexcept;
+
+  double period_;  // s
+  std::uint64_t last_contact_tick_;
+  std::uint64_t last_limited_tick_;
+  std::vector<std::int64_t> open_span_;  // of each hand, index into phases; -1: none, or left out
+  std::vector<std::int64_t> last_phase_;
+  RunStatistics statistics_;
+};
+
+}  // namespace palpate::session

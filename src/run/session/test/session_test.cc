@@ -1,0 +1,195 @@
+#include "palpate/session.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/error.h"
+#include "palpate/recording.h"
+
+#include "io/system/test/temporary_folder.h"
+#include "run/devices/test/emulated_scene.h"
+
+namespace palpate::session {
+namespace {
+
+using haptics::DeviceState;
+
+/// A ball over a block, in a scripted hand.
+scene::Setup block() {
+  scene::Setup setup = devices::test::block_and_hand();
+  setup.devices[0].kind = "scripted";
+  return setup;
+}
+
+/// Presses down from 5 mm above the block, without end; at one tick it may be unreadable.
+class Presser final : public haptics::Device {
+ public:
+  explicit Presser(std::uint64_t fault_at = std::numeric_limits<std::uint64_t>::max())
+      : fault_at_(fault_at) {}
+  DeviceState read(std::uint64_t tick, double time) noexcept override {
+    DeviceState state;
+    state.position_D = Vec3(0.001, 0.002, devices::test::kBallRadius + std::max(-0.005, 0.005 - 0.1 * time));
+    if (tick == fault_at_) state.fault = haptics::Fault::kDevice;
+    return state;
+  }
+  bool write(const haptics::ForceCommand& /*command*/) noexcept override { return true; }
+  void stop() noexcept override {}
+  [[nodiscard]] std::uint64_t last_tick(double /*rate_Hz*/) const noexcept override {
+    return std::numeric_limits<std::uint64_t>::max();
+  }
+
+ private:
+  std::uint64_t fault_at_;
+};
+
+SessionOptions with(std::unique_ptr<haptics::Device> device, std::optional<double> duration_s) {
+  SessionOptions options;
+  options.devices.push_back(std::move(device));
+  options.duration_s = duration_s;
+  return options;
+}
+
+/// Counts its calls.
+class Counter final : public haptics::TickObserver {
+ public:
+  void on_start(std::int64_t /*started_unix_ns*/) noexcept override { ++starts; }
+  void on_row(const haptics::TickRow& /*row*/) noexcept override { ++rows; }
+  void on_tick(const haptics::TickState& /*now*/) noexcept override { ++ticks; }
+  int starts = 0;
+  int rows = 0;
+  std::atomic<int> ticks{0};
+};
+
+TEST(Session, RecordsAPressInOneExpressionAndItReplaysBitForBit) {
+  const test::TemporaryFolder folder;
+  const RunResult result = Session::open(block()).run({.recording = folder / "press.h5", .offline = true});
+  EXPECT_GT(result.statistics.peak_depth, 1e-3);
+  const record::Recording recording = record::read_recording(folder / "press.h5");
+  EXPECT_TRUE(recording.facts.complete);
+  EXPECT_EQ(recording.rows.size(), result.loop.ticks);
+  EXPECT_EQ(record::replay(recording).first_difference, "");
+}
+
+TEST(Session, RunsTheTicksOfItsDurationAndTellsObserversOfEachOnce) {
+  Session session(block(), with(std::make_unique<Presser>(), 0.3));
+  Counter counter;
+  const RunResult result = session.run({.offline = true}, {&counter});
+  EXPECT_EQ(result.loop.ticks, 300U);
+  EXPECT_EQ(counter.starts, 1);
+  EXPECT_EQ(counter.rows, 300);
+  EXPECT_EQ(counter.ticks, 300);
+  EXPECT_EQ(result.scene, "block");
+  EXPECT_EQ(result.hands, 1U);
+  EXPECT_TRUE(result.offline);
+}
+
+TEST(Session, StatisticsArePeaksAndPhasesOfTheRows) {
+  const test::TemporaryFolder folder;
+  Session session(block(), with(std::make_unique<Presser>(), 0.3));
+  const RunStatistics seen = session.run({.recording = folder / "a.h5", .offline = true}).statistics;
+  double force = 0.0;
+  double depth = 0.0;
+  std::uint64_t touching = 0;
+  std::uint64_t first = 0;
+  for (const haptics::TickRow& row : record::read_recording(folder / "a.h5").rows) {
+    force = std::max(force, row.tissue_force);
+    depth = std::max(depth, row.depth);
+    if (row.phase != 0 && touching++ == 0) first = row.tick;
+  }
+  EXPECT_EQ(seen.peak_tissue, force);
+  EXPECT_EQ(seen.peak_depth, depth);
+  EXPECT_EQ(seen.contact_ticks, touching);
+  ASSERT_EQ(seen.phases.size(), 2U);
+  EXPECT_EQ(seen.phases[1].from, static_cast<double>(first) / 1000.0);
+  EXPECT_NEAR(seen.phases[1].to, 0.3, 1e-12);
+}
+
+TEST(Session, RefusesADurationThatIsNoneAndNamesIt) {
+  for (const double duration_s : {0.0, -1.0, 1e12, std::nan("")}) {
+    EXPECT_THROW(Session(block(), with(std::make_unique<Presser>(), duration_s)), ParameterError)
+        << duration_s;
+  }
+  try {
+    (void)ticks_in(0.0, 1000.0, "--duration-s");
+    ADD_FAILURE();
+  } catch (const ParameterError& error) {
+    EXPECT_EQ(error.field(), "--duration-s");
+  }
+}
+
+TEST(Session, RefusesMoreDevicesThanHands) {
+  SessionOptions options = with(std::make_unique<Presser>(), 0.1);
+  options.devices.push_back(std::make_unique<Presser>());
+  EXPECT_THROW(Session(block(), std::move(options)), std::invalid_argument);
+}
+
+TEST(Session, RunsOnce) {
+  Session session(block(), with(std::make_unique<Presser>(), 0.01));
+  (void)session.run({.offline = true});
+  EXPECT_THROW((void)session.run({.offline = true}), std::logic_error);
+}
+
+TEST(Session, CanRunAfterARecordingThatCouldNotBeMade) {
+  const test::TemporaryFolder folder;
+  Session session(block(), with(std::make_unique<Presser>(), 0.01));
+  EXPECT_THROW((void)session.run({.recording = folder / "none" / "a.h5", .offline = true}), InputError);
+  EXPECT_EQ(session.run({.offline = true}).loop.ticks, 10U);
+}
+
+TEST(Session, AFaultIsInTheResultWithoutAFileWhereNoneIsWanted) {
+  Session session(block(), with(std::make_unique<Presser>(20), 0.1));
+  const RunResult result = session.run({.offline = true, .keep_fault = false});
+  EXPECT_EQ(result.loop.fault, haptics::Fault::kDevice);
+  EXPECT_TRUE(result.fault_recording.empty());
+}
+
+TEST(Session, AParameterUpdateIsUsedAndCounted) {
+  Session session(block(), with(std::make_unique<Presser>(), 0.1));
+  model::TissueParameters tissue = session.setup().tissue;
+  tissue.k1 *= 2.0;
+  (void)session.updates().offer(tissue);
+  EXPECT_EQ(session.run({.offline = true}).statistics.changes, 1U);
+}
+
+TEST(BackgroundRun, GoesOnUntilItIsStopped) {
+  Session session(block(), with(std::make_unique<Presser>(), std::nullopt));
+  Counter counter;
+  const auto run = session.run_in_background({}, {&counter});
+  while (counter.ticks < 5) EXPECT_FALSE(run->wait_for(std::chrono::milliseconds(1)));
+  run->stop();
+  run->wait();
+  EXPECT_TRUE(run->ended());
+  EXPECT_EQ(run->failure(), "");
+  ASSERT_TRUE(run->result());
+  EXPECT_TRUE(run->result()->loop.stopped_early);
+  EXPECT_EQ(run->result()->loop.ticks, static_cast<std::uint64_t>(counter.ticks));
+}
+
+TEST(BackgroundRun, EndsWhenItIsGone) {
+  Session session(block(), with(std::make_unique<Presser>(), std::nullopt));
+  { const auto run = session.run_in_background(); }
+  EXPECT_TRUE(session.control().stopping());
+}
+
+TEST(BackgroundRun, SaysWhyItFailed) {
+  const test::TemporaryFolder folder;
+  Session session(block(), with(std::make_unique<Presser>(), 0.1));
+  const auto run = session.run_in_background({.recording = folder / "none" / "a.h5"});
+  run->wait();
+  EXPECT_FALSE(run->result());
+  EXPECT_THAT(run->failure(), testing::HasSubstr("a.h5"));
+}
+
+}  // namespace
+}  // namespace palpate::session

@@ -1,0 +1,152 @@
+#include "science/fit/zeros_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <ceres/ceres.h>
+
+#include "palpate/fit.h"
+
+#include "core/base/portable_math.h"
+#include "core/base/statistics.h"
+#include "science/fit/forward.h"
+
+namespace palpate::fit {
+namespace {
+
+constexpr std::size_t kSearched = 2000;          // points: two unknowns need no more
+constexpr double kSmallestSpread = 1e-5;         // of the range of force
+using Own = std::array<double, kOwnParameters>;  // first contact and offset, in shares of the ranges
+
+/// What the search holds fixed.
+struct Search {
+  Specimen specimen;
+  Law law;
+  Ranges ranges;
+  OwnPrior prior;
+  double loss_scale = std::numeric_limits<double>::infinity();
+  double sigma = 0.01;  // of the residuals
+};
+
+/// Computed less measured force at every point, in shares of the range of force.
+std::vector<double> plain_residuals(const Search& search, const double* own) {
+  const Specimen& specimen = search.specimen;
+  std::vector<double> depths;
+  for (const double displacement : specimen.displacement) {
+    depths.push_back(displacement - own[0] * search.ranges.displacement);
+  }
+  std::size_t beyond = 0;
+  std::vector<double> values = search.law.forces_at(depths, beyond);
+  if (!search.law.tissue.relaxation.empty() && specimen.time.size() > 1) {
+    relax(search.law.tissue.relaxation, specimen.time, values);
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = (std::max(0.0, values[i]) - specimen.force[i]) / search.ranges.force + own[1];
+  }
+  return values;
+}
+
+/// The residuals after the loss, then how far the two lie from where they usually are.
+class ZeroErrors final {
+ public:
+  explicit ZeroErrors(const Search& search) : search_(search) {}
+
+  bool operator()(double const* const* own, double* errors) const {
+    const std::vector<double> values = plain_residuals(search_, own[0]);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double share = values[i] / search_.loss_scale;  // 0 without a loss
+      errors[i] = share == 0.0 ? values[i]
+                               : std::copysign(search_.loss_scale * std::sqrt(portable::log1p(share * share)),
+                                               values[i]);
+    }
+    const OwnPrior& prior = search_.prior;
+    errors[values.size()] = search_.sigma * (own[0][0] - prior.first_contact) / prior.first_contact_spread;
+    errors[values.size() + 1] = search_.sigma * (own[0][1] - prior.offset) / prior.offset_spread;
+    return true;
+  }
+
+ private:
+  const Search& search_;
+};
+
+/// Descends from `own`; the sum of squares that is left.
+double descend_to_zeros(const Search& search, Own& own) {
+  const Bounds bounds = own_bounds(search.prior);
+  ceres::Problem problem;
+  problem.AddParameterBlock(own.data(), kOwnParameters);
+  for (std::size_t i = 0; i < kOwnParameters; ++i) {
+    own[i] = std::clamp(own[i], bounds.low[i], bounds.high[i]);
+    problem.SetParameterLowerBound(own.data(), static_cast<int>(i), bounds.low[i]);
+    problem.SetParameterUpperBound(own.data(), static_cast<int>(i), bounds.high[i]);
+  }
+  auto errors = std::make_unique<ZeroErrors>(search);
+  auto cost =
+      std::make_unique<ceres::DynamicNumericDiffCostFunction<ZeroErrors, ceres::CENTRAL>>(errors.release());
+  cost->AddParameterBlock(kOwnParameters);
+  cost->SetNumResiduals(static_cast<int>(search.specimen.size() + kOwnParameters));
+  problem.AddResidualBlock(cost.release(), nullptr, own.data());  // the problem owns it
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.max_num_iterations = 60;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+}
+
+/// The best of descents from first contacts all over the bounds, and from `own`.
+void search_from_everywhere(const Search& search, Own& own) {
+  const Bounds bounds = own_bounds(search.prior);
+  double best_cost = descend_to_zeros(search, own);
+  for (const double way : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    Own start = {bounds.low[0] + way * (bounds.high[0] - bounds.low[0]), search.prior.offset};
+    const double cost = descend_to_zeros(search, start);
+    if (cost < best_cost) {
+      best_cost = cost;
+      own = start;
+    }
+  }
+}
+
+/// The spread of the residuals that outliers do not change.
+double spread_of(const Search& search, const Own& own) {
+  return std::max(normalized_mad(plain_residuals(search, own.data())), kSmallestSpread);
+}
+
+}  // namespace
+
+ZerosFit fit_zeros(const Specimen& specimen, const Law& law) {
+  constexpr double kLoss = 4.0;  // spreads, as a fit's
+  constexpr int kMostRounds = 10;
+  constexpr double kSame = 0.8;
+  Search search;
+  search.specimen = thinned(specimen, kSearched);
+  search.law = law;
+  search.ranges = ranges_of(search.specimen);
+  search.prior = own_prior(search.ranges);
+  Own own = {search.prior.first_contact, search.prior.offset};
+  search_from_everywhere(search, own);
+  // Many outliers widen the loss that should leave them out: each round narrows it.
+  for (int round = 0; round < kMostRounds; ++round) {
+    const double before = search.loss_scale;
+    search.sigma = spread_of(search, own);
+    search.loss_scale = kLoss * search.sigma;
+    if (search.loss_scale > kSame * before) break;
+    search_from_everywhere(search, own);
+  }
+  const Bounds bounds = own_bounds(search.prior);
+  ZerosFit fit;
+  fit.zeros = {own[0] * search.ranges.displacement, own[1] * search.ranges.force};
+  for (std::size_t i = 0; i < kOwnParameters; ++i) {
+    const double margin = 1e-6 * (bounds.high[i] - bounds.low[i]);
+    fit.at_limit = fit.at_limit || own[i] < bounds.low[i] + margin || own[i] > bounds.high[i] - margin;
+  }
+  return fit;
+}
+
+}  // namespace palpate::fit

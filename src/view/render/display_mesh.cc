@@ -1,0 +1,236 @@
+#include "view/render/display_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <unordered_map>
+
+#include "core/base/index.h"
+#include "core/geometry/edge_key.h"
+
+namespace palpate::render {
+namespace {
+
+using geometry::edge_key;
+using geometry::Triangle;
+using geometry::TriangleMesh;
+
+constexpr int kMostRounds = 12;
+constexpr int kEvenRounds = 12;
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+// The edges of a mesh, numbered, and which of them are creases or boundaries.
+struct Edges {
+  std::vector<std::array<std::int32_t, 2>> ends;
+  std::vector<std::array<std::int32_t, 3>> of_triangle;  // edge e runs from corner e to corner (e+1)%3
+  std::vector<char> sharp;                               // per edge
+  std::vector<char> sharp_vertex;                        // per vertex: on a sharp edge
+};
+
+Edges find_edges(const TriangleMesh& mesh, double crease_deg) {
+  Edges edges;
+  std::unordered_map<std::uint64_t, std::int32_t> known;
+  known.reserve(mesh.triangles.size() * 2);
+  std::vector<Vec3> first_normal;
+  std::vector<int> uses;
+  const double crease = std::cos(radians(crease_deg));
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 normal = geometry::area_vector_doubled(mesh, t).normalized();
+    std::array<std::int32_t, 3> own{};
+    for (std::size_t e = 0; e < 3; ++e) {
+      const std::int32_t a = t[e];
+      const std::int32_t b = t[(e + 1) % 3];
+      const auto [place, fresh] =
+          known.try_emplace(edge_key(a, b), static_cast<std::int32_t>(edges.ends.size()));
+      own[e] = place->second;
+      if (fresh) {
+        edges.ends.push_back({a, b});
+        edges.sharp.push_back(0);
+        first_normal.push_back(normal);
+        uses.push_back(1);
+      } else {
+        const std::size_t i = at(place->second);
+        ++uses[i];
+        if (normal.dot(first_normal[i]) < crease) edges.sharp[i] = 1;
+      }
+    }
+    edges.of_triangle.push_back(own);
+  }
+  edges.sharp_vertex.assign(mesh.vertices.size(), 0);
+  for (std::size_t i = 0; i < edges.ends.size(); ++i) {
+    if (uses[i] != 2) edges.sharp[i] = 1;
+    if (edges.sharp[i] == 0) continue;
+    for (const std::int32_t v : edges.ends[i]) edges.sharp_vertex[at(v)] = 1;
+  }
+  return edges;
+}
+
+// Cuts a triangle by the middles of its marked edges (-1: not marked).
+void cut(const Triangle& t, const std::array<std::int32_t, 3>& middle, const std::vector<Vec3>& vertices,
+         std::vector<Triangle>& out) {
+  const int marked =
+      static_cast<int>(std::count_if(middle.begin(), middle.end(), [](int m) { return m >= 0; }));
+  if (marked == 0) {
+    out.push_back(t);
+    return;
+  }
+  if (marked == 3) {
+    out.push_back({t[0], middle[0], middle[2]});
+    out.push_back({middle[0], t[1], middle[1]});
+    out.push_back({middle[2], middle[1], t[2]});
+    out.push_back({middle[0], middle[1], middle[2]});
+    return;
+  }
+  // Turned so that edge 0 is the only marked one, or edge 2 the only unmarked one.
+  std::size_t first = 0;
+  while (marked == 1 ? middle[first] < 0 : middle[(first + 2) % 3] >= 0) ++first;
+  const std::int32_t a = t[first];
+  const std::int32_t b = t[(first + 1) % 3];
+  const std::int32_t c = t[(first + 2) % 3];
+  const std::int32_t ab = middle[first];
+  if (marked == 1) {
+    out.push_back({a, ab, c});
+    out.push_back({ab, b, c});
+    return;
+  }
+  const std::int32_t bc = middle[(first + 1) % 3];
+  out.push_back({ab, b, bc});
+  const Vec3 across_a = vertices[at(a)] - vertices[at(bc)];
+  const Vec3 across_c = vertices[at(c)] - vertices[at(ab)];
+  if (across_a.squaredNorm() < across_c.squaredNorm()) {
+    out.push_back({a, ab, bc});
+    out.push_back({a, bc, c});
+  } else {
+    out.push_back({a, ab, c});
+    out.push_back({ab, bc, c});
+  }
+}
+
+// Middle of the cubic curve over an edge, at right angles to the normals at its ends; a sharp end is
+// straight.
+Vec3 curved_middle(const Vec3& a, const Vec3& b, const Vec3& normal_a, const Vec3& normal_b, bool straight_a,
+                   bool straight_b) {
+  const Vec3 along = b - a;
+  const double lift_a = straight_a ? 0.0 : along.dot(normal_a);
+  const double lift_b = straight_b ? 0.0 : -along.dot(normal_b);
+  return 0.5 * (a + b) - 0.125 * (lift_a * normal_a + lift_b * normal_b);
+}
+
+bool refine_once(TriangleMesh& mesh, const RefineRule& rule) {
+  const Edges edges = find_edges(mesh, rule.crease_deg);
+  const std::vector<Vec3> normals = vertex_normals(mesh.vertices, mesh.triangles);
+  std::vector<std::int32_t> middle(edges.ends.size(), -1);
+  bool any = false;
+  for (std::size_t i = 0; i < edges.ends.size(); ++i) {
+    const auto [ia, ib] = edges.ends[i];
+    const Vec3 a = mesh.vertices[at(ia)];
+    const Vec3 b = mesh.vertices[at(ib)];
+    const bool straight_a = edges.sharp_vertex[at(ia)] != 0;
+    const bool straight_b = edges.sharp_vertex[at(ib)] != 0;
+    const Vec3& normal_a = normals[at(ia)];
+    const Vec3& normal_b = normals[at(ib)];
+    const double bend =
+        straight_a || straight_b ? 0.0 : std::acos(std::clamp(normal_a.dot(normal_b), -1.0, 1.0));
+    if (!rule.split(0.5 * (a + b), (b - a).norm(), bend)) continue;
+    middle[i] = static_cast<std::int32_t>(mesh.vertices.size());
+    mesh.vertices.push_back(curved_middle(a, b, normal_a, normal_b, straight_a, straight_b));
+    any = true;
+  }
+  if (!any) return false;
+  std::vector<Triangle> triangles;
+  triangles.reserve(mesh.triangles.size() * 2);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& own = edges.of_triangle[t];
+    cut(mesh.triangles[t], {middle[at(own[0])], middle[at(own[1])], middle[at(own[2])]}, mesh.vertices,
+        triangles);
+  }
+  mesh.triangles = std::move(triangles);
+  return true;
+}
+
+}  // namespace
+
+TriangleMesh refine_smoothly(const TriangleMesh& mesh, const RefineRule& rule) {
+  TriangleMesh fine = mesh;
+  for (int round = 0; round < kMostRounds && refine_once(fine, rule); ++round) {
+  }
+  return fine;
+}
+
+void even_out(TriangleMesh& mesh, double limit, double crease_deg) {
+  const Edges edges = find_edges(mesh, crease_deg);
+  const std::vector<Vec3> original = mesh.vertices;
+  std::vector<Vec3> sum(original.size());
+  std::vector<double> count(original.size());
+  for (int round = 0; round < kEvenRounds; ++round) {
+    std::fill(sum.begin(), sum.end(), Vec3::Zero());
+    std::fill(count.begin(), count.end(), 0.0);
+    for (const auto& [a, b] : edges.ends) {
+      sum[at(a)] += mesh.vertices[at(b)];
+      sum[at(b)] += mesh.vertices[at(a)];
+      count[at(a)] += 1.0;
+      count[at(b)] += 1.0;
+    }
+    for (std::size_t v = 0; v < original.size(); ++v) {
+      if (edges.sharp_vertex[v] != 0 || count[v] == 0.0) continue;
+      Vec3 offset = 0.5 * (mesh.vertices[v] + sum[v] / count[v]) - original[v];
+      const double length = offset.norm();
+      if (length > limit) offset *= limit / length;
+      mesh.vertices[v] = original[v] + offset;
+    }
+  }
+}
+
+std::vector<Vec3> vertex_normals(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
+  std::vector<Vec3> normals(vertices.size(), Vec3::Zero());
+  for (const Triangle& t : triangles) {
+    const std::array<Vec3, 3> edge = {vertices[at(t[1])] - vertices[at(t[0])],
+                                      vertices[at(t[2])] - vertices[at(t[1])],
+                                      vertices[at(t[0])] - vertices[at(t[2])]};
+    const Vec3 area = edge[0].cross(edge[1]);
+    const double doubled = area.norm();
+    if (!(doubled > 0.0)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double angle = std::atan2(doubled, -edge[k].dot(edge[(k + 2) % 3]));
+      normals[at(t[k])] += (angle / doubled) * area;
+    }
+  }
+  for (Vec3& normal : normals) normal.normalize();
+  return normals;
+}
+
+double mean_edge(const TriangleMesh& mesh) {
+  double sum = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t e = 0; e < 3; ++e)
+      sum += (mesh.vertices[at(t[e])] - mesh.vertices[at(t[(e + 1) % 3])]).norm();
+  return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
+}
+
+std::vector<Vec3> corner_normals(const TriangleMesh& mesh, double crease_deg) {
+  std::vector<Vec3> area(mesh.triangles.size());
+  std::vector<std::vector<std::int32_t>> around(mesh.vertices.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    area[t] = geometry::area_vector_doubled(mesh, mesh.triangles[t]);
+    for (const std::int32_t v : mesh.triangles[t]) around[at(v)].push_back(static_cast<std::int32_t>(t));
+  }
+  const double crease = std::cos(radians(crease_deg));
+  std::vector<Vec3> normals;
+  normals.reserve(mesh.triangles.size() * 3);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 own = area[t].normalized();
+    for (const std::int32_t v : mesh.triangles[t]) {
+      Vec3 sum = area[t];
+      for (const std::int32_t other : around[at(v)]) {
+        if (at(other) != t && area[at(other)].normalized().dot(own) >= crease) sum += area[at(other)];
+      }
+      normals.push_back(sum.normalized());
+    }
+  }
+  return normals;
+}
+
+}  // namespace palpate::render

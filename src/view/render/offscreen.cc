@@ -1,0 +1,232 @@
+#include "palpate/offscreen.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <epoxy/gl.h>
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+#include "palpate/surface.h"
+
+#include "io/system/clock.h"
+#include "view/render/gl_context.h"
+#include "view/render/organ_picture.h"
+#include "view/render/painter.h"
+#include "view/render/tissue_pattern.h"
+#include "view/render/tool_picture.h"
+
+namespace palpate::render {
+namespace {
+
+constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of what the light must reach
+const Vec3 kNowhere(0, 0, 1e3);     // m: where tools are that a snapshot does not know
+
+void check_size(int width, int height) {
+  if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
+  throw InputError(fmt::format("a picture of {} x {} pixels cannot be drawn; want 1 to {} a side", width,
+                               height, kLargestSide));
+}
+
+}  // namespace
+
+struct OffscreenRenderer::Impl {
+  Impl(const Subject& subject, int width, int height, Quality quality)
+      : look(tissue_look(subject.tissue_name)),
+        painter(look, width, height, quality),
+        organ(subject.organ, subject.reach, quality == Quality::kFull ? Detail::kStill : Detail::kLive) {
+    for (const geometry::Tool& tool : subject.tools) {
+      shapes.emplace_back(tool);
+      tools.emplace_back(tool);
+    }
+    const geometry::Bounds box = geometry::bounds(subject.organ);
+    region = {box.middle(), kLitShare * box.size().norm()};
+    driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    upload_organ_at_rest();
+    upload_tools();
+  }
+
+  void upload_organ_at_rest() {
+    GpuMesh& mesh = painter.organ().mesh;
+    std::vector<std::uint32_t> corners;
+    corners.reserve(organ.rest().triangles.size() * 3);
+    for (const geometry::Triangle& t : organ.rest().triangles)
+      for (const std::int32_t v : t) corners.push_back(static_cast<std::uint32_t>(v));
+    mesh.set_triangles(corners);
+    mesh.set_still(tissue_pattern(organ.rest(), look));
+    mesh.set_moving(organ.vertices());
+    static_cast<void>(organ.take_changes());
+  }
+
+  void upload_tools() {
+    for (const ToolPicture& tool : tools) {
+      for (std::size_t part = 0; part < tool.parts(); ++part) {
+        const std::vector<deform::LiveVertex> vertices = tool.corners(part);
+        std::vector<StillVertex> still(vertices.size());
+        std::vector<std::uint32_t> corners(vertices.size());
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+          still[i] = StillVertex{vertices[i].position, {}, Eigen::Vector3f::Zero(), {255, 0, 0, 0}};
+          corners[i] = static_cast<std::uint32_t>(i);
+        }
+        auto solid = std::make_unique<Solid>();
+        solid->mesh.set_triangles(corners);
+        solid->mesh.set_still(still);
+        solid->mesh.set_moving(vertices);
+        painter.tools().push_back(std::move(solid));
+      }
+    }
+  }
+
+  void show(const haptics::Snapshot& snapshot) {
+    painter.organ().place_W = snapshot.organ_W;
+    std::size_t solid = 0;
+    for (std::size_t hand = 0; hand < tools.size(); ++hand) {
+      const bool there = hand < std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
+      for (std::size_t part = 0; part < tools[hand].parts(); ++part, ++solid) {
+        painter.tools()[solid]->place_W =
+            there ? tools[hand].place(part, snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper)
+                  : Pose{Quat::Identity(), kNowhere};
+      }
+    }
+    if (organ.update(deform::indentations_of(snapshot.hand_results()), imprints_of(snapshot, shapes))) {
+      upload_organ_at_rest();
+      return;
+    }
+    for (const deform::LiveSurface::Range& range : organ.take_changes())
+      painter.organ().mesh.change_moving(range.first, organ.vertices().subspan(range.first, range.count));
+  }
+
+  // Draws at each moving quality once: a driver translates shaders when it first draws with them, which takes
+  // longer than some pictures, and must not happen while something moves.
+  void follow_time() {
+    choice.emplace();
+    const Camera camera{region.middle - 3.0 * region.radius * Vec3::UnitY(), region.middle};
+    for (const Quality quality : {Quality::kFast, choice->now()}) {
+      painter.set_quality(quality);
+      painter.draw(camera, region);
+    }
+    glFinish();
+  }
+
+  void draw(const haptics::Snapshot& snapshot, const Camera& camera) {
+    const std::int64_t start = monotonic_ns();
+    const std::int64_t computed = thread_cpu_ns();
+    show(snapshot);
+    update_ms = static_cast<double>(thread_cpu_ns() - computed) * 1e-6;
+    painter.draw(camera, {snapshot.organ_W * region.middle, region.radius});
+    if (!choice) return;
+    glFinish();
+    choice->add(static_cast<double>(monotonic_ns() - start) * 1e-6);
+    painter.set_quality(choice->now());
+  }
+
+  TissueLook look;
+  Painter painter;
+  OrganPicture organ;
+  std::vector<ToolShape> shapes;
+  std::vector<ToolPicture> tools;
+  LitRegion region;  // organ frame
+  std::string driver;
+  double update_ms = 0.0;
+  std::optional<QualityChoice> choice;
+};
+
+// Holds the renderer's own context, if it has one, while it draws.
+class OffscreenRenderer::Current final {
+ public:
+  explicit Current(GlContext* context) : context_(context) {
+    if (context_ != nullptr) context_->make_current();
+  }
+  ~Current() {
+    if (context_ != nullptr) context_->release();
+  }
+  Current(const Current&) = delete;
+  Current& operator=(const Current&) = delete;
+
+ private:
+  GlContext* context_;
+};
+
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height, Quality quality) {
+  check_size(width, height);
+  context_ = std::make_unique<GlContext>();
+  impl_ = std::make_unique<Impl>(subject, width, height, quality);
+  context_->release();
+}
+
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here)
+    : OffscreenRenderer(subject, width, height, here, Quality::kBalanced) {
+  impl_->follow_time();
+}
+
+OffscreenRenderer::OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext /*here*/,
+                                     Quality quality) {
+  check_size(width, height);
+  impl_ = std::make_unique<Impl>(subject, width, height, quality);
+}
+
+OffscreenRenderer::~OffscreenRenderer() {
+  if (context_) context_->make_current();
+}
+
+Image OffscreenRenderer::draw(const haptics::Snapshot& snapshot, const Camera& camera) {
+  draw_and_keep(snapshot, camera);
+  return kept();
+}
+
+void OffscreenRenderer::draw_and_keep(const haptics::Snapshot& snapshot, const Camera& camera) {
+  const Current current(context_.get());
+  impl_->draw(snapshot, camera);
+}
+
+Image OffscreenRenderer::kept() {
+  const Current current(context_.get());
+  return impl_->painter.read();
+}
+
+void OffscreenRenderer::show_at(int x, int y, int width, int height) {
+  const Current current(context_.get());
+  impl_->painter.show_at(x, y, width, height);
+}
+
+void OffscreenRenderer::resize(int width, int height) {
+  check_size(width, height);
+  const Current current(context_.get());
+  impl_->painter.resize(width, height);
+}
+
+void OffscreenRenderer::set_map_range(double range) { impl_->painter.set_map_range(range); }
+
+void OffscreenRenderer::switch_lamps(bool on) { impl_->painter.switch_lamps(on); }
+
+void OffscreenRenderer::adapt_to_time() {
+  const Current current(context_.get());
+  impl_->follow_time();
+}
+
+void OffscreenRenderer::hold_quality(Quality quality) {
+  const Current current(context_.get());
+  impl_->choice.reset();
+  impl_->painter.set_quality(quality);
+}
+
+void OffscreenRenderer::limit_quality(Quality best) {
+  if (!impl_->choice) return;
+  impl_->choice->limit(best);
+  const Current current(context_.get());
+  impl_->painter.set_quality(impl_->choice->now());
+}
+
+Quality OffscreenRenderer::quality() const { return impl_->painter.quality(); }
+
+double OffscreenRenderer::update_ms() const { return impl_->update_ms; }
+
+void OffscreenRenderer::finish() {
+  const Current current(context_.get());
+  glFinish();
+}
+
+std::string OffscreenRenderer::driver() const { return impl_->driver; }
+
+}  // namespace palpate::render

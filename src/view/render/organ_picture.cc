@@ -1,0 +1,154 @@
+#include "view/render/organ_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "view/render/display_mesh.h"
+
+namespace palpate::render {
+namespace {
+
+constexpr double kCreaseDeg = 50.0;
+constexpr double kEdgesAcross = 120.0;    // edges along the organ's diagonal, before contact
+constexpr double kShortestEdge = 0.8e-3;  // m, before contact
+constexpr double kLongestEdge = 2.5e-3;   // m
+constexpr double kEvenShare = 0.05;       // of the given mesh's mean edge: how far a vertex may be evened out
+constexpr double kFineEdge = 0.6e-3;      // m, at contacts
+constexpr double kFineRadius = 12e-3;     // m around a contact: finest
+constexpr double kCoarsening = 0.08;      // m of edge a metre farther out
+constexpr double kSameCentre = 4e-3;      // m: a contact this near to a finely divided place needs no other
+
+constexpr double kLoweredWithin = 24e-3;  // m along the surface: ToolImprint::kReach beside the axis
+constexpr double kLiveTriangles = 24'000.0;
+constexpr int kLiveSteps = 1200;  // of fronts a picture: about 0.5 ms of a slow processor
+
+constexpr double kRounding = 0.2;  // of the profile's corners; moves no vertex by over 4 % of the depth
+
+double area_of(const geometry::TriangleMesh& mesh) {
+  double doubled = 0.0;
+  for (const geometry::Triangle& t : mesh.triangles) doubled += geometry::area_vector_doubled(mesh, t).norm();
+  return 0.5 * doubled;
+}
+
+// Halves a set of vertices across its longest side until each part is one run of the surface's, so that runs
+// are compact.
+void order_in_halves(const geometry::TriangleMesh& mesh, std::span<std::int32_t> vertices) {
+  constexpr std::size_t kRun = deform::SurfaceBlocks::kBlock;
+  if (vertices.size() <= kRun) return;
+  const auto place = [&mesh](std::int32_t v) -> const Vec3& {
+    return mesh.vertices[static_cast<std::size_t>(v)];
+  };
+  Vec3 low = place(vertices.front());
+  Vec3 high = low;
+  for (const std::int32_t v : vertices) {
+    low = low.cwiseMin(place(v));
+    high = high.cwiseMax(place(v));
+  }
+  Eigen::Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const std::size_t half = (vertices.size() / kRun + 1) / 2 * kRun;
+  std::nth_element(vertices.begin(), vertices.begin() + static_cast<std::ptrdiff_t>(half), vertices.end(),
+                   [&](std::int32_t a, std::int32_t b) {
+                     return std::pair(place(a)[axis], a) < std::pair(place(b)[axis], b);
+                   });
+  order_in_halves(mesh, vertices.first(half));
+  order_in_halves(mesh, vertices.subspan(half));
+}
+
+// Puts vertices that are near one another near one another in memory, so that what moves is a few runs.
+void order_by_place(geometry::TriangleMesh& mesh) {
+  std::vector<std::int32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  order_in_halves(mesh, order);
+  std::vector<Vec3> vertices;
+  std::vector<std::int32_t> now_at(order.size());
+  for (const std::int32_t v : order) {
+    now_at[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(vertices.size());
+    vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+  }
+  mesh.vertices = std::move(vertices);
+  for (geometry::Triangle& t : mesh.triangles)
+    for (std::int32_t& v : t) v = now_at[static_cast<std::size_t>(v)];
+  std::sort(mesh.triangles.begin(), mesh.triangles.end(), [](const auto& a, const auto& b) {
+    return std::min({a[0], a[1], a[2]}) < std::min({b[0], b[1], b[2]});
+  });
+}
+
+}  // namespace
+
+OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::ReachParameters& reach,
+                           Detail detail)
+    : reach_(reach), detail_(detail) {
+  double edge = std::clamp(geometry::bounds(rest).size().norm() / kEdgesAcross, kShortestEdge, kLongestEdge);
+  if (detail == Detail::kLive) edge = std::max(edge, 1.75 * std::sqrt(area_of(rest) / kLiveTriangles));
+  const RefineRule rule{kCreaseDeg, [edge](const Vec3&, double length, double) { return length > edge; }};
+  base_ = refine_smoothly(rest, rule);
+  even_out(base_, kEvenShare * mean_edge(rest), kCreaseDeg);
+  take_surface(base_);
+  if (detail == Detail::kLive) base_ = {};
+}
+
+void OrganPicture::take_surface(geometry::TriangleMesh rest) {
+  order_by_place(rest);
+  surface_ = std::make_unique<deform::LiveSurface>(std::move(rest), reach_, kRounding);
+}
+
+bool OrganPicture::divide_around(std::span<const deform::Indentation> indentations) {
+  if (detail_ == Detail::kLive) return false;
+  const auto divided = [this](const deform::Indentation& i) {
+    return std::any_of(centres_.begin(), centres_.end(),
+                       [&i](const Vec3& c) { return (c - i.point).norm() < kSameCentre; });
+  };
+  if (std::all_of(indentations.begin(), indentations.end(), divided)) return false;
+  centres_.clear();
+  for (const deform::Indentation& i : indentations) {
+    if (!divided(i)) centres_.push_back(i.point);
+  }
+  const RefineRule rule{kCreaseDeg, [this](const Vec3& middle, double length, double) {
+                          double nearest = std::numeric_limits<double>::infinity();
+                          for (const Vec3& c : centres_) nearest = std::min(nearest, (middle - c).norm());
+                          return length > kFineEdge + kCoarsening * std::max(0.0, nearest - kFineRadius);
+                        }};
+  take_surface(refine_smoothly(base_, rule));
+  return true;
+}
+
+void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform::Indentation> indentations) {
+  std::size_t own = 0;
+  for (std::size_t i = 0; i < indentations.size(); ++i)
+    if ((indentations[i].point - imprint.point()).norm() < (indentations[own].point - imprint.point()).norm())
+      own = i;
+  const Eigen::Vector3f direction = imprint.direction().cast<float>();
+  Eigen::Vector3f q;  // the lowering's derivative
+  for (const deform::LiveSurface::Range& run : surface_->near(own, kLoweredWithin)) {
+    for (std::size_t i = run.first; i < run.first + run.count; ++i) {
+      const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
+      const Eigen::Vector3f& at_rest = surface_->rest_vertices()[i];
+      const float lowering = imprint.lowering(surface_->vertices()[i].position, at_rest, rest_normal, &q);
+      const auto v = static_cast<std::int32_t>(i);
+      if (!(lowering > 0.0F) || !surface_->is_near(own, v, kLoweredWithin)) continue;
+      deform::LiveVertex& vertex = surface_->move(v);
+      vertex.position += lowering * direction;
+      // The transposed adjugate of I + direction q^T.
+      const Eigen::Vector3f normal =
+          (1.0F + direction.dot(q)) * vertex.normal - direction.dot(vertex.normal) * q;
+      if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
+      const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
+      vertex.moved = inwards * (vertex.position - at_rest).norm();
+    }
+  }
+}
+
+bool OrganPicture::update(std::span<const deform::Indentation> indentations,
+                          std::span<const ToolImprint> imprints) {
+  const bool changed = divide_around(indentations);
+  surface_->update(indentations, detail_ == Detail::kStill ? deform::LiveSurface::kSettle : kLiveSteps);
+  for (const ToolImprint& imprint : imprints) lower_onto(imprint, indentations);
+  return changed;
+}
+
+}  // namespace palpate::render

@@ -1,0 +1,382 @@
+#include "view/render/painter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "view/render/shaders.h"
+
+namespace palpate::render {
+namespace {
+
+constexpr int kShadowSize = 2048;  // texels a side
+constexpr int kSoftShadowSize = 256;
+constexpr double kSoftShadowLift = 0.4e-3;  // m
+constexpr double kPenumbra = 0.018;         // of the picture's height at the target, radius
+constexpr double kOcclusionReach = 0.16;    // of the picture's height at the target
+constexpr double kNearShare = 0.02;         // near plane: share of the distance to the target
+constexpr double kFarShare = 4.0;
+
+Eigen::Matrix4f look_along(const Vec3& right, const Vec3& up, const Vec3& back, const Vec3& origin) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.block<1, 3>(0, 0) = right.transpose();
+  m.block<1, 3>(1, 0) = up.transpose();
+  m.block<1, 3>(2, 0) = back.transpose();
+  m.block<3, 1>(0, 3) = -m.block<3, 3>(0, 0) * origin;
+  return m.cast<float>();
+}
+
+Eigen::Matrix4f matrix_of(const Pose& pose) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.block<3, 3>(0, 0) = pose.rotation.toRotationMatrix();
+  m.block<3, 1>(0, 3) = pose.position;
+  return m.cast<float>();
+}
+
+Eigen::Vector2f texel_of(const Target& target) {
+  return {1.0F / static_cast<float>(target.width()), 1.0F / static_cast<float>(target.height())};
+}
+
+}  // namespace
+
+// Everything that the passes need to know of one picture.
+struct Painter::View {
+  Vec3 eye, right, up, back;
+  Vec3 key, fill, rim;
+  double near_plane, far_plane, half_height, half_width, height_at_target;
+  Eigen::Matrix4f projection;
+  Eigen::Matrix4f light;
+  double light_radius;
+
+  View(const Camera& camera, double aspect, const LitRegion& region) {
+    eye = camera.eye;
+    const double distance = (camera.eye - camera.target).norm();
+    back = (camera.eye - camera.target).normalized();
+    right = camera.up.cross(back).normalized();
+    up = back.cross(right);
+    key = (-0.62 * right + 0.70 * up + 0.36 * back).normalized();
+    fill = (0.75 * right + 0.10 * up + 0.65 * back).normalized();
+    rim = (0.45 * right + 0.45 * up - 0.77 * back).normalized();
+    near_plane = kNearShare * distance;
+    far_plane = kFarShare * distance;
+    half_height = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);
+    half_width = aspect * half_height;
+    height_at_target = 2.0 * distance * half_height;
+    Eigen::Matrix4f lens = Eigen::Matrix4f::Zero();
+    lens(0, 0) = static_cast<float>(1.0 / half_width);
+    lens(1, 1) = static_cast<float>(1.0 / half_height);
+    lens(2, 2) = static_cast<float>(-(far_plane + near_plane) / (far_plane - near_plane));
+    lens(2, 3) = static_cast<float>(-2.0 * far_plane * near_plane / (far_plane - near_plane));
+    lens(3, 2) = -1.0F;
+    projection = lens * look_along(right, up, back, eye);
+
+    // The light's map covers what is seen and lit, whichever is smaller, and no more.
+    light_radius = std::min(region.radius, 1.1 * distance * std::hypot(half_height, half_width));
+    const Vec3 middle = light_radius < region.radius ? camera.target : region.middle;
+    const Vec3 light_right = up.cross(key).normalized();
+    Eigen::Matrix4f box = Eigen::Matrix4f::Identity();
+    box(0, 0) = box(1, 1) = static_cast<float>(1.0 / light_radius);
+    box(2, 2) = static_cast<float>(-0.5 / region.radius);
+    light = box * look_along(light_right, key.cross(light_right), key, middle);
+  }
+};
+
+// Shadow and occlusion of everything as it is now, and four samples a pixel.
+struct Painter::Still {
+  Still(int width, int height)
+      : depth(shaders::place_vertex(), shaders::depth_fragment()),
+        occlusion(shaders::fullscreen_vertex(), shaders::occlusion_fragment()),
+        blur(shaders::fullscreen_vertex(), shaders::blur_fragment()),
+        shadow(Target::Kind::kShadow, kShadowSize, kShadowSize),
+        depth_half(Target::Kind::kDepth, (width + 1) / 2, (height + 1) / 2),
+        occlusion_half(Target::Kind::kGrey, (width + 1) / 2, (height + 1) / 2),
+        blurred_half(Target::Kind::kGrey, (width + 1) / 2, (height + 1) / 2),
+        picture(Target::Kind::kColourMultisampled, width, height) {}
+
+  Program depth;
+  Program occlusion;
+  Program blur;
+  Target shadow;
+  Target depth_half;
+  Target occlusion_half;
+  Target blurred_half;
+  Target picture;
+};
+
+// The tools' soft shadow, a background drawn once, and edges smoothed at the end.
+struct Painter::Live {
+  Live(int width, int height)
+      : moments(shaders::place_vertex(), shaders::moments_fragment()),
+        soften(shaders::fullscreen_vertex(), shaders::soften_fragment()),
+        smooth_edges(shaders::fullscreen_vertex(), shaders::smooth_edges_fragment()),
+        copy(shaders::fullscreen_vertex(), shaders::copy_fragment()),
+        shadow(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
+        softer(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
+        backdrop(Target::Kind::kColour, width, height),
+        picture(Target::Kind::kColourWithDepth, width, height) {}
+
+  Program moments;
+  Program soften;
+  Program smooth_edges;
+  Program copy;
+  Target shadow;
+  Target softer;
+  Target backdrop;
+  Target picture;
+  bool backdrop_drawn = false;
+};
+
+// How tissue and steel are drawn in one quality.
+struct Painter::Materials {
+  explicit Materials(Quality quality)
+      : tissue(shaders::scene_vertex(quality), shaders::tissue_fragment(quality)),
+        steel(shaders::scene_vertex(quality), shaders::steel_fragment(quality)) {}
+
+  Program tissue;
+  Program steel;
+};
+
+Painter::Painter(const TissueLook& look, int width, int height, Quality quality)
+    : look_(look),
+      quality_(quality),
+      width_(width),
+      height_(height),
+      background_(shaders::fullscreen_vertex(), shaders::background_fragment()),
+      resolved_(Target::Kind::kColour, width, height) {
+  set_quality(quality);
+}
+
+Painter::~Painter() = default;
+
+void Painter::set_quality(Quality quality) {
+  quality_ = quality;
+  if (!materials()) materials() = std::make_unique<Materials>(quality);
+  if (quality == Quality::kFull) {
+    live_.reset();
+    if (!still_) still_ = std::make_unique<Still>(width_, height_);
+  } else {
+    still_.reset();
+    if (!live_) live_ = std::make_unique<Live>(width_, height_);
+  }
+}
+
+void Painter::resize(int width, int height) {
+  width_ = width;
+  height_ = height;
+  resolved_.resize(width, height);
+  if (still_) still_ = std::make_unique<Still>(width, height);
+  if (live_) {
+    live_->backdrop.resize(width, height);
+    live_->picture.resize(width, height);
+    live_->backdrop_drawn = false;
+  }
+}
+
+void Painter::draw_tools(const Program& program) const {
+  for (const auto& tool : tools_) {
+    program.set("model", matrix_of(tool->place_W));
+    tool->mesh.draw();
+  }
+}
+
+void Painter::draw_scene(const Program& program) const {
+  program.set("model", matrix_of(organ_.place_W));
+  organ_.mesh.draw();
+  draw_tools(program);
+}
+
+void Painter::draw_shadow(const View& view) {
+  still_->shadow.bind();
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_DEPTH_CLAMP);
+  still_->depth.use();
+  still_->depth.set("projection", view.light);
+  draw_scene(still_->depth);
+  glDisable(GL_DEPTH_CLAMP);
+}
+
+void Painter::draw_occlusion(const View& view) {
+  still_->depth_half.bind();
+  glClear(GL_DEPTH_BUFFER_BIT);
+  still_->depth.use();
+  still_->depth.set("projection", view.projection);
+  draw_scene(still_->depth);
+
+  const Eigen::Vector2f texel = texel_of(still_->depth_half);
+  glDisable(GL_DEPTH_TEST);
+  still_->occlusion_half.bind();
+  still_->depth_half.bind_texture(0);
+  const Program& occlusion = still_->occlusion;
+  occlusion.use();
+  occlusion.set("depth_map", 0);
+  occlusion.set("pixel_size", texel);
+  occlusion.set("half_view",
+                Eigen::Vector2f(static_cast<float>(view.half_width), static_cast<float>(view.half_height)));
+  occlusion.set("near_plane", static_cast<float>(view.near_plane));
+  occlusion.set("far_plane", static_cast<float>(view.far_plane));
+  occlusion.set("radius", static_cast<float>(kOcclusionReach * view.height_at_target));
+  nothing_.draw_fullscreen();
+  still_->blurred_half.bind();
+  still_->occlusion_half.bind_texture(0);
+  still_->blur.use();
+  still_->blur.set("source", 0);
+  still_->blur.set("pixel_size", texel);
+  nothing_.draw_fullscreen();
+  glEnable(GL_DEPTH_TEST);
+}
+
+void Painter::set_studio(const Program& program, const View& view) const {
+  program.use();
+  program.set("projection", view.projection);
+  program.set("light_projection", view.light);
+  program.set("eye", Eigen::Vector3f(view.eye.cast<float>()));
+  program.set("rig_right", Eigen::Vector3f(view.right.cast<float>()));
+  program.set("rig_up", Eigen::Vector3f(view.up.cast<float>()));
+  program.set("rig_back", Eigen::Vector3f(view.back.cast<float>()));
+  program.set("key", Eigen::Vector3f(view.key.cast<float>()));
+  program.set("fill", Eigen::Vector3f(view.fill.cast<float>()));
+  program.set("rim", Eigen::Vector3f(view.rim.cast<float>()));
+  program.set("lamps", lamps_ ? 1.0F : 0.0F);
+  const bool still = quality_ == Quality::kFull;
+  const double lift = still ? 0.5 * kPenumbra * view.height_at_target : kSoftShadowLift;
+  program.set("shadow_lift", static_cast<float>(lift));
+  program.set("shadow_texel", static_cast<float>(2.0 * view.light_radius / kShadowSize));
+  program.set("shadow_softness",
+              static_cast<float>(0.5 * kPenumbra * view.height_at_target / view.light_radius));
+  program.set("shadow_map", 0);
+  program.set("moments_map", 0);
+  program.set("occlusion_map", 1);
+  program.set("pixel_size", texel_of(resolved_));
+}
+
+void Painter::draw_materials(const View& view, bool each_sample) {
+  const Program& tissue = materials()->tissue;
+  set_studio(tissue, view);
+  tissue.set("vessel_colour", look_.vessel);
+  tissue.set("vessel_share", look_.vessel_share);
+  tissue.set("map_range", static_cast<float>(map_range_));
+  tissue.set("model", matrix_of(organ_.place_W));
+  organ_.mesh.draw();
+  const Program& steel = materials()->steel;
+  set_studio(steel, view);
+  steel.set("map_range", 0.0F);
+  glDisable(GL_CULL_FACE);  // instruments need not be closed
+  if (each_sample) {
+    glEnable(GL_SAMPLE_SHADING);
+    glMinSampleShading(1.0F);
+  }
+  draw_tools(steel);
+  if (each_sample) glDisable(GL_SAMPLE_SHADING);
+  glEnable(GL_CULL_FACE);
+}
+
+void Painter::draw_still(const View& view) {
+  draw_shadow(view);
+  draw_occlusion(view);
+  still_->picture.bind();
+  still_->shadow.bind_texture(0);
+  still_->blurred_half.bind_texture(1);
+  glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
+  glDisable(GL_DEPTH_TEST);
+  background_.use();
+  nothing_.draw_fullscreen();
+  glEnable(GL_DEPTH_TEST);
+  draw_materials(view, epoxy_gl_version() >= 40);  // fine teeth glitter when lit once a pixel
+  still_->picture.resolve_to(resolved_);
+}
+
+void Painter::draw_soft_shadow(const View& view) {
+  live_->shadow.bind();
+  glClearColor(1.0F, 1.0F, 0.0F, 0.0F);
+  glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
+  glEnable(GL_DEPTH_CLAMP);
+  glDisable(GL_CULL_FACE);
+  live_->moments.use();
+  live_->moments.set("projection", view.light);
+  draw_tools(live_->moments);
+  glEnable(GL_CULL_FACE);
+  glDisable(GL_DEPTH_CLAMP);
+
+  glDisable(GL_DEPTH_TEST);
+  live_->soften.use();
+  live_->soften.set("source", 0);
+  live_->softer.bind();
+  live_->shadow.bind_texture(0);
+  live_->soften.set("along", 1, 0);
+  nothing_.draw_fullscreen();
+  live_->shadow.bind();
+  live_->softer.bind_texture(0);
+  live_->soften.set("along", 0, 1);
+  nothing_.draw_fullscreen();
+  glEnable(GL_DEPTH_TEST);
+}
+
+void Painter::draw_live(const View& view) {
+  if (!live_->backdrop_drawn) {
+    live_->backdrop.bind();
+    glDisable(GL_DEPTH_TEST);
+    background_.use();
+    nothing_.draw_fullscreen();
+    glEnable(GL_DEPTH_TEST);
+    live_->backdrop_drawn = true;
+  }
+  draw_soft_shadow(view);
+  Target& drawn = live_->picture;
+  drawn.bind();
+  glClear(GL_DEPTH_BUFFER_BIT);
+  live_->shadow.bind_texture(0);
+  draw_materials(view, false);
+  // The background last, and only where nothing stands before it.
+  live_->backdrop.bind_texture(0);
+  live_->copy.use();
+  live_->copy.set("source", 0);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_FALSE);
+  nothing_.draw_fullscreen();
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LESS);
+  if (quality_ == Quality::kFast) {
+    drawn.resolve_to(resolved_);
+    return;
+  }
+  glDisable(GL_DEPTH_TEST);
+  resolved_.bind();
+  drawn.bind_texture(0);
+  live_->smooth_edges.use();
+  live_->smooth_edges.set("source", 0);
+  live_->smooth_edges.set("last", drawn.width() - 1, drawn.height() - 1);
+  nothing_.draw_fullscreen();
+  glEnable(GL_DEPTH_TEST);
+}
+
+void Painter::draw(const Camera& camera, const LitRegion& region) {
+  const View view(camera, static_cast<double>(width_) / height_, region);
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_CULL_FACE);  // an organ's inside is never drawn
+  glEnable(GL_MULTISAMPLE);
+  if (quality_ == Quality::kFull) {
+    draw_still(view);
+  } else {
+    draw_live(view);
+  }
+}
+
+Image Painter::read() const {
+  resolved_.bind();
+  Image image{width_, height_, {}};
+  const std::size_t row = static_cast<std::size_t>(image.width) * 3;
+  std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(image.height));
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, bottom_up.data());
+  image.rgb.reserve(bottom_up.size());
+  for (auto line = bottom_up.end(); line != bottom_up.begin(); line -= static_cast<std::ptrdiff_t>(row))
+    image.rgb.insert(image.rgb.end(), line - static_cast<std::ptrdiff_t>(row), line);
+  return image;
+}
+
+Image Painter::paint(const Camera& camera, const LitRegion& region) {
+  draw(camera, region);
+  return read();
+}
+
+}  // namespace palpate::render

@@ -1,0 +1,297 @@
+// The materials: tissue and steel in the studio's light.
+#include "view/render/shaders.h"
+
+#include "view/render/shader_pieces.h"
+
+namespace palpate::render::shaders {
+namespace {
+
+// Smooth noise of a point: value in -1..1 and its gradient, quintic between hashed lattice values.
+const char* const kNoise = R"(
+// Hashed values -1..1 at the eight corners of a cell; x first, then y; low and high in z.
+vec4 hashed(uvec4 h) {
+  h = (h ^ (h >> 13u)) * 1274126177u;
+  h ^= h >> 16u;
+  return vec4(h & 0xffffffu) * (1.0 / 8388607.5) - 1.0;
+}
+void corners(ivec3 c, out vec4 low, out vec4 high) {
+  uint x = uint(c.x) * 374761393u;
+  uint y = uint(c.y) * 668265263u + uint(c.z) * 2147483647u;
+  uvec4 h = uvec4(x + y) + uvec4(0u, 374761393u, 668265263u, 1043026656u);
+  low = hashed(h);
+  high = hashed(h + 2147483647u);
+}
+vec4 noise(vec3 p) {
+  vec3 cell = floor(p);
+  ivec3 c = ivec3(cell);
+  vec3 f = p - cell;
+  vec3 s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+  vec3 ds = 30.0 * f * f * (f * (f - 2.0) + 1.0);
+  vec4 low;
+  vec4 high;
+  corners(c, low, high);
+  vec4 mid = mix(low, high, s.z);
+  vec4 rise = high - low;
+  vec2 xs = mix(mid.xz, mid.yw, s.x);
+  float value = mix(xs.x, xs.y, s.y);
+  float dx = mix(mid.y - mid.x, mid.w - mid.z, s.y);
+  float dy = xs.y - xs.x;
+  vec2 zs = mix(rise.xz, rise.yw, s.x);
+  float dz = mix(zs.x, zs.y, s.y);
+  return vec4(value, vec3(dx, dy, dz) * ds);
+}
+)";
+
+const char* const kNoiseValue = R"(
+float noise_value(vec3 p) {
+  vec3 cell = floor(p);
+  ivec3 c = ivec3(cell);
+  vec3 f = p - cell;
+  vec3 s = f * f * (3.0 - 2.0 * f);
+  vec4 low;
+  vec4 high;
+  corners(c, low, high);
+  vec4 mid = mix(low, high, s.z);
+  vec2 xs = mix(mid.xz, mid.yw, s.x);
+  return mix(xs.x, xs.y, s.y);
+}
+)";
+
+// The studio: camera-fixed key, fill and rim lights and what a mirror would see.
+const char* const kStudio = R"(
+in vec3 p_W;
+in vec3 n_W;
+in vec3 rest;
+in vec4 colour;
+in vec4 vessel;
+in float sky_at_rest;
+out vec4 pixel;
+#ifdef FULL
+uniform float shadow_texel;     // m
+uniform float shadow_softness;  // of the map's width
+uniform sampler2DShadow shadow_map;
+uniform sampler2D occlusion_map;
+#else
+in vec3 in_shadow_map;
+uniform sampler2D moments_map;
+in vec3 other_light;
+#endif
+uniform vec2 pixel_size;
+
+#ifdef FULL
+float key_visible(vec3 n) {
+  // Lifted by more than the penumbra sees of a bent surface, so that it does not shade itself.
+  vec3 p = p_W + n * (2.5 * shadow_texel + shadow_lift) + key * shadow_texel;
+  vec3 q = (light_projection * vec4(p, 1.0)).xyz * 0.5 + 0.5;
+  float turn = 6.2831853 * dither_value(gl_FragCoord.xy);
+  vec2 arm = shadow_softness * vec2(cos(turn), sin(turn));
+  const mat2 kGoldenTurn = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688);
+  float sum = 0.0;
+  for (int i = 0; i < 16; ++i) {
+    sum += texture(shadow_map, vec3(q.xy + sqrt((float(i) + 0.5) / 16.0) * arm, q.z - 0.0006));
+    arm = kGoldenTurn * arm;
+  }
+  return sum / 16.0;
+}
+
+float sky_visible() {
+  float depth = 1.0 / gl_FragCoord.w;
+  vec2 at = gl_FragCoord.xy * pixel_size;
+  vec2 step_size = pixel_size * 1.5;
+  float sum = 0.0;
+  float weights = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    vec2 o = vec2(float(i & 1) - 0.5, float(i >> 1) - 0.5) * step_size;
+    vec2 sample_value = texture(occlusion_map, at + o).xy;
+    float w = 1e-3 + max(0.0, 1.0 - abs(sample_value.y - depth) / (0.006 * depth));
+    sum += w * sample_value.x;
+    weights += w;
+  }
+  return sum / weights * mix(1.0, sky_at_rest, 0.5);
+}
+
+#else
+// The tools' shadow, softened beforehand (variance shadow map, Donnelly and Lauritzen 2006); nearest entries,
+// scattered by half of one so that none is seen.
+float key_visible(vec3 n) {
+  vec2 scatter = vec2(dither_value(gl_FragCoord.xy), dither_value(gl_FragCoord.yx + 17.0)) - 0.5;
+  vec2 size = vec2(textureSize(moments_map, 0));
+  ivec2 at = ivec2(clamp(in_shadow_map.xy * size + 1.5 * scatter, vec2(0.0), size - 1.0));
+  vec2 moments = texelFetch(moments_map, at, 0).xy;
+  float behind = max(in_shadow_map.z - moments.x, 0.0);
+  float variance = max(moments.y - moments.x * moments.x, 2e-7);
+  return smoothstep(0.2, 1.0, variance / (variance + behind * behind));
+}
+float sky_visible() { return sky_at_rest; }
+#endif
+
+vec3 mirror(vec3 d, float roughness) {
+  vec3 q = vec3(dot(d, rig_right), dot(d, rig_up), dot(d, rig_back));
+  vec3 colour = mix(vec3(0.07, 0.07, 0.075), vec3(0.50, 0.54, 0.60), smoothstep(-0.5, 0.9, q.y));
+  float k = dot(d, key);
+  float box = smoothstep(cos(0.55 + 0.7 * roughness), cos(0.34 * (1.0 - roughness)), k);
+  colour += vec3(0.30, 0.31, 0.33) * smoothstep(-0.1, 1.0, q.z);
+  colour += lamps * vec3(1.0, 0.97, 0.93) * box * mix(2.2, 0.9, roughness);
+  float strip = smoothstep(0.62 - 0.4 * roughness, 0.95, abs(q.x)) * smoothstep(-0.7, 0.2, q.y);
+  colour += lamps * vec3(0.75, 0.82, 0.92) * strip * mix(0.9, 0.35, roughness);
+  return colour;
+}
+
+// Microfacet highlight (GGX, Schlick's Fresnel, Hammon's visibility), times N.L.
+float highlight(vec3 n, vec3 v, vec3 l, float roughness) {
+  float nl = dot(n, l);
+  if (nl <= 0.0) return 0.0;
+  vec3 h = normalize(v + l);
+  float a = roughness * roughness;
+  float nv = max(dot(n, v), 1e-3);
+  float nh = max(dot(n, h), 0.0);
+  float d = nh * nh * (a * a - 1.0) + 1.0;
+  float visible = 0.5 / mix(2.0 * nl * nv, nl + nv, a);
+  return nl * visible * a * a / (3.14159265 * d * d);
+}
+float soft_peak(float x) { return x / (1.0 + 1.8 * x); }  // a film of moisture never glares
+float fresnel(float f0, float cosine) {
+  float x = 1.0 - clamp(cosine, 0.0, 1.0);
+  return f0 + (1.0 - f0) * x * x * x * x * x;
+}
+)";
+
+const char* const kTissue = R"(
+uniform vec3 vessel_colour;
+uniform float vessel_share;
+
+float vessels() {
+  float width = vessel.w;
+  float lines = 0.0;
+#ifndef FAST
+  float wide = abs(noise_value(vessel.xyz));
+  lines = 0.85 * width * (1.0 - smoothstep(0.25, 1.0, wide / (0.012 + 0.045 * width)));
+#endif
+#ifdef FULL
+  float narrow = abs(noise_value(vessel.zxy * 2.3 + 83.0));
+  float fine = width * (1.2 - width);
+  lines = max(lines, 1.4 * fine * (1.0 - smoothstep(0.2, 1.0, narrow / (0.012 + 0.05 * width))));
+#endif
+  return clamp(lines, 0.0, 1.0) * vessel_share;
+}
+
+#ifdef FULL
+void main() {
+  vec3 n = normalize(n_W);
+  vec3 v = normalize(eye - p_W);
+  vec3 albedo = mix(colour.rgb, vessel_colour, vessels());
+  float fat = colour.a;
+  float facing = clamp(dot(n, v), 0.0, 1.0);
+  float flat_on = smoothstep(0.0, 0.5, facing);  // seen flat, bumps hide one another
+  vec3 slope = vec3(0.0);
+  float footprint = max(length(dFdx(rest)), length(dFdy(rest)));
+  vec3 waves = noise(rest * 190.0).yzw * 0.030;
+  slope = noise(rest * 520.0).yzw * 0.028 * clamp(1.5 - footprint * 1040.0, 0.0, 1.0) +
+          noise(rest * 1350.0).yzw * 0.016 * clamp(1.5 - footprint * 2700.0, 0.0, 1.0);
+  slope = (slope + waves) * flat_on;
+  vec3 wet_slope = waves * flat_on + 0.30 * slope;  // the film of moisture lies smoother than the tissue
+  vec3 bumped = normalize(n - (slope - n * dot(slope, n)));
+  vec3 wet_n = normalize(n - (wet_slope - n * dot(wet_slope, n)));
+  vec3 diffuse_n = normalize(mix(n, bumped, 0.6));
+
+  float lit = key_visible(n);
+  float sky = sky_visible();
+  vec3 soft_lit = vec3(mix(lit, sqrt(lit), 0.5), lit, lit);
+  vec3 tinted_sky = mix(vec3(sky), vec3(1.0), 0.35 * albedo * (1.0 - sky));  // light between tissue walls
+  vec3 light = kKeyColour * wrapped(diffuse_n, key) * soft_lit * mix(1.0, sky, 0.45) +
+               (kFillColour * wrapped(diffuse_n, fill) + 0.5 * kRimColour * wrapped(diffuse_n, rim) + irradiance(diffuse_n)) * tinted_sky;
+  vec3 shade = albedo * light * 0.47;
+
+  // Two layers: the tissue's own dull gloss, and a thin clear film over it.
+  float dull = highlight(bumped, v, key, mix(0.46, 0.52, fat)) * fresnel(0.028, dot(normalize(v + key), v));
+  shade += kKeyColour * lit * soft_peak(0.8 * dull);
+  float film = fresnel(0.026, facing);
+  film = min(film, 0.16);  // a film on rough tissue does not mirror at the edge as glass would
+  float wet = highlight(wet_n, v, key, 0.20) * fresnel(0.026, dot(normalize(v + key), v));
+  shade += kKeyColour * lit * soft_peak(0.55 * wet);
+  shade += mirror(reflect(-v, wet_n), 0.22) * film * 1.25 * sky * mix(0.45, 1.0, lit);
+  float back = highlight(wet_n, v, rim, 0.34) * fresnel(0.028, dot(normalize(v + rim), v));
+  shade += 0.5 * kRimColour * sky * soft_peak(back);
+  pixel = vec4(finish(shade), 1.0);
+}
+#else
+void main() {
+  vec3 v = normalize(eye - p_W);
+  vec3 albedo = mix(colour.rgb, vessel_colour, vessels());
+  vec3 n = n_W;
+#ifndef FAST
+  vec3 waves = noise(rest * 260.0).yzw * (0.034 * smoothstep(0.0, 0.5, dot(n, v)));
+  n -= waves - n * dot(waves, n);
+#endif
+  n = normalize(n);
+  float lit = key_visible(n);
+  float facing = max(dot(n, v), 1e-3);
+  vec3 soft_lit = vec3(0.5 * lit + 0.5 * sqrt(lit), lit, lit);
+  vec3 light = kKeyColour * wrapped(n, key) * soft_lit * mix(1.0, sky_at_rest, 0.45) + other_light;
+  vec3 shade = albedo * light * 0.47;
+
+  // As kFull's, with one normal for both layers.
+  vec3 h = normalize(v + key);
+  float nl = max(dot(n, key), 0.0);
+  float nh = max(dot(n, h), 0.0);
+  float hidden = nh * nh * (0.22 * 0.22 - 1.0) + 1.0;
+  float shining = nh * nh * (0.06 * 0.06 - 1.0) + 1.0;
+  float f = fresnel(0.027, dot(h, v)) * nl * 0.5 / (3.14159265 * (nl + facing));
+  float dull = 0.8 * f * 0.22 * 0.22 / (hidden * hidden);
+  float wet = f * 0.06 * 0.06 / (shining * shining);
+  shade += kKeyColour * lit * (soft_peak(dull) + 0.55 * soft_peak(wet));
+  float film = min(fresnel(0.026, facing), 0.16);
+  shade += mirror(reflect(-v, n), 0.22) * film * 1.25 * sky_at_rest * mix(0.45, 1.0, lit);
+  pixel = vec4(finish(shade), 1.0);
+}
+#endif
+)";
+
+const char* const kSteel = R"(
+void main() {
+  vec3 n = normalize(n_W);
+  vec3 v = normalize(eye - p_W);
+  // Brushed along z of the handle frame: fine streaks, long in z.
+  vec3 s = rest * vec3(5200.0, 5200.0, 180.0);
+  float footprint = max(length(dFdx(s.xy)), length(dFdy(s.xy)));
+  vec4 streak = noise(s) * clamp(1.4 - 0.7 * footprint, 0.0, 1.0);
+  vec3 slope = vec3(streak.yz, 0.0) * 0.02;
+  n = normalize(n - (slope - n * dot(slope, n)));
+  float roughness = 0.38 + 0.05 * streak.x;
+  vec3 metal = vec3(0.66, 0.655, 0.645) * (1.0 + 0.05 * streak.x);
+
+  float shown = key_visible(normalize(n_W));
+  float sky = sky_visible();
+  float nv = max(dot(n, v), 0.0);
+  vec3 f = metal + (1.0 - metal) * pow(1.0 - nv, 5.0);
+  vec3 shade = mirror(reflect(-v, n), roughness) * f * sky * mix(0.75, 1.0, shown);
+  shade += kKeyColour * 0.55 * shown * highlight(n, v, key, roughness) * f;
+  shade += kRimColour * 0.5 * highlight(n, v, rim, roughness) * f * sky;
+  shade += kFillColour * 0.5 * highlight(n, v, fill, 0.45) * f * sky;
+  shade += metal * 0.10 * (irradiance(n) * sky + kKeyColour * 0.5 * shown * max(dot(n, key), 0.0));
+  pixel = vec4(finish(shade * 0.92), 1.0);
+}
+)";
+
+std::string level(Quality quality) {
+  switch (quality) {
+    case Quality::kFull:
+      return "#define FULL\n";
+    case Quality::kFast:
+      return "#define FAST\n";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+std::string tissue_fragment(Quality quality) {
+  return kVersion + level(quality) + kFinish + kNoise + kNoiseValue + kLamps + kStudio + kTissue;
+}
+
+std::string steel_fragment(Quality quality) {
+  return kVersion + level(quality) + kFinish + kNoise + kLamps + kStudio + kSteel;
+}
+
+}  // namespace palpate::render::shaders

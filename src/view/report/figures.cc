@@ -1,0 +1,356 @@
+#include "view/report/figures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "palpate/mesh.h"
+
+#include "core/base/text.h"
+#include "io/scene/make_world.h"
+#include "science/fit/distributions.h"
+#include "view/report/gnuplot.h"
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr std::size_t kMostPoints = 2500;  // a line has no more, so that the page stays small
+constexpr std::size_t kMostMarkers = 300;  // a scatter has no more, so that the curve beneath is seen
+constexpr std::size_t kLongestSegment = 1024;
+constexpr std::size_t kShortestSegment = 64;
+
+constexpr const char* kKey = "top right Left reverse samplen 2 spacing 1.15 noopaque";
+
+std::string quoted(const std::string& colour) { return "rgb '" + colour + "'"; }
+
+/// Draws; a failure of gnuplot becomes words in the figure.
+Figure drawn(Figure figure, const std::string& script, const std::vector<PlotData>& data) {
+  try {
+    run_gnuplot(script, data, figure.file);
+  } catch (const FigureError& error) {
+    figure.missing = error.what();
+  }
+  return figure;
+}
+
+std::size_t stride_for(std::size_t count, std::size_t most) {
+  return std::max<std::size_t>(1, (count + most - 1) / most);
+}
+
+std::string vertical(double at, const std::string& label, const std::string& label_at) {
+  const std::string x = shortest(at);
+  std::string text =
+      fmt::format("set arrow from {},graph 0 to {},graph 1 nohead dt 2 lw 1 lc rgb '#777777' back\n", x, x);
+  if (!label.empty()) {
+    text +=
+        fmt::format("set label '{}' at {},graph {} offset 0.4,0 font ',12' textcolor rgb '#555555' front\n",
+                    label, x, label_at);
+  }
+  return text;
+}
+
+double device_force(const haptics::TickRow& row) {
+  return std::hypot(row.force[0], row.force[1], row.force[2]);
+}
+
+/// Outline of a histogram: x, share of all values a bin.
+PlotData steps(const Bins& bins, double scale, const std::string& name) {
+  PlotData data{name, {}};
+  for (std::size_t i = 0; i < bins.counts.size(); ++i) {
+    data.rows.push_back({bins.edges[i], bins.edges[i + 1], static_cast<double>(bins.counts[i]) * scale});
+  }
+  return data;
+}
+
+/// How far the organ is from its rest pose, for a plot.
+struct OrganWay {
+  PlotData data{"organ.dat", {}};  // s; x, y, z of its middle [mm]; turned [degrees]
+  std::vector<std::size_t> lines;  // columns of `data` in which something moves, from 1
+  double turned = 0.0;             // most [degrees]
+  bool turns = false;
+};
+
+constexpr std::size_t kTurnColumn = 4;
+
+OrganWay organ_way(const HandAnalysis& hand, const scene::Setup& setup, std::size_t stride) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  constexpr std::array<double, 5> kNothing = {0.0, 1e-3, 1e-3, 1e-3, 1e-2};  // mm, degrees
+  OrganWay way;
+  const model::OrganMotion motion = scene::organ_motion_of(setup);
+  if (!motion.moves()) return way;
+  const Vec3 middle_S = geometry::bounds(setup.organ).middle();
+  std::array<double, 5> most{};
+  for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
+    const Pose pose = motion.pose_at(setup.organ_pose, hand.rows[i].tick, setup.rate_Hz);
+    const Vec3 moved = (pose * middle_S - setup.organ_pose * middle_S) * kMilli;
+    const double turned = pose.rotation.angularDistance(setup.organ_pose.rotation) * kDegrees;
+    const std::array<double, 5> row = {hand.rows[i].time, moved.x(), moved.y(), moved.z(), turned};
+    for (std::size_t c = 0; c < row.size(); ++c) most[c] = std::max(most[c], std::abs(row[c]));
+    way.data.rows.emplace_back(row.begin(), row.end());
+  }
+  for (std::size_t c = 1; c < most.size(); ++c) {
+    if (most[c] > kNothing[c]) way.lines.push_back(c);
+  }
+  way.turned = most[kTurnColumn];
+  way.turns = most[kTurnColumn] > kNothing[kTurnColumn];
+  return way;
+}
+
+std::string panel(const std::string& bottom, const std::string& top) {
+  return fmt::format("set bmargin at screen {}\nset tmargin at screen {}\n", bottom, top);
+}
+
+/// Draws the organ's way and leaves no setting of its own behind.
+std::string organ_panel(const OrganWay& way) {
+  static constexpr std::array<const char*, 5> kTitles = {"", "x", "y", "z", "turned (°, right)"};
+  static constexpr std::array<const char*, 5> kColours = {"", kOrange, kBlue, kGreen, kGrey};
+  // Room above the lines for their names.
+  std::string script =
+      "set ylabel 'organ (mm)' offset 1\nset yrange [*:*]\nset offsets 0,0,graph 0.25,0\n"
+      "set key top right horizontal\n";
+  if (way.turns) script += "set y2tics\nset y2range [0:" + shortest(1.35 * way.turned) + "]\n";
+  std::string lines;
+  for (const std::size_t c : way.lines) {
+    lines += fmt::format("{}{}{} with lines lw 2 lc {} title '{}'",
+                         lines.empty() ? "plot 'organ.dat'" : ", ''", " using 1:" + std::to_string(c + 1),
+                         c == kTurnColumn ? " axes x1y2" : "", quoted(kColours[c]), kTitles[c]);
+  }
+  script += lines + "\nunset offsets\nset key vertical\n";
+  if (way.turns) script += "unset y2tics\n";
+  return script;
+}
+
+}  // namespace
+
+Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
+                      const std::filesystem::path& file) {
+  PlotData data{"rows.dat", {}};
+  const std::size_t stride = stride_for(hand.rows.size(), kMostPoints);
+  for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
+    const haptics::TickRow& row = hand.rows[i];
+    data.rows.push_back({row.time, row.depth * kMilli, row.tissue_force, device_force(row)});
+  }
+  const OrganWay way = organ_way(hand, setup, stride);
+  const bool moving = !way.lines.empty();
+  const double end = std::max(hand.rows.back().time, 1e-3);
+  std::string script = preamble(860, moving ? 720 : 520, kKey);
+  script +=
+      fmt::format("set multiplot\nset lmargin at screen 0.095\nset rmargin at screen {}\nset xrange [0:{}]\n",
+                  way.turns ? "0.925" : "0.985", shortest(end));
+  if (hand.moments.contact) {
+    script += vertical(hand.rows[hand.moments.touch].time, "contact", "0.95");
+    script += vertical(hand.rows[hand.moments.deepest].time, "deepest", "0.95");
+  }
+  script += moving ? panel("0.71", "0.98") : panel("0.585", "0.975");
+  script += "set format x ''\nset ylabel 'depth (mm)' offset 1\nset yrange [0:1<*]\nset key off\n";
+  script += "plot 'rows.dat' using 1:2 with lines lw 2 lc " + quoted(kBlue) + "\nunset label\n";
+  if (moving) script += panel("0.40", "0.67") + organ_panel(way);
+  script += moving ? panel("0.09", "0.36") : panel("0.125", "0.535");
+  script +=
+      "set format x '%g'\nset xlabel 'time (s)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
+      "set yrange [0:0.05<*]\nset key top right\n";
+  script += fmt::format(
+      "plot 'rows.dat' using 1:4 with lines lw 1 lc {} title 'to the hand, with noise', '' using 1:3 with "
+      "lines lw 2 lc {} title 'tissue'\n"
+      "unset multiplot\n",
+      quoted(kGrey), quoted(kOrange));
+  Figure figure;
+  figure.file = file;
+  figure.alternative = moving ? "Depth, the organ's way and force over time in seconds"
+                              : "Depth in millimetres and force in newtons over time in seconds";
+  figure.caption =
+      moving ? "Depth of the contact with the largest force (above), how far the organ's middle is from its "
+               "place at rest (middle) and force (below) over time. Dashed: first contact and deepest tick."
+             : "Depth of the contact with the largest force (above) and force (below) over time. Dashed: "
+               "first contact and deepest tick.";
+  return drawn(figure, script, {data, way.data});
+}
+
+Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, model::Direction direction,
+                const std::filesystem::path& file) {
+  const scene::Setup& setup = recording.setup;
+  const model::SpringLaw law = law_of(setup, direction);
+  PlotData in{"in.dat", {}};
+  PlotData out{"out.dat", {}};
+  double deepest = 1e-3;
+  const std::size_t stride = stride_for(hand.rows.size(), kMostMarkers);
+  for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
+    const haptics::TickRow& row = hand.rows[i];
+    if (!in_contact(row, direction)) continue;
+    deepest = std::max(deepest, row.depth);
+    (i <= hand.moments.deepest ? in : out).rows.push_back({row.depth * kMilli, normal_force(row)});
+  }
+  PlotData curve{"law.dat", {}};
+  constexpr int kCurvePoints = 400;
+  for (int i = 0; i <= kCurvePoints; ++i) {
+    const double depth = 1.08 * deepest * i / kCurvePoints;
+    curve.rows.push_back({depth * kMilli, law.force_at(depth).force});
+  }
+  std::string script = preamble(860, 470, kKey);
+  script +=
+      "set key top left\nset xlabel 'depth (mm)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
+      "set xrange [0:" +
+      shortest(1.08 * deepest * kMilli) + "]\nset yrange [0:*]\n";
+  script += "plot 'law.dat' using 1:2 with lines lw 7 lc rgb '#cfcfcf' title 'law of the model" +
+            std::string(setup.tissue.relaxation.empty() ? "" : ", before it relaxes") + "'";
+  if (!in.rows.empty()) {
+    script += ", 'in.dat' using 1:2 with points pt 7 ps 0.45 lc " + quoted(kBlue) + " title 'going in'";
+  }
+  if (!out.rows.empty()) {
+    script += ", 'out.dat' using 1:2 with points pt 6 ps 0.6 lc " + quoted(kOrange) + " title 'coming out'";
+  }
+  script += "\n";
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Measured force over depth beside the law of the model";
+  figure.caption = fmt::format(
+      "Force along the contact normal over depth, one tick in {}, on the law of one contact. Several "
+      "contacts on one organ share the tissue and lie above that line; damping and the fades at the start "
+      "and at letting go part from it for a moment.{}{}",
+      stride,
+      setup.tissue.relaxation.empty()
+          ? ""
+          : " This tissue relaxes: the longer it is held, the farther its force lies below the line.",
+      recording.changes.empty() ? "" : " The line is the law at the start; it was changed while it ran.");
+  return drawn(figure, script, {curve, in, out});
+}
+
+Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
+                           const std::filesystem::path& file) {
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Power spectral density of the touch noise over frequency";
+  const bool contact = hand.contact_noise.size() >= 4 * kShortestSegment;
+  const std::vector<double>& samples = contact ? hand.contact_noise : hand.unit_noise;
+  std::size_t segment = kLongestSegment;
+  while (segment > kShortestSegment && samples.size() < 8 * segment) segment /= 2;
+  const double rate = setup.noise.rate_Hz;
+  const Spectrum spectrum = welch(samples, rate, segment);
+  if (spectrum.density.empty()) {
+    figure.missing = setup.noise.enabled ? "The run is too short for a spectrum." : "The noise was off.";
+    return figure;
+  }
+  const double scale = contact ? kMilli * kMilli : 1.0;
+  const double sigma = contact ? hand.contact_sigma : 1.0;
+  const double flat = 2.0 * sigma * sigma / rate * scale;
+  // Half-overlapping Hann segments: the variance of the mean is about (1 + 2/36) / segments of one segment's.
+  const double spread = 1.96 * std::sqrt(1.0556 / static_cast<double>(spectrum.segments));
+  PlotData data{"spectrum.dat", {}};
+  for (std::size_t i = 1; i + 1 < spectrum.density.size(); ++i) {
+    data.rows.push_back({spectrum.frequency[i], spectrum.density[i] * scale});
+  }
+  const PlotData band{"band.dat",
+                      {{0.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)},
+                       {rate / 2.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)}}};
+  std::string script = preamble(640, 420, kKey);
+  script += fmt::format(
+      "set xlabel 'frequency (Hz)' offset 0,0.4\n"
+      "set ylabel 'power density ({})' offset 1\n"
+      "set xrange [0:{}]\n"
+      "set yrange [0:{}]\n",
+      contact ? "mN²/Hz" : "σ²/Hz", shortest(rate / 2.0), shortest(flat * std::max(2.6, 1.0 + 2.2 * spread)));
+  script += fmt::format(
+      "plot 'band.dat' using 1:3:4 with filledcurves lc rgb '#e6e6e6' title '95 % band of white noise', "
+      "'spectrum.dat' using 1:2 with lines lw 1.2 lc {} title 'measured', 'band.dat' using 1:2 with lines lw "
+      "1.5 lc {} title 'white, at the set level'\n",
+      quoted(kBlue), quoted(kOrange));
+  figure.caption = fmt::format("{}, Welch's estimate, {} segments of {} samples at {} Hz.",
+                               contact ? "Spectrum of the noise force while in contact"
+                                       : "Spectrum of the noise force in units of its standard deviation",
+                               spectrum.segments, segment, fixed(rate, 0));
+  return drawn(figure, script, {band, data});
+}
+
+Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::path& file) {
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Histogram of the touch noise with the normal curve";
+  if (hand.unit_noise.empty()) {
+    figure.missing = "The noise was off.";
+    return figure;
+  }
+  constexpr double kRange = 5.0;  // in standard deviations
+  constexpr int kBins = 50;
+  const Bins bins = bin_linear(hand.unit_noise, -kRange, kRange, kBins);
+  const double scale = kBins / (2.0 * kRange * static_cast<double>(hand.unit_noise.size()));
+  PlotData curve{"normal.dat", {}};
+  for (int i = -100; i <= 100; ++i)
+    curve.rows.push_back({kRange * i / 100, fit::normal_density(kRange * i / 100)});
+  std::string script = preamble(640, 420, kKey);
+  script +=
+      "set xlabel 'noise force / σ' offset 0,0.4\nset ylabel 'density' offset 1\nset yrange [0:*]\n"
+      "set xrange [-5:5]\nset style fill solid 0.45 noborder\n";
+  script += fmt::format(
+      "plot 'bins.dat' using (($1+$2)/2):3:(0.94*($2-$1)) with boxes lc {} title 'measured', 'normal.dat' "
+      "using 1:2 with lines lw 2 lc {} title 'standard normal'\n",
+      quoted(kBlue), quoted(kOrange));
+  figure.caption =
+      "Histogram of " + grouped(hand.unit_noise.size()) +
+      " noise samples, each divided by the standard deviation that belongs to its distance: K/(d "
+      "+ d₀) in approach, K/d₀ in contact.";
+  return drawn(figure, script, {steps(bins, scale, "bins.dat"), curve});
+}
+
+Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantity quantity,
+                           const std::filesystem::path& file) {
+  const bool computing = quantity == TickQuantity::kComputing;
+  Figure figure;
+  figure.file = file;
+  figure.alternative =
+      computing ? "Histogram of the computing time of a tick" : "Histogram of how late a tick began";
+  const TimeAnalysis& time = computing ? analysis.tick_time : analysis.lateness;
+  std::vector<double> values;
+  std::vector<std::uint64_t> counts;
+  for (const haptics::Histogram::Bucket& bucket : time.counts) {
+    values.push_back(static_cast<double>(bucket.upper) * 1e-3);
+    counts.push_back(bucket.count);
+  }
+  const Bins bins = bin_logarithmic(values, 20, counts);
+  if (bins.counts.empty()) {
+    figure.missing = computing ? "The recording holds no tick times."
+                               : "The run was offline: no tick has a due time, so none is late.";
+    return figure;
+  }
+  const auto most = static_cast<double>(*std::max_element(bins.counts.begin(), bins.counts.end()));
+  const Percentiles& marks = time.figures;
+  std::string script = preamble(640, 420, kKey);
+  script += fmt::format(
+      "set logscale x\n"
+      "set logscale y\n"
+      "set yrange [0.5:{}]\n"
+      "set key off\n"
+      "set xlabel '{}' offset 0,0.4\n"
+      "set ylabel 'ticks' offset 1\n"
+      "set style fill solid 0.55 noborder\n",
+      shortest(4.0 * most),
+      std::string(computing ? "computing time of a tick (µs)" : "lateness of a tick (µs)"));
+  const double period_us = 1e6 / rate_Hz;
+  script += fmt::format("set xrange [{}:{}]\n", shortest(bins.edges.front()),
+                        shortest(std::max(bins.edges.back(), 1.3 * period_us)));
+  const auto mark = [&script](std::int64_t ns, const char* label, const char* height) {
+    if (ns > 0) script += vertical(static_cast<double>(ns) * 1e-3, label, height);
+  };
+  mark(marks.p50, "p50", "0.97");
+  mark(marks.p99, "p99", "0.91");
+  mark(marks.p999, "p99.9", "0.85");
+  mark(marks.max, "max", "0.79");
+  script += fmt::format(
+      "set arrow from {},graph 0 to {},graph 1 nohead lw 1.5 lc {} back\n"
+      "set label 'period' at {},graph 0.5 rotate by 90 center offset -0.8,0 font ',12' textcolor {} front\n",
+      shortest(period_us), shortest(period_us), quoted(kOrange), shortest(period_us), quoted(kOrange));
+  PlotData data{"bins.dat", {}};
+  for (const std::vector<double>& row : steps(bins, 1.0, "bins.dat").rows) {
+    if (row[2] > 0.0) data.rows.push_back({row[0], row[1], row[2]});
+  }
+  script += "plot 'bins.dat' using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc " + quoted(kGreen) + "\n";
+  figure.caption = std::string(computing ? "Computing time of a tick" : "How late a tick began") +
+                   ", both axes logarithmic. Dashed: p50, p99, p99.9 and the largest; solid: the period.";
+  return drawn(figure, script, {data});
+}
+
+}  // namespace palpate::report

@@ -1,0 +1,179 @@
+#include "view/report/fit_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "palpate/units.h"
+
+#include "core/base/text.h"
+#include "view/report/figures.h"
+#include "view/report/gnuplot.h"
+#include "view/report/page.h"
+#include "view/report/sweep_section.h"
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+/// Two panes over one axis: force, then what is left of it. Columns: x, measured, fitted, low, high.
+std::string script(bool over_time, double largest_residual) {
+  return fmt::format(
+      "{}set lmargin 11\n"
+      "set multiplot\n"
+      "set origin 0,0.36\n"
+      "set size 1,0.64\n"
+      "set bmargin 0.6\n"
+      "set format x ''\n"
+      "set ylabel 'force, N'\n"
+      "set yrange [*<0:*]\n"
+      "set autoscale yfixmin\n"
+      "plot 'curve.dat' using 1:4:5 with filledcurves lc rgb '#c9dfee' title '95 % band of the curve', "
+      "'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '{}' title 'measured', 'curve.dat' using 1:3 "
+      "with lines lw 2 lc rgb '{}' title 'fitted'\n"
+      "set yrange [*:*]\n"
+      "set autoscale y\n"
+      "set origin 0,0\n"
+      "set size 1,0.36\n"
+      "set tmargin 0.8\n"
+      "set bmargin 3.4\n"
+      "set format x '%g'\n"
+      "set nokey\n"
+      "set xlabel '{}'\n"
+      "set ylabel 'fitted - measured, N'\n"
+      "set ytics {}\n"
+      "plot 'curve.dat' using 1:($3-$2) with impulses lw 1 lc rgb '{}', 0 with lines lw 1 lc rgb '#555555'\n"
+      "unset multiplot\n",
+      preamble(760, 620, "top left Left reverse samplen 2 spacing 1.15 noopaque"), kOrange, kBlue,
+      std::string(over_time ? "time, s" : "displacement, mm"), shortest(tic_step(largest_residual)), kOrange);
+}
+
+std::vector<std::vector<double>> curve_rows(const fit::Curve& curve, bool over_time) {
+  std::vector<std::size_t> order(curve.measured.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (!over_time) {
+    std::stable_sort(order.begin(), order.end(), [&curve](std::size_t a, std::size_t b) {
+      return curve.displacement[a] < curve.displacement[b];
+    });
+  }
+  std::vector<std::vector<double>> rows;
+  for (const std::size_t i : order) {
+    const double x = over_time ? curve.time[i] : curve.displacement[i] / kMillimetre;
+    rows.push_back({x, curve.measured[i], curve.fitted[i], curve.low[i], curve.high[i]});
+  }
+  return rows;
+}
+
+Figure draw_curve(const fit::SpecimenFit& fit, const std::filesystem::path& file) {
+  const bool over_time = fit.terms > 0;
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Measured and fitted force of " + fit.name + ", and what is left";
+  figure.caption =
+      "Measured force, the fitted curve with the band that 95 % of the curves lie in that the data allow, "
+      "and what is left.";
+  double largest = 0.0;
+  for (std::size_t i = 0; i < fit.curve.fitted.size(); ++i) {
+    largest = std::max(largest, std::abs(fit.curve.fitted[i] - fit.curve.measured[i]));
+  }
+  try {
+    run_gnuplot(script(over_time, largest), {{"curve.dat", curve_rows(fit.curve, over_time)}}, file);
+  } catch (const FigureError& error) {
+    figure.missing = error.what();
+  }
+  return figure;
+}
+
+std::string range_text(const fit::Interval& interval, double unit) {
+  return brief(interval.low / unit) + " to " + brief(interval.high / unit);
+}
+
+TableRows estimate_table(const std::vector<fit::Estimate>& estimates, std::size_t terms) {
+  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+  const bool covariance = std::any_of(estimates.begin(), estimates.end(), [](const fit::Estimate& estimate) {
+    return estimate.covariance.has_value();
+  });
+  const bool bootstrap = estimates.front().bootstrap.has_value();
+  TableRows rows = {{"parameter", "best", "95 % interval"}};
+  if (covariance) rows.front().emplace_back("from the covariance alone");
+  if (bootstrap) rows.front().emplace_back("from the bootstrap");
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const fit::Estimate& estimate = estimates[i];
+    const double unit = labels[i].unit;
+    std::vector<std::string> row = {
+        escaped(labels[i].name), brief(estimate.value / unit),
+        range_text(estimate.interval, unit) + (estimate.determined ? "" : ", not determined")};
+    if (covariance) row.push_back(estimate.covariance ? range_text(*estimate.covariance, unit) : "none");
+    if (bootstrap) row.push_back(estimate.bootstrap ? range_text(*estimate.bootstrap, unit) : "none");
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void write_warnings(Page& page, const std::vector<std::string>& warnings) {
+  if (warnings.empty()) return;
+  std::vector<std::string> items;
+  for (const std::string& warning : warnings) items.push_back(escaped(warning));
+  page.list(items);
+}
+
+void write_summary(Page& page, const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
+                   const fit::Settings& settings, const std::string& command) {
+  page.open_section("summary", "What came out");
+  page.code(command);
+  page.facts({{"law", model::to_string(settings.law)},
+              {"direction", settings.direction == model::Direction::kPull ? "pull" : "press"},
+              {"layers", fmt::format("{} allowed, {} reached", pooled.layers_allowed, pooled.layers_reached)},
+              {"specimens", std::to_string(fits.size())},
+              {"seed", std::to_string(settings.seed)}});
+  TableRows rows = {{"specimen", "points", "error", "on points left out", "k1, N/m", "beta", "q", "L1, mm"}};
+  for (const fit::SpecimenFit& fit : fits) {
+    rows.push_back({escaped(fit.name), std::to_string(fit.points), percent(fit.nrmse), percent(fit.leave_out),
+                    brief(fit.estimates[0].value), brief(fit.estimates[1].value),
+                    brief(fit.estimates[2].value), brief(fit.estimates[3].value / kMillimetre)});
+  }
+  page.table(rows);
+  page.paragraph("Errors are root mean squares over each specimen's range of force.");
+  if (fits.size() > 1) {
+    page.heading("All specimens together");
+    page.paragraph(
+        "One set of parameters for all, each specimen with its own first contact and sensor offset: error " +
+        percent(pooled.nrmse) + ". The intervals come from drawing the specimens again.");
+    page.table(estimate_table(pooled.estimates, pooled.terms));
+    write_warnings(page, pooled.warnings);
+  }
+  page.close_section();
+}
+
+void write_specimen(Page& page, const fit::SpecimenFit& fit, const Figure& figure, std::size_t number) {
+  page.open_section("experiment-" + std::to_string(number), fit.name);
+  page.open_grid("one");
+  page.figure(figure);
+  page.close_grid();
+  page.table(estimate_table(fit.estimates, fit.terms));
+  write_warnings(page, fit.warnings);
+  page.close_section();
+}
+
+}  // namespace
+
+std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits,
+                                       const fit::PooledFit& pooled, const std::vector<fit::Sweep>& sweeps,
+                                       const fit::Settings& settings, const std::string& command,
+                                       const std::filesystem::path& folder) {
+  make_report_folder(folder);
+  Page page(fmt::format("Fit of {}{}", fits.size(), fits.size() == 1 ? " specimen" : " specimens"),
+            "Tissue parameters from measured force over displacement, by palpate");
+  write_summary(page, fits, pooled, settings, command);
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const std::string number = std::to_string(i + 1);
+    write_specimen(page, fits[i], draw_curve(fits[i], folder / ("specimen-" + number + ".svg")), i + 1);
+  }
+  write_sweeps(page, sweeps, folder);
+  return page.write(folder);
+}
+
+}  // namespace palpate::report

@@ -1,0 +1,22 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "palpate/fit.h"
+
+#include "science/fit/sweep.h"
+
+namespace palpate::report {
+
+/// [setup] Writes `folder`/report.html (self-contained) and its figures as files: what was fitted, a picture
+/// a specimen (data, fitted curve with its band, residuals), parameters with their intervals, warnings, and a
+/// picture a sweep.
+/// @param command the command line that made it
+/// @return path of report.html. @throws InputError when the folder cannot be written.
+std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits,
+                                       const fit::PooledFit& pooled, const std::vector<fit::Sweep>& sweeps,
+                                       const fit::Settings& settings, const std::string& command,
+                                       const std::filesystem::path& folder);
+
+}  // namespace palpate::report

@@ -1,0 +1,126 @@
+#include "view/report/gnuplot.h"
+
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include "palpate/error.h"
+
+#include "core/base/text.h"
+#include "io/system/temporary.h"
+
+extern char** environ;
+
+namespace palpate::report {
+namespace {
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw FigureError("figure: cannot write " + file.string());
+}
+
+std::string table_text(const PlotData& data) {
+  std::string text;
+  for (const std::vector<double>& row : data.rows) {
+    for (const double value : row) text += shortest(value) + ' ';
+    text += '\n';
+  }
+  return text;
+}
+
+std::string read_text(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// Runs `program figure.gp` in `folder`, its words going to errors.txt there. @return exit status.
+int run_in(const std::filesystem::path& folder, const std::string& program) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  const std::string words = (folder / "errors.txt").string();
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, words.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                   0600);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  std::string name = program;
+  std::string script = "figure.gp";
+  char* arguments[] = {name.data(), script.data(), nullptr};
+  pid_t child = 0;
+  const int refused = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (refused == ENOENT) {
+    throw FigureError("gnuplot was not found: install the Debian package gnuplot-nox");
+  }
+  if (refused != 0) {
+    throw FigureError("gnuplot could not be started: " + std::generic_category().message(refused));
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+}  // namespace
+
+double tic_step(double largest) {
+  if (!(largest > 0.0) || !std::isfinite(largest)) return 1.0;
+  const double wanted = largest / 2.0;
+  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * decade >= wanted) return factor * decade;
+  }
+  return 10.0 * decade;
+}
+
+std::string preamble(int width, int height, const std::string& key) {
+  constexpr const char* kScript = R"(set encoding utf8
+set terminal svg size {},{} dynamic noenhanced font 'Helvetica,14' background '#ffffff'
+set output 'figure.svg'
+set border 3 lw 1 lc rgb '#555555'
+set tics nomirror out scale 0.6 textcolor rgb '#333333'
+set grid lc rgb '#e4e4e4' lw 1
+set key {}
+)";
+  return fmt::format(kScript, width, height, key);
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::error_code error;
+  std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+  if (error) parent = "/tmp";
+  path_ = make_temporary_folder(parent / "palpate-figure-");
+  if (path_.empty()) throw FigureError("figure: cannot make a temporary folder in " + parent.string());
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
+                 const std::filesystem::path& file, const std::string& program) {
+  const TemporaryFolder folder;
+  for (const PlotData& table : data) write_text(folder.path() / table.name, table_text(table));
+  write_text(folder.path() / "figure.gp", script);
+  const int status = run_in(folder.path(), program);
+  const std::filesystem::path drawn = folder.path() / "figure.svg";
+  if (status != 0 || !std::filesystem::exists(drawn)) {
+    throw FigureError(
+        fmt::format("gnuplot failed (exit {}): {}", status, read_text(folder.path() / "errors.txt")));
+  }
+  std::error_code error;
+  std::filesystem::copy_file(drawn, file, std::filesystem::copy_options::overwrite_existing, error);
+  if (error) throw InputError(file.string() + ": cannot be written: " + error.message());
+}
+
+}  // namespace palpate::report

@@ -1,0 +1,213 @@
+#include "view/report/image_section.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "palpate/offscreen.h"
+#include "palpate/units.h"
+
+#include "core/base/text.h"
+#include "view/report/figures.h"
+#include "view/report/gnuplot.h"
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+using Colour = std::array<double, 3>;
+
+constexpr Colour kLineBefore = {0.0, 114.0, 178.0};  // as kBlue
+constexpr Colour kLineAfter = {213.0, 94.0, 0.0};    // as kOrange
+constexpr Colour kWhite = {255.0, 255.0, 255.0};
+constexpr int kWidest = 1200;  // pixels of a figure
+
+std::string digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// Every so many-th pixel of the photograph both ways, so that it is a figure, and how many.
+render::Image as_figure(const fit::Picture& picture, int& factor) {
+  factor = (picture.width + kWidest - 1) / kWidest;
+  render::Image image;
+  image.width = picture.width / factor;
+  image.height = picture.height / factor;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(factor);
+      const std::size_t column = static_cast<std::size_t>(x) * static_cast<std::size_t>(factor);
+      const std::size_t from = 3 * (row * static_cast<std::size_t>(picture.width) + column);
+      for (std::size_t c = 0; c < 3; ++c) image.rgb.push_back(picture.rgb[from + c]);
+    }
+  }
+  return image;
+}
+
+/// One column of a line `half` pixels thick either way, smooth at its rims.
+void draw_column(render::Image& image, double x, double y, double half, const Colour& colour,
+                 double strength) {
+  const auto column = static_cast<int>(std::lround(x));
+  if (column < 0 || column >= image.width || !std::isfinite(y)) return;
+  const int first = std::max(0, static_cast<int>(std::floor(y - half - 1.0)));
+  const int last = std::min(image.height - 1, static_cast<int>(std::ceil(y + half + 1.0)));
+  for (int row = first; row <= last; ++row) {
+    const double cover = strength * std::clamp(half + 0.5 - std::abs(row - y), 0.0, 1.0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::uint8_t& value = image.rgb[3 * static_cast<std::size_t>(row * image.width + column) + c];
+      value = static_cast<std::uint8_t>(std::lround(value + cover * (colour[c] - value)));
+    }
+  }
+}
+
+/// A line with a light rim, so that it shows on dark and bright; `dash`: so many columns on and off, 0: none.
+void draw_line(render::Image& image, const std::vector<std::pair<double, double>>& points,
+               const Colour& colour, int dash) {
+  for (const bool rim : {true, false}) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto [x, y] = points[i];
+      if (dash > 0 && static_cast<int>(x) / dash % 2 == 1) continue;
+      double steep = 0.0;  // a steep line is drawn as thick across
+      if (i > 0 && points[i].first - points[i - 1].first < 2.5) steep = std::abs(y - points[i - 1].second);
+      const double half = (rim ? 2.2 : 1.1) + 0.5 * std::min(steep, 6.0);
+      draw_column(image, x, y, half, rim ? kWhite : colour, rim ? 0.55 : 1.0);
+    }
+  }
+}
+
+std::vector<std::pair<double, double>> seen(const fit::SurfaceLine& line, int factor) {
+  std::vector<std::pair<double, double>> points;
+  for (const fit::LinePoint& point : line.points) {
+    if (point.trusted) points.emplace_back(point.x / factor, point.y / factor);
+  }
+  return points;
+}
+
+Figure photograph(const ImageSet& set, bool second, const std::filesystem::path& file) {
+  int factor = 1;
+  render::Image image = as_figure(second ? set.after : set.before, factor);
+  const fit::SurfaceLine& line = second ? set.measured.after : set.measured.before;
+  if (second) {
+    std::vector<std::pair<double, double>> rest;
+    for (const fit::ImagePoint& point : set.measured.points) {
+      rest.emplace_back(point.x / factor, point.rest_y / factor);
+    }
+    draw_line(image, rest, kLineBefore, 8);
+  }
+  draw_line(image, seen(line, factor), second ? kLineAfter : kLineBefore, 0);
+  render::write_png(image, file);
+  Figure figure;
+  figure.file = file;
+  figure.alternative = second ? "The second photograph with the line that was found and the undisturbed one"
+                              : "The first photograph with the line that was found";
+  figure.caption =
+      second ? "Pressed or pulled: the line found (orange) and where it would be had it not moved "
+               "(blue, dashed). Where nothing is drawn the edge cannot be trusted."
+             : "Undisturbed: the line found (blue). Where nothing is drawn the edge cannot be trusted.";
+  return figure;
+}
+
+/// r, u, uncertainty, computed; r < 0 left of the centre [mm].
+std::vector<std::vector<double>> rows_of(const ImageSet& set) {
+  std::vector<std::vector<double>> rows;
+  std::vector<fit::ImagePoint> points = set.measured.points;
+  std::stable_sort(points.begin(), points.end(),
+                   [](const fit::ImagePoint& a, const fit::ImagePoint& b) { return a.r < b.r; });
+  for (std::size_t i = 0; i < points.size() && i < set.comparison.computed.size(); ++i) {
+    const double side = points[i].right ? 1.0 : -1.0;
+    rows.push_back({side * points[i].r / kMillimetre, points[i].u / kMillimetre,
+                    points[i].uncertainty / kMillimetre, set.comparison.computed[i] / kMillimetre});
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
+  // a row without numbers ends a line where a stretch is hidden
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const double gap = 8.0 * set.settings.pixel / kMillimetre;
+  std::vector<std::vector<double>> broken;
+  for (const std::vector<double>& row : rows) {
+    if (!broken.empty() && row[0] - broken.back()[0] > gap) broken.push_back({row[0], kNone, kNone, kNone});
+    broken.push_back(row);
+  }
+  return broken;
+}
+
+Figure draw_profile(const ImageSet& set, const std::filesystem::path& file) {
+  Figure figure;
+  figure.file = file;
+  figure.alternative = "Displacement measured in the photographs, its uncertainty, and the computed one";
+  figure.caption = "Measured along the line with its 95 % uncertainty, computed by the model at " +
+                   digits(set.comparison.depth / kMillimetre) + " mm, and the difference.";
+  const std::string script =
+      preamble(760, 620, "top left Left reverse samplen 2 spacing 1.15 noopaque") +
+      "set lmargin 11\n"
+      "set multiplot\nset origin 0,0.36\nset size 1,0.64\nset bmargin 0.6\nset format x ''\n"
+      "set ylabel 'displacement, mm'\nset yrange [] reverse\nset key bottom left\n"
+      "plot 'profile.dat' using 1:($2-$3):($2+$3) with filledcurves lc rgb '#f6d9c4' title '95 % uncertain', "
+      "'profile.dat' using 1:2 with points pt 7 ps 0.35 lc rgb '#D55E00' title 'measured', "
+      "'profile.dat' using 1:4 with lines lw 2 lc rgb '#0072B2' title 'computed'\n"
+      "set origin 0,0\nset size 1,0.36\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\nset nokey\n"
+      "set yrange [*:*] noreverse\nset xlabel 'distance from the contact along the surface, mm'\n"
+      "set ylabel 'computed - measured, mm'\n"
+      "plot 'profile.dat' using 1:(-$3):3 with filledcurves lc rgb '#f6d9c4', "
+      "'profile.dat' using 1:($4-$2) with points pt 7 ps 0.35 lc rgb '#D55E00', 0 with lines lw 1 lc rgb "
+      "'#555555'\nunset multiplot\n";
+  try {
+    run_gnuplot(script, {{"profile.dat", rows_of(set)}}, file);
+  } catch (const FigureError& error) {
+    figure.missing = error.what();
+  }
+  return figure;
+}
+
+}  // namespace
+
+std::string image_text(const ImageSet& set) {
+  const fit::ImageMeasurement& measured = set.measured;
+  const double pixel = set.settings.pixel;
+  return fmt::format(
+      "pictures: {} places, uncertain by {} mm ({} px); confidence {} of 100, {}; the model lies within the "
+      "uncertainty at {} of them{}\n",
+      measured.points.size(), digits(measured.uncertainty / kMillimetre),
+      digits(measured.uncertainty / pixel), measured.confidence, measured.confidence_words,
+      percent(set.within_uncertainty, 1),
+      set.depth_fitted ? "; the tool hides the deepest place: the depth is the one that suits the line best"
+                       : "");
+}
+
+void write_image_section(Page& page, const ImageSet& set, const std::filesystem::path& folder) {
+  const fit::ImageMeasurement& measured = set.measured;
+  page.open_section("pictures", "Measured in photographs");
+  page.open_grid("one");
+  page.figure(photograph(set, false, folder / "image-before.png"));
+  page.figure(photograph(set, true, folder / "image-after.png"));
+  page.figure(draw_profile(set, folder / "image-profile.svg"));
+  page.close_grid();
+  constexpr double kDegree = 0.017453292519943295;
+  page.facts(
+      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_words))},
+       {"scale", digits(set.settings.pixel / kMillimetre) + " mm a pixel"},
+       {"uncertain by (95 %, median)",
+        fmt::format("{} mm, {} pixels", digits(measured.uncertainty / kMillimetre),
+                    digits(measured.uncertainty / set.settings.pixel))},
+       {"of which how far the flanks moved", digits(measured.far_uncertainty / kMillimetre) + " mm"},
+       {"line seen on", fmt::format("{} of the width before, {} after", percent(measured.before.coverage, 1),
+                                    percent(measured.after.coverage, 1))},
+       {"surface's tilt in the picture", digits(measured.tilt / kDegree) + " degrees"},
+       {"second picture against the first, taken out",
+        digits(measured.turn / kDegree) + " degrees, " + digits(measured.shift / kMillimetre) + " mm"},
+       {"depth",
+        digits(set.comparison.depth / kMillimetre) + " mm" +
+            (set.depth_fitted ? ", the one that suits the line best: the tool hides the deepest place" : "")},
+       {"model within the uncertainty at", percent(set.within_uncertainty, 1) + " of the places"}});
+  page.close_section();
+}
+
+}  // namespace palpate::report

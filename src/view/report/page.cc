@@ -1,0 +1,173 @@
+#include "view/report/page.h"
+
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr const char* kStyle = R"css(
+:root { --ink: #1f2328; --soft: #5b6570; --line: #dfe3e8; --paper: #ffffff; --tint: #f6f7f9;
+        --met: #006b4f; --missed: #b3410a; }
+* { box-sizing: border-box; }
+html { -webkit-text-size-adjust: 100%; }
+body { margin: 0 auto; padding: 2.5rem 1.25rem 4rem; max-width: 66rem; background: var(--paper);
+       color: var(--ink); font: 16px/1.55 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
+header { border-bottom: 3px solid var(--ink); padding-bottom: 1rem; margin-bottom: 1.5rem; }
+h1 { font-size: 2rem; line-height: 1.2; margin: 0 0 .25rem; letter-spacing: -.01em; }
+h2 { font-size: 1.45rem; line-height: 1.25; margin: 3rem 0 .75rem; padding-top: 1rem;
+     border-top: 1px solid var(--line); }
+header + section h2 { margin-top: 0; border-top: 0; padding-top: 0; }
+h3 { font-size: 1.08rem; margin: 2rem 0 .5rem; }
+p { margin: .5rem 0 .9rem; max-width: 46rem; }
+header p { color: var(--soft); margin: 0; }
+nav { margin: 0 0 1rem; } nav a { margin-right: 1.2rem; }
+a { color: #00578a; }
+pre { background: var(--tint); border: 1px solid var(--line); border-radius: 4px; padding: .6rem .8rem;
+      overflow-x: auto; font: 13.5px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; white-space: pre-wrap;
+      overflow-wrap: anywhere; }
+.scroll { overflow-x: auto; margin: .5rem 0 1rem; }
+table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; vertical-align: top; padding: .32rem 1.1rem .32rem 0;
+         border-bottom: 1px solid var(--line); }
+thead th { border-bottom: 2px solid var(--ink); font-weight: 600; }
+tbody th { font-weight: 400; color: var(--soft); }
+.facts td { overflow-wrap: anywhere; }
+ul { margin: .4rem 0 1rem; padding-left: 1.2rem; max-width: 50rem; }
+ul.marks { list-style: none; padding: 0; }
+ul.marks li { padding: .12rem 0 .12rem 1.6rem; text-indent: -1.6rem; }
+.mark { display: inline-block; width: 1.6rem; text-indent: 0; font-weight: 700; }
+.met { color: var(--met); } .missed { color: var(--missed); } .told { color: var(--soft); }
+figure { margin: 0 0 1rem; break-inside: avoid; }
+figure img { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 3px; }
+figcaption { font-size: .86rem; color: var(--soft); margin-top: .35rem; line-height: 1.45; }
+.absent { background: var(--tint); border: 1px dashed #b6bdc6; border-radius: 3px; padding: 1.2rem;
+          color: var(--soft); font-size: .9rem; overflow-wrap: anywhere; }
+.two { display: grid; grid-template-columns: 1fr 1fr; gap: 1rem 1.25rem; }
+.four { display: grid; grid-template-columns: repeat(4, 1fr); gap: 1rem .8rem; }
+.one { max-width: 52rem; }
+@media (max-width: 46rem) {
+  body { padding: 1.25rem .9rem 3rem; } h1 { font-size: 1.6rem; }
+  .two { grid-template-columns: 1fr; } .four { grid-template-columns: 1fr 1fr; }
+}
+@media print {
+  body { max-width: none; padding: 0; font-size: 10.5pt; } nav { display: none; }
+  h2, h3 { break-after: avoid; } tr, pre { break-inside: avoid; }
+  section.experiment { break-before: page; } .one { max-width: 16cm; } a { color: inherit; }
+}
+)css";
+
+std::string read_bytes(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(file.string() + ": the report's picture cannot be read");
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+Page::Page(const std::string& title, const std::string& subtitle) : title_(title) {
+  body_ = fmt::format("<header>\n<h1>{}</h1>\n<p>{}</p>\n</header>\n", escaped(title), escaped(subtitle));
+}
+
+void Page::open_section(const std::string& id, const std::string& heading) {
+  const bool experiment = id.starts_with("experiment");
+  body_ += fmt::format("<section id=\"{}\"{}>\n<h2>{}</h2>\n", escaped(id),
+                       experiment ? " class=\"experiment\"" : "", escaped(heading));
+}
+
+void Page::close_section() { body_ += "</section>\n"; }
+
+void Page::heading(const std::string& text) { body_ += "<h3>" + escaped(text) + "</h3>\n"; }
+
+void Page::paragraph(const std::string& html) { body_ += "<p>" + html + "</p>\n"; }
+
+void Page::code(const std::string& text) { body_ += "<pre><code>" + escaped(text) + "</code></pre>\n"; }
+
+void Page::list(const std::vector<std::string>& html_items, const std::string& css_class) {
+  body_ += css_class.empty() ? "<ul>\n" : "<ul class=\"" + css_class + "\">\n";
+  for (const std::string& item : html_items) body_ += "<li>" + item + "</li>\n";
+  body_ += "</ul>\n";
+}
+
+void Page::facts(const std::vector<std::pair<std::string, std::string>>& rows) {
+  body_ += "<div class=\"scroll\"><table class=\"facts\"><tbody>\n";
+  for (const auto& [name, value] : rows) {
+    body_ += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escaped(name), escaped(value));
+  }
+  body_ += "</tbody></table></div>\n";
+}
+
+void Page::table(const TableRows& html_rows) {
+  body_ += "<div class=\"scroll\"><table>\n";
+  for (std::size_t r = 0; r < html_rows.size(); ++r) {
+    body_ += r == 0 ? "<thead><tr>" : "<tr>";
+    for (std::size_t c = 0; c < html_rows[r].size(); ++c) {
+      const bool head = r == 0 || c == 0;
+      const std::string scope = r == 0 ? " scope=\"col\"" : " scope=\"row\"";
+      body_ += (head ? "<th" + scope + ">" : "<td>") + html_rows[r][c] + (head ? "</th>" : "</td>");
+    }
+    body_ += r == 0 ? "</tr></thead>\n<tbody>\n" : "</tr>\n";
+  }
+  body_ += "</tbody></table></div>\n";
+}
+
+void Page::open_grid(const std::string& css_class) { body_ += "<div class=\"" + css_class + "\">\n"; }
+
+void Page::close_grid() { body_ += "</div>\n"; }
+
+void Page::figure(const Figure& figure) {
+  body_ += "<figure>\n";
+  if (figure.missing.empty()) {
+    const std::string type = figure.file.extension() == ".svg" ? "image/svg+xml" : "image/png";
+    body_ += fmt::format("<img alt=\"{}\" src=\"data:{};base64,{}\">\n", escaped(figure.alternative), type,
+                         base64(read_bytes(figure.file)));
+  } else {
+    body_ += fmt::format("<div class=\"absent\">{}: no figure. {}</div>\n", escaped(figure.alternative),
+                         escaped(figure.missing));
+  }
+  if (!figure.caption.empty()) body_ += "<figcaption>" + escaped(figure.caption) + "</figcaption>\n";
+  body_ += "</figure>\n";
+}
+
+std::string Page::html() const {
+  constexpr const char* kPage = R"(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{}</title>
+<style>{}</style>
+</head>
+<body>
+{}</body>
+</html>
+)";
+  return fmt::format(kPage, escaped(title_), kStyle, body_);
+}
+
+std::filesystem::path Page::write(const std::filesystem::path& folder) const {
+  std::filesystem::path file = folder / "report.html";
+  std::ofstream out(file, std::ios::binary);
+  out << html();
+  out.close();
+  if (!out) throw InputError(file.string() + ": the report cannot be written");
+  return file;
+}
+
+void make_report_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw InputError(folder.string() + ": the report's folder cannot be made" +
+                     (error ? ": " + error.message() : ""));
+  }
+}
+
+}  // namespace palpate::report

@@ -1,0 +1,158 @@
+#include "view/report/pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <utility>
+
+#include "palpate/error.h"
+#include "palpate/offscreen.h"
+#include "palpate/recording.h"
+
+#include "core/base/statistics.h"
+#include "io/system/clock.h"
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr int kTimedDraws = 3;
+
+struct NamedMoment {
+  const char* name;
+  const char* file;
+  std::size_t row;
+};
+
+std::array<NamedMoment, 4> named(const Moments& moments) {
+  return {{{"before contact", "1-before", moments.rest},
+           {moments.contact ? "at contact" : "at its nearest", "2-contact", moments.touch},
+           {"at depth", "3-depth", moments.deepest},
+           {"after", "4-after", moments.after}}};
+}
+
+/// The snapshots of the moments, in their order; the same tick may come twice.
+std::vector<haptics::Snapshot> take_snapshots(const record::Recording& recording, const HandAnalysis& hand) {
+  std::vector<std::uint64_t> ticks;
+  for (const NamedMoment& moment : named(hand.moments)) ticks.push_back(hand.rows[moment.row].tick);
+  std::vector<std::uint64_t> ascending = ticks;
+  std::sort(ascending.begin(), ascending.end());
+  ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
+  const std::vector<haptics::Snapshot> taken = record::snapshots_at(recording, ascending);
+  std::vector<haptics::Snapshot> result;
+  for (const std::uint64_t tick : ticks) {
+    const auto place = std::lower_bound(ascending.begin(), ascending.end(), tick) - ascending.begin();
+    result.push_back(taken.at(static_cast<std::size_t>(place)));
+  }
+  return result;
+}
+
+double median_draw_ms(render::OffscreenRenderer& renderer, const haptics::Snapshot& snapshot,
+                      const render::Camera& camera) {
+  std::vector<double> times;
+  for (int i = 0; i < kTimedDraws; ++i) {
+    const std::int64_t start = monotonic_ns();
+    static_cast<void>(renderer.draw(snapshot, camera));
+    times.push_back(static_cast<double>(monotonic_ns() - start) * 1e-6);
+  }
+  return quantile(times, 0.5);
+}
+
+/// The mean of every two by two pixels.
+render::Image halved(const render::Image& image) {
+  render::Image small;
+  small.width = image.width / 2;
+  small.height = image.height / 2;
+  const auto at = [&image](int x, int y, int channel) {
+    return static_cast<unsigned>(image.rgb[static_cast<std::size_t>((y * image.width + x) * 3 + channel)]);
+  };
+  for (int y = 0; y < 2 * small.height; y += 2) {
+    for (int x = 0; x < 2 * small.width; x += 2) {
+      for (int c = 0; c < 3; ++c) {
+        const unsigned sum = at(x, y, c) + at(x + 1, y, c) + at(x, y + 1, c) + at(x + 1, y + 1, c);
+        small.rgb.push_back(static_cast<std::uint8_t>((sum + 2) / 4));
+      }
+    }
+  }
+  return small;
+}
+
+/// The camera farther back, so that a moving organ stays in the picture.
+render::Camera with_room(render::Camera camera, const render::Subject& subject,
+                         const std::vector<model::OrganMotionParameters>& motions) {
+  double way = 0.0;
+  for (const model::OrganMotionParameters& motion : motions) way += motion.amplitude;
+  const double size = geometry::bounds(subject.organ).size().norm();
+  if (way > 0.0 && size > 0.0) camera.eye += (2.0 * way / size) * (camera.eye - camera.target);
+  return camera;
+}
+
+Figure written(const render::Image& image, const std::filesystem::path& file, const std::string& what) {
+  render::write_png(image, file);
+  Figure figure;
+  figure.file = file;
+  figure.alternative = what;
+  return figure;
+}
+
+void draw_all(const record::Recording& recording, const HandAnalysis& hand,
+              const std::filesystem::path& folder, const std::string& prefix, const ReportOptions& options,
+              PictureSet& set) {
+  const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
+  const scene::Setup& setup = recording.setup;
+  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
+  set.driver = renderer.driver();
+  set.width = options.picture_width;
+  set.height = options.picture_height;
+
+  // The same two places for all moments, chosen at depth, so that only organ and tool move between pictures.
+  const haptics::Snapshot& deepest = snapshots[2];
+  const contact::ToolResult& result = deepest.results[hand.hand];
+  const Vec3 focus = hand.moments.contact ? result.contact_W : result.nearest_W;
+  const Vec3 normal = hand.moments.contact ? result.normal_W : result.away_W;
+  const render::Camera near = render::frame_contact(subject, deepest, focus, normal, true);
+  const render::Camera wide =
+      with_room(render::frame_contact(subject, deepest, focus, normal, false), subject, setup.organ_motion);
+  set.contacts_at_depth = result.view_count;
+
+  const Vec3 middle = geometry::bounds(setup.organ).middle();
+  std::size_t i = 0;
+  for (const NamedMoment& moment : named(hand.moments)) {
+    const std::string what = setup.organ_name + " and tool " + moment.name;
+    MomentPictures pictures;
+    pictures.name = moment.name;
+    pictures.row = hand.rows[moment.row];
+    pictures.organ_moved = (snapshots[i].organ_W * middle - setup.organ_pose * middle).norm();
+    pictures.overview = written(halved(renderer.draw(snapshots[i], wide)),
+                                folder / (prefix + moment.file + ".png"), what + ", overview");
+    pictures.close_up = written(renderer.draw(snapshots[i], near),
+                                folder / (prefix + moment.file + "-close.png"), what + ", close-up");
+    set.moments.push_back(std::move(pictures));
+    ++i;
+  }
+  set.draw_ms = median_draw_ms(renderer, deepest, wide);
+}
+
+}  // namespace
+
+PictureSet draw_pictures(const record::Recording& recording, const HandAnalysis& hand,
+                         const std::filesystem::path& folder, const std::string& prefix,
+                         const ReportOptions& options) {
+  PictureSet set;
+  if (!options.pictures) {
+    set.missing = "they were not asked for";
+    return set;
+  }
+  try {
+    draw_all(recording, hand, folder, prefix, options, set);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {
+    set = PictureSet{};
+    set.missing = error.what();
+  }
+  return set;
+}
+
+}  // namespace palpate::report

@@ -1,0 +1,304 @@
+#include "view/report/sections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr double kGoalDepth = 10e-3;   // m, both experiments of the demo
+constexpr double kPaperForceNs = 1e6;  // "under 1 ms a force" [Zhang 2011, section 3.2]
+
+std::string microseconds(std::int64_t ns) { return fixed(static_cast<double>(ns) * 1e-3, 1); }
+
+/// Whether the recording tells how long ticks took; an offline one does when it was closed in good order.
+bool is_timed(const Analysis& analysis) { return analysis.tick_time.figures.max > 0; }
+
+bool is_pull(const WorkedExperiment& worked) { return worked.analysis.direction == model::Direction::kPull; }
+
+/// The hand that went deepest.
+const HandAnalysis& main_hand(const WorkedExperiment& worked) {
+  return *std::max_element(
+      worked.analysis.hands.begin(), worked.analysis.hands.end(),
+      [](const HandAnalysis& a, const HandAnalysis& b) { return a.peak_depth < b.peak_depth; });
+}
+
+std::string anchor(std::size_t number) { return "experiment-" + std::to_string(number); }
+
+enum class Mark { kMet, kMissed, kTold };
+
+std::string marked(Mark mark, const std::string& html) {
+  switch (mark) {
+    case Mark::kMet:
+      return "<span class=\"mark met\" aria-label=\"met\">✓</span>" + html;
+    case Mark::kMissed:
+      return "<span class=\"mark missed\" aria-label=\"missed\">✗</span>" + html;
+    case Mark::kTold:
+      break;
+  }
+  return "<span class=\"mark told\" aria-hidden=\"true\">·</span>" + html;
+}
+
+Mark mark_of(bool met) { return met ? Mark::kMet : Mark::kMissed; }
+
+std::string noise_mark(const NormalCheck& check) {
+  const double count = static_cast<double>(check.count);
+  const double mean_bound = 4.0 / std::sqrt(count);
+  const double deviation_bound = 4.0 / std::sqrt(2.0 * count);
+  const double ks_bound = 1.95 / std::sqrt(count);  // passed by 999 of 1000 normal samples
+  const bool met = std::abs(check.mean) <= mean_bound &&
+                   std::abs(check.standard_deviation - 1.0) <= deviation_bound &&
+                   check.ks_distance <= ks_bound;
+  return marked(mark_of(met),
+                fmt::format("Noise over its set standard deviation, {} samples: mean {} (bound ±{}), "
+                            "standard deviation {} (1 ± {}), Kolmogorov-Smirnov distance {} (bound {}).",
+                            grouped(check.count), fixed(check.mean, 4), fixed(mean_bound, 4),
+                            fixed(check.standard_deviation, 4), fixed(deviation_bound, 4),
+                            fixed(check.ks_distance, 4), fixed(ks_bound, 4)));
+}
+
+/// The faults of all hands in one paragraph; empty: none.
+std::string all_faults(const Analysis& analysis) {
+  constexpr std::size_t kMostTold = 8;
+  std::string text;
+  std::size_t told = 0;
+  for (const HandAnalysis& hand : analysis.hands) {
+    for (const std::string& words : faults_in_words(hand.rows)) {
+      if (++told > kMostTold) continue;
+      text += fmt::format("{}{}: {}", text.empty() ? "Hand " : "; hand ", hand.hand, words);
+    }
+  }
+  if (told > kMostTold) text += fmt::format("; and {} more", told - kMostTold);
+  return text.empty() ? text : escaped(text + ".");
+}
+
+/// What came out, in words, each with its mark.
+std::vector<std::string> marks_of(const WorkedExperiment& worked) {
+  const Analysis& analysis = worked.analysis;
+  const HandAnalysis& hand = main_hand(worked);
+  const record::Recording& recording = *worked.experiment->recording;
+  std::vector<std::string> marks;
+  marks.push_back(marked(mark_of(hand.peak_depth >= kGoalDepth),
+                         fmt::format("{} to {} mm; the goal of both experiments is {} mm.",
+                                     is_pull(worked) ? "Pulled" : "Pressed",
+                                     fixed(hand.peak_depth * kMilli, 2), fixed(kGoalDepth * kMilli, 0))));
+  if (hand.law.rows > 0) {
+    marks.push_back(
+        marked(Mark::kTold, fmt::format("Normal force beside the law of one contact, over {} ticks: half "
+                                        "within {} mN, 95\u00a0% within {} mN; the law's largest is {} N.",
+                                        grouped(hand.law.rows), fixed(hand.law.median * kMilli, 2),
+                                        fixed(hand.law.p95 * kMilli, 2), fixed(hand.law.peak, 3))));
+  }
+  if (hand.noise_check.count > 1) marks.push_back(noise_mark(hand.noise_check));
+  if (is_timed(analysis)) {
+    const bool fast = static_cast<double>(analysis.tick_time.figures.p99) < kPaperForceNs;
+    marks.push_back(marked(
+        mark_of(fast), fmt::format("A tick took {} µs (p50), {} µs (p99); the paper's force took under 1 ms.",
+                                   microseconds(analysis.tick_time.figures.p50),
+                                   microseconds(analysis.tick_time.figures.p99))));
+  }
+  if (!recording.facts.offline) {
+    marks.push_back(marked(mark_of(analysis.missed == 0),
+                           fmt::format("Missed deadlines: {} of {} ticks began a full period or more late.",
+                                       grouped(analysis.missed), grouped(analysis.ticks))));
+  }
+  const std::string faults = all_faults(analysis);
+  marks.push_back(marked(mark_of(faults.empty()), faults.empty() ? "No fault was latched." : faults));
+  if (recording.facts.watchdog_stops > 0) {
+    marks.push_back(
+        marked(Mark::kMissed, "The watchdog stopped the devices, as no tick began for too long: " +
+                                  grouped(recording.facts.watchdog_stops) + " times."));
+  }
+  return marks;
+}
+
+std::string moment_caption(const MomentPictures& moment) {
+  std::string text = moment.name;
+  text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  text += ": " + fixed(moment.row.time, 3) + " s";
+  constexpr double kMoved = 0.05e-3;  // m: what is told to a tenth of a millimetre
+  if (moment.organ_moved > kMoved)
+    text += ", organ " + fixed(moment.organ_moved * kMilli, 1) + " mm from rest";
+  if (moment.row.phase == 0)
+    return fmt::format("{}, {} mm away", text, fixed(moment.row.distance * kMilli, 1));
+  return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(moment.row.depth * kMilli, 2),
+                     fixed(moment.row.tissue_force, 3));
+}
+
+void write_pictures(Page& page, const PictureSet& pictures) {
+  page.heading("Organ and tool");
+  if (!pictures.missing.empty()) {
+    page.paragraph("There are no pictures of organ and tool: " + escaped(pictures.missing));
+    return;
+  }
+  page.open_grid("two");
+  for (const MomentPictures& moment : pictures.moments) {
+    Figure figure = moment.close_up;
+    figure.caption = moment_caption(moment);
+    page.figure(figure);
+  }
+  page.close_grid();
+  page.open_grid("four");
+  for (const MomentPictures& moment : pictures.moments) {
+    Figure figure = moment.overview;
+    figure.caption = "Overview, " + moment.name;
+    page.figure(figure);
+  }
+  page.close_grid();
+  page.paragraph(
+      escaped(fmt::format("Drawn by {}, {} × {} pixels, {} ms a picture (median, deformation included). All "
+                          "from the same two places. Contacts of this tool at its deepest tick: {}.",
+                          pictures.driver, pictures.width, pictures.height, fixed(pictures.draw_ms, 1),
+                          pictures.contacts_at_depth)));
+}
+
+void write_hand(Page& page, const HandAnalysis& hand, const HandFigures& figures, std::size_t hands) {
+  const std::string suffix = hands > 1 ? ", hand " + std::to_string(hand.hand + 1) : "";
+  page.heading("Force and depth over time" + suffix);
+  page.open_grid("one");
+  page.figure(figures.over_time);
+  page.close_grid();
+  page.facts({{"largest depth", fixed(hand.peak_depth * kMilli, 3) + " mm"},
+              {"largest tissue force", fixed(hand.peak_tissue_force, 4) + " N"},
+              {"largest force to the hand", fixed(hand.peak_device_force, 4) + " N, with noise"},
+              {"largest step of force", fixed(hand.largest_step, 4) + " N between two ticks, with noise"}});
+  page.heading("Force over depth, on the law" + suffix);
+  page.open_grid("one");
+  page.figure(figures.law);
+  page.close_grid();
+  page.heading("Touch noise" + suffix);
+  page.open_grid("two");
+  page.figure(figures.noise_spectrum);
+  page.figure(figures.noise_histogram);
+  page.close_grid();
+}
+
+void write_timing(Page& page, const WorkedExperiment& worked) {
+  const Analysis& analysis = worked.analysis;
+  const bool offline = worked.experiment->recording->facts.offline;
+  page.heading("Timing");
+  page.open_grid("two");
+  page.figure(worked.tick_time);
+  page.figure(worked.lateness);
+  page.close_grid();
+  const auto row = [](const std::string& name, const Percentiles& p) {
+    return std::vector<std::string>{name, microseconds(p.p50), microseconds(p.p99), microseconds(p.p999),
+                                    microseconds(p.max)};
+  };
+  TableRows rows{{"µs", "p50", "p99", "p99.9", "max"}};
+  if (is_timed(analysis)) rows.push_back(row("computing time of a tick", analysis.tick_time.figures));
+  if (!offline) rows.push_back(row("lateness of a tick", analysis.lateness.figures));
+  if (rows.size() > 1) page.table(rows);
+  if (offline) {
+    page.paragraph("The run was offline: there are no deadlines to miss.");
+    return;
+  }
+  page.paragraph(
+      fmt::format("Missed deadlines (a full period or more late): <strong>{}</strong> of {} ticks. Longest "
+                  "gap between two ticks: {} µs.",
+                  grouped(analysis.missed), grouped(analysis.ticks),
+                  microseconds(worked.experiment->recording->facts.longest_gap_ns)));
+}
+
+std::string mesh_count(const geometry::TriangleMesh& mesh) {
+  return grouped(mesh.vertices.size()) + " vertices, " + grouped(mesh.triangles.size()) + " triangles";
+}
+
+std::string tool_count(const std::vector<geometry::Tool>& tools) {
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
+  for (const geometry::Tool& tool : tools) {
+    for (const geometry::ToolPart& part : tool.parts) {
+      vertices += part.mesh.vertices.size();
+      triangles += part.mesh.triangles.size();
+    }
+  }
+  return fmt::format("{} vertices, {} triangles", grouped(vertices), grouped(triangles));
+}
+
+/// The paper's figure beside ours, one experiment. [Zhang 2011, section 3]
+TableRows comparison(const WorkedExperiment& worked) {
+  const bool pull = is_pull(worked);
+  const scene::Setup& setup = worked.experiment->recording->setup;
+  const Percentiles& tick = worked.analysis.tick_time.figures;
+  constexpr double kNewtonPerCentimetre = 1e-2;  // in 1 N/m
+  return {
+      {"", pull ? "paper: heart pulled, straight clamp" : "paper: gallbladder pressed, curved clamp",
+       "ours: " + escaped(setup.organ_name)},
+      {"organ", pull ? "3,000 vertices, 6,412 triangles" : "1,057 vertices, 2,110 triangles",
+       mesh_count(setup.organ)},
+      {"instrument", pull ? "612 vertices, 1,207 triangles" : "461 vertices, 921 triangles",
+       tool_count(setup.tools)},
+      {"k₁", pull ? "0.15 N/cm" : "0.18 N/cm", fixed(setup.tissue.k1 * kNewtonPerCentimetre, 4) + " N/cm"},
+      {"β", pull ? "2.0" : "1.6", fixed(setup.tissue.beta, 3)},
+      {"one force", pull ? "not given" : "under 1 ms",
+       is_timed(worked.analysis)
+           ? fmt::format("{} µs p50, {} µs p99, {} µs max (whole tick: contact, force, noise, gate)",
+                         microseconds(tick.p50), microseconds(tick.p99), microseconds(tick.max))
+           : "not recorded: the run was offline"},
+      {"one picture", pull ? "not given" : "32 ms",
+       worked.pictures.missing.empty()
+           ? fmt::format("{} ms ({})", fixed(worked.pictures.draw_ms, 1), escaped(worked.pictures.driver))
+           : "not drawn"},
+      {"largest depth", "not given", fixed(main_hand(worked).peak_depth * kMilli, 2) + " mm"},
+      {"largest tissue force", "not given", fixed(main_hand(worked).peak_tissue_force, 3) + " N"},
+  };
+}
+
+}  // namespace
+
+void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
+  page.open_section("summary", "What came out");
+  TableRows rows{{"experiment", "largest depth", "largest tissue force", "tick p50 / p99",
+                  "lateness p50 / p99", "missed deadlines"}};
+  std::size_t number = 0;
+  for (const WorkedExperiment& worked : all) {
+    const bool offline = worked.experiment->recording->facts.offline;
+    const HandAnalysis& hand = main_hand(worked);
+    const Analysis& analysis = worked.analysis;
+    rows.push_back(
+        {fmt::format("<a href=\"#{}\">{}</a>", anchor(++number), escaped(worked.experiment->title)),
+         fixed(hand.peak_depth * kMilli, 2) + " mm", fixed(hand.peak_tissue_force, 3) + " N",
+         is_timed(analysis) ? fmt::format("{} / {}\u00a0µs", microseconds(analysis.tick_time.figures.p50),
+                                          microseconds(analysis.tick_time.figures.p99))
+                            : "not recorded",
+         offline ? "offline"
+                 : fmt::format("{} / {} µs", microseconds(analysis.lateness.figures.p50),
+                               microseconds(analysis.lateness.figures.p99)),
+         offline ? "offline" : grouped(analysis.missed) + " of " + grouped(analysis.ticks)});
+  }
+  page.table(rows);
+  for (const WorkedExperiment& worked : all) {
+    if (all.size() > 1) page.heading(worked.experiment->title);
+    page.list(marks_of(worked), "marks");
+  }
+  page.close_section();
+}
+
+void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t number) {
+  page.open_section(anchor(number), worked.experiment->title);
+  write_what_was_run(page, worked);
+  write_pictures(page, worked.pictures);
+  for (std::size_t i = 0; i < worked.hands.size(); ++i) {
+    write_hand(page, worked.analysis.hands[i], worked.hands[i], worked.hands.size());
+  }
+  write_timing(page, worked);
+  page.close_section();
+}
+
+void write_comparison(Page& page, const std::vector<WorkedExperiment>& all) {
+  page.open_section("paper", "Beside the paper");
+  page.paragraph(
+      "X. Zhang, W. Sun, A. Song, J. Li, J. Liu: Enhanced haptic model for real-time "
+      "human-computer interaction, 2011. Its figures are of its own machine of that time.");
+  for (const WorkedExperiment& worked : all) page.table(comparison(worked));
+  page.close_section();
+}
+
+}  // namespace palpate::report

@@ -1,0 +1,153 @@
+#include "view/report/sweep_section.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/core.h>
+
+#include "palpate/units.h"
+
+#include "core/base/text.h"
+#include "view/report/figures.h"
+#include "view/report/gnuplot.h"
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+struct Line {
+  const char* title;
+  const char* colour;
+};
+constexpr Line kLines[fit::kLawParameters] = {
+    {"k_1", "#0072B2"}, {"beta", "#D55E00"}, {"q", "#009E73"}, {"L_1", "#CC79A7"}};
+
+std::string axis_name(std::size_t parameter) {
+  const char* const names[fit::kLawParameters] = {"k_1, N/m", "beta", "q", "L_1, mm"};
+  return names[parameter];
+}
+
+/// An axis from `low` to `high`: with a logarithm over a factor 3, its tics 1, 2 and 5 times a power of ten.
+std::string axis(const std::string& name, double low, double high) {
+  constexpr double kLogarithmFrom = 3.0;
+  std::string text = fmt::format("set {}range [{}:{}]\n", name, shortest(low), shortest(high));
+  if (high < kLogarithmFrom * low)
+    return fmt::format("{}unset logscale {}\nset {}tics autofreq\n", text, name, name);
+  std::string tics;
+  const int last = static_cast<int>(std::floor(std::log10(high)));
+  for (int n = static_cast<int>(std::floor(std::log10(low))); n <= last; ++n) {
+    for (const double step : {1.0, 2.0, 5.0}) {
+      const double tic = step * std::pow(10.0, n);
+      if (tic >= low && tic <= high) tics += (tics.empty() ? "" : ",") + shortest(tic);
+    }
+  }
+  return fmt::format("{}set logscale {}\nset {}tics ({})\n", text, name, name, tics);
+}
+
+std::string where(const fit::Sweep& sweep) {
+  return sweep.specimen.empty() ? std::string("all together") : sweep.specimen;
+}
+
+/// Two panes over the value that was held: error, then the other parameters as factors of the fit's own.
+/// Columns: value, error in percent, the same where the data leave it, four factors.
+std::string script(const fit::Sweep& sweep, double most, double lowest, double highest) {
+  const double unit = fit::labels(0)[sweep.parameter].unit;
+  constexpr const char* kScript = R"({}set lmargin 11; set rmargin 3
+{}set multiplot; set origin 0,0.49; set size 1,0.51; set bmargin 0.6; set format x ''
+set yrange [0:{}]; set ylabel 'error, % of force range'
+plot 'sweep.dat' using 1:3 with filledcurves y1=0 lc rgb '#c9dfee' title 'left by the data', \
+  '' using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '#0072B2' title 'error', \
+  'best.dat' using 1:2 with points pt 9 ps 1.1 lc rgb '#555555' title 'the fit'
+set origin 0,0; set size 1,0.49; set key outside top center; set tmargin 2; set bmargin 3.4; set format x '%g'
+{}set xlabel '{}'; set ylabel 'others / their best'
+plot 1 with lines lw 1 lc rgb '#555555' notitle)";
+  std::string text =
+      fmt::format(kScript, preamble(760, 560, "top center horizontal samplen 2 noopaque"),
+                  axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit),
+                  shortest(most), axis("y", lowest, highest), axis_name(sweep.parameter));
+  for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
+    if (i == sweep.parameter) continue;
+    text += fmt::format(", 'sweep.dat' using 1:{} with lines lw 2 lc rgb '{}' title '{}'", 4 + i,
+                        kLines[i].colour, kLines[i].title);
+  }
+  return text + "\nunset multiplot\n";
+}
+
+/// The fitted parameters nearest to the fit's own value, which the others are told against.
+const fit::SweepPoint& nearest(const fit::Sweep& sweep) {
+  return *std::min_element(sweep.points.begin(), sweep.points.end(),
+                           [&sweep](const fit::SweepPoint& a, const fit::SweepPoint& b) {
+                             return std::abs(a.value - sweep.best) < std::abs(b.value - sweep.best);
+                           });
+}
+
+Figure draw(const fit::Sweep& sweep, const std::filesystem::path& file) {
+  const fit::ParameterLabel label = fit::labels(0)[sweep.parameter];
+  Figure figure;
+  figure.file = file;
+  figure.alternative = fmt::format("Error over {} of {}, and the other parameters", label.name, where(sweep));
+  figure.caption = fmt::format(
+      "{}: {} held at each value and the others fitted again. Shaded: values that the data leave at 95 %. "
+      "Below: where the others go.",
+      where(sweep), label.name);
+  const fit::SweepPoint& centre = nearest(sweep);
+  constexpr double kRoom = 1.15;  // factor beside the lines
+  std::vector<std::vector<double>> rows;
+  double most = 100.0 * sweep.best_nrmse;
+  double lowest = 1.0;
+  double highest = 1.0;
+  for (const fit::SweepPoint& point : sweep.points) {
+    const double error = 100.0 * point.nrmse;
+    most = std::max(most, error);
+    std::vector<double> row = {point.value / label.unit, error, point.within_95 ? error : std::nan("")};
+    for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
+      row.push_back(point.others[i] / centre.others[i]);
+      if (i == sweep.parameter) continue;
+      lowest = std::min(lowest, row.back());
+      highest = std::max(highest, row.back());
+    }
+    rows.push_back(std::move(row));
+  }
+  try {
+    run_gnuplot(script(sweep, 1.25 * most, lowest / kRoom, highest * kRoom * kRoom),
+                {{"sweep.dat", rows}, {"best.dat", {{sweep.best / label.unit, 100.0 * sweep.best_nrmse}}}},
+                file);
+  } catch (const FigureError& error) {
+    figure.missing = error.what();
+  }
+  return figure;
+}
+
+std::string verdict(const fit::Sweep& sweep) {
+  if (sweep.found_better)
+    return "a value fits clearly better than the fit's own: the fit is not the best one";
+  if (sweep.open_below && sweep.open_above) return "left open by the data";
+  if (sweep.open_below) return "bounded above only";
+  if (sweep.open_above) return "bounded below only";
+  return "bounded on both sides";
+}
+
+}  // namespace
+
+void write_sweeps(Page& page, const std::vector<fit::Sweep>& sweeps, const std::filesystem::path& folder) {
+  if (sweeps.empty()) return;
+  page.open_section("sweeps", "Sweeps");
+  page.paragraph(
+      "A parameter is held at value after value, each time with all others fitted again. A flat line says "
+      "that the "
+      "data do not tell this parameter: others stand in for it.");
+  TableRows rows = {{"parameter", "of", "within the swept range"}};
+  for (const fit::Sweep& sweep : sweeps) {
+    rows.push_back({escaped(fit::labels(0)[sweep.parameter].name), escaped(where(sweep)), verdict(sweep)});
+  }
+  page.table(rows);
+  page.open_grid("one");
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    page.figure(draw(sweeps[i], folder / fmt::format("sweep-{}.svg", i + 1)));
+  }
+  page.close_grid();
+  page.close_section();
+}
+
+}  // namespace palpate::report
