@@ -202,6 +202,7 @@ TEST_F(WindowTest, TissueAndNoiseChangeWhileTheyAreFelt) {
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 3.5e-3; }));
     driven.key(SDLK_n);
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change == 1; }));
+    const std::uint64_t noise_off = driven.window().snapshot().tick;
     const std::filesystem::path tissue = file("stiff.toml");
     model::TissueParameters stiff = model::tissue_preset("liver");
     stiff.name = "stiff";
@@ -211,6 +212,8 @@ TEST_F(WindowTest, TissueAndNoiseChangeWhileTheyAreFelt) {
     Driven::drop(tissue.string());
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change == 2; }));
     ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest(0).tissue_force > 2.0 * before; }));
+    // The noise is faded out over 50 ms; the traces are a frame behind the snapshot.
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().tick > noise_off + 200; }));
     EXPECT_EQ(driven.window().traces().newest(0).noise_force, 0.0);
     close_and_expect_order(driven);
     (void)driven.finish();
