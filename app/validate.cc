@@ -229,7 +229,7 @@ report::Validation validate(const ValidateFlags& flags) {
 }
 
 /// The tissue with the reach that was fitted.
-void write_tissue(const std::string& file, const model::TissueParameters& tissue) {
+void write_compared_tissue(const std::string& file, const model::TissueParameters& tissue) {
   std::ofstream out(file, std::ios::binary);
   out << scene::to_toml(tissue);
   out.close();
@@ -305,7 +305,7 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "docs/validation.md says what is compared and what the figures mean.");
   command->callback([flags, command_line, &exit_code] {
     const report::Validation validation = validate(*flags);
-    if (!flags->out.empty()) write_tissue(flags->out, validation.law.tissue);
+    if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
     if (!flags->report.empty()) {
       tell("report: " + report::write_validation_report(validation, command_line, flags->report).string());
     }

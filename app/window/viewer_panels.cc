@@ -34,7 +34,7 @@ std::string begun(std::int64_t unix_ns) {
   return text.data();
 }
 
-std::string microseconds(std::int64_t ns) {
+std::string recorded_microseconds(std::int64_t ns) {
   return formatted("%.1f \u00b5s", static_cast<double>(ns) * 1e-3);
 }
 
@@ -52,7 +52,7 @@ void recording_rows(const Seen& seen, ViewerState& state) {
                            formatted("%.0f ticks", static_cast<double>(seen.view.ticks())));
   rows.words("Loop", formatted("%.0f Hz", setup.rate_Hz) + (facts.offline ? ", offline" : ""));
   if (!facts.offline) {
-    rows.words("Tick", "p99.9 " + microseconds(facts.tick_time.p999_ns), "computing time of a tick");
+    rows.words("Tick", "p99.9 " + recorded_microseconds(facts.tick_time.p999_ns), "computing time of a tick");
     rows.words("Missed", formatted("%.0f ticks", static_cast<double>(facts.missed_deadlines)),
                "ticks that began a full period or more late");
   }
