@@ -58,7 +58,7 @@ void read_numbers(const TomlTable& table, std::string_view section, model::Tissu
   for (const model::TissueField& field : model::kTissueFields) {
     if (field.section != section) continue;
     const std::optional<double> value =
-        field.required ? table.required_number(field.key) : table.number(field.key);
+        field.required() ? table.required_number(field.key) : table.number(field.key);
     if (value) field.at.set(tissue, *value * field.unit.si);
   }
 }
