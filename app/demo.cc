@@ -10,13 +10,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "run/session/usable_core.h"
+#include "view/report/report.h"
+
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/session.h"
-#include "run/session/usable_core.h"
-#include "view/report/report.h"
 
 namespace palpate::app {
 namespace {

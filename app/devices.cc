@@ -10,11 +10,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.h"
+#include "io/system/clock.h"
 #include "palpate/units.h"
 
 #include "app/commands.h"
-#include "core/base/text.h"
-#include "io/system/clock.h"
 
 namespace palpate::app {
 namespace {

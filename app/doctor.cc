@@ -10,9 +10,10 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "app/commands.h"
 #include "core/base/text.h"
 #include "run/realtime/machine_checks.h"
+
+#include "app/commands.h"
 
 namespace palpate::app {
 namespace {

@@ -16,9 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
+#include "palpate/error.h"
 
 namespace palpate::app {
 namespace {

@@ -14,6 +14,10 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
+#include "science/fit/crew.h"
+#include "science/fit/fit_many.h"
+#include "science/fit/sweep.h"
+#include "view/report/fit_report.h"
 
 #include "app/commands.h"
 #include "app/fit_summary.h"
@@ -21,10 +25,6 @@
 #include "app/numbers.h"
 #include "app/progress.h"
 #include "app/sweep_summary.h"
-#include "science/fit/crew.h"
-#include "science/fit/fit_many.h"
-#include "science/fit/sweep.h"
-#include "view/report/fit_report.h"
 
 namespace palpate::app {
 namespace {

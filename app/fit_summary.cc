@@ -7,8 +7,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "app/sweep_summary.h"
 #include "core/base/text.h"
+
+#include "app/sweep_summary.h"
 
 namespace palpate::app {
 namespace {

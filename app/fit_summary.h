@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "palpate/fit.h"
-
 #include "science/fit/sweep.h"
 
 namespace palpate::app {

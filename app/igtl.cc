@@ -2,8 +2,9 @@
 
 #include <fmt/core.h>
 
-#include "app/messages.h"
 #include "core/base/text.h"
+
+#include "app/messages.h"
 
 namespace palpate::app {
 IgtlService::IgtlService(const std::optional<std::string>& where) {

@@ -10,6 +10,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.h"
+#include "io/mesh_io/repair/crossings.h"
+#include "io/mesh_io/repair/repair.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
@@ -17,9 +20,6 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
-#include "core/base/text.h"
-#include "io/mesh_io/repair/crossings.h"
-#include "io/mesh_io/repair/repair.h"
 
 namespace palpate::app {
 namespace {

@@ -5,11 +5,11 @@
 #include <string_view>
 
 #include "palpate/version.h"
+#include "science/fit/crew.h"
 
 #include "app/command_line.h"
 #include "app/commands.h"
 #include "app/messages.h"
-#include "science/fit/crew.h"
 
 namespace {
 

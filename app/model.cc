@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
@@ -14,7 +15,6 @@
 
 #include "app/commands.h"
 #include "app/numbers.h"
-#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

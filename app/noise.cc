@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/touch_noise.h"
 #include "palpate/units.h"
@@ -16,7 +17,6 @@
 #include "app/commands.h"
 #include "app/numbers.h"
 #include "app/progress.h"
-#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

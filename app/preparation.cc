@@ -1,9 +1,10 @@
 #include "app/preparation.h"
 
-#include "app/messages.h"
 #include "io/scene/organ_cache.h"
 #include "io/system/cache_folder.h"
 #include "io/system/clock.h"
+
+#include "app/messages.h"
 
 namespace palpate::app {
 namespace {

@@ -2,11 +2,11 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "io/record/recording_frames.h"
 #include "palpate/offscreen.h"
 #include "palpate/recording.h"
 
 #include "app/preparation.h"
-#include "io/record/recording_frames.h"
 
 namespace palpate::app {
 

@@ -10,7 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "core/base/text.h"
+#include "io/scene/device_kinds.h"
 #include "palpate/error.h"
+#include "run/session/usable_core.h"
+#include "view/report/report.h"
 
 #include "app/commands.h"
 #include "app/igtl.h"
@@ -20,10 +24,6 @@
 #include "app/scene_flags.h"
 #include "app/session.h"
 #include "app/window/window.h"
-#include "core/base/text.h"
-#include "io/scene/device_kinds.h"
-#include "run/session/usable_core.h"
-#include "view/report/report.h"
 
 namespace palpate::app {
 namespace {

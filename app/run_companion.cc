@@ -8,9 +8,10 @@
 
 #include <unistd.h>
 
+#include "core/base/text.h"
+
 #include "app/messages.h"
 #include "app/progress.h"
-#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

@@ -4,9 +4,8 @@
 #include <stop_token>
 #include <thread>
 
-#include "palpate/session.h"
-
 #include "core/base/ring.h"
+#include "palpate/session.h"
 
 namespace palpate::app {
 

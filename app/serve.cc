@@ -12,16 +12,16 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "net/live_access.h"
+#include "net/live_server.h"
 #include "palpate/error.h"
+#include "run/session/usable_core.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/preparation.h"
 #include "app/scene_flags.h"
 #include "app/served_runs.h"
-#include "net/live_access.h"
-#include "net/live_server.h"
-#include "run/session/usable_core.h"
 
 namespace palpate::app {
 namespace {

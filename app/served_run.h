@@ -3,8 +3,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "app/session.h"
 #include "net/live_tap.h"
+
+#include "app/session.h"
 
 namespace palpate::app {
 

@@ -4,14 +4,14 @@
 #include <system_error>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/surface.h"
-
-#include "app/messages.h"
 #include "core/haptics/simulation.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/names.h"
 #include "io/system/clock.h"
+#include "palpate/error.h"
+#include "palpate/surface.h"
+
+#include "app/messages.h"
 
 namespace palpate::app {
 namespace {

@@ -9,11 +9,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "net/live_server.h"
+#include "net/live_surface.h"
+
 #include "app/next_session.h"
 #include "app/served_run.h"
 #include "app/session.h"
-#include "net/live_server.h"
-#include "net/live_surface.h"
 
 namespace palpate::app {
 

@@ -9,13 +9,13 @@
 
 #include <unistd.h>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 
 #include "app/commands.h"
 #include "app/preparation.h"
 #include "app/run_companion.h"
-#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

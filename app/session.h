@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "net/igtl_server.h"
 #include "palpate/offscreen.h"
 #include "palpate/recording.h"
 #include "palpate/session.h"
 
 #include "app/summary.h"
-#include "net/igtl_server.h"
 
 namespace CLI {
 class App;

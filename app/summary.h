@@ -7,9 +7,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "palpate/session.h"
-
 #include "net/igtl_clients.h"
+#include "palpate/session.h"
 
 namespace palpate::app {
 

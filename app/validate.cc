@@ -8,20 +8,20 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
 #include "palpate/validation.h"
+#include "science/fit/reach_fit.h"
+#include "science/fit/rivals.h"
+#include "view/report/validation_report.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/numbers.h"
 #include "app/validate_image.h"
 #include "app/validate_summary.h"
-#include "core/base/text.h"
-#include "science/fit/reach_fit.h"
-#include "science/fit/rivals.h"
-#include "view/report/validation_report.h"
 
 namespace palpate::app {
 namespace {

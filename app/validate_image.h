@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/validation.h"
-
 #include "view/report/image_section.h"
 
 namespace palpate::app {

@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.h"
 #include "palpate/units.h"
 
 #include "app/validate_image.h"
-#include "core/base/text.h"
 
 namespace palpate::app {
 namespace {

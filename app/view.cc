@@ -8,8 +8,10 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/offscreen.h"
+#include "view/render/map_legend.h"
 
 #include "app/commands.h"
 #include "app/film.h"
@@ -20,8 +22,6 @@
 #include "app/recorded_view.h"
 #include "app/session.h"
 #include "app/window/viewer.h"
-#include "core/base/text.h"
-#include "view/render/map_legend.h"
 
 namespace palpate::app {
 namespace {

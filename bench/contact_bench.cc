@@ -7,13 +7,13 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/geometry/surface_distance.h"
+#include "io/scene/make_world.h"
 #include "palpate/scripted_device.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/subjects.h"
 #include "bench/measure/ticks.h"
-#include "core/geometry/surface_distance.h"
-#include "io/scene/make_world.h"
 
 namespace {
 

@@ -6,6 +6,7 @@
 
 #include <valgrind/callgrind.h>
 
+#include "io/scene/make_world.h"
 #include "palpate/scene.h"
 #include "palpate/scripted_device.h"
 #include "palpate/spring_law.h"
@@ -13,7 +14,6 @@
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/subjects.h"
-#include "io/scene/make_world.h"
 
 namespace {
 

@@ -13,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "io/record/machine.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
@@ -32,7 +33,6 @@
 #include "bench/measure/preparation.h"
 #include "bench/measure/subjects.h"
 #include "bench/measure/ticks.h"
-#include "io/record/machine.h"
 
 namespace palpate::bench {
 namespace {

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "io/scene/make_world.h"
+#include "io/system/clock.h"
 #include "palpate/scripted_device.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/subjects.h"
 #include "bench/measure/ticks.h"
 #include "bench/measure/times.h"
-#include "io/scene/make_world.h"
-#include "io/system/clock.h"
 
 namespace {
 

@@ -1,7 +1,8 @@
 // The lines that a fit of many keeps beside its results; what is read must be written as what is read again.
-#include "fuzz/input.h"
 #include "science/fit/fit_record.h"
 #include "science/fit/sweep_piece.h"
+
+#include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;

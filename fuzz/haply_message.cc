@@ -1,8 +1,9 @@
 // A message of Haply's service, as the first one and as the state of the devices that it lists.
 #include <cmath>
 
-#include "fuzz/input.h"
 #include "run/devices/haply_messages.h"
+
+#include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;

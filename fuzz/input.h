@@ -9,9 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "palpate/error.h"
-
 #include "io/system/temporary.h"
+#include "palpate/error.h"
 
 namespace palpate::fuzz {
 

@@ -1,9 +1,10 @@
 // A message of a client of the live interface; what is made of it is written as what is read again.
 #include <nlohmann/json.hpp>
 
-#include "fuzz/input.h"
 #include "net/live_messages.h"
 #include "net/live_protocol.h"
+
+#include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;

@@ -1,10 +1,10 @@
 // Mesh files of the format PALPATE_FUZZ_ENDING: read, repaired to an organ, or refused in words.
 #include <utility>
 
+#include "io/mesh_io/repair/repair.h"
 #include "palpate/read_mesh.h"
 
 #include "fuzz/input.h"
-#include "io/mesh_io/repair/repair.h"
 
 namespace {
 

@@ -1,6 +1,7 @@
 // Photographs as PNG or JPEG: read or refused, within the limits on size.
-#include "fuzz/input.h"
 #include "science/fit/image_file.h"
+
+#include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;

@@ -1,6 +1,7 @@
 // Scene files, without the files that they name.
-#include "fuzz/input.h"
 #include "io/scene/scene_file.h"
+
+#include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const palpate::fuzz::InputFile input(".toml");

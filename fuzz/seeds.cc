@@ -9,13 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/scene.h"
-#include "palpate/tissue.h"
-
 #include "io/record/scene_json.h"
 #include "io/record/test/sample_recording.h"
 #include "io/system/array_file.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/tissue.h"
 #include "science/fit/fit_record.h"
 
 namespace {

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/contact/tool_points.h"
 #include "palpate/read_mesh.h"
 
-#include "core/contact/tool_points.h"
 #include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

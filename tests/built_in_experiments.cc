@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "palpate/scene.h"
-
 #include "io/scene/make_world.h"
+#include "palpate/scene.h"
 #include "run/devices/devices.h"
 #include "run/realtime/loop.h"
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "palpate/scene.h"
-
 #include "run/realtime/loop.h"
 
 namespace palpate::tests {

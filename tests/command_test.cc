@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/record/recorder.h"
 #include "palpate/scene.h"
 
-#include "io/record/recorder.h"
 #include "tests/program.h"
 
 namespace palpate::tests {

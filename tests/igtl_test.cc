@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/recording.h"
-
 #include "net/igtl_clients.h"
 #include "net/test/igtl_received.h"
+#include "palpate/recording.h"
+
 #include "tests/program.h"
 
 namespace palpate::tests {

@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/record/recorder.h"
 #include "palpate/recording.h"
 #include "palpate/scene.h"
 
-#include "io/record/recorder.h"
 #include "tests/program.h"
 
 namespace palpate::tests {

@@ -11,14 +11,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/statistics.h"
+#include "core/deform/live_surface.h"
 #include "palpate/mesh.h"
 #include "palpate/offscreen.h"
 #include "palpate/surface.h"
-
-#include "core/base/statistics.h"
-#include "core/deform/live_surface.h"
 #include "science/fit/image_file.h"
 #include "science/fit/image_measure.h"
+
 #include "tests/program.h"
 
 namespace palpate::tests {

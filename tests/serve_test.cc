@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
+#include "net/test/live_client.h"
 #include "palpate/recording.h"
 
-#include "net/test/live_client.h"
 #include "tests/program.h"
 
 namespace palpate::tests {

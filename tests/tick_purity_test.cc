@@ -13,6 +13,7 @@
 #include "io/record/recorder.h"
 #include "net/igtl_server.h"
 #include "net/test/igtl_received.h"
+
 #include "tests/built_in_experiments.h"
 #include "tests/heap_and_lock_guard.h"
 #include "tests/syscall_guard.h"

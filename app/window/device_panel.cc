@@ -6,11 +6,12 @@
 
 #include <imgui.h>
 
+#include "io/scene/device_kinds.h"
+
 #include "app/window/look.h"
 #include "app/window/panels.h"
 #include "app/window/plot.h"
 #include "app/window/rows.h"
-#include "io/scene/device_kinds.h"
 
 namespace palpate::app {
 namespace {

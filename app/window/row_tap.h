@@ -2,9 +2,8 @@
 #include <atomic>
 #include <cstdint>
 
-#include "palpate/tick_observer.h"
-
 #include "core/base/ring.h"
+#include "palpate/tick_observer.h"
 
 namespace palpate::app {
 

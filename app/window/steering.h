@@ -5,10 +5,11 @@
 
 #include <SDL.h>
 
-#include "app/session.h"
-#include "app/window/orbit_camera.h"
 #include "run/devices/gamepad.h"
 #include "run/devices/mouse.h"
+
+#include "app/session.h"
+#include "app/window/orbit_camera.h"
 
 namespace palpate::app {
 

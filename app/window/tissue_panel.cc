@@ -5,12 +5,12 @@
 
 #include <imgui.h>
 
+#include "core/model/tissue_fields.h"
 #include "palpate/units.h"
 
 #include "app/window/look.h"
 #include "app/window/panels.h"
 #include "app/window/rows.h"
-#include "core/model/tissue_fields.h"
 
 namespace palpate::app {
 namespace {
@@ -34,7 +34,7 @@ bool numbers(std::string_view section, model::TissueNumbers& tissue) {
   const Rows rows(section.empty() ? "numbers" : section.data());
   bool changed = false;
   for (const model::TissueField& field : model::kTissueFields) {
-    if (field.section != section || field.set_up_only) continue;
+    if (field.section != section || field.slider.step == 0.0) continue;
     const model::FieldSlider& slider = field.slider;
     const std::string format = "%." + std::to_string(slider.decimals) + "f " + field.unit.text;
     double value = field.in_force(tissue);

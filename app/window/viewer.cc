@@ -9,14 +9,14 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
+#include "io/system/clock.h"
 #include "palpate/error.h"
+#include "view/render/map_legend.h"
 
 #include "app/messages.h"
 #include "app/session.h"
 #include "app/window/look.h"
 #include "app/window/rows.h"
-#include "io/system/clock.h"
-#include "view/render/map_legend.h"
 
 namespace palpate::app {
 namespace {

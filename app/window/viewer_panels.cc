@@ -8,11 +8,12 @@
 
 #include <imgui.h>
 
+#include "core/base/text.h"
+#include "view/render/map_legend.h"
+
 #include "app/session.h"
 #include "app/window/look.h"
 #include "app/window/rows.h"
-#include "core/base/text.h"
-#include "view/render/map_legend.h"
 
 namespace palpate::app {
 namespace {

@@ -8,13 +8,13 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
+#include "core/haptics/gate.h"
+#include "io/system/clock.h"
 #include "palpate/error.h"
 
 #include "app/messages.h"
 #include "app/window/look.h"
 #include "app/window/rows.h"
-#include "core/haptics/gate.h"
-#include "io/system/clock.h"
 
 namespace palpate::app {
 namespace {

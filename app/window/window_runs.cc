@@ -3,11 +3,11 @@
 #include <fstream>
 #include <utility>
 
+#include "io/system/clock.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 
 #include "app/window/window.h"
-#include "io/system/clock.h"
 
 namespace palpate::app {
 namespace {

@@ -1,7 +1,8 @@
 #include <initializer_list>
 
-#include "bench/measure/account.h"
 #include "core/base/text.h"
+
+#include "bench/measure/account.h"
 
 namespace palpate::bench {
 namespace {

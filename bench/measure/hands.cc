@@ -12,15 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/scripted_device.h"
-
-#include "bench/measure/preparation.h"
-#include "bench/measure/ticks.h"
 #include "core/base/fetch_list.h"
 #include "core/base/ring.h"
 #include "core/haptics/simulation.h"
+#include "palpate/scripted_device.h"
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
+
+#include "bench/measure/preparation.h"
+#include "bench/measure/ticks.h"
 
 namespace palpate::bench {
 namespace {

@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <functional>
 
+#include "core/haptics/simulation.h"
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
+#include "run/realtime/tick_wait.h"
 
 #include "bench/measure/account.h"
-#include "core/haptics/simulation.h"
-#include "run/realtime/tick_wait.h"
 
 namespace palpate::bench {
 

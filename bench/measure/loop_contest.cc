@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/scripted_device.h"
-
-#include "bench/measure/one_hand.h"
 #include "io/system/clock.h"
+#include "palpate/scripted_device.h"
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
+
+#include "bench/measure/one_hand.h"
 
 namespace palpate::bench {
 namespace {

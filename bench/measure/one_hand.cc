@@ -5,9 +5,8 @@
 
 #include <unistd.h>
 
-#include "palpate/error.h"
-
 #include "io/system/clock.h"
+#include "palpate/error.h"
 
 namespace palpate::bench {
 

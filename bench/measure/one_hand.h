@@ -3,10 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "palpate/scene.h"
-
 #include "core/haptics/simulation.h"
 #include "io/record/recorder.h"
+#include "palpate/scene.h"
 
 namespace palpate::bench {
 

@@ -10,10 +10,11 @@
 
 #include <dlfcn.h>
 
-#include "bench/measure/subjects.h"
 #include "core/base/text.h"
 #include "core/geometry/surface_distance.h"
 #include "io/system/clock.h"
+
+#include "bench/measure/subjects.h"
 
 namespace palpate::bench {
 namespace {

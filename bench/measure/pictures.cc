@@ -3,14 +3,14 @@
 #include <ctime>
 #include <vector>
 
+#include "io/system/clock.h"
 #include "palpate/offscreen.h"
 #include "palpate/scripted_device.h"
+#include "run/realtime/loop.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/preparation.h"
 #include "bench/measure/subjects.h"
-#include "io/system/clock.h"
-#include "run/realtime/loop.h"
 
 namespace palpate::bench {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
 #include <cstddef>
 
+#include "core/haptics/simulation.h"
 #include "palpate/scene.h"
 
 #include "bench/measure/account.h"
-#include "core/haptics/simulation.h"
 
 namespace palpate::bench {
 

@@ -4,12 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "palpate/mesh.h"
-#include "palpate/spring_law.h"
-
 #include "core/haptics/passivity.h"
 #include "io/scene/make_world.h"
 #include "io/scene/minimum_jerk.h"
+#include "palpate/mesh.h"
+#include "palpate/spring_law.h"
 #include "run/devices/emulated.h"
 #include "run/realtime/loop.h"
 

@@ -1,10 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "palpate/scene.h"
-
 #include "core/haptics/simulation.h"
 #include "core/haptics/stability.h"
+#include "palpate/scene.h"
 
 // Whether a pressed tissue lies still under an emulated hand: what docs/safety.md says of stability.
 namespace palpate::bench {

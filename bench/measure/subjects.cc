@@ -8,10 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/scene.h"
-
 #include "core/base/portable_math.h"
 #include "io/scene/minimum_jerk.h"
+#include "palpate/scene.h"
 
 namespace palpate::bench {
 namespace {

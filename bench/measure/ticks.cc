@@ -8,12 +8,12 @@
 #include <thread>
 #include <utility>
 
+#include "core/geometry/surface_distance.h"
+#include "io/system/clock.h"
 #include "palpate/scripted_device.h"
 
 #include "bench/measure/one_hand.h"
 #include "bench/measure/subjects.h"
-#include "core/geometry/surface_distance.h"
-#include "io/system/clock.h"
 
 namespace palpate::bench {
 namespace {

@@ -2,12 +2,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/contact/contact.h"
+#include "core/haptics/simulation.h"
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
 
 #include "bench/measure/account.h"
-#include "core/contact/contact.h"
-#include "core/haptics/simulation.h"
 
 namespace palpate::bench {
 

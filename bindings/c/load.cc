@@ -2,17 +2,17 @@
 #include <string>
 #include <utility>
 
-#include "palpate/scene.h"
-#include "palpate/scripted_device.h"
-#include "palpate/tool_path.h"
-
-#include "bindings/c/errors.h"
-#include "bindings/c/simulation.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/make_world.h"
 #include "io/scene/organ_cache.h"
 #include "io/system/cache_folder.h"
+#include "palpate/scene.h"
+#include "palpate/scripted_device.h"
+#include "palpate/tool_path.h"
 #include "run/devices/devices.h"
+
+#include "bindings/c/errors.h"
+#include "bindings/c/simulation.h"
 
 namespace palpate::c_interface {
 namespace {

@@ -3,11 +3,11 @@
 #include <memory>
 #include <string>
 
+#include "core/haptics/gate.h"
 #include "palpate/scene.h"
 
 #include "bindings/c/errors.h"
 #include "bindings/c/simulation.h"
-#include "core/haptics/gate.h"
 
 using palpate::c_interface::guarded;
 using palpate::c_interface::refuse;

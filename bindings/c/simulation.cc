@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "io/system/clock.h"
 #include "palpate/surface.h"
 
 #include "bindings/c/float_environment.h"
-#include "io/system/clock.h"
 
 namespace palpate::c_interface {
 namespace {

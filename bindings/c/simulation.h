@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/haptics/simulation.h"
+#include "io/record/recorder.h"
 #include "palpate/preparation.h"
 #include "palpate/scene.h"
 #include "palpate/snapshot_cell.h"
@@ -13,8 +15,6 @@
 #include "palpate/tick_observer.h"
 
 #include "bindings/c/palpate.h"
-#include "core/haptics/simulation.h"
-#include "io/record/recorder.h"
 
 namespace palpate::c_interface {
 

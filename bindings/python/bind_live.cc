@@ -1,9 +1,11 @@
 // A simulation that runs in real time while Python looks on.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,12 +15,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/haptics/tick_fields.h"
 #include "palpate/error.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/live_simulation.h"
 #include "bindings/python/scene_arguments.h"
-#include "core/haptics/tick_fields.h"
 
 namespace palpate::python {
 namespace {
@@ -187,39 +189,25 @@ std::string phase_of(const HandState& hand) {
   return kWords[std::min<std::uint32_t>(hand.row.phase, 2)];
 }
 
-/// The first number of a field of a row.
-template <typename Number>
-const Number* number_at(const HandState& hand, const haptics::TickField& field) {
-  return reinterpret_cast<const Number*>(reinterpret_cast<const std::byte*>(&hand.row) + field.offset);
-}
-
-template <typename Number>
-auto number_of(const haptics::TickField& field) {
-  return [field](const HandState& hand) { return *number_at<Number>(hand, field); };
-}
-
-/// A property that is a field of the row: an array where it has several numbers.
-void bind_field(py::class_<HandState>& state, const haptics::TickField& field) {
-  const char* const name = field.attribute;
-  if (field.size() > 1) {
-    const auto numbers = [field](const HandState& hand) {
-      return array_of(std::span(number_at<double>(hand, field), field.size()));
-    };
-    state.def_property_readonly(name, numbers, field.meaning);
-  } else if (field.type == haptics::ColumnType::kF64) {
-    state.def_property_readonly(name, number_of<double>(field), field.meaning);
-  } else if (field.type == haptics::ColumnType::kI64) {
-    state.def_property_readonly(name, number_of<std::int64_t>(field), field.meaning);
-  } else {
-    state.def_property_readonly(name, number_of<std::uint32_t>(field), field.meaning);
+/// A value of a hand's row: a number, or an array of its components, which are doubles.
+py::object value_of(const HandState& hand, const haptics::TickField& field) {
+  if (field.size() == 1) {
+    return with_number(hand.row, field.type, field.offset,
+                       [](auto number) -> py::object { return py::cast(number); });
   }
+  std::array<double, 4> numbers{};
+  std::memcpy(numbers.data(), reinterpret_cast<const std::byte*>(&hand.row) + field.offset,
+              field.size() * sizeof(double));
+  return array_of(std::span(numbers.data(), field.size()));
 }
 
 void bind_hand_state(py::module_& module) {
   py::class_<HandState> state(module, "HandState",
                               "One hand at one tick: its row of the recording, SI, world frame.");
   for (const haptics::TickField& field : haptics::kTickFields) {
-    if (field.attribute != nullptr) bind_field(state, field);
+    if (field.attribute == nullptr) continue;
+    state.def_property_readonly(
+        field.attribute, [field](const HandState& hand) { return value_of(hand, field); }, field.meaning);
   }
   state.def_property_readonly("phase", &phase_of, "approach, press or pull.")
       .def_property_readonly(

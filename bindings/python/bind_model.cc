@@ -5,13 +5,13 @@
 #include <string>
 #include <tuple>
 
+#include "core/model/tissue_fields.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
 #include "palpate/touch_noise.h"
 
 #include "bindings/python/binding.h"
 #include "bindings/python/docs.h"
-#include "core/model/tissue_fields.h"
 
 namespace palpate::python {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "science/fit/validation_sets.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"
-#include "science/fit/validation_sets.h"
 
 namespace palpate::python {
 namespace {

@@ -3,11 +3,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "io/scene/device_kinds.h"
 #include "palpate/error.h"
+#include "run/session/usable_core.h"
 
 #include "bindings/python/scene_arguments.h"
-#include "io/scene/device_kinds.h"
-#include "run/session/usable_core.h"
 
 namespace palpate::python {
 namespace {

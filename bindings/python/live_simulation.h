@@ -13,11 +13,11 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/ring.h"
 #include "palpate/session.h"
 #include "palpate/snapshot_cell.h"
 
 #include "bindings/python/surface.h"
-#include "core/base/ring.h"
 
 namespace palpate::python {
 

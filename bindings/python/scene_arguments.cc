@@ -1,10 +1,9 @@
 #include "bindings/python/scene_arguments.h"
 
-#include "palpate/error.h"
-
 #include "io/record/tick_columns.h"
 #include "io/scene/organ_cache.h"
 #include "io/system/cache_folder.h"
+#include "palpate/error.h"
 
 namespace palpate::python {
 

@@ -1,8 +1,8 @@
 /* The built-in gallbladder pressed from C99: load, tick, read the force and the deformed surface.
  *
- * Here the samples come from a path of the library's own, so nobody holds a device (no_hand). With a device of
- * yours leave no_hand at 0, fill the sample from your device, call palpate_tick() at info.rate from your own
- * real-time thread, and write result.device_force to the device as it is.
+ * Here the samples come from a path of the library's own, so nobody holds a device (no_hand). With a device
+ * of yours leave no_hand at 0, fill the sample from your device, call palpate_tick() at info.rate from your
+ * own real-time thread, and write result.device_force to the device as it is.
  *
  * Usage: press [SCENE.toml] */
 #include <math.h>
@@ -44,9 +44,10 @@ int main(int argc, char** argv) {
   palpate_info info = {0};
   info.struct_size = sizeof info;
   check(palpate_get_info(simulation, &info));
-  for (size_t i = 0; palpate_remark(simulation, i) != NULL; ++i) printf("note: %s\n", palpate_remark(simulation, i));
-  printf("%s: %u hand(s) at %g Hz, %zu vertices, %zu triangles\n", palpate_name(simulation), (unsigned)info.hands,
-         info.rate, info.vertices, info.triangles);
+  for (size_t i = 0; palpate_remark(simulation, i) != NULL; ++i)
+    printf("note: %s\n", palpate_remark(simulation, i));
+  printf("%s: %u hand(s) at %g Hz, %zu vertices, %zu triangles\n", palpate_name(simulation),
+         (unsigned)info.hands, info.rate, info.vertices, info.triangles);
 
   double* rest = malloc(3 * info.vertices * sizeof *rest);
   double* now = malloc(3 * info.vertices * sizeof *now);
@@ -68,7 +69,8 @@ int main(int argc, char** argv) {
     check(palpate_tick(simulation, samples, results, info.hands));
     for (uint32_t hand = 0; hand < info.hands; ++hand) {
       const palpate_result* result = &results[hand]; /* result->device_force to your device here */
-      if (result->fault != PALPATE_FAULT_NONE) printf("hand %u: %s\n", (unsigned)hand, palpate_fault_words(result->fault));
+      if (result->fault != PALPATE_FAULT_NONE)
+        printf("hand %u: %s\n", (unsigned)hand, palpate_fault_words(result->fault));
       if (length(result->force) > largest_force) largest_force = length(result->force);
       if (result->depth > deepest) deepest = result->depth;
     }
@@ -76,7 +78,8 @@ int main(int argc, char** argv) {
       check(palpate_surface_update(simulation, &picture));
       check(palpate_surface_vertices(simulation, now, info.vertices));
       printf("%5.2f s  distance %7.2f mm  force %6.3f N  surface moved %5.2f mm\n", results[0].time,
-             1e3 * results[0].distance, length(results[0].force), 1e3 * largest_move(rest, now, info.vertices));
+             1e3 * results[0].distance, length(results[0].force),
+             1e3 * largest_move(rest, now, info.vertices));
     }
   }
   printf("deepest %.17g m, largest force %.17g N\n", deepest, largest_force);

@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
   try {
     palpate::scene::Request request;
     request.scene = argv[1];
-    const auto result =
-        palpate::session::Session::open(palpate::scene::load(request)).run({.recording = argv[2], .offline = true});
+    const auto result = palpate::session::Session::open(palpate::scene::load(request))
+                            .run({.recording = argv[2], .offline = true});
 
     std::cout << result.scene << ": " << result.loop.ticks << " ticks, deepest "
               << 1e3 * result.statistics.peak_depth << " mm, recorded in " << argv[2] << '\n';

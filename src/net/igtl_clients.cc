@@ -13,9 +13,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "palpate/error.h"
-
 #include "io/system/clock.h"
+#include "palpate/error.h"
 
 namespace palpate::net {
 namespace {

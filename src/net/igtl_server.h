@@ -6,10 +6,9 @@
 #include <mutex>
 #include <thread>
 
-#include "palpate/tick_observer.h"
-
 #include "net/igtl_clients.h"
 #include "net/igtl_stream.h"
+#include "palpate/tick_observer.h"
 
 namespace palpate::net {
 

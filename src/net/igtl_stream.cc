@@ -7,9 +7,8 @@
 
 #include <fmt/core.h>
 
-#include "palpate/surface.h"
-
 #include "core/base/text.h"
+#include "palpate/surface.h"
 
 namespace palpate::net {
 namespace {

@@ -4,11 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "net/igtl_messages.h"
 #include "palpate/scene.h"
 #include "palpate/surface.h"
 #include "palpate/tick_observer.h"
-
-#include "net/igtl_messages.h"
 
 namespace palpate::net {
 

@@ -2,18 +2,16 @@
 
 #include <array>
 #include <cstddef>
-#include <cstring>
 #include <optional>
 #include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/units.h"
-
 #include "core/haptics/gate.h"
 #include "core/haptics/tick_fields.h"
 #include "core/model/tissue_fields.h"
+#include "palpate/units.h"
 
 namespace palpate::net {
 namespace {
@@ -52,24 +50,6 @@ Json status_json(std::uint32_t status) {
   return words;
 }
 
-Json number_json(haptics::ColumnType type, const std::byte* at) {
-  const auto read = [at](auto value) {
-    std::memcpy(&value, at, sizeof value);
-    return Json(value);
-  };
-  switch (type) {
-    case haptics::ColumnType::kU32:
-      return read(std::uint32_t{});
-    case haptics::ColumnType::kU64:
-      return read(std::uint64_t{});
-    case haptics::ColumnType::kI64:
-      return read(std::int64_t{});
-    case haptics::ColumnType::kF64:
-      break;
-  }
-  return read(double{});
-}
-
 Json value_json(const haptics::TickRow& row, const haptics::TickField& field) {
   using haptics::TickRow;
   if (field.offset == offsetof(TickRow, phase)) return phase_name(row.phase);
@@ -77,13 +57,12 @@ Json value_json(const haptics::TickRow& row, const haptics::TickField& field) {
   if (field.offset == offsetof(TickRow, status)) return status_json(row.status);
   if (field.offset == offsetof(TickRow, fault))
     return haptics::name_of(static_cast<haptics::Fault>(row.fault));
-  const std::byte* const begin = reinterpret_cast<const std::byte*>(&row) + field.offset;
-  if (field.size() == 1) return number_json(field.type, begin);
   Json numbers = Json::array();
   for (std::size_t i = 0; i < field.size(); ++i) {
-    numbers.push_back(number_json(field.type, begin + i * column_size(field.type)));
+    numbers.push_back(with_number(row, field.type, field.offset + i * column_size(field.type),
+                                  [](auto number) { return Json(number); }));
   }
-  return numbers;
+  return numbers.size() == 1 ? numbers.front() : numbers;
 }
 
 Json hand_json(const haptics::TickRow& row) {

@@ -4,13 +4,12 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "net/live_protocol.h"
+#include "net/live_tap.h"
 #include "palpate/live_changes.h"
 #include "palpate/pose.h"
 #include "palpate/scene.h"
 #include "palpate/tissue.h"
-
-#include "net/live_protocol.h"
-#include "net/live_tap.h"
 
 // What the live interface says (docs/live-interface.md). All [any], not for the tick.
 namespace palpate::net {

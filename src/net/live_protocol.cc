@@ -8,10 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.h"
 #include "palpate/touch_noise.h"
 #include "palpate/units.h"
-
-#include "core/base/text.h"
 
 namespace palpate::net {
 namespace {

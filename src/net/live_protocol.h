@@ -7,11 +7,10 @@
 #include <variant>
 #include <vector>
 
+#include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/live_changes.h"
 #include "palpate/tissue.h"
-
-#include "core/model/tissue_fields.h"
 
 // What a client of the live interface may ask (docs/live-interface.md): one JSON object a message.
 namespace palpate::net {

@@ -11,11 +11,10 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/core.h>
 
-#include "palpate/version.h"
-
 #include "io/system/clock.h"
 #include "net/live_access.h"
 #include "net/live_connection.h"
+#include "palpate/version.h"
 
 namespace palpate::net {
 namespace {

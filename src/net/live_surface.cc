@@ -6,9 +6,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/units.h"
-
 #include "net/live_protocol.h"
+#include "palpate/units.h"
 
 namespace palpate::net {
 namespace {

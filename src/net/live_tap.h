@@ -3,10 +3,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/base/ring.h"
 #include "palpate/snapshot_cell.h"
 #include "palpate/tick_observer.h"
-
-#include "core/base/ring.h"
 
 namespace palpate::net {
 

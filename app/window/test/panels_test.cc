@@ -49,7 +49,7 @@ TEST_F(PanelsTest, SliderPresetAndNoiseBoxChangeWhatIsFeltAndTheRecordingKnows) 
   {
     DrivenWindow driven(ball("mouse"), tall(recording));
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
-    ASSERT_TRUE(driven.point_at({"left", "numbers", "##k\u2081"}));
+    ASSERT_TRUE(driven.point_at({"left", "numbers", "##Stiffness k\u2081"}));
     const auto [x, y] = driven.window().mouse_at();
     driven.button(SDL_BUTTON_LEFT, true);
     driven.frames(2);
@@ -80,7 +80,7 @@ TEST_F(PanelsTest, ANumberIsTypedAndTheTissueSavedByItsDialog) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("mouse"), tall());
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
-  ASSERT_TRUE(driven.point_at({"left", "numbers", "##k\u2081"}));
+  ASSERT_TRUE(driven.point_at({"left", "numbers", "##Stiffness k\u2081"}));
   driven.click_with(KMOD_CTRL);  // as a double click does, whatever the time between
   driven.key(SDLK_a, KMOD_CTRL);
   driven.type("77.5");

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 
 #include "app/session.h"
@@ -14,7 +15,6 @@
 #include "app/window/replay_thread.h"
 #include "app/window/stage.h"
 #include "app/window/viewer_panels.h"
-#include "io/system/test/temporary_folder.h"
 
 namespace palpate::app {
 namespace {

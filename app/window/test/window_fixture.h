@@ -11,9 +11,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/system/test/temporary_folder.h"
+
 #include "app/window/test/driven_window.h"
 #include "app/window/test/virtual_display.h"
-#include "io/system/test/temporary_folder.h"
 
 namespace palpate::app {
 

@@ -1,8 +1,7 @@
 #pragma once
+#include "io/scene/make_world.h"
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
-
-#include "io/scene/make_world.h"
 
 namespace palpate::bench {
 

@@ -1,11 +1,11 @@
 // What the pictures of a ticked simulation are made from.
 #include <gtest/gtest.h>
 
+#include "io/system/clock.h"
 #include "palpate/scene.h"
 
 #include "bindings/c/simulation.h"
 #include "bindings/c/test/c_session.h"
-#include "io/system/clock.h"
 
 namespace palpate::tests {
 namespace {

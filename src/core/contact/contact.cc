@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <limits>
 
-#include "palpate/error.h"
-
 #include "core/contact/press.h"
 #include "core/contact/proximity.h"
 #include "core/contact/pull.h"
 #include "core/contact/sharing.h"
 #include "core/contact/state.h"
+#include "palpate/error.h"
 
 namespace palpate::contact {
 namespace {

@@ -5,14 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "core/base/fetch_list.h"
+#include "core/contact/tissue_laws.h"
 #include "palpate/mesh.h"
 #include "palpate/pose.h"
 #include "palpate/preparation.h"
 #include "palpate/tool.h"
 #include "palpate/tool_contact.h"
-
-#include "core/base/fetch_list.h"
-#include "core/contact/tissue_laws.h"
 
 namespace palpate::contact {
 

@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/content_hash.h"
 #include "palpate/mesh.h"
 #include "palpate/preparation.h"
-
-#include "core/base/content_hash.h"
 
 namespace palpate::contact {
 

@@ -4,11 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "palpate/mesh.h"
-#include "palpate/preparation.h"
-
 #include "core/contact/organ_arrays.h"
 #include "core/geometry/surface_distance.h"
+#include "palpate/mesh.h"
+#include "palpate/preparation.h"
 
 namespace palpate::contact {
 

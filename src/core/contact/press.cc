@@ -109,35 +109,6 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   if (contact.normal != before) find_support();
 }
 
-/// Friction [Hayward and Armstrong 2000]: a tangential spring and a damper side by side on the slip s, in
-/// series with a slider that gives way at the cone: f = k_t s + c_t ds/dt, |f| <= mu F_n. Where it slides, s
-/// is the slip of which f is on the cone, so that ds/dt counts what the spring moves and not what the slider
-/// does.
-/// @param motion of the tool where it touches, this tick [m]
-void compute_friction(double period, const TissueLaws& laws, const Vec3& motion, Contact& contact) noexcept {
-  const double stiffness = laws.tangential_stiffness;
-  const double cone = laws.friction * contact.normal_force;
-  contact.slip += motion;
-  contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
-  if (laws.tangential_damping == 0.0) {
-    const double longest = cone / stiffness;
-    const double length = contact.slip.norm();
-    if (length > longest) contact.slip *= longest / length;
-    contact.friction = -stiffness * contact.slip;
-    return;
-  }
-  const double damping = laws.tangential_damping / period;  // N/m, of the slip's change in this tick
-  const Vec3 change = motion - motion.dot(contact.normal) * contact.normal;
-  const Vec3 before = contact.slip - change;
-  Vec3 force = stiffness * contact.slip + damping * change;
-  const double size = force.norm();
-  if (size > cone) {
-    force *= cone / size;
-    contact.slip = (force + damping * before) / (stiffness + damping);
-  }
-  contact.friction = -force;
-}
-
 /// Depth, force along the normal with damping, and friction of a contact whose support is known.
 void compute_force(const World::Data& world, const TissueLaws& laws, const PartState& part,
                    Contact& contact) noexcept {
@@ -340,6 +311,30 @@ class Starter final {
 };
 
 }  // namespace
+
+void compute_friction(double period, const TissueLaws& laws, const Vec3& motion, Contact& contact) noexcept {
+  const double stiffness = laws.tangential_stiffness;
+  const double cone = laws.friction * contact.normal_force;
+  contact.slip += motion;
+  contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
+  if (laws.tangential_damping == 0.0) {
+    const double longest = cone / stiffness;
+    const double length = contact.slip.norm();
+    if (length > longest) contact.slip *= longest / length;
+    contact.friction = -stiffness * contact.slip;
+    return;
+  }
+  const double damping = laws.tangential_damping / period;  // N/m
+  const Vec3 change = motion - motion.dot(contact.normal) * contact.normal;
+  const Vec3 before = contact.slip - change;
+  Vec3 force = stiffness * contact.slip + damping * change;
+  const double size = force.norm();
+  if (size > cone) {
+    force *= cone / size;
+    contact.slip = (force + damping * before) / (stiffness + damping);
+  }
+  contact.friction = -force;
+}
 
 std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
                            PartState& part) noexcept {

@@ -1,9 +1,8 @@
 #pragma once
 #include <type_traits>
 
-#include "palpate/spring_law.h"
-
 #include "core/model/relaxation.h"
+#include "palpate/spring_law.h"
 
 namespace palpate::contact {
 

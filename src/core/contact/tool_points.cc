@@ -6,9 +6,8 @@
 #include <numeric>
 #include <span>
 
-#include "palpate/error.h"
-
 #include "core/geometry/cell.h"
+#include "palpate/error.h"
 
 namespace palpate::contact {
 namespace {

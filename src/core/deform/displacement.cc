@@ -2,11 +2,10 @@
 #include <cmath>
 #include <limits>
 
-#include "palpate/surface.h"
-
 #include "core/base/portable_math.h"
 #include "core/deform/geodesic.h"
 #include "core/deform/triangle_grid.h"
+#include "palpate/surface.h"
 
 namespace palpate::deform {
 namespace {

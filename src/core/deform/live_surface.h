@@ -7,13 +7,12 @@
 
 #include <Eigen/Core>
 
-#include "palpate/surface.h"
-
 #include "core/deform/field_change.h"
 #include "core/deform/geodesic_front.h"
 #include "core/deform/profile_table.h"
 #include "core/deform/surface_blocks.h"
 #include "core/deform/triangle_grid.h"
+#include "palpate/surface.h"
 
 namespace palpate::deform {
 

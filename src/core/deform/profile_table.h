@@ -3,9 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "palpate/tissue.h"
-
 #include "core/base/lanes.h"
+#include "palpate/tissue.h"
 
 namespace palpate::deform {
 

@@ -3,9 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "palpate/mesh.h"
-
 #include "core/deform/geodesic.h"
+#include "palpate/mesh.h"
 
 namespace palpate::deform {
 

@@ -2,10 +2,9 @@
 #include <algorithm>
 #include <string>
 
+#include "core/base/index.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
-
-#include "core/base/index.h"
 
 namespace palpate::geometry {
 namespace {

@@ -6,10 +6,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/geometry/edge_key.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
-
-#include "core/geometry/edge_key.h"
 
 namespace palpate::geometry {
 namespace {

@@ -6,13 +6,12 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
-
 #include "core/base/index.h"
 #include "core/base/infinity.h"
 #include "core/base/parallel.h"
 #include "core/base/portable_math.h"
 #include "core/geometry/disc_search.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {

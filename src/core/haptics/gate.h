@@ -1,10 +1,9 @@
 #pragma once
 #include <cstdint>
 
+#include "core/haptics/passivity.h"
 #include "palpate/device.h"
 #include "palpate/tick_row.h"
-
-#include "core/haptics/passivity.h"
 
 namespace palpate::haptics {
 

@@ -3,11 +3,10 @@
 #include <cmath>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/units.h"
-
 #include "core/base/text.h"
 #include "core/haptics/prepared_change.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
 
 namespace palpate::haptics {
 namespace {

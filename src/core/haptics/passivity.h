@@ -1,8 +1,7 @@
 #pragma once
+#include "core/haptics/workspace.h"
 #include "palpate/device.h"
 #include "palpate/pose.h"
-
-#include "core/haptics/workspace.h"
 
 namespace palpate::haptics {
 

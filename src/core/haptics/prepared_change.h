@@ -1,8 +1,7 @@
 #pragma once
-#include "palpate/live_changes.h"
-
 #include "core/contact/tissue_laws.h"
 #include "core/haptics/simulation.h"
+#include "palpate/live_changes.h"
 
 namespace palpate::haptics {
 

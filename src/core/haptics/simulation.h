@@ -3,15 +3,14 @@
 #include <span>
 #include <vector>
 
-#include "palpate/device.h"
-#include "palpate/organ_motion.h"
-#include "palpate/tick_row.h"
-#include "palpate/touch_noise.h"
-
 #include "core/contact/contact.h"
 #include "core/haptics/engagement.h"
 #include "core/haptics/gate.h"
 #include "core/haptics/workspace.h"
+#include "palpate/device.h"
+#include "palpate/organ_motion.h"
+#include "palpate/tick_row.h"
+#include "palpate/touch_noise.h"
 
 namespace palpate::haptics {
 

@@ -1,6 +1,5 @@
-#include "palpate/tick_observer.h"
-
 #include "core/haptics/simulation.h"
+#include "palpate/tick_observer.h"
 
 namespace palpate::haptics {
 

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "palpate/spring_law.h"
-
 #include "core/base/text.h"
+#include "palpate/spring_law.h"
 
 namespace palpate::haptics {
 namespace {
@@ -35,7 +34,8 @@ StabilityCheck check_stability(const model::TissueParameters& tissue, model::Dir
   const model::SpringLaw law(tissue, direction, period);
   StabilityCheck check;
   check.stiffness = scale * largest_tangent(law, max_force);
-  // Along the normal or along the surface: the hand may move either way.
+  // The damping is b along the normal and c_t across it, and each axis is a virtual wall of its own
+  // [Colgate, Schenkel 1997]: the larger of the two covers both.
   check.virtual_damping = scale * std::max(tissue.contact.damping, tissue.contact.tangential_damping);
   check.damping_needed = check.stiffness * period / 2.0 + std::abs(check.virtual_damping);
   check.stiffness_allowed = device.resolution > 0.0 ? 2.0 * device.friction / device.resolution

@@ -2,10 +2,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/portable_math.h"
 #include "palpate/error.h"
 #include "palpate/spring_law.h"
-
-#include "core/base/portable_math.h"
 
 namespace palpate::model {
 namespace {

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
-
-#include "core/base/text.h"
 
 namespace palpate::model {
 namespace {

@@ -2,9 +2,8 @@
 
 #include <cmath>
 
-#include "palpate/error.h"
-
 #include "core/base/portable_math.h"
+#include "palpate/error.h"
 
 namespace palpate::model {
 

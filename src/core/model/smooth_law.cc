@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/portable_math.h"
 #include "palpate/error.h"
 #include "palpate/spring_law.h"
-
-#include "core/base/portable_math.h"
 
 namespace palpate::model {
 

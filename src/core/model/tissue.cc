@@ -3,10 +3,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
-
-#include "core/model/tissue_fields.h"
 
 namespace palpate::model {
 namespace {

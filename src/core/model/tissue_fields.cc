@@ -2,16 +2,16 @@
 
 #include <cmath>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
+#include "palpate/error.h"
 
 namespace palpate::model {
 
-std::string FieldRange::in_words() const {
-  const bool bounded = std::isfinite(high);
+std::string FieldRange::in_words(const std::string& rest_length) const {
+  if (order == LengthOrder::kAboveRest) return "finite and > " + rest_length;
+  if (order == LengthOrder::kBelowRest) return "finite, >= 0 and < " + rest_length;
   const std::string above = (low_allowed ? ">= " : "> ") + shortest(low);
-  if (!bounded) return "finite and " + above;
+  if (std::isinf(high)) return "finite and " + above;
   return above + " and " + (high_allowed ? "<= " : "< ") + shortest(high);
 }
 
@@ -21,16 +21,11 @@ void TissueField::check(const TissueNumbers& tissue) const {
   const std::optional<double> value = at.get(tissue);
   if (!value) return;
   const double rest = tissue.rest_length;
-  const bool in_order =
-      order == LengthOrder::kNone || (order == LengthOrder::kAboveRest ? *value > rest : *value < rest);
+  const bool in_order = range.order == LengthOrder::kNone ||
+                        (range.order == LengthOrder::kAboveRest ? *value > rest : *value < rest);
   if (range.contains(*value) && in_order) return;
-  std::string want = range.in_words();
-  if (order != LengthOrder::kNone) {
-    const std::string rest_length = "rest_length_mm (" + shortest(rest / unit.si) + " mm)";
-    want = order == LengthOrder::kAboveRest ? "finite and > " + rest_length
-                                            : "finite, >= 0 and < " + rest_length;
-  }
-  throw ParameterError(path(), *value / unit.si, want);
+  throw ParameterError(path(), *value / unit.si,
+                       range.in_words("rest_length_mm (" + shortest(rest / kMillimetre) + " mm)"));
 }
 
 }  // namespace palpate::model

@@ -10,39 +10,55 @@
 #include "palpate/units.h"
 
 // The table of a tissue's numbers. Validation, tissue files, recordings, the live interface, the window,
-// Python, the report and docs/file-formats.md go over it: a number that has a line here is known to all of
+// Python, the report and docs/file-formats.md iterate over it, so one row makes a number known to all of
 // them.
 namespace palpate::model {
 
-/// What a number may be; it must be finite.
+/// How a length of the first layer's spring compares with its rest length.
+enum class LengthOrder { kNone, kAboveRest, kBelowRest };
+
+/// The values that a number may have; all are finite. The ends are 0, 1 or infinite, so that they are equal
+/// in SI and in the unit of a tissue file.
 struct FieldRange {
   double low = 0.0;
   bool low_allowed = false;
   double high = std::numeric_limits<double>::infinity();
   bool high_allowed = false;
+  LengthOrder order = LengthOrder::kNone;  // checked as well
 
-  /// [any]
+  /// [any] Whether a value lies between the ends.
   [[nodiscard]] constexpr bool contains(double value) const noexcept {
     return (low_allowed ? value >= low : value > low) && (high_allowed ? value <= high : value < high);
   }
-  /// [setup] "finite and > 0" or "> 0 and <= 1", for messages.
-  [[nodiscard]] std::string in_words() const;
+  /// [setup] "finite and > 0" or "> 0 and <= 1", for messages. @param rest_length as the message names it
+  [[nodiscard]] std::string in_words(const std::string& rest_length = "`rest_length_mm`") const;
 };
 
 inline constexpr FieldRange kPositive{};
 inline constexpr FieldRange kNotNegative{.low_allowed = true};
+inline constexpr FieldRange kAboveOne{.low = 1.0};
+inline constexpr FieldRange kBelowOne{.high = 1.0};
+inline constexpr FieldRange kAtMostOne{.high = 1.0, .high_allowed = true};
+inline constexpr FieldRange kAboveRest{.order = LengthOrder::kAboveRest};
+inline constexpr FieldRange kBelowRest{.low_allowed = true, .order = LengthOrder::kBelowRest};
 
-/// A unit of files and messages.
+/// A unit of tissue files and messages.
 struct FieldUnit {
-  const char* text;     // empty: a ratio
-  const char* si_text;  // the unit inside
+  const char* text;     // empty: no unit
+  const char* si_text;  // the SI unit
   double si;            // one unit in SI
 };
+inline constexpr FieldUnit kNoUnit{"", "", 1.0};
+inline constexpr FieldUnit kNewton{"N", "N", 1.0};
+inline constexpr FieldUnit kNewtonPerMetre{"N/m", "N/m", 1.0};
+inline constexpr FieldUnit kNewtonSecondPerMetre{"N s/m", "N s/m", 1.0};
+inline constexpr FieldUnit kInMillimetres{"mm", "m", kMillimetre};
+inline constexpr FieldUnit kInMicroseconds{"\u00b5s", "s", kMicrosecond};
 
-/// Reads and writes one number of a tissue, SI. A number that need not be given is none when it is not.
+/// Reads and writes one number of a tissue, SI. An optional number that is not given is none.
 struct FieldAccess {
   std::optional<double> (*get)(const TissueNumbers&) noexcept;
-  void (*set)(TissueNumbers&, std::optional<double>) noexcept;  // none: a number that must be given stays
+  void (*set)(TissueNumbers&, std::optional<double>) noexcept;  // none leaves a number that is not optional
 };
 
 /// The number that these members lead to, each a member of the one before.
@@ -57,47 +73,47 @@ inline constexpr FieldAccess kAt{
         member = value;
       }
     }};
+template <auto kMember>
+inline constexpr FieldAccess kAtReach = kAt<&TissueNumbers::reach, kMember>;
+template <auto kMember>
+inline constexpr FieldAccess kAtContact = kAt<&TissueNumbers::contact, kMember>;
 
-/// How a person drags a number, in the field's unit; a file may have values beyond the ends.
+/// The slider of a number in the window, in the field's unit; a file may have values beyond its ends.
 struct FieldSlider {
   double step;
   double low;
   double high;
   int decimals;
 };
-
-/// A tissue's three lengths of its first layer's spring are ordered.
-enum class LengthOrder { kNone, kAboveRest, kBelowRest };
+/// Of a number that the organ is prepared for, which cannot change during a run.
+inline constexpr FieldSlider kNoSlider{};
 
 /// One number of a tissue.
 struct TissueField {
-  std::string_view section;  // of a tissue file: empty is [tissue] itself, else one of kTissueSections
+  std::string_view section;  // in a tissue file: empty is [tissue] itself, else one of kTissueSections
   const char* key;           // in tissue files, messages and the live interface
-  const char* si_key;        // in recordings
   const char* name;          // in C++ and Python
   FieldUnit unit;            // of `key`
   FieldAccess at;
-  bool required = false;  // a tissue file must have it; the others have the default of their C++ member
-  FieldRange range{};     // the same in SI as in the field's unit, because its ends are 0, 1 or nothing
-  LengthOrder order = LengthOrder::kNone;
-  double (*derived)(const TissueNumbers&) noexcept = nullptr;  // what it is when it is not given
-  const char* derived_text = nullptr;                          // the same in words
-  bool old_lack_it = false;  // recordings from before the number was a parameter have the default
-  bool set_up_only = false;  // the organ is prepared for it: it cannot change while a run goes on
-  const char* label;         // for people
-  const char* meaning;       // for people, one line
+  const char* label;    // for people
+  const char* meaning;  // for people, one line
   FieldSlider slider;
+  FieldRange range = kPositive;
+  const char* si_key = nullptr;                                // in recordings; null: `key`
+  bool added_later = false;                                    // an old recording without it has the default
+  double (*derived)(const TissueNumbers&) noexcept = nullptr;  // its value when it is not given; null: none
+  const char* derived_text = nullptr;                          // the rule of `derived`, for people
 
-  /// [any] Whether it need not be given, and then follows from others.
+  /// [any] Its name in recordings.
+  [[nodiscard]] constexpr const char* column() const noexcept { return si_key != nullptr ? si_key : key; }
+  /// [any] Whether a tissue file must have it; the others have the default of their C++ member.
+  [[nodiscard]] constexpr bool required() const noexcept { return section.empty(); }
+  /// [any] Whether it may be none, and then follows from other numbers.
   [[nodiscard]] constexpr bool optional() const noexcept { return derived != nullptr; }
   /// [any] The value in force, SI.
   [[nodiscard]] double in_force(const TissueNumbers& tissue) const noexcept {
     const std::optional<double> given = at.get(tissue);
     return given ? *given : derived(tissue);
-  }
-  /// [any] What a tissue file that does not name it means, SI; none: it is required, or derived.
-  [[nodiscard]] std::optional<double> default_value() const noexcept {
-    return required ? std::nullopt : at.get(TissueNumbers{});
   }
   /// [setup] "contact.friction", as error messages name it.
   [[nodiscard]] std::string path() const;
@@ -113,91 +129,59 @@ struct TissueSection {
 inline constexpr std::array kTissueSections{TissueSection{"reach", "Reach of the dent"},
                                             TissueSection{"contact", "Contact"}};
 
-inline constexpr FieldUnit kNoUnit{"", "", 1.0};
-inline constexpr FieldUnit kInNewton{"N", "N", 1.0};
-inline constexpr FieldUnit kInNewtonPerMetre{"N/m", "N/m", 1.0};
-inline constexpr FieldUnit kInNewtonSecondPerMetre{"N s/m", "N s/m", 1.0};
-inline constexpr FieldUnit kInMillimetre{"mm", "m", kMillimetre};
-inline constexpr FieldUnit kInMicrosecond{"\u00b5s", "s", kMicrosecond};
-
-/// Every number of a tissue; those of [tissue] itself come first. CONTRIBUTING.md says how to add one.
+/// Every number of a tissue, in the order of its files. CONTRIBUTING.md describes how to add one.
 // clang-format off
-inline constexpr std::array kTissueFields{
-    TissueField{.section = "", .key = "k1_N_per_m", .si_key = "k1_N_per_m", .name = "k1", .unit = kInNewtonPerMetre,
-                .at = kAt<&TissueNumbers::k1>, .required = true,
-                .label = "k\u2081", .meaning = "stiffness of the first layer's spring", .slider = {0.1, 0.1, 2000, 2}},
-    TissueField{.section = "", .key = "beta", .si_key = "beta", .name = "beta", .unit = kNoUnit,
-                .at = kAt<&TissueNumbers::beta>, .required = true,
-                .label = "\u03b2", .meaning = "layer i is exp((i-1)/\u03b2) times as stiff",
-                .slider = {0.01, 0.2, 20, 3}},
-    TissueField{.section = "", .key = "q", .si_key = "q", .name = "q", .unit = kNoUnit,
-                .at = kAt<&TissueNumbers::q>, .required = true,
-                .label = "q", .meaning = "layer i gives way q^(i-1) times as far", .slider = {0.002, 0.1, 1.5, 3}},
-    TissueField{.section = "", .key = "rest_length_mm", .si_key = "rest_length_m", .name = "rest_length",
-                .unit = kInMillimetre, .at = kAt<&TissueNumbers::rest_length>, .required = true,
-                .label = "Rest length", .meaning = "X_1o, of a first-layer spring", .slider = {0.05, 0.5, 100, 2}},
-    TissueField{.section = "", .key = "max_length_mm", .si_key = "max_length_m", .name = "max_length",
-                .unit = kInMillimetre, .at = kAt<&TissueNumbers::max_length>, .required = true,
-                .order = LengthOrder::kAboveRest,
-                .label = "Longest", .meaning = "X_1max; less the rest length: the first layer's limit when pulled",
-                .slider = {0.05, 0.5, 200, 2}},
-    TissueField{.section = "", .key = "min_length_mm", .si_key = "min_length_m", .name = "min_length",
-                .unit = kInMillimetre, .at = kAt<&TissueNumbers::min_length>, .required = true,
-                .range = kNotNegative, .order = LengthOrder::kBelowRest,
-                .label = "Shortest", .meaning = "X_1min; rest length less this: the first layer's limit when pressed",
-                .slider = {0.05, 0, 100, 2}},
-    TissueField{.section = "", .key = "t1_us", .si_key = "t1_s", .name = "t1", .unit = kInMicrosecond,
-                .at = kAt<&TissueNumbers::t1>, .required = true,
-                .label = "t\u2081", .meaning = "delay of the first layer: bounds the layers",
-                .slider = {0.05, 0.05, 200, 2}},
-    TissueField{.section = "reach", .key = "contact_ratio", .si_key = "contact_ratio", .name = "contact_ratio",
-                .unit = kNoUnit, .at = kAt<&TissueNumbers::reach, &ReachParameters::contact_ratio>,
-                .label = "c", .meaning = "R_1 = c R (D/R)^p", .slider = {0.005, 0.1, 5, 3}},
-    TissueField{.section = "reach", .key = "first_bar_ratio", .si_key = "first_bar_ratio", .name = "first_bar_ratio",
-                .unit = kNoUnit, .at = kAt<&TissueNumbers::reach, &ReachParameters::first_bar_ratio>,
-                .label = "a", .meaning = "first bar to contact radius", .slider = {0.005, 0.01, 5, 3}},
-    TissueField{.section = "reach", .key = "bar_ratio", .si_key = "bar_ratio", .name = "bar_ratio",
-                .unit = kNoUnit, .at = kAt<&TissueNumbers::reach, &ReachParameters::bar_ratio>, .range = {.low = 1.0},
-                .label = "s", .meaning = "each bar to the one above", .slider = {0.005, 1.01, 5, 3}},
-    TissueField{.section = "reach", .key = "weight_ratio", .si_key = "weight_ratio", .name = "weight_ratio",
-                .unit = kNoUnit, .at = kAt<&TissueNumbers::reach, &ReachParameters::weight_ratio>,
-                .range = {.high = 1.0},
-                .label = "g", .meaning = "weight of each layer to the one above", .slider = {0.002, 0.01, 0.99, 3}},
-    // Above 1 a dent, as steep as D/R_1, would be the steeper the shallower it is.
-    TissueField{.section = "reach", .key = "depth_exponent", .si_key = "depth_exponent", .name = "depth_exponent",
-                .unit = kNoUnit, .at = kAt<&TissueNumbers::reach, &ReachParameters::depth_exponent>,
-                .range = {.high = 1.0, .high_allowed = true}, .old_lack_it = true,
-                .label = "p", .meaning = "how R_1 grows with the depth; 1/2 as the square root",
-                .slider = {0.002, 0.01, 1, 3}},
-    TissueField{.section = "contact", .key = "friction", .si_key = "friction", .name = "friction",
-                .unit = kNoUnit, .at = kAt<&TissueNumbers::contact, &ContactParameters::friction>,
-                .range = kNotNegative,
-                .label = "Friction", .meaning = "Coulomb's coefficient", .slider = {0.005, 0, 2, 3}},
-    TissueField{.section = "contact", .key = "tangential_N_per_m", .si_key = "tangential_N_per_m",
-                .name = "tangential_stiffness", .unit = kInNewtonPerMetre,
-                .at = kAt<&TissueNumbers::contact, &ContactParameters::tangential_stiffness>,
-                .derived = [](const TissueNumbers& tissue) noexcept { return tissue.tangential_stiffness(); },
-                .derived_text = "10 k\u2081",
-                .label = "Tangential stiffness", .meaning = "k_t, of the friction spring", .slider = {1, 1, 20000, 0}},
-    TissueField{.section = "contact", .key = "tangential_damping_N_s_per_m",
-                .si_key = "tangential_damping_N_s_per_m", .name = "tangential_damping", .unit = kInNewtonSecondPerMetre,
-                .at = kAt<&TissueNumbers::contact, &ContactParameters::tangential_damping>, .range = kNotNegative,
-                .old_lack_it = true,
-                .label = "Tangential damping", .meaning = "c_t, beside the friction spring",
-                .slider = {0.01, 0, 20, 2}},
-    TissueField{.section = "contact", .key = "damping_N_s_per_m", .si_key = "damping_N_s_per_m", .name = "damping",
-                .unit = kInNewtonSecondPerMetre, .at = kAt<&TissueNumbers::contact, &ContactParameters::damping>,
-                .range = kNotNegative,
-                .label = "Damping", .meaning = "along the normal", .slider = {0.01, 0, 20, 2}},
-    TissueField{.section = "contact", .key = "reference_radius_mm", .si_key = "reference_radius_m",
-                .name = "reference_radius", .unit = kInMillimetre,
-                .at = kAt<&TissueNumbers::contact, &ContactParameters::reference_radius>, .set_up_only = true,
-                .label = "Reference radius", .meaning = "R_ref, how much of the organ one contact is about",
-                .slider = {0.1, 1, 100, 2}},
-    TissueField{.section = "contact", .key = "grip_limit_N", .si_key = "grip_limit_N", .name = "grip_limit",
-                .unit = kInNewton, .at = kAt<&TissueNumbers::contact, &ContactParameters::grip_limit>,
-                .label = "Grip limit", .meaning = "past it the jaws let go", .slider = {0.05, 0.1, 50, 2}},
-};
+inline constexpr auto kTissueFields = [] {
+  using T = TissueNumbers;
+  using R = ReachParameters;
+  using C = ContactParameters;
+  return std::to_array<TissueField>({
+    {"", "k1_N_per_m", "k1", kNewtonPerMetre, kAt<&T::k1>,
+     "Stiffness k\u2081", "stiffness of the first layer's spring", {0.1, 0.1, 2000, 2}},
+    {"", "beta", "beta", kNoUnit, kAt<&T::beta>,
+     "Stiffening \u03b2", "layer i is exp((i-1)/\u03b2) times as stiff", {0.01, 0.2, 20, 3}},
+    {"", "q", "q", kNoUnit, kAt<&T::q>,
+     "Layer ratio q", "layer i gives way q^(i-1) times as far", {0.002, 0.1, 1.5, 3}},
+    {"", "rest_length_mm", "rest_length", kInMillimetres, kAt<&T::rest_length>,
+     "Rest length", "X_1o, of a first-layer spring", {0.05, 0.5, 100, 2}, kPositive, "rest_length_m"},
+    {"", "max_length_mm", "max_length", kInMillimetres, kAt<&T::max_length>,
+     "Longest length", "X_1max; less the rest length: the first layer's limit when pulled", {0.05, 0.5, 200, 2},
+     kAboveRest, "max_length_m"},
+    {"", "min_length_mm", "min_length", kInMillimetres, kAt<&T::min_length>,
+     "Shortest length", "X_1min; rest length less this: the first layer's limit when pressed", {0.05, 0, 100, 2},
+     kBelowRest, "min_length_m"},
+    {"", "t1_us", "t1", kInMicroseconds, kAt<&T::t1>,
+     "Layer delay t\u2081", "delay of the first layer: bounds the number of layers", {0.05, 0.05, 200, 2},
+     kPositive, "t1_s"},
+    {"reach", "contact_ratio", "contact_ratio", kNoUnit, kAtReach<&R::contact_ratio>,
+     "Contact radius c", "R_1 = c R (D/R)^p", {0.005, 0.1, 5, 3}},
+    {"reach", "first_bar_ratio", "first_bar_ratio", kNoUnit, kAtReach<&R::first_bar_ratio>,
+     "First bar a", "ratio of the first bar to the contact radius", {0.005, 0.01, 5, 3}},
+    {"reach", "bar_ratio", "bar_ratio", kNoUnit, kAtReach<&R::bar_ratio>,
+     "Bar ratio s", "ratio of each bar to the one above", {0.005, 1.01, 5, 3}, kAboveOne},
+    {"reach", "weight_ratio", "weight_ratio", kNoUnit, kAtReach<&R::weight_ratio>,
+     "Weight ratio g", "weight of each layer to the one above", {0.002, 0.01, 0.99, 3}, kBelowOne},
+    // Above 1 a dent, whose slope is about D/R_1, would be steeper the shallower it is.
+    {"reach", "depth_exponent", "depth_exponent", kNoUnit, kAtReach<&R::depth_exponent>,
+     "Depth exponent p", "how R_1 grows with the depth; 1/2 as the square root", {0.002, 0.01, 1, 3},
+     kAtMostOne, nullptr, true},
+    {"contact", "friction", "friction", kNoUnit, kAtContact<&C::friction>,
+     "Friction", "Coulomb's coefficient", {0.005, 0, 2, 3}, kNotNegative},
+    {"contact", "tangential_N_per_m", "tangential_stiffness", kNewtonPerMetre, kAtContact<&C::tangential_stiffness>,
+     "Tangential stiffness", "k_t, of the friction spring", {1, 1, 20000, 0}, kPositive, nullptr, false,
+     [](const T& tissue) noexcept { return tissue.tangential_stiffness(); }, "10 k\u2081"},
+    {"contact", "tangential_damping_N_s_per_m", "tangential_damping", kNewtonSecondPerMetre,
+     kAtContact<&C::tangential_damping>,
+     "Tangential damping", "c_t, beside the friction spring", {0.01, 0, 20, 2}, kNotNegative, nullptr, true},
+    {"contact", "damping_N_s_per_m", "damping", kNewtonSecondPerMetre, kAtContact<&C::damping>,
+     "Normal damping", "b, along the normal", {0.01, 0, 20, 2}, kNotNegative},
+    {"contact", "reference_radius_mm", "reference_radius", kInMillimetres, kAtContact<&C::reference_radius>,
+     "Reference radius", "R_ref, the size of the area that one contact stands for", kNoSlider,
+     kPositive, "reference_radius_m"},
+    {"contact", "grip_limit_N", "grip_limit", kNewton, kAtContact<&C::grip_limit>,
+     "Grip limit", "pull force at which the jaws lose the tissue", {0.05, 0.1, 50, 2}},
+  });
+}();
 // clang-format on
 
 }  // namespace palpate::model

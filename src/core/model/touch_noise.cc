@@ -4,12 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "palpate/error.h"
-#include "palpate/units.h"
-
 #include "core/base/philox.h"
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
 
 namespace palpate::noise {
 namespace {

@@ -5,10 +5,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/read_mesh.h"
-
 #include "io/mesh_io/repair/repair_slivers.h"
 #include "io/mesh_io/repair/repair_surface.h"
+#include "palpate/read_mesh.h"
 
 namespace palpate::geometry {
 namespace {

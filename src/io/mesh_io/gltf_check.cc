@@ -12,9 +12,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "palpate/error.h"
-
 #include "io/mesh_io/text_scan.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {

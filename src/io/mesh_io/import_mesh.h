@@ -2,9 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "palpate/mesh.h"
-
 #include "io/mesh_io/mesh_file.h"
+#include "palpate/mesh.h"
 
 namespace palpate::geometry {
 

@@ -14,12 +14,11 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "io/mesh_io/gltf_check.h"
 #include "io/mesh_io/ply_check.h"
 #include "io/mesh_io/text_scan.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {

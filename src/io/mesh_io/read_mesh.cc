@@ -10,12 +10,11 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "io/mesh_io/import_mesh.h"
 #include "io/mesh_io/mesh_file.h"
 #include "io/mesh_io/vtk_file.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -8,12 +8,11 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "io/mesh_io/repair/repair_holes.h"
 #include "io/mesh_io/text_scan.h"
 #include "io/mesh_io/vtk_scan.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -7,10 +7,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "io/mesh_io/text_scan.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {

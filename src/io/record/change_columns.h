@@ -3,36 +3,34 @@
 #include <cstdint>
 #include <span>
 
-#include "palpate/live_changes.h"
-
 #include "core/model/tissue_fields.h"
 #include "io/record/tick_columns.h"
+#include "palpate/live_changes.h"
 
 namespace palpate::record {
 
-/// A live change as a recording and its export have it: SI numbers without padding, in the order of their
-/// columns.
+/// A live change as a recording has it: SI numbers without padding.
 struct ChangeRow {
-  static constexpr std::size_t kTissueNumbers = model::kTissueFields.size() + 2 * model::kMostRelaxationTerms;
-
   std::uint64_t tick = 0;
   std::uint64_t number = 0;
   std::uint32_t what = 0;
-  std::uint32_t law = 0;                        // model::LawKind
-  std::array<double, kTissueNumbers> tissue{};  // kTissueFields, 0 where not given; a term's share of 0: none
-  std::uint64_t noise_enabled = 0;              // 0 or 1
-  double noise_gain = 0.0;                      // N m
-  double noise_threshold = 0.0;                 // m
+  std::uint32_t law = 0;                                     // model::LawKind
+  std::array<double, model::kTissueFields.size()> tissue{};  // 0 for an optional number that is not given
+  std::array<double, model::kMostRelaxationTerms> share{};   // 0: no such term of relaxation
+  std::array<double, model::kMostRelaxationTerms> time{};    // s
+  std::uint64_t noise_enabled = 0;                           // 0 or 1
+  double noise_gain = 0.0;                                   // N m
+  double noise_threshold = 0.0;                              // m
   std::array<char, haptics::LiveChange::kNameBytes> name{};
 };
 
-/// [any]
+/// [any] The row of a change.
 [[nodiscard]] ChangeRow row_of(const haptics::LiveChange& change) noexcept;
 /// [setup] The change of a row, not checked.
 [[nodiscard]] haptics::LiveChange change_of(const ChangeRow& row);
 
-/// [setup] All numbers of a ChangeRow, in the order of its memory, of the recording and of the export; the
-/// tissue's name, kChangeName, comes after them.
+/// [setup] All numbers of a ChangeRow, in the order of the recording and of the export; the tissue's name,
+/// kChangeName, comes after them.
 [[nodiscard]] std::span<const Column> change_columns();
 
 inline constexpr const char* kChangeName = "tissue";

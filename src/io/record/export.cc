@@ -7,12 +7,12 @@
 #include <memory>
 #include <string_view>
 #include <system_error>
-
-#include "palpate/error.h"
-#include "palpate/recording.h"
+#include <type_traits>
 
 #include "io/record/change_columns.h"
 #include "io/record/tick_columns.h"
+#include "palpate/error.h"
+#include "palpate/recording.h"
 
 namespace palpate::record {
 namespace {
@@ -25,16 +25,18 @@ char* append(char* at, std::string_view word) {
   return at + word.size();
 }
 
-template <typename T, typename Row>
-T value_at(const Row& row, std::size_t offset) {
-  T value;
-  std::memcpy(&value, reinterpret_cast<const char*>(&row) + offset, sizeof(T));
-  return value;
-}
-
 template <typename T>
 char* append_number(char* at, T value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    if (std::isnan(value)) return append(at, "nan");
+  }
   return std::to_chars(at, at + kLongestValue, value).ptr;
+}
+
+template <typename Row>
+char* append_column(char* at, const Row& row, const Column& column) {
+  return haptics::with_number(row, column.type, column.offset,
+                              [at](auto number) { return append_number(at, number); });
 }
 
 char* append_phase(char* at, std::uint32_t phase) {
@@ -49,22 +51,9 @@ char* append_fault(char* at, std::uint32_t fault) {
 }
 
 char* append_value(char* at, const haptics::TickRow& row, const Column& column) {
-  switch (column.type) {
-    case ColumnType::kU64:
-      return append_number(at, value_at<std::uint64_t>(row, column.offset));
-    case ColumnType::kI64:
-      return append_number(at, value_at<std::int64_t>(row, column.offset));
-    case ColumnType::kF64: {
-      const auto value = value_at<double>(row, column.offset);
-      return std::isnan(value) ? append(at, "nan") : append_number(at, value);
-    }
-    case ColumnType::kU32:
-      break;
-  }
-  const auto value = value_at<std::uint32_t>(row, column.offset);
-  if (column.offset == offsetof(haptics::TickRow, phase)) return append_phase(at, value);
-  if (column.offset == offsetof(haptics::TickRow, fault)) return append_fault(at, value);
-  return append_number(at, value);
+  if (column.offset == offsetof(haptics::TickRow, phase)) return append_phase(at, row.phase);
+  if (column.offset == offsetof(haptics::TickRow, fault)) return append_fault(at, row.fault);
+  return append_column(at, row, column);
 }
 
 /// One line of the file; `at` has room for all columns.
@@ -103,8 +92,7 @@ char* append_value(char* at, const ChangeRow& row, const Column& column) {
     return append(at, (row.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
   }
   if (column.offset == offsetof(ChangeRow, law)) return append(at, row.law == 0 ? "layered" : "smooth");
-  if (column.type == ColumnType::kU64) return append_number(at, value_at<std::uint64_t>(row, column.offset));
-  return append_number(at, value_at<double>(row, column.offset));
+  return append_column(at, row, column);
 }
 
 std::string change_line(const haptics::LiveChange& change) {

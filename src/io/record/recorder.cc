@@ -12,12 +12,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "palpate/error.h"
-
 #include "core/base/ring.h"
 #include "io/record/machine.h"
 #include "io/record/recording_writer.h"
 #include "io/system/clock.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {

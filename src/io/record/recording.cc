@@ -2,9 +2,8 @@
 
 #include <new>
 
-#include "palpate/error.h"
-
 #include "io/record/recording_reader.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 

@@ -16,14 +16,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "io/record/change_columns.h"
 #include "io/record/recording_writer.h"
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
 #include "io/system/temporary.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {
@@ -196,7 +195,7 @@ void check_columns(hid_t dataset, const std::string& name, std::span<const Colum
   if (H5Tget_class(type.id()) != H5T_COMPOUND) throw hdf5::Error(name + " has no columns");
   for (const Column& column : columns) {
     const int index = H5Tget_member_index(type.id(), column.name);
-    if (index < 0 && column.old_lack_it) continue;
+    if (index < 0 && column.added_later) continue;
     if (index < 0) throw hdf5::Error(name + " has no column " + column.name);
     const H5T_class_t kind = H5Tget_member_class(type.id(), static_cast<unsigned>(index));
     if (kind != (column.type == ColumnType::kF64 ? H5T_FLOAT : H5T_INTEGER)) {

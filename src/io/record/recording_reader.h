@@ -4,11 +4,10 @@
 #include <functional>
 #include <span>
 
+#include "io/record/hdf5_handle.h"
 #include "palpate/recording.h"
 #include "palpate/scene.h"
 #include "palpate/tick_row.h"
-
-#include "io/record/hdf5_handle.h"
 
 namespace palpate::record {
 

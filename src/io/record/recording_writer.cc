@@ -87,7 +87,7 @@ void write_tissue(hid_t file, const model::TissueParameters& tissue) {
   const Handle group = hdf5::create_group(file, "tissue");
   hdf5::write_attribute(group.id(), "name", tissue.name);
   for (const model::TissueField& field : model::kTissueFields) {
-    hdf5::write_attribute(group.id(), field.si_key, field.in_force(tissue));
+    hdf5::write_attribute(group.id(), field.column(), field.in_force(tissue));
   }
   hdf5::write_attribute(group.id(), "law", std::string(model::to_string(tissue.law)));
   for (std::size_t i = 0; i < tissue.relaxation.size(); ++i) {

@@ -4,12 +4,11 @@
 #include <span>
 #include <string>
 
+#include "io/record/hdf5_handle.h"
 #include "palpate/live_changes.h"
 #include "palpate/recording.h"
 #include "palpate/scene.h"
 #include "palpate/tick_row.h"
-
-#include "io/record/hdf5_handle.h"
 
 namespace palpate::record {
 

@@ -8,11 +8,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "palpate/error.h"
-#include "palpate/recording.h"
-
 #include "io/record/recording_reader.h"
 #include "io/record/recording_writer.h"
+#include "palpate/error.h"
+#include "palpate/recording.h"
 
 namespace palpate::record {
 namespace {

@@ -3,13 +3,11 @@
 #include <cstring>
 #include <limits>
 #include <span>
+#include <string>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/core.h>
-
-#include "palpate/error.h"
-#include "palpate/live_changes.h"
-#include "palpate/recording.h"
 
 #include "core/base/text.h"
 #include "core/haptics/prepared_change.h"
@@ -17,6 +15,9 @@
 #include "io/record/recording_frames.h"
 #include "io/record/tick_columns.h"
 #include "io/scene/make_world.h"
+#include "palpate/error.h"
+#include "palpate/live_changes.h"
+#include "palpate/recording.h"
 
 namespace palpate::record {
 namespace {
@@ -28,13 +29,12 @@ const char* value_of(const TickRow& row, const Column& column) noexcept {
 }
 
 std::string text_of(const TickRow& row, const Column& column) {
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, value_of(row, column), column_size(column.type));
-  if (column.type == ColumnType::kI64) return std::to_string(static_cast<std::int64_t>(bits));
-  if (column.type != ColumnType::kF64) return std::to_string(bits);
-  double value = 0.0;
-  std::memcpy(&value, &bits, sizeof(value));
-  return shortest(value);
+  return haptics::with_number(row, column.type, column.offset, [](auto number) {
+    if constexpr (std::is_floating_point_v<decltype(number)>)
+      return shortest(number);
+    else
+      return std::to_string(number);
+  });
 }
 
 /// Runs a recording's ticks again, one by one.

@@ -2,11 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "core/model/tissue_fields.h"
 #include "io/system/whole_json.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {
@@ -79,7 +78,7 @@ Json tissue_json(const model::TissueParameters& t) {
       {"name", t.name}, {"law", model::to_string(t.law)}, {"relaxation", relaxation_json(t.relaxation)}};
   for (const model::TissueField& field : model::kTissueFields) {
     Json& table = field.section.empty() ? json : json[std::string(field.section)];
-    table[field.si_key] = optional_json(field.at.get(t));
+    table[field.column()] = optional_json(field.at.get(t));
   }
   json["source"] =
       t.source ? Json{{"indenter", t.source->indenter}, {"radius_m", t.source->radius}} : Json(nullptr);
@@ -96,8 +95,8 @@ model::TissueParameters tissue_from(const Json& json) {
   }
   for (const model::TissueField& field : model::kTissueFields) {
     const Json& table = field.section.empty() ? json : json.at(std::string(field.section));
-    if (field.old_lack_it && !table.contains(field.si_key)) continue;
-    const Json& value = table.at(field.si_key);
+    if (field.added_later && !table.contains(field.column())) continue;
+    const Json& value = table.at(field.column());
     field.at.set(t, field.optional() ? optional_from(value) : value.get<double>());
   }
   if (const Json& source = json.at("source"); !source.is_null()) {

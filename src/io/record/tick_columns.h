@@ -14,7 +14,7 @@ struct Column {
   const char* name;
   ColumnType type;
   std::size_t offset;        // bytes
-  bool old_lack_it = false;  // a file from before the column was written: the default stays
+  bool added_later = false;  // an old file without the column has the default
 };
 
 /// [any] All columns, in the order of a TickRow's memory, of the recording and of the export; together they

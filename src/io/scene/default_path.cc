@@ -2,10 +2,9 @@
 #include <cmath>
 #include <limits>
 
-#include "palpate/tool_path.h"
-
 #include "core/geometry/surface_distance.h"
 #include "io/scene/minimum_jerk.h"
+#include "palpate/tool_path.h"
 
 namespace palpate::scene {
 namespace {

@@ -2,9 +2,8 @@
 
 #include <string>
 
-#include "palpate/units.h"
-
 #include "io/scene/names.h"
+#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {

@@ -1,9 +1,8 @@
 #pragma once
 #include <string_view>
 
-#include "palpate/scene.h"
-
 #include "io/scene/toml_reader.h"
+#include "palpate/scene.h"
 
 namespace palpate::scene {
 

@@ -5,12 +5,11 @@
 
 #include <fmt/core.h>
 
+#include "io/scene/mesh_source.h"
+#include "io/scene/names.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
-
-#include "io/scene/mesh_source.h"
-#include "io/scene/names.h"
 
 namespace palpate::scene {
 namespace {

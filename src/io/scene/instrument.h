@@ -1,10 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "palpate/tool.h"
-
 #include "io/scene/mesh_source.h"
 #include "io/scene/scene_file.h"
+#include "palpate/tool.h"
 
 namespace palpate::scene {
 

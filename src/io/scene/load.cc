@@ -2,11 +2,6 @@
 
 #include <fmt/core.h>
 
-#include "palpate/builtin.h"
-#include "palpate/error.h"
-#include "palpate/scene.h"
-#include "palpate/tool_path.h"
-
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
@@ -16,6 +11,10 @@
 #include "io/scene/names.h"
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_file.h"
+#include "palpate/builtin.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/tool_path.h"
 
 namespace palpate::scene {
 namespace {

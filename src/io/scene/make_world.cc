@@ -3,11 +3,10 @@
 #include <cmath>
 #include <string>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "core/haptics/stability.h"
 #include "io/scene/device_kinds.h"
+#include "palpate/error.h"
 
 namespace palpate::scene {
 namespace {

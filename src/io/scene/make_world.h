@@ -3,10 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "core/haptics/simulation.h"
 #include "palpate/live_changes.h"
 #include "palpate/scene.h"
-
-#include "core/haptics/simulation.h"
 
 namespace palpate::scene {
 

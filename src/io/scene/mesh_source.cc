@@ -2,9 +2,8 @@
 
 #include <utility>
 
-#include "palpate/error.h"
-
 #include "io/mesh_io/repair/repair.h"
+#include "palpate/error.h"
 
 namespace palpate::scene {
 namespace {

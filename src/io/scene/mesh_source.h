@@ -3,10 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "io/scene/scene_file.h"
 #include "palpate/read_mesh.h"
 #include "palpate/units.h"
-
-#include "io/scene/scene_file.h"
 
 namespace palpate::scene {
 

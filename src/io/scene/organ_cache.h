@@ -3,10 +3,9 @@
 #include <functional>
 #include <string>
 
-#include "palpate/preparation.h"
-
 #include "core/contact/organ_arrays.h"
 #include "io/system/array_file.h"
+#include "palpate/preparation.h"
 
 namespace palpate::scene {
 

@@ -3,10 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "palpate/organ_motion.h"
-
 #include "core/base/portable_math.h"
 #include "io/scene/toml_reader.h"
+#include "palpate/organ_motion.h"
 
 namespace palpate::scene {
 

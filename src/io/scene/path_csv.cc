@@ -5,10 +5,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/tool_path.h"
-
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
+#include "palpate/tool_path.h"
 
 namespace palpate::scene {
 namespace {

@@ -2,11 +2,10 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "io/scene/emulated_reader.h"
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/toml_reader.h"
+#include "palpate/error.h"
 
 namespace palpate::scene {
 namespace {

@@ -2,14 +2,13 @@
 #include <string_view>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/scene.h"
-#include "palpate/units.h"
-
 #include "core/base/text.h"
 #include "core/model/tissue_fields.h"
 #include "io/scene/names.h"
 #include "io/scene/toml_reader.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {
@@ -57,7 +56,7 @@ void read_numbers(const TomlTable& table, std::string_view section, model::Tissu
   for (const model::TissueField& field : model::kTissueFields) {
     if (field.section != section) continue;
     const std::optional<double> value =
-        field.required ? table.required_number(field.key) : table.number(field.key);
+        field.required() ? table.required_number(field.key) : table.number(field.key);
     if (value) field.at.set(tissue, *value * field.unit.si);
   }
 }

@@ -5,9 +5,8 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
+#include "palpate/error.h"
 
 namespace palpate::scene {
 

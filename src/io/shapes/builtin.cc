@@ -8,10 +8,6 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-#include "palpate/mesh.h"
-#include "palpate/units.h"
-
 #include "core/base/text.h"
 #include "io/shapes/detail.h"
 #include "io/shapes/forceps.h"
@@ -19,6 +15,9 @@
 #include "io/shapes/heart.h"
 #include "io/shapes/kidney.h"
 #include "io/shapes/liver.h"
+#include "palpate/error.h"
+#include "palpate/mesh.h"
+#include "palpate/units.h"
 
 namespace palpate::geometry {
 

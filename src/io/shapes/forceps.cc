@@ -6,11 +6,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "palpate/units.h"
-
 #include "core/base/portable_math.h"
 #include "io/shapes/haemostat.h"
 #include "io/shapes/loft.h"
+#include "palpate/units.h"
 
 namespace palpate::geometry {
 

@@ -1,7 +1,6 @@
 #pragma once
-#include "palpate/tool.h"
-
 #include "io/shapes/detail.h"
+#include "palpate/tool.h"
 
 namespace palpate::geometry {
 

@@ -2,12 +2,11 @@
 
 #include <vector>
 
-#include "palpate/units.h"
-
 #include "core/base/portable_math.h"
 #include "io/shapes/implicit.h"
 #include "io/shapes/remesh.h"
 #include "io/shapes/tube.h"
+#include "palpate/units.h"
 
 namespace palpate::geometry {
 

@@ -3,13 +3,12 @@
 #include <cmath>
 #include <vector>
 
-#include "palpate/units.h"
-
 #include "core/base/portable_math.h"
 #include "io/shapes/field_arithmetic.h"
 #include "io/shapes/implicit.h"
 #include "io/shapes/remesh.h"
 #include "io/shapes/tube.h"
+#include "palpate/units.h"
 
 namespace palpate::geometry {
 

@@ -1,7 +1,6 @@
 #pragma once
-#include "palpate/mesh.h"
-
 #include "io/shapes/detail.h"
+#include "palpate/mesh.h"
 
 namespace palpate::geometry {
 

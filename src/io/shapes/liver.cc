@@ -2,13 +2,12 @@
 
 #include <vector>
 
-#include "palpate/units.h"
-
 #include "io/shapes/cut_vessel.h"
 #include "io/shapes/field_arithmetic.h"
 #include "io/shapes/implicit.h"
 #include "io/shapes/remesh.h"
 #include "io/shapes/tube.h"
+#include "palpate/units.h"
 
 namespace palpate::geometry {
 

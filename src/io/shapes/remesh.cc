@@ -8,10 +8,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "core/base/index.h"
 #include "io/shapes/editable_surface.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 

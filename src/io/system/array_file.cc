@@ -10,9 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "palpate/version.h"
-
 #include "io/system/temporary.h"
+#include "palpate/version.h"
 
 namespace palpate {
 namespace {

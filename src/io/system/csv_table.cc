@@ -6,9 +6,8 @@
 #include <system_error>
 #include <utility>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
+#include "palpate/error.h"
 
 namespace palpate {
 namespace {

@@ -14,10 +14,9 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include "palpate/mesh.h"
-
 #include "net/igtl_server.h"
 #include "net/test/igtl_received.h"
+#include "palpate/mesh.h"
 
 namespace palpate::net::test {
 

@@ -10,10 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/haptics/test/test_world.h"
 #include "net/test/igtl_rig.h"
+#include "palpate/error.h"
 #include "run/realtime/loop.h"
 
 namespace palpate::net {

@@ -6,9 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/mesh.h"
-
 #include "net/test/igtl_received.h"
+#include "palpate/mesh.h"
 
 namespace palpate::net {
 namespace {

@@ -8,10 +8,9 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include "palpate/error.h"
-
 #include "io/system/test/temporary_folder.h"
 #include "net/rate_limit.h"
+#include "palpate/error.h"
 
 namespace palpate::net {
 namespace {

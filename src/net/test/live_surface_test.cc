@@ -7,11 +7,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "net/live_protocol.h"
 #include "palpate/builtin.h"
 #include "palpate/mesh.h"
 #include "palpate/tissue.h"
-
-#include "net/live_protocol.h"
 
 namespace palpate::net {
 namespace {

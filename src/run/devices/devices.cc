@@ -7,13 +7,12 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
+#include "io/scene/device_kinds.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "palpate/scripted_device.h"
 #include "palpate/tool_path.h"
-
-#include "core/base/text.h"
-#include "io/scene/device_kinds.h"
 #include "run/devices/emulated.h"
 #include "run/devices/forcedimension.h"
 #include "run/devices/gamepad.h"

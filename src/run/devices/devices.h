@@ -5,7 +5,6 @@
 
 #include "palpate/device.h"
 #include "palpate/scene.h"
-
 #include "run/devices/probe.h"
 
 namespace palpate::devices {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "palpate/error.h"
-
 #include "run/devices/path_end.h"
 
 namespace palpate::devices {

@@ -6,7 +6,6 @@
 #include "palpate/device.h"
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
-
 #include "run/devices/fault_schedule.h"
 #include "run/devices/hand_mass.h"
 

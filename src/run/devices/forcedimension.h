@@ -5,7 +5,6 @@
 #include <string>
 
 #include "palpate/device.h"
-
 #include "run/devices/forcedimension_library.h"
 #include "run/devices/probe.h"
 

@@ -5,7 +5,6 @@
 
 #include "palpate/device.h"
 #include "palpate/snapshot_cell.h"
-
 #include "run/devices/steady_hand.h"
 
 namespace palpate::devices {

@@ -5,9 +5,8 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "io/system/clock.h"
+#include "palpate/error.h"
 #include "run/realtime/realtime.h"
 
 namespace palpate::devices {

@@ -7,7 +7,6 @@
 
 #include "palpate/device.h"
 #include "palpate/snapshot_cell.h"
-
 #include "run/devices/haply_link.h"
 #include "run/devices/haply_messages.h"
 #include "run/devices/probe.h"

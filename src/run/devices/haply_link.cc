@@ -14,9 +14,8 @@
 #include <boost/beast/websocket.hpp>
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "io/system/clock.h"
+#include "palpate/error.h"
 
 namespace palpate::devices {
 namespace {

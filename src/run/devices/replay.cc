@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "palpate/error.h"
-
 #include "core/haptics/simulation.h"
+#include "palpate/error.h"
 
 namespace palpate::devices {
 

@@ -1,5 +1,4 @@
 #include "palpate/scripted_device.h"
-
 #include "run/devices/path_end.h"
 
 namespace palpate::devices {

@@ -4,11 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "core/haptics/simulation.h"
 #include "palpate/histogram.h"
 #include "palpate/run_control.h"
 #include "palpate/tick_observer.h"
-
-#include "core/haptics/simulation.h"
 #include "run/realtime/tick_wait.h"
 #include "run/realtime/watchdog.h"
 

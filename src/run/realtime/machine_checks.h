@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "palpate/histogram.h"
-
 #include "run/realtime/tick_wait.h"
 
 namespace palpate::haptics {

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "palpate/run_control.h"
-
 #include "run/realtime/realtime.h"
 
 namespace palpate::haptics {

@@ -5,12 +5,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "io/record/flight_recorder.h"
 #include "io/record/recorder.h"
 #include "io/scene/make_world.h"
+#include "palpate/error.h"
 #include "run/devices/devices.h"
 #include "run/realtime/loop.h"
 #include "run/session/statistics_observer.h"

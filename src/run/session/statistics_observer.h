@@ -4,7 +4,6 @@
 
 #include "palpate/scene.h"
 #include "palpate/tick_observer.h"
-
 #include "run/session/statistics_observer.h"
 
 namespace palpate::session {

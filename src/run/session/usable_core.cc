@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "palpate/error.h"
-
 #include "run/realtime/realtime.h"
 
 namespace palpate::session {

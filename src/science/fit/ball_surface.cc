@@ -2,9 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "palpate/validation.h"
-
 #include "core/base/portable_math.h"
+#include "palpate/validation.h"
 
 namespace palpate::fit {
 namespace {

@@ -6,10 +6,9 @@
 
 #include <Eigen/Dense>
 
-#include "palpate/fit.h"
-
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
+#include "palpate/fit.h"
 #include "science/fit/random.h"
 
 namespace palpate::fit {

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "palpate/error.h"
-
 #include "science/fit/fit_record.h"
 #include "science/fit/result_lines.h"
 

@@ -5,11 +5,10 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-#include "palpate/fit.h"
-
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
+#include "palpate/error.h"
+#include "palpate/fit.h"
 #include "science/fit/fit_record.h"
 #include "science/fit/forward.h"
 #include "science/fit/intervals.h"

@@ -10,11 +10,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/error.h"
-#include "palpate/version.h"
-
 #include "core/base/content_hash.h"
 #include "io/system/whole_json.h"
+#include "palpate/error.h"
+#include "palpate/version.h"
 #include "science/fit/number_json.h"
 #include "science/fit/sweep_piece.h"
 

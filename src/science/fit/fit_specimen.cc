@@ -3,12 +3,11 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-#include "palpate/fit.h"
-
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "core/base/text.h"
+#include "palpate/error.h"
+#include "palpate/fit.h"
 #include "science/fit/ensemble.h"
 #include "science/fit/forward.h"
 #include "science/fit/intervals.h"

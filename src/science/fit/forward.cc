@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/model/relaxation.h"
 #include "palpate/error.h"
 #include "palpate/spring_law.h"
-
-#include "core/model/relaxation.h"
 
 namespace palpate::fit {
 namespace {

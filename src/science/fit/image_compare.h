@@ -3,7 +3,6 @@
 
 #include "palpate/tissue.h"
 #include "palpate/validation.h"
-
 #include "science/fit/image_measure.h"
 
 namespace palpate::fit {

@@ -9,9 +9,8 @@
 #include <fmt/core.h>
 #include <opencv2/imgproc.hpp>
 
-#include "palpate/error.h"
-
 #include "core/base/statistics.h"
+#include "palpate/error.h"
 #include "science/fit/image_edge.h"
 #include "science/fit/image_path.h"
 #include "science/fit/robust.h"

@@ -7,10 +7,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "core/base/statistics.h"
 #include "core/base/text.h"
+#include "palpate/error.h"
 #include "science/fit/image_align.h"
 #include "science/fit/robust.h"
 

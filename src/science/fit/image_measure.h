@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "palpate/tissue.h"
-
 #include "science/fit/image_line.h"
 
 namespace palpate::fit {

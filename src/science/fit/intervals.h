@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "palpate/fit.h"
-
 #include "science/fit/ensemble.h"
 #include "science/fit/minima.h"
 

@@ -2,12 +2,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/portable_math.h"
+#include "core/base/statistics.h"
 #include "palpate/error.h"
 #include "palpate/fit.h"
 #include "palpate/units.h"
-
-#include "core/base/portable_math.h"
-#include "core/base/statistics.h"
 
 namespace palpate::fit {
 namespace {

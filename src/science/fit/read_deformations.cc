@@ -6,13 +6,12 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-#include "palpate/units.h"
-#include "palpate/validation.h"
-
 #include "core/base/statistics.h"
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
+#include "palpate/validation.h"
 
 namespace palpate::fit {
 namespace {

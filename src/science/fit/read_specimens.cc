@@ -5,13 +5,12 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-#include "palpate/fit.h"
-#include "palpate/units.h"
-
 #include "core/base/statistics.h"
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
+#include "palpate/error.h"
+#include "palpate/fit.h"
+#include "palpate/units.h"
 
 namespace palpate::fit {
 namespace {

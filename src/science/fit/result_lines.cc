@@ -3,7 +3,6 @@
 #include <map>
 
 #include "palpate/error.h"
-
 #include "science/fit/fit_record.h"
 
 namespace palpate::fit {

@@ -10,7 +10,6 @@
 
 #include "palpate/error.h"
 #include "palpate/units.h"
-
 #include "science/fit/closed_forms.h"
 #include "science/fit/mass_spring.h"
 

@@ -8,10 +8,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
+#include "palpate/error.h"
 #include "science/fit/fit_record.h"
 #include "science/fit/least_squares.h"
 #include "science/fit/result_lines.h"

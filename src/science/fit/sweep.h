@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "palpate/fit.h"
-
 #include "science/fit/crew.h"
 #include "science/fit/fit_many.h"
 

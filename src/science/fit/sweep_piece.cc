@@ -8,11 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/error.h"
-
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "io/system/whole_json.h"
+#include "palpate/error.h"
 #include "science/fit/distributions.h"
 #include "science/fit/ensemble.h"
 #include "science/fit/intervals.h"

@@ -5,11 +5,10 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/spring_law.h"
 #include "palpate/units.h"
-
-#include "core/base/text.h"
 #include "science/fit/forward.h"
 
 namespace palpate::fit {

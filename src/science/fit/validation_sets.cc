@@ -8,10 +8,9 @@
 #include <limits>
 #include <utility>
 
+#include "io/system/clock.h"
 #include "palpate/spring_law.h"
 #include "palpate/validation.h"
-
-#include "io/system/clock.h"
 
 namespace palpate::fit {
 namespace {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "palpate/validation.h"
-
 #include "science/fit/image_compare.h"
 #include "science/fit/image_file.h"
 #include "science/fit/image_measure.h"

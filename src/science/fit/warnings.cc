@@ -6,10 +6,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/units.h"
-
 #include "core/base/statistics.h"
 #include "core/base/text.h"
+#include "palpate/units.h"
 #include "science/fit/intervals.h"
 
 namespace palpate::fit {

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "palpate/fit.h"
-
 #include "science/fit/ensemble.h"
 #include "science/fit/minima.h"
 

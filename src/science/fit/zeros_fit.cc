@@ -9,10 +9,9 @@
 
 #include <ceres/ceres.h>
 
-#include "palpate/fit.h"
-
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
+#include "palpate/fit.h"
 #include "science/fit/forward.h"
 
 namespace palpate::fit {

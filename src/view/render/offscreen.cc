@@ -7,10 +7,9 @@
 #include <epoxy/gl.h>
 #include <fmt/core.h>
 
+#include "io/system/clock.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
-
-#include "io/system/clock.h"
 #include "view/render/gl_context.h"
 #include "view/render/organ_picture.h"
 #include "view/render/painter.h"

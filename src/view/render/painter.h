@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "palpate/offscreen.h"
-
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
 #include "view/render/tissue_look.h"

@@ -2,7 +2,6 @@
 #include <vector>
 
 #include "palpate/mesh.h"
-
 #include "view/render/gl_objects.h"
 #include "view/render/tissue_look.h"
 

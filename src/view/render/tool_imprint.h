@@ -4,7 +4,6 @@
 
 #include "palpate/tick_observer.h"
 #include "palpate/tool.h"
-
 #include "view/render/depth_map.h"
 
 namespace palpate::render {

@@ -1,9 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "palpate/tool.h"
-
 #include "core/deform/live_surface.h"
+#include "palpate/tool.h"
 #include "view/render/gl_objects.h"
 
 namespace palpate::render {

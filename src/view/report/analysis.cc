@@ -8,12 +8,11 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-#include "palpate/touch_noise.h"
-
 #include "core/base/statistics.h"
 #include "core/contact/contact.h"
 #include "core/haptics/gate.h"
+#include "palpate/error.h"
+#include "palpate/touch_noise.h"
 #include "view/report/law_over_time.h"
 #include "view/report/text_format.h"
 

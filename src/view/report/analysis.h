@@ -5,7 +5,6 @@
 
 #include "palpate/recording.h"
 #include "palpate/spring_law.h"
-
 #include "view/report/statistics.h"
 
 namespace palpate::report {

@@ -8,10 +8,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/mesh.h"
-
 #include "core/base/text.h"
 #include "io/scene/make_world.h"
+#include "palpate/mesh.h"
 #include "science/fit/distributions.h"
 #include "view/report/gnuplot.h"
 #include "view/report/text_format.h"

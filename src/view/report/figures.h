@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "palpate/recording.h"
-
 #include "view/report/analysis.h"
 
 namespace palpate::report {

@@ -7,9 +7,8 @@
 
 #include <fmt/core.h>
 
-#include "palpate/units.h"
-
 #include "core/base/text.h"
+#include "palpate/units.h"
 #include "view/report/figures.h"
 #include "view/report/gnuplot.h"
 #include "view/report/page.h"

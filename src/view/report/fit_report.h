@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "palpate/fit.h"
-
 #include "science/fit/sweep.h"
 
 namespace palpate::report {

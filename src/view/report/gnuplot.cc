@@ -11,10 +11,9 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "io/system/temporary.h"
+#include "palpate/error.h"
 
 extern char** environ;
 

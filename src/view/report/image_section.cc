@@ -12,10 +12,9 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "palpate/offscreen.h"
 #include "palpate/units.h"
-
-#include "core/base/text.h"
 #include "view/report/figures.h"
 #include "view/report/gnuplot.h"
 #include "view/report/text_format.h"

@@ -2,9 +2,8 @@
 
 #include <fmt/core.h>
 
-#include "palpate/units.h"
-
 #include "core/base/text.h"
+#include "palpate/units.h"
 #include "view/report/analysis.h"
 #include "view/report/text_format.h"
 

@@ -1,10 +1,9 @@
 #pragma once
 #include <vector>
 
+#include "core/model/relaxation.h"
 #include "palpate/recording.h"
 #include "palpate/spring_law.h"
-
-#include "core/model/relaxation.h"
 
 namespace palpate::report {
 

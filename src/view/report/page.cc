@@ -7,7 +7,6 @@
 #include <fmt/core.h>
 
 #include "palpate/error.h"
-
 #include "view/report/text_format.h"
 
 namespace palpate::report {

@@ -5,12 +5,11 @@
 #include <exception>
 #include <utility>
 
+#include "core/base/statistics.h"
+#include "io/system/clock.h"
 #include "palpate/error.h"
 #include "palpate/offscreen.h"
 #include "palpate/recording.h"
-
-#include "core/base/statistics.h"
-#include "io/system/clock.h"
 #include "view/report/text_format.h"
 
 namespace palpate::report {

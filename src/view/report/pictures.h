@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "palpate/recording.h"
-
 #include "view/report/analysis.h"
 #include "view/report/figures.h"
 #include "view/report/report.h"

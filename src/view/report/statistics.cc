@@ -11,9 +11,8 @@
 #include <fmt/core.h>
 #include <unsupported/Eigen/FFT>
 
-#include "palpate/error.h"
-
 #include "core/base/statistics.h"
+#include "palpate/error.h"
 #include "science/fit/distributions.h"
 
 namespace palpate::report {

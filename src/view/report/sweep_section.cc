@@ -6,9 +6,8 @@
 
 #include <fmt/core.h>
 
-#include "palpate/units.h"
-
 #include "core/base/text.h"
+#include "palpate/units.h"
 #include "view/report/figures.h"
 #include "view/report/gnuplot.h"
 #include "view/report/text_format.h"

@@ -6,10 +6,9 @@
 
 #include <fmt/core.h>
 
-#include "palpate/mesh.h"
-
 #include "core/base/text.h"
 #include "core/model/tissue_fields.h"
+#include "palpate/mesh.h"
 #include "view/report/law_over_time.h"
 #include "view/report/sections.h"
 #include "view/report/text_format.h"
@@ -19,22 +18,13 @@ namespace {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
+/// A number and its unit, without the rounding errors of a conversion from SI.
 std::string number(double value, const char* unit) {
-  return shortest(value) + (*unit == '\0' ? "" : " ") + unit;
+  constexpr int kDigits = 12;
+  return brief(value, kDigits) + (*unit == '\0' ? "" : " ") + unit;
 }
 
-/// The same, rounded where the conversion from SI leaves a rest.
-std::string shown(double value, const char* unit) {
-  return brief(value, 12) + (*unit == '\0' ? "" : " ") + unit;
-}
-
-/// A length of the scene in mm, rounded where the conversion from metres leaves a rest.
-std::string millimetres(double metres) {
-  std::string text = fixed(metres * kMilli, 6);
-  while (text.back() == '0') text.pop_back();
-  if (text.back() == '.') text.pop_back();
-  return text + " mm";
-}
+std::string millimetres(double metres) { return number(metres * kMilli, "mm"); }
 
 std::string point_mm(const Vec3& p) {
   const auto bare = [](double metres) {
@@ -116,8 +106,7 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
                           millimetres(law.max_depth()), fixed(law.max_force(), 2))},
   };
   for (const model::TissueField& field : model::kTissueFields) {
-    const std::string label = (field.section == "reach" ? "reach " : "") + std::string(field.label);
-    facts.emplace_back(label, shown(field.in_force(tissue) / field.unit.si, field.unit.text));
+    facts.emplace_back(field.label, number(field.in_force(tissue) / field.unit.si, field.unit.text));
   }
   for (const model::RelaxationTerm& term : tissue.relaxation) {
     facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.share),

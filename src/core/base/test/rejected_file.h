@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 
 namespace palpate::test {
 

@@ -11,15 +11,14 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/builtin.h"
-#include "palpate/mesh.h"
-#include "palpate/read_mesh.h"
-
 #include "core/base/index.h"
 #include "core/contact/averaged_normals.h"
 #include "core/contact/organ_surface.h"
 #include "core/contact/test/rig.h"
 #include "io/system/test/temporary_folder.h"
+#include "palpate/builtin.h"
+#include "palpate/mesh.h"
+#include "palpate/read_mesh.h"
 
 namespace palpate::contact {
 namespace {

@@ -1,12 +1,12 @@
 // Press: the law at the depth of the tool's own deepest point, friction, edges, thin plates, starts.
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/contact/test/rig.h"
+#include "palpate/error.h"
 
 namespace palpate::contact::test {
 namespace {

@@ -7,11 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/builtin.h"
-
 #include "core/contact/sharing.h"
 #include "core/contact/support.h"
 #include "core/contact/test/rig.h"
+#include "palpate/builtin.h"
 
 namespace palpate::contact::test {
 namespace {

@@ -6,9 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/mesh.h"
-
 #include "core/contact/contact.h"
+#include "palpate/mesh.h"
 
 namespace palpate::contact::test {
 

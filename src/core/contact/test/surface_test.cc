@@ -4,11 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/contact/organ_surface.h"
 #include "core/contact/support.h"
 #include "core/contact/test/rig.h"
+#include "palpate/error.h"
 
 namespace palpate::contact {
 namespace {

@@ -8,11 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/builtin.h"
-#include "palpate/mesh.h"
-
 #include "core/deform/live_surface.h"
 #include "core/deform/test/reordered.h"
+#include "palpate/builtin.h"
+#include "palpate/mesh.h"
 
 namespace palpate::deform {
 namespace {

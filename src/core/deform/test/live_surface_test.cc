@@ -7,12 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/mesh.h"
-#include "palpate/surface.h"
-
 #include "core/deform/test/reordered.h"
 #include "core/deform/triangle_grid.h"
 #include "io/mesh_io/repair/crossings.h"
+#include "palpate/mesh.h"
+#include "palpate/surface.h"
 
 namespace palpate::deform {
 namespace {

@@ -6,11 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/builtin.h"
-#include "palpate/mesh.h"
-
 #include "core/geometry/disc_search.h"
 #include "core/geometry/surface_distance.h"
+#include "palpate/builtin.h"
+#include "palpate/mesh.h"
 
 namespace palpate::geometry {
 namespace {

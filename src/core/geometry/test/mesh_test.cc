@@ -6,10 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/geometry/cell.h"
 #include "palpate/error.h"
 #include "palpate/tool.h"
-
-#include "core/geometry/cell.h"
 
 namespace palpate::geometry {
 namespace {

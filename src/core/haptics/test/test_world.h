@@ -6,10 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/haptics/simulation.h"
 #include "palpate/mesh.h"
 #include "palpate/tick_observer.h"
-
-#include "core/haptics/simulation.h"
 
 namespace palpate::haptics::test {
 

@@ -1,11 +1,11 @@
 #include "core/haptics/tick_fields.h"
 
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "core/base/test/file_contains.h"
 
 namespace palpate::haptics {
 namespace {
@@ -30,12 +30,7 @@ std::string table_for_documentation() {
 }
 
 TEST(TickFields, TheDocumentationHasThisTable) {
-  std::ifstream file(PALPATE_DOCS "/file-formats.md");
-  std::stringstream text;
-  text << file.rdbuf();
-  EXPECT_NE(text.str().find(table_for_documentation()), std::string::npos)
-      << "docs/file-formats.md must contain:\n"
-      << table_for_documentation();
+  EXPECT_TRUE(palpate::test::file_contains(PALPATE_DOCS "/file-formats.md", table_for_documentation()));
 }
 
 }  // namespace

@@ -9,14 +9,13 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-#include "palpate/units.h"
-
 #include "core/base/text.h"
 #include "io/mesh_io/repair/repair_holes.h"
 #include "io/mesh_io/repair/repair_pieces.h"
 #include "io/mesh_io/repair/repair_slivers.h"
 #include "io/mesh_io/repair/repair_surface.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
 
 namespace palpate::geometry {
 namespace {

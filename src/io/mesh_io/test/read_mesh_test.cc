@@ -8,10 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/system/test/temporary_folder.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
-
-#include "io/system/test/temporary_folder.h"
 
 namespace palpate::geometry {
 namespace {

@@ -10,12 +10,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/geometry/surface_distance.h"
+#include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
-
-#include "core/geometry/surface_distance.h"
-#include "io/shapes/test/shape_checks.h"
 
 namespace palpate::geometry {
 namespace {

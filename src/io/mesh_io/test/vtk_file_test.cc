@@ -8,11 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
 #include "palpate/read_mesh.h"
-
-#include "io/system/test/temporary_folder.h"
 
 namespace palpate::geometry {
 namespace {

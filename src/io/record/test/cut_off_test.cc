@@ -8,10 +8,9 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include "palpate/error.h"
-
 #include "io/record/test/sample_recording.h"
 #include "io/system/clock.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {

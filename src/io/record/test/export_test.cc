@@ -3,10 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/base/text.h"
 #include "io/record/test/sample_recording.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {

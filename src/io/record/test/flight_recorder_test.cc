@@ -6,10 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/record/test/sample_recording.h"
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {

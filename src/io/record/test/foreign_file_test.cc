@@ -3,11 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/record/hdf5_handle.h"
 #include "io/record/recording_writer.h"
 #include "io/record/test/sample_recording.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {

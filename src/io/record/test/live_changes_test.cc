@@ -10,16 +10,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-#include "palpate/mesh.h"
-#include "palpate/recording.h"
-
 #include "io/record/change_columns.h"
 #include "io/record/flight_recorder.h"
 #include "io/record/recording_frames.h"
 #include "io/record/recording_writer.h"
 #include "io/record/test/sample_recording.h"
 #include "io/scene/make_world.h"
+#include "palpate/error.h"
+#include "palpate/mesh.h"
+#include "palpate/recording.h"
 #include "run/realtime/loop.h"
 
 namespace palpate::record {
@@ -317,11 +316,11 @@ TEST(LiveChangesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThemIsRe
   EXPECT_THAT(refusal_of({change}, make_list_with_one_column), HasSubstr("/changes has no column number"));
 }
 
-/// The same changes in columns without depth_exponent, as they were kept before it was a parameter.
-void write_without_exponent(hid_t file, const std::vector<haptics::LiveChange>& changes) {
+/// Changes without one of the columns, as they were recorded before its number was a parameter.
+void write_without(std::string_view left_out, hid_t file, const std::vector<haptics::LiveChange>& changes) {
   const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(ChangeRow));
   for (const Column& column : change_columns()) {
-    if (std::string_view(column.name) == "depth_exponent") continue;
+    if (column.name == left_out) continue;
     const hid_t native = column.type == ColumnType::kU32   ? H5T_NATIVE_UINT32
                          : column.type == ColumnType::kU64 ? H5T_NATIVE_UINT64
                                                            : H5T_NATIVE_DOUBLE;
@@ -342,8 +341,9 @@ void write_without_exponent(hid_t file, const std::vector<haptics::LiveChange>& 
   H5Tclose(type);
 }
 
-TEST(LiveChangesRecorded, ChangesFromBeforeTheDepthsExponentHaveOneHalf) {
-  const Recording now = restless_run(6, 500);
+/// What is read of a recording with these changes whose file lacks a column.
+std::vector<haptics::LiveChange> read_without(std::string_view column,
+                                              const std::vector<haptics::LiveChange>& changes) {
   const TemporaryFolder folder;
   {
     Recorder recorder(folder / "a.h5", block_and_ball(), true);
@@ -352,12 +352,30 @@ TEST(LiveChangesRecorded, ChangesFromBeforeTheDepthsExponentHaveOneHalf) {
   }
   const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   H5Ldelete(file, "changes", H5P_DEFAULT);
-  write_without_exponent(file, now.changes);
+  write_without(column, file, changes);
   H5Fclose(file);
-  const Recording old = read_recording(folder / "a.h5");
-  ASSERT_GT(old.changes.size(), 3U);
-  EXPECT_EQ(old.changes, now.changes) << "which all have 1/2";
-  EXPECT_EQ(old.changes[2].tissue.reach.depth_exponent, 0.5);
+  return read_recording(folder / "a.h5").changes;
+}
+
+TEST(LiveChangesRecorded, ANumberThatAnOldFileLacksHasItsDefault) {
+  const std::vector<haptics::LiveChange> expected = restless_run(6, 500).changes;
+  ASSERT_GT(expected.size(), 3U);
+  std::vector<haptics::LiveChange> others = expected;
+  for (haptics::LiveChange& change : others) {
+    change.tissue.reach.depth_exponent = 0.4;
+    change.tissue.contact.tangential_damping = 0.75;
+  }
+  std::vector<haptics::LiveChange> old = read_without("depth_exponent", others);
+  ASSERT_EQ(old.size(), expected.size());
+  EXPECT_EQ(old[2].tissue.reach.depth_exponent, 0.5);
+  EXPECT_EQ(old[2].tissue.contact.tangential_damping, 0.75);
+  old = read_without("tangential_damping_N_s_per_m", others);
+  ASSERT_EQ(old.size(), expected.size());
+  EXPECT_EQ(old[2].tissue.reach.depth_exponent, 0.4);
+  EXPECT_EQ(old[2].tissue.contact.tangential_damping, 0.0);
+  for (haptics::LiveChange& change : old) change.tissue.reach.depth_exponent = 0.5;
+  EXPECT_EQ(old, expected) << "everything else is as recorded";
+  EXPECT_THROW((void)read_without("friction", others), InputError) << "always was a parameter";
 }
 
 TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {

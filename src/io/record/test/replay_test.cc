@@ -3,12 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/record/test/sample_recording.h"
+#include "io/scene/make_world.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
 #include "palpate/recording.h"
-
-#include "io/record/test/sample_recording.h"
-#include "io/scene/make_world.h"
 #include "run/realtime/loop.h"
 
 namespace palpate::record {

@@ -5,11 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/model/tissue_fields.h"
 #include "io/record/scene_json.h"
 #include "io/record/test/sample_recording.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {
@@ -189,34 +188,33 @@ TEST(RoundTrip, LawAndRelaxationComeBack) {
   EXPECT_EQ(got.relaxation[0].time, 0.1 + 0.2);
 }
 
+/// The tissue of a scene that was recorded before these keys were written.
+model::TissueParameters tissue_without(const scene::Setup& setup, const std::vector<std::string>& keys) {
+  std::string text = setup_to_json(setup);
+  for (const std::string& key : keys) {
+    const std::size_t at = text.find("\"" + key + "\"");
+    EXPECT_NE(at, std::string::npos) << key;
+    text.replace(at + 1, key.size(), "was_not_" + key);
+  }
+  return setup_from_json(text).tissue;
+}
+
 TEST(RoundTrip, ARecordingFromBeforeThereWereLawsHasThePapersWithoutRelaxation) {
   scene::Setup setup = sample_setup(1);
   setup.tissue.law = model::LawKind::kSmooth;
   setup.tissue.relaxation = {{0.1, 0.3}};
-  std::string text = setup_to_json(setup);
-  for (const std::string key : {"\"law\"", "\"relaxation\""}) {
-    ASSERT_NE(text.find(key), std::string::npos);
-    text.replace(text.find(key), key.size(), "\"was_not_" + key.substr(1));
-  }
-  const model::TissueParameters got = setup_from_json(text).tissue;
+  const model::TissueParameters got = tissue_without(setup, {"law", "relaxation"});
   EXPECT_EQ(got.law, model::LawKind::kLayered);
   EXPECT_TRUE(got.relaxation.empty());
 }
 
-TEST(RoundTrip, ARecordingFromBeforeTheDepthsExponentHasOneHalf) {
-  std::string text = setup_to_json(sample_setup(1));
-  const std::string key = "\"depth_exponent\"";
-  ASSERT_NE(text.find(key), std::string::npos);
-  text.replace(text.find(key), key.size(), "\"was_not\"");
-  EXPECT_EQ(setup_from_json(text).tissue.reach.depth_exponent, 0.5);
-}
-
-TEST(RoundTrip, ARecordingFromBeforeTangentialDampingHasNone) {
-  std::string text = setup_to_json(sample_setup(1));
-  const std::string key = "\"tangential_damping_N_s_per_m\"";
-  ASSERT_NE(text.find(key), std::string::npos);
-  text.replace(text.find(key), key.size(), "\"was_not\"");
-  EXPECT_EQ(setup_from_json(text).tissue.contact.tangential_damping, 0.0);
+TEST(RoundTrip, ANumberThatAnOldRecordingLacksHasItsDefault) {
+  scene::Setup setup = sample_setup(1);
+  setup.tissue.reach.depth_exponent = 0.4;
+  setup.tissue.contact.tangential_damping = 0.75;
+  EXPECT_EQ(tissue_without(setup, {"depth_exponent"}).reach.depth_exponent, 0.5);
+  EXPECT_EQ(tissue_without(setup, {"tangential_damping_N_s_per_m"}).contact.tangential_damping, 0.0);
+  EXPECT_ANY_THROW((void)tissue_without(setup, {"grip_limit_N"})) << "always was a parameter";
 }
 
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {

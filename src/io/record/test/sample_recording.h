@@ -10,11 +10,10 @@
 #include <hdf5.h>
 #include <unistd.h>
 
-#include "palpate/recording.h"
-#include "palpate/scene.h"
-
 #include "io/record/recorder.h"
 #include "io/system/test/temporary_folder.h"
+#include "palpate/recording.h"
+#include "palpate/scene.h"
 
 namespace palpate::record {
 

@@ -8,9 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/record/test/sample_recording.h"
+#include "palpate/error.h"
 
 namespace palpate::record {
 namespace {

@@ -6,9 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/mesh.h"
-
 #include "io/scene/test/temporary_folder.h"
+#include "palpate/mesh.h"
 
 namespace palpate::scene {
 namespace {

@@ -13,11 +13,10 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "palpate/mesh.h"
-
 #include "core/contact/organ_surface.h"
 #include "core/contact/test/rig.h"
 #include "io/system/test/temporary_folder.h"
+#include "palpate/mesh.h"
 
 namespace palpate::scene {
 namespace {

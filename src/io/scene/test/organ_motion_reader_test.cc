@@ -5,10 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/scene.h"
-
 #include "io/scene/scene_file.h"
 #include "io/scene/test/temporary_folder.h"
+#include "palpate/scene.h"
 
 namespace palpate::scene {
 namespace {

@@ -4,9 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 
 namespace palpate::scene::test {
 

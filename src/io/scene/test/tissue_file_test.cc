@@ -1,10 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/scene/test/temporary_folder.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
-
-#include "io/scene/test/temporary_folder.h"
 
 namespace palpate::scene {
 namespace {

@@ -8,10 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/builtin.h"
-
 #include "core/geometry/surface_distance.h"
 #include "io/shapes/test/shape_checks.h"
+#include "palpate/builtin.h"
 
 // The built-in shapes at three resolutions: the paper's counts, about 30,000 and about 300,000 triangles.
 namespace palpate::geometry {

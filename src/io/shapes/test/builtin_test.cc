@@ -8,10 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/mesh_io/repair/crossings.h"
 #include "io/shapes/test/shape_checks.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {

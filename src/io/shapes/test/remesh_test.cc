@@ -6,13 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/shapes/field_arithmetic.h"
 #include "io/shapes/implicit.h"
 #include "io/shapes/loft.h"
 #include "io/shapes/test/shape_checks.h"
 #include "io/shapes/tube.h"
+#include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {

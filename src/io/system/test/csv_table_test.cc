@@ -6,10 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/base/test/rejected_file.h"
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 
 namespace palpate {
 namespace {

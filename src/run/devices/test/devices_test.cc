@@ -11,7 +11,6 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/scripted_device.h"
-
 #include "run/devices/replay.h"
 
 namespace palpate::devices {

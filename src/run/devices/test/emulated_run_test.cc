@@ -6,7 +6,6 @@
 
 #include "palpate/recording.h"
 #include "palpate/scene.h"
-
 #include "run/devices/devices.h"
 #include "run/devices/test/emulated_scene.h"
 

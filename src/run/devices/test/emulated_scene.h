@@ -3,9 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/mesh.h"
-
 #include "io/scene/make_world.h"
+#include "palpate/mesh.h"
 #include "run/devices/emulated.h"
 #include "run/realtime/loop.h"
 

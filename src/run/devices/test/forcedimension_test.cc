@@ -9,10 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/scene/device_kinds.h"
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 #include "run/devices/devices.h"
 #include "run/devices/test/stand_in/dhd_stand_in_loaded.h"
 

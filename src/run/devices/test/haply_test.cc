@@ -7,10 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/haptics/test/test_world.h"
 #include "io/system/clock.h"
+#include "palpate/error.h"
 #include "run/devices/devices.h"
 #include "run/devices/test/haply_service.h"
 #include "run/realtime/loop.h"

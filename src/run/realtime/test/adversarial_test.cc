@@ -7,10 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/live_changes.h"
-
 #include "core/haptics/prepared_change.h"
 #include "core/haptics/test/test_world.h"
+#include "palpate/live_changes.h"
 
 namespace palpate::haptics {
 namespace {

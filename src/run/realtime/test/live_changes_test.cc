@@ -9,10 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/haptics/prepared_change.h"
 #include "core/haptics/test/test_world.h"
+#include "palpate/error.h"
 #include "run/realtime/loop.h"
 
 namespace palpate::haptics {

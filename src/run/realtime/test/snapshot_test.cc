@@ -5,11 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/live_changes.h"
-#include "palpate/tick_observer.h"
-
 #include "core/haptics/test/test_world.h"
 #include "io/system/clock.h"
+#include "palpate/live_changes.h"
+#include "palpate/tick_observer.h"
 #include "run/realtime/loop.h"
 
 namespace palpate::haptics {

@@ -14,10 +14,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
-
-#include "io/system/test/temporary_folder.h"
 #include "run/devices/test/emulated_scene.h"
 
 namespace palpate::session {

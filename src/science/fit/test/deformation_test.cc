@@ -4,11 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-#include "palpate/validation.h"
-
 #include "core/base/test/rejected_file.h"
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
+#include "palpate/validation.h"
 
 namespace palpate::fit {
 namespace {

@@ -11,9 +11,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 #include "science/fit/fit_record.h"
 #include "science/fit/random.h"
 

@@ -8,10 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/model/relaxation.h"
 #include "palpate/error.h"
 #include "palpate/spring_law.h"
-
-#include "core/model/relaxation.h"
 #include "science/fit/random.h"
 
 namespace palpate::fit {

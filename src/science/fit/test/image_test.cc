@@ -9,10 +9,9 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "palpate/error.h"
-
 #include "core/base/statistics.h"
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 #include "science/fit/image_edge.h"
 #include "science/fit/image_file.h"
 #include "science/fit/image_measure.h"

@@ -9,9 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/base/statistics.h"
+#include "palpate/error.h"
 #include "science/fit/image_measure.h"
 #include "science/fit/robust.h"
 #include "science/fit/test/image_scene.h"

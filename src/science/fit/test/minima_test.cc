@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "palpate/fit.h"
-
 #include "science/fit/random.h"
 #include "science/fit/starts.h"
 #include "science/fit/test/springs.h"

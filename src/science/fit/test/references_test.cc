@@ -8,7 +8,6 @@
 
 #include "palpate/fit.h"
 #include "palpate/validation.h"
-
 #include "science/fit/closed_forms.h"
 #include "science/fit/reach_fit.h"
 

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "palpate/error.h"
-
 #include "science/fit/closed_forms.h"
 #include "science/fit/mass_spring.h"
 

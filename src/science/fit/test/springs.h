@@ -5,7 +5,6 @@
 #include <string>
 
 #include "palpate/fit.h"
-
 #include "science/fit/random.h"
 
 namespace palpate::fit {

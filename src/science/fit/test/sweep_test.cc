@@ -9,9 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 #include "science/fit/sweep_piece.h"
 #include "science/fit/test/springs.h"
 

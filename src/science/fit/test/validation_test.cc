@@ -8,7 +8,6 @@
 
 #include "palpate/error.h"
 #include "palpate/surface.h"
-
 #include "science/fit/reach_fit.h"
 #include "science/fit/rivals.h"
 

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "palpate/error.h"
-
 #include "science/fit/forward.h"
 
 namespace palpate::fit {

@@ -7,7 +7,6 @@
 
 #include "palpate/mesh.h"
 #include "palpate/surface.h"
-
 #include "view/render/organ_picture.h"
 
 namespace palpate::render {

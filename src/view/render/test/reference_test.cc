@@ -9,12 +9,11 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include "core/contact/contact.h"
+#include "core/geometry/surface_distance.h"
 #include "palpate/builtin.h"
 #include "palpate/offscreen.h"
 #include "palpate/surface.h"
-
-#include "core/contact/contact.h"
-#include "core/geometry/surface_distance.h"
 #include "view/render/organ_picture.h"
 
 namespace palpate::render {

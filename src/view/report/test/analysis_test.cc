@@ -2,9 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
-
 #include "core/haptics/gate.h"
+#include "palpate/error.h"
 #include "view/report/test/synthetic_recording.h"
 
 namespace palpate::report {

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "palpate/error.h"
-
 #include "view/report/gnuplot.h"
 #include "view/report/test/synthetic_recording.h"
 

@@ -5,13 +5,12 @@
 #include <random>
 #include <utility>
 
+#include "core/contact/contact.h"
 #include "palpate/builtin.h"
 #include "palpate/mesh.h"
 #include "palpate/recording.h"
 #include "palpate/spring_law.h"
 #include "palpate/touch_noise.h"
-
-#include "core/contact/contact.h"
 
 namespace palpate::report::test {
 
