@@ -178,7 +178,8 @@ typedef struct palpate_result {
   double tool_position[3];     // m, of the handle
   double tool_orientation[4];  // w x y z
   double gripper;
-  double energy;          // J that the hand has put into the tissue's force so far and not got back
+  // J that hand and organ's own motion have put into the tissue's force so far and not got back
+  double energy;
   double engagement;      // share of force and noise that is let through, 0 .. 1
   uint32_t phase;         // PALPATE_APPROACH, PALPATE_PRESS or PALPATE_PULL
   uint32_t cutoff_layer;  // of the layered law; 0 without contact

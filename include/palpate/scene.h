@@ -104,8 +104,14 @@ struct DeviceSetup {
   std::optional<std::uint32_t> clutch_button{};  // bit of DeviceState::buttons; while held the tool stays
 };
 
-/// Limits of the gate; SI (slew per second).
+/// Limits of the gate; SI (slew per second). A scene may ask for at most 2.5 times the force of the strongest
+/// arm that docs/devices.md names: kMostForce and so on.
 struct SafetySetup {
+  static constexpr double kMostForce = 50.0;      // N
+  static constexpr double kMostSlew = 50e3;       // N/s: all of it in a millisecond
+  static constexpr double kMostTorque = 5.0;      // N m
+  static constexpr double kMostTorqueSlew = 5e3;  // N m/s
+
   double max_force = 20.0;        // N
   double max_slew = 5000.0;       // N/s
   double max_torque = 0.2;        // N m

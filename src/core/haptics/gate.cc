@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/touch_noise.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -74,25 +76,34 @@ std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const 
 
 }  // namespace
 
+double GateLimits::most_sigma() const noexcept {
+  return std::min(noise::kMostSigma, max_force / noise::TouchNoise::kBound);
+}
+
 GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput& input) noexcept {
-  book(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, input.motion);
+  const DeviceMotion relative{input.motion.translation - input.organ.translation,
+                              input.motion.rotation - input.organ.rotation};
+  book(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
+  book_noise(state.energy, state.noise, input.motion, limits.period);
   if (input.outside) forgive_surplus(state.energy);
 
+  GateOutput output;
+  if (input.controlled) output.noise_share = noise_share(state.energy);
   ForceCommand tissue = input.tissue;
-  const bool usable = finite(tissue, tissue.force + input.noise);
+  const Vec3 noise = output.noise_share * input.noise;
+  const bool usable = finite(tissue, tissue.force + noise);
   const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
   if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);
 
-  GateOutput output;
   if (state.fault != Fault::kNone) {
     fall(state);
     state.noise = Vec3::Zero();
   } else {
-    if (input.controlled && damp_deficit(state.energy, input.motion, limits.period, tissue)) {
+    if (input.controlled && damp_deficit(state.energy, relative, limits.period, tissue)) {
       output.status |= kEnergyDamped;
     }
-    output.status |= approach_limits(limits, state, tissue, input.noise);
-    state.noise = input.noise;
+    output.status |= approach_limits(limits, state, tissue, noise);
+    state.noise = noise;
   }
   output.command = {state.force, state.torque, state.gripper_force};
   return output;

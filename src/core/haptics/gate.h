@@ -21,6 +21,10 @@ struct GateLimits {
   double max_torque = 0.2;    // N m
   double torque_step = 0.05;  // N m a tick
   double period = 1e-3;       // s
+
+  /// [any] The most [N] that the touch noise's sigma in contact may be: noise::kMostSigma, and no more than
+  /// brings the noise's bound to max_force.
+  [[nodiscard]] double most_sigma() const noexcept;
 };
 
 /// What the gate carries from tick to tick, one a hand.
@@ -39,7 +43,8 @@ struct GateState {
 struct GateInput {
   ForceCommand tissue{};       // from contact
   Vec3 noise = Vec3::Zero();   // N
-  DeviceMotion motion{};       // since the last tick
+  DeviceMotion motion{};       // of the device since the last tick
+  DeviceMotion organ{};        // of the organ by itself, where the handle is, in the device's lengths
   bool outside = false;        // the tool touches nothing
   bool controlled = false;     // the passivity controller acts; else the energy is only observed
   Fault fault = Fault::kNone;  // seen this tick outside the gate
@@ -48,18 +53,20 @@ struct GateInput {
 struct GateOutput {
   ForceCommand command;
   std::uint32_t status = 0;
+  double noise_share = 1.0;  // of GateInput::noise that was let through
 };
 
 /// From the tick of a fault the force goes linearly to zero and is there within this time, whatever the rate
 /// and the slew limit.
 inline constexpr double kFaultFall = 10e-3;  // s
 
-/// [rt] The one gate before the hardware: finite check, passivity controller on the tissue's force, + noise,
-/// clamp, slew (the norm of a vector each time). The written force is never above max_force and never changes
-/// by more than force_step a tick; torque the same; the gripper's force obeys the force's limits. A vector
-/// whose norm overflows counts as not finite. A fault latches: everything falls linearly to zero within
-/// kFaultFall and stays exactly zero until reset_fault(). After a stalled loop it is zero at once: the
-/// watchdog has taken the force away meanwhile. The energy observer books what was written, faults or not.
+/// [rt] The one gate before the hardware: finite check, passivity controller on the tissue's force, + noise
+/// (less of it where it has given too much energy), clamp, slew (the norm of a vector each time). The written
+/// force is never above max_force and never changes by more than force_step a tick; torque the same; the
+/// gripper's force obeys the force's limits. A vector whose norm overflows counts as not finite. A fault
+/// latches: everything falls linearly to zero within kFaultFall and stays exactly zero until reset_fault().
+/// After a stalled loop it is zero at once: the watchdog has taken the force away meanwhile. The energy
+/// observer books what was written, faults or not.
 [[nodiscard]] GateOutput pass_gate(const GateLimits& limits, GateState& state,
                                    const GateInput& input) noexcept;
 

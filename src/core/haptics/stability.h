@@ -15,7 +15,8 @@ struct DeviceMechanics {
 
 /// A tissue on a device: what the device would need to hold it still.
 struct StabilityCheck {
-  double stiffness = 0.0;        // K [N/m] at the device: the largest tangent within reach, times the scale
+  double stiffness = 0.0;        // K [N/m] at the device: the larger of k_t and the largest tangent within
+                                 // reach, times the scale
   double virtual_damping = 0.0;  // B [N s/m] at the device
   double damping_needed = 0.0;   // K T / 2 + |B| [N s/m]  [Colgate, Schenkel 1997]
   double stiffness_allowed =

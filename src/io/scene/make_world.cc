@@ -30,10 +30,12 @@ haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparati
   const double period = 1.0 / setup.rate_Hz;
   noise::NoiseSettings noise = setup.noise;
   noise.seed = setup.seed;
+  const haptics::GateLimits limits = gate_limits(setup.safety, period);
+  noise::validate(noise, setup.rate_Hz, limits.most_sigma());
   haptics::SimulationWorld world{
       .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how),
       .noise = noise::TouchNoise(noise, setup.rate_Hz),
-      .limits = gate_limits(setup.safety, period),
+      .limits = limits,
       .mappings = {},
       .organ_W = setup.organ_pose,
       .rate_Hz = setup.rate_Hz,
