@@ -13,14 +13,23 @@ inline constexpr std::uint32_t kForceSlewed = 1U << 9;
 inline constexpr std::uint32_t kTorqueClamped = 1U << 10;
 inline constexpr std::uint32_t kTorqueSlewed = 1U << 11;
 inline constexpr std::uint32_t kEnergyDamped = 1U << 12;  // the passivity controller acted
+inline constexpr std::uint32_t kDutyHigh = 1U << 13;      // RMS force over kDutyShort above continuous_force
+inline constexpr std::uint32_t kDutyLimited = 1U << 14;   // the force was lowered: that over kDutyLong
+
+/// Time constants [s] of the mean squares of the written force: the shorter warns, the longer lowers it.
+inline constexpr double kDutyShort = 10.0;
+inline constexpr double kDutyLong = 60.0;
+/// From this share of continuous_force on the RMS force over kDutyLong lowers the force, to nothing at 1.
+inline constexpr double kDutyBegin = 0.9;
 
 /// Limits a tick; vector (Euclidean) norms.
 struct GateLimits {
-  double max_force = 20.0;    // N
-  double force_step = 5.0;    // N a tick
-  double max_torque = 0.2;    // N m
-  double torque_step = 0.05;  // N m a tick
-  double period = 1e-3;       // s
+  double max_force = 20.0;                              // N
+  double force_step = 5.0;                              // N a tick
+  double max_torque = 0.2;                              // N m
+  double torque_step = 0.05;                            // N m a tick
+  double period = 1e-3;                                 // s
+  double continuous_force = DeviceAbilities::kUnknown;  // N, RMS that the device gives without end
 
   /// [any] The most [N] that the touch noise's sigma in contact may be: noise::kMostSigma, and no more than
   /// brings the noise's bound to max_force.
@@ -34,7 +43,9 @@ struct GateState {
   double gripper_force = 0.0;
   Vec3 noise = Vec3::Zero();  // its part of `force`
   EnergyAccount energy;
-  ForceCommand fault_step;  // a tick, while a fault brings the force to zero
+  double square_short = 0.0;  // N^2, mean square of the written force over kDutyShort
+  double square_long = 0.0;   // over kDutyLong
+  ForceCommand fault_step;    // a tick, while a fault brings the force to zero
   int fault_ticks_left = 0;
   Fault fault = Fault::kNone;  // latched until reset
 };

@@ -123,15 +123,17 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
                               tick_number, touching ? 0.0 : result.distance);
   const bool outside = !touching && result.distance > 0.0;
   const double share = engagement_of(world, state, hand, fault, outside);
-  const double torque_share = world.mappings[hand].torque ? share : 0.0;
-  const GateOutput out = pass_gate(world.limits, gate,
-                                   {.tissue = {share * result.force_W, torque_share * result.torque_W, 0.0},
-                                    .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
-                                    .motion = motion,
-                                    .organ = organ,
-                                    .outside = outside,
-                                    .controlled = world.mappings[hand].held,
-                                    .fault = fault});
+  const double tissue_share = share * world.mappings[hand].force_scale;
+  const double torque_share = world.mappings[hand].torque ? tissue_share : 0.0;
+  const GateOutput out =
+      pass_gate(world.limits, gate,
+                {.tissue = {tissue_share * result.force_W, torque_share * result.torque_W, 0.0},
+                 .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
+                 .motion = motion,
+                 .organ = organ,
+                 .outside = outside,
+                 .controlled = world.mappings[hand].held,
+                 .fault = fault});
   command = out.command;
 
   row = TickRow{};

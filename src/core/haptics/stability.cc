@@ -47,6 +47,16 @@ StabilityCheck check_stability(const model::TissueParameters& tissue, model::Dir
   return check;
 }
 
+double depth_of_tangent(const model::TissueParameters& tissue, model::Direction direction, double period,
+                        double stiffness) {
+  const model::SpringLaw law(tissue, direction, period);
+  for (int i = 0; i <= kDepths; ++i) {
+    const double depth = kDepthWithinReach * i / kDepths;
+    if (law.force_at(depth).stiffness > stiffness) return depth;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
 std::vector<std::string> stability_warnings(const StabilityCheck& check, const DeviceMechanics& device) {
   std::vector<std::string> warnings;
   if (check.damping_short) {

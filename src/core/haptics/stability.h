@@ -38,6 +38,11 @@ inline constexpr double kDepthWithinReach = 15e-3;
                                              model::Direction direction, double period, double max_force,
                                              double scale, const DeviceMechanics& device);
 
+/// [setup] Depth [m] from which on a tissue's tangent is more than `stiffness` [N/m]; infinite: nowhere
+/// within reach.
+[[nodiscard]] double depth_of_tangent(const model::TissueParameters& tissue, model::Direction direction,
+                                      double period, double stiffness);
+
 /// [setup] The same in words, one sentence a finding; empty: the check does not warn.
 [[nodiscard]] std::vector<std::string> stability_warnings(const StabilityCheck& check,
                                                           const DeviceMechanics& device);

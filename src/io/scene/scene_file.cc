@@ -121,8 +121,8 @@ class SceneReader final {
   DeviceDescription read_device(const TomlTable& table) const {
     DeviceDescription device;
     table.allow_only({"kind", "path", "workspace_scale", "base", "damping_N_s_per_m", "friction_N",
-                      "resolution_mm", "clutch_button", "mass_kg", "grip", "grip_N_per_m", "grip_N_s_per_m",
-                      "fault"});
+                      "resolution_mm", "clutch_button", "fit", "mass_kg", "grip", "grip_N_per_m",
+                      "grip_N_s_per_m", "fault"});
     if (const auto kind = stated(table, "kind")) device.kind = *kind;
     if (device.kind.where.empty()) device.kind.where = table.place("kind") + ": " + table.field("kind");
     device.path = stated(table, "path");
@@ -135,6 +135,7 @@ class SceneReader final {
       setup.dynamics.resolution = *resolution * kMillimetre;
     }
     setup.emulated = read_emulated_hand(table, device.kind.value);
+    setup.fit = table.truth("fit").value_or(false);
     if (const auto button = table.whole_number("clutch_button")) {
       if (*button > kLastButton) {
         table.fail("clutch_button", "must be a button's number from 0 to " + std::to_string(kLastButton));

@@ -108,6 +108,15 @@ TEST(Stability, TheFrictionSpringCountsWhereItIsTheStifferAndThereIsFriction) {
   EXPECT_NEAR(stiffness_of(5000.0, 0.0), 1600.0, 1e-9) << "without friction nothing pulls on it";
 }
 
+TEST(Stability, TheDepthFromWhichATissueIsStifferThanAsked) {
+  const auto depth = [](double stiffness) {
+    return depth_of_tangent(two_slopes(), Direction::kPress, 1e-3, stiffness);
+  };
+  EXPECT_EQ(depth(99.0), 0.0);
+  EXPECT_NEAR(depth(101.0), 10e-3, 0.02e-3) << "the second layer";
+  EXPECT_EQ(depth(801.0), std::numeric_limits<double>::infinity());
+}
+
 TEST(Stability, CoarseSensorsWithoutFrictionWarn) {
   const StabilityCheck coarse =
       check_stability(two_slopes(), Direction::kPress, 1e-3, 20.0, 1.0, {5.0, 0.003, 1e-5});
