@@ -23,6 +23,8 @@ void add_scene_flags(CLI::App& command, scene::Request& request) {
   command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks a second");
   command.add_option("--seed", request.seed, "of the touch noise");
   command.add_flag("--no-noise", request.no_noise, "leave the touch noise out");
+  command.add_flag("--fit-device", request.fit_device,
+                   "scale the force so that the tissue is no stiffer than the device bears");
 }
 
 }  // namespace palpate::app

@@ -66,6 +66,8 @@ typedef int32_t palpate_status;
 #define PALPATE_TORQUE_CLAMPED (UINT32_C(1) << 10)
 #define PALPATE_TORQUE_SLEWED (UINT32_C(1) << 11)
 #define PALPATE_ENERGY_DAMPED (UINT32_C(1) << 12)  // the passivity controller acted
+#define PALPATE_DUTY_HIGH (UINT32_C(1) << 13)  // RMS force over 10 s above what the device gives without end
+#define PALPATE_DUTY_LIMITED (UINT32_C(1) << 14)  // the force was lowered: that over 60 s
 
 // ---- The library
 
@@ -178,7 +180,8 @@ typedef struct palpate_result {
   double tool_position[3];     // m, of the handle
   double tool_orientation[4];  // w x y z
   double gripper;
-  double energy;          // J that the hand has put into the tissue's force so far and not got back
+  // J that hand and organ's own motion have put into the tissue's force so far and not got back
+  double energy;
   double engagement;      // share of force and noise that is let through, 0 .. 1
   uint32_t phase;         // PALPATE_APPROACH, PALPATE_PRESS or PALPATE_PULL
   uint32_t cutoff_layer;  // of the layered law; 0 without contact

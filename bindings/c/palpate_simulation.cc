@@ -20,6 +20,8 @@ namespace {
 static_assert(PALPATE_MAX_HANDS == palpate::scene::kMaxHands);
 static_assert(PALPATE_MAX_HANDS == palpate::haptics::Snapshot::kMaxHands);
 static_assert(PALPATE_ENERGY_DAMPED == palpate::haptics::kEnergyDamped);
+static_assert(PALPATE_DUTY_HIGH == palpate::haptics::kDutyHigh);
+static_assert(PALPATE_DUTY_LIMITED == palpate::haptics::kDutyLimited);
 static_assert(PALPATE_JUMP == palpate::contact::kJump);
 
 /// Whether every hand's sample and result has this library's size.

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "palpate/pose.h"
@@ -48,6 +49,21 @@ struct ForceCommand {
   double gripper_force = 0.0;  // N
 };
 
+/// What a device gives and bears, as far as its maker or the device itself says it; infinite where nobody
+/// does.
+struct DeviceAbilities {
+  static constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+  std::string model{};                 // as people know it; empty: not known
+  double max_force = kUnknown;         // N
+  double continuous_force = kUnknown;  // N, root mean square, without end
+  double max_stiffness = kUnknown;     // N/m that it renders without trembling
+  double workspace_radius = kUnknown;  // m
+  bool torque = true;                  // it can give torque
+
+  bool operator==(const DeviceAbilities&) const = default;
+};
+
 /// A force-feedback device as the loop sees it.
 class Device {
  public:
@@ -61,6 +77,8 @@ class Device {
   virtual void stop() noexcept = 0;
   /// [any] Tick number at which the device has nothing more to say (a path's end + 0.5 s), or 2^64-1.
   [[nodiscard]] virtual std::uint64_t last_tick(double rate_Hz) const noexcept = 0;
+  /// [setup] What it can give: the limits of a run follow it.
+  [[nodiscard]] virtual DeviceAbilities abilities() const { return {}; }
   /// [any] What was last wrong with the device, in words for its user; empty: nothing. Not for the tick: may
   /// allocate.
   [[nodiscard]] virtual std::string trouble() const { return {}; }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "palpate/device.h"
 #include "palpate/mesh.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
@@ -102,10 +103,19 @@ struct DeviceSetup {
   DeviceDynamics dynamics{};
   EmulatedHand emulated{};                       // of kind "emulated" only
   std::optional<std::uint32_t> clutch_button{};  // bit of DeviceState::buttons; while held the tool stays
+  bool fit = false;                              // the force is scaled to the stiffness that the device bears
+  haptics::DeviceAbilities abilities{};          // of the device that was opened
+  double force_scale = 1.0;  // of the tissue's force on the hand; 1 unless `fit` lowered it
 };
 
-/// Limits of the gate; SI (slew per second).
+/// Limits of the gate; SI (slew per second). A scene may ask for at most 2.5 times the force of the strongest
+/// arm that docs/devices.md names: kMostForce and so on.
 struct SafetySetup {
+  static constexpr double kMostForce = 50.0;      // N
+  static constexpr double kMostSlew = 50e3;       // N/s: all of it in a millisecond
+  static constexpr double kMostTorque = 5.0;      // N m
+  static constexpr double kMostTorqueSlew = 5e3;  // N m/s
+
   double max_force = 20.0;        // N
   double max_slew = 5000.0;       // N/s
   double max_torque = 0.2;        // N m
@@ -154,6 +164,7 @@ struct Request {
   std::optional<double> rate_Hz;
   std::optional<std::uint64_t> seed;
   bool no_noise = false;
+  bool fit_device = false;  // as `fit` of every device
 };
 
 /// [setup] Reads and checks the scene and every file it names, and resolves defaults. Paths inside a scene

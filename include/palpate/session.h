@@ -161,11 +161,11 @@ class Session final {
   void close_devices() { devices_.clear(); }
 
  private:
-  void open_devices();
+  [[nodiscard]] std::unique_ptr<const haptics::SimulationWorld> prepare(const contact::Preparation& how);
 
   scene::Setup setup_;
-  std::unique_ptr<const haptics::SimulationWorld> world_;
   std::vector<std::unique_ptr<haptics::Device>> devices_;
+  std::unique_ptr<const haptics::SimulationWorld> world_;
   std::uint64_t ticks_ = 0;
   std::unique_ptr<haptics::LiveChanges> updates_;
   haptics::RunControl control_;

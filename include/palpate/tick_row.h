@@ -31,7 +31,8 @@ struct TickRow {
   std::int64_t late_ns = 0;  // how late it began
   std::uint32_t status = 0;  // contact status bits, and the gate's (gate.h)
   std::uint32_t fault = 0;   // Fault that is latched
-  double energy = 0.0;       // J that the hand has put into the tissue's force so far and not got back
+  double energy = 0.0;       // J that hand and organ's own motion have put into the tissue's force so far and
+                             // not got back
   double engagement = 1.0;   // share of force and noise that is let through, 0 to 1
   // The device's own sample, so that the tick can be run again:
   std::array<double, 3> device{};           // m, device frame

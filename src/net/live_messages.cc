@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::uint32_t, const char*>, 9> kStatus{{
+constexpr std::array<std::pair<std::uint32_t, const char*>, 11> kStatus{{
     {contact::kStartedInside, "started-inside"},
     {contact::kContactsFull, "contacts-full"},
     {contact::kGripReleased, "grip-released"},
@@ -28,6 +28,8 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 9> kStatus{{
     {haptics::kTorqueClamped, "torque-clamped"},
     {haptics::kTorqueSlewed, "torque-slewed"},
     {haptics::kEnergyDamped, "energy-damped"},
+    {haptics::kDutyHigh, "duty-high"},
+    {haptics::kDutyLimited, "duty-limited"},
 }};
 
 const char* phase_name(std::uint32_t phase) {

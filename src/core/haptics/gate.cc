@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/touch_noise.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -40,10 +42,12 @@ bool finite(const ForceCommand& tissue, const Vec3& wanted) noexcept {
 }
 
 void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
+  state.fault = fault;
+  // A reset while the force still falls, and a fault again at once: the fall goes on, it does not begin anew.
+  if (state.fault_ticks_left > 0 && fault != Fault::kStalled) return;
   constexpr double kMostTicks = 1e6;
   const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMostTicks);
   const double ticks = fault == Fault::kStalled ? 1.0 : whole;  // the hand feels nothing any more
-  state.fault = fault;
   state.fault_ticks_left = static_cast<int>(ticks);
   state.fault_step = {state.force / ticks, state.torque / ticks, state.gripper_force / ticks};
 }
@@ -72,36 +76,62 @@ std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const 
          (torque.clamped ? kTorqueClamped : 0U) | (torque.slewed ? kTorqueSlewed : 0U);
 }
 
+/// Follows the RMS of what was written and lowers the force where the device would not bear it without end.
+/// @return status bits
+std::uint32_t keep_duty(const GateLimits& limits, GateState& state, ForceCommand& tissue) noexcept {
+  if (!std::isfinite(limits.continuous_force)) return 0;
+  const double square = state.force.squaredNorm();
+  state.square_short += (square - state.square_short) * limits.period / kDutyShort;
+  state.square_long += (square - state.square_long) * limits.period / kDutyLong;
+  const double load = std::sqrt(state.square_long) / limits.continuous_force;
+  std::uint32_t status = std::sqrt(state.square_short) > limits.continuous_force ? kDutyHigh : 0U;
+  if (load > kDutyBegin) {
+    const double share = std::max(0.0, (1.0 - load) / (1.0 - kDutyBegin));
+    tissue.force *= share;
+    tissue.torque *= share;
+    status |= kDutyLimited;
+  }
+  return status;
+}
+
 }  // namespace
 
+double GateLimits::most_sigma() const noexcept {
+  return std::min(noise::kMostSigma, max_force / noise::TouchNoise::kBound);
+}
+
 GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput& input) noexcept {
-  book(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, input.motion);
+  const DeviceMotion relative{input.motion.translation - input.organ.translation,
+                              input.motion.rotation - input.organ.rotation};
+  book(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
+  book_noise(state.energy, state.noise, input.motion, limits.period);
   if (input.outside) forgive_surplus(state.energy);
 
+  GateOutput output;
+  if (input.controlled) output.noise_share = noise_share(state.energy);
   ForceCommand tissue = input.tissue;
-  const bool usable = finite(tissue, tissue.force + input.noise);
+  const Vec3 noise = output.noise_share * input.noise;
+  output.status |= keep_duty(limits, state, tissue);
+  const bool usable = finite(tissue, tissue.force + noise);
   const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
   if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);
 
-  GateOutput output;
   if (state.fault != Fault::kNone) {
     fall(state);
     state.noise = Vec3::Zero();
   } else {
-    if (input.controlled && damp_deficit(state.energy, input.motion, limits.period, tissue)) {
+    state.fault_ticks_left = 0;
+    state.fault_step = {};
+    if (input.controlled && damp_deficit(state.energy, relative, limits.period, tissue)) {
       output.status |= kEnergyDamped;
     }
-    output.status |= approach_limits(limits, state, tissue, input.noise);
-    state.noise = input.noise;
+    output.status |= approach_limits(limits, state, tissue, noise);
+    state.noise = noise;
   }
   output.command = {state.force, state.torque, state.gripper_force};
   return output;
 }
 
-void reset_fault(GateState& state) noexcept {
-  state.fault = Fault::kNone;
-  state.fault_ticks_left = 0;
-  state.fault_step = {};
-}
+void reset_fault(GateState& state) noexcept { state.fault = Fault::kNone; }
 
 }  // namespace palpate::haptics

@@ -13,14 +13,27 @@ inline constexpr std::uint32_t kForceSlewed = 1U << 9;
 inline constexpr std::uint32_t kTorqueClamped = 1U << 10;
 inline constexpr std::uint32_t kTorqueSlewed = 1U << 11;
 inline constexpr std::uint32_t kEnergyDamped = 1U << 12;  // the passivity controller acted
+inline constexpr std::uint32_t kDutyHigh = 1U << 13;      // RMS force over kDutyShort above continuous_force
+inline constexpr std::uint32_t kDutyLimited = 1U << 14;   // the force was lowered: that over kDutyLong
+
+/// Time constants [s] of the mean squares of the written force: the shorter warns, the longer lowers it.
+inline constexpr double kDutyShort = 10.0;
+inline constexpr double kDutyLong = 60.0;
+/// From this share of continuous_force on the RMS force over kDutyLong lowers the force, to nothing at 1.
+inline constexpr double kDutyBegin = 0.9;
 
 /// Limits a tick; vector (Euclidean) norms.
 struct GateLimits {
-  double max_force = 20.0;    // N
-  double force_step = 5.0;    // N a tick
-  double max_torque = 0.2;    // N m
-  double torque_step = 0.05;  // N m a tick
-  double period = 1e-3;       // s
+  double max_force = 20.0;                              // N
+  double force_step = 5.0;                              // N a tick
+  double max_torque = 0.2;                              // N m
+  double torque_step = 0.05;                            // N m a tick
+  double period = 1e-3;                                 // s
+  double continuous_force = DeviceAbilities::kUnknown;  // N, RMS that the device gives without end
+
+  /// [any] The most [N] that the touch noise's sigma in contact may be: noise::kMostSigma, and no more than
+  /// brings the noise's bound to max_force.
+  [[nodiscard]] double most_sigma() const noexcept;
 };
 
 /// What the gate carries from tick to tick, one a hand.
@@ -30,7 +43,9 @@ struct GateState {
   double gripper_force = 0.0;
   Vec3 noise = Vec3::Zero();  // its part of `force`
   EnergyAccount energy;
-  ForceCommand fault_step;  // a tick, while a fault brings the force to zero
+  double square_short = 0.0;  // N^2, mean square of the written force over kDutyShort
+  double square_long = 0.0;   // over kDutyLong
+  ForceCommand fault_step;    // a tick, while a fault brings the force to zero
   int fault_ticks_left = 0;
   Fault fault = Fault::kNone;  // latched until reset
 };
@@ -39,7 +54,8 @@ struct GateState {
 struct GateInput {
   ForceCommand tissue{};       // from contact
   Vec3 noise = Vec3::Zero();   // N
-  DeviceMotion motion{};       // since the last tick
+  DeviceMotion motion{};       // of the device since the last tick
+  DeviceMotion organ{};        // of the organ by itself, where the handle is, in the device's lengths
   bool outside = false;        // the tool touches nothing
   bool controlled = false;     // the passivity controller acts; else the energy is only observed
   Fault fault = Fault::kNone;  // seen this tick outside the gate
@@ -48,18 +64,20 @@ struct GateInput {
 struct GateOutput {
   ForceCommand command;
   std::uint32_t status = 0;
+  double noise_share = 1.0;  // of GateInput::noise that was let through
 };
 
 /// From the tick of a fault the force goes linearly to zero and is there within this time, whatever the rate
 /// and the slew limit.
 inline constexpr double kFaultFall = 10e-3;  // s
 
-/// [rt] The one gate before the hardware: finite check, passivity controller on the tissue's force, + noise,
-/// clamp, slew (the norm of a vector each time). The written force is never above max_force and never changes
-/// by more than force_step a tick; torque the same; the gripper's force obeys the force's limits. A vector
-/// whose norm overflows counts as not finite. A fault latches: everything falls linearly to zero within
-/// kFaultFall and stays exactly zero until reset_fault(). After a stalled loop it is zero at once: the
-/// watchdog has taken the force away meanwhile. The energy observer books what was written, faults or not.
+/// [rt] The one gate before the hardware: finite check, passivity controller on the tissue's force, + noise
+/// (less of it where it has given too much energy), clamp, slew (the norm of a vector each time). The written
+/// force is never above max_force and never changes by more than force_step a tick; torque the same; the
+/// gripper's force obeys the force's limits. A vector whose norm overflows counts as not finite. A fault
+/// latches: everything falls linearly to zero within kFaultFall and stays exactly zero until reset_fault().
+/// After a stalled loop it is zero at once: the watchdog has taken the force away meanwhile. The energy
+/// observer books what was written, faults or not.
 [[nodiscard]] GateOutput pass_gate(const GateLimits& limits, GateState& state,
                                    const GateInput& input) noexcept;
 

@@ -32,7 +32,7 @@ PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& va
   noise::NoiseSettings settings = world.noise.settings();
   settings.gain = values.noise.gain;
   settings.threshold = values.noise.threshold;
-  noise::validate(settings, world.rate_Hz);
+  noise::validate(settings, world.rate_Hz, world.limits.most_sigma());
   return {values, contact::TissueLaws(tissue, 1.0 / world.rate_Hz)};
 }
 

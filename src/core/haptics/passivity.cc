@@ -17,26 +17,36 @@ void brake(Vec3& force, const Vec3& way, double damping, double period) noexcept
 }  // namespace
 
 void book(EnergyAccount& account, const ForceCommand& written, const Vec3& noise,
-          const DeviceMotion& motion) noexcept {
-  const double by_noise = noise.dot(motion.translation);
-  account.noise += by_noise;
-  account.tissue -= written.force.dot(motion.translation) - by_noise + written.torque.dot(motion.rotation);
+          const DeviceMotion& relative) noexcept {
+  account.tissue -= written.force.dot(relative.translation) - noise.dot(relative.translation) +
+                    written.torque.dot(relative.rotation);
+}
+
+void book_noise(EnergyAccount& account, const Vec3& noise, const DeviceMotion& motion,
+                double period) noexcept {
+  const double given = noise.dot(motion.translation);
+  account.noise += given;
+  account.noise_excess = std::max(0.0, account.noise_excess + given - kNoisePower * period);
+}
+
+double noise_share(const EnergyAccount& account) noexcept {
+  return std::clamp(2.0 - account.noise_excess / kNoiseLeeway, 0.0, 1.0);
 }
 
 void forgive_surplus(EnergyAccount& account) noexcept { account.tissue = std::min(account.tissue, 0.0); }
 
-bool damp_deficit(const EnergyAccount& account, const DeviceMotion& motion, double period,
+bool damp_deficit(const EnergyAccount& account, const DeviceMotion& relative, double period,
                   ForceCommand& tissue) noexcept {
   const double deficit = -account.tissue;
   if (!(deficit > kEnergyLeeway)) return false;
   // A damper b takes b v^2 T = b way^2 / T in a tick; both kinds of motion are asked for the whole deficit.
-  const double way = motion.translation.squaredNorm();
-  const double turn = motion.rotation.squaredNorm();
+  const double way = relative.translation.squaredNorm();
+  const double turn = relative.rotation.squaredNorm();
   if (way > 0.0) {
-    brake(tissue.force, motion.translation, std::min(kMostDamping, deficit * period / way), period);
+    brake(tissue.force, relative.translation, std::min(kMostDamping, deficit * period / way), period);
   }
   if (turn > 0.0) {
-    brake(tissue.torque, motion.rotation, std::min(kMostAngularDamping, deficit * period / turn), period);
+    brake(tissue.torque, relative.rotation, std::min(kMostAngularDamping, deficit * period / turn), period);
   }
   return true;
 }

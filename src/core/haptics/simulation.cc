@@ -98,10 +98,18 @@ double engagement_of(const SimulationWorld& world, SimulationState& state, std::
                             1.0 / world.rate_Hz);
 }
 
+/// How the organ moved by itself since the last tick, where a hand's handle is, in its device's lengths.
+DeviceMotion organ_at_handle(const Pose& before_W, const Pose& now_W, const Vec3& handle_W,
+                             double scale) noexcept {
+  const Pose step = now_W * before_W.inverse();
+  const double sign = step.rotation.w() < 0.0 ? -2.0 : 2.0;  // sin(a/2) stands for a/2
+  return {(step * handle_W - handle_W) / scale, sign * step.rotation.vec()};
+}
+
 /// Noise, gate and row of one hand, once contact is known.
 void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
                  std::size_t hand, const DeviceState& sample, const DeviceMotion& motion,
-                 ForceCommand& command, TickRow& row) noexcept {
+                 const DeviceMotion& organ, ForceCommand& command, TickRow& row) noexcept {
   contact::ToolResult& result = state.results[hand];
   GateState& gate = state.gates[hand];
   Fault fault = judge(sample);
@@ -115,14 +123,17 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
                               tick_number, touching ? 0.0 : result.distance);
   const bool outside = !touching && result.distance > 0.0;
   const double share = engagement_of(world, state, hand, fault, outside);
-  const double torque_share = world.mappings[hand].torque ? share : 0.0;
-  const GateOutput out = pass_gate(world.limits, gate,
-                                   {.tissue = {share * result.force_W, torque_share * result.torque_W, 0.0},
-                                    .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
-                                    .motion = motion,
-                                    .outside = outside,
-                                    .controlled = world.mappings[hand].held,
-                                    .fault = fault});
+  const double tissue_share = share * world.mappings[hand].force_scale;
+  const double torque_share = world.mappings[hand].torque ? tissue_share : 0.0;
+  const GateOutput out =
+      pass_gate(world.limits, gate,
+                {.tissue = {tissue_share * result.force_W, torque_share * result.torque_W, 0.0},
+                 .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
+                 .motion = motion,
+                 .organ = organ,
+                 .outside = outside,
+                 .controlled = world.mappings[hand].held,
+                 .fault = fault});
   command = out.command;
 
   row = TickRow{};
@@ -130,7 +141,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   row.time = static_cast<double>(tick_number) / world.rate_Hz;
   row.hand = static_cast<std::uint32_t>(hand);
   describe_contact(state.inputs[hand], result, row);
-  row.noise_force = gate.fault == Fault::kNone ? share * noise : 0.0;
+  row.noise_force = gate.fault == Fault::kNone ? out.noise_share * share * noise : 0.0;
   row.force = plain(command.force);
   row.torque = plain(command.torque);
   row.gripper_force = command.gripper_force;
@@ -192,10 +203,16 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
   for (std::size_t hand = 0; hand < hands; ++hand) {
     state.motions[hand] = take_sample(world, state, hand, samples[hand]);
   }
+  const Pose before_W = state.organ_W;
   state.organ_W = world.organ_motion.pose_at(world.organ_W, tick_number, world.rate_Hz);
   contact::advance(world.contact, state.organ_W, state.inputs, state.contact, state.results);
   for (std::size_t hand = 0; hand < hands; ++hand) {
-    finish_hand(world, state, tick_number, hand, samples[hand], state.motions[hand], commands[hand],
+    DeviceMotion organ;
+    if (world.organ_motion.moves()) {
+      organ = organ_at_handle(before_W, state.organ_W, state.inputs[hand].pose_W.position,
+                              world.mappings[hand].scale);
+    }
+    finish_hand(world, state, tick_number, hand, samples[hand], state.motions[hand], organ, commands[hand],
                 rows[hand]);
   }
 }

@@ -10,14 +10,15 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr int kDepths = 1500;  // a hundredth of a millimetre apart
+constexpr int kDepths = 1500;
 
+/// The largest tangent [N/m] between the surface and the depth that is within reach.
 double largest_tangent(const model::SpringLaw& law, double max_force) {
-  double largest = 0.0;
+  const double deepest =
+      std::min({kDepthWithinReach, law.max_depth(), law.deformation_under(max_force).depth});
+  double largest = law.force_at(0.0).stiffness;
   for (int i = 1; i <= kDepths; ++i) {
-    const model::ContactResponse response = law.force_at(kDepthWithinReach * i / kDepths);
-    if (response.force > max_force || response.saturated) break;
-    largest = std::max(largest, response.stiffness);
+    largest = std::max(largest, law.force_at(deepest * i / kDepths).stiffness);
   }
   return largest;
 }
@@ -33,9 +34,10 @@ StabilityCheck check_stability(const model::TissueParameters& tissue, model::Dir
                                double period, double max_force, double scale, const DeviceMechanics& device) {
   const model::SpringLaw law(tissue, direction, period);
   StabilityCheck check;
-  check.stiffness = scale * largest_tangent(law, max_force);
-  // The damping is b along the normal and c_t across it, and each axis is a virtual wall of its own
-  // [Colgate, Schenkel 1997]: the larger of the two covers both.
+  const double along_surface = tissue.contact.friction > 0.0 ? tissue.tangential_stiffness() : 0.0;
+  check.stiffness = scale * std::max(largest_tangent(law, max_force), along_surface);
+  // Spring and damper along the normal, and k_t and c_t along the surface: each axis is a virtual wall of its
+  // own [Colgate, Schenkel 1997], and the larger of the two covers both.
   check.virtual_damping = scale * std::max(tissue.contact.damping, tissue.contact.tangential_damping);
   check.damping_needed = check.stiffness * period / 2.0 + std::abs(check.virtual_damping);
   check.stiffness_allowed = device.resolution > 0.0 ? 2.0 * device.friction / device.resolution
@@ -43,6 +45,16 @@ StabilityCheck check_stability(const model::TissueParameters& tissue, model::Dir
   check.damping_short = device.damping < check.damping_needed;
   check.friction_short = check.stiffness > check.stiffness_allowed;
   return check;
+}
+
+double depth_of_tangent(const model::TissueParameters& tissue, model::Direction direction, double period,
+                        double stiffness) {
+  const model::SpringLaw law(tissue, direction, period);
+  for (int i = 0; i <= kDepths; ++i) {
+    const double depth = kDepthWithinReach * i / kDepths;
+    if (law.force_at(depth).stiffness > stiffness) return depth;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 std::vector<std::string> stability_warnings(const StabilityCheck& check, const DeviceMechanics& device) {

@@ -15,7 +15,8 @@ struct DeviceMechanics {
 
 /// A tissue on a device: what the device would need to hold it still.
 struct StabilityCheck {
-  double stiffness = 0.0;        // K [N/m] at the device: the largest tangent within reach, times the scale
+  double stiffness = 0.0;        // K [N/m] at the device: the larger of k_t and the largest tangent within
+                                 // reach, times the scale
   double virtual_damping = 0.0;  // B [N s/m] at the device
   double damping_needed = 0.0;   // K T / 2 + |B| [N s/m]  [Colgate, Schenkel 1997]
   double stiffness_allowed =
@@ -36,6 +37,11 @@ inline constexpr double kDepthWithinReach = 15e-3;
 [[nodiscard]] StabilityCheck check_stability(const model::TissueParameters& tissue,
                                              model::Direction direction, double period, double max_force,
                                              double scale, const DeviceMechanics& device);
+
+/// [setup] Depth [m] from which on a tissue's tangent is more than `stiffness` [N/m]; infinite: nowhere
+/// within reach.
+[[nodiscard]] double depth_of_tangent(const model::TissueParameters& tissue, model::Direction direction,
+                                      double period, double stiffness);
 
 /// [setup] The same in words, one sentence a finding; empty: the check does not warn.
 [[nodiscard]] std::vector<std::string> stability_warnings(const StabilityCheck& check,

@@ -97,7 +97,7 @@ inline constexpr auto kTickFields = [] {
     {{"fault"}, kU32, offsetof(TickRow, fault), "fault", nullptr,
      "`0`, `not-finite`, `device`, `stale-sample`, `stalled-loop` or `force-off`"},
     {{"energy_J"}, kF64, offsetof(TickRow, energy), "energy_J", "energy",
-     "what the hand has put into the tissue's force so far and not got back"},
+     "what the hand and the organ's own motion have put into the tissue's force so far and not got back"},
     {{"engagement"}, kF64, offsetof(TickRow, engagement), "engagement", "engagement",
      "share of force and noise that is let through, 0 to 1"},
     {{"device_x_m", "device_y_m", "device_z_m"}, kF64, offsetof(TickRow, device), nullptr, nullptr,

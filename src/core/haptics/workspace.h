@@ -13,6 +13,7 @@ struct WorkspaceMapping {
   std::uint32_t clutch = 0;  // buttons of which any one holds the tool's position still; 0: no clutch
   bool held = false;         // a hand, or an emulated one, holds the device and moves by its force
   bool torque = true;        // the device can give torque; else none is asked of it
+  double force_scale = 1.0;  // of the tissue's force and torque on the hand
 
   /// [rt] Pose of the handle in the world. @param index what the clutch has shifted, in scaled device lengths
   [[nodiscard]] Pose apply(const Vec3& position_D, const Quat& orientation_D,

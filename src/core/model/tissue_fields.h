@@ -17,8 +17,8 @@ namespace palpate::model {
 /// How a length of the first layer's spring compares with its rest length.
 enum class LengthOrder { kNone, kAboveRest, kBelowRest };
 
-/// The values that a number may have; all are finite. The ends are 0, 1 or infinite, so that they are equal
-/// in SI and in the unit of a tissue file.
+/// The values that a number may have; all are finite. The ends are equal in SI and in the unit of a tissue
+/// file.
 struct FieldRange {
   double low = 0.0;
   bool low_allowed = false;
@@ -39,6 +39,9 @@ inline constexpr FieldRange kNotNegative{.low_allowed = true};
 inline constexpr FieldRange kAboveOne{.low = 1.0};
 inline constexpr FieldRange kBelowOne{.high = 1.0};
 inline constexpr FieldRange kAtMostOne{.high = 1.0, .high_allowed = true};
+/// Far above any lubricated organ; beyond them no device that Palpate knows holds a hand still.
+inline constexpr FieldRange kFrictionRange{.low_allowed = true, .high = 10.0, .high_allowed = true};
+inline constexpr FieldRange kTangentialRange{.high = 1e5, .high_allowed = true};
 inline constexpr FieldRange kAboveRest{.order = LengthOrder::kAboveRest};
 inline constexpr FieldRange kBelowRest{.low_allowed = true, .order = LengthOrder::kBelowRest};
 
@@ -166,9 +169,9 @@ inline constexpr auto kTissueFields = [] {
      "Depth exponent p", "how R_1 grows with the depth; 1/2 as the square root", {0.002, 0.01, 1, 3},
      kAtMostOne, nullptr, true},
     {"contact", "friction", "friction", kNoUnit, kAtContact<&C::friction>,
-     "Friction", "Coulomb's coefficient", {0.005, 0, 2, 3}, kNotNegative},
+     "Friction", "Coulomb's coefficient", {0.005, 0, 2, 3}, kFrictionRange},
     {"contact", "tangential_N_per_m", "tangential_stiffness", kNewtonPerMetre, kAtContact<&C::tangential_stiffness>,
-     "Tangential stiffness", "k_t, of the friction spring", {1, 1, 20000, 0}, kPositive, nullptr, false,
+     "Tangential stiffness", "k_t, of the friction spring", {1, 1, 20000, 0}, kTangentialRange, nullptr, false,
      [](const T& tissue) noexcept { return tissue.tangential_stiffness(); }, "10 k\u2081"},
     {"contact", "tangential_damping_N_s_per_m", "tangential_damping", kNewtonSecondPerMetre,
      kAtContact<&C::tangential_damping>,

@@ -1,5 +1,7 @@
 #include "io/record/scene_json.h"
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
@@ -161,6 +163,13 @@ scene::EmulatedHand emulated_from(const Json& json) {
   return hand;
 }
 
+/// A figure of a device that may be unknown.
+Json known_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+double known_from(const Json& json) {
+  return json.is_null() ? haptics::DeviceAbilities::kUnknown : json.get<double>();
+}
+
 Json device_json(const scene::DeviceSetup& device) {
   Json json = {{"kind", device.kind},
                {"path", device.path},
@@ -169,7 +178,12 @@ Json device_json(const scene::DeviceSetup& device) {
                {"damping_N_s_per_m", optional_json(device.dynamics.damping)},
                {"friction_N", optional_json(device.dynamics.friction)},
                {"resolution_m", optional_json(device.dynamics.resolution)},
-               {"clutch_button", device.clutch_button ? Json(*device.clutch_button) : Json(nullptr)}};
+               {"clutch_button", device.clutch_button ? Json(*device.clutch_button) : Json(nullptr)},
+               {"model", device.abilities.model},
+               {"continuous_force_N", known_json(device.abilities.continuous_force)},
+               {"max_stiffness_N_per_m", known_json(device.abilities.max_stiffness)},
+               {"torque", device.abilities.torque},
+               {"force_scale", device.force_scale}};
   if (device.kind == "emulated") json["emulated"] = emulated_json(device.emulated);
   return json;
 }
@@ -185,6 +199,15 @@ scene::DeviceSetup device_from(const Json& json) {
   device.dynamics.resolution = optional_from(json.at("resolution_m"));
   if (!json.at("clutch_button").is_null()) {
     device.clutch_button = whole_number<std::uint32_t>(json, "clutch_button");
+  }
+  // A recording from before devices said what they bear has none of these.
+  device.abilities.model = json.value("model", std::string());
+  device.abilities.continuous_force = known_from(json.value("continuous_force_N", Json(nullptr)));
+  device.abilities.max_stiffness = known_from(json.value("max_stiffness_N_per_m", Json(nullptr)));
+  device.abilities.torque = json.value("torque", true);
+  device.force_scale = json.value("force_scale", 1.0);
+  if (!(device.force_scale > 0.0 && device.force_scale <= 1.0)) {
+    throw InputError("force_scale is " + shortest(device.force_scale) + ", want > 0 and <= 1");
   }
   if (json.contains("emulated")) device.emulated = emulated_from(json.at("emulated"));
   return device;

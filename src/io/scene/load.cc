@@ -101,6 +101,9 @@ void override_numbers(const Request& request, SceneDescription& scene) {
   }
   if (request.seed) scene.seed = *request.seed;
   if (request.no_noise) scene.noise.enabled = false;
+  if (request.fit_device) {
+    for (DeviceDescription& device : scene.devices) device.setup.fit = true;
+  }
 }
 
 /// The scene file, or the default scene, with the flags laid over it.

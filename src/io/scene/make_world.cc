@@ -1,5 +1,6 @@
 #include "io/scene/make_world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -7,13 +8,59 @@
 #include "core/haptics/stability.h"
 #include "io/scene/device_kinds.h"
 #include "palpate/error.h"
+#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {
 
-haptics::GateLimits gate_limits(const SafetySetup& safety, double period) {
-  return {safety.max_force, safety.max_slew * period, safety.max_torque, safety.max_torque_slew * period,
-          period};
+haptics::GateLimits gate_limits(const Setup& setup) {
+  const SafetySetup& safety = setup.safety;
+  const double period = 1.0 / setup.rate_Hz;
+  haptics::GateLimits limits{safety.max_force, safety.max_slew * period, safety.max_torque,
+                             safety.max_torque_slew * period, period};
+  for (const DeviceSetup& device : setup.devices) {
+    limits.continuous_force = std::min(limits.continuous_force, device.abilities.continuous_force);
+  }
+  return limits;
+}
+
+haptics::StabilityCheck stability_of(const Setup& setup, const DeviceSetup& device,
+                                     const model::TissueParameters& tissue,
+                                     const haptics::DeviceMechanics& mechanics) {
+  const auto direction = setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+  return haptics::check_stability(tissue, direction, 1.0 / setup.rate_Hz, setup.safety.max_force,
+                                  device.workspace_scale * device.force_scale, mechanics);
+}
+
+std::string rounded(double value) { return brief(value, 3); }
+
+/// Whether a tissue is stiffer than its device bears, in words; empty: it is not, or nobody knows.
+std::string too_stiff(const Setup& setup, const DeviceSetup& device, const model::TissueParameters& tissue) {
+  const haptics::DeviceAbilities& able = device.abilities;
+  const double stiffness = stability_of(setup, device, tissue, {}).stiffness;
+  if (!(stiffness > able.max_stiffness)) return {};
+  const auto direction = setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+  const double depth =
+      haptics::depth_of_tangent(tissue, direction, 1.0 / setup.rate_Hz,
+                                able.max_stiffness / (device.workspace_scale * device.force_scale));
+  return "tissue '" + tissue.name + "' is stiffer than a " + able.model + " bears, " + rounded(stiffness) +
+         " N/m against " + rounded(able.max_stiffness) + " N/m" +
+         (std::isfinite(depth) ? ", from a depth of " + rounded(depth / kMillimetre) + " mm on" : "") +
+         ": it may tremble there; --fit-device scales the force to what it bears";
+}
+
+std::vector<haptics::WorkspaceMapping> mappings_of(const Setup& setup) {
+  std::vector<haptics::WorkspaceMapping> mappings;
+  for (const DeviceSetup& device : setup.devices) {
+    const DeviceKind* kind = find_device_kind(device.kind);
+    mappings.push_back({.scale = device.workspace_scale,
+                        .base = device.base,
+                        .clutch = device.clutch_button ? 1U << *device.clutch_button : 0U,
+                        .held = kind != nullptr && kind->held,
+                        .torque = (kind == nullptr || kind->torque) && device.abilities.torque,
+                        .force_scale = device.force_scale});
+  }
+  return mappings;
 }
 
 }  // namespace
@@ -30,24 +77,48 @@ haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparati
   const double period = 1.0 / setup.rate_Hz;
   noise::NoiseSettings noise = setup.noise;
   noise.seed = setup.seed;
+  const haptics::GateLimits limits = gate_limits(setup);
+  noise::validate(noise, setup.rate_Hz, limits.most_sigma());
   haptics::SimulationWorld world{
       .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how),
       .noise = noise::TouchNoise(noise, setup.rate_Hz),
-      .limits = gate_limits(setup.safety, period),
-      .mappings = {},
+      .limits = limits,
+      .mappings = mappings_of(setup),
       .organ_W = setup.organ_pose,
       .rate_Hz = setup.rate_Hz,
       .organ_motion = organ_motion_of(setup),
   };
-  for (const DeviceSetup& device : setup.devices) {
-    const DeviceKind* kind = find_device_kind(device.kind);
-    world.mappings.push_back({.scale = device.workspace_scale,
-                              .base = device.base,
-                              .clutch = device.clutch_button ? 1U << *device.clutch_button : 0U,
-                              .held = kind != nullptr && kind->held,
-                              .torque = kind == nullptr || kind->torque});
-  }
   return world;
+}
+
+std::vector<std::string> follow_devices(Setup& setup, haptics::SimulationWorld& world) {
+  std::vector<std::string> remarks;
+  for (DeviceSetup& device : setup.devices) {
+    const haptics::DeviceAbilities& able = device.abilities;
+    const std::string who = "device " + device.kind + ": ";
+    if (able.max_force < setup.safety.max_force) {
+      remarks.push_back(who + "max_force_N = " + rounded(setup.safety.max_force) + " is lowered to " +
+                        rounded(able.max_force) + ", the most that a " + able.model + " gives");
+      setup.safety.max_force = able.max_force;
+    }
+  }
+  for (DeviceSetup& device : setup.devices) {
+    const haptics::DeviceAbilities& able = device.abilities;
+    if (!device.fit) continue;
+    device.force_scale = 1.0;
+    const double stiffness = stability_of(setup, device, setup.tissue, {}).stiffness;
+    device.force_scale = std::min(1.0, able.max_stiffness / stiffness);
+    if (device.force_scale < 1.0) {
+      remarks.push_back("device " + device.kind + ": the tissue's force is scaled by " +
+                        rounded(device.force_scale) + " for the hand (--fit-device), so that its " +
+                        rounded(stiffness) + " N/m become the " + rounded(able.max_stiffness) +
+                        " N/m that a " + able.model + " bears");
+    }
+  }
+  world.limits = gate_limits(setup);
+  world.mappings = mappings_of(setup);
+  noise::validate(world.noise.settings(), setup.rate_Hz, world.limits.most_sigma());
+  return remarks;
 }
 
 std::vector<std::string> stability_remarks(const Setup& setup) {
@@ -77,22 +148,23 @@ std::unique_ptr<haptics::LiveChanges> live_changes(const Setup& setup,
 }
 
 std::vector<std::string> stability_remarks(const Setup& setup, const model::TissueParameters& tissue) {
-  const auto direction = setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
   std::vector<std::string> remarks;
   for (const DeviceSetup& device : setup.devices) {
     const DeviceKind* kind = find_device_kind(device.kind);
     if (kind == nullptr || !kind->held) continue;
     const std::string who = "device " + device.kind + ": ";
     const DeviceDynamics& known = device.dynamics;
+    const std::string stiff = too_stiff(setup, device, tissue);
+    if (!stiff.empty()) remarks.push_back(who + stiff);
     if (!known.damping || !known.friction || !known.resolution) {
+      if (std::isfinite(device.abilities.max_stiffness)) continue;  // checked above, by the maker's figure
       remarks.push_back(who +
                         "its stability with this tissue was not checked: give damping_N_s_per_m, "
                         "friction_N and resolution_mm under [device]");
       continue;
     }
     const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution};
-    const haptics::StabilityCheck check = haptics::check_stability(
-        tissue, direction, 1.0 / setup.rate_Hz, setup.safety.max_force, device.workspace_scale, mechanics);
+    const haptics::StabilityCheck check = stability_of(setup, device, tissue, mechanics);
     for (const std::string& warning : haptics::stability_warnings(check, mechanics)) {
       remarks.push_back(who + warning);
     }

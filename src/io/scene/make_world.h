@@ -13,6 +13,11 @@ namespace palpate::scene {
 /// @throws InputError, ParameterError.
 [[nodiscard]] haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparation& how = {});
 
+/// [setup] Lets a scene follow what its devices bear (DeviceSetup::abilities, of devices that are open): the
+/// limits of force and torque and, where DeviceSetup::fit is set, the scale of the force; in the setup, which
+/// is what a recording keeps, and in its world. @return what was changed, in words
+[[nodiscard]] std::vector<std::string> follow_devices(Setup& setup, haptics::SimulationWorld& world);
+
 /// [setup] The organ's motion, with rotations about the middle of its bounding box. @throws ParameterError.
 [[nodiscard]] model::OrganMotion organ_motion_of(const Setup& setup);
 

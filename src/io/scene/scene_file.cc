@@ -121,8 +121,8 @@ class SceneReader final {
   DeviceDescription read_device(const TomlTable& table) const {
     DeviceDescription device;
     table.allow_only({"kind", "path", "workspace_scale", "base", "damping_N_s_per_m", "friction_N",
-                      "resolution_mm", "clutch_button", "mass_kg", "grip", "grip_N_per_m", "grip_N_s_per_m",
-                      "fault"});
+                      "resolution_mm", "clutch_button", "fit", "mass_kg", "grip", "grip_N_per_m",
+                      "grip_N_s_per_m", "fault"});
     if (const auto kind = stated(table, "kind")) device.kind = *kind;
     if (device.kind.where.empty()) device.kind.where = table.place("kind") + ": " + table.field("kind");
     device.path = stated(table, "path");
@@ -135,6 +135,7 @@ class SceneReader final {
       setup.dynamics.resolution = *resolution * kMillimetre;
     }
     setup.emulated = read_emulated_hand(table, device.kind.value);
+    setup.fit = table.truth("fit").value_or(false);
     if (const auto button = table.whole_number("clutch_button")) {
       if (*button > kLastButton) {
         table.fail("clutch_button", "must be a button's number from 0 to " + std::to_string(kLastButton));
@@ -180,13 +181,14 @@ class SceneReader final {
   static SafetySetup read_safety(const TomlTable& table) {
     SafetySetup safety;
     table.allow_only({"max_force_N", "max_slew_N_per_ms", "max_torque_N_m", "max_slew_N_m_per_ms"});
-    safety.max_force = table.number("max_force_N", kPositive).value_or(safety.max_force);
-    safety.max_torque = table.number("max_torque_N_m", kPositive).value_or(safety.max_torque);
-    if (const auto slew = table.number("max_slew_N_per_ms", kPositive))
-      safety.max_slew = *slew * kMillisecondsPerSecond;
-    if (const auto slew = table.number("max_slew_N_m_per_ms", kPositive)) {
-      safety.max_torque_slew = *slew * kMillisecondsPerSecond;
-    }
+    const auto read = [&table](const char* key, double unit, double most, double& value) {
+      const auto given = table.number(key, {0.0, most / unit, true});
+      if (given) value = *given * unit;
+    };
+    read("max_force_N", 1.0, SafetySetup::kMostForce, safety.max_force);
+    read("max_slew_N_per_ms", kMillisecondsPerSecond, SafetySetup::kMostSlew, safety.max_slew);
+    read("max_torque_N_m", 1.0, SafetySetup::kMostTorque, safety.max_torque);
+    read("max_slew_N_m_per_ms", kMillisecondsPerSecond, SafetySetup::kMostTorqueSlew, safety.max_torque_slew);
     return safety;
   }
 

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "palpate/error.h"
+#include "run/devices/models.h"
 
 namespace palpate::devices {
 namespace {
@@ -270,6 +271,11 @@ std::string ForceDimensionDevice::trouble() const {
     default:
       return {};
   }
+}
+
+haptics::DeviceAbilities ForceDimensionDevice::abilities() const {
+  const char* name = library_.call().GetSystemName(id_);
+  return abilities_of_model(name == nullptr ? "" : name);
 }
 
 std::string ForceDimensionDevice::description() const {

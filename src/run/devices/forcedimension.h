@@ -48,6 +48,9 @@ class ForceDimensionDevice final : public haptics::Device {
   /// [any]
   [[nodiscard]] std::string trouble() const override;
 
+  /// [setup] By the vendor's name of the device.
+  [[nodiscard]] haptics::DeviceAbilities abilities() const override;
+
   /// [setup] The vendor's name of the device, and the library's version: "omega.7 (libdhd.so.3, 3.17.1.0)".
   [[nodiscard]] std::string description() const;
 

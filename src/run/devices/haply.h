@@ -9,6 +9,7 @@
 #include "palpate/snapshot_cell.h"
 #include "run/devices/haply_link.h"
 #include "run/devices/haply_messages.h"
+#include "run/devices/models.h"
 #include "run/devices/probe.h"
 
 namespace palpate::devices {
@@ -51,6 +52,8 @@ class HaplyDevice final : public haptics::Device {
   [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override;
   /// [any]
   [[nodiscard]] std::string trouble() const override;
+  /// [setup] Those of an Inverse3.
+  [[nodiscard]] haptics::DeviceAbilities abilities() const override { return abilities_of_model("Inverse3"); }
   /// [any] Which devices of the service it is: "Inverse3 04BA with verse grip 77 at ws://localhost:10001".
   [[nodiscard]] std::string description() const;
 

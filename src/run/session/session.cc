@@ -54,13 +54,10 @@ std::uint64_t ticks_in(double duration_s, double rate_Hz, const std::string& nam
 
 Session::Session(scene::Setup setup, SessionOptions options)
     : setup_(std::move(setup)),
-      world_(
-          std::make_unique<const haptics::SimulationWorld>(scene::make_world(setup_, options.preparation))),
       devices_(std::move(options.devices)),
+      world_(prepare(options.preparation)),
       updates_(scene::live_changes(setup_, *world_)),
       control_(updates_.get()) {
-  if (devices_.empty()) open_devices();
-  if (devices_.size() != hands()) throw std::invalid_argument("Session: there must be one device a hand");
   if (options.duration_s) {
     ticks_ = ticks_in(*options.duration_s, setup_.rate_Hz);
   } else {
@@ -74,10 +71,20 @@ Session::~Session() = default;
 
 bool Session::may_pause() const noexcept { return haptics::stall_limit_ns(*world_) == 0; }
 
-void Session::open_devices() {
-  for (std::size_t hand = 0; hand < setup_.devices.size(); ++hand) {
-    devices_.push_back(devices::open_device(setup_, hand));
+/// The organ first, which may take a while; then the devices, and what follows from them.
+std::unique_ptr<const haptics::SimulationWorld> Session::prepare(const contact::Preparation& how) {
+  auto world = std::make_unique<haptics::SimulationWorld>(scene::make_world(setup_, how));
+  if (devices_.empty()) {
+    for (std::size_t hand = 0; hand < setup_.devices.size(); ++hand) {
+      devices_.push_back(devices::open_device(setup_, hand));
+    }
   }
+  if (devices_.size() != hands()) throw std::invalid_argument("Session: there must be one device a hand");
+  for (std::size_t hand = 0; hand < hands(); ++hand) {
+    setup_.devices[hand].abilities = devices_[hand]->abilities();
+  }
+  append(setup_.remarks, scene::follow_devices(setup_, *world));
+  return world;
 }
 
 RunResult Session::run(const RunOptions& options, const std::vector<haptics::TickObserver*>& observers) {

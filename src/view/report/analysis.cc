@@ -201,7 +201,7 @@ std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& ro
 }
 
 std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& rows) {
-  static constexpr std::array<std::pair<std::uint32_t, const char*>, 8> kWords{{
+  static constexpr std::array<std::pair<std::uint32_t, const char*>, 10> kWords{{
       {contact::kStartedInside, "a part of the tool was inside at the start and gave no force until outside"},
       {contact::kContactsFull, "more than four contacts wanted on one part"},
       {contact::kGripReleased, "the grip let go, past its limit"},
@@ -210,6 +210,9 @@ std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& ro
       {haptics::kForceSlewed, "the force's change was limited by max_slew_N_per_ms"},
       {haptics::kTorqueClamped, "the torque was clamped at max_torque_N_m"},
       {haptics::kTorqueSlewed, "the torque's change was limited by max_slew_N_m_per_ms"},
+      {haptics::kDutyHigh, "the RMS force over 10 s was more than the device gives without end"},
+      {haptics::kDutyLimited,
+       "the force was lowered: its RMS over 60 s reached what the device gives without end"},
   }};
   std::vector<std::string> words;
   for (const auto& [bit, text] : kWords) {

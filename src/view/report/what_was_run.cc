@@ -85,6 +85,12 @@ Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
     facts.emplace_back("device", fmt::format("{}{}, workspace scale {}", device.kind,
                                              device.path.empty() ? "" : ", path " + device.path,
                                              shortest(device.workspace_scale)));
+    if (device.force_scale < 1.0) {
+      facts.emplace_back("force scale",
+                         fmt::format("{}: the hand felt that much of the tissue's force, as much as a "
+                                     "{} bears (--fit-device)",
+                                     brief(device.force_scale), device.abilities.model));
+    }
   }
   facts.emplace_back("rate", number(setup.rate_Hz, "Hz"));
   facts.emplace_back("length", fmt::format("{} ticks, {} s", grouped(analysis.ticks),

@@ -156,5 +156,81 @@ TEST(Gate, AfterResetTheForceRisesAgainByTheSlewLimit) {
   EXPECT_NEAR(out.command.force.z(), 5.0, 1e-12);
 }
 
+TEST(Gate, ResetsInAStormDoNotSlowTheFallToZero) {
+  const GateLimits limits;
+  GateState state = holding(limits, force_only(Vec3(0, 0, 5)));
+  for (int tick = 0; tick < 10; ++tick) {
+    reset_fault(state);
+    (void)pass(limits, state, force_only(Vec3(0, 0, 5)), Vec3::Zero(), Fault::kDevice);
+  }
+  EXPECT_EQ(state.force, Vec3(Vec3::Zero()));
+}
+
+TEST(Gate, AfterAResetAndAGoodTickAFaultTakesItsWholeFallAgain) {
+  const GateLimits limits;
+  GateState state = holding(limits, force_only(Vec3(0, 0, 5)));
+  for (int tick = 0; tick < 5; ++tick) (void)pass(limits, state, {}, Vec3::Zero(), Fault::kDevice);
+  reset_fault(state);
+  (void)pass(limits, state, force_only(Vec3(0, 0, 5)));
+  EXPECT_EQ(state.force.z(), 5.0);
+  (void)pass(limits, state, {}, Vec3::Zero(), Fault::kDevice);
+  EXPECT_NEAR(state.force.z(), 4.5, 1e-12);
+}
+
+/// Ticks of a constant force through the gate of a device that gives 1 N without end.
+struct Duty {
+  GateLimits limits;
+  GateState state;
+  std::uint32_t status = 0;  // of all ticks
+  double squares = 0.0;
+
+  Duty() { limits.continuous_force = 1.0; }
+  void hold(double force, int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      status |= pass(limits, state, force_only(Vec3(0, force, 0))).status;
+      squares += state.force.squaredNorm();
+    }
+  }
+};
+
+TEST(Duty, AForceThatTheDeviceBearsIsLeftAlone) {
+  Duty duty;
+  duty.hold(0.89, 300'000);
+  EXPECT_EQ(duty.state.force.y(), 0.89);
+  EXPECT_EQ(duty.status, 0U);
+}
+
+TEST(Duty, AShortPushIsLeftAlone) {
+  Duty duty;
+  duty.hold(3.0, 800);
+  EXPECT_EQ(duty.state.force.y(), 3.0);
+  EXPECT_EQ(duty.status, 0U);
+}
+
+TEST(Duty, WarnsWhenTheRmsOverTenSecondsIsAboveAndLowersTheForceWhenThatOverAMinuteIs) {
+  Duty duty;
+  duty.hold(3.0, 1500);
+  EXPECT_EQ(duty.status, kDutyHigh) << "9 N^2 (1 - exp(-t/10 s)) is 1 N^2 after 1.18 s";
+  EXPECT_EQ(duty.state.force.y(), 3.0);
+  duty.hold(3.0, 4300);
+  EXPECT_NE(duty.status & kDutyLimited, 0U) << "9 N^2 (1 - exp(-t/60 s)) is 0.81 N^2 after 5.66 s";
+  duty.squares = 0.0;
+  double before = duty.state.force.y();
+  for (int i = 0; i < 120'000; ++i) {
+    duty.hold(3.0, 1);
+    ASSERT_LT(std::abs(duty.state.force.y() - before), 0.01) << "a ramp, no step";
+    before = duty.state.force.y();
+  }
+  EXPECT_LT(std::sqrt(duty.squares / 120'000), 1.0);
+  EXPECT_GT(duty.state.force.y(), 0.85) << "and what the device bears goes on";
+}
+
+TEST(Duty, OfADeviceWhoseContinuousForceNobodyKnowsNothingIsLowered) {
+  Duty duty;
+  duty.limits.continuous_force = DeviceAbilities::kUnknown;
+  duty.hold(15.0, 200'000);
+  EXPECT_EQ(duty.state.force.y(), 15.0);
+}
+
 }  // namespace
 }  // namespace palpate::haptics

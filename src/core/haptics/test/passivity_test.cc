@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/haptics/gate.h"
+#include "palpate/touch_noise.h"
 
 namespace palpate::haptics {
 namespace {
@@ -27,12 +28,13 @@ TEST(Passivity, TheObserverBooksForceTimesWayAndTorqueTimesTurn) {
 TEST(Passivity, NoiseHasItsOwnAccount) {
   EnergyAccount account;
   book(account, pushing(-1.9), Vec3(0.1, 0.0, 0.0), moved(0.001));
+  book_noise(account, Vec3(0.1, 0.0, 0.0), moved(0.001), kPassivityPeriod);
   EXPECT_DOUBLE_EQ(account.tissue, 0.002) << "the tissue's part of the force was -2 N";
   EXPECT_DOUBLE_EQ(account.noise, 1e-4);
 }
 
 TEST(Passivity, OutsideASurplusIsForgivenAndADeficitIsNot) {
-  EnergyAccount account{0.5, 0.1};
+  EnergyAccount account{0.5, 0.1, 0.0};
   forgive_surplus(account);
   EXPECT_EQ(account.tissue, 0.0);
   account.tissue = -0.5;
@@ -43,7 +45,7 @@ TEST(Passivity, OutsideASurplusIsForgivenAndADeficitIsNot) {
 
 TEST(Passivity, WithinTheLeewayNothingIsDone) {
   ForceCommand tissue = pushing(3.0);
-  EXPECT_FALSE(damp_deficit({-kEnergyLeeway, 0.0}, moved(0.001), kPassivityPeriod, tissue));
+  EXPECT_FALSE(damp_deficit({-kEnergyLeeway, 0.0, 0.0}, moved(0.001), kPassivityPeriod, tissue));
   EXPECT_EQ(tissue.force.x(), 3.0);
 }
 
@@ -51,24 +53,77 @@ TEST(Passivity, ADeficitTakesWhatGivesMoreAndDampsInTheNextTick) {
   const double deficit = 1e-4;  // J
   const double way = 2e-4;      // m in a tick: 0.2 m/s
   ForceCommand tissue = {Vec3(3.0, 1.0, 0.0), Vec3::Zero(), 0.0};
-  EXPECT_TRUE(damp_deficit({-deficit, 0.0}, moved(way), kPassivityPeriod, tissue));
+  EXPECT_TRUE(damp_deficit({-deficit, 0.0, 0.0}, moved(way), kPassivityPeriod, tissue));
   EXPECT_NEAR(tissue.force.x(), -deficit / way, 1e-12) << "over the same way again it takes the deficit";
   EXPECT_DOUBLE_EQ(tissue.force.y(), 1.0) << "across the way no work is done";
 }
 
 TEST(Passivity, DampingIsBounded) {
   ForceCommand tissue;
-  EXPECT_TRUE(damp_deficit({-1.0, 0.0}, moved(1e-5), kPassivityPeriod, tissue));
+  EXPECT_TRUE(damp_deficit({-1.0, 0.0, 0.0}, moved(1e-5), kPassivityPeriod, tissue));
   EXPECT_NEAR(tissue.force.x(), -kMostDamping * 1e-5 / kPassivityPeriod, 1e-12);
   ForceCommand turned;
-  EXPECT_TRUE(damp_deficit({-1.0, 0.0}, {Vec3::Zero(), Vec3(0, 1e-5, 0)}, kPassivityPeriod, turned));
+  EXPECT_TRUE(damp_deficit({-1.0, 0.0, 0.0}, {Vec3::Zero(), Vec3(0, 1e-5, 0)}, kPassivityPeriod, turned));
   EXPECT_NEAR(turned.torque.y(), -kMostAngularDamping * 1e-5 / kPassivityPeriod, 1e-15);
 }
 
 TEST(Passivity, ADeviceThatStandsStillIsLeftAlone) {
   ForceCommand tissue = pushing(3.0);
-  (void)damp_deficit({-1.0, 0.0}, {}, kPassivityPeriod, tissue);
+  (void)damp_deficit({-1.0, 0.0, 0.0}, {}, kPassivityPeriod, tissue);
   EXPECT_EQ(tissue.force.x(), 3.0);
+}
+
+TEST(Passivity, WhatAMovingOrganDoesOnAHandThatGoesAlongIsItsOwnAffair) {
+  GateState state;
+  (void)pass_gate({}, state, {.tissue = pushing(2.0)});
+  for (int i = 0; i < 100; ++i) {
+    const GateOutput out = pass_gate(
+        {}, state, {.tissue = pushing(2.0), .motion = moved(1e-4), .organ = moved(1e-4), .controlled = true});
+    EXPECT_EQ(out.status & kEnergyDamped, 0U);
+    EXPECT_EQ(out.command.force.x(), 2.0);
+  }
+  EXPECT_NEAR(state.energy.tissue, 0.0, 1e-15);
+  (void)pass_gate({}, state,
+                  {.tissue = pushing(2.0), .motion = {}, .organ = moved(1e-4), .controlled = true});
+  EXPECT_NEAR(state.energy.tissue, 2e-4, 1e-15) << "pushed against a hand that stays, the tissue stores it";
+}
+
+/// Pushes a free mass with noise through the gate. @return J that it got, at most
+double given_by_noise(double sigma, double mass, int ticks, bool controlled) {
+  noise::NoiseSettings settings;
+  settings.gain = sigma * settings.threshold;
+  const noise::TouchNoise source(settings, 1.0 / kPassivityPeriod);
+  noise::TouchNoise::State level;
+  GateState state;
+  double speed = 0.0;
+  double way = 0.0;
+  double given = 0.0;
+  double most = 0.0;
+  for (int i = 0; i < ticks; ++i) {
+    const double force = source.force(level, true, 0, static_cast<std::uint64_t>(i), 0.0);
+    const GateOutput out = pass_gate(
+        {}, state, {.noise = Vec3(force, 0.0, 0.0), .motion = moved(way), .controlled = controlled});
+    const double push = out.command.force.x();
+    way = speed * kPassivityPeriod + 0.5 * push / mass * kPassivityPeriod * kPassivityPeriod;
+    speed += push / mass * kPassivityPeriod;
+    given += push * way;
+    most = std::max(most, given);
+  }
+  return most;
+}
+
+TEST(Passivity, NoiseGivesNoMoreThanItsPowerAndTwiceItsLeeway) {
+  constexpr int kTicks = 60'000;
+  const double allowed = kNoisePower * kTicks * kPassivityPeriod + 2.0 * kNoiseLeeway;
+  for (const double mass : {0.01, 0.02, 0.05}) {
+    EXPECT_LE(given_by_noise(noise::kMostSigma, mass, kTicks, true), allowed + 1e-4) << mass;
+  }
+  EXPECT_GT(given_by_noise(noise::kMostSigma, 0.01, kTicks, false), 2.0 * allowed) << "the measure can fail";
+}
+
+TEST(Passivity, NoiseOfTheDefaultStrengthIsNeverTouched) {
+  const double sigma = noise::NoiseSettings{}.gain / noise::NoiseSettings{}.threshold;
+  EXPECT_EQ(given_by_noise(sigma, 0.05, 60'000, true), given_by_noise(sigma, 0.05, 60'000, false));
 }
 
 /// A mass thrown against a spring that is felt a tick late, through the gate.

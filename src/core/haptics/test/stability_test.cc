@@ -14,7 +14,8 @@ namespace {
 using model::Direction;
 using ::testing::HasSubstr;
 
-/// Two layers by hand: 100 N/m to 10 mm, then 4 e^(1/beta) = 8 times that with beta = 1 / ln 2.
+/// Two layers by hand: 100 N/m to 10 mm, then 4 e^(1/beta) = 8 times that with beta = 1 / ln 2. Along the
+/// surface it is soft.
 model::TissueParameters two_slopes() {
   model::TissueParameters tissue = model::tissue_preset("gallbladder");
   tissue.k1 = 100.0;
@@ -23,6 +24,7 @@ model::TissueParameters two_slopes() {
   tissue.rest_length = 0.020;
   tissue.min_length = 0.010;
   tissue.contact.damping = 0.5;
+  tissue.contact.tangential_stiffness = 50.0;
   return tissue;
 }
 
@@ -81,6 +83,38 @@ TEST(Stability, TheSmoothLawsOwnTangentCountsAndRelaxationTakesNothingOffIt) {
 
 TEST(Stability, ForceThatTheGateHoldsBackIsNotWithinReach) {
   EXPECT_NEAR(check_stability(two_slopes(), Direction::kPress, 1e-3, 0.9, 1.0, {}).stiffness, 100.0, 1e-9);
+}
+
+TEST(Stability, ATissueThatReachesTheGatesLimitWithinAHundredthOfAMillimetreIsJudgedAsWell) {
+  for (const double k1 : {1e6, 2.1e6, 1e9}) {
+    model::TissueParameters tissue = two_slopes();
+    tissue.k1 = k1;
+    const StabilityCheck check =
+        check_stability(tissue, Direction::kPress, 1e-3, 20.0, 1.0, {10.0, 0.2, 1e-5});
+    EXPECT_NEAR(check.stiffness / k1, 1.0, 1e-12);
+    EXPECT_TRUE(check.warns()) << k1;
+  }
+}
+
+TEST(Stability, TheFrictionSpringCountsWhereItIsTheStifferAndThereIsFriction) {
+  const auto stiffness_of = [](double tangential, double friction) {
+    model::TissueParameters tissue = two_slopes();
+    tissue.contact.tangential_stiffness = tangential;
+    tissue.contact.friction = friction;
+    return check_stability(tissue, Direction::kPress, 1e-3, 20.0, 2.0, {}).stiffness;
+  };
+  EXPECT_NEAR(stiffness_of(799.0, 0.2), 1600.0, 1e-9);
+  EXPECT_NEAR(stiffness_of(5000.0, 0.2), 10'000.0, 1e-9);
+  EXPECT_NEAR(stiffness_of(5000.0, 0.0), 1600.0, 1e-9) << "without friction nothing pulls on it";
+}
+
+TEST(Stability, TheDepthFromWhichATissueIsStifferThanAsked) {
+  const auto depth = [](double stiffness) {
+    return depth_of_tangent(two_slopes(), Direction::kPress, 1e-3, stiffness);
+  };
+  EXPECT_EQ(depth(99.0), 0.0);
+  EXPECT_NEAR(depth(101.0), 10e-3, 0.02e-3) << "the second layer";
+  EXPECT_EQ(depth(801.0), std::numeric_limits<double>::infinity());
 }
 
 TEST(Stability, CoarseSensorsWithoutFrictionWarn) {

@@ -252,7 +252,16 @@ TEST(TouchNoise, RefusesBadSettings) {
   settings = good;
   settings.gain = 1e300;
   settings.threshold = 1e-300;
-  expect_refused(settings, 1000.0, "threshold_mm");
+  expect_refused(settings, 1000.0, "gain_N_m");
+}
+
+TEST(TouchNoise, SigmaInContactHasACeiling) {
+  NoiseSettings settings;
+  settings.gain = kMostSigma * settings.threshold;
+  EXPECT_NO_THROW(validate(settings, 1000.0));
+  EXPECT_THROW(validate(settings, 1000.0, 0.4), ParameterError) << "a device's own ceiling may be lower";
+  settings.gain *= 1.001;
+  expect_refused(settings, 1000.0, "gain_N_m");
 }
 
 TEST(GainFromThreshold, PutsSigmaInContactAtTheShareOfTheThreshold) {

@@ -212,10 +212,12 @@ TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {
            {"[noise]\nshare_of_threshold = 0.6",
             ":6: noise.share_of_threshold = 0.6: needs user_threshold_N"},
            {"[noise]\ngain_N_m = 1e-5\nuser_threshold_N = 0.02", ":6: noise.gain_N_m = 1e-05: stands beside"},
-           {"[safety]\nmax_force_N = 0", ":6: safety.max_force_N = 0: must be a finite number > 0"},
+           {"[safety]\nmax_force_N = 0", ":6: safety.max_force_N = 0: must be a number > 0 and <= 50"},
+           {"[safety]\nmax_force_N = 1214", ":6: safety.max_force_N = 1214: must be a number > 0 and <= 50"},
            {"[safety]\nmax_slew_N_per_ms = -1",
-            ":6: safety.max_slew_N_per_ms = -1: must be a finite number > 0"},
-           {"[safety]\nmax_torque_N_m = inf", ":6: safety.max_torque_N_m = inf: must be a finite number > 0"},
+            ":6: safety.max_slew_N_per_ms = -1: must be a number > 0 and <= 50"},
+           {"[safety]\nmax_torque_N_m = inf",
+            ":6: safety.max_torque_N_m = inf: must be a number > 0 and <= 5"},
            {"[safety]\nmax_slew_N_m_per_ms = nan", ":6: safety.max_slew_N_m_per_ms = nan: must be"}}) {
     EXPECT_THAT(scene_error_in(kShort + line + "\n"), HasSubstr(want)) << line;
   }

@@ -162,6 +162,7 @@ TEST(LiveChanges, BadValuesAreRefusedInWordsAndChangeNothing) {
   bad = gallbladder();
   bad.beta = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(refusal_of(changes, bad), HasSubstr("beta"));
+  EXPECT_THROW(changes.offer(LiveNoise{true, 1.0, 5e-3}), ParameterError) << "200 N of sigma in contact";
   bad = gallbladder();
   bad.relaxation = {{0.5, 1.0}, {0.5, 2.0}};
   EXPECT_THAT(refusal_of(changes, bad), HasSubstr("relaxation"));

@@ -52,6 +52,28 @@ class Presser final : public haptics::Device {
   std::uint64_t fault_at_;
 };
 
+/// A Presser that says what it bears.
+class WeakArm final : public haptics::Device {
+ public:
+  explicit WeakArm(const haptics::DeviceAbilities& abilities) : abilities_(abilities) {}
+  DeviceState read(std::uint64_t tick, double time) noexcept override { return presser_.read(tick, time); }
+  bool write(const haptics::ForceCommand& command) noexcept override {
+    most = std::max(most, command.force.norm());
+    return true;
+  }
+  void stop() noexcept override {}
+  [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override {
+    return presser_.last_tick(rate_Hz);
+  }
+  [[nodiscard]] haptics::DeviceAbilities abilities() const override { return abilities_; }
+
+  double most = 0.0;  // N
+
+ private:
+  Presser presser_;
+  haptics::DeviceAbilities abilities_;
+};
+
 SessionOptions with(std::unique_ptr<haptics::Device> device, std::optional<double> duration_s) {
   SessionOptions options;
   options.devices.push_back(std::move(device));
@@ -77,6 +99,62 @@ TEST(Session, RecordsAPressInOneExpressionAndItReplaysBitForBit) {
   const record::Recording recording = record::read_recording(folder / "press.h5");
   EXPECT_TRUE(recording.facts.complete);
   EXPECT_EQ(recording.rows.size(), result.loop.ticks);
+  EXPECT_EQ(record::replay(recording).first_difference, "");
+}
+
+haptics::DeviceAbilities weak_abilities() {
+  haptics::DeviceAbilities abilities;
+  abilities.model = "Weak Arm";
+  abilities.max_force = 0.05;
+  abilities.max_stiffness = 4.5;
+  abilities.torque = false;
+  return abilities;
+}
+
+TEST(Session, TheLimitsFollowADeviceThatBearsLessThanTheSceneAsksForAndTheUserHearsIt) {
+  const test::TemporaryFolder folder;
+  auto arm = std::make_unique<WeakArm>(weak_abilities());
+  const WeakArm& felt = *arm;
+  scene::Setup setup = block();
+  setup.noise.enabled = false;
+  setup.noise.gain = 0.0;
+  Session session(setup, with(std::move(arm), 0.5));
+  const RunResult result = session.run({.recording = folder / "weak.h5", .offline = true});
+  EXPECT_NEAR(felt.most, 0.05, 1e-12);
+  EXPECT_THAT(result.scene_remarks,
+              testing::Contains(
+                  testing::HasSubstr("max_force_N = 20 is lowered to 0.05, the most that a Weak Arm gives")));
+  const record::Recording recording = record::read_recording(folder / "weak.h5");
+  EXPECT_EQ(recording.setup.safety.max_force, 0.05);
+  EXPECT_EQ(recording.setup.devices[0].abilities.torque, false);
+  EXPECT_EQ(recording.setup.devices[0].abilities.max_stiffness, 4.5);
+  EXPECT_EQ(record::replay(recording).first_difference, "");
+}
+
+TEST(Session, AFittedDeviceFeelsTheTissueNoStifferThanItBears) {
+  const test::TemporaryFolder folder;
+  haptics::DeviceAbilities abilities = weak_abilities();
+  abilities.max_force = 20.0;
+  const auto most_force = [&](bool fit, const std::filesystem::path& file) {
+    auto arm = std::make_unique<WeakArm>(abilities);
+    const WeakArm& felt = *arm;
+    scene::Setup setup = block();
+    setup.noise.enabled = false;
+    setup.devices[0].fit = fit;
+    Session session(setup, with(std::move(arm), 0.5));
+    const RunResult result = session.run({.recording = file, .offline = true});
+    EXPECT_EQ(std::any_of(
+                  result.scene_remarks.begin(), result.scene_remarks.end(),
+                  [](const std::string& remark) { return remark.find("is scaled by") != std::string::npos; }),
+              fit);
+    return felt.most;
+  };
+  const double whole = most_force(false, folder / "whole.h5");
+  const double fitted = most_force(true, folder / "fitted.h5");
+  const record::Recording recording = record::read_recording(folder / "fitted.h5");
+  const double scale = recording.setup.devices[0].force_scale;
+  EXPECT_LT(scale, 0.1) << "the tissue's tangent within reach is far above 4.5 N/m";
+  EXPECT_NEAR(fitted / whole, scale, 1e-9);
   EXPECT_EQ(record::replay(recording).first_difference, "");
 }
 

@@ -1,0 +1,254 @@
+// The energy bound of docs/safety.md under attack: stiff, rough, sticky and breathing tissue under an
+// emulated hand that presses and rubs. Where the stability check does not warn, no case may break the bound.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include "core/haptics/passivity.h"
+#include "io/scene/make_world.h"
+#include "palpate/mesh.h"
+#include "run/devices/emulated.h"
+#include "run/realtime/loop.h"
+
+#include "bench/measure/stability.h"
+
+namespace palpate::bench {
+namespace {
+
+constexpr double kTipRadius = 5e-3;  // m
+constexpr double kRubSeconds = 4.0;
+
+/// One hand, device and tissue.
+struct Attack {
+  model::TissueParameters tissue = model::tissue_preset("gallbladder");
+  haptics::DeviceMechanics device{1.5, 0.05, 1e-5};
+  scene::HandGrip grip = scene::kFirmGrip;
+  double rate_Hz = 1000.0;
+  double scale = 1.0;
+  double depth = 4e-3;     // m, that the hand wants to press
+  double rub = 5e-3;       // m, radius of the circle that it rubs there; 0: it holds still
+  double turns = 1.0;      // a second
+  double breathing = 0.0;  // m
+  double breath = 4.0;     // s
+};
+
+struct Outcome {
+  bool warned = false;  // told before the run: then it is not made
+  bool faulted = false;
+  double given = 0.0;           // J, the most given to the hand beyond what hand and organ had put in
+  double bound = 0.0;           // J, that docs/safety.md promises
+  double largest_change = 0.0;  // N, of the written force from tick to tick while the hand presses
+  std::uint64_t damped = 0;     // ticks at which the passivity controller acted
+};
+
+/// Still for 0.5 s, down in 0.5 s, circles, and up again; in the device's lengths.
+scene::ToolPath way_of(const Attack& attack) {
+  std::vector<scene::PathRow> rows;
+  constexpr double kClearance = 3e-3;
+  for (int i = 0; i <= static_cast<int>((kRubSeconds + 2.0) * 200.0); ++i) {
+    const double time = i / 200.0;
+    const double in =
+        std::clamp((time - 0.5) / 0.5, 0.0, 1.0) - std::clamp((time - kRubSeconds - 1.0) / 0.5, 0.0, 1.0);
+    const double angle = 2.0 * std::numbers::pi * attack.turns * std::max(0.0, time - 1.0);
+    const double radius = attack.rub * std::clamp(time - 1.0, 0.0, 1.0);
+    const double height = kTipRadius + kClearance - in * (kClearance + attack.depth);
+    rows.push_back({time, Vec3(radius * std::cos(angle), radius * std::sin(angle), height) / attack.scale,
+                    Quat::Identity(), 0.0});
+  }
+  return scene::ToolPath(std::move(rows));
+}
+
+scene::Setup setup_of(const Attack& attack) {
+  scene::Setup setup;
+  setup.name = "attack";
+  setup.rate_Hz = attack.rate_Hz;
+  setup.organ_name = "box";
+  setup.organ = geometry::make_box(Vec3(0.08, 0.08, 0.06), 0.02);
+  setup.organ_pose.position = Vec3(0, 0, -0.03);
+  setup.tissue = attack.tissue;
+  setup.tools.push_back(
+      {"ball", {{.name = "ball", .mesh = geometry::make_ball(kTipRadius, 320)}}, kTipRadius});
+  scene::DeviceSetup& device = setup.devices.emplace_back();
+  device.kind = "emulated";
+  device.workspace_scale = attack.scale;
+  device.dynamics = {attack.device.damping, attack.device.friction, attack.device.resolution};
+  device.emulated.grip = attack.grip;
+  setup.noise.enabled = false;
+  if (attack.breathing > 0.0) {
+    model::OrganMotionParameters motion = model::organ_motion_preset(model::OrganMotionKind::kBreathing);
+    motion.amplitude = attack.breathing;
+    motion.period = attack.breath;
+    setup.organ_motion.push_back(motion);
+  }
+  return setup;
+}
+
+/// Integrates by the hand itself, and the organ's part by its own motion.
+class EnergyWatch final : public haptics::TickObserver {
+ public:
+  /// @param unseen K Delta [N]: what the encoder does not see of a way, as a force along it
+  EnergyWatch(const Attack& attack, const haptics::SimulationWorld& world,
+              const devices::EmulatedDevice& device, double unseen)
+      : attack_(attack), world_(world), device_(device), unseen_(unseen) {}
+
+  void on_row(const haptics::TickRow& row) noexcept override {
+    const Pose organ = world_.organ_motion.pose_at(world_.organ_W, row.tick, world_.rate_Hz);
+    const Vec3 step = (organ.position - organ_.position) / attack_.scale;
+    by_organ_ += force_.dot(step);
+    if (force_.norm() > 0.0) way_ += step.norm();
+    organ_ = organ;
+    const double given = device_.hand().work_of_force() - by_organ_;
+    outcome.given = std::max(outcome.given, given);
+    most_in_a_tick_ = std::max(most_in_a_tick_, std::abs(given - given_));
+    given_ = given;
+    const Vec3 force(row.force[0], row.force[1], row.force[2]);
+    if (row.time > 2.0 && row.time < kRubSeconds) {
+      outcome.largest_change = std::max(outcome.largest_change, (force - force_).norm());
+    }
+    force_ = force;
+    if (row.fault != 0) outcome.faulted = true;
+    if ((row.status & haptics::kEnergyDamped) != 0) ++outcome.damped;
+    outcome.bound = haptics::kEnergyLeeway + 2.0 * most_in_a_tick_ + unseen_ * way_;
+  }
+
+  Outcome outcome;
+
+ private:
+  const Attack& attack_;
+  const haptics::SimulationWorld& world_;
+  const devices::EmulatedDevice& device_;
+  double unseen_;
+  double way_ = 0.0;  // m, of the organ while it was felt
+  Pose organ_ = world_.organ_W;
+  Vec3 force_ = Vec3::Zero();
+  double by_organ_ = 0.0;
+  double given_ = 0.0;
+  double most_in_a_tick_ = 0.0;
+};
+
+Outcome outcome_of(const Attack& attack) {
+  const scene::Setup setup = setup_of(attack);
+  if (!scene::stability_remarks(setup).empty()) return {.warned = true};
+  const haptics::SimulationWorld world = scene::make_world(setup);
+  devices::EmulatedDevice device(way_of(attack), setup.devices.front(), attack.rate_Hz);
+  haptics::SimulationState state(world);
+  const haptics::StabilityCheck check =
+      haptics::check_stability(attack.tissue, model::Direction::kPress, 1.0 / attack.rate_Hz,
+                               setup.safety.max_force, attack.scale, attack.device);
+  EnergyWatch watch(attack, world, device, check.stiffness * attack.device.resolution);
+  haptics::LoopOptions options;
+  options.ticks = device.last_tick(attack.rate_Hz);
+  options.offline = true;
+  std::array<haptics::Device*, 1> hands = {&device};
+  static_cast<void>(haptics::run_loop(world, state, hands, {&watch}, options));
+  return watch.outcome;
+}
+
+std::string in_words(const Attack& a) {
+  return fmt::format(
+      "k1 {:g} N/m, k_t {:g} N/m, friction {:g}, b {:g}, c_t {:g} N s/m; {:g} Hz, scale {:g}; device {:g} N "
+      "s/m, "
+      "{:g} N, {:g} um; grip {:g} N/m; {:g} mm deep, rubbing {:g} mm at {:g} Hz, breathing {:g} mm in {:g} s",
+      a.tissue.k1, a.tissue.tangential_stiffness(), a.tissue.contact.friction, a.tissue.contact.damping,
+      a.tissue.contact.tangential_damping, a.rate_Hz, a.scale, a.device.damping, a.device.friction,
+      a.device.resolution * 1e6, a.grip.stiffness, a.depth * 1e3, a.rub * 1e3, a.turns, a.breathing * 1e3,
+      a.breath);
+}
+
+void expect_within_bound(const Attack& attack, const Outcome& outcome) {
+  EXPECT_FALSE(outcome.faulted) << in_words(attack);
+  EXPECT_LE(outcome.given, outcome.bound) << in_words(attack);
+}
+
+Attack random_attack(std::mt19937& random) {
+  const auto between = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const auto spread = [&](double low, double high) {
+    return std::exp(between(std::log(low), std::log(high)));
+  };
+  const auto in = [&](double share) { return between(0.0, 1.0) < share; };
+  Attack attack;
+  attack.tissue.k1 = spread(5.0, 3e3);
+  attack.tissue.contact.friction = in(0.3) ? spread(0.01, 10.0) : between(0.0, 0.6);
+  if (in(0.7)) attack.tissue.contact.tangential_stiffness = spread(10.0, 1e4);
+  attack.tissue.contact.damping = between(0.0, 1.0);
+  attack.tissue.contact.tangential_damping = in(0.5) ? 0.0 : between(0.0, 1.0);
+  attack.device = {spread(0.3, 8.0), between(0.0, 0.2), spread(1e-6, 3e-5)};
+  attack.grip = in(0.5) ? scene::kLightGrip : scene::kFirmGrip;
+  attack.rate_Hz = in(0.7) ? 1000.0 : 4000.0;
+  attack.scale = in(0.5) ? 1.0 : between(0.5, 3.0);
+  attack.depth = between(1e-3, 8e-3);
+  attack.rub = in(0.3) ? 0.0 : between(0.0, 10e-3);
+  attack.turns = between(0.2, 4.0);
+  attack.breathing = in(0.5) ? 0.0 : between(1e-3, 15e-3);
+  attack.breath = between(1.0, 6.0);
+  return attack;
+}
+
+// PALPATE_SAMPLES=1000 tries as many.
+TEST(Energy, NoRandomCaseBreaksTheBoundUnwarned) {
+  const char* const wanted = std::getenv("PALPATE_SAMPLES");
+  const int cases = wanted != nullptr ? std::atoi(wanted) : 60;
+  std::mt19937 random(7);
+  int unwarned = 0;
+  for (int i = 0; i < cases; ++i) {
+    const Attack attack = random_attack(random);
+    const Outcome outcome = outcome_of(attack);
+    if (outcome.warned) continue;
+    ++unwarned;
+    expect_within_bound(attack, outcome);
+  }
+  EXPECT_GT(unwarned, cases / 5);
+  RecordProperty("unwarned", unwarned);
+}
+
+TEST(Energy, NoStiffRoughOrBreathingCaseBreaksTheBoundUnwarned) {
+  int cases = 0;
+  for (const double k1 : {18.0, 400.0, 2e4, 2.1e6, 1e9}) {
+    for (const double friction : {0.0, 0.2, 1.0, 10.0}) {
+      for (const double tangential : {100.0, 1e3, 1e5}) {
+        for (const double breathing : {0.0, 10e-3}) {
+          Attack attack;
+          attack.tissue.k1 = k1;
+          attack.tissue.contact.friction = friction;
+          attack.tissue.contact.tangential_stiffness = tangential;
+          attack.breathing = breathing;
+          const Outcome outcome = outcome_of(attack);
+          expect_within_bound(attack, outcome);
+          if (k1 >= 2e4 || (tangential > 1e4 && friction > 0.0)) {
+            EXPECT_TRUE(outcome.warned) << in_words(attack);
+          }
+          ++cases;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(cases, 120);
+}
+
+TEST(Energy, ABreathingOrganIsFeltWithoutTheControllerAndWithoutBuzz) {
+  for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) {
+    for (const double rub : {0.0, 5e-3}) {
+      Attack attack;
+      attack.tissue = model::tissue_preset(name);
+      attack.breathing = 10e-3;
+      attack.rub = rub;
+      const Outcome outcome = outcome_of(attack);
+      EXPECT_FALSE(outcome.warned) << name;
+      EXPECT_EQ(outcome.damped, 0U) << name;
+      EXPECT_LT(outcome.largest_change, 0.02) << name << ": N a tick";
+      expect_within_bound(attack, outcome);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate::bench

@@ -1,0 +1,13 @@
+#pragma once
+#include <string_view>
+
+#include "palpate/device.h"
+
+namespace palpate::devices {
+
+/// [setup] What the devices of a model bear, by the name that the device or its library gives, "omega.7" or
+/// "Touch X": that of the first line of the table (docs/devices.md) whose name it begins with, whatever the
+/// case. Of an unknown model only `model` is set.
+[[nodiscard]] haptics::DeviceAbilities abilities_of_model(std::string_view name);
+
+}  // namespace palpate::devices
