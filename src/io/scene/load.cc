@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kFlagJawOpening = 15.0 * portable::kPi / 180.0;  // rad
 
-Stated flag(const std::string& name, const std::string& value) { return {value, name, {}}; }
+Stated flag(const std::string& name, const std::string& value) { return {value, name, {}, true}; }
 
 Task task_of(const Request& request, Task otherwise) {
   return request.task ? parse_task(flag("--task", *request.task)) : otherwise;
@@ -186,6 +186,17 @@ void check_tool_path(const Stated& path, const std::filesystem::path& file, Task
   }
 }
 
+/// Opening a library runs its code, so that only the person who starts the program may name one: no scene,
+/// wherever it comes from, and nothing that a file of the current folder could stand in for.
+void check_library(const Stated& path) {
+  if (!path.by_flag) {
+    path.fail(
+        "must be left out: a scene may not name a library; link it into ~/.config/palpate, or give its "
+        "absolute path on the command line (docs/devices.md)");
+  }
+  if (!path.file().is_absolute()) path.fail("must be an absolute path, such as /opt/vendor/lib/libdhd.so.3");
+}
+
 /// Checks what a device would read at its opening. @return its path, resolved; empty: none given.
 std::string check_device_path(const DeviceDescription& device, const DeviceKind& kind, Task task) {
   if (!device.path) {
@@ -194,6 +205,7 @@ std::string check_device_path(const DeviceDescription& device, const DeviceKind&
   }
   if (kind.path == DevicePath::kNone)
     device.path->fail("must be left out: a " + std::string(kind.name) + " has none");
+  if (kind.path == DevicePath::kLibrary) check_library(*device.path);
   if (kind.path == DevicePath::kAddress) return device.path->value;  // checked by the device itself
   const std::filesystem::path file = device.path->file();
   std::error_code status;

@@ -230,6 +230,27 @@ TEST(Load, RefusesDevicesItCannotOpen) {
   EXPECT_THAT(with("scripted:/"), HasSubstr("is a folder"));
 }
 
+TEST(Load, ALibraryIsNamedByItsAbsolutePathOnTheCommandLineAndNeverByAScene) {
+  const TemporaryFolder folder;
+  const std::string library = folder.write("libevil.so", "code").string();
+  for (const std::string& named : {std::string("libevil.so"), library}) {
+    const std::string device = "[device]\nkind=\"forcedimension\"\npath=\"" + named + "\"\n";
+    const std::filesystem::path file = folder.write("s.toml", kShortLoaded + device);
+    EXPECT_EQ(error_in(scene(file)),
+              file.string() + ":7: device.path = \"" + named +
+                  "\": must be left out: a scene may not name a library; link it into ~/.config/palpate, or "
+                  "give its absolute path on the command line (docs/devices.md)");
+    Request text;
+    text.scene_text = SceneText{kShortLoaded + device, folder.path()};
+    EXPECT_THAT(error_in(text), HasSubstr("a scene may not name a library"));
+  }
+  Request request;
+  request.device = "forcedimension:" + library;
+  EXPECT_EQ(load(request).devices[0].path, library);
+  request.device = "forcedimension:libevil.so";
+  EXPECT_THAT(error_in(request), HasSubstr("--device = \"libevil.so\": must be an absolute path"));
+}
+
 TEST(Load, RefusesWhatAScenesFilesDoWrong) {
   const TemporaryFolder folder;
   const std::string name = (folder.path() / "s.toml").string();
