@@ -58,11 +58,20 @@ void ServedRuns::say(const std::string& event, Json members) {
   news_.push_back({std::nullopt, event, std::move(members)});
 }
 
+/// The recording with the run's number, or with the next number that no file has: a client must not replace
+/// what somebody recorded.
 fs::path ServedRuns::next_recording() const {
-  if (options_.recording.empty() || runs_ == 0) return options_.recording;
+  if (options_.recording.empty()) return {};
+  const std::string stem = options_.recording.stem().string();
   fs::path file = options_.recording;
-  file.replace_filename(file.stem().string() + "-" + std::to_string(runs_ + 1) + file.extension().string());
-  return file;
+  std::error_code error;
+  for (std::uint64_t number = runs_ + 1;; ++number) {
+    if (number > 1) {
+      file.replace_filename(stem + "-" + std::to_string(number) + options_.recording.extension().string());
+    }
+    const bool is_newest = run_ != nullptr && file == run_->recording();  // may not be written yet
+    if (!is_newest && !fs::exists(fs::symlink_status(file, error))) return file;
+  }
 }
 
 void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
@@ -77,12 +86,14 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   say("run", {{"run", about_run()}});
 }
 
-void ServedRuns::begin_first() {
+void ServedRuns::begin_first() { begin_first(options_.recording); }
+
+void ServedRuns::begin_first(fs::path recording) {
   const model::TissueParameters tissue = tissue_;  // may be changed already, before anything was played
   const haptics::LiveNoise noise = live(noise_);
   const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->setup().tissue);
   const bool other_noise = !(noise == live(first_->setup().noise));
-  begin(std::move(first_), next_recording());
+  begin(std::move(first_), std::move(recording));
   if (other_tissue) {
     (void)run_->session().updates().offer(tissue);
     tissue_ = tissue;
@@ -206,6 +217,7 @@ scene::Request ServedRuns::request_of(const net::Load& wanted) const {
   request.rate_Hz = wanted.rate_Hz;
   request.seed = wanted.seed;
   request.no_noise = wanted.no_noise;
+  request.files_below = options_.scenes;
   return request;
 }
 
@@ -213,6 +225,7 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& a
   require_no_loading();
   next_ = std::make_unique<NextSession>(request_of(wanted), NextSession::Kept{}, next_recording(),
                                         require_windowless);
+  next_is_clients_ = true;
   next_asker_ = asker;
   return std::nullopt;
 }
@@ -221,11 +234,12 @@ ServedRuns::Answer ServedRuns::start(const net::Asker& asker) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run goes on; stop it first, or load a scene");
   if (first_ != nullptr && !first_->devices().empty()) {
-    begin_first();
+    begin_first(next_recording());
     return Json{{"run", about_run()}};
   }
   next_ = std::make_unique<NextSession>(options_.request, NextSession::Kept{tissue_, noise_},
                                         next_recording(), require_windowless);
+  next_is_clients_ = request_is_clients_;
   next_asker_ = asker;
   return std::nullopt;
 }
@@ -327,19 +341,28 @@ void ServedRuns::look_after_next() {
     case NextSession::State::kReady: {
       const std::unique_ptr<NextSession> next = std::move(next_);
       options_.request = next->request();
+      request_is_clients_ = next_is_clients_;
       begin(next->take(), next->recording());
       news_.push_back({std::exchange(next_asker_, std::nullopt), "", {{"run", about_run()}}});
       break;
     }
     case NextSession::State::kFailed:
       news_.push_back(
-          {std::exchange(next_asker_, std::nullopt), "", {}, LiveError("refused", next_->failure())});
+          {std::exchange(next_asker_, std::nullopt), "", {}, LiveError("refused", next_failure())});
       next_.reset();
       break;
     case NextSession::State::kReading:
     case NextSession::State::kPreparing:
       break;
   }
+}
+
+/// Why the next session cannot be played. The files of the command line may be anywhere, and what is wrong
+/// with them is for whoever started the program: a message may quote a line of them.
+std::string ServedRuns::next_failure() const {
+  if (next_is_clients_) return next_->failure();
+  tell_error(next_->failure());
+  return "the scene that the server was started with cannot be played; the server's own messages say why";
 }
 
 void ServedRuns::finish() {

@@ -103,10 +103,44 @@ void override_numbers(const Request& request, SceneDescription& scene) {
   if (request.no_noise) scene.noise.enabled = false;
 }
 
+/// @throws InputError before the file is looked at, so that nothing of it, nor whether it is there, can be
+/// told.
+void require_below(const std::filesystem::path& folder, const Stated& file) {
+  std::error_code error;
+  const std::filesystem::path root = std::filesystem::weakly_canonical(folder, error);
+  const std::filesystem::path inside =
+      error ? root : std::filesystem::weakly_canonical(file.file(), error).lexically_relative(root);
+  if (error || inside.empty() || *inside.begin() == "..")
+    file.fail("must be a file below " + folder.string());
+}
+
+/// Holds every file that the scene names to the request's folder.
+void require_files_below(const std::filesystem::path& folder, const SceneDescription& scene) {
+  std::vector<const Stated*> named;
+  const auto add = [&named](const std::optional<Stated>& name) {
+    if (name && means_file(name->value)) named.push_back(&*name);
+  };
+  add(scene.organ);
+  add(scene.tissue);
+  for (const ToolDescription& tool : scene.tools) {
+    add(tool.mesh);
+    for (const JawDescription& jaw : tool.jaws) named.push_back(&jaw.mesh);
+  }
+  for (const DeviceDescription& device : scene.devices) {
+    const DeviceKind* kind = find_device_kind(device.kind.value);
+    const bool is_file = kind == nullptr || kind->path != DevicePath::kAddress;
+    if (device.path && is_file) named.push_back(&*device.path);
+  }
+  for (const Stated* name : named) require_below(folder, *name);
+}
+
 /// The scene file, or the default scene, with the flags laid over it.
 SceneDescription describe(const Request& request) {
   SceneDescription scene;
   if (request.scene || request.scene_text) {
+    if (request.scene && !request.files_below.empty()) {
+      require_below(request.files_below, Stated{request.scene->string(), "scene", {}});
+    }
     scene = request.scene ? read_scene_file(*request.scene)
                           : read_scene_text(request.scene_text->toml, request.scene_text->folder);
     scene.task = task_of(request, scene.task);
@@ -252,6 +286,7 @@ void set_noise(const SceneDescription& scene, Setup& setup) {
 
 Setup load(const Request& request) {
   const SceneDescription scene = describe(request);
+  if (!request.files_below.empty()) require_files_below(request.files_below, scene);
   Setup setup;
   setup.name = scene.name;
   setup.task = scene.task;
