@@ -57,6 +57,7 @@ std::string read_page(const fs::path& file) {
 /// What the flags say of who may connect. @throws InputError.
 net::LiveOptions server_options(const ServeFlags& flags) {
   net::LiveOptions options = flags.server;
+  options.log = [](const std::string& line) { tell(line); };
   if (flags.port < 0 || flags.port > 65535) {
     throw ParameterError("--port", flags.port, "0 (the system chooses) to 65535");
   }

@@ -58,11 +58,20 @@ void ServedRuns::say(const std::string& event, Json members) {
   news_.push_back({std::nullopt, event, std::move(members)});
 }
 
+/// The recording with the run's number, or with the next number that no file has: a client must not replace
+/// what somebody recorded.
 fs::path ServedRuns::next_recording() const {
-  if (options_.recording.empty() || runs_ == 0) return options_.recording;
+  if (options_.recording.empty()) return {};
+  const std::string stem = options_.recording.stem().string();
   fs::path file = options_.recording;
-  file.replace_filename(file.stem().string() + "-" + std::to_string(runs_ + 1) + file.extension().string());
-  return file;
+  std::error_code error;
+  for (std::uint64_t number = runs_ + 1;; ++number) {
+    if (number > 1) {
+      file.replace_filename(stem + "-" + std::to_string(number) + options_.recording.extension().string());
+    }
+    const bool is_newest = run_ != nullptr && file == run_->recording();  // may not be written yet
+    if (!is_newest && !fs::exists(fs::symlink_status(file, error))) return file;
+  }
 }
 
 void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
@@ -77,12 +86,14 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   say("run", {{"run", about_run()}});
 }
 
-void ServedRuns::begin_first() {
+void ServedRuns::begin_first() { begin_first(options_.recording); }
+
+void ServedRuns::begin_first(fs::path recording) {
   const model::TissueParameters tissue = tissue_;  // may be changed already, before anything was played
   const haptics::LiveNoise noise = live(noise_);
   const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->setup().tissue);
   const bool other_noise = !(noise == live(first_->setup().noise));
-  begin(std::move(first_), next_recording());
+  begin(std::move(first_), std::move(recording));
   if (other_tissue) {
     (void)run_->session().updates().offer(tissue);
     tissue_ = tissue;
@@ -116,7 +127,7 @@ Json ServedRuns::about_run() {
              {"state", run_ == nullptr ? "waiting"
                        : accounted_    ? "ended"
                                        : "running"},
-             {"loading", next_ != nullptr},
+             {"loading", is_loading()},
              {"scene", setup().name},
              {"rate_Hz", setup().rate_Hz}};
   if (run_ == nullptr) return about;
@@ -167,8 +178,23 @@ ServedRuns::Answer ServedRuns::surface(bool at_rest) {
   return Json{{"surface", moved_}};
 }
 
+bool ServedRuns::is_loading() const noexcept {
+  return load_next_.has_value() || (next_ != nullptr && !next_->is_broken_off());
+}
+
 void ServedRuns::require_no_loading() const {
-  if (next_ != nullptr) throw LiveError("state", "a scene is being loaded already; wait for its run event");
+  if (load_next_ || next_ != nullptr)
+    throw LiveError("state", "a scene is being loaded already; wait for its run event");
+}
+
+/// Whoever asked for the scene that is on its way is told that it does not come. Its thread ends soon; nobody
+/// waits for it.
+void ServedRuns::break_off_loading(const std::string& why) {
+  if (is_loading()) {
+    news_.push_back({std::exchange(next_asker_, std::nullopt), "", {}, LiveError("state", why)});
+  }
+  load_next_.reset();
+  if (next_ != nullptr) next_->break_off();
 }
 
 std::string ServedRuns::file_below(const std::string& key, const std::string& name) const {
@@ -206,14 +232,16 @@ scene::Request ServedRuns::request_of(const net::Load& wanted) const {
   request.rate_Hz = wanted.rate_Hz;
   request.seed = wanted.seed;
   request.no_noise = wanted.no_noise;
+  request.files_below = options_.scenes;
   return request;
 }
 
 ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& asker) {
-  require_no_loading();
-  next_ = std::make_unique<NextSession>(request_of(wanted), NextSession::Kept{}, next_recording(),
-                                        require_windowless);
+  scene::Request request = request_of(wanted);
+  break_off_loading("the load was broken off by the next load");
+  load_next_ = std::move(request);
   next_asker_ = asker;
+  look_after_next();
   return std::nullopt;
 }
 
@@ -221,17 +249,21 @@ ServedRuns::Answer ServedRuns::start(const net::Asker& asker) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run goes on; stop it first, or load a scene");
   if (first_ != nullptr && !first_->devices().empty()) {
-    begin_first();
+    begin_first(next_recording());
     return Json{{"run", about_run()}};
   }
   next_ = std::make_unique<NextSession>(options_.request, NextSession::Kept{tissue_, noise_},
                                         next_recording(), require_windowless);
+  next_is_clients_ = request_is_clients_;
   next_asker_ = asker;
   return std::nullopt;
 }
 
 ServedRuns::Answer ServedRuns::stop(const net::Asker& asker) {
-  if (!running()) throw LiveError("state", "stop: nothing is running");
+  const bool loading = is_loading();
+  if (!running() && !loading) throw LiveError("state", "stop: nothing is running");
+  break_off_loading("the load was broken off by stop");
+  if (!running()) return Json{{"run", about_run()}};
   run_->stop();
   stop_askers_.push_back(asker);
   return std::nullopt;
@@ -277,7 +309,7 @@ std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
     tell_faults();
     if (ended) account_for_run();
   }
-  if (next_ != nullptr) look_after_next();
+  look_after_next();
   return std::exchange(news_, {});
 }
 
@@ -318,6 +350,13 @@ void ServedRuns::account_for_run() {
 }
 
 void ServedRuns::look_after_next() {
+  if (next_ != nullptr && next_->is_broken_off() && next_->is_idle()) next_.reset();
+  if (next_ == nullptr && load_next_) {
+    next_ = std::make_unique<NextSession>(*std::exchange(load_next_, std::nullopt), NextSession::Kept{},
+                                          next_recording(), require_windowless);
+    next_is_clients_ = true;
+  }
+  if (next_ == nullptr || next_->is_broken_off()) return;
   switch (next_->state()) {
     case NextSession::State::kRead:
       if (running()) return run_->stop();  // the force goes off first
@@ -327,13 +366,14 @@ void ServedRuns::look_after_next() {
     case NextSession::State::kReady: {
       const std::unique_ptr<NextSession> next = std::move(next_);
       options_.request = next->request();
+      request_is_clients_ = next_is_clients_;
       begin(next->take(), next->recording());
       news_.push_back({std::exchange(next_asker_, std::nullopt), "", {{"run", about_run()}}});
       break;
     }
     case NextSession::State::kFailed:
       news_.push_back(
-          {std::exchange(next_asker_, std::nullopt), "", {}, LiveError("refused", next_->failure())});
+          {std::exchange(next_asker_, std::nullopt), "", {}, LiveError("refused", next_failure())});
       next_.reset();
       break;
     case NextSession::State::kReading:
@@ -342,11 +382,21 @@ void ServedRuns::look_after_next() {
   }
 }
 
+/// Why the next session cannot be played. The files of the command line may be anywhere, and what is wrong
+/// with them is for whoever started the program: a message may quote a line of them.
+std::string ServedRuns::next_failure() const {
+  if (next_is_clients_) return next_->failure();
+  tell_error(next_->failure());
+  return "the scene that the server was started with cannot be played; the server's own messages say why";
+}
+
 void ServedRuns::finish() {
+  if (next_ != nullptr) next_->break_off();
+  if (running()) {
+    run_->stop();
+    account_for_run();
+  }
   next_.reset();
-  if (!running()) return;
-  run_->stop();
-  account_for_run();
 }
 
 }  // namespace palpate::app

@@ -39,7 +39,7 @@ class ServedRuns final : public net::LiveHost {
 
   /// Ends a run as soon as that is set, before clients are let go: the hand comes first. It outlives this.
   void stop_with(const std::atomic<bool>& stop) noexcept { stop_ = &stop; }
-  /// Plays the first session.
+  /// Plays the first session, recorded to the file that was asked for, also over one that is there.
   void begin_first();
   /// Zero force, recording closed; the run's summary is printed.
   void finish();
@@ -69,7 +69,11 @@ class ServedRuns final : public net::LiveHost {
   [[nodiscard]] scene::Request request_of(const net::Load& wanted) const;
   [[nodiscard]] std::string file_below(const std::string& key, const std::string& name) const;
   [[nodiscard]] std::filesystem::path next_recording() const;
+  [[nodiscard]] bool is_loading() const noexcept;
   void require_no_loading() const;
+  void break_off_loading(const std::string& why);
+  void begin_first(std::filesystem::path recording);
+  [[nodiscard]] std::string next_failure() const;
   void begin(std::unique_ptr<Session> session, std::filesystem::path recording);
   void look_after_next();
   void account_for_run();
@@ -83,8 +87,11 @@ class ServedRuns final : public net::LiveHost {
   std::optional<net::LiveSurface> surface_;  // of the newest run's organ, once it was asked for
   std::int64_t moved_ns_ = 0;                // when the next moved_ may be made
   nlohmann::ordered_json moved_;             // of surface_: where it has moved to
+  bool request_is_clients_ = false;  // options_.request is what a client loaded, not the command line's
   std::unique_ptr<NextSession> next_;
+  bool next_is_clients_ = false;
   std::optional<net::Asker> next_asker_;
+  std::optional<scene::Request> load_next_;  // once next_, which is broken off, has ended: for next_asker_
   std::vector<net::Asker> stop_askers_;
   model::TissueParameters tissue_;  // in force, or of the next run
   noise::NoiseSettings noise_;

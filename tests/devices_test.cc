@@ -52,6 +52,23 @@ TEST(DevicesCommand, SaysInOneLineWhyOneCannotBeOpened) {
   }
 }
 
+TEST(DeviceLibrary, IsNeverLoadedBecauseASceneNamesIt) {
+  const Folder folder;
+  std::filesystem::copy_file(PALPATE_DHD_STAND_IN, folder / "libevil.so");
+  for (const std::string& path : {std::string("libevil.so"), folder / "libevil.so"}) {
+    (void)folder.write("s.toml",
+                       "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"sphere:3\"\n"
+                       "[device]\nkind = \"forcedimension\"\npath = \"" +
+                           path + "\"\n");
+    const Outcome outcome = run(folder, {"run", "s.toml", "--offline", "--headless", "--duration-s", "0.1"});
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
+    EXPECT_NE(outcome.err.find("s.toml:7: device.path = \"" + path + "\": must be left out"),
+              std::string::npos)
+        << outcome.err;
+  }
+}
+
 TEST(ForceDimensionRun, GoesThroughTheWholeProgram) {
   const Folder folder;
   const Outcome outcome = run(folder, {"run", "--device", kStandIn, "--duration-s", "0.5", "--record",

@@ -201,6 +201,54 @@ TEST(Serve, ASceneThatIsLoadedFollowsTheOneBeforeAndOneThatCannotBeLeavesIt) {
   EXPECT_EQ(elsewhere.names(), (std::vector<std::string>{"runs-2.h5", "runs-3.h5", "runs.h5"}));
 }
 
+TEST(Serve, ASceneThatAClientLoadsNamesNoFileOutsideTheFolderAndQuotesNone) {
+  const Folder scenes;
+  const Folder outside;
+  const Folder elsewhere;
+  (void)outside.write("shadow.toml", "root:$6$secret:19000:0\n");
+  (void)scenes.write("s.toml", "[organ]\nmesh = \"gallbladder\"\ntissue = \"" + outside / "shadow.toml" +
+                                   "\"\n[tool]\nmesh = \"sphere:3\"\n");
+  Serve serve(elsewhere, {"--scenes", scenes.path().string(), "--wait"});
+  LiveClient client(serve.port());
+  client.greet();
+  const std::string words = client.ask(R"({"do": "load", "scene": "s.toml"})").dump();
+  EXPECT_NE(words.find("organ.tissue"), std::string::npos) << words;
+  EXPECT_NE(words.find("must be a file below " + scenes.path().string()), std::string::npos) << words;
+  EXPECT_EQ(words.find("secret"), std::string::npos) << words;
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
+TEST(Serve, WhatIsWrongWithAFileOfTheCommandLineIsToldThereAndNotToClients) {
+  const Folder folder;
+  (void)folder.write("mine.toml",
+                     "[tissue]\nname = \"mine\"\nlaw = \"smooth\"\nk1_N_per_m = 20.0\nbeta = 1.6\nq = 0.7\n"
+                     "rest_length_mm = 14.0\nmax_length_mm = 22.0\nmin_length_mm = 6.0\nt1_us = 1.0\n");
+  Serve serve(folder, {"--tissue", "mine.toml", "--device", "emulated", "--duration-s", "600"});
+  LiveClient client(serve.port());
+  client.greet();
+  client.ask(R"({"do": "stop"})");
+  (void)folder.write("mine.toml", "a-secret-line here\n");
+  const std::string words = client.ask(R"({"do": "start"})").dump();
+  EXPECT_NE(words.find("the server's own messages say why"), std::string::npos) << words;
+  EXPECT_EQ(words.find("secret"), std::string::npos) << words;
+  const Outcome outcome = serve.end();
+  EXPECT_NE(outcome.err.find("mine.toml:1"), std::string::npos) << outcome.err;
+}
+
+TEST(Serve, AClientsRunTakesANumberThatNoRecordingHas) {
+  const Folder folder;
+  for (const char* name : {"run.h5", "run-3.h5"}) (void)folder.write(name, "of somebody");
+  Serve serve(folder, {"--wait", "--record", "run.h5", "--device", "emulated", "--duration-s", "600"});
+  LiveClient client(serve.port());
+  client.greet();
+  EXPECT_EQ(client.ask(R"({"do": "start"})")["run"]["recording"], "run-2.h5");
+  EXPECT_EQ(client.ask(R"({"do": "load", "task": "pull", "device": "emulated"})")["run"]["recording"],
+            "run-4.h5");
+  EXPECT_EQ(serve.end().exit_code, 0);
+  EXPECT_EQ(text_of(folder / "run.h5"), "of somebody");
+  EXPECT_EQ(text_of(folder / "run-3.h5"), "of somebody");
+}
+
 TEST(Serve, ASceneThatIsLoadedInPlaceOfOneThatWaitsIsOnItsWayUntilItRuns) {
   const Folder folder;
   Serve serve(folder, {"--wait"});
@@ -220,6 +268,43 @@ TEST(Serve, ASceneThatIsLoadedInPlaceOfOneThatWaitsIsOnItsWayUntilItRuns) {
   }
   EXPECT_EQ(loaded["number"], 1);
   EXPECT_EQ(loaded["scene"], "heart pull");
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
+TEST(Serve, WhileASceneIsLoadedOthersAreAnsweredAndTheNextLoadOrStopBreaksItOff) {
+  const Folder folder;
+  Serve serve(folder, {"--wait", "--no-cache"});
+  const std::uint16_t port = serve.port();
+  LiveClient loader(port);
+  loader.greet();
+  LiveClient other(port);
+  other.greet();
+  const std::string large = R"({"do": "load", "organ": "gallbladder-300k", "tool": "sphere:5", "id": )";
+  loader.say(large + "1}");
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(other.ask(R"({"do": "state"})")["run"]["loading"], true);
+  loader.say(large + "2}");
+  const auto answer = [](const json& message) { return message.contains("answer"); };
+  const json first = loader.hear_until(answer);
+  EXPECT_EQ(first["id"], 1) << first;
+  EXPECT_EQ(first["error"]["code"], "state") << first;
+  EXPECT_EQ(first["error"]["words"], "the load was broken off by the next load");
+  EXPECT_EQ(other.ask(R"({"do": "stop"})")["run"]["state"], "waiting");
+  const json second = loader.hear_until(answer);
+  EXPECT_EQ(second["id"], 2) << second;
+  EXPECT_EQ(second["error"]["words"], "the load was broken off by stop");
+  EXPECT_EQ(other.ask(R"({"do": "state"})")["run"]["loading"], false);
+  EXPECT_EQ(loader.ask(R"({"do": "load", "task": "pull"})")["run"]["scene"], "heart pull")
+      << "one that ends plays";
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
+TEST(Serve, QuittingDoesNotWaitForASceneThatIsBeingPrepared) {
+  const Folder folder;
+  Serve serve(folder, {"--wait", "--no-cache"});
+  LiveClient client(serve.port());
+  client.greet();
+  client.say(R"({"do": "load", "organ": "gallbladder-300k", "tool": "sphere:5"})");
+  EXPECT_EQ(client.ask(R"({"do": "state"})")["run"]["loading"], true);
   EXPECT_EQ(serve.end().exit_code, 0);
 }
 

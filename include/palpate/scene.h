@@ -165,6 +165,9 @@ struct Request {
   std::optional<std::uint64_t> seed;
   bool no_noise = false;
   bool fit_device = false;  // as `fit` of every device
+  // The scene and every file that it names must lie below this folder, once links and `..` are resolved: for
+  // a scene that somebody else asked for. Empty: anywhere.
+  std::filesystem::path files_below;
 };
 
 /// [setup] Reads and checks the scene and every file it names, and resolves defaults. Paths inside a scene

@@ -1,5 +1,7 @@
 #include "net/live_connection.h"
 
+#include <algorithm>
+
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 
@@ -18,6 +20,8 @@ LiveConnection::LiveConnection(std::uint64_t number, tcp::socket socket, LiveDes
   error_code ignored;
   tcp::socket& raw = beast::get_lowest_layer(socket_).socket();
   local_ = raw.local_endpoint(ignored);
+  peer_ = raw.remote_endpoint(ignored).address();
+  begun_ns_ = monotonic_ns();
   raw.set_option(tcp::no_delay(true), ignored);
   // A client that does not read must see old states for a moment only, and fill no memory of the system.
   raw.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
@@ -47,7 +51,11 @@ void LiveConnection::on_request(const error_code& error) {
   beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has time limits of its own
   socket_.set_option(websocket::stream_base::timeout{kOpening, kSilence, true});
   socket_.read_message_max(kLargestRequest);
-  socket_.control_callback([this](websocket::frame_type, beast::string_view) { count_control(); });
+  socket_.control_callback([this](websocket::frame_type, beast::string_view payload) {
+    constexpr std::size_t kHeader = 6;  // bytes of a control frame before its payload: they are of no message
+    read_bytes() -= std::min<std::uint64_t>(read_bytes(), kHeader + payload.size());
+    count_control();
+  });
   ++under_way_;
   socket_.async_accept(request, [this](const error_code& failure) {
     --under_way_;
@@ -55,7 +63,7 @@ void LiveConnection::on_request(const error_code& error) {
     if (failure) return end();
     socket_.text(true);
     open_ = true;
-    opened_ns_ = monotonic_ns();
+    read_bytes() = 0;
     desk_.opened(*this);
     read();
   });
@@ -105,6 +113,7 @@ void LiveConnection::on_message(const error_code& error) {
     }
   }
   incoming_.consume(incoming_.size());
+  read_bytes() = 0;
   if (!closing_) read();
 }
 
@@ -160,6 +169,7 @@ void LiveConnection::write() {
 void LiveConnection::close(websocket::close_code code, const std::string& why) {
   if (closing_ || ended_) return;
   closing_.emplace(code, why);
+  closing_ns_ = monotonic_ns();
   stream(0.0);
   write();
 }

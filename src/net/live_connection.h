@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,6 +40,22 @@ class LiveDesk {
   virtual void ended(LiveConnection& connection) = 0;
 };
 
+/// Counts what a connection has read from the network. The WebSocket library passes over empty fragments
+/// without a word, so that only these bytes show a message that never ends.
+class ReadCount {
+ public:
+  std::uint64_t bytes = 0;
+
+ private:
+  friend class boost::beast::rate_policy_access;
+  static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  static std::size_t available_read_bytes() noexcept { return kAll; }
+  static std::size_t available_write_bytes() noexcept { return kAll; }
+  void transfer_read_bytes(std::size_t count) noexcept { bytes += count; }
+  static void transfer_write_bytes(std::size_t /*count*/) noexcept {}
+  static void on_timer() noexcept {}
+};
+
 /// One connection: a HTTP request, and if it is let in a WebSocket. What is sent waits in a queue with an
 /// end; a stream's frames do not wait at all: when the client has not taken the last one, the next is left
 /// out and counted. Every operation has a time limit. One thread, the one that runs the context.
@@ -49,9 +66,12 @@ class LiveConnection final {
 
   static constexpr double kMessagesPerSecond = 100.0;
   static constexpr double kMessagesAtOnce = 200.0;
-  static constexpr int kMostExcess = 100;              // messages beyond these in a row end the connection
-  static constexpr std::size_t kMostWaiting = 256;     // answers and events; more end the connection
-  static constexpr std::size_t kReadOnBelow = 32;      // answers waiting: with more nothing is read
+  static constexpr int kMostExcess = 100;           // messages beyond these in a row end the connection
+  static constexpr std::size_t kMostWaiting = 256;  // answers and events; more end the connection
+  static constexpr std::size_t kReadOnBelow = 32;   // answers waiting: with more nothing is read
+  // Bytes of the network that one message may take: the largest message in fragments of one byte takes
+  // 114,688.
+  static constexpr std::uint64_t kMostOfMessage = 131'072;
   static constexpr std::chrono::seconds kOpening{5};   // for the request, and for the handshakes
   static constexpr std::chrono::seconds kSilence{30};  // without a sign of the client, pings counted in
   static constexpr int kSendBuffer = 65536;            // bytes that the system keeps for a slow client
@@ -75,9 +95,17 @@ class LiveConnection final {
   [[nodiscard]] bool is_open() const noexcept { return open_ && !closing_ && !ended_; }
   /// Whether nothing of it is under way any more, so that it can be destroyed.
   [[nodiscard]] bool is_over() const noexcept { return ended_ && under_way_ == 0; }
-  /// Where the connection came in.
+  /// Where the connection came in, and from whom.
   [[nodiscard]] const tcp::endpoint& local() const noexcept { return local_; }
-  [[nodiscard]] std::int64_t opened_ns() const noexcept { return opened_ns_; }
+  [[nodiscard]] const boost::asio::ip::address& peer() const noexcept { return peer_; }
+  /// When it was accepted, and when it began to close (0: it has not).
+  [[nodiscard]] std::int64_t begun_ns() const noexcept { return begun_ns_; }
+  [[nodiscard]] std::int64_t closing_ns() const noexcept { return closing_ns_; }
+  /// Whether the message that is coming has taken more of the network than any may, as empty fragments
+  /// without end do.
+  [[nodiscard]] bool is_endless() const noexcept {
+    return open_ && boost::beast::get_lowest_layer(socket_).rate_policy().bytes > kMostOfMessage;
+  }
   /// Frames of the stream that were due and not sent, because the client had not taken the one before.
   [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
 
@@ -91,6 +119,9 @@ class LiveConnection final {
   void read();
   void on_message(const error_code& error);
   void count_control();
+  [[nodiscard]] std::uint64_t& read_bytes() noexcept {
+    return boost::beast::get_lowest_layer(socket_).rate_policy().bytes;
+  }
   void write();
   void end() noexcept;
   void wait_for_frame();
@@ -99,7 +130,10 @@ class LiveConnection final {
   std::uint64_t number_;
   LiveDesk& desk_;
   tcp::endpoint local_;
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::asio::ip::address peer_;
+  boost::beast::websocket::stream<
+      boost::beast::basic_stream<tcp, boost::beast::tcp_stream::executor_type, ReadCount>>
+      socket_;
   boost::asio::steady_timer alarm_;
   boost::beast::flat_buffer incoming_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
@@ -112,7 +146,8 @@ class LiveConnection final {
   std::chrono::steady_clock::time_point due_;
   std::uint64_t streams_ = 0;  // asked for so far, so that an alarm of an earlier one is known
   std::uint64_t left_out_ = 0;
-  std::int64_t opened_ns_ = 0;
+  std::int64_t begun_ns_ = 0;
+  std::int64_t closing_ns_ = 0;
   int under_way_ = 0;  // operations
   int excess_ = 0;     // messages in a row
   bool reading_ = false;

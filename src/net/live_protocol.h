@@ -26,7 +26,7 @@ class LiveError final : public InputError {
  public:
   LiveError(std::string code, const std::string& words, std::string field = "")
       : InputError(words), code_(std::move(code)), field_(std::move(field)) {}
-  /// json, command, field, hello, version, token, rate, state or refused (docs/live-interface.md).
+  /// json, command, field, hello, version, token, full, rate, state or refused (docs/live-interface.md).
   [[nodiscard]] const std::string& code() const noexcept { return code_; }
   [[nodiscard]] const std::string& field() const noexcept { return field_; }
 

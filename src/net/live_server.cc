@@ -27,9 +27,12 @@ using boost::beast::error_code;
 using boost::beast::websocket::close_code;
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kHelloLimit = 5'000'000'000;  // ns from the opening on
-constexpr std::size_t kMostConnections = 32;         // clients, and whoever is about to become one
-constexpr std::int64_t kFarewell = 500'000'000;      // ns, for clients to take the last word
+constexpr std::int64_t kHelloLimit = 5'000'000'000;  // ns from the connection on
+constexpr std::int64_t kCloseLimit = 2'000'000'000;  // ns for a client to take the end of its connection
+constexpr double kLogLines = 0.1;                    // a second, and so many at once:
+constexpr double kLogLinesAtOnce = 20.0;
+constexpr int kBacklog = 64;                     // connections that the system keeps until they are accepted
+constexpr std::int64_t kFarewell = 500'000'000;  // ns, for clients to take the last word
 
 /// An address as it stands in a URL.
 std::string in_url(const asio::ip::address& address) {
@@ -83,7 +86,7 @@ class LiveServer::Desk final : public LiveDesk {
     acceptor_.open(wanted.protocol(), error);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor_.bind(wanted, error);
-    if (!error) acceptor_.listen(static_cast<int>(kMostConnections), error);
+    if (!error) acceptor_.listen(kBacklog, error);
     if (error) {
       throw InputError(fmt::format("--listen {} --port {}: cannot be listened at: {}", options.address,
                                    options.port, error.message()));
@@ -102,7 +105,9 @@ class LiveServer::Desk final : public LiveDesk {
 
   std::optional<HttpResponse> refusal(const LiveConnection& from, const HttpRequest& request) override {
     std::optional<HttpResponse> answer = refusal_for(from, request);
-    if (answer && answer->result() != http::status::ok) ++account_.refused;
+    if (answer && answer->result() != http::status::ok) {
+      log_refused(from, answer->body().substr(0, answer->body().find('\n')));
+    }
     return answer;
   }
 
@@ -126,9 +131,11 @@ class LiveServer::Desk final : public LiveDesk {
       ++account_.errors;
       from.send(error_text(reference, error));
       const auto* live = dynamic_cast<const LiveError*>(&error);
-      if (live != nullptr && (live->code() == "version" || live->code() == "token")) {
-        ++account_.refused;
-        from.close(close_code::policy_error, live->code());
+      if (live != nullptr &&
+          (live->code() == "version" || live->code() == "token" || live->code() == "full")) {
+        log_refused(from, live->what());
+        from.close(live->code() == "full" ? close_code::try_again_later : close_code::policy_error,
+                   live->code());
       }
     } catch (const std::exception& error) {  // no client may end the run of the others
       ++account_.errors;
@@ -154,23 +161,63 @@ class LiveServer::Desk final : public LiveDesk {
   void accept() {
     acceptor_.async_accept([this](const error_code& error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
-      // Without an error; else (no file handles left) the next one may do better, after a pause.
-      if (!error && connections_.size() < kMostConnections) {
-        ++account_.connections;
-        const std::uint64_t number = account_.connections;
-        auto made = std::make_unique<LiveConnection>(number, std::move(socket), *this);
-        LiveConnection& connection = *made;
-        connections_.emplace(number, std::move(made));
-        connection.begin();
-      } else if (!error) {
-        ++account_.refused;
-      }
-      if (error) {
+      if (error) {  // no file handles left: the next one may do better, after a pause
         accept_later_ = true;
-      } else {
-        accept();
+        return;
       }
+      ++account_.connections;
+      const std::uint64_t number = account_.connections;
+      auto made = std::make_unique<LiveConnection>(number, std::move(socket), *this);
+      LiveConnection& connection = *made;
+      make_room(connection.peer());
+      connections_.emplace(number, std::move(made));
+      connection.begin();
+      accept();
     });
+  }
+
+  /// Drops the oldest connection that has not said hello: of this peer when it has too many, of all when
+  /// there are.
+  void make_room(const asio::ip::address& peer) {
+    LiveConnection* oldest = nullptr;
+    LiveConnection* oldest_of_peer = nullptr;
+    std::size_t all = 0;
+    std::size_t of_peer = 0;
+    for (const auto& [number, connection] : connections_) {  // in the order in which they came
+      if (connection->greeted || connection->is_over()) continue;
+      ++all;
+      if (oldest == nullptr) oldest = connection.get();
+      if (connection->peer() != peer) continue;
+      ++of_peer;
+      if (oldest_of_peer == nullptr) oldest_of_peer = connection.get();
+    }
+    LiveConnection* leaves = of_peer >= kMostStrangersOfPeer ? oldest_of_peer
+                             : all >= kMostStrangers         ? oldest
+                                                             : nullptr;
+    if (leaves == nullptr) return;
+    log_refused(*leaves, "it had not said hello, and others came");
+    leaves->drop();
+  }
+
+  /// Counts a connection that is refused, and tells it to the log: at most so often, whoever knocks how
+  /// often.
+  void log_refused(const LiveConnection& from, const std::string& why) {
+    ++account_.refused;
+    if (!log_limit_.allows(monotonic_ns())) {
+      ++unlogged_;
+      return;
+    }
+    const std::uint64_t more = std::exchange(unlogged_, 0);
+    if (!options_.log) return;
+    options_.log(fmt::format("refused {}: {}{}", in_url(from.peer()), why,
+                             more == 0 ? "" : fmt::format(" (and {} more before)", more)));
+  }
+
+  [[nodiscard]] bool is_full() const {
+    const auto clients = std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
+      return entry.second->greeted && entry.second->is_open();
+    });
+    return static_cast<std::size_t>(clients) >= kMostClients;
   }
 
   std::optional<HttpResponse> refusal_for(const LiveConnection& from, const HttpRequest& request) const {
@@ -191,9 +238,7 @@ class LiveServer::Desk final : public LiveDesk {
       return plain_answer(http::status::forbidden,
                           "A web page of this origin may not connect; --allow-origin lets it.");
     }
-    const auto open = std::count_if(connections_.begin(), connections_.end(),
-                                    [](const auto& entry) { return entry.second->is_open(); });
-    if (static_cast<std::size_t>(open) >= kMostClients) {
+    if (is_full()) {
       return plain_answer(http::status::service_unavailable,
                           fmt::format("There are {} clients already.", kMostClients));
     }
@@ -230,6 +275,10 @@ class LiveServer::Desk final : public LiveDesk {
           hello.token.empty() ? "token: missing, this server asks for one" : "token: is not this server's",
           "token");
     }
+    if (is_full()) {
+      throw LiveError(
+          "full", fmt::format("do = \"hello\": there are {} clients already, try again later", kMostClients));
+    }
     from.greeted = true;
     someone_came_ = true;
     Json members = version();
@@ -255,18 +304,28 @@ class LiveServer::Desk final : public LiveDesk {
         std::max<std::size_t>(static_cast<std::size_t>(present), someone_came_ ? 1 : 0);
     someone_came_ = false;
     for (const News& news : host_.look_after(clients)) tell(news);
-    const std::int64_t now = monotonic_ns();
-    for (const auto& [number, connection] : connections_) {
-      if (connection->is_open() && !connection->greeted && now - connection->opened_ns() > kHelloLimit) {
-        connection->send(error_text({}, LiveError("hello", "do: must be \"hello\" within 5 s")));
-        connection->close(close_code::policy_error, "hello");
-      }
-    }
+    for (const auto& [number, connection] : connections_) watch(*connection);
     forget_the_gone();
     if (ends) return say_farewell();
     if (std::exchange(accept_later_, false)) accept();
     timer_.expires_after(std::chrono::milliseconds(kLookAfterMs));
     timer_.async_wait([this, &stop](const error_code&) { look_after(stop); });
+  }
+
+  /// Ends a connection that says no hello, sends a message without an end, or does not take its end.
+  void watch(LiveConnection& connection) {
+    const std::int64_t now = monotonic_ns();
+    if (connection.closing_ns() != 0) {
+      if (now - connection.closing_ns() > kCloseLimit) connection.drop();
+    } else if (connection.is_endless()) {
+      log_refused(connection, "its message in fragments had no end");
+      connection.close(close_code::too_big, "too many fragments");
+    } else if (!connection.greeted && now - connection.begun_ns() > kHelloLimit) {
+      if (!connection.is_open()) return connection.drop();
+      log_refused(connection, "it said no hello within 5 s");
+      connection.send(error_text({}, LiveError("hello", "do: must be \"hello\" within 5 s")));
+      connection.close(close_code::policy_error, "hello");
+    }
   }
 
   void tell(const News& news) {
@@ -322,6 +381,8 @@ class LiveServer::Desk final : public LiveDesk {
   tcp::acceptor acceptor_{context_};
   tcp::endpoint place_;
   asio::steady_timer timer_{context_};
+  RateLimit log_limit_{kLogLines, kLogLinesAtOnce};
+  std::uint64_t unlogged_ = 0;  // refused since the last line of log
   bool accept_later_ = false;
   bool someone_came_ = false;  // since the host last looked
   std::int64_t farewell_until_ns_ = 0;

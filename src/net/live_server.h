@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,17 +48,19 @@ class LiveHost {
 };
 
 struct LiveOptions {
-  std::string address = "127.0.0.1";  // a number, not a name; "localhost" is taken as 127.0.0.1
-  std::uint16_t port = 0;             // 0: the system chooses
-  std::string token;                  // what a client's hello must have; empty: none is asked for
-  std::vector<std::string> origins;   // of web pages, beside the server's own
-  std::string page;                   // HTML that a browser gets; empty: there is none
+  std::string address = "127.0.0.1";              // a number, not a name; "localhost" is taken as 127.0.0.1
+  std::uint16_t port = 0;                         // 0: the system chooses
+  std::string token;                              // what a client's hello must have; empty: none is asked for
+  std::vector<std::string> origins;               // of web pages, beside the server's own
+  std::string page;                               // HTML that a browser gets; empty: there is none
+  std::function<void(const std::string&)> log{};  // told in one line who was refused, and why
 };
 
 /// What a server has seen.
 struct LiveAccount {
   std::uint64_t connections = 0;
-  std::uint64_t refused = 0;  // connections that were not let in, and clients without the token
+  std::uint64_t refused =
+      0;  // connections that were not let in or were dropped, and clients without the token
   std::uint64_t messages = 0;
   std::uint64_t errors = 0;  // messages answered with an error
   std::uint64_t frames = 0;
@@ -68,7 +71,11 @@ struct LiveAccount {
 /// never is the haptic loop's.
 class LiveServer final {
  public:
-  static constexpr std::size_t kMostClients = 16;
+  static constexpr std::size_t kMostClients = 16;  // that have said hello
+  // Connections that have not said hello: from one address, and in all. With one more the oldest is dropped,
+  // so that strangers who connect and say nothing lock nobody out.
+  static constexpr std::size_t kMostStrangersOfPeer = 16;
+  static constexpr std::size_t kMostStrangers = 64;
   static constexpr int kLookAfterMs = 10;
 
   /// [setup] Listens; nobody is answered before run(). @param host outlives this

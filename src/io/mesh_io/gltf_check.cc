@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -124,6 +125,16 @@ class GltfCheck final {
     return false;
   }
 
+  /// Whether a link of the mesh's folder leads out of it.
+  [[nodiscard]] bool leads_out(const std::filesystem::path& name) const {
+    std::error_code error;
+    const std::filesystem::path folder =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(file_.path, error).parent_path(), error);
+    const std::filesystem::path inside =
+        std::filesystem::weakly_canonical(folder / name, error).lexically_relative(folder);
+    return error || inside.empty() || *inside.begin() == "..";
+  }
+
   /// A buffer of a file of its own lies beside or below the mesh file: no other file is opened for it.
   void check_buffers() const {
     for (const json& buffer : list(root_, "buffers")) {
@@ -134,7 +145,7 @@ class GltfCheck final {
       if (name.starts_with("data:")) continue;
       const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
       const bool leaves = path.is_absolute() || path.empty() || *path.begin() == ".." ||
-                          name.find(':') != std::string::npos || hides_a_path(name);
+                          name.find(':') != std::string::npos || hides_a_path(name) || leads_out(path);
       if (leaves) {
         refuse(without_controls("buffer \"" + name.substr(0, 60) +
                                 "\": must be a file in the folder of the mesh"));

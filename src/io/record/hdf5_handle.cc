@@ -5,6 +5,19 @@
 namespace palpate::record::hdf5 {
 namespace {
 
+herr_t follow_no_link(const char* /*file*/, const char* /*group*/, const char* /*other_file*/,
+                      const char* /*object*/, unsigned* /*flags*/, hid_t /*access*/, void* /*data*/) {
+  return -1;
+}
+
+/// Access properties with which no link leads to another file. @param kind H5P_DATASET_ACCESS,
+/// H5P_GROUP_ACCESS
+Handle within_the_file(hid_t kind) {
+  Handle access(H5Pcreate(kind), "access properties");
+  check(H5Pset_elink_cb(access.id(), follow_no_link, nullptr), "access properties");
+  return access;
+}
+
 constexpr std::size_t kLongestAttribute = 32768;  // bytes; HDF5 takes less than 64 KB
 
 void write_value(hid_t object, const std::string& name, hid_t type, const void* value) {
@@ -119,6 +132,22 @@ Handle create_dataset(hid_t parent, const std::string& name, hid_t type,
                 name);
 }
 
+hid_t open_dataset(hid_t parent, const std::string& name) {
+  const hid_t id = H5Dopen2(parent, name.c_str(), within_the_file(H5P_DATASET_ACCESS).id());
+  if (id < 0) return id;
+  Handle dataset(id, name);
+  const Handle made(H5Dget_create_plist(id), name);
+  if (H5Pget_external_count(made.id()) != 0 || H5Pget_layout(made.id()) == H5D_VIRTUAL) {
+    throw Error(name + " is kept in another file, must be in the recording itself");
+  }
+  dataset.abandon();
+  return id;
+}
+
+hid_t open_group(hid_t parent, const std::string& name) {
+  return H5Gopen2(parent, name.c_str(), within_the_file(H5P_GROUP_ACCESS).id());
+}
+
 Handle create_text(hid_t parent, const std::string& name, std::size_t bytes) {
   return create_dataset(parent, name, text_type(bytes).id(), {});
 }
@@ -131,7 +160,7 @@ void write_text(hid_t dataset, const std::string& text) {
 }
 
 std::string read_text(hid_t parent, const std::string& name, std::size_t longest) {
-  const Handle dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), "no /" + name);
+  const Handle dataset(open_dataset(parent, name), "no /" + name);
   const Handle space(H5Dget_space(dataset.id()), name);
   if (H5Sget_simple_extent_npoints(space.id()) != 1) throw Error("/" + name + " is not one text");
   const Handle type(H5Dget_type(dataset.id()), name);
@@ -164,7 +193,7 @@ void fill_pairs(hid_t dataset, const std::string& name, const std::vector<std::i
 }
 
 std::vector<std::int64_t> read_pairs(hid_t parent, const std::string& name, std::size_t longest) {
-  const Handle dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), "no " + name);
+  const Handle dataset(open_dataset(parent, name), "no " + name);
   const Handle space(H5Dget_space(dataset.id()), name);
   hsize_t shape[2] = {0, 0};
   if (H5Sget_simple_extent_ndims(space.id()) != 2 ||

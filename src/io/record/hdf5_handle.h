@@ -59,6 +59,12 @@ class Handle final {
 /// @throws Error saying `what` failed when `status` is negative.
 void check(herr_t status, const std::string& what);
 
+/// Opens a dataset or a group of the file itself. HDF5 would follow a link to another file, or read a
+/// dataset's values from one: a recording from a stranger must not lead to what else its reader may read.
+/// @return negative when there is none @throws Error for a dataset whose values are kept in another file.
+[[nodiscard]] hid_t open_dataset(hid_t parent, const std::string& name);
+[[nodiscard]] hid_t open_group(hid_t parent, const std::string& name);
+
 /// Type of a text of fixed length, UTF-8, filled up with zeros.
 [[nodiscard]] Handle text_type(std::size_t bytes);
 

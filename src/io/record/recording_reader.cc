@@ -61,11 +61,11 @@ bool copy_bytes(int from, int to, std::uint64_t count) {
 }
 
 Handle open_dataset(hid_t parent, const std::string& name, const std::string& path) {
-  return Handle(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), fmt::format("no {}/{}", path, name));
+  return Handle(hdf5::open_dataset(parent, name), fmt::format("no {}/{}", path, name));
 }
 
 geometry::TriangleMesh read_mesh(hid_t file, const std::string& path, std::uint64_t file_bytes) {
-  const Handle group(H5Gopen2(file, path.c_str(), H5P_DEFAULT), "no " + path);
+  const Handle group(hdf5::open_group(file, path), "no " + path);
   const Handle vertices = open_dataset(group.id(), "vertices", path);
   const Handle triangles = open_dataset(group.id(), "triangles", path);
   geometry::TriangleMesh mesh;
@@ -98,7 +98,7 @@ geometry::TriangleMesh read_mesh(hid_t file, const std::string& path, std::uint6
 std::int64_t run_value(hid_t file, const char* name) {
   std::int64_t value = 0;
   const std::string path = std::string("/run/") + name;
-  const hid_t id = H5Dopen2(file, path.c_str(), H5P_DEFAULT);
+  const hid_t id = hdf5::open_dataset(file, path);
   if (id < 0) return 0;
   const Handle dataset(id, path);
   const Handle space(H5Dget_space(id), path);
@@ -110,7 +110,7 @@ std::int64_t run_value(hid_t file, const char* name) {
 TimeFigures run_figures(hid_t file, const char* name) {
   std::array<std::int64_t, 4> values{};
   const std::string path = std::string("/run/") + name;
-  const hid_t id = H5Dopen2(file, path.c_str(), H5P_DEFAULT);
+  const hid_t id = hdf5::open_dataset(file, path);
   if (id < 0) return {};
   const Handle dataset(id, path);
   const Handle space(H5Dget_space(id), path);
@@ -310,7 +310,7 @@ void RecordingReader::read_all_but_ticks() {
     throw InputError(fmt::format("recording of format version {}; this palpate reads version {}", version,
                                  kFormatVersion));
   }
-  ticks_ = Handle(H5Dopen2(file_.id(), "ticks", H5P_DEFAULT), "no /ticks");
+  ticks_ = Handle(hdf5::open_dataset(file_.id(), "ticks"), "no /ticks");
   const Handle space(H5Dget_space(ticks_.id()), "/ticks");
   hsize_t rows = 0;
   if (H5Sget_simple_extent_ndims(space.id()) != 1 ||
@@ -331,7 +331,7 @@ void RecordingReader::read_all_but_ticks() {
 void RecordingReader::read_changes() {
   if (H5Lexists(file_.id(), "changes", H5P_DEFAULT) <= 0) return;
   try {
-    const Handle dataset(H5Dopen2(file_.id(), "changes", H5P_DEFAULT), "no /changes");
+    const Handle dataset(hdf5::open_dataset(file_.id(), "changes"), "no /changes");
     check_columns(dataset.id(), "/changes", change_columns());
     const Handle space(H5Dget_space(dataset.id()), "/changes");
     hsize_t count = 0;

@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/model/tissue_fields.h"
+#include "io/scene/device_kinds.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 
@@ -192,6 +193,8 @@ scene::DeviceSetup device_from(const Json& json) {
   scene::DeviceSetup device;
   device.kind = json.at("kind").get<std::string>();
   device.path = json.at("path").get<std::string>();
+  const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+  if (kind != nullptr && kind->path == scene::DevicePath::kLibrary) device.path.clear();  // see scene_json.h
   device.workspace_scale = json.at("workspace_scale").get<double>();
   device.base = pose_from(json.at("base"));
   device.dynamics.damping = optional_from(json.at("damping_N_s_per_m"));

@@ -8,7 +8,7 @@ namespace palpate::scene {
 enum class DevicePath {
   kToolPath,   // a CSV of poses, optional
   kRecording,  // a recording, required
-  kLibrary,    // the vendor's shared library, optional: found by the system's loader
+  kLibrary,    // the vendor's shared library, on the command line alone; optional: DhdLibrary says where else
   kAddress,    // ws://HOST:PORT, optional
   kNone,       // it takes no path
 };

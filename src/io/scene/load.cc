@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kFlagJawOpening = 15.0 * portable::kPi / 180.0;  // rad
 
-Stated flag(const std::string& name, const std::string& value) { return {value, name, {}}; }
+Stated flag(const std::string& name, const std::string& value) { return {value, name, {}, true}; }
 
 Task task_of(const Request& request, Task otherwise) {
   return request.task ? parse_task(flag("--task", *request.task)) : otherwise;
@@ -106,10 +106,44 @@ void override_numbers(const Request& request, SceneDescription& scene) {
   }
 }
 
+/// @throws InputError before the file is looked at, so that nothing of it, nor whether it is there, can be
+/// told.
+void require_below(const std::filesystem::path& folder, const Stated& file) {
+  std::error_code error;
+  const std::filesystem::path root = std::filesystem::weakly_canonical(folder, error);
+  const std::filesystem::path inside =
+      error ? root : std::filesystem::weakly_canonical(file.file(), error).lexically_relative(root);
+  if (error || inside.empty() || *inside.begin() == "..")
+    file.fail("must be a file below " + folder.string());
+}
+
+/// Holds every file that the scene names to the request's folder.
+void require_files_below(const std::filesystem::path& folder, const SceneDescription& scene) {
+  std::vector<const Stated*> named;
+  const auto add = [&named](const std::optional<Stated>& name) {
+    if (name && means_file(name->value)) named.push_back(&*name);
+  };
+  add(scene.organ);
+  add(scene.tissue);
+  for (const ToolDescription& tool : scene.tools) {
+    add(tool.mesh);
+    for (const JawDescription& jaw : tool.jaws) named.push_back(&jaw.mesh);
+  }
+  for (const DeviceDescription& device : scene.devices) {
+    const DeviceKind* kind = find_device_kind(device.kind.value);
+    const bool is_file = kind == nullptr || kind->path != DevicePath::kAddress;
+    if (device.path && is_file) named.push_back(&*device.path);
+  }
+  for (const Stated* name : named) require_below(folder, *name);
+}
+
 /// The scene file, or the default scene, with the flags laid over it.
 SceneDescription describe(const Request& request) {
   SceneDescription scene;
   if (request.scene || request.scene_text) {
+    if (request.scene && !request.files_below.empty()) {
+      require_below(request.files_below, Stated{request.scene->string(), "scene", {}});
+    }
     scene = request.scene ? read_scene_file(*request.scene)
                           : read_scene_text(request.scene_text->toml, request.scene_text->folder);
     scene.task = task_of(request, scene.task);
@@ -189,6 +223,17 @@ void check_tool_path(const Stated& path, const std::filesystem::path& file, Task
   }
 }
 
+/// Opening a library runs its code, so that only the person who starts the program may name one: no scene,
+/// wherever it comes from, and nothing that a file of the current folder could stand in for.
+void check_library(const Stated& path) {
+  if (!path.by_flag) {
+    path.fail(
+        "must be left out: a scene may not name a library; link it into ~/.config/palpate, or give its "
+        "absolute path on the command line (docs/devices.md)");
+  }
+  if (!path.file().is_absolute()) path.fail("must be an absolute path, such as /opt/vendor/lib/libdhd.so.3");
+}
+
 /// Checks what a device would read at its opening. @return its path, resolved; empty: none given.
 std::string check_device_path(const DeviceDescription& device, const DeviceKind& kind, Task task) {
   if (!device.path) {
@@ -197,6 +242,7 @@ std::string check_device_path(const DeviceDescription& device, const DeviceKind&
   }
   if (kind.path == DevicePath::kNone)
     device.path->fail("must be left out: a " + std::string(kind.name) + " has none");
+  if (kind.path == DevicePath::kLibrary) check_library(*device.path);
   if (kind.path == DevicePath::kAddress) return device.path->value;  // checked by the device itself
   const std::filesystem::path file = device.path->file();
   std::error_code status;
@@ -243,6 +289,7 @@ void set_noise(const SceneDescription& scene, Setup& setup) {
 
 Setup load(const Request& request) {
   const SceneDescription scene = describe(request);
+  if (!request.files_below.empty()) require_files_below(request.files_below, scene);
   Setup setup;
   setup.name = scene.name;
   setup.task = scene.task;

@@ -11,7 +11,7 @@ namespace {
 /// The field or flag that would have given the unit: "tool.jaw.mesh" -> "tool.unit", "--organ" ->
 /// "--organ-unit".
 std::string unit_field(const Stated& mesh) {
-  if (mesh.by_flag()) return mesh.where + "-unit";
+  if (mesh.by_flag) return mesh.where + "-unit";
   return mesh.where.find(": organ.") != std::string::npos ? "organ.unit" : "tool.unit";
 }
 

@@ -18,8 +18,8 @@ struct Stated {
   std::string value;
   std::string where;             // "FILE:LINE: organ.mesh", or a flag: "--organ"
   std::filesystem::path folder;  // that a relative path starts from
+  bool by_flag = false;          // from the command line or a caller's argument, not from a scene
 
-  [[nodiscard]] bool by_flag() const { return where.starts_with("--"); }
   /// [setup] The file meant by the value.
   [[nodiscard]] std::filesystem::path file() const { return folder / value; }
   /// [setup] @throws InputError "where = "value": want".

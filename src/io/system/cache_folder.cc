@@ -43,6 +43,8 @@ fs::path user_cache_folder() {
 
 fs::path user_state_folder() { return user_folder("XDG_STATE_HOME", ".local/state"); }
 
+fs::path user_config_folder() { return user_folder("XDG_CONFIG_HOME", ".config"); }
+
 void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t most_bytes) {
   std::error_code error;
   std::vector<CachedFile> files;

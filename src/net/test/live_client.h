@@ -9,6 +9,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -63,6 +64,19 @@ class LiveClient final {
       open_ = open_ && !error;
     });
     wait_for([&] { return done; });
+  }
+
+  /// Sends bytes past the WebSocket, such as frames that no library makes. @return whether the connection is
+  /// open
+  bool say_raw(const std::string& bytes) {
+    bool done = false;
+    boost::asio::async_write(boost::beast::get_lowest_layer(socket_).socket(), boost::asio::buffer(bytes),
+                             [&](const boost::beast::error_code& error, std::size_t) {
+                               done = true;
+                               open_ = open_ && !error;
+                             });
+    wait_for([&] { return done; });
+    return open_;
   }
 
   /// The next message; nothing when the connection has ended instead.

@@ -185,6 +185,104 @@ TEST_F(Served, ThereIsAnEndOfClientsAndRoomAgainWhenOneGoes) {
   EXPECT_EQ(test::LiveClient(port()).status(), 101U);
 }
 
+TEST_F(Served, PlacesAreCountedAfterTheHelloSoThatStrangersTakeNone) {
+  LiveOptions options;
+  options.token = kToken;
+  serve(options);
+  std::vector<std::unique_ptr<test::LiveClient>> strangers;
+  std::vector<std::unique_ptr<test::LiveClient>> clients;
+  for (std::size_t i = 0; i < LiveServer::kMostClients; ++i) {
+    for (int more = 0; more < 3; ++more) strangers.push_back(std::make_unique<test::LiveClient>(port()));
+    clients.push_back(std::make_unique<test::LiveClient>(port()));
+    EXPECT_EQ(clients.back()->status(), 101U);
+    EXPECT_EQ(clients.back()->greet(kToken)["answer"], "hello") << i;
+  }
+  EXPECT_TRUE(clients_become(LiveServer::kMostClients));
+}
+
+TEST_F(Served, AHelloForWhichThereIsNoPlaceIsToldSo) {
+  serve();
+  test::LiveClient early(port());
+  std::vector<std::unique_ptr<test::LiveClient>> clients;
+  for (std::size_t i = 0; i < LiveServer::kMostClients; ++i) {
+    clients.push_back(std::make_unique<test::LiveClient>(port()));
+    clients.back()->greet();
+  }
+  EXPECT_EQ(early.greet()["error"]["code"], "full");
+  EXPECT_FALSE(early.hear());
+  EXPECT_EQ(early.close_code(), 1013);
+}
+
+TEST_F(Served, OfTooManyStrangersOfOneAddressTheOldestIsDroppedAndLogged) {
+  LiveOptions options;
+  options.token = kToken;
+  std::vector<std::string> lines;  // of the server's thread
+  options.log = [&lines](const std::string& line) { lines.push_back(line); };
+  serve(options);
+  test::LiveClient client(port());
+  client.greet(kToken);
+  test::LiveClient oldest(port());
+  std::vector<std::unique_ptr<test::LiveClient>> others;
+  for (std::size_t i = 0; i < LiveServer::kMostStrangersOfPeer; ++i) {
+    others.push_back(std::make_unique<test::LiveClient>(port()));
+  }
+  EXPECT_FALSE(oldest.hear());
+  EXPECT_EQ(oldest.close_code(), 0) << "without a word";
+  EXPECT_EQ(client.ask(R"({"do": "version"})")["answer"], "version") << "who has said hello stays";
+  EXPECT_EQ(others.front()->greet(kToken)["answer"], "hello");
+  EXPECT_EQ(end().refused, 1U);
+  EXPECT_EQ(lines, std::vector<std::string>{"refused 127.0.0.1: it had not said hello, and others came"});
+}
+
+TEST_F(Served, RefusalsAreLoggedAndAFloodOfThemIsCounted) {
+  LiveOptions options;
+  options.token = kToken;
+  std::vector<std::string> lines;  // of the server's thread
+  options.log = [&lines](const std::string& line) { lines.push_back(line); };
+  serve(options);
+  for (int i = 0; i < 60; ++i) test::LiveClient(port()).greet("a token for that test");
+  EXPECT_EQ(end().refused, 60U);
+  ASSERT_FALSE(lines.empty());
+  EXPECT_EQ(lines.front(), "refused 127.0.0.1: token: is not this server's");
+  EXPECT_LT(lines.size(), 40U);
+}
+
+TEST_F(Served, EmptyFragmentsWithoutEndCloseTheirConnection) {
+  serve();
+  test::LiveClient other(port());
+  other.greet();
+  test::LiveClient client(port());
+  client.greet();
+  const std::string text_begins("\x01\x80mask", 6);
+  std::string goes_on;
+  for (int i = 0; i < 1000; ++i) goes_on += std::string("\x00\x80mask", 6);
+  bool open = client.say_raw(text_begins);
+  const auto until = std::chrono::steady_clock::now() + 30s;
+  while (open && std::chrono::steady_clock::now() < until) open = client.say_raw(goes_on);
+  EXPECT_FALSE(open);
+  EXPECT_EQ(other.ask(R"({"do": "version"})")["answer"], "version");
+  EXPECT_EQ(end().refused, 1U);
+}
+
+TEST_F(Served, AMessageInManyFragmentsIsTakenAlsoAfterManyPings) {
+  serve();
+  test::LiveClient client(port());
+  client.greet();
+  const std::string none(4, '\0');  // a mask that changes nothing
+  const std::string command = R"({"do": "version"})";
+  for (int message = 0; message < 3; ++message) {
+    std::string frames;
+    for (int i = 0; i < 20; ++i) frames += "\x89\xfd" + none + std::string(125, 'p');
+    for (std::size_t i = 0; i < command.size(); ++i) {
+      const char head = static_cast<char>((i == 0 ? 1 : 0) + (i + 1 == command.size() ? 0x80 : 0));
+      frames += std::string(1, head) + "\x81" + none + command[i];
+    }
+    EXPECT_TRUE(client.say_raw(frames));
+    EXPECT_EQ(client.hear_until([](const json& heard) { return heard.contains("answer"); })["answer"],
+              "version");
+  }
+}
+
 TEST_F(Served, AStreamComesAtTheChosenRateAndEndsWhenAsked) {
   serve();
   test::LiveClient client(port());

@@ -1,10 +1,12 @@
 #include "run/devices/forcedimension_library.h"
 
 #include <filesystem>
+#include <system_error>
 
 #include <dlfcn.h>
 #include <fmt/core.h>
 
+#include "io/system/cache_folder.h"
 #include "palpate/error.h"
 
 namespace palpate::devices {
@@ -65,18 +67,24 @@ DhdLibrary::DhdLibrary(const std::string& path) {
 
 DhdLibrary::~DhdLibrary() { dlclose(handle_); }
 
+void DhdLibrary::open_file(const std::filesystem::path& file) {
+  name_ = file.string();
+  handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle_ != nullptr) return;
+  throw InputError(in_front(name_) + "cannot be loaded (" + loader_words() +
+                   "), must be the vendor's libdhd.so for this computer");
+}
+
 void DhdLibrary::open(const std::string& path) {
   if (!path.empty()) {
-    name_ = path;
-    handle_ = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (handle_ == nullptr) {
-      throw InputError(in_front(path) + "cannot be loaded (" + loader_words() +
-                       "), must be the vendor's libdhd.so for this computer");
-    }
-    return;
+    if (std::filesystem::path(path).is_absolute()) return open_file(path);
+    throw InputError(in_front(path) + "must be an absolute path, such as /opt/vendor/lib/libdhd.so.3");
   }
+  const std::filesystem::path folder = user_config_folder();
   std::string words;
   for (const char* name : {"libdhd.so.3", "libdhd.so"}) {
+    std::error_code error;
+    if (!folder.empty() && std::filesystem::exists(folder / name, error)) return open_file(folder / name);
     name_ = name;
     handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     if (handle_ != nullptr) return;

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <filesystem>
 #include <string>
 
 namespace palpate::devices {
@@ -49,9 +50,10 @@ struct DhdFunctions {
 /// The library, open as long as this lives. Several of the same file share one in memory; the last closes it.
 class DhdLibrary final {
  public:
-  /// [setup] @param path the library's file; empty: libdhd.so.3, else libdhd.so, where the system's loader
-  /// finds it. @throws InputError in one line: not installed, no library, a function missing, a wrong
-  /// version.
+  /// [setup] @param path the library's file, absolute; empty: libdhd.so.3, else libdhd.so, in the user's
+  /// configuration folder (user_config_folder()) or where the system's loader finds it. Its code runs with
+  /// the user's rights, so that no file of the current folder is ever taken. @throws InputError in one line:
+  /// a relative path, not installed, no library, a function missing, a wrong version.
   explicit DhdLibrary(const std::string& path);
   ~DhdLibrary();
   DhdLibrary(const DhdLibrary&) = delete;
@@ -68,6 +70,7 @@ class DhdLibrary final {
 
  private:
   void open(const std::string& path);
+  void open_file(const std::filesystem::path& file);
   void load();
   void check_version() const;
   [[nodiscard]] std::array<int, 4> version_numbers() const;

@@ -460,6 +460,14 @@ TEST_F(ReadMesh, RefusesGltfBuffersOutsideItsFolder) {
                    R"({"asset":{"version":"2.0"},"buffers":[{"uri":")" + uri + R"(","byteLength":36}]})",
                    "must be a file in the folder of the mesh");
   }
+  const TemporaryFolder outside;
+  std::filesystem::create_symlink(outside.write("secret.bin", std::string(36, 's')), folder_ / "linked.bin");
+  std::filesystem::create_directory_symlink(outside.path(), folder_ / "linked");
+  for (const std::string uri : {"linked.bin", "linked/secret.bin"}) {
+    expect_refused("out.gltf",
+                   R"({"asset":{"version":"2.0"},"buffers":[{"uri":")" + uri + R"(","byteLength":36}]})",
+                   "must be a file in the folder of the mesh");
+  }
 }
 
 TEST_F(ReadMesh, SaysControlCharactersOfAFileAsQuestionMarks) {

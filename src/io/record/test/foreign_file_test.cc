@@ -66,6 +66,39 @@ TEST(ForeignFile, RecordingWithoutTicksOrSceneOrMeshSaysWhatIsMissing) {
   }
 }
 
+TEST(ForeignFile, ARecordingThatLeadsToAnotherFileIsRefused) {
+  const TemporaryFolder folder;
+  record_sample(folder / "b.h5", 10, 1);
+  for (const std::string name : {"/ticks", "/organ", "/organ/vertices"}) {
+    const std::filesystem::path file = changed_file(folder, [&](hid_t id) {
+      H5Ldelete(id, name.c_str(), H5P_DEFAULT);
+      H5Lcreate_external("b.h5", name.c_str(), id, name.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+    });
+    EXPECT_THAT(message_for(file), HasSubstr("not a palpate recording: no " + name));
+  }
+}
+
+TEST(ForeignFile, ADatasetWhoseValuesAreInAnotherFileIsRefused) {
+  const TemporaryFolder folder;
+  const std::string secret = (folder / "secret").string();
+  std::ofstream(secret) << std::string(100'000, 'x');
+  const std::filesystem::path file = changed_file(folder, [&](hid_t id) {
+    const hid_t before = H5Dopen2(id, "/organ/triangles", H5P_DEFAULT);
+    const hid_t space = H5Dget_space(before);
+    const hid_t type = H5Dget_type(before);
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_external(properties, secret.c_str(), 0, H5F_UNLIMITED);
+    H5Dclose(before);
+    H5Ldelete(id, "/organ/triangles", H5P_DEFAULT);
+    H5Dclose(H5Dcreate2(id, "/organ/triangles", type, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+    H5Pclose(properties);
+    H5Tclose(type);
+    H5Sclose(space);
+  });
+  EXPECT_THAT(message_for(file),
+              HasSubstr("triangles is kept in another file, must be in the recording itself"));
+}
+
 TEST(ForeignFile, FormatVersionOfTheFutureIsRefused) {
   const TemporaryFolder folder;
   const auto file = changed_file(folder, [](hid_t id) { hdf5::rewrite_attribute(id, "format_version", 2); });

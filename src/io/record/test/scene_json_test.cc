@@ -57,6 +57,19 @@ TEST(SceneJson, AKeyThatIsMissingAndTextThatIsNoJsonAreRefusedInTheScene) {
   EXPECT_THAT(refusal("{"), StartsWith("scene: "));
 }
 
+TEST(SceneJson, ALibraryThatARecordingNamesIsForgottenSoThatNothingRunFromItLoadsCode) {
+  scene::Setup setup = sample_setup(2);
+  setup.devices.resize(2);
+  setup.devices[0].kind = "forcedimension";
+  setup.devices[0].path = "/tmp/libevil.so";
+  setup.devices[1].kind = "scripted";
+  setup.devices[1].path = "press.csv";
+  const scene::Setup read = setup_from_json(setup_to_json(setup));
+  EXPECT_EQ(read.devices[0].kind, "forcedimension");
+  EXPECT_EQ(read.devices[0].path, "");
+  EXPECT_EQ(read.devices[1].path, "press.csv");
+}
+
 TEST(SceneJson, ASeedOrButtonThatIsNoWholeNumberOfItsRangeIsRefusedByName) {
   scene::Setup setup = sample_setup(1);
   setup.noise.seed = 77;

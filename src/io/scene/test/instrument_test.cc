@@ -141,6 +141,7 @@ TEST(LoadInstrument, RefusesUnknownNamesMissingUnitsAndTooManyParts) {
   EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("its unit is missing, give tool.unit: mm, cm, m or in"));
   description.mesh->where = "--tool";
+  description.mesh->by_flag = true;
   EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("its unit is missing, give --tool-unit: mm, cm, m or in"));
   description.unit = LengthUnit::kMillimetre;

@@ -12,6 +12,7 @@ namespace {
 using test::error_of;
 using test::TemporaryFolder;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kShortLoaded =
     "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"curved-forceps\"\n";  // four lines
@@ -228,6 +229,78 @@ TEST(Load, RefusesDevicesItCannotOpen) {
   EXPECT_THAT(with("scripted:/no/such.csv"), HasSubstr("there is no such file"));
   EXPECT_THAT(with("scripted:"), HasSubstr("must be KIND or KIND:PATH"));
   EXPECT_THAT(with("scripted:/"), HasSubstr("is a folder"));
+}
+
+TEST(Load, ALibraryIsNamedByItsAbsolutePathOnTheCommandLineAndNeverByAScene) {
+  const TemporaryFolder folder;
+  const std::string library = folder.write("libevil.so", "code").string();
+  for (const std::string& named : {std::string("libevil.so"), library}) {
+    const std::string device = "[device]\nkind=\"forcedimension\"\npath=\"" + named + "\"\n";
+    const std::filesystem::path file = folder.write("s.toml", kShortLoaded + device);
+    EXPECT_EQ(error_in(scene(file)),
+              file.string() + ":7: device.path = \"" + named +
+                  "\": must be left out: a scene may not name a library; link it into ~/.config/palpate, or "
+                  "give its absolute path on the command line (docs/devices.md)");
+    Request text;
+    text.scene_text = SceneText{kShortLoaded + device, folder.path()};
+    EXPECT_THAT(error_in(text), HasSubstr("a scene may not name a library"));
+  }
+  Request request;
+  request.device = "forcedimension:" + library;
+  EXPECT_EQ(load(request).devices[0].path, library);
+  request.device = "forcedimension:libevil.so";
+  EXPECT_THAT(error_in(request), HasSubstr("--device = \"libevil.so\": must be an absolute path"));
+}
+
+/// What a scene in that folder is refused with when its files must lie there too.
+std::string error_when_kept_inside(const TemporaryFolder& folder, const std::string& content) {
+  Request request = scene(folder.write("s.toml", content));
+  request.files_below = folder.path();
+  return error_in(request);
+}
+
+TEST(Load, ASceneKeptToAFolderNamesNoFileOutsideAndQuotesNone) {
+  const TemporaryFolder folder;
+  const TemporaryFolder outside;
+  const std::string secret = "root:$6$secret:19000:0\n";
+  const std::string file = outside.write("shadow.toml", secret).string();
+  std::filesystem::create_symlink(file, folder / "link.toml");
+  std::filesystem::create_directory_symlink(outside.path(), folder / "linked");
+  const std::string dots = "../" + outside.path().filename().string() + "/shadow.toml";
+  for (const std::string& named : {file, std::string("link.toml"), std::string("linked/shadow.toml"), dots,
+                                   outside.path().string() + "/not-there.toml"}) {
+    const std::string name = " = \"" + named + "\"\n";
+    const std::string organ = "[organ]\nmesh = \"gallbladder\"\n";
+    const std::string tool = "[tool]\nmesh = \"sphere:3\"\n";
+    for (const std::string& content :
+         {"[organ]\nunit = \"mm\"\nmesh" + name + tool, organ + "tissue" + name + tool,
+          organ + "[tool]\nunit = \"mm\"\nmesh" + name,
+          organ + "[tool]\nunit = \"mm\"\n[[tool.jaw]]\nmesh" + name,
+          organ + tool + "[device]\nkind = \"scripted\"\npath" + name,
+          organ + tool + "[device]\nkind = \"replay\"\npath" + name}) {
+      const std::string error = error_when_kept_inside(folder, content);
+      EXPECT_THAT(error, HasSubstr("\"" + named + "\": must be a file below " + folder.path().string()));
+      EXPECT_THAT(error, Not(HasSubstr("secret")));
+    }
+  }
+  Request request = scene(file);
+  request.files_below = folder.path();
+  EXPECT_EQ(error_in(request), "scene = \"" + file + "\": must be a file below " + folder.path().string());
+}
+
+TEST(Load, ASceneKeptToAFolderTakesItsFilesBuiltInNamesAndAddresses) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "meshes");
+  (void)folder.write("meshes/box.obj", kBox);
+  std::filesystem::create_symlink("meshes/box.obj", folder / "same.obj");
+  for (const char* mesh : {"meshes/box.obj", "same.obj", "meshes/../same.obj"}) {
+    Request request = scene(folder.write(
+        "s.toml", "[organ]\nmesh = \"" + std::string(mesh) +
+                      "\"\nunit = \"mm\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:3\"\n[device]\n"
+                      "kind = \"haply\"\npath = \"ws://localhost:10001\"\n"));
+    request.files_below = folder.path();
+    EXPECT_EQ(load(request).organ.triangles.size(), 12U) << mesh;
+  }
 }
 
 TEST(Load, RefusesWhatAScenesFilesDoWrong) {

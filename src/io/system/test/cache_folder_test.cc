@@ -57,6 +57,18 @@ TEST(StateFolder, IsTheUsersOwnByTheEnvironmentOrUnderHome) {
   EXPECT_EQ(user_state_folder(), "");
 }
 
+TEST(ConfigFolder, IsTheUsersOwnByTheEnvironmentOrUnderHome) {
+  const Variable home("HOME", "/people/ada");
+  {
+    const Variable given("XDG_CONFIG_HOME", "/etc/ada");
+    EXPECT_EQ(user_config_folder(), "/etc/ada/palpate");
+  }
+  const Variable relative("XDG_CONFIG_HOME", "config");
+  EXPECT_EQ(user_config_folder(), "/people/ada/.config/palpate") << "never below the current folder";
+  const Variable homeless("HOME", nullptr);
+  EXPECT_EQ(user_config_folder(), "");
+}
+
 TEST(CacheFolder, IsTheUsersByTheXdgRule) {
   EXPECT_EQ(folder_of(nullptr, "/x/cache", "/h"), "/x/cache/palpate");
   EXPECT_EQ(folder_of(nullptr, nullptr, "/h"), "/h/.cache/palpate");

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <thread>
 
@@ -21,6 +23,7 @@ namespace {
 using stand_in::Loaded;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 const char* const kWhole = "dhd_stand_in";
 
@@ -62,6 +65,33 @@ TEST_F(ForceDimensionLibrary, AFileThatIsNoLibraryIsRefusedByName) {
   EXPECT_THAT(refusal(file),
               AllOf(HasSubstr(file + ": cannot be loaded"), HasSubstr("must be the vendor's")));
   EXPECT_THAT(refusal((folder / "none.so").string()), HasSubstr("none.so: cannot be loaded"));
+}
+
+TEST_F(ForceDimensionLibrary, ARelativePathIsRefusedAsAFileOfTheCurrentFolderMustNotRun) {
+  const palpate::test::TemporaryFolder folder;
+  std::filesystem::copy_file(dhd_.path, folder / "libdhd.so.3");
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  EXPECT_THAT(refusal("libdhd.so.3"), HasSubstr("libdhd.so.3: must be an absolute path"));
+  EXPECT_THAT(probe_forcedimension("").words, Not(HasSubstr("3.17.1.0"))) << "found in the current folder";
+  std::filesystem::current_path(before);
+}
+
+TEST_F(ForceDimensionLibrary, IsFoundInTheUsersConfigurationFolder) {
+  const palpate::test::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "palpate");
+  const std::filesystem::path link = folder / "palpate" / "libdhd.so.3";
+  std::filesystem::create_symlink(dhd_.path, link);
+  const char* const before = std::getenv("XDG_CONFIG_HOME");  // NOLINT(concurrency-mt-unsafe): one thread
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("XDG_CONFIG_HOME", folder.path().c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
+  EXPECT_EQ(refusal(""), "");
+  EXPECT_EQ(ForceDimensionDevice("", 0).description(), "stand-in.7 (" + link.string() + ", 3.17.1.0)");
+  if (before == nullptr) {
+    unsetenv("XDG_CONFIG_HOME");  // NOLINT(concurrency-mt-unsafe): one thread
+  } else {
+    setenv("XDG_CONFIG_HOME", kept.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
+  }
 }
 
 TEST_F(ForceDimensionLibrary, AMissingFunctionIsNamedWithTheVersionFound) {
