@@ -118,27 +118,42 @@ void CsvTable::read_header() {
   split();
   const std::string required = required_names(columns_);
   if (parse_number(cells_.front())) fail("the header is missing: the first line must name " + required);
+  std::vector<std::string> unknown;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
-    const std::size_t column = column_named(cells_[i]);
+    const auto named = std::find_if(columns_.begin(), columns_.end(),
+                                    [&](const CsvColumn& column) { return column.name == cells_[i]; });
+    if (named == columns_.end()) {
+      unknown.push_back(excerpt(cells_[i]));
+      continue;
+    }
+    const auto column = static_cast<std::size_t>(named - columns_.begin());
     if (has(column)) fail(columns_[column].name + ": stands twice, must stand once");
     cell_of_[column] = i;
   }
   header_cells_ = cells_.size();
-  for (std::size_t column = 0; column < columns_.size(); ++column) {
-    if (columns_[column].required && !has(column)) {
-      fail(columns_[column].name + ": missing, the header must name " + required);
-    }
-  }
+  check_header(unknown);
 }
 
-std::size_t CsvTable::column_named(std::string_view cell) const {
-  std::vector<std::string> names;
-  for (const CsvColumn& column : columns_) names.push_back(column.name);
-  const auto known = std::find(names.begin(), names.end(), cell);
-  if (known != names.end()) return static_cast<std::size_t>(known - names.begin());
-  const std::string near = nearest_word(cell, names);
-  fail("column \"" + excerpt(cell) + "\": unknown, " +
-       (near.empty() ? "known are " + listed(names) : "did you mean " + near + "?"));
+/// @param unknown names in the header that are no column's
+void CsvTable::check_header(const std::vector<std::string>& unknown) const {
+  std::vector<std::string> missing;
+  std::vector<std::string> absent;
+  std::vector<std::string> known;
+  for (std::size_t column = 0; column < columns_.size(); ++column) {
+    known.push_back(columns_[column].name);
+    if (!has(column)) absent.push_back(known.back());
+    if (!has(column) && columns_[column].required) missing.push_back(known.back());
+  }
+  if (missing.empty() && unknown.empty()) return;
+  const bool one_misspelt = !unknown.empty() && missing.size() <= 1;
+  const std::string near =
+      one_misspelt ? nearest_word(unknown.front(), missing.empty() ? absent : missing) : "";
+  if (missing.empty() || !near.empty()) {
+    fail("column \"" + unknown.front() + "\": unknown, " +
+         (near.empty() ? "known are " + listed(known) : "did you mean " + near + "?"));
+  }
+  fail(listed(missing) + ": missing, the header must name " + required_names(columns_) +
+       (unknown.empty() ? "" : "; unknown in it: " + listed(unknown)));
 }
 
 void CsvTable::read_number(std::size_t column) {

@@ -54,7 +54,7 @@ class CsvTable final {
   [[nodiscard]] bool next_line();
   void split();
   void read_header();
-  [[nodiscard]] std::size_t column_named(std::string_view cell) const;
+  void check_header(const std::vector<std::string>& unknown) const;
   void read_number(std::size_t column);
 
   std::string file_;
