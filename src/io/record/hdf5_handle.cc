@@ -130,8 +130,26 @@ void write_text(hid_t dataset, const std::string& text) {
   check(H5Dwrite(dataset, type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()), "text");
 }
 
+hid_t open_dataset(hid_t parent, const std::string& name) {
+  const Handle access(H5Pcreate(H5P_DATASET_ACCESS), name);
+  const auto refuse = [](const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) {
+    return herr_t{-1};
+  };
+  check(H5Pset_elink_cb(access.id(), refuse, nullptr), name);
+  Handle dataset;
+  if (const hid_t id = H5Dopen2(parent, name.c_str(), access.id()); id >= 0) dataset = Handle(id, name);
+  if (!dataset.valid()) return H5I_INVALID_HID;
+  const Handle made(H5Dget_create_plist(dataset.id()), name);
+  if (H5Pget_external_count(made.id()) != 0 || H5Pget_layout(made.id()) == H5D_VIRTUAL) {
+    throw Error(name + ": its values lie in another file, must be in the recording");
+  }
+  const hid_t id = dataset.id();
+  dataset.abandon();
+  return id;
+}
+
 std::string read_text(hid_t parent, const std::string& name, std::size_t longest) {
-  const Handle dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), "no /" + name);
+  const Handle dataset(open_dataset(parent, name), "no /" + name);
   const Handle space(H5Dget_space(dataset.id()), name);
   if (H5Sget_simple_extent_npoints(space.id()) != 1) throw Error("/" + name + " is not one text");
   const Handle type(H5Dget_type(dataset.id()), name);
@@ -164,7 +182,7 @@ void fill_pairs(hid_t dataset, const std::string& name, const std::vector<std::i
 }
 
 std::vector<std::int64_t> read_pairs(hid_t parent, const std::string& name, std::size_t longest) {
-  const Handle dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), "no " + name);
+  const Handle dataset(open_dataset(parent, name), "no " + name);
   const Handle space(H5Dget_space(dataset.id()), name);
   hsize_t shape[2] = {0, 0};
   if (H5Sget_simple_extent_ndims(space.id()) != 2 ||

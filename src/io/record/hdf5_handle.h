@@ -73,6 +73,12 @@ void rewrite_attribute(hid_t object, const std::string& name, std::int64_t value
 [[nodiscard]] std::string read_text_attribute(hid_t object, const std::string& name);
 [[nodiscard]] std::int64_t read_integer_attribute(hid_t object, const std::string& name);
 
+/// Opens a dataset whose values lie in this very file: a recording from a stranger must not lead to other
+/// files of whoever reads it. @return a negative number when there is none, also behind a link to another
+/// file
+/// @throws Error when its values lie in another file.
+[[nodiscard]] hid_t open_dataset(hid_t parent, const std::string& name);
+
 /// A dataset of fixed shape, space in the file taken at once; `dimensions` empty for a single value.
 [[nodiscard]] Handle create_dataset(hid_t parent, const std::string& name, hid_t type,
                                     const std::vector<hsize_t>& dimensions);

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "io/record/hdf5_handle.h"
 #include "io/record/recording_writer.h"
@@ -41,11 +42,40 @@ TEST(ForeignFile, MissingFileIsNamed) {
 
 TEST(ForeignFile, FolderTextAndEmptyFileAreRefused) {
   const TemporaryFolder folder;
-  EXPECT_THAT(message_for(folder / "."), HasSubstr("not a palpate recording"));
+  EXPECT_THAT(message_for(folder / "."), HasSubstr("is a folder, must be a palpate recording"));
   std::ofstream(folder / "text") << "tick,time_s\n0,0\n";
   EXPECT_THAT(message_for(folder / "text"), HasSubstr("not an HDF5 file"));
   std::ofstream(folder / "empty") << "";
   EXPECT_THAT(message_for(folder / "empty"), HasSubstr("not an HDF5 file"));
+}
+
+TEST(ForeignFile, AFifoIsRefusedWithoutWaiting) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
+  EXPECT_THAT(message_for(folder / "fifo"), HasSubstr("is a FIFO, must be a palpate recording"));
+  EXPECT_THROW((void)repair_recording(folder / "fifo"), InputError);
+}
+
+TEST(ForeignFile, ValuesInAnotherFileAreRefusedAndThatFileIsNotOpened) {
+  const TemporaryFolder folder;
+  const std::string fifo = (folder / "fifo").string();  // whoever opens it waits for ever
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  const auto beside = changed_file(folder, [&fifo](hid_t file) {
+    H5Ldelete(file, "/organ/vertices", H5P_DEFAULT);
+    const hsize_t shape[2] = {4, 3};
+    const hid_t space = H5Screate_simple(2, shape, nullptr);
+    const hid_t how = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_external(how, fifo.c_str(), 0, 4 * 3 * sizeof(double));
+    H5Dclose(H5Dcreate2(file, "/organ/vertices", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, how, H5P_DEFAULT));
+    H5Pclose(how);
+    H5Sclose(space);
+  });
+  EXPECT_THAT(message_for(beside), HasSubstr("/organ/vertices: its values lie in another file"));
+  const auto linked = changed_file(folder, [&fifo](hid_t file) {
+    H5Ldelete(file, "/ticks", H5P_DEFAULT);
+    H5Lcreate_external(fifo.c_str(), "/ticks", file, "/ticks", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  EXPECT_THAT(message_for(linked), HasSubstr("not a palpate recording: no /ticks"));
 }
 
 TEST(ForeignFile, OtherHdf5FileIsRefused) {
