@@ -1,17 +1,16 @@
 // `palpate serve`: the live interface (docs/live-interface.md).
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "io/system/input_file.h"
 #include "net/live_access.h"
 #include "net/live_server.h"
 #include "palpate/error.h"
@@ -29,7 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPort = 7370;
-constexpr std::uintmax_t kLargestPage = std::uintmax_t{1} << 22U;  // bytes
 
 struct ServeFlags {
   ServedOptions runs;
@@ -41,17 +39,10 @@ struct ServeFlags {
   bool wait = false;
 };
 
-std::string read_page(const fs::path& file) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(file, error);
-  if (error || size > kLargestPage) {
-    throw InputError("--page " + file.string() + ": must be an HTML file of at most 4 MiB");
-  }
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw InputError("--page " + file.string() + ": cannot be read");
-  return text.str();
+std::string read_page(const fs::path& file) try {
+  return InputFile(file, kPageInput).read_rest();
+} catch (const InputError& error) {
+  throw InputError(std::string("--page ") + error.what());
 }
 
 /// What the flags say of who may connect. @throws InputError.

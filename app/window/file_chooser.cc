@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
 #include <imgui.h>
 #include <imgui_stdlib.h>
+
+#include "io/system/input_file.h"
+#include "palpate/error.h"
 
 #include "app/window/look.h"
 
@@ -72,11 +75,13 @@ std::optional<FileUse> use_of_file(const fs::path& file) {
   if (ending == ".csv") return FileUse::kToolPath;
   if (ending == ".h5") return FileUse::kRecording;
   if (ending != ".toml") return std::nullopt;
-  std::ifstream text(file);
-  std::string line;
-  while (std::getline(text, line)) {
-    if (line.rfind("[tissue]", 0) == 0) return FileUse::kTissue;
-    if (line.rfind("[organ]", 0) == 0) return FileUse::kScene;
+  try {
+    std::istringstream text(InputFile(file, kTomlInput).read_rest());
+    for (std::string line; std::getline(text, line);) {
+      if (line.rfind("[tissue]", 0) == 0) return FileUse::kTissue;
+      if (line.rfind("[organ]", 0) == 0) return FileUse::kScene;
+    }
+  } catch (const InputError&) {  // whoever reads it as a scene says what is wrong
   }
   return FileUse::kScene;
 }

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include <fmt/core.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 
+#include "io/system/input_file.h"
 #include "palpate/error.h"
 
 namespace palpate::net {
@@ -33,20 +34,17 @@ std::string new_token() {
   return token;
 }
 
-std::string read_token_file(const std::filesystem::path& file) {
-  const auto refuse = [&file](const std::string& why) {
-    throw InputError(fmt::format("--token-file {}: {}", file.string(), why));
-  };
+std::string read_token_file(const std::filesystem::path& file) try {
+  InputFile input(file, kTokenInput);
+  const auto refuse = [&file](const std::string& why) { throw InputError(file.string() + ": " + why); };
   struct stat facts {};
-  if (stat(file.c_str(), &facts) != 0)
-    refuse("cannot be read; a file with a token in its first line is wanted");
-  if (!S_ISREG(facts.st_mode)) refuse("is no file; a file with a token in its first line is wanted");
+  if (fstat(input.descriptor(), &facts) != 0) refuse("cannot be read");
   if ((facts.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
     refuse("others than its owner may use it, so that it is no secret: chmod 600 " + file.string());
   }
-  std::ifstream in(file);
+  std::istringstream lines(input.read_rest());
   std::string token;
-  if (!std::getline(in, token)) refuse("cannot be read, or is empty");
+  if (!std::getline(lines, token)) refuse("is empty, a token is wanted in its first line");
   if (!token.empty() && token.back() == '\r') token.pop_back();
   if (token.size() < kShortestToken || token.size() > kLongestToken) {
     refuse(fmt::format("its first line has {} characters, a token must have {} to {}", token.size(),
@@ -56,6 +54,8 @@ std::string read_token_file(const std::filesystem::path& file) {
     refuse("its first line has other characters than printable ASCII without spaces");
   }
   return token;
+} catch (const InputError& error) {
+  throw InputError(std::string("--token-file ") + error.what());
 }
 
 bool same_token(std::string_view wanted, std::string_view given) noexcept {

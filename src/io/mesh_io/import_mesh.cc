@@ -2,16 +2,22 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstring>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/core.h>
 
+#include "io/system/input_file.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -61,6 +67,39 @@ class LogCapture final {
 
  private:
   Complaints complaints_;
+};
+
+/// Gives the importer the mesh file's bytes from memory, and lets it open regular files alone beside it (the
+/// buffers of a glTF file).
+class CheckedFiles final : public Assimp::DefaultIOSystem {
+ public:
+  explicit CheckedFiles(const MeshFile& file) : file_(file) {}
+
+  /// The base class opens a file to see whether it is there, which waits for a FIFO.
+  bool Exists(const char* name) const override {
+    std::error_code error;
+    return std::filesystem::exists(name, error);
+  }
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    if (std::strchr(mode, 'w') != nullptr || std::strchr(mode, 'a') != nullptr) return nullptr;
+    const auto* start = reinterpret_cast<const std::uint8_t*>(file_.bytes.data());
+    if (file_.path == name) return new Assimp::MemoryIOStream(start, file_.bytes.size());
+    try {
+      const std::string bytes = InputFile(name, kMeshInput).read_rest();
+      auto* copy = new std::uint8_t[bytes.size()];  // the stream owns it, and the importer the stream
+      std::memcpy(copy, bytes.data(), bytes.size());
+      return new Assimp::MemoryIOStream(copy, bytes.size(), true);
+    } catch (const InputError& error) {
+      if (refusal_.empty()) refusal_ = error.what();
+      return nullptr;
+    }
+  }
+  /// Why the first file beside the mesh that was refused was refused; empty: none was.
+  [[nodiscard]] const std::string& refusal() const { return refusal_; }
+
+ private:
+  const MeshFile& file_;
+  std::string refusal_;
 };
 
 using Mat4 = Eigen::Matrix4d;
@@ -172,10 +211,15 @@ ImportedMesh import_mesh(const MeshFile& file, const FileFacts& facts) {
   if (!is_cleaned || facts.cleaned.find("\nf ") != std::string::npos) {
     const LogCapture log;
     Assimp::Importer importer;
+    auto* files = new CheckedFiles(file);  // the importer's from here on
+    importer.SetIOHandler(files);
     const aiScene* scene =
         is_cleaned ? importer.ReadFileFromMemory(facts.cleaned.data(), facts.cleaned.size(), 0, "obj")
                    : importer.ReadFile(file.path.string(), 0);
-    if (scene == nullptr) throw InputError(cannot_read(file, importer.GetErrorString()));
+    if (scene == nullptr) {
+      throw InputError(
+          cannot_read(file, files->refusal().empty() ? importer.GetErrorString() : files->refusal()));
+    }
     add_faces(*scene, counts);
     if (counts.polygons > 0) {
       scene = importer.ApplyPostProcessing(aiProcess_Triangulate);

@@ -6,10 +6,8 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
@@ -18,12 +16,11 @@
 #include "io/mesh_io/gltf_check.h"
 #include "io/mesh_io/ply_check.h"
 #include "io/mesh_io/text_scan.h"
+#include "io/system/input_file.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr std::uintmax_t kLargestFile = 512ULL << 20;  // bytes
 
 constexpr std::array<std::pair<std::string_view, MeshFormat>, 8> kEndings{{{".stl", MeshFormat::kStl},
                                                                            {".obj", MeshFormat::kObj},
@@ -350,22 +347,9 @@ void check_3ds(const MeshFile& file) {
 }  // namespace
 
 MeshFile open_mesh_file(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw InputError(path.string() + ": there is no such file");
-  if (!std::filesystem::is_regular_file(status)) throw InputError(path.string() + ": not a file");
-  MeshFile file{path, format_of(path), {}};
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) throw InputError(path.string() + ": cannot be read: " + error.message());
-  if (size == 0) throw InputError(path.string() + ": empty");
-  if (size > kLargestFile) {
-    throw InputError(fmt::format("{}: {} MiB: at most 512 are read", path.string(), size >> 20));
-  }
-  std::ifstream stream(path, std::ios::binary);
-  file.bytes.resize(static_cast<std::size_t>(size));
-  if (!stream.read(file.bytes.data(), static_cast<std::streamsize>(size))) {
-    throw InputError(path.string() + ": cannot be read");
-  }
+  InputFile input(path, kMeshInput);
+  MeshFile file{path, format_of(path), input.read_rest()};
+  if (file.bytes.empty()) throw InputError(path.string() + ": empty");
   return file;
 }
 

@@ -21,6 +21,7 @@
 #include "io/record/recording_writer.h"
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
+#include "io/system/input_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
 
@@ -244,31 +245,27 @@ RecordingReader::RecordingReader(std::filesystem::path file) : path_(std::move(f
 void RecordingReader::refuse(const std::string& why) const { throw InputError(path_.string() + ": " + why); }
 
 void RecordingReader::open() {
-  const Descriptor in(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat facts {};
-  if (in.fd < 0 || ::fstat(in.fd, &facts) != 0) {
-    refuse(errno == ENOENT ? "there is no such file"
-                           : std::string("cannot be opened: ") + std::strerror(errno));
-  }
-  if (!S_ISREG(facts.st_mode)) refuse("not a palpate recording: not a regular file");
+  const InputFile in(path_, kRecordingInput);
   std::array<unsigned char, 8> start{};
-  if (::pread(in.fd, start.data(), start.size(), 0) != static_cast<ssize_t>(start.size()) ||
+  if (::pread(in.descriptor(), start.data(), start.size(), 0) != static_cast<ssize_t>(start.size()) ||
       start != kHdf5Signature) {
     refuse("not a palpate recording: not an HDF5 file");
   }
-  file_bytes_ = static_cast<std::uint64_t>(facts.st_size);
-  if (!open_as_is() && !open_filled_up()) refuse("not a palpate recording: a damaged HDF5 file");
+  file_bytes_ = in.size();
+  if (!open_as_is(in.descriptor()) && !open_filled_up(in.descriptor()))
+    refuse("not a palpate recording: a damaged HDF5 file");
 }
 
-bool RecordingReader::open_as_is() {
+bool RecordingReader::open_as_is(int descriptor) {
+  const std::string name = "/proc/self/fd/" + std::to_string(descriptor);  // nobody can exchange that file
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
   // More tries wait ever longer for a block that a cut-off file does not have.
   constexpr unsigned kTries = 10;
   check(H5Pset_metadata_read_attempts(access.id(), kTries), "file access");
   check(H5Pset_file_locking(access.id(), 1, 1), "file access");
-  hid_t id = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access.id());
+  hid_t id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.id());
   if (id < 0) {
-    id = H5Fopen(path_.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
+    id = H5Fopen(name.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
     cut_off_ = id >= 0;
   }
   if (id >= 0) file_ = Handle(id, "file");
@@ -277,10 +274,10 @@ bool RecordingReader::open_as_is() {
 
 /// A file that was closed in good order, but of which the end is missing, is opened as a temporary copy in
 /// which zeros stand for what is missing.
-bool RecordingReader::open_filled_up() {
-  const Descriptor in(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+bool RecordingReader::open_filled_up(int descriptor) {
   std::array<unsigned char, kSuperblockBytes> superblock{};
-  if (::pread(in.fd, superblock.data(), superblock.size(), 0) != static_cast<ssize_t>(superblock.size())) {
+  if (::pread(descriptor, superblock.data(), superblock.size(), 0) !=
+      static_cast<ssize_t>(superblock.size())) {
     return false;
   }
   std::int64_t end = 0;
@@ -291,7 +288,7 @@ bool RecordingReader::open_filled_up() {
   const Descriptor copy(open_temporary_file(name));
   if (copy.fd < 0) return false;
   hid_t id = H5I_INVALID_HID;
-  if (copy_bytes(in.fd, copy.fd, file_bytes_) && ::ftruncate(copy.fd, end) == 0) {
+  if (copy_bytes(descriptor, copy.fd, file_bytes_) && ::ftruncate(copy.fd, end) == 0) {
     id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   }
   ::unlink(name.c_str());  // the open file stays

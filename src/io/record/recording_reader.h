@@ -41,8 +41,8 @@ class RecordingReader final {
 
  private:
   void open();
-  bool open_as_is();
-  bool open_filled_up();
+  bool open_as_is(int descriptor);
+  bool open_filled_up(int descriptor);
   void read_all_but_ticks();
   void read_changes();
   [[nodiscard]] std::size_t rows_within_file(std::uint64_t start, std::size_t count) const;

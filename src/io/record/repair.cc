@@ -19,7 +19,8 @@ namespace {
 /// Keeps a lock on a file that nobody writes, for as long as it lives.
 class OnlyUser final {
  public:
-  explicit OnlyUser(const std::filesystem::path& file) : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+  explicit OnlyUser(const std::filesystem::path& file)
+      : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
     if (fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(fd_);
       throw InputError(file.string() + ": is still being written or read by another program");

@@ -2,19 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
 #include "io/scene/names.h"
+#include "io/system/input_file.h"
 
 namespace palpate::scene {
 namespace {
-
-constexpr std::streamsize kLargestFile = 16 << 20;  // bytes: no scene or tissue comes near
 
 std::string value_in_words(const toml::node& node) {
   constexpr std::size_t kLongest = 80;
@@ -53,23 +50,7 @@ std::string Range::in_words() const {
 }
 
 TomlFile read_toml(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  std::error_code status;
-  if (!std::filesystem::exists(file, status)) throw InputError(name + ": there is no such file");
-  if (std::filesystem::is_directory(file, status))
-    throw InputError(name + ": is a folder, must be a TOML file");
-  std::ifstream in(file, std::ios::binary);
-  std::string content;
-  std::vector<char> block(1 << 16);
-  while (in) {
-    in.read(block.data(), static_cast<std::streamsize>(block.size()));
-    content.append(block.data(), static_cast<std::size_t>(in.gcount()));
-    if (static_cast<std::streamsize>(content.size()) > kLargestFile) {
-      throw InputError(name + ": longer than 16 MB, must be a TOML file");
-    }
-  }
-  if (!in.eof()) throw InputError(name + ": cannot be read");
-  return parse_toml(content, name);
+  return parse_toml(InputFile(file, kTomlInput).read_rest(), file.string());
 }
 
 TomlFile parse_toml(const std::string& text, const std::string& name) {

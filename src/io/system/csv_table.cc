@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "core/base/text.h"
@@ -36,18 +35,12 @@ std::string required_names(const std::vector<CsvColumn>& columns) {
 
 CsvTable::CsvTable(const std::filesystem::path& file, std::vector<CsvColumn> columns, double largest)
     : file_(file.string()),
+      in_(file, kCsvInput),
       columns_(std::move(columns)),
       largest_(largest),
       buffer_(kLongestLine, '\0'),
       cell_of_(columns_.size(), kAbsent),
       numbers_(columns_.size(), 0.0) {
-  std::error_code status;
-  if (!std::filesystem::exists(file, status)) throw InputError(file_ + ": there is no such file");
-  if (std::filesystem::is_directory(file, status)) {
-    throw InputError(file_ + ": is a folder, must be a CSV file");
-  }
-  in_.open(file, std::ios::binary);
-  if (!in_) throw InputError(file_ + ": cannot be read");
   if (!next_line()) throw InputError(file_ + ": is empty, must have a header and rows");
   read_header();
 }
@@ -84,17 +77,37 @@ void CsvTable::fail(std::size_t column, const std::string& want) const {
   fail(columns_[column].name + " = " + shortest(number(column)) + ": " + want);
 }
 
+/// The file's next line, without its end, as line_. @return false at the end of the file
+bool CsvTable::take_line() {
+  for (std::size_t searched = begin_;;) {
+    const std::size_t newline = std::string_view(buffer_).substr(0, end_).find('\n', searched);
+    if (newline != std::string_view::npos) {
+      line_ = std::string_view(buffer_).substr(begin_, newline - begin_);
+      begin_ = newline + 1;
+      return true;
+    }
+    std::copy(buffer_.data() + begin_, buffer_.data() + end_, buffer_.data());
+    end_ -= std::exchange(begin_, 0);
+    searched = end_;
+    if (end_ == buffer_.size()) {
+      ++line_number_;
+      fail("the line is longer than 64 KiB, is this a CSV file?");
+    }
+    const std::size_t count = in_.read(std::span(buffer_).subspan(end_));
+    end_ += count;
+    if (count > 0) continue;
+    line_ = std::string_view(buffer_).substr(0, end_);
+    begin_ = end_;
+    return !line_.empty();
+  }
+}
+
 /// The next line that counts, without blanks at its ends.
 bool CsvTable::next_line() {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   for (;;) {
-    in_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    if (in_.bad()) throw InputError(file_ + ": cannot be read to its end");
-    if (in_.fail() && in_.eof()) return false;
+    if (!take_line()) return false;
     ++line_number_;
-    if (in_.fail()) fail("the line is longer than 64 KiB, is this a CSV file?");
-    const auto taken = static_cast<std::size_t>(in_.gcount());
-    line_ = std::string_view(buffer_).substr(0, in_.eof() ? taken : taken - 1);
     if (line_number_ == 1 && line_.starts_with(kByteOrderMark)) line_.remove_prefix(kByteOrderMark.size());
     line_ = trimmed(line_);
     if (!line_.empty() && !line_.starts_with('#')) return true;
@@ -118,27 +131,42 @@ void CsvTable::read_header() {
   split();
   const std::string required = required_names(columns_);
   if (parse_number(cells_.front())) fail("the header is missing: the first line must name " + required);
+  std::vector<std::string> unknown;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
-    const std::size_t column = column_named(cells_[i]);
+    const auto named = std::find_if(columns_.begin(), columns_.end(),
+                                    [&](const CsvColumn& column) { return column.name == cells_[i]; });
+    if (named == columns_.end()) {
+      unknown.push_back(excerpt(cells_[i]));
+      continue;
+    }
+    const auto column = static_cast<std::size_t>(named - columns_.begin());
     if (has(column)) fail(columns_[column].name + ": stands twice, must stand once");
     cell_of_[column] = i;
   }
   header_cells_ = cells_.size();
-  for (std::size_t column = 0; column < columns_.size(); ++column) {
-    if (columns_[column].required && !has(column)) {
-      fail(columns_[column].name + ": missing, the header must name " + required);
-    }
-  }
+  check_header(unknown);
 }
 
-std::size_t CsvTable::column_named(std::string_view cell) const {
-  std::vector<std::string> names;
-  for (const CsvColumn& column : columns_) names.push_back(column.name);
-  const auto known = std::find(names.begin(), names.end(), cell);
-  if (known != names.end()) return static_cast<std::size_t>(known - names.begin());
-  const std::string near = nearest_word(cell, names);
-  fail("column \"" + excerpt(cell) + "\": unknown, " +
-       (near.empty() ? "known are " + listed(names) : "did you mean " + near + "?"));
+/// @param unknown names in the header that are no column's
+void CsvTable::check_header(const std::vector<std::string>& unknown) const {
+  std::vector<std::string> missing;
+  std::vector<std::string> absent;
+  std::vector<std::string> known;
+  for (std::size_t column = 0; column < columns_.size(); ++column) {
+    known.push_back(columns_[column].name);
+    if (!has(column)) absent.push_back(known.back());
+    if (!has(column) && columns_[column].required) missing.push_back(known.back());
+  }
+  if (missing.empty() && unknown.empty()) return;
+  const bool one_misspelt = !unknown.empty() && missing.size() <= 1;
+  const std::string near =
+      one_misspelt ? nearest_word(unknown.front(), missing.empty() ? absent : missing) : "";
+  if (missing.empty() || !near.empty()) {
+    fail("column \"" + unknown.front() + "\": unknown, " +
+         (near.empty() ? "known are " + listed(known) : "did you mean " + near + "?"));
+  }
+  fail(listed(missing) + ": missing, the header must name " + required_names(columns_) +
+       (unknown.empty() ? "" : "; unknown in it: " + listed(unknown)));
 }
 
 void CsvTable::read_number(std::size_t column) {

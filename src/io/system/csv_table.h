@@ -1,11 +1,12 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "io/system/input_file.h"
 
 namespace palpate {
 
@@ -54,14 +55,18 @@ class CsvTable final {
   [[nodiscard]] bool next_line();
   void split();
   void read_header();
-  [[nodiscard]] std::size_t column_named(std::string_view cell) const;
+  void check_header(const std::vector<std::string>& unknown) const;
   void read_number(std::size_t column);
 
+  [[nodiscard]] bool take_line();
+
   std::string file_;
-  std::ifstream in_;
+  InputFile in_;
   std::vector<CsvColumn> columns_;
   double largest_;
   std::string buffer_;
+  std::size_t begin_ = 0;  // of what was read into the buffer and not yet taken, and its end
+  std::size_t end_ = 0;
   std::string_view line_;  // in the buffer
   std::vector<std::string_view> cells_;
   std::vector<std::size_t> cell_of_;  // of each column

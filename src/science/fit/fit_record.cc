@@ -4,13 +4,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <fstream>
+#include <filesystem>
 #include <limits>
+#include <sstream>
+#include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "core/base/content_hash.h"
+#include "io/system/input_file.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
@@ -204,7 +207,9 @@ SpecimenFit fit_of(const std::string& line) {
 
 std::map<std::string, std::string> read_lines(const std::string& file) {
   std::map<std::string, std::string> lines;
-  std::ifstream in(file, std::ios::binary);
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return lines;
+  std::istringstream in(InputFile(file, kFitLinesInput).read_rest());
   for (std::string line; std::getline(in, line);) {
     try {
       const Json json = Json::parse(line);

@@ -3,15 +3,14 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>  // jpeglib.h needs it before
-#include <fstream>
 #include <span>
 #include <string>
-#include <system_error>
 
 #include <fmt/core.h>
 #include <jpeglib.h>
 #include <png.h>
 
+#include "io/system/input_file.h"
 #include "palpate/error.h"
 
 namespace palpate::fit {
@@ -20,18 +19,8 @@ namespace {
 using Bytes = std::vector<unsigned char>;
 
 Bytes read_bytes(const std::filesystem::path& file) {
-  std::error_code failed;
-  const std::uintmax_t size = std::filesystem::file_size(file, failed);
-  if (failed) throw InputError(file.string() + ": cannot be read: " + failed.message());
-  if (size > kMostPictureBytes) {
-    throw InputError(
-        fmt::format("{}: has {} bytes, must have at most {}", file.string(), size, kMostPictureBytes));
-  }
-  Bytes bytes(static_cast<std::size_t>(size));
-  std::ifstream in(file, std::ios::binary);
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!in) throw InputError(file.string() + ": cannot be read");
-  return bytes;
+  const std::string bytes = InputFile(file, kPictureInput).read_rest();
+  return {bytes.begin(), bytes.end()};
 }
 
 void check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height) {

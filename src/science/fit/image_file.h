@@ -13,9 +13,8 @@ struct Picture {
   std::vector<std::uint8_t> rgb;  // three a pixel
 };
 
-inline constexpr int kSmallestPicture = 64;                   // pixels, either side
-inline constexpr std::int64_t kMostPixels = 50'000'000;       // of a picture
-inline constexpr std::uintmax_t kMostPictureBytes = 1 << 28;  // of a file
+inline constexpr int kSmallestPicture = 64;              // pixels, either side
+inline constexpr std::int64_t kMostPixels = 50'000'000;  // of a picture
 
 /// [setup] Reads a PNG or JPEG file, told apart by its first bytes. Its size is checked before its pixels are
 /// decoded. Transparent parts lie on white.

@@ -290,7 +290,7 @@ TEST_F(ReadMesh, RefusesWhatIsNoMeshFile) {
   EXPECT_THAT([&] { (void)read_mesh(folder_.path() / "none.stl", LengthUnit::kMetre); },
               ThrowsMessage<InputError>(HasSubstr("none.stl: there is no such file")));
   EXPECT_THAT([&] { (void)read_mesh(folder_.path(), LengthUnit::kMetre); },
-              ThrowsMessage<InputError>(HasSubstr("not a file")));
+              ThrowsMessage<InputError>(HasSubstr("is a folder, must be a mesh file")));
   expect_refused("a.txt", "solid", "unknown ending \".txt\"");
   for (const char* ending : {"stl", "obj", "ply", "off", "3ds", "gltf", "glb"}) {
     expect_refused(std::string("a.") + ending, "", "empty");

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "io/record/hdf5_handle.h"
 #include "io/record/recording_writer.h"
@@ -41,11 +42,18 @@ TEST(ForeignFile, MissingFileIsNamed) {
 
 TEST(ForeignFile, FolderTextAndEmptyFileAreRefused) {
   const TemporaryFolder folder;
-  EXPECT_THAT(message_for(folder / "."), HasSubstr("not a palpate recording"));
+  EXPECT_THAT(message_for(folder / "."), HasSubstr("is a folder, must be a palpate recording"));
   std::ofstream(folder / "text") << "tick,time_s\n0,0\n";
   EXPECT_THAT(message_for(folder / "text"), HasSubstr("not an HDF5 file"));
   std::ofstream(folder / "empty") << "";
   EXPECT_THAT(message_for(folder / "empty"), HasSubstr("not an HDF5 file"));
+}
+
+TEST(ForeignFile, AFifoIsRefusedWithoutWaiting) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
+  EXPECT_THAT(message_for(folder / "fifo"), HasSubstr("is a FIFO, must be a palpate recording"));
+  EXPECT_THROW((void)repair_recording(folder / "fifo"), InputError);
 }
 
 TEST(ForeignFile, OtherHdf5FileIsRefused) {

@@ -55,9 +55,20 @@ TEST(CsvTable, PassesOverCommentsBlankLinesByteOrderMarkAndCarriageReturns) {
 TEST(CsvTable, RefusesHeadersThatAreMissingUnknownIncompleteOrTwice) {
   EXPECT_EQ(error_in("1,2\n"), "a.csv:1: the header is missing: the first line must name depth_mm");
   EXPECT_EQ(error_in("time_s,depthmm\n"), "a.csv:1: column \"depthmm\": unknown, did you mean depth_mm?");
-  EXPECT_THAT(error_in("a,wholly,other\n"), HasSubstr("known are time_s, depth_mm and specimen"));
+  EXPECT_THAT(error_in("depth_mm,wholly\n"), HasSubstr("known are time_s, depth_mm and specimen"));
   EXPECT_EQ(error_in("time_s\n"), "a.csv:1: depth_mm: missing, the header must name depth_mm");
   EXPECT_EQ(error_in("depth_mm,depth_mm\n"), "a.csv:1: depth_mm: stands twice, must stand once");
+}
+
+TEST(CsvTable, NamesTheColumnsThatAreMissingBeforeThoseThatAreUnknown) {
+  const std::vector<CsvColumn> path = {{"time_s"}, {"x_m"}, {"y_m"}, {"qw", false}};
+  const auto error = [&path](const std::string& content) {
+    return palpate::test::rejection_of("a.csv", content, [&path](const auto& file) { CsvTable(file, path); });
+  };
+  EXPECT_EQ(error("t,x,y\n"),
+            "a.csv:1: time_s, x_m and y_m: missing, the header must name time_s, x_m and y_m; "
+            "unknown in it: t, x and y");
+  EXPECT_EQ(error("time_s,x_m,y_mm\n"), "a.csv:1: column \"y_mm\": unknown, did you mean y_m?");
 }
 
 TEST(CsvTable, RefusesFilesWithoutHeaderOrRows) {

@@ -1,0 +1,94 @@
+#include "io/system/input_file.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "palpate/error.h"
+
+namespace palpate {
+namespace {
+
+const char* type_in_words(mode_t mode) {
+  if (S_ISDIR(mode)) return "a folder";
+  if (S_ISFIFO(mode)) return "a FIFO";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a device";
+}
+
+std::string size_in_words(std::uint64_t bytes) {
+  if (bytes >= std::uint64_t{10} << 20) return std::to_string(bytes >> 20) + " MiB";
+  if (bytes >= std::uint64_t{10} << 10) return std::to_string(bytes >> 10) + " KiB";
+  return std::to_string(bytes) + " bytes";
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::filesystem::path& file, const InputKind& kind)
+    : name_(file.string()), kind_(kind) {
+  // Without O_NONBLOCK, opening a FIFO waits until somebody writes to it.
+  descriptor_ = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (descriptor_ < 0) {
+    const int why = errno;
+    if (why == ENOENT || why == ENOTDIR) throw InputError(name_ + ": there is no such file");
+    if (why == ENXIO) throw InputError(name_ + ": is a socket or a device, must be " + kind_.name);
+    throw InputError(name_ + ": cannot be read: " + std::strerror(why));
+  }
+  try {
+    check();
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+InputFile::~InputFile() { ::close(descriptor_); }
+
+void InputFile::check() {
+  struct stat facts {};
+  if (::fstat(descriptor_, &facts) != 0) {
+    throw InputError(name_ + ": cannot be read: " + std::strerror(errno));
+  }
+  if (!S_ISREG(facts.st_mode)) {
+    throw InputError(name_ + ": is " + type_in_words(facts.st_mode) + ", must be " + kind_.name);
+  }
+  size_ = static_cast<std::uint64_t>(facts.st_size);
+  if (size_ > kind_.most_bytes) {
+    throw InputError(name_ + ": has " + size_in_words(size_) + ", must be " + kind_.name + " of at most " +
+                     size_in_words(kind_.most_bytes));
+  }
+}
+
+std::size_t InputFile::read(std::span<char> bytes) {
+  for (;;) {
+    const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw InputError(name_ + ": cannot be read to its end: " + std::strerror(errno));
+    taken_ += static_cast<std::uint64_t>(count);
+    if (taken_ > kind_.most_bytes) {
+      throw InputError(name_ + ": has more than " + size_in_words(kind_.most_bytes) + ", must be " +
+                       kind_.name + " of at most that");
+    }
+    return static_cast<std::size_t>(count);
+  }
+}
+
+std::string InputFile::read_rest() {
+  constexpr std::size_t kBlock = std::size_t{1} << 16;
+  std::string content;
+  content.resize(static_cast<std::size_t>(size_ > taken_ ? size_ - taken_ : 0));
+  std::size_t filled = 0;
+  for (;;) {  // a file may grow meanwhile, and files of /proc have size 0
+    if (filled == content.size()) content.resize(filled + kBlock);
+    const std::size_t count = read(std::span(content).subspan(filled));
+    if (count == 0) break;
+    filled += count;
+  }
+  content.resize(filled);
+  return content;
+}
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace palpate {
+
+/// A kind of file that is read, and how large such a file may be (docs/file-formats.md, "Files that are
+/// read").
+struct InputKind {
+  const char* name;          // as an error names it: "a CSV file"
+  std::uint64_t most_bytes;  // larger files are refused
+};
+
+inline constexpr InputKind kTomlInput{"a TOML file", std::uint64_t{16} << 20};
+inline constexpr InputKind kCsvInput{"a CSV file", std::uint64_t{1} << 30};
+inline constexpr InputKind kMeshInput{"a mesh file", std::uint64_t{512} << 20};
+inline constexpr InputKind kRecordingInput{"a palpate recording", std::uint64_t{1} << 40};
+inline constexpr InputKind kPictureInput{"a PNG or JPEG picture", std::uint64_t{256} << 20};
+inline constexpr InputKind kFitLinesInput{"the lines of a fit", std::uint64_t{1} << 30};
+inline constexpr InputKind kTokenInput{"a file with a token in its first line", std::uint64_t{4} << 10};
+inline constexpr InputKind kPageInput{"an HTML file", std::uint64_t{4} << 20};
+
+/// A regular file that is open for reading. FIFOs, devices, sockets and folders are refused without waiting
+/// for them. The check is made on the opened file, so that nobody can exchange it in between.
+class InputFile final {
+ public:
+  /// [setup] @throws InputError naming the file, what is wrong and what would be right: there is no such
+  /// file, it is no regular file, cannot be read, or is larger than `kind.most_bytes`.
+  InputFile(const std::filesystem::path& file, const InputKind& kind);
+  ~InputFile();
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+
+  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+  /// [setup] Bytes when it was opened.
+  [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
+
+  /// [setup] The file's next bytes. @return how many; 0 at its end
+  /// @throws InputError when it cannot be read, or has grown beyond `kind.most_bytes`.
+  [[nodiscard]] std::size_t read(std::span<char> bytes);
+  /// [setup] All that follows. @throws InputError as read().
+  [[nodiscard]] std::string read_rest();
+
+ private:
+  void check();
+
+  std::string name_;
+  InputKind kind_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+  std::uint64_t taken_ = 0;
+};
+
+}  // namespace palpate
