@@ -62,10 +62,14 @@ Look look_at(const std::string& what) {
   Look look;
   look.name = opened.name;
   const std::int64_t begin = monotonic_ns();
+  double age = 0.0;  // s, of the sample before
   for (; look.reads < kReads; ++look.reads) {
     sleep_until_ns(begin + static_cast<std::int64_t>(look.reads) * kPeriod_ns);
     look.last = opened.device->read(look.reads, static_cast<double>(look.reads) * 1e-3);
-    if (look.last.age == 0.0 && look.last.fault == haptics::Fault::kNone) ++look.fresh;
+    // A sample that is not new is a millisecond older than at the last read.
+    const bool fresh = look.last.age < age + 0.5e-3 && look.last.age < haptics::kStaleAfter;
+    if (fresh && look.last.fault == haptics::Fault::kNone) ++look.fresh;
+    age = look.last.age;
   }
   opened.device->stop();
   look.trouble = opened.device->trouble();

@@ -19,7 +19,7 @@ void add_scene_flags(CLI::App& command, scene::Request& request) {
   command.add_option("--tool-unit", request.tool_unit, "unit of the tool's files");
   command.add_option("--device", request.device,
                      "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
-                     "mouse, gamepad, forcedimension, haply (`palpate devices` says what is there)");
+                     "mouse, gamepad, forcedimension, haply, touch (`palpate devices` says what is there)");
   command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks a second");
   command.add_option("--seed", request.seed, "of the touch noise");
   command.add_flag("--no-noise", request.no_noise, "leave the touch noise out");

@@ -1,4 +1,5 @@
 // `palpate devices`, and a run on a device whose library is the stand-in of src/run/devices/test/stand_in.
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -73,6 +74,20 @@ TEST(ForceDimensionRun, GoesThroughTheWholeProgram) {
   const Folder folder;
   const Outcome outcome = run(folder, {"run", "--device", kStandIn, "--duration-s", "0.5", "--record",
                                        "run.h5", "--offline", "--headless"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
+}
+
+TEST(TouchRun, GoesThroughTheWholeProgramWithTheLibraryThatTheLoaderFinds) {
+  const Folder folder;
+  const std::map<std::string, std::string> environment = {{"LD_LIBRARY_PATH", PALPATE_HD_STAND_IN_FOLDER}};
+  const Outcome look = run(folder, {"devices", "--try", "touch", "--json"}, environment);
+  ASSERT_EQ(look.exit_code, 0) << look.err;
+  EXPECT_EQ(json::parse(look.out)["name"], "Stand-in Touch (serial number 1234, driver 4.0), at most 3.3 N");
+  const Outcome outcome = run(
+      folder,
+      {"run", "--device", "touch", "--duration-s", "0.5", "--record", "run.h5", "--offline", "--headless"},
+      environment);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
 }

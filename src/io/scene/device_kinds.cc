@@ -13,6 +13,7 @@ constexpr DeviceKind kKinds[] = {
     {"gamepad", DevicePath::kNone, false, true, true},
     {"forcedimension", DevicePath::kLibrary, true, true, false},
     {"haply", DevicePath::kAddress, true, false, false},
+    {"touch", DevicePath::kName, true, false, false},
     {"host", DevicePath::kToolPath, true, true, false},
 };
 

@@ -10,6 +10,7 @@ enum class DevicePath {
   kRecording,  // a recording, required
   kLibrary,    // the vendor's shared library, on the command line alone; optional: DhdLibrary says where else
   kAddress,    // ws://HOST:PORT, optional
+  kName,       // the device's name in its vendor's setup, optional
   kNone,       // it takes no path
 };
 

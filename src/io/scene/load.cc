@@ -243,7 +243,8 @@ std::string check_device_path(const DeviceDescription& device, const DeviceKind&
   if (kind.path == DevicePath::kNone)
     device.path->fail("must be left out: a " + std::string(kind.name) + " has none");
   if (kind.path == DevicePath::kLibrary) check_library(*device.path);
-  if (kind.path == DevicePath::kAddress) return device.path->value;  // checked by the device itself
+  const bool file_like = kind.path != DevicePath::kAddress && kind.path != DevicePath::kName;
+  if (!file_like) return device.path->value;  // checked by the device itself
   const std::filesystem::path file = device.path->file();
   std::error_code status;
   if (!std::filesystem::exists(file, status)) device.path->fail("there is no such file");

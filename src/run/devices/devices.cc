@@ -19,6 +19,7 @@
 #include "run/devices/haply.h"
 #include "run/devices/mouse.h"
 #include "run/devices/replay.h"
+#include "run/devices/touch.h"
 
 namespace palpate::devices {
 namespace {
@@ -147,6 +148,18 @@ Opened connect_haply(const std::string& path) {
   return {std::move(device), std::move(name)};
 }
 
+std::unique_ptr<haptics::Device> open_touch(const scene::Setup& setup, std::size_t hand) {
+  return std::make_unique<TouchDevice>(setup.devices[hand].path);
+}
+
+Probe probe_installed_touch(const std::string& /*name*/) { return probe_touch(); }
+
+Opened connect_touch(const std::string& name) {
+  auto device = std::make_unique<TouchDevice>(name);
+  std::string description = device->description();
+  return {std::move(device), std::move(description)};
+}
+
 /// What can be done with one kind of device.
 struct Kind {
   std::string_view name;
@@ -163,6 +176,7 @@ constexpr Kind kKinds[] = {
     {"gamepad", open_gamepad, probe_gamepad, nullptr},
     {"forcedimension", open_forcedimension, probe_forcedimension, connect_forcedimension},
     {"haply", open_haply, probe_haply, connect_haply},
+    {"touch", open_touch, probe_installed_touch, connect_touch},
     {"host", open_host, probe_host, nullptr},
 };
 

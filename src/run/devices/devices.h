@@ -11,9 +11,10 @@ namespace palpate::devices {
 
 /// [setup] Opens the device of one hand: "scripted" or "emulated" (with or without a path), "replay" (a
 /// recording; its samples of that hand), "mouse" and "gamepad" (a window feeds them), "forcedimension" (the
-/// vendor's library; the first such hand has the first device connected, the next the second) or "haply"
-/// (hands with one address take its arms in order). Reads its files and connects now. @throws InputError
-/// naming the kind, the file or address and what is wrong (a replayed recording's rate must be the scene's).
+/// vendor's library; the first such hand has the first device connected, the next the second), "haply"
+/// (hands with one address take its arms in order) or "touch" (a name of Touch_Setup's). Reads its files and
+/// connects now. @throws InputError naming the kind, the file or address and what is wrong (a replayed
+/// recording's rate must be the scene's).
 [[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand);
 
 /// [setup] What is there of every kind of device and why something is not, in the order of

@@ -101,8 +101,11 @@ void ForceDimensionDevice::open(std::size_t ordinal) {
 /// Everything between opening and the first tick: what the device has, calibrated, force on, readable.
 void ForceDimensionDevice::begin() {
   const DhdFunctions& call = library_.call();
-  has_wrist_ = call.HasWrist == nullptr || call.GetPosition == nullptr || call.HasWrist(id_);
-  has_gripper_ = call.GetGripperAngleRad != nullptr && (call.HasGripper == nullptr || call.HasGripper(id_));
+  falcon_ = call.GetSystemType != nullptr && call.GetSystemType(id_) == kDhdFalcon;
+  const bool six = !falcon_ && (call.HasWrist == nullptr || call.HasWrist(id_));
+  has_wrist_ = six || call.GetPosition == nullptr;
+  has_gripper_ =
+      !falcon_ && call.GetGripperAngleRad != nullptr && (call.HasGripper == nullptr || call.HasGripper(id_));
   require_calibrated();
   set_force({});
   if (call.EnableForce(kOn, id_) < 0) {
@@ -124,7 +127,7 @@ void ForceDimensionDevice::require_calibrated() const {
   if (library_.call().GetStatus(status, id_) < 0) {
     throw InputError(place_ + "its status cannot be read: " + library_.last_error());
   }
-  if (status[kDhdStatusReset] == kOn) throw InputError(place_ + kCalibrateWords);
+  if (status[kDhdStatusReset] == kOn) throw InputError(place_ + calibration_words());
 }
 
 void ForceDimensionDevice::close() noexcept {
@@ -217,10 +220,11 @@ bool ForceDimensionDevice::write(const haptics::ForceCommand& command_D) noexcep
 
 bool ForceDimensionDevice::set_force(const haptics::ForceCommand& command_D) noexcept {
   const Vec3& f = command_D.force;
-  const Vec3& t = command_D.torque;
+  const Vec3 t = has_wrist_ ? command_D.torque : Vec3(Vec3::Zero());
+  const double gripper = has_gripper_ ? command_D.gripper_force : 0.0;
   // 0, or positive: time-guarded or a saturated motor, which the vendor counts as done.
   const int result = library_.call().SetForceAndTorqueAndGripperForce(f.x(), f.y(), f.z(), t.x(), t.y(),
-                                                                      t.z(), command_D.gripper_force, id_);
+                                                                      t.z(), gripper, id_);
   if (result < 0) note(kRefused, library_.call().ErrorGetLast());
   return result >= 0;
 }
@@ -248,6 +252,12 @@ void ForceDimensionDevice::note(std::uint32_t what, int code) noexcept {
   trouble_.store(what << 16U | (static_cast<std::uint32_t>(code) & 0xFFFFU), std::memory_order_relaxed);
 }
 
+std::string ForceDimensionDevice::calibration_words() const {
+  return falcon_ ? "the device is not calibrated: draw its grip out as far as it goes and push it in again, "
+                   "slowly, until its light changes"
+                 : kCalibrateWords;
+}
+
 std::string ForceDimensionDevice::trouble() const {
   const std::uint32_t trouble = trouble_.load(std::memory_order_relaxed);
   const auto code = static_cast<int>(trouble & 0xFFFFU);
@@ -265,7 +275,7 @@ std::string ForceDimensionDevice::trouble() const {
     case kForceOff:
       return force_off_words(code);
     case kUncalibrated:
-      return kCalibrateWords;
+      return calibration_words();
     case kNoPower:
       return "the device has no power: switch it on";
     default:
@@ -275,7 +285,7 @@ std::string ForceDimensionDevice::trouble() const {
 
 haptics::DeviceAbilities ForceDimensionDevice::abilities() const {
   const char* name = library_.call().GetSystemName(id_);
-  return abilities_of_model(name == nullptr ? "" : name);
+  return abilities_of_model(falcon_ ? "Falcon" : name == nullptr ? "" : name);
 }
 
 std::string ForceDimensionDevice::description() const {

@@ -10,7 +10,8 @@
 
 namespace palpate::devices {
 
-/// A Force Dimension device (delta, omega, sigma, lambda) through the vendor's library.
+/// A Force Dimension device (delta, omega, sigma, lambda) or a Novint Falcon through Force Dimension's
+/// library.
 ///
 /// The device's frame D is the vendor's own base frame: x towards the user, y to the user's right, z up [m];
 /// a scene's `base` places it. The force is on from the opening on, at zero, and with the first write the
@@ -65,11 +66,13 @@ class ForceDimensionDevice final : public haptics::Device {
   [[nodiscard]] std::uint32_t read_buttons() const noexcept;
   bool ask_status() noexcept;
   void arm_watchdog(unsigned char steps) noexcept;
+  [[nodiscard]] std::string calibration_words() const;
   void note(std::uint32_t what, int code) noexcept;
 
   DhdLibrary library_;
   std::string place_;  // in front of messages
   char id_ = -1;
+  bool falcon_ = false;
   bool has_wrist_ = true;
   bool has_gripper_ = false;
   bool watchdog_armed_ = false;

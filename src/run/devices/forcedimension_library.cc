@@ -8,6 +8,7 @@
 
 #include "io/system/cache_folder.h"
 #include "palpate/error.h"
+#include "run/devices/vendor_library.h"
 
 namespace palpate::devices {
 namespace {
@@ -18,39 +19,6 @@ constexpr int kOldestMinor = 3;  // the first with dhdSetForceAndTorqueAndGrippe
 const char* const kAdvice = "(the vendor's SDK; give its path with --device forcedimension:/path/libdhd.so)";
 
 std::string in_front(const std::string& name) { return "device forcedimension: " + name + ": "; }
-
-/// What the loader says of its last failure, on one line.
-std::string loader_words() {
-  const char* words = dlerror();  // NOLINT(concurrency-mt-unsafe): at set-up only
-  std::string text = words == nullptr ? "no reason given" : words;
-  for (char& letter : text) {
-    if (letter == '\n') letter = ' ';
-  }
-  return text;
-}
-
-/// Looks functions up, and remembers the required one that is missing.
-class Lookup final {
- public:
-  explicit Lookup(void* handle) : handle_(handle) {}
-
-  template <typename Function>
-  void required(Function& function, const char* name) {
-    optional(function, name);
-    if (function == nullptr && missing_.empty()) missing_ = name;
-  }
-
-  template <typename Function>
-  void optional(Function& function, const char* name) const {
-    function = reinterpret_cast<Function>(dlsym(handle_, name));
-  }
-
-  [[nodiscard]] const std::string& missing() const { return missing_; }
-
- private:
-  void* handle_;
-  std::string missing_;
-};
 
 }  // namespace
 
@@ -98,7 +66,7 @@ void DhdLibrary::open(const std::string& path) {
 }
 
 void DhdLibrary::load() {
-  Lookup lookup(handle_);
+  VendorFunctions lookup(handle_);
   DhdFunctions& f = functions_;
   lookup.required(f.GetSDKVersion, "dhdGetSDKVersion");
   lookup.required(f.GetDeviceCount, "dhdGetDeviceCount");
@@ -118,6 +86,7 @@ void DhdLibrary::load() {
   lookup.optional(f.Open, "dhdOpen");
   if (f.OpenID == nullptr) lookup.required(f.Open, "dhdOpen");
   lookup.optional(f.GetButtonMask, "dhdGetButtonMask");
+  lookup.optional(f.GetSystemType, "dhdGetSystemType");
   lookup.optional(f.HasWrist, "dhdHasWrist");
   lookup.optional(f.HasGripper, "dhdHasGripper");
   lookup.optional(f.GetPosition, "dhdGetPosition");

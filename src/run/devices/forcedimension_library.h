@@ -13,6 +13,7 @@ inline constexpr int kDhdStatusReset = 3;  // it waits to be calibrated
 inline constexpr int kDhdStatusForce = 5;
 inline constexpr int kDhdStatusForceOffCause = 14;
 inline constexpr int kDhdButtons = 16;
+inline constexpr int kDhdFalcon = 60;  // the type of a Novint Falcon
 
 /// Force Dimension's library, loaded at run time by its documented C interface; the functions' names are the
 /// vendor's without "dhd". Every device is told by its identity, the last argument.
@@ -37,6 +38,7 @@ struct DhdFunctions {
   int (*Open)();
   int (*OpenID)(char index);
   unsigned (*GetButtonMask)(char id);
+  int (*GetSystemType)(char id);
   bool (*HasWrist)(char id);
   bool (*HasGripper)(char id);
   int (*GetPosition)(double* x, double* y, double* z, char id);

@@ -8,10 +8,10 @@ namespace palpate::devices {
 namespace {
 
 struct Model {
-  std::string_view begins;  // in lower case
-  double max_force;         // N
-  double max_stiffness;     // N/m; 0: not known
-  double radius;            // m, of the workspace
+  std::string_view part;  // of its name, in lower case
+  double max_force;       // N
+  double max_stiffness;   // N/m; 0: not known
+  double radius;          // m, of the workspace
   bool torque;
 };
 
@@ -34,7 +34,7 @@ haptics::DeviceAbilities abilities_of_model(std::string_view name) {
   haptics::DeviceAbilities abilities;
   abilities.model = name;
   for (const Model& model : kModels) {
-    if (lower.rfind(model.begins, 0) != 0) continue;
+    if (lower.find(model.part) == std::string::npos) continue;
     abilities.max_force = model.max_force;
     if (model.max_stiffness > 0.0) abilities.max_stiffness = model.max_stiffness;
     abilities.workspace_radius = model.radius;

@@ -214,6 +214,14 @@ TEST(Load, RefusesBadFlagsByTheirName) {
               HasSubstr("/no/such.toml: there is no such file"));
 }
 
+TEST(Load, ATouchIsNamedAndItsNameIsNoFile) {
+  Request request;
+  request.device = "touch:Left Device";
+  const scene::Setup setup = load(request);
+  EXPECT_EQ(setup.devices[0].kind, "touch");
+  EXPECT_EQ(setup.devices[0].path, "Left Device");
+}
+
 TEST(Load, RefusesDevicesItCannotOpen) {
   const auto with = [](const std::string& device) {
     Request request;
@@ -222,7 +230,7 @@ TEST(Load, RefusesDevicesItCannotOpen) {
   };
   EXPECT_THAT(with("joystick"),
               HasSubstr("--device = \"joystick\": must be scripted, replay, emulated, mouse, gamepad, "
-                        "forcedimension or haply"));
+                        "forcedimension, haply or touch"));
   EXPECT_THAT(with("mouse:left"), HasSubstr("\"left\": must be left out: a mouse has none"));
   EXPECT_THAT(with("replay"), HasSubstr("needs the path of a recording"));
   EXPECT_THAT(with("replay:/no/such.h5"), HasSubstr("--device = \"/no/such.h5\": there is no such file"));

@@ -206,6 +206,36 @@ TEST_F(ForceDimension, WithoutWristOrGripperItIsUprightAndClosed) {
   EXPECT_EQ(state.position_D, Vec3(0.0, 0.04, 0.0));
 }
 
+/// What a Falcon is to Force Dimension's library; what it says of wrist and gripper does not count.
+void make_falcon(stand_in::Device& hardware) {
+  hardware.type = 60;
+  hardware.rotation[0][0] = std::numeric_limits<double>::quiet_NaN();
+  hardware.gripper_angle = 0.5;
+}
+
+TEST_F(ForceDimension, AFalconIsUprightAndClosedAndTakesForceAlone) {
+  make_falcon(hardware_);
+  hardware_.position[2] = 0.03;
+  hardware_.buttons = 4;
+  ForceDimensionDevice device(dhd_.path, 0);
+  const haptics::DeviceState state = device.read(0, 0.0);
+  EXPECT_EQ(state.fault, haptics::Fault::kNone);
+  EXPECT_EQ(state.position_D, Vec3(0.0, 0.0, 0.03));
+  EXPECT_EQ(state.orientation_D.coeffs(), Quat::Identity().coeffs());
+  EXPECT_EQ(state.gripper, 0.0);
+  EXPECT_EQ(state.buttons, 4U);
+  EXPECT_TRUE(device.write({Vec3(1.0, -2.0, 3.0), Vec3(0.01, 0.02, -0.03), 0.5}));
+  EXPECT_THAT(hardware_.force, testing::ElementsAre(1.0, -2.0, 3.0));
+  EXPECT_THAT(hardware_.torque, testing::Each(0.0));
+  EXPECT_EQ(hardware_.gripper_force, 0.0);
+}
+
+TEST_F(ForceDimension, AFalconThatIsNotCalibratedIsRefusedWithItsOwnMovement) {
+  make_falcon(hardware_);
+  hardware_.uncalibrated = true;
+  EXPECT_THAT(refusal(dhd_.path), HasSubstr("not calibrated: draw its grip out as far as it goes"));
+}
+
 TEST_F(ForceDimension, ALibraryWithOnlyWhatIsRequiredIsEnough) {
   const Loaded bare(stand_in::file_of("dhd_stand_in_bare"));
   bare.library->count = 2;

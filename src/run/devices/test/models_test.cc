@@ -9,11 +9,11 @@ namespace {
 
 using haptics::DeviceAbilities;
 
-TEST(Models, AreFoundByTheBeginningOfTheirNameWhateverTheCase) {
+TEST(Models, AreFoundByAPartOfTheirNameWhateverTheCase) {
   EXPECT_EQ(abilities_of_model("omega.7").max_force, 12.0);
   EXPECT_EQ(abilities_of_model("Falcon").max_stiffness, 3000.0);
   EXPECT_EQ(abilities_of_model("Touch").max_stiffness, 400.0);
-  EXPECT_EQ(abilities_of_model("Touch X").max_stiffness, 1000.0) << "not the shorter name";
+  EXPECT_EQ(abilities_of_model("Geomagic Touch X").max_stiffness, 1000.0) << "not the shorter name";
   EXPECT_TRUE(abilities_of_model("sigma.7").torque);
   EXPECT_FALSE(abilities_of_model("PHANTOM Omni").torque);
   EXPECT_EQ(abilities_of_model("lambda.7").model, "lambda.7");

@@ -201,6 +201,10 @@ unsigned dhdGetButtonMask(char id) {
   return device == nullptr ? 0 : device->buttons;
 }
 
+int dhdGetSystemType(char id) {
+  return with(id, [](Device& device) { return device.type; });
+}
+
 bool dhdHasWrist(char id) {
   const std::lock_guard lock(mutex);
   const Device* device = find(id);

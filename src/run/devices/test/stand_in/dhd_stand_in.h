@@ -13,6 +13,7 @@ struct Device {
   double velocity[3] = {0.0, 0.0, 0.0};  // m/s
   double gripper_angle = 0.0;            // rad
   unsigned buttons = 0;
+  int type = 0;  // 60: a Falcon
   bool has_wrist = true;
   bool has_gripper = true;
 

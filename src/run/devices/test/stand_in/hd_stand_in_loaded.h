@@ -1,0 +1,57 @@
+#pragma once
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <dlfcn.h>
+
+#include "run/devices/test/stand_in/hd_stand_in.h"
+
+namespace palpate::devices::stand_in {
+
+/// The stand-in for libHD.so, held open by a test, as it is after loading: the code under test finds the same
+/// one in memory by its name, and meets what the test sets here. No arm may be open when one is made or goes.
+class LoadedHd final {
+ public:
+  LoadedHd() : handle_(dlopen(PALPATE_HD_STAND_IN, RTLD_NOW)) {
+    if (handle_ == nullptr) throw std::runtime_error(dlerror());  // NOLINT(concurrency-mt-unsafe): one thread
+    world_ = reinterpret_cast<HdEntry>(dlsym(handle_, kHdEntry))();
+    const std::lock_guard lock(world_->mutex);
+    for (HdArm& arm : world_->arms) arm = {};
+    world_->arms[1].name = "Left";
+    world_->silent = world_->stepped = false;
+    world_->start_error = 0;
+    world_->asked = world_->done = 0;
+    world_->starts = world_->illegal = 0;
+    world_->order.clear();
+  }
+  ~LoadedHd() { dlclose(handle_); }
+  LoadedHd(const LoadedHd&) = delete;
+  LoadedHd& operator=(const LoadedHd&) = delete;
+
+  /// Changes or looks at the world between two of the library's calls. @return what `use(world)` returns
+  template <typename Use>
+  auto set(Use use) const {
+    const std::lock_guard lock(world_->mutex);
+    return use(*world_);
+  }
+  /// The same with one arm.
+  template <typename Use>
+  auto arm(Use use, int index = 0) const {
+    return set([&](HdWorld& world) { return use(world.arms[index]); });
+  }
+  /// Lets a stepped scheduler call back once, and waits for it.
+  void step() const {
+    const unsigned long asked = set([](HdWorld& world) { return ++world.asked; });
+    while (set([&](const HdWorld& world) { return world.done < asked; })) {
+      std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+  }
+
+ private:
+  void* handle_;
+  HdWorld* world_ = nullptr;
+};
+
+}  // namespace palpate::devices::stand_in

@@ -1,0 +1,191 @@
+// What a hand meets when a Touch, OpenHaptics or its scheduler fails: the device goes through the loop in
+// step with the stand-in's scheduler, the fault comes while the tool presses, and the hand presses again
+// after a reset.
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "run/devices/test/emulated_scene.h"
+#include "run/devices/test/safety_line.h"
+#include "run/devices/test/stand_in/hd_stand_in_loaded.h"
+#include "run/devices/touch.h"
+
+namespace palpate::devices {
+namespace {
+
+using haptics::Fault;
+using haptics::TickRow;
+using stand_in::HdArm;
+using stand_in::HdWorld;
+using stand_in::LoadedHd;
+
+constexpr std::uint64_t kTouchFaultTick = 1500;
+constexpr std::uint64_t kTouchMendTick = 1600;   // in order again
+constexpr std::uint64_t kTouchResetTick = 2000;  // outside again
+constexpr std::uint64_t kTouchLastTick = 3600;
+constexpr std::uint64_t kTouchNever = ~std::uint64_t{0};
+
+/// Still outside for a second, 6 mm into the block by 1.4 s, out by 2 s, still, and in again from 3 s on.
+scene::ToolPath touch_path() {
+  return test::heights(
+      {{0.0, 8e-3}, {1.0, 8e-3}, {1.4, -6e-3}, {1.7, -6e-3}, {1.95, 8e-3}, {3.0, 8e-3}, {3.4, -6e-3}});
+}
+
+struct TouchCase {
+  const char* name;
+  const char* fault;
+  const char* injected;
+  Fault cause;
+  void (*inject)(HdArm& arm);     // null: the scheduler is the one that fails
+  std::uint64_t frame_every = 1;  // ticks, while it fails; 0: never
+
+  friend std::ostream& operator<<(std::ostream& out, const TouchCase& one) { return out << one.name; }
+};
+
+template <unsigned kCode>
+void raise(HdArm& arm) {
+  arm.frame_error = kCode;
+}
+
+constexpr const char* kAtTheFrame = "this error at every frame for 100 ticks";
+
+const TouchCase kTouchCases[] = {
+    {"Silent", "silent scheduler", "no callback for 100 ticks", Fault::kStale, nullptr, 0},
+    {"Slow", "slow scheduler", "a callback every 20 ticks, for 100 ticks", Fault::kStale, nullptr, 20},
+    {"Inkwell", "stylus in the inkwell", "its inkwell switch opens", Fault::kForceOff,
+     [](HdArm& arm) { arm.in_inkwell = true; }},
+    {"LetGo", "stylus let go", "its safety switch opens", Fault::kForceOff,
+     [](HdArm& arm) { arm.held = false; }},
+    {"ForceDisabled", "force output off", "the library says that force output is off", Fault::kForceOff,
+     [](HdArm& arm) { arm.force_enabled = false; }},
+    {"NaNPosition", "NaN as position", "a position that is no number", Fault::kNotFinite,
+     [](HdArm& arm) { arm.position[0] = std::numeric_limits<double>::quiet_NaN(); }},
+    {"NaNRotation", "NaN in the rotation", "a transform that is no number", Fault::kNotFinite,
+     [](HdArm& arm) { arm.transform[5] = std::numeric_limits<double>::quiet_NaN(); }},
+    {"WarmMotors", "warm motors (0x0200)", kAtTheFrame, Fault::kForceOff, raise<0x0200>},
+    {"MaxForce", "force exceeded (0x0201)", kAtTheFrame, Fault::kForceOff, raise<0x0201>},
+    {"Impulse", "force impulse exceeded (0x0202)", kAtTheFrame, Fault::kForceOff, raise<0x0202>},
+    {"Velocity", "velocity exceeded (0x0203)", kAtTheFrame, Fault::kForceOff, raise<0x0203>},
+    {"ForceError", "force error (0x0204)", kAtTheFrame, Fault::kForceOff, raise<0x0204>},
+    {"DeviceFault", "device fault (0x0300)", kAtTheFrame, Fault::kDevice, raise<0x0300>},
+    {"AlreadyOpen", "already initiated (0x0301)", kAtTheFrame, Fault::kDevice, raise<0x0301>},
+    {"Communication", "communication error (0x0302)", kAtTheFrame, Fault::kDevice, raise<0x0302>},
+    {"Configuration", "communication configuration (0x0303)", kAtTheFrame, Fault::kDevice, raise<0x0303>},
+    {"Timer", "timer error (0x0304)", kAtTheFrame, Fault::kDevice, raise<0x0304>},
+    {"Frame", "frame error (0x0402)", kAtTheFrame, Fault::kDevice, raise<0x0402>},
+    {"SchedulerFull", "scheduler full (0x0501)", kAtTheFrame, Fault::kDevice, raise<0x0501>},
+    {"Licence", "invalid licence (0x0600)", kAtTheFrame, Fault::kDevice, raise<0x0600>},
+};
+
+/// Where the path is, for the arm in order: mm in the vendor's frame, its force on.
+void put(HdArm& arm, const Vec3& p) {
+  const double position[3] = {1e3 * p.x(), 1e3 * p.z(), -1e3 * p.y()};
+  std::copy_n(position, 3, arm.position);
+  const double upright[16] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
+  std::copy_n(upright, 16, arm.transform);
+  arm.held = arm.force_enabled = true;
+  arm.in_inkwell = false;
+  arm.frame_error = 0;
+}
+
+/// The device in step with the scheduler: each tick asks for one frame, and its sample is no older than that.
+/// So nothing depends on how fast the machine is, but for a scheduler that fails, whose age is the clock's.
+class TouchInStep final : public haptics::Device {
+ public:
+  TouchInStep(TouchDevice& device, const LoadedHd& hd, const TouchCase& bad)
+      : device_(device), hd_(hd), bad_(bad), path_(touch_path()) {}
+
+  haptics::DeviceState read(std::uint64_t tick, double time) noexcept override {
+    const bool broken = tick >= kTouchFaultTick && tick < kTouchMendTick;
+    hd_.arm([&](HdArm& arm) {
+      put(arm, path_.at(time).position);
+      if (broken && bad_.inject != nullptr) bad_.inject(arm);
+    });
+    const bool slow = broken && bad_.inject == nullptr;
+    if (!slow || (bad_.frame_every > 0 && tick % bad_.frame_every == 0)) hd_.step();
+    haptics::DeviceState sample = device_.read(tick, time);
+    if (slow) {
+      const bool due = bad_.frame_every == 0 || tick % bad_.frame_every != 0;
+      while (due && sample.age <= haptics::kStaleAfter) sample = device_.read(tick, time);
+      return sample;
+    }
+    for (int i = 0; !broken && sample.fault != Fault::kNone && i < 10'000;
+         ++i) {  // what is still shown of it
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      hd_.step();
+      sample = device_.read(tick, time);
+    }
+    sample.age = 0.0;
+    if (tick == kTouchResetTick) sample.events = haptics::kResetFault;
+    return sample;
+  }
+  bool write(const haptics::ForceCommand& command_D) noexcept override { return device_.write(command_D); }
+  void stop() noexcept override { device_.stop(); }
+  [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return kTouchLastTick; }
+
+ private:
+  TouchDevice& device_;
+  const LoadedHd& hd_;
+  const TouchCase& bad_;
+  scene::ToolPath path_;
+};
+
+std::vector<TickRow> run_touch_with(const TouchCase& bad, std::string& trouble) {
+  const LoadedHd hd;
+  hd.arm([](HdArm& arm) { put(arm, touch_path().at(0.0).position); });
+  TouchDevice device("");
+  hd.set([](HdWorld& world) { world.stepped = true; });
+  TouchInStep stepped(device, hd, bad);
+  scene::Setup setup = test::block_and_hand();
+  setup.devices[0].kind = "touch";
+  std::vector<TickRow> rows = test::run_through(setup, stepped);
+  trouble = device.trouble();
+  hd.set([](HdWorld& world) { world.stepped = false; });
+  return rows;
+}
+
+class TouchSafety : public ::testing::TestWithParam<TouchCase> {};
+
+TEST_P(TouchSafety, TheForceFallsToZeroStaysThereAndComesBackOnlyAfterAReset) {
+  const TouchCase& bad = GetParam();
+  std::string trouble;
+  const std::vector<TickRow> rows = run_touch_with(bad, trouble);
+  ASSERT_EQ(rows.size(), kTouchLastTick);
+  if (bad.cause != Fault::kNotFinite) {
+    EXPECT_NE(trouble, "") << "told in words";
+  }
+  ASSERT_GT(test::force_of(rows[kTouchFaultTick - 1]).norm(), 0.1) << "pressing";
+  // The slow scheduler's frame of the first tick is in time; the next tick is late.
+  const std::uint64_t latch = kTouchFaultTick + (bad.frame_every > 1 ? 1 : 0);
+  std::uint64_t zero = kTouchNever;
+  for (std::uint64_t tick = latch; tick < kTouchResetTick; ++tick) {
+    ASSERT_EQ(rows[tick].fault, static_cast<std::uint32_t>(bad.cause)) << tick;
+    const double force = test::force_of(rows[tick]).norm();
+    if (zero == kTouchNever && force == 0.0) zero = tick;
+    if (zero != kTouchNever) {
+      ASSERT_EQ(force, 0.0) << tick;
+    }
+  }
+  EXPECT_LE(zero, latch + 10) << "10 ms at 1 kHz";
+  double largest_step = 0.0;
+  for (std::uint64_t tick = kTouchResetTick; tick < kTouchLastTick; ++tick) {
+    ASSERT_EQ(rows[tick].fault, 0U) << tick;
+    largest_step =
+        std::max(largest_step, (test::force_of(rows[tick]) - test::force_of(rows[tick - 1])).norm());
+  }
+  EXPECT_LT(largest_step, 0.1) << "N a tick: noise and tissue only, never a jump";
+  EXPECT_GT(test::force_of(rows.back()).norm(), 0.05) << "felt again";
+  palpate::test::tell({"touch", bad.fault, std::string(bad.injected) + ", while pressing",
+                       static_cast<double>(zero - latch), haptics::name_of(bad.cause),
+                       "reset, then force again by the ramp", !HasFailure()});
+}
+
+INSTANTIATE_TEST_SUITE_P(Arm, TouchSafety, ::testing::ValuesIn(kTouchCases),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace palpate::devices

@@ -1,0 +1,146 @@
+#include "run/devices/touch.h"
+
+#include <algorithm>
+
+#include <fmt/core.h>
+
+#include "io/system/clock.h"
+#include "palpate/error.h"
+#include "run/devices/touch_errors.h"
+
+namespace palpate::devices {
+namespace {
+
+constexpr std::int64_t kFirstFrameLimit = 500'000'000;     // ns
+constexpr std::int64_t kCalibrationLimit = 2'000'000'000;  // ns
+constexpr std::int64_t kReadyLookOut = 1'000'000;          // ns
+constexpr std::size_t kLongestArmName = 64;
+
+const char* const kTouchPlace = "device touch: ";
+
+/// The vendor's library makes a file's name of it, so it must be none of another folder's.
+const std::string& checked_arm_name(const std::string& name) {
+  const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 && c != 0x7F && c != '/' && c != '\\';
+  });
+  if (plain && name.size() <= kLongestArmName && name.rfind('.', 0) != 0) return name;
+  throw InputError(
+      "device touch: the name after \"touch:\" must be the arm's name in Touch_Setup, as in touch:Left, at "
+      "most "
+      "64 letters without / and without a point in front; the library is where the system's loader finds it");
+}
+
+std::string calibration_words(int style) {
+  const auto has = [style](unsigned one) { return (static_cast<unsigned>(style) & one) != 0; };
+  if (has(kHdStyleInkwell))
+    return "put the stylus into the inkwell until its light is steady, then begin again";
+  if (has(kHdStyleEncoderReset)) {
+    return "hold the arm in its reset position as its manual says, calibrate it with Touch_Diagnostic, then "
+           "begin again";
+  }
+  return "move the stylus through its whole workspace, calibrate it with Touch_Diagnostic, then begin again";
+}
+
+}  // namespace
+
+TouchDevice::TouchDevice(const std::string& name, const std::string& library) {
+  arm_.name = checked_arm_name(name);
+  scheduler_ = TouchScheduler::of_process(library);
+  scheduler_->add(arm_);
+  try {
+    wait_until_ready();
+  } catch (...) {
+    scheduler_->remove(arm_);
+    throw;
+  }
+  arm_.opening.store(false);
+}
+
+TouchDevice::~TouchDevice() { scheduler_->remove(arm_); }
+
+/// Until a frame shows a calibrated arm without an error.
+void TouchDevice::wait_until_ready() {
+  const std::int64_t begun = monotonic_ns();
+  for (;; sleep_until_ns(monotonic_ns() + kReadyLookOut)) {
+    arm_.samples.refresh();
+    const TouchSample& sample = arm_.samples.value();
+    const std::int64_t waited = monotonic_ns() - begun;
+    if (sample.taken_ns == 0) {
+      if (waited < kFirstFrameLimit) continue;
+      throw InputError(
+          fmt::format("{}the vendor's scheduler called nothing back for {} ms: switch the arm "
+                      "off and on, look at it with Touch_Diagnostic, then begin again",
+                      kTouchPlace, kFirstFrameLimit / 1'000'000));
+    }
+    if (sample.state.fault == haptics::Fault::kDevice) throw InputError(kTouchPlace + trouble());
+    if (sample.calibration == kHdCalibrated) return;
+    if (sample.calibration == kHdNeedsUpdate && waited < kCalibrationLimit) continue;
+    throw InputError(fmt::format("{}the arm is not calibrated: {}", kTouchPlace,
+                                 calibration_words(arm_.calibration_style)));
+  }
+}
+
+haptics::DeviceState TouchDevice::read(std::uint64_t tick, double time) noexcept {
+  arm_.samples.refresh();
+  const TouchSample& newest = arm_.samples.value();
+  haptics::DeviceState state = newest.state;
+  state.age = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, monotonic_ns() - newest.taken_ns));
+  if (state.age > haptics::kStaleAfter) arm_.note(TouchTrouble::kSlow);
+  const double most = tick == 0 ? 0.0 : kJawSpeed * std::max(0.0, time - read_time_);
+  const double wanted = (state.buttons & 1U) != 0 ? 0.0 : 1.0;
+  gripper_ += std::clamp(wanted - gripper_, -most, most);
+  read_time_ = time;
+  state.gripper = gripper_;
+  return state;
+}
+
+bool TouchDevice::write(const haptics::ForceCommand& command_D) noexcept {
+  const bool finite = command_D.force.allFinite();
+  TouchCommand& command = arm_.commands.writable();
+  command.force_D = finite ? command_D.force : Vec3::Zero();
+  command.written_ns = monotonic_ns();
+  arm_.commands.publish();
+  return finite;
+}
+
+void TouchDevice::stop() noexcept { arm_.stopped_ns.store(monotonic_ns()); }
+
+std::string TouchDevice::trouble() const {
+  const std::uint32_t trouble = arm_.trouble.load(std::memory_order_relaxed);
+  switch (static_cast<TouchTrouble>(trouble >> 16U)) {
+    case TouchTrouble::kError:
+      return words_of_hd_error(trouble & 0xFFFFU);
+    case TouchTrouble::kInkwell:
+      return "the stylus is in the inkwell: take it out, then reset the fault";
+    case TouchTrouble::kNotHeld:
+      return "the stylus was let go: hold it, then reset the fault";
+    case TouchTrouble::kForceDisabled:
+      return "the arm switched its force off: let it rest for some minutes, then begin again";
+    case TouchTrouble::kSlow:
+      return "the vendor's scheduler gives samples too slowly or none: end other programs, look at the arm "
+             "with "
+             "Touch_Diagnostic, then reset the fault";
+    case TouchTrouble::kNone:
+      break;
+  }
+  return {};
+}
+
+std::string TouchDevice::description() const {
+  return fmt::format("{}, at most {:.3g} N", arm_.model, arm_.max_force);
+}
+
+Probe probe_touch(const std::string& library) {
+  try {
+    const HdLibrary opened(library);
+    const std::string hints = touch_setup_hints();
+    return {"touch", true,
+            fmt::format("{} is there; `palpate devices --try touch` opens the arm{}{}", library,
+                        hints.empty() ? "" : "; ", hints)};
+  } catch (const InputError& error) {
+    const std::string words = error.what();
+    return {"touch", false, words.substr(std::string(kTouchPlace).size())};
+  }
+}
+
+}  // namespace palpate::devices

@@ -1,0 +1,65 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "palpate/device.h"
+#include "run/devices/probe.h"
+#include "run/devices/touch_scheduler.h"
+
+namespace palpate::devices {
+
+/// A 3D Systems Touch, Touch X, Phantom Omni or Phantom through OpenHaptics' HD library.
+///
+/// The vendor gives state and takes force within its own scheduler's callback alone; the tick exchanges both
+/// with it without waiting (TouchScheduler). Frame D: x to the right, y forward, away from the user, z up
+/// [m]. Button 1 of the stylus closes the jaws. Torques and gripper forces are ignored: these arms have none.
+/// Without a write for 20 ms the callback gives zero force.
+class TouchDevice final : public haptics::Device {
+ public:
+  static constexpr double kJawSpeed = 4.0;  // 1/s: from open to closed in 0.25 s
+
+  /// [setup] Opens the arm, calibrates it where it needs no hand, and waits for its first sample, 2 s at
+  /// most.
+  /// @param name as Touch_Setup has it; empty: the default device
+  /// @param library as HdLibrary takes it
+  /// @throws InputError in one line: the name, the library, the arm, its calibration, a silent scheduler.
+  explicit TouchDevice(const std::string& name, const std::string& library = HdLibrary::kName);
+  /// [setup] Zero force, force output off, the arm closed; 50 ms at most.
+  ~TouchDevice() override;
+  TouchDevice(const TouchDevice&) = delete;
+  TouchDevice& operator=(const TouchDevice&) = delete;
+
+  /// [rt] The newest sample; its age is the time since the vendor's scheduler took it. kForceOff: in the
+  /// inkwell, let go, or the arm took its force away; kDevice: another error of the vendor's library.
+  haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
+  /// [rt] Leaves the force for the callback. @return false, and zero force is given, when it is not finite.
+  bool write(const haptics::ForceCommand& command_D) noexcept override;
+  /// [any] Zero force until the next write().
+  void stop() noexcept override;
+  /// [any] Never: it runs until it is stopped.
+  [[nodiscard]] std::uint64_t last_tick(double /*rate_Hz*/) const noexcept override {
+    return ~std::uint64_t{0};
+  }
+  /// [any]
+  [[nodiscard]] std::string trouble() const override;
+
+  /// [setup] "Touch (serial number 123, driver 4.0), at most 3.3 N".
+  [[nodiscard]] std::string description() const;
+  /// [setup] Of its model, and what the arm itself says.
+  [[nodiscard]] haptics::DeviceAbilities abilities() const override { return arm_.abilities; }
+
+ private:
+  void wait_until_ready();
+
+  TouchArm arm_;
+  std::shared_ptr<TouchScheduler> scheduler_;
+  double gripper_ = 1.0;
+  double read_time_ = 0.0;  // of the last read [s]
+};
+
+/// [setup] Whether the vendor's library is there, and what on this machine would keep an arm from being
+/// opened; opens none. @param library as HdLibrary takes it
+[[nodiscard]] Probe probe_touch(const std::string& library = HdLibrary::kName);
+
+}  // namespace palpate::devices

@@ -1,0 +1,93 @@
+#include "run/devices/touch_errors.h"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+namespace palpate::devices {
+namespace {
+
+struct HdErrorWords {
+  unsigned code;
+  const char* what;
+  const char* mend;
+};
+
+constexpr HdErrorWords kHdErrors[] = {
+    {0x0200, "its motors are too warm", "let the arm rest for some minutes, then reset the fault"},
+    {0x0201, "it was asked for more force than it can give",
+     "lower max_force_N under [safety], then reset the fault"},
+    {0x0202, "the force changed faster than it allows",
+     "lower max_slew_N_per_ms under [safety], then reset the fault"},
+    {0x0203, "it moved faster than it allows", "move it more slowly, then reset the fault"},
+    {0x0204, "its force output failed", "switch the arm off and on, then begin again"},
+    {0x0300, "the arm is faulty or does not answer",
+     "switch it off and on, look at it with Touch_Diagnostic, then begin again"},
+    {0x0301, "it is open already",
+     "end the other program that uses it; each of two arms needs its own name, --device touch:NAME"},
+    {0x0302, "the arm does not communicate",
+     "look at its cable and power, give yourself rights on its port (sudo usermod -aG dialout $USER, then "
+     "log "
+     "in again), run Touch_Setup"},
+    {0x0303, "its communication is not configured",
+     "run Touch_Setup as this user, with GTDD_HOME set as for this program"},
+    {0x0304, "the vendor's timer failed", "end other programs that use the arm, then begin again"},
+    {0x0402, "the vendor's library lost its frame", "reset the fault; if it comes again, begin again"},
+    {0x0501, "the vendor's scheduler is full", "end other programs that use the arm, then begin again"},
+    {0x0600, "OpenHaptics has no valid licence",
+     "install the licence of your OpenHaptics edition as its manual says, then begin again"},
+};
+
+constexpr unsigned kFirstForceError = 0x0200;
+constexpr unsigned kLastForceError = 0x0204;
+
+/// The first serial port that an arm could be and that this user may not open; empty: none.
+std::string closed_port() {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", error)) {
+    const std::string port = entry.path().string();
+    if (port.rfind("/dev/ttyACM", 0) == 0 && access(port.c_str(), R_OK | W_OK) != 0) return port;
+  }
+  return {};
+}
+
+}  // namespace
+
+haptics::Fault fault_of_hd_error(unsigned code) noexcept {
+  const bool force = code >= kFirstForceError && code <= kLastForceError;
+  return force ? haptics::Fault::kForceOff : haptics::Fault::kDevice;
+}
+
+std::string words_of_hd_error(unsigned code) {
+  for (const HdErrorWords& error : kHdErrors) {
+    if (error.code == code)
+      return fmt::format("{} (OpenHaptics error 0x{:04x}): {}", error.what, code, error.mend);
+  }
+  return fmt::format(
+      "OpenHaptics error 0x{:04x}: switch the arm off and on, look at it with Touch_Diagnostic, then begin "
+      "again",
+      code);
+}
+
+std::string touch_setup_hints() {
+  std::string hints;
+  const char* home = std::getenv("GTDD_HOME");  // NOLINT(concurrency-mt-unsafe): at set-up only
+  std::error_code error;
+  if (home == nullptr || *home == '\0') {
+    hints =
+        "GTDD_HOME is not set, must be the folder that Touch_Setup wrote to (export "
+        "GTDD_HOME=/usr/share/3DSystems; sudo needs -E)";
+  } else if (!std::filesystem::is_directory(home, error)) {
+    hints = fmt::format(
+        "GTDD_HOME = \"{}\": there is no such folder, must be the one that Touch_Setup wrote to", home);
+  }
+  if (const std::string port = closed_port(); !port.empty()) {
+    hints += fmt::format("{}{} is not open to this user (sudo usermod -aG dialout $USER, then log in again)",
+                         hints.empty() ? "" : "; ", port);
+  }
+  return hints;
+}
+
+}  // namespace palpate::devices

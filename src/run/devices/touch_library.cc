@@ -1,0 +1,72 @@
+#include "run/devices/touch_library.h"
+
+#include <dlfcn.h>
+#include <fmt/core.h>
+
+#include "palpate/error.h"
+#include "run/devices/vendor_library.h"
+
+namespace palpate::devices {
+namespace {
+
+constexpr int kMostHdErrors = 64;  // a library whose errors never end must not hold the caller
+
+void look_up(VendorFunctions& lookup, HdFunctions& f) {
+  lookup.required(f.InitDevice, "hdInitDevice");
+  lookup.required(f.DisableDevice, "hdDisableDevice");
+  lookup.required(f.MakeCurrentDevice, "hdMakeCurrentDevice");
+  lookup.required(f.BeginFrame, "hdBeginFrame");
+  lookup.required(f.EndFrame, "hdEndFrame");
+  lookup.required(f.GetError, "hdGetError");
+  lookup.required(f.Enable, "hdEnable");
+  lookup.required(f.Disable, "hdDisable");
+  lookup.required(f.IsEnabled, "hdIsEnabled");
+  lookup.required(f.GetBooleanv, "hdGetBooleanv");
+  lookup.required(f.GetIntegerv, "hdGetIntegerv");
+  lookup.required(f.GetDoublev, "hdGetDoublev");
+  lookup.required(f.GetString, "hdGetString");
+  lookup.required(f.SetDoublev, "hdSetDoublev");
+  lookup.required(f.CheckCalibration, "hdCheckCalibration");
+  lookup.required(f.UpdateCalibration, "hdUpdateCalibration");
+  lookup.required(f.StartScheduler, "hdStartScheduler");
+  lookup.required(f.StopScheduler, "hdStopScheduler");
+  lookup.required(f.ScheduleAsynchronous, "hdScheduleAsynchronous");
+  lookup.required(f.Unschedule, "hdUnschedule");
+  lookup.optional(f.SetSchedulerRate, "hdSetSchedulerRate");
+  lookup.optional(f.GetErrorString, "hdGetErrorString");
+}
+
+}  // namespace
+
+HdLibrary::HdLibrary(const std::string& file) {
+  void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (handle == nullptr) {
+    const std::string words = loader_words();
+    // A library that is there and cannot be loaded is told as such; one that is not there has a plainer word.
+    if (words.rfind(file + ": cannot open shared object file", 0) == 0) {
+      throw InputError(fmt::format(
+          "device touch: {} is not installed: install 3D Systems' OpenHaptics and Touch Device Driver, then "
+          "sudo ldconfig (docs/devices.md)",
+          file));
+    }
+    throw InputError(
+        fmt::format("device touch: {}: cannot be loaded ({}), must be OpenHaptics' library for this computer "
+                    "with the Touch Device Driver beside it",
+                    file, words));
+  }
+  VendorFunctions lookup(handle);
+  look_up(lookup, functions_);
+  dlclose(handle);  // the library stays
+  if (lookup.missing().empty()) return;
+  throw InputError(fmt::format("device touch: {}: has no function {}, must be OpenHaptics 3.4 or later", file,
+                               lookup.missing()));
+}
+
+HdErrorInfo HdLibrary::take_error() const noexcept {
+  HdErrorInfo newest = functions_.GetError();
+  HdErrorInfo older = newest;
+  for (int i = 0; i < kMostHdErrors && older.code != kHdSuccess; ++i) older = functions_.GetError();
+  return newest;
+}
+
+}  // namespace palpate::devices

@@ -1,0 +1,95 @@
+#pragma once
+#include <string>
+
+namespace palpate::devices {
+
+// The numbers of OpenHaptics' HD interface that Palpate uses, as its users' programs show them; names are
+// ours.
+inline constexpr unsigned kHdSuccess = 0;
+inline constexpr unsigned kHdInvalidHandle = 0xFFFFFFFFU;
+inline constexpr unsigned kHdCallbackContinue = 1;
+inline constexpr unsigned short kHdDefaultPriority = 0x7FFF;  // of 0 to 0xFFFF
+
+inline constexpr unsigned kHdButtons = 0x2000;
+inline constexpr unsigned kHdSafetySwitch = 0x2001;   // closed (1): the stylus is held
+inline constexpr unsigned kHdInkwellSwitch = 0x2002;  // open (0): the stylus is in the inkwell
+inline constexpr unsigned kHdPosition = 0x2050;       // 3 doubles, mm
+inline constexpr unsigned kHdVelocity = 0x2051;       // 3 doubles, mm/s
+inline constexpr unsigned kHdTransform = 0x2052;      // 16 doubles, by columns
+inline constexpr unsigned kHdModel = 0x2501;
+inline constexpr unsigned kHdDriverVersion = 0x2502;
+inline constexpr unsigned kHdSerialNumber = 0x2504;
+inline constexpr unsigned kHdCalibrationStyle = 0x2555;    // a bit a style
+inline constexpr unsigned kHdMaxForce = 0x2603;            // N
+inline constexpr unsigned kHdMaxContinuousForce = 0x2604;  // N
+inline constexpr unsigned kHdForce = 0x2700;               // 3 doubles, N
+inline constexpr unsigned kHdForceOutput = 0x4000;
+
+inline constexpr unsigned kHdCalibrated = 0x5000;
+inline constexpr unsigned kHdNeedsUpdate = 0x5001;
+inline constexpr unsigned kHdNeedsManualInput = 0x5002;
+inline constexpr unsigned kHdStyleEncoderReset = 1;
+inline constexpr unsigned kHdStyleAuto = 2;
+inline constexpr unsigned kHdStyleInkwell = 4;
+
+/// One error, which the vendor's library returns by value.
+struct HdErrorInfo {
+  unsigned code;
+  int internal_code;
+  unsigned device;
+};
+
+/// What the vendor's scheduler calls on its own thread, once a frame. @return whether to go on
+using HdCallback = unsigned (*)(void* data);
+
+/// OpenHaptics' HD library, loaded at run time; the functions' names are the vendor's without "hd". State and
+/// force may be asked for within a callback alone, between BeginFrame and EndFrame.
+struct HdFunctions {
+  // Required.
+  unsigned (*InitDevice)(const char* name);  // null: the default device
+  void (*DisableDevice)(unsigned device);
+  void (*MakeCurrentDevice)(unsigned device);
+  void (*BeginFrame)(unsigned device);
+  void (*EndFrame)(unsigned device);
+  HdErrorInfo (*GetError)();  // the newest, and forgets it
+  void (*Enable)(unsigned what);
+  void (*Disable)(unsigned what);
+  unsigned char (*IsEnabled)(unsigned what);
+  void (*GetBooleanv)(unsigned what, unsigned char* values);
+  void (*GetIntegerv)(unsigned what, int* values);
+  void (*GetDoublev)(unsigned what, double* values);
+  const char* (*GetString)(unsigned what);
+  void (*SetDoublev)(unsigned what, const double* values);
+  unsigned (*CheckCalibration)();
+  void (*UpdateCalibration)(unsigned style);
+  void (*StartScheduler)();
+  void (*StopScheduler)();
+  unsigned long (*ScheduleAsynchronous)(HdCallback callback, void* data, unsigned short priority);
+  void (*Unschedule)(unsigned long handle);
+  // Null where the library has none.
+  void (*SetSchedulerRate)(unsigned long rate_Hz);
+  const char* (*GetErrorString)(unsigned code);
+};
+
+/// The library. Once loaded it stays in memory to the end of the process: its scheduler may leave threads in
+/// it.
+class HdLibrary final {
+ public:
+  /// Its name, which the system's loader looks for; a name without a folder is never looked for in the
+  /// current one.
+  static constexpr const char* kName = "libHD.so";
+
+  /// [setup] @param file kName, or a file of a test's. @throws InputError in one line: not installed, no
+  /// library, a function missing.
+  explicit HdLibrary(const std::string& file);
+
+  /// [any]
+  [[nodiscard]] const HdFunctions& call() const noexcept { return functions_; }
+  /// [any] The newest error, the older ones forgotten; code kHdSuccess: none.
+  HdErrorInfo take_error() const noexcept;
+
+ private:
+  HdFunctions functions_{};
+};
+
+}  // namespace palpate::devices

@@ -1,0 +1,266 @@
+#include "run/devices/touch_scheduler.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "io/system/clock.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
+#include "run/devices/models.h"
+#include "run/devices/touch_errors.h"
+#include "run/realtime/realtime.h"
+
+namespace palpate::devices {
+namespace {
+
+constexpr unsigned long kHdRate = 1000;  // Hz
+constexpr double kWeakestArm = 3.3;      // N, of an arm that does not tell: a Touch
+constexpr int kMostErrorsAFrame = 16;
+constexpr std::int64_t kLastFrames = 50'000'000;  // ns, for the frames that give zero force
+constexpr std::int64_t kLookAgain = 1'000'000;    // ns
+
+/// A vector of the vendor's frame in D.
+Vec3 from_vendor(const double* v) { return {v[0], -v[2], v[1]}; }
+
+/// The stylus's rotation in D, of a matrix by columns: its own z axis goes from the tip to the handle.
+Quat rotation_from_vendor(const double* transform) {
+  Mat3 m;
+  for (int column = 0; column < 3; ++column) m.col(column) = from_vendor(transform + 4 * column);
+  return Quat(m);
+}
+
+std::string quoted_name(const TouchArm& arm) {
+  return arm.name.empty() ? "the default device" : "\"" + arm.name + "\"";
+}
+
+}  // namespace
+
+std::shared_ptr<TouchScheduler> TouchScheduler::of_process(const std::string& library) {
+  static std::mutex mutex;
+  static std::weak_ptr<TouchScheduler> of_this_process;  // as the vendor's own is
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::shared_ptr<TouchScheduler> scheduler = of_this_process.lock();
+  if (!scheduler) of_this_process = scheduler = std::make_shared<TouchScheduler>(library);
+  return scheduler;
+}
+
+void TouchScheduler::add(TouchArm& arm) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const TouchArm* other : arms_) {
+    if (other->name != arm.name) continue;
+    throw InputError(
+        fmt::format("device touch: {} is another hand's already, must be a name of its own for "
+                    "each arm: --device touch:NAME, as Touch_Setup has it",
+                    quoted_name(arm)));
+  }
+  pause();
+  try {
+    open(arm);
+    arms_.push_back(&arm);
+    resume();
+  } catch (...) {
+    pause();
+    arms_.erase(std::remove(arms_.begin(), arms_.end(), &arm), arms_.end());
+    close(arm);
+    try {
+      resume();
+    } catch (const InputError&) {  // the other arms' samples grow old, which their loop sees
+    }
+    throw;
+  }
+}
+
+void TouchScheduler::remove(TouchArm& arm) noexcept {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  pause();
+  arms_.erase(std::remove(arms_.begin(), arms_.end(), &arm), arms_.end());
+  close(arm);
+  try {
+    resume();
+  } catch (const InputError&) {  // as above
+  }
+}
+
+void TouchScheduler::open(TouchArm& arm) {
+  const HdFunctions& call = library_.call();
+  const auto require = [&](const char* what) {
+    const HdErrorInfo error = library_.take_error();
+    if (error.code == kHdSuccess && arm.handle != kHdInvalidHandle) return;
+    const std::string words = error.code == kHdSuccess
+                                  ? "the vendor's library gives no reason: run Touch_Setup, then begin again"
+                                  : words_of_hd_error(error.code);
+    const std::string hints = touch_setup_hints();
+    throw InputError(fmt::format("device touch: {} {}: {}{}{}", quoted_name(arm), what, words,
+                                 hints.empty() ? "" : "; ", hints));
+  };
+  library_.take_error();
+  arm.handle = call.InitDevice(arm.name.empty() ? nullptr : arm.name.c_str());
+  require("cannot be opened");
+  call.MakeCurrentDevice(arm.handle);
+  const auto text = [&](unsigned what) {
+    const char* words = call.GetString(what);
+    return std::string(words == nullptr ? "?" : words);
+  };
+  arm.model = fmt::format("{} (serial number {}, driver {})", text(kHdModel), text(kHdSerialNumber),
+                          text(kHdDriverVersion));
+  call.GetIntegerv(kHdCalibrationStyle, &arm.calibration_style);
+  call.GetDoublev(kHdMaxForce, &arm.max_force);
+  if (!std::isfinite(arm.max_force) || arm.max_force <= 0.0) arm.max_force = kWeakestArm;
+  arm.abilities = abilities_of_model(text(kHdModel));
+  arm.abilities.torque = false;
+  arm.abilities.max_force = std::min(arm.abilities.max_force, arm.max_force);
+  double continuous = 0.0;
+  call.GetDoublev(kHdMaxContinuousForce, &continuous);
+  if (std::isfinite(continuous) && continuous > 0.0) arm.abilities.continuous_force = continuous;
+  library_.take_error();  // what an old arm does not tell is no fault
+  call.Enable(kHdForceOutput);
+  require("cannot switch its force on");
+}
+
+void TouchScheduler::close(TouchArm& arm) noexcept {
+  if (arm.handle == kHdInvalidHandle) return;
+  library_.call().MakeCurrentDevice(arm.handle);
+  library_.call().Disable(kHdForceOutput);
+  library_.call().DisableDevice(arm.handle);
+  arm.handle = kHdInvalidHandle;
+  library_.take_error();
+}
+
+void TouchScheduler::resume() {
+  if (arms_.empty()) return;
+  const HdFunctions& call = library_.call();
+  if (call.SetSchedulerRate != nullptr) call.SetSchedulerRate(kHdRate);
+  library_.take_error();  // a rate that the arm does not have leaves its own, and slow samples show
+  runs_ = true;
+  const haptics::SignalsHeld signals;  // the program's signals are no business of the vendor's threads
+  callback_ = call.ScheduleAsynchronous(&TouchScheduler::frame, this, kHdDefaultPriority);
+  call.StartScheduler();
+  const HdErrorInfo error = library_.take_error();
+  if (error.code == kHdSuccess) return;
+  throw InputError("device touch: the vendor's scheduler cannot be started: " +
+                   words_of_hd_error(error.code));
+}
+
+/// Zero force to all arms, then the scheduler stands. One that calls back no more is stopped without it.
+void TouchScheduler::pause() noexcept {
+  if (!runs_) return;
+  quiet_frames_.store(0);
+  quiet_.store(true);
+  const std::int64_t deadline = monotonic_ns() + kLastFrames;
+  while (quiet_frames_.load() == 0 && monotonic_ns() < deadline) sleep_until_ns(monotonic_ns() + kLookAgain);
+  library_.call().StopScheduler();
+  library_.call().Unschedule(callback_);
+  quiet_.store(false);
+  runs_ = false;
+}
+
+unsigned TouchScheduler::frame(void* scheduler) noexcept {
+  auto& self = *static_cast<TouchScheduler*>(scheduler);
+  const bool quiet = self.quiet_.load();
+  for (TouchArm* arm : self.arms_) self.exchange(*arm, quiet);
+  if (quiet) self.quiet_frames_.fetch_add(1);
+  return kHdCallbackContinue;
+}
+
+/// One frame of one arm: state out, force in.
+void TouchScheduler::exchange(TouchArm& arm, bool quiet) noexcept {
+  const HdFunctions& call = library_.call();
+  TouchSample& sample = arm.samples.writable();
+  sample = {};
+  call.MakeCurrentDevice(arm.handle);
+  if (arm.opening.load()) {
+    sample.calibration = call.CheckCalibration();
+    if (sample.calibration == kHdNeedsUpdate && arm.calibration_style != 0) {
+      call.UpdateCalibration(static_cast<unsigned>(arm.calibration_style));
+    }
+  }
+  call.BeginFrame(arm.handle);
+  read(arm, sample);
+  const std::int64_t now = monotonic_ns();
+  const bool off = quiet || sample.state.fault != haptics::Fault::kNone;
+  const Vec3 force_D = off ? Vec3(Vec3::Zero()) : wanted_force(arm, now);
+  const double force[3] = {force_D.x(), force_D.z(), -force_D.y()};
+  call.SetDoublev(kHdForce, force);
+  call.EndFrame(arm.handle);
+  take_errors(arm, now);
+  show_error(arm, sample.state, now);
+  sample.taken_ns = now;
+  arm.samples.publish();
+}
+
+void TouchScheduler::read(TouchArm& arm, TouchSample& sample) noexcept {
+  const HdFunctions& call = library_.call();
+  double position[3] = {};
+  double velocity[3] = {};
+  double transform[16] = {};
+  int buttons = 0;
+  call.GetDoublev(kHdPosition, position);
+  call.GetDoublev(kHdVelocity, velocity);
+  call.GetDoublev(kHdTransform, transform);
+  call.GetIntegerv(kHdButtons, &buttons);
+  haptics::DeviceState& state = sample.state;
+  state.position_D = kMillimetre * from_vendor(position);
+  state.velocity_D = kMillimetre * from_vendor(velocity);
+  state.orientation_D = rotation_from_vendor(transform);
+  state.buttons = static_cast<std::uint32_t>(buttons);
+  read_switches(arm, state);
+}
+
+/// The switches that take the force away. An arm without a safety switch tells an open one: it counts from
+/// when it was first closed.
+void TouchScheduler::read_switches(TouchArm& arm, haptics::DeviceState& state) noexcept {
+  const HdFunctions& call = library_.call();
+  unsigned char in_hand[8] = {};  // the vendor's boolean is one byte, and some take it for four
+  unsigned char out_of_inkwell[8] = {};
+  call.GetBooleanv(kHdSafetySwitch, in_hand);
+  call.GetBooleanv(kHdInkwellSwitch, out_of_inkwell);
+  arm.was_held = arm.was_held || in_hand[0] != 0;
+  TouchTrouble trouble = TouchTrouble::kNone;
+  if (out_of_inkwell[0] == 0) {
+    trouble = TouchTrouble::kInkwell;
+  } else if (arm.was_held && in_hand[0] == 0) {
+    trouble = TouchTrouble::kNotHeld;
+  } else if (call.IsEnabled(kHdForceOutput) == 0) {
+    trouble = TouchTrouble::kForceDisabled;
+  }
+  if (trouble == TouchTrouble::kNone) return;
+  state.fault = haptics::Fault::kForceOff;
+  arm.note(trouble);
+}
+
+/// Gives each error to the arm that it names, else to the current one.
+void TouchScheduler::take_errors(TouchArm& current, std::int64_t now) noexcept {
+  for (int i = 0; i < kMostErrorsAFrame; ++i) {
+    const HdErrorInfo error = library_.call().GetError();
+    if (error.code == kHdSuccess) return;
+    const auto named = std::find_if(arms_.begin(), arms_.end(),
+                                    [&](const TouchArm* arm) { return arm->handle == error.device; });
+    TouchArm& arm = named == arms_.end() ? current : **named;
+    arm.error = error.code;
+    arm.error_ns = now;
+  }
+}
+
+void TouchScheduler::show_error(TouchArm& arm, haptics::DeviceState& state, std::int64_t now) noexcept {
+  if (arm.error == kHdSuccess) return;
+  if (now - arm.error_ns > kErrorShown) {
+    arm.error = kHdSuccess;
+    return;
+  }
+  state.fault = fault_of_hd_error(arm.error);
+  arm.note(TouchTrouble::kError, arm.error);
+}
+
+/// The loop's newest force, no more than the arm can give; zero when it was stopped or writes no more.
+Vec3 TouchScheduler::wanted_force(TouchArm& arm, std::int64_t now) const noexcept {
+  arm.commands.refresh();
+  const TouchCommand& command = arm.commands.value();
+  const bool stopped = command.written_ns <= arm.stopped_ns.load();
+  if (stopped || now - command.written_ns > kNoWrite) return Vec3::Zero();
+  const double size = command.force_D.norm();
+  return size > arm.max_force ? Vec3(arm.max_force / size * command.force_D) : command.force_D;
+}
+
+}  // namespace palpate::devices

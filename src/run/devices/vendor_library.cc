@@ -1,0 +1,18 @@
+#include "run/devices/vendor_library.h"
+
+#include <dlfcn.h>
+
+namespace palpate::devices {
+
+void* VendorFunctions::find(const char* name) const { return dlsym(handle_, name); }
+
+std::string loader_words() {
+  const char* words = dlerror();  // NOLINT(concurrency-mt-unsafe): at set-up only
+  std::string text = words == nullptr ? "no reason given" : words;
+  for (char& letter : text) {
+    if (letter == '\n') letter = ' ';
+  }
+  return text;
+}
+
+}  // namespace palpate::devices
