@@ -2,9 +2,11 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/core.h>
 
+#include "io/system/output_file.h"
 #include "palpate/recording.h"
 
 #include "app/commands.h"
@@ -20,6 +22,10 @@ struct ExportFlags {
 };
 
 int export_file(const ExportFlags& flags) {
+  const std::filesystem::path changes = record::changes_csv_beside(flags.csv);
+  const bool has_place_beside = may_have_files_beside(flags.csv);
+  refuse_overwriting(std::vector<NamedFile>{{"--csv", flags.csv}, {"beside --csv", changes}},
+                     std::vector<NamedFile>{{"the recording", flags.file}});
   record::Recording recording;
   {
     Progress bar("export");
@@ -28,12 +34,12 @@ int export_file(const ExportFlags& flags) {
     record::export_csv(recording, flags.csv,
                        [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + flags.csv); });
   }
-  const std::filesystem::path changes = record::changes_csv_beside(flags.csv);
-  if (!recording.changes.empty()) record::export_changes_csv(recording, changes);
+  if (!recording.changes.empty() && has_place_beside) record::export_changes_csv(recording, changes);
   tell(fmt::format("{}: {} rows{}", flags.csv, recording.rows.size(),
                    recording.facts.complete ? "" : "; the recording was cut off after the last of them"));
   if (!recording.changes.empty()) {
-    tell(fmt::format("{}: {} changes of tissue or noise while it ran", changes.string(),
+    tell(fmt::format("{}: {} changes of tissue or noise while it ran",
+                     has_place_beside ? changes.string() : "left out, for want of a file beside --csv",
                      recording.changes.size()));
   }
   return kDone;

@@ -1,7 +1,6 @@
 // `palpate fit`: tissue parameters from measurements.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include <fmt/core.h>
 
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
@@ -116,24 +116,28 @@ std::vector<fit::SweepRequest> requests_of(const FitFlags& flags) {
   return requests;
 }
 
-void write_text(const std::string& flag, const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw InputError(fmt::format("{} {}: cannot be written", flag, file));
-}
-
 void write_tissue(const std::string& file, model::TissueParameters tissue) {
   tissue.name = std::filesystem::path(file).stem().string();
-  write_text("--out", file, scene::to_toml(tissue));
+  write_output(file, scene::to_toml(tissue), "--out");
+}
+
+void check_fit_outputs(const FitFlags& flags, const std::string& results) {
+  std::vector<NamedFile> outputs = {
+      {"--out", flags.out}, {"beside --out", results}, {"--sweep-csv", flags.sweep_csv}};
+  if (!flags.report.empty()) outputs.push_back({"--report", flags.report + "/report.html"});
+  std::vector<NamedFile> inputs;
+  for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
+  refuse_overwriting(outputs, inputs);
 }
 
 void fit_all(const FitFlags& flags, const std::string& command_line) {
   const fit::Settings settings = settings_of(flags);
   const std::vector<fit::SweepRequest> requests = requests_of(flags);
+  const std::string results =
+      flags.out.empty() || !may_have_files_beside(flags.out) ? "" : flags.out + ".fits.jsonl";
+  check_fit_outputs(flags, results);
   const std::unique_ptr<fit::Crew> crew = fit::make_crew();
   std::vector<fit::Specimen> specimens = read_for(*crew, flags);
-  const std::string results = flags.out.empty() ? "" : flags.out + ".fits.jsonl";
   fit::ManyFits many;
   {
     Progress bar("fit");
@@ -154,7 +158,7 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   if (sweeps.resumed > 0) {
     tell(fmt::format("{} pieces of sweeps were finished before: taken from {}", sweeps.resumed, results));
   }
-  if (!flags.sweep_csv.empty()) write_text("--sweep-csv", flags.sweep_csv, sweeps_csv(sweeps.all));
+  if (!flags.sweep_csv.empty()) write_output(flags.sweep_csv, sweeps_csv(sweeps.all), "--sweep-csv");
   if (!flags.out.empty()) write_tissue(flags.out, many.pooled.tissue);
   if (!flags.report.empty()) {
     const auto page = report::write_fit_report(many.specimens, many.pooled, sweeps.all, settings,

@@ -33,7 +33,10 @@ NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::pat
       setup.noise.rate_Hz = rate_Hz;
     }
     if (check_) check_(setup);
-    if (!recording_.empty()) require_writable_file(recording_, "recording");
+    if (!recording_.empty()) {
+      require_regular_file(recording_, "recording");
+      refuse_overwriting(std::vector<NamedFile>{{"recording", recording_}}, sources_of(setup));
+    }
     setup_ = std::move(setup);
   });
 }

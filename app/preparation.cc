@@ -1,5 +1,8 @@
 #include "app/preparation.h"
 
+#include <mutex>
+#include <string>
+
 #include "io/scene/organ_cache.h"
 #include "io/system/cache_folder.h"
 #include "io/system/clock.h"
@@ -18,7 +21,11 @@ OrganPreparation::OrganPreparation(bool no_cache)
   how_.progress = [this](double share, const std::string& what) {
     if (monotonic_ns() >= show_from_ns_) bar_.update(share, what);
   };
-  if (!no_cache) scene::use_organ_cache(how_, user_cache_folder(), tell_detail);
+  if (no_cache) return;
+  scene::use_organ_cache(how_, user_cache_folder(), tell_detail, [](const std::string& why) {
+    static std::once_flag told;  // a program may prepare many organs
+    std::call_once(told, [&why] { tell(why); });
+  });
 }
 
 }  // namespace palpate::app

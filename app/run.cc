@@ -6,12 +6,14 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
+#include "io/system/output_file.h"
+#include "io/system/temporary.h"
 #include "palpate/error.h"
 #include "run/session/usable_core.h"
 #include "view/report/report.h"
@@ -44,26 +46,35 @@ struct RunFlags {
   OutputFiles files;
 };
 
-/// A recording that is only needed to draw a picture from; gone at the end.
-class TemporaryFile final {
+/// A folder for a recording that is only needed to draw a picture from; gone at the end.
+class TemporaryFolder final {
  public:
-  TemporaryFile() : path_(fs::temp_directory_path() / ("palpate-" + std::to_string(getpid()) + ".h5")) {}
-  ~TemporaryFile() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
+  TemporaryFolder() : path_(make_temporary_folder(fs::temp_directory_path() / "palpate-")) {
+    if (path_.empty()) throw InputError(fs::temp_directory_path().string() + ": no folder can be made in it");
   }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   [[nodiscard]] const fs::path& path() const noexcept { return path_; }
 
  private:
   fs::path path_;
 };
 
-void check_outputs(const OutputFiles& files) {
-  if (!files.recording.empty()) require_writable_file(files.recording, "--record");
+void check_outputs(const OutputFiles& files, const scene::Setup& setup) {
+  if (!files.recording.empty()) require_regular_file(files.recording, "--record");
   if (!files.screenshot.empty()) require_writable_file(files.screenshot, "--screenshot");
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
+  std::vector<NamedFile> outputs = {{"--record", files.recording}, {"--screenshot", files.screenshot}};
+  if (!files.report.empty()) outputs.push_back({"--report", files.report / "report.html"});
+  if (!files.report.empty() && files.recording.empty()) {
+    require_regular_output(files.report / "recording.h5", "--report");
+    outputs.push_back({"--report", files.report / "recording.h5"});
+  }
+  refuse_overwriting(outputs, sources_of(setup));
 }
 
 /// Whether this run has a window. Without a display a run in real time says that it has none.
@@ -150,15 +161,15 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const bool window = wants_window(flags);
   require_window(*session, flags, window);
   OutputFiles files = flags.files;
-  check_outputs(files);
+  check_outputs(files, session->setup());
 
-  std::optional<TemporaryFile> temporary;
+  std::optional<TemporaryFolder> temporary;
   if (!files.report.empty()) {
     fs::create_directories(files.report);
     if (files.recording.empty()) files.recording = files.report / "recording.h5";
   }
   fs::path recorded = files.recording;
-  if (recorded.empty() && !files.screenshot.empty()) recorded = temporary.emplace().path();
+  if (recorded.empty() && !files.screenshot.empty()) recorded = temporary.emplace().path() / "run.h5";
 
   const std::string title = title_of(session->setup());
   igtl.tell_where();

@@ -64,7 +64,7 @@ net::LiveOptions server_options(const ServeFlags& flags) {
 
 void check_runs(const ServedOptions& options) {
   session::require_usable_core(options.thread.core, "--core");
-  if (!options.recording.empty()) require_writable_file(options.recording, "--record");
+  if (!options.recording.empty()) require_regular_file(options.recording, "--record");
   std::error_code error;
   if (!options.scenes.empty() && !fs::is_directory(options.scenes, error)) {
     throw InputError("--scenes " + options.scenes.string() + ": is no folder");
@@ -106,6 +106,10 @@ int serve(const ServeFlags& flags) {
   check_runs(flags.runs);
   scene::Setup setup = scene::load(flags.runs.request);
   require_windowless(setup);
+  std::vector<NamedFile> inputs = sources_of(setup);
+  inputs.push_back({"--page", flags.page});
+  inputs.push_back({"--token-file", flags.token_file});
+  refuse_overwriting(std::vector<NamedFile>{{"--record", flags.runs.recording}}, inputs);
   ServedRuns runs(flags.runs, prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache));
   net::LiveServer server(options, runs);
   const StopOnSignal signals;

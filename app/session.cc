@@ -100,10 +100,21 @@ void require_writable_file(const fs::path& file, const std::string& flag) {
   if (!file.has_filename() || fs::is_directory(file, error)) {
     throw InputError(flag + " " + file.string() + ": is a folder; a file is wanted");
   }
-  require_writable_parent(file, flag);
+  require_writable_parent(link_target(file), flag);
   if (fs::exists(file, error) && access(file.c_str(), W_OK) != 0) {
     throw InputError(flag + " " + file.string() + ": the file is there and not writable");
   }
+}
+
+void require_regular_file(const fs::path& file, const std::string& flag) {
+  require_writable_file(file, flag);
+  require_regular_output(file, flag);
+}
+
+std::vector<NamedFile> sources_of(const scene::Setup& setup) {
+  std::vector<NamedFile> files;
+  for (const scene::SourceFile& file : setup.files) files.push_back({file.named_by, file.path});
+  return files;
 }
 
 void require_writable_folder(const fs::path& folder, const std::string& flag) {

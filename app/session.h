@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/system/output_file.h"
 #include "net/igtl_server.h"
 #include "palpate/offscreen.h"
 #include "palpate/recording.h"
@@ -33,7 +34,13 @@ using session::Session;
 /// [setup] Whether a file or folder could be written there, without touching anything. @throws InputError
 /// naming `flag` and the path.
 void require_writable_file(const std::filesystem::path& file, const std::string& flag);
+/// [setup] As require_writable_file(), and that no device or FIFO stands there: a recording is renamed to its
+/// name, a film is written with jumps.
+void require_regular_file(const std::filesystem::path& file, const std::string& flag);
 void require_writable_folder(const std::filesystem::path& folder, const std::string& flag);
+
+/// [setup] The files that a scene was read from, which no output may replace.
+[[nodiscard]] std::vector<NamedFile> sources_of(const scene::Setup& setup);
 
 /// Ctrl-C and SIGTERM end the run in good order while this lives; the second one ends the program.
 class StopOnSignal final {

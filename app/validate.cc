@@ -1,5 +1,4 @@
 // `palpate validate`: the model against measurements.
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
@@ -228,12 +228,19 @@ report::Validation validate(const ValidateFlags& flags) {
   return validation;
 }
 
+void check_validate_outputs(const ValidateFlags& flags) {
+  std::vector<NamedFile> outputs = {{"--out", flags.out}};
+  if (!flags.report.empty()) outputs.push_back({"--report", flags.report + "/report.html"});
+  std::vector<NamedFile> inputs = {{"--tissue", flags.tissue}};
+  for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
+  for (const std::string& file : flags.profiles) inputs.push_back({"--profile", file});
+  for (const std::string& file : flags.image.files) inputs.push_back({"--image", file});
+  refuse_overwriting(outputs, inputs);
+}
+
 /// The tissue with the reach that was fitted.
 void write_compared_tissue(const std::string& file, const model::TissueParameters& tissue) {
-  std::ofstream out(file, std::ios::binary);
-  out << scene::to_toml(tissue);
-  out.close();
-  if (!out) throw InputError("--out " + file + ": cannot be written");
+  write_output(file, scene::to_toml(tissue), "--out");
 }
 
 void add_goals(CLI::App& command, ValidateFlags& flags) {
@@ -304,6 +311,7 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "    --tip-radius-mm 3 --report side\n"
       "docs/validation.md says what is compared and what the figures mean.");
   command->callback([flags, command_line, &exit_code] {
+    check_validate_outputs(*flags);
     const report::Validation validation = validate(*flags);
     if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
     if (!flags->report.empty()) {

@@ -108,7 +108,9 @@ Wanted checked(const ViewFlags& flags) {
   if (!flags.video.empty() && (wanted.size.width % 2 != 0 || wanted.size.height % 2 != 0))
     throw InputError("--size " + *flags.size + ": a film's width and height must be even");
   if (!flags.screenshot.empty()) require_writable_file(flags.screenshot, "--screenshot");
-  if (!flags.video.empty()) require_writable_file(flags.video, "--video");
+  if (!flags.video.empty()) require_regular_file(flags.video, "--video");
+  refuse_overwriting(std::vector<NamedFile>{{"--screenshot", flags.screenshot}, {"--video", flags.video}},
+                     std::vector<NamedFile>{{"the recording", flags.file}});
   return wanted;
 }
 

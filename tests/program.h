@@ -68,6 +68,7 @@ class Program final {
     }
     _exit(127);
   }
+  [[nodiscard]] pid_t id() const { return child_; }
   void signal(int number) const { kill(child_, number); }
   /// What it has printed on standard output up to now.
   [[nodiscard]] std::string out_so_far() const { return text_of(output_ / "out"); }

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "io/system/clock.h"
+#include "io/system/temporary.h"
 #include "palpate/error.h"
 
 namespace palpate::bench {
@@ -13,8 +14,9 @@ namespace palpate::bench {
 namespace fs = std::filesystem;
 
 ScratchRecorder::ScratchRecorder(const scene::Setup& setup)
-    : file_(fs::temp_directory_path() / ("palpate-bench-" + std::to_string(getpid()) + ".h5")),
-      recorder_(file_, setup, false) {
+    : folder_(make_temporary_folder(fs::temp_directory_path() /
+                                    ("palpate-bench-" + std::to_string(getpid()) + "-"))),
+      recorder_(folder_ / "ticks.h5", setup, false) {
   recorder_.on_start(unix_ns());
 }
 
@@ -25,7 +27,7 @@ ScratchRecorder::~ScratchRecorder() {
     // A disk that cannot keep up with ticks back to back says nothing about the ticks.
   }
   std::error_code ignored;
-  fs::remove(file_, ignored);
+  fs::remove_all(folder_, ignored);
 }
 
 }  // namespace palpate::bench

@@ -47,7 +47,7 @@ class ScratchRecorder final {
   void on_row(const haptics::TickRow& row) noexcept { recorder_.on_row(row); }
 
  private:
-  std::filesystem::path file_;
+  std::filesystem::path folder_;
   record::Recorder recorder_;
 };
 

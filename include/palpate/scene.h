@@ -122,6 +122,12 @@ struct SafetySetup {
   double max_torque_slew = 50.0;  // N m/s
 };
 
+/// A file that a scene was read from, and the flag or the line of a scene file that names it.
+struct SourceFile {
+  std::string named_by;  // "--organ", "FILE:LINE: organ.mesh"
+  std::filesystem::path path;
+};
+
 /// One scene, fully resolved and checked: everything the simulation needs, in SI, no file left to read.
 struct Setup {
   std::string name;
@@ -141,6 +147,7 @@ struct Setup {
   // Told to the user, kept in the recording and shown in the report:
   std::vector<std::string> repairs;  // what was done to meshes from files, each beginning with the file
   std::vector<std::string> remarks;  // defects left, warnings
+  std::vector<SourceFile> files;     // all that it was read from; no output may replace one of them
 };
 
 /// A scene that stands in no file.

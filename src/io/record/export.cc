@@ -11,6 +11,7 @@
 
 #include "io/record/change_columns.h"
 #include "io/record/tick_columns.h"
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 
@@ -141,7 +142,7 @@ void write_file(const std::filesystem::path& file, const Fill& fill) {
     if (std::fclose(out.release()) != 0) refuse(file);
   } catch (...) {
     std::error_code ignored;
-    if (std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
+    if (!is_special_file(file)) std::filesystem::remove(file, ignored);
     throw;
   }
 }

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <system_error>
 #include <thread>
@@ -16,6 +18,8 @@
 #include "io/record/machine.h"
 #include "io/record/recording_writer.h"
 #include "io/system/clock.h"
+#include "io/system/output_file.h"
+#include "io/system/temporary.h"
 #include "palpate/error.h"
 
 namespace palpate::record {
@@ -72,9 +76,21 @@ RunFacts facts_after(const haptics::LoopReport& report, bool complete) {
   return facts;
 }
 
-std::filesystem::path partial_name(const std::filesystem::path& file) {
-  return file.parent_path() /
-         ("." + file.filename().string() + "." + std::to_string(::getpid()) + ".partial");
+/// Makes the file that is written until the first tick is due, in the recording's folder.
+std::filesystem::path make_partial(const std::filesystem::path& file) {
+  std::string name = (file.parent_path() / ("." + file.filename().string() + ".partial.")).string();
+  const int descriptor = open_temporary_file(name, 0666);
+  if (descriptor < 0) {
+    throw InputError(file.string() + ": the recording cannot be made: " + std::strerror(errno));
+  }
+  ::close(descriptor);
+  return name;
+}
+
+/// The file that the recording becomes: what `file` leads to, if it is a link.
+std::filesystem::path checked_target(const std::filesystem::path& file) {
+  require_regular_output(file);
+  return link_target(file);
 }
 
 /// Makes a new name in a folder outlive a power failure.
@@ -115,7 +131,7 @@ struct Recorder::Impl {
 
   Impl(std::filesystem::path target, const scene::Setup& setup, bool is_offline)
       : file(std::move(target)),
-        partial(partial_name(file)),
+        partial(make_partial(file)),
         offline(is_offline),
         ring(ring_rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, setup)),
         flush_rows(ring_rows_in(kSimulatedFlush, setup)) {
@@ -168,6 +184,7 @@ void Recorder::Impl::start() {
   guarded([this] {
     writer->start(started_unix_ns.load(std::memory_order_relaxed));
     writer->flush(true);
+    if (is_special_file(file)) throw hdf5::Error("cannot be made: is no regular file any more");
     std::error_code error;
     std::filesystem::rename(partial, file, error);
     if (error) throw hdf5::Error("cannot be made: " + error.message());
@@ -246,10 +263,7 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
 }
 
 Recorder::Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline)
-    : impl_(std::make_unique<Impl>(std::move(file), setup, offline)) {
-  if (std::filesystem::is_directory(impl_->file)) {
-    throw InputError(impl_->file.string() + ": cannot be made: it is a folder");
-  }
+    : impl_(std::make_unique<Impl>(checked_target(file), setup, offline)) {
   const hdf5::Quiet quiet;
   try {
     impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, setup, facts_before(offline));

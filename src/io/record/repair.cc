@@ -1,15 +1,17 @@
 #include <cerrno>
+#include <cstring>
 #include <exception>
+#include <string>
 #include <system_error>
 
 #include <fcntl.h>
-#include <fmt/core.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "io/record/recording_reader.h"
 #include "io/record/recording_writer.h"
+#include "io/system/temporary.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 
@@ -70,8 +72,12 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
   if (!reader.cut_off() && rows == reader.rows_claimed()) return {rows, false};
 
   const std::filesystem::path target = std::filesystem::canonical(file);
-  const std::filesystem::path copy =
-      target.parent_path() / fmt::format(".{}.{}.partial", target.filename().string(), ::getpid());
+  std::string copy = (target.parent_path() / ("." + target.filename().string() + ".partial.")).string();
+  const int descriptor = open_temporary_file(copy);
+  if (descriptor < 0) {
+    throw InputError(file.string() + ": cannot be repaired, the file is as it was: " + std::strerror(errno));
+  }
+  ::close(descriptor);
   std::error_code ignored;
   try {
     RepairResult result{copy_recording(reader, copy, progress), true};

@@ -286,6 +286,26 @@ void set_noise(const SceneDescription& scene, Setup& setup) {
   setup.noise.rate_Hz = scene.rate_Hz;
 }
 
+void add_source(const Stated& stated, Setup& setup) {
+  if (means_file(stated.value)) setup.files.push_back({stated.where, stated.file()});
+}
+
+/// All files that were read, but for buffers beside a glTF mesh.
+void add_sources(const Request& request, const SceneDescription& scene, Setup& setup) {
+  if (request.scene) setup.files.push_back({"the scene", *request.scene});
+  if (scene.tissue) add_source(*scene.tissue, setup);
+  if (scene.organ) add_source(*scene.organ, setup);
+  for (const ToolDescription& tool : scene.tools) {
+    if (tool.mesh) add_source(*tool.mesh, setup);
+    for (const JawDescription& jaw : tool.jaws) add_source(jaw.mesh, setup);
+  }
+  for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
+    const DevicePath kind = find_device_kind(setup.devices[hand].kind)->path;
+    if (setup.devices[hand].path.empty() || kind == DevicePath::kAddress) continue;
+    setup.files.push_back({scene.devices[hand].path->where, setup.devices[hand].path});
+  }
+}
+
 }  // namespace
 
 Setup load(const Request& request) {
@@ -306,6 +326,7 @@ Setup load(const Request& request) {
   load_organ(scene, setup, notes);
   setup.repairs = std::move(notes.repairs);
   setup.remarks = std::move(notes.remarks);
+  add_sources(request, scene, setup);
   return setup;
 }
 

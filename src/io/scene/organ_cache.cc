@@ -21,6 +21,15 @@ constexpr const char* kEnding = ".organ";
 constexpr std::uint64_t kMostCached = std::uint64_t{1}
                                       << 30;  // bytes: about ten organs of a million triangles
 
+/// Whether a refined surface is finite and within the box of the organ that it was made from.
+bool lies_within(const geometry::TriangleMesh& refined, const geometry::TriangleMesh& organ) {
+  const geometry::Bounds box = geometry::bounds(organ);
+  const double rounding = 1e-9 * box.size().norm();
+  return std::all_of(refined.vertices.begin(), refined.vertices.end(), [&](const Vec3& v) {
+    return ((v - box.low).array() >= -rounding).all() && ((box.high - v).array() >= -rounding).all();
+  });
+}
+
 /// The folder of prepared organs.
 class OrganCache final {
  public:
@@ -38,8 +47,10 @@ class OrganCache final {
     }
     const std::optional<ArrayFileReader> reader = ArrayFileReader::open(file, key);
     std::optional<OrganArrays> arrays = reader ? get(*reader) : std::nullopt;
+    if (arrays && !lies_within(arrays->mesh, organ)) arrays.reset();
     if (!arrays) {
-      report("the cached organ is damaged or of another version and is made anew: " + file.string());
+      report("the cached organ is damaged, of another version or open to other users, and is made anew: " +
+             file.string());
       return std::nullopt;
     }
     report("prepared organ taken from the cache: " + file.string());
@@ -49,8 +60,10 @@ class OrganCache final {
 
   void store(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays) const {
     const ContentHash key = contact::organ_key(organ, reference_radius);
-    std::error_code error;
-    fs::create_directories(folder_, error);
+    if (!make_own_folder(folder_)) {
+      report("the prepared organ could not be kept in " + folder_.string());
+      return;
+    }
     ArrayFileWriter writer(file_of(key), key);
     put(arrays, writer);
     if (!writer.commit()) report("the prepared organ could not be kept as " + file_of(key).string());
@@ -81,14 +94,23 @@ bool all_within(const std::vector<std::int32_t>& list, std::int32_t lowest, std:
                      [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
 }
 
-/// Whether every index leads somewhere: a file may be whole and yet not be what this code wrote.
+/// Whether no normal is longer than a unit vector, as far as its rounding goes.
+bool none_longer_than_one(const std::vector<Vec3>& normals) {
+  constexpr double kRounding = 1e-6;
+  return std::all_of(normals.begin(), normals.end(), [](const Vec3& normal) {
+    return normal.squaredNorm() <= 1.0 + kRounding;  // false of NaN
+  });
+}
+
+/// Whether every index leads somewhere and every number can be one: a file may be whole and yet not be what
+/// this code wrote.
 bool hangs_together(const OrganArrays& arrays) {
   const std::size_t triangles = arrays.mesh.triangles.size();
   const std::vector<std::int32_t>& start = arrays.sharp_start;
   return arrays.neighbours.size() == triangles && arrays.row_of.size() == triangles &&
          arrays.bends.size() == triangles && start.size() == triangles + 1 && start.front() == 0 &&
          at(start.back()) == arrays.sharp_near.size() && std::is_sorted(start.begin(), start.end()) &&
-         arrays.normals.size() >= arrays.mesh.vertices.size() &&
+         arrays.normals.size() >= arrays.mesh.vertices.size() && none_longer_than_one(arrays.normals) &&
          all_within(arrays.mesh.triangles, 0, arrays.mesh.vertices.size()) &&
          all_within(arrays.neighbours, -1, triangles) &&
          all_within(arrays.row_of, -1, arrays.side_rows.size()) &&
@@ -106,8 +128,13 @@ bool hangs_together(const OrganArrays& arrays) {
 }  // namespace
 
 void use_organ_cache(contact::Preparation& how, fs::path folder,
-                     std::function<void(const std::string&)> remark) {
+                     std::function<void(const std::string&)> remark,
+                     const std::function<void(const std::string&)>& distrusted) {
   if (folder.empty()) return;
+  if (const std::string why = why_not_trusted(folder); !why.empty()) {
+    if (distrusted) distrusted("the cache of prepared organs is not used: " + why);
+    return;
+  }
   const OrganCache cache(std::move(folder), std::move(remark));
   how.load = [cache](const geometry::TriangleMesh& organ, double reference_radius) {
     return cache.load(organ, reference_radius);

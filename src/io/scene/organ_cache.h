@@ -11,9 +11,11 @@ namespace palpate::scene {
 
 /// [setup] Lets `how` take prepared organs from files of this folder, and keep them there; empty: no cache. A
 /// folder or file that cannot be read or written is no error. @param remark called once an organ with whether
-/// the cache had it and, if not, why; for a log
+/// the cache had it and, if not, why; for a log @param distrusted called at once with the reason when the
+/// folder is not used because other users own it or may write to it
 void use_organ_cache(contact::Preparation& how, std::filesystem::path folder,
-                     std::function<void(const std::string&)> remark = {});
+                     std::function<void(const std::string&)> remark = {},
+                     const std::function<void(const std::string&)>& distrusted = {});
 
 /// [setup] Writes everything but the face normals, which are quicker to compute than to read.
 void put(const contact::OrganArrays& arrays, ArrayFileWriter& file);

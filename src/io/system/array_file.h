@@ -50,8 +50,9 @@ class ArrayFileWriter final {
   std::vector<std::byte> directory_;
 };
 
-/// Reads what ArrayFileWriter wrote. Whatever is wrong (no file, another key, version or program, cut off, a
-/// bit flipped) is an empty optional; no size in the file is believed before it is seen to fit.
+/// Reads what ArrayFileWriter wrote. Whatever is wrong (no file, one that another user owns or may write to,
+/// another key, version or program, cut off, a bit flipped) is an empty optional; no size in the file is
+/// believed before it is seen to fit.
 class ArrayFileReader final {
  public:
   /// [setup]

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <string>
 #include <system_error>
 #include <vector>
+
+#include <unistd.h>
 
 namespace palpate {
 namespace {
@@ -44,6 +45,26 @@ fs::path user_cache_folder() {
 fs::path user_state_folder() { return user_folder("XDG_STATE_HOME", ".local/state"); }
 
 fs::path user_config_folder() { return user_folder("XDG_CONFIG_HOME", ".config"); }
+
+bool is_own(const struct stat& facts) noexcept {
+  return facts.st_uid == geteuid() && (facts.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+std::string why_not_trusted(const fs::path& folder) {
+  struct stat facts {};
+  if (::stat(folder.c_str(), &facts) != 0) return {};
+  if (is_own(facts)) return {};
+  return folder.string() + (facts.st_uid != geteuid() ? ": belongs to another user"
+                                                      : ": other users may write to it (chmod go-w " +
+                                                            folder.string() + " mends that)");
+}
+
+bool make_own_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder.parent_path(), error);
+  (void)::mkdir(folder.c_str(), S_IRWXU);  // it may be there
+  return fs::is_directory(folder, error) && why_not_trusted(folder).empty();
+}
 
 void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t most_bytes) {
   std::error_code error;

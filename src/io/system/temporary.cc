@@ -1,26 +1,44 @@
 #include "io/system/temporary.h"
 
+#include <cerrno>
 #include <cstdlib>
+#include <string_view>
 
 #include <fcntl.h>
+#include <sys/random.h>
 
 namespace palpate {
 namespace {
 
-/// With the six letters that POSIX puts its own in place of.
-std::string with_letters(const std::string& begin) { return begin + std::string(6, 'X'); }
+constexpr std::size_t kLetters = 6;
+
+/// Letters that nobody can predict; empty when the system gives no random bytes.
+std::string random_letters() {
+  constexpr std::string_view kAlphabet = "abcdefghijklmnopqrstuvwxyz234567";  // 5 bits a letter
+  std::string letters(kLetters, '\0');
+  if (getrandom(letters.data(), letters.size(), 0) != static_cast<ssize_t>(letters.size())) return {};
+  for (char& letter : letters) letter = kAlphabet[static_cast<unsigned char>(letter) % kAlphabet.size()];
+  return letters;
+}
 
 }  // namespace
 
-int open_temporary_file(std::string& path) {
-  std::string name = with_letters(path);
-  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor >= 0) path = name;
-  return descriptor;
+int open_temporary_file(std::string& path, mode_t mode) {
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries; ++i) {
+    const std::string letters = random_letters();
+    if (letters.empty()) return -1;
+    const std::string name = path + letters;
+    // O_EXCL: nothing stands there, not even a link to another file.
+    const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    if (descriptor >= 0) path = name;
+    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+  }
+  return -1;
 }
 
 std::filesystem::path make_temporary_folder(const std::filesystem::path& path) {
-  std::string name = with_letters(path.string());
+  std::string name = path.string() + std::string(kLetters, 'X');  // POSIX puts letters in their place
   return mkdtemp(name.data()) == nullptr ? std::filesystem::path() : std::filesystem::path(name);
 }
 

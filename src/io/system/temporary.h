@@ -2,12 +2,15 @@
 #include <filesystem>
 #include <string>
 
+#include <sys/types.h>
+
 namespace palpate {
 
-/// [setup] Makes a file that nobody else has and opens it for reading and writing.
-/// @param path how its name begins; becomes the whole name
+/// [setup] Makes a file that was not there, under a name that nobody can predict, and opens it for reading
+/// and writing. @param path how its name begins; becomes the whole name
+/// @param mode of the file, less the process's umask; 0600: its owner alone may read it
 /// @return the descriptor, which other programs do not inherit; -1 when it cannot be made, `path` as it was
-[[nodiscard]] int open_temporary_file(std::string& path);
+[[nodiscard]] int open_temporary_file(std::string& path, mode_t mode = 0600);
 
 /// [setup] Makes a folder that nobody else has. @param path how its name begins
 /// @return its whole name; empty when it cannot be made

@@ -52,7 +52,11 @@ void DhdLibrary::open(const std::string& path) {
   std::string words;
   for (const char* name : {"libdhd.so.3", "libdhd.so"}) {
     std::error_code error;
-    if (!folder.empty() && std::filesystem::exists(folder / name, error)) return open_file(folder / name);
+    if (!folder.empty() && std::filesystem::exists(folder / name, error)) {
+      const std::string doubt = why_not_trusted(folder);
+      if (!doubt.empty()) throw InputError(in_front((folder / name).string()) + "is not loaded: " + doubt);
+      return open_file(folder / name);
+    }
     name_ = name;
     handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     if (handle_ != nullptr) return;

@@ -9,6 +9,7 @@
 #include "io/record/flight_recorder.h"
 #include "io/record/recorder.h"
 #include "io/scene/make_world.h"
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "run/devices/devices.h"
 #include "run/realtime/loop.h"
@@ -93,6 +94,10 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
   std::optional<record::Recorder> recorder;
   std::optional<record::FlightRecorder> flight;
   if (!options.recording.empty()) {
+    const std::vector<NamedFile> outputs = {{"the recording", options.recording}};
+    std::vector<NamedFile> inputs;
+    for (const scene::SourceFile& file : setup_.files) inputs.push_back({file.named_by, file.path});
+    refuse_overwriting(outputs, inputs);
     all.push_back(&recorder.emplace(options.recording, setup_, options.offline));
   } else if (options.keep_fault) {
     all.push_back(&flight.emplace(setup_));

@@ -1,9 +1,9 @@
-#include <cerrno>
-#include <cstring>
+#include <string>
 
 #include <fmt/core.h>
 #include <png.h>
 
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/offscreen.h"
 
@@ -21,12 +21,16 @@ void write_png(const Image& image, const std::filesystem::path& file) {
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
   header.format = PNG_FORMAT_RGB;
-  errno = 0;
-  if (png_image_write_to_file(&header, file.c_str(), 0, image.rgb.data(), 0, nullptr) == 0) {
-    const std::string why = errno != 0 ? std::strerror(errno) : header.message;
+  // png_image_write_to_file() would remove a device file that it cannot write to.
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::string encoded(size, '\0');
+  if (png_image_write_to_memory(&header, encoded.data(), &size, 0, image.rgb.data(), 0, nullptr) == 0) {
+    const std::string why = header.message;
     png_image_free(&header);
     throw InputError(file.string() + ": the picture cannot be written: " + why);
   }
+  encoded.resize(size);
+  write_output(file, encoded);
 }
 
 }  // namespace palpate::render

@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "view/report/text_format.h"
 
@@ -153,10 +154,7 @@ std::string Page::html() const {
 
 std::filesystem::path Page::write(const std::filesystem::path& folder) const {
   std::filesystem::path file = folder / "report.html";
-  std::ofstream out(file, std::ios::binary);
-  out << html();
-  out.close();
-  if (!out) throw InputError(file.string() + ": the report cannot be written");
+  write_output(file, html());
   return file;
 }
 

@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
+#include <unistd.h>
 
 #include "core/contact/organ_surface.h"
 #include "core/contact/test/rig.h"
@@ -136,8 +137,70 @@ TEST(OrganCache, BelievesNoIndexThatLeadsOutside) {
   EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_start.back() = 1; }));
   EXPECT_TRUE(broken([&](OrganArrays& a) { a.normals.pop_back(); }));
   EXPECT_TRUE(broken([&](OrganArrays& a) { a.bends.pop_back(); }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.normals[3] *= 5.0; }));
+  EXPECT_TRUE(broken([&](OrganArrays& a) { a.normals[3].x() = std::nan(""); }));
   EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_edges.push_back({{0, beyond}, {0, 0}}); }));
   EXPECT_TRUE(broken([&](OrganArrays& a) { a.sharp_edges.push_back({{0, 1}, {0, 3}}); }));
+}
+
+TEST(OrganCache, BelievesNoVertexOutsideTheOrganOrNotFinite) {
+  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
+  const ContentHash key = organ_key(organ, kCachedReference);
+  const std::string fresh = prepared(organ);
+  for (const double x : {21e-3, std::nan("")}) {
+    const TemporaryFolder folder;
+    OrganArrays arrays = OrganSurface(organ, kCachedReference).arrays();
+    arrays.mesh.vertices[7].x() = x;
+    ArrayFileWriter writer(folder / (key.hexadecimal() + ".organ"), key);
+    put(arrays, writer);
+    ASSERT_TRUE(writer.commit());
+    EXPECT_EQ(prepared(organ, folder.path()), fresh);
+  }
+}
+
+TEST(OrganCache, MakesItsFolderAndFilesForItsUserAlone) {
+  const TemporaryFolder folder;
+  (void)prepared(geometry::make_ball(20e-3, 320), folder / "cache");
+  EXPECT_EQ(fs::status(folder / "cache").permissions(), fs::perms::owner_all);
+  const fs::path file = fs::directory_iterator(folder / "cache")->path();
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST(OrganCache, UsesNoFolderThatOthersOwnOrMayWriteTo) {
+  const TemporaryFolder folder;
+  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
+  const fs::path cache = folder / "cache";
+  (void)prepared(organ, cache);
+  const auto why_distrusted = [&] {
+    contact::Preparation how;
+    std::string why;
+    use_organ_cache(how, cache, {}, [&why](const std::string& words) { why = words; });
+    EXPECT_NE(static_cast<bool>(how.load), !why.empty());
+    EXPECT_NE(static_cast<bool>(how.store), !why.empty());
+    return why;
+  };
+  EXPECT_EQ(why_distrusted(), "");
+  fs::permissions(cache, fs::perms::group_write, fs::perm_options::add);
+  EXPECT_NE(why_distrusted().find("other users may write to it (chmod go-w"), std::string::npos);
+  fs::permissions(cache, fs::perms::group_write, fs::perm_options::remove);
+  if (geteuid() != 0) return;  // root alone can give a folder away
+  ASSERT_EQ(chown(cache.c_str(), 1234, 1234), 0);
+  EXPECT_NE(why_distrusted().find("belongs to another user"), std::string::npos);
+}
+
+TEST(OrganCache, UsesNoFileThatOthersOwnOrMayWriteTo) {
+  const TemporaryFolder folder;
+  const TriangleMesh organ = geometry::make_ball(20e-3, 320);
+  const std::string fresh = prepared(organ, folder.path());
+  const fs::path file = fs::directory_iterator(folder.path())->path();
+  fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
+  std::string remark;
+  EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
+  EXPECT_NE(remark.find("made anew"), std::string::npos);
+  if (geteuid() != 0) return;  // root alone can give a file away
+  ASSERT_EQ(chown(file.c_str(), 1234, 1234), 0);
+  EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
+  EXPECT_NE(remark.find("made anew"), std::string::npos);
 }
 
 TEST(OrganCache, WithoutAFolderThatCanBeWrittenIsNoError) {

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "io/system/test/temporary_folder.h"
@@ -26,6 +27,18 @@ TEST(TemporaryFile, IsANewOneOfThatNameThatOtherProgramsDoNotInherit) {
   EXPECT_NE(fcntl(one, F_GETFD) & FD_CLOEXEC, 0);
   close(one);
   close(two);
+}
+
+TEST(TemporaryFile, IsItsOwnersAloneOrAsTheUmaskAllows) {
+  const test::TemporaryFolder folder;
+  const mode_t umask_before = umask(022);
+  std::string own = (folder / "a.").string();
+  std::string shared = own;
+  close(open_temporary_file(own));
+  close(open_temporary_file(shared, 0666));
+  umask(umask_before);
+  EXPECT_EQ(std::filesystem::status(own).permissions(), std::filesystem::perms(0600));
+  EXPECT_EQ(std::filesystem::status(shared).permissions(), std::filesystem::perms(0644));
 }
 
 TEST(TemporaryFile, InNoFolderIsToldAndLeavesTheName) {

@@ -1,0 +1,96 @@
+#include "io/system/output_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include <sys/stat.h>
+
+#include "palpate/error.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string shown(const NamedFile& file) {
+  return (file.flag.empty() ? "" : file.flag + " ") + file.path.string();
+}
+
+/// A path without links, of a file that need not be there.
+fs::path plain_path(const fs::path& file) {
+  std::error_code error;
+  const fs::path plain = fs::weakly_canonical(link_target(file), error);
+  return error ? file.lexically_normal() : plain;
+}
+
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  struct stat one {};
+  struct stat other {};
+  const bool one_there = ::stat(a.c_str(), &one) == 0;
+  const bool other_there = ::stat(b.c_str(), &other) == 0;
+  if (one_there != other_there) return false;
+  if (!one_there) return plain_path(a) == plain_path(b);
+  return S_ISREG(one.st_mode) && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
+}  // namespace
+
+void refuse_overwriting(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].path.empty()) continue;
+    for (const NamedFile& input : inputs) {
+      if (input.path.empty() || !is_same_file(outputs[i].path, input.path)) continue;
+      throw InputError(shown(outputs[i]) + ": is the same file as " + shown(input) +
+                       ", which is read: name another file");
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      if (outputs[k].path.empty() || !is_same_file(outputs[i].path, outputs[k].path)) continue;
+      throw InputError(shown(outputs[i]) + ": is the same file as " + shown(outputs[k]) +
+                       ", which is written too: name another file");
+    }
+  }
+}
+
+fs::path link_target(const fs::path& file) {
+  constexpr int kMostLinks = 40;  // as Linux follows
+  fs::path target = file;
+  std::error_code error;
+  for (int i = 0; fs::is_symlink(target, error); ++i) {
+    const fs::path next = fs::read_symlink(target, error);
+    if (error || i == kMostLinks) throw InputError(file.string() + ": is a link that leads nowhere");
+    target = target.parent_path() / next;  // an absolute one replaces it all
+  }
+  return target;
+}
+
+bool is_special_file(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+bool may_have_files_beside(const fs::path& file) {
+  std::error_code error;
+  const std::string folder = fs::absolute(file, error).lexically_normal().parent_path().string();
+  return !is_special_file(file) && folder != "/dev" && folder != "/dev/fd" && !folder.starts_with("/proc");
+}
+
+void require_regular_output(const fs::path& file, const std::string& flag) {
+  if (!is_special_file(file)) return;
+  throw InputError(shown({flag, file}) +
+                   ": is a device, a FIFO or a folder, must be a regular file or a name that is free");
+}
+
+void write_output(const fs::path& file, std::string_view bytes, const std::string& flag) {
+  errno = 0;
+  std::ofstream out(file, std::ios::binary);
+  out << bytes;
+  out.close();
+  if (out) return;
+  throw InputError(shown({flag, file}) + ": cannot be written" +
+                   (errno == 0 ? "" : std::string(": ") + std::strerror(errno)));
+}
+
+}  // namespace palpate

@@ -1,0 +1,168 @@
+// Outputs that are inputs, or that are there and are no regular files.
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+constexpr dev_t kFullDevice = (1 << 8) | 7;  // Linux: what /dev/full is
+const std::string kShortScene =
+    "[organ]\nmesh = \"gallbladder\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:3\"\n";
+
+/// Writes a curve that stiffens.
+void measure(const std::string& file) {
+  std::ofstream out(file);
+  out << "displacement_mm,force_N\n";
+  for (int i = 0; i < 30; ++i) out << 0.2 * i << ',' << 0.05 * i + 0.001 * i * i << '\n';
+}
+
+void record_short(const Folder& folder, const std::string& name) {
+  const Outcome made = run(folder, {"run", "--offline", "--duration-s", "0.05", "--record", name});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+}
+
+/// That the program refuses, names both flags and leaves every file as it was.
+void expect_refused_untouched(const Folder& folder, const std::vector<std::string>& words,
+                              const std::string& input, const std::string& flag, const std::string& other) {
+  const std::string before = text_of(folder / input);
+  const std::vector<std::string> names = folder.names();
+  const Outcome outcome = run(folder, words);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr(flag), HasSubstr("is the same file as " + other)));
+  EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
+  EXPECT_EQ(text_of(folder / input), before);
+  EXPECT_EQ(folder.names(), names);
+}
+
+TEST(OutputFiles, AnExportOntoItsRecordingOrALinkToItIsRefused) {
+  const Folder folder;
+  record_short(folder, "a.h5");
+  fs::create_hard_link(folder / "a.h5", folder / "hard.csv");
+  fs::create_symlink("a.h5", folder / "soft.csv");
+  for (const std::string csv : {"a.h5", "hard.csv", "soft.csv", "./a.h5"}) {
+    expect_refused_untouched(folder, {"export", "a.h5", "--csv", csv}, "a.h5", "--csv " + csv,
+                             "the recording a.h5");
+  }
+  expect_refused_untouched(folder, {"view", "a.h5", "--screenshot", "a.h5"}, "a.h5", "--screenshot a.h5",
+                           "the recording a.h5");
+}
+
+TEST(OutputFiles, ARecordingOntoItsSceneMeshPathOrReplayedRecordingIsRefused) {
+  const Folder folder;
+  record_short(folder, "a.h5");
+  std::ofstream(folder / "s.toml") << kShortScene;
+  std::ofstream(folder / "t.csv") << "time_s,x_m,y_m,z_m\n0,0,0,0.1\n0.01,0,0,0.1\n";
+  const auto refused = [&folder](const std::string& file, std::vector<std::string> words,
+                                 const std::string& other) {
+    words.insert(words.begin(), {"run", "--offline"});
+    words.insert(words.end(), {"--record", file});
+    expect_refused_untouched(folder, words, file, "--record " + file, other);
+  };
+  refused("s.toml", {"s.toml"}, "the scene s.toml");
+  refused("t.csv", {"--device", "scripted:t.csv"}, "--device t.csv");
+  refused("a.h5", {"--device", "replay:a.h5"}, "--device a.h5");
+  std::ofstream(folder / "r.toml") << kShortScene << "[device]\nkind = \"replay\"\npath = \"a.h5\"\n";
+  refused("a.h5", {"r.toml"}, "r.toml:");
+}
+
+TEST(OutputFiles, AFitOntoItsMeasurementsIsRefused) {
+  const Folder folder;
+  measure(folder / "a.csv");
+  expect_refused_untouched(folder, {"fit", "a.csv", "--out", "a.csv"}, "a.csv", "--out a.csv",
+                           "the measurements a.csv");
+  expect_refused_untouched(folder,
+                           {"validate", "a.csv", "--tissue", "liver", "--report", ".", "--out", "a.csv"},
+                           "a.csv", "--out a.csv", "the measurements a.csv");
+}
+
+TEST(OutputFiles, ARecordingToADeviceOrAFifoIsRefusedAndTheyStay) {
+  const Folder folder;
+  ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
+  fs::create_symlink("/dev/null", folder / "null");
+  for (const std::string file : {"fifo", "null"}) {
+    const Outcome outcome = run(folder, {"run", "--offline", "--duration-s", "0.05", "--record", file});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("--record " + file), HasSubstr("must be a regular file")));
+  }
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("fifo", "null"));
+}
+
+TEST(OutputFiles, ARecordingThroughALinkChangesTheFileThatItLeadsTo) {
+  const Folder folder;
+  const Folder elsewhere;
+  fs::create_symlink(elsewhere / "new.h5", folder / "a.h5");
+  record_short(folder, "a.h5");
+  EXPECT_TRUE(fs::is_symlink(folder / "a.h5"));
+  EXPECT_EQ(elsewhere.names(), std::vector<std::string>{"new.h5"});
+  EXPECT_EQ(run(folder, {"replay", "a.h5", "--verify"}).exit_code, 0);
+}
+
+TEST(OutputFiles, TextAndPicturesGoStraightToADevice) {
+  const Folder folder;
+  record_short(folder, "a.h5");
+  const Outcome text = run(folder, {"export", "a.h5", "--csv", "/dev/stdout"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_EQ(text.out.rfind("tick,", 0), 0U);
+  EXPECT_EQ(lines(text.out), 51U);
+  EXPECT_EQ(run(folder, {"export", "a.h5", "--csv", "/dev/null"}).exit_code, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(OutputFiles, APictureThatADeviceDoesNotTakeLeavesTheDevice) {
+  const Folder folder;
+  record_short(folder, "a.h5");
+  // A device of our own, where we may make one: /dev/full itself would be lost to everybody.
+  const std::string full = folder / "full.png";
+  if (mknod(full.c_str(), S_IFCHR | 0600, kFullDevice) != 0) return;  // root alone can make one
+  const Outcome outcome = run(folder, {"view", "a.h5", "--screenshot", "full.png"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_TRUE(fs::is_character_file(full));
+}
+
+TEST(OutputFiles, AFitToADeviceKeepsNoLinesBesideIt) {
+  const Folder folder;
+  measure(folder / "a.csv");
+  const std::string full = folder / "full.toml";
+  if (mknod(full.c_str(), S_IFCHR | 0600, kFullDevice) != 0) return;  // root alone can make one
+  const Outcome outcome = run(folder, {"fit", "a.csv", "--out", "full.toml"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--out full.toml: cannot be written: No space left on device"));
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("a.csv", "full.toml"));
+}
+
+TEST(OutputFiles, NoTemporaryFileHasANameThatOthersCanForesee) {
+  for (const std::vector<std::string>& output :
+       {std::vector<std::string>{"--record", "r.h5"}, {"--screenshot", "a.png"}}) {
+    const Folder folder;
+    const Folder temporary;
+    std::ofstream(folder / "theirs") << "precious";
+    std::vector<std::string> words = {"run", "--offline", "--duration-s", "0.05"};
+    words.insert(words.end(), output.begin(), output.end());
+    Program program(folder.path(), words, {{"TMPDIR", temporary.path().string()}});
+    // The names by which programs of before wrote, as long as this one still loads its scene.
+    const std::string id = std::to_string(program.id());
+    fs::create_symlink(folder / "theirs", temporary / ("palpate-" + id + ".h5"));
+    fs::create_symlink(folder / "theirs", temporary / (".palpate-" + id + ".h5." + id + ".partial"));
+    fs::create_symlink(folder / "theirs", folder / (".r.h5." + id + ".partial"));
+    EXPECT_EQ(program.wait().exit_code, 0);
+    EXPECT_EQ(text_of(folder / "theirs"), "precious");
+    EXPECT_EQ(temporary.names().size(), 2U);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::tests
