@@ -135,6 +135,7 @@ Handle create_ticks(hid_t file, hid_t row_type) {
   const Handle space(H5Screate_simple(1, &none, &unlimited), "space of /ticks");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), "/ticks");
   check(H5Pset_chunk(properties.id(), 1, &chunk), "chunks of /ticks");
+  check(H5Pset_fletcher32(properties.id()), "checksums of /ticks");
   Handle ticks(H5Dcreate2(file, "ticks", row_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
                "/ticks");
   hdf5::write_attribute(ticks.id(), "phase", std::string("0 approach, 1 press, 2 pull"));
@@ -152,6 +153,7 @@ Handle create_changes(hid_t file, hid_t change_type) {
   const Handle space(H5Screate_simple(1, &none, &unlimited), "space of /changes");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), "/changes");
   check(H5Pset_chunk(properties.id(), 1, &kChunk), "chunks of /changes");
+  check(H5Pset_fletcher32(properties.id()), "checksums of /changes");
   Handle changes(
       H5Dcreate2(file, "changes", change_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
       "/changes");

@@ -1,6 +1,9 @@
 #include <atomic>
 #include <csignal>
+#include <cstddef>
+#include <fstream>
 #include <random>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +11,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
+#include "io/record/recording_writer.h"
 #include "io/record/test/sample_recording.h"
 #include "io/system/clock.h"
 #include "palpate/error.h"
@@ -251,6 +255,71 @@ TEST(DiskFull, IsToldAtTheEndAndWhatWasWrittenStaysReadable) {
   expect_rows_from_the_start(recording, 1);
   EXPECT_TRUE(repair_recording(folder / "a.h5").was_damaged);
   EXPECT_TRUE(opens_plainly(folder / "a.h5"));
+}
+
+/// The place in a file of the first row of /ticks from `row` on, which begins a chunk.
+haddr_t place_of_chunk(const std::filesystem::path& file, hsize_t row) {
+  const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t ticks = H5Dopen2(id, "ticks", H5P_DEFAULT);
+  unsigned filters = 0;
+  haddr_t place = HADDR_UNDEF;
+  hsize_t bytes = 0;
+  EXPECT_GE(H5Dget_chunk_info_by_coord(ticks, &row, &filters, &place, &bytes), 0);
+  H5Dclose(ticks);
+  H5Fclose(id);
+  return place;
+}
+
+/// Puts the rows into a dataset as it was before there were checksums.
+void remove_checksums(const std::filesystem::path& path) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t ticks = H5Dopen2(file, "ticks", H5P_DEFAULT);
+  const hid_t type = H5Dget_type(ticks);
+  const hid_t space = H5Dget_space(ticks);
+  const hid_t how = H5Dget_create_plist(ticks);
+  EXPECT_GE(H5Premove_filter(how, H5Z_FILTER_FLETCHER32), 0);
+  std::vector<char> rows(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)) * H5Tget_size(type));
+  H5Dread(ticks, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
+  H5Dclose(ticks);
+  H5Ldelete(file, "ticks", H5P_DEFAULT);
+  const hid_t plain = H5Dcreate2(file, "ticks", type, space, H5P_DEFAULT, how, H5P_DEFAULT);
+  EXPECT_GE(H5Dwrite(plain, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), 0);
+  H5Dclose(plain);
+  H5Pclose(how);
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Fclose(file);
+}
+
+TEST(DamagedRecording, OneOfBeforeThereWereChecksumsOpensWithAllRows) {
+  constexpr std::uint64_t kRows = 2 * RecordingWriter::kChunkRows + 5;
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", kRows, 1);
+  remove_checksums(folder / "a.h5");
+  EXPECT_EQ(read_recording(folder / "a.h5").rows.size(), kRows);
+}
+
+TEST(DamagedRecording, AFlippedBitInARowIsToldAndRepairKeepsTheRowsBeforeItsChunk) {
+  constexpr std::uint64_t kChunk = RecordingWriter::kChunkRows;
+  for (const std::size_t member : {offsetof(haptics::TickRow, force), sizeof(haptics::TickRow) / 2}) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder / "a.h5";
+    record_sample(file, 3 * kChunk, 1);
+    const haddr_t place = place_of_chunk(file, kChunk) + 7 * sizeof(haptics::TickRow) + member;
+    std::fstream bytes(file, std::ios::binary | std::ios::in | std::ios::out);
+    bytes.seekg(static_cast<std::streamoff>(place));
+    const auto flipped = static_cast<char>(bytes.get() ^ 0x10);
+    bytes.seekp(static_cast<std::streamoff>(place));
+    bytes.put(flipped);
+    bytes.close();
+    EXPECT_THAT([&] { (void)read_recording(file); },
+                testing::ThrowsMessage<InputError>(testing::HasSubstr(
+                    "rows from " + std::to_string(kChunk) + " on cannot be read: they are damaged")));
+    const RepairResult repaired = repair_recording(file);
+    EXPECT_TRUE(repaired.was_damaged);
+    EXPECT_EQ(repaired.rows, kChunk);
+    EXPECT_EQ(read_recording(file).rows.size(), kChunk);
+  }
 }
 
 }  // namespace
