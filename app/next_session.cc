@@ -44,8 +44,9 @@ NextSession::~NextSession() {
 
 void NextSession::prepare_now(std::optional<double> duration_s, bool no_cache) {
   state_.store(State::kPreparing, std::memory_order_release);
-  work(State::kReady,
-       [this, duration_s, no_cache] { session_ = prepare(std::move(*setup_), duration_s, no_cache); });
+  work(State::kReady, [this, duration_s, no_cache] {
+    session_ = prepare(std::move(*setup_), duration_s, no_cache, &broken_off_);
+  });
 }
 
 }  // namespace palpate::app

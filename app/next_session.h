@@ -30,6 +30,14 @@ class NextSession final {
   NextSession& operator=(const NextSession&) = delete;
 
   [[nodiscard]] State state() const noexcept { return state_.load(std::memory_order_acquire); }
+  /// It is wanted no more: what its thread does ends after the file that is being read, or with the organ's
+  /// next stage.
+  void break_off() noexcept { broken_off_.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] bool is_broken_off() const noexcept { return broken_off_.load(std::memory_order_relaxed); }
+  /// Whether its thread does nothing any more, so that destroying it does not wait.
+  [[nodiscard]] bool is_idle() const noexcept {
+    return state() != State::kReading && state() != State::kPreparing;
+  }
   /// In kRead, when no other session holds a device: goes on.
   void prepare_now(std::optional<double> duration_s, bool no_cache);
   /// In kReady: the session.
@@ -50,6 +58,7 @@ class NextSession final {
   std::optional<scene::Setup> setup_;
   std::unique_ptr<Session> session_;
   std::string failure_;
+  std::atomic<bool> broken_off_{false};
   std::atomic<State> state_{State::kReading};
   std::thread thread_;
 };

@@ -127,7 +127,7 @@ Json ServedRuns::about_run() {
              {"state", run_ == nullptr ? "waiting"
                        : accounted_    ? "ended"
                                        : "running"},
-             {"loading", next_ != nullptr},
+             {"loading", is_loading()},
              {"scene", setup().name},
              {"rate_Hz", setup().rate_Hz}};
   if (run_ == nullptr) return about;
@@ -178,8 +178,23 @@ ServedRuns::Answer ServedRuns::surface(bool at_rest) {
   return Json{{"surface", moved_}};
 }
 
+bool ServedRuns::is_loading() const noexcept {
+  return load_next_.has_value() || (next_ != nullptr && !next_->is_broken_off());
+}
+
 void ServedRuns::require_no_loading() const {
-  if (next_ != nullptr) throw LiveError("state", "a scene is being loaded already; wait for its run event");
+  if (load_next_ || next_ != nullptr)
+    throw LiveError("state", "a scene is being loaded already; wait for its run event");
+}
+
+/// Whoever asked for the scene that is on its way is told that it does not come. Its thread ends soon; nobody
+/// waits for it.
+void ServedRuns::break_off_loading(const std::string& why) {
+  if (is_loading()) {
+    news_.push_back({std::exchange(next_asker_, std::nullopt), "", {}, LiveError("state", why)});
+  }
+  load_next_.reset();
+  if (next_ != nullptr) next_->break_off();
 }
 
 std::string ServedRuns::file_below(const std::string& key, const std::string& name) const {
@@ -222,11 +237,11 @@ scene::Request ServedRuns::request_of(const net::Load& wanted) const {
 }
 
 ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& asker) {
-  require_no_loading();
-  next_ = std::make_unique<NextSession>(request_of(wanted), NextSession::Kept{}, next_recording(),
-                                        require_windowless);
-  next_is_clients_ = true;
+  scene::Request request = request_of(wanted);
+  break_off_loading("the load was broken off by the next load");
+  load_next_ = std::move(request);
   next_asker_ = asker;
+  look_after_next();
   return std::nullopt;
 }
 
@@ -245,7 +260,10 @@ ServedRuns::Answer ServedRuns::start(const net::Asker& asker) {
 }
 
 ServedRuns::Answer ServedRuns::stop(const net::Asker& asker) {
-  if (!running()) throw LiveError("state", "stop: nothing is running");
+  const bool loading = is_loading();
+  if (!running() && !loading) throw LiveError("state", "stop: nothing is running");
+  break_off_loading("the load was broken off by stop");
+  if (!running()) return Json{{"run", about_run()}};
   run_->stop();
   stop_askers_.push_back(asker);
   return std::nullopt;
@@ -291,7 +309,7 @@ std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
     tell_faults();
     if (ended) account_for_run();
   }
-  if (next_ != nullptr) look_after_next();
+  look_after_next();
   return std::exchange(news_, {});
 }
 
@@ -332,6 +350,13 @@ void ServedRuns::account_for_run() {
 }
 
 void ServedRuns::look_after_next() {
+  if (next_ != nullptr && next_->is_broken_off() && next_->is_idle()) next_.reset();
+  if (next_ == nullptr && load_next_) {
+    next_ = std::make_unique<NextSession>(*std::exchange(load_next_, std::nullopt), NextSession::Kept{},
+                                          next_recording(), require_windowless);
+    next_is_clients_ = true;
+  }
+  if (next_ == nullptr || next_->is_broken_off()) return;
   switch (next_->state()) {
     case NextSession::State::kRead:
       if (running()) return run_->stop();  // the force goes off first
@@ -366,10 +391,12 @@ std::string ServedRuns::next_failure() const {
 }
 
 void ServedRuns::finish() {
+  if (next_ != nullptr) next_->break_off();
+  if (running()) {
+    run_->stop();
+    account_for_run();
+  }
   next_.reset();
-  if (!running()) return;
-  run_->stop();
-  account_for_run();
 }
 
 }  // namespace palpate::app

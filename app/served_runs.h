@@ -69,7 +69,9 @@ class ServedRuns final : public net::LiveHost {
   [[nodiscard]] scene::Request request_of(const net::Load& wanted) const;
   [[nodiscard]] std::string file_below(const std::string& key, const std::string& name) const;
   [[nodiscard]] std::filesystem::path next_recording() const;
+  [[nodiscard]] bool is_loading() const noexcept;
   void require_no_loading() const;
+  void break_off_loading(const std::string& why);
   void begin_first(std::filesystem::path recording);
   [[nodiscard]] std::string next_failure() const;
   void begin(std::unique_ptr<Session> session, std::filesystem::path recording);
@@ -89,6 +91,7 @@ class ServedRuns final : public net::LiveHost {
   std::unique_ptr<NextSession> next_;
   bool next_is_clients_ = false;
   std::optional<net::Asker> next_asker_;
+  std::optional<scene::Request> load_next_;  // once next_, which is broken off, has ended: for next_asker_
   std::vector<net::Asker> stop_askers_;
   model::TissueParameters tissue_;  // in force, or of the next run
   noise::NoiseSettings noise_;

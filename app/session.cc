@@ -79,12 +79,19 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
 
 }  // namespace
 
-std::unique_ptr<Session> prepare(scene::Setup setup, std::optional<double> duration_s, bool no_cache) {
+std::unique_ptr<Session> prepare(scene::Setup setup, std::optional<double> duration_s, bool no_cache,
+                                 const std::atomic<bool>* broken_off) {
   if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "--duration-s");
   const OrganPreparation preparation(no_cache);
   session::SessionOptions options;
   options.duration_s = duration_s;
   options.preparation = preparation.how();
+  if (broken_off != nullptr) {
+    options.preparation.progress = [broken_off, &preparation](double share, const std::string& what) {
+      if (broken_off->load(std::memory_order_relaxed)) throw InputError("broken off");
+      preparation.how().progress(share, what);
+    };
+  }
   return std::make_unique<Session>(std::move(setup), std::move(options));
 }
 

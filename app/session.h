@@ -25,9 +25,10 @@ using session::Session;
 
 /// [setup] Opens a session and shows a progress bar while its organ is prepared. @param duration_s simulated
 /// time [s], rounded to whole ticks; none: until the devices have no more samples. @param no_cache ignores
-/// the cache of prepared organs. @throws InputError; ParameterError naming --duration-s.
+/// the cache of prepared organs. @param broken_off once another thread has set it, the organ's next stage
+/// ends with an InputError @throws InputError; ParameterError naming --duration-s.
 [[nodiscard]] std::unique_ptr<Session> prepare(scene::Setup setup, std::optional<double> duration_s,
-                                               bool no_cache);
+                                               bool no_cache, const std::atomic<bool>* broken_off = nullptr);
 
 /// [setup] Whether a file or folder could be written there, without touching anything. @throws InputError
 /// naming `flag` and the path.

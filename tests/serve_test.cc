@@ -271,6 +271,44 @@ TEST(Serve, ASceneThatIsLoadedInPlaceOfOneThatWaitsIsOnItsWayUntilItRuns) {
   EXPECT_EQ(serve.end().exit_code, 0);
 }
 
+TEST(Serve, WhileASceneIsLoadedOthersAreAnsweredAndTheNextLoadOrStopBreaksItOff) {
+  const Folder folder;
+  Serve serve(folder, {"--wait", "--no-cache"});
+  const std::uint16_t port = serve.port();
+  LiveClient loader(port);
+  loader.greet();
+  LiveClient other(port);
+  other.greet();
+  const std::string large = R"({"do": "load", "organ": "gallbladder-300k", "tool": "sphere:5", "id": )";
+  loader.say(large + "1}");
+  EXPECT_EQ(loader.ask(R"({"do": "state"})")["run"]["loading"], true);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(other.ask(R"({"do": "state"})")["run"]["loading"], true);
+  loader.say(large + "2}");
+  const auto answer = [](const json& message) { return message.contains("answer"); };
+  const json first = loader.hear_until(answer);
+  EXPECT_EQ(first["id"], 1) << first;
+  EXPECT_EQ(first["error"]["code"], "state") << first;
+  EXPECT_EQ(first["error"]["words"], "the load was broken off by the next load");
+  EXPECT_EQ(other.ask(R"({"do": "stop"})")["run"]["state"], "waiting");
+  const json second = loader.hear_until(answer);
+  EXPECT_EQ(second["id"], 2) << second;
+  EXPECT_EQ(second["error"]["words"], "the load was broken off by stop");
+  EXPECT_EQ(other.ask(R"({"do": "state"})")["run"]["loading"], false);
+  EXPECT_EQ(loader.ask(R"({"do": "load", "task": "pull"})")["run"]["scene"], "heart pull")
+      << "one that ends plays";
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
+TEST(Serve, QuittingDoesNotWaitForASceneThatIsBeingPrepared) {
+  const Folder folder;
+  Serve serve(folder, {"--wait", "--no-cache"});
+  LiveClient client(serve.port());
+  client.greet();
+  client.say(R"({"do": "load", "organ": "gallbladder-300k", "tool": "sphere:5"})");
+  EXPECT_EQ(client.ask(R"({"do": "state"})")["run"]["loading"], true);
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
 TEST(Serve, TheLastClientsLeavingEndsARunWhereThatIsAskedFor) {
   const Folder folder;
   Serve serve(folder, {"--device", "emulated", "--duration-s", "600", "--stop-when-alone"});
