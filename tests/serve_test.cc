@@ -281,6 +281,7 @@ TEST(Serve, WhileASceneIsLoadedOthersAreAnsweredAndTheNextLoadOrStopBreaksItOff)
   other.greet();
   const std::string large = R"({"do": "load", "organ": "gallbladder-300k", "tool": "sphere:5", "id": )";
   loader.say(large + "1}");
+  EXPECT_EQ(loader.ask(R"({"do": "state"})")["run"]["loading"], true);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(other.ask(R"({"do": "state"})")["run"]["loading"], true);
   loader.say(large + "2}");
   const auto answer = [](const json& message) { return message.contains("answer"); };
