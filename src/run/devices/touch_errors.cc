@@ -47,7 +47,7 @@ constexpr unsigned kLastForceError = 0x0204;
 std::string closed_port() {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/dev", error)) {
-    const std::string port = entry.path().string();
+    std::string port = entry.path().string();
     if (port.rfind("/dev/ttyACM", 0) == 0 && access(port.c_str(), R_OK | W_OK) != 0) return port;
   }
   return {};

@@ -24,10 +24,13 @@ constexpr std::int64_t kLookAgain = 1'000'000;    // ns
 /// A vector of the vendor's frame in D.
 Vec3 from_vendor(const double* v) { return {v[0], -v[2], v[1]}; }
 
-/// The stylus's rotation in D, of a matrix by columns: its own z axis goes from the tip to the handle.
+/// The stylus's rotation in D, of a matrix by columns. The vendor's z axis of the stylus goes from the tip to
+/// the handle, an instrument's from the handle to the tips: half a turn about x.
 Quat rotation_from_vendor(const double* transform) {
   Mat3 m;
-  for (int column = 0; column < 3; ++column) m.col(column) = from_vendor(transform + 4 * column);
+  m.col(0) = from_vendor(transform);
+  m.col(1) = -from_vendor(transform + 4);
+  m.col(2) = -from_vendor(transform + 8);
   return Quat(m);
 }
 

@@ -128,23 +128,24 @@ TEST_F(Touch, GivesOneSampleInMetresWithZUp) {
   EXPECT_EQ(sample.buttons, 2U) << "the second button, number 1 for clutch_button";
 }
 
-TEST_F(Touch, AStylusThatPointsForwardsLiesAlongTheDevicesNegativeYWithItsHandle) {
+TEST_F(Touch, AnInstrumentPointsWhereTheStylusPoints) {
+  // The vendor's identity: the tip points forward, away from the user; an instrument's tips are at +z.
   TouchDevice device("");
-  // The identity is the vendor's: the handle goes along the stylus's z, towards the user.
-  const Mat3 rotation = device.read(0, 0.0).orientation_D.toRotationMatrix();
-  EXPECT_TRUE((rotation * Vec3::UnitZ()).isApprox(-Vec3::UnitY(), 1e-12));
-  EXPECT_TRUE((rotation * Vec3::UnitX()).isApprox(Vec3::UnitX(), 1e-12));
-  EXPECT_NEAR(rotation.determinant(), 1.0, 1e-12);
+  const Mat3 forward = device.read(0, 0.0).orientation_D.toRotationMatrix();
+  EXPECT_TRUE((forward * Vec3::UnitZ()).isApprox(Vec3::UnitY(), 1e-12));
+  EXPECT_TRUE((forward * Vec3::UnitX()).isApprox(Vec3::UnitX(), 1e-12));
+  EXPECT_NEAR(forward.determinant(), 1.0, 1e-12);
 }
 
-TEST_F(Touch, AStylusThatPointsDownHasTheIdentityAsItsOrientation) {
+TEST_F(Touch, AStylusThatPointsDownTurnsTheInstrumentUpsideDown) {
   hd_.arm([](HdArm& arm) {
-    // By columns: the stylus's x stays, its y is towards the user's back wall, its z up.
+    // By columns: the stylus's x stays, its y points away from the user, its z, towards the handle, up.
     const double upright[16] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
     std::copy_n(upright, 16, arm.transform);
   });
   TouchDevice device("");
-  EXPECT_TRUE(device.read(0, 0.0).orientation_D.toRotationMatrix().isIdentity(1e-12));
+  const Mat3 rotation = device.read(0, 0.0).orientation_D.toRotationMatrix();
+  EXPECT_TRUE(rotation.isApprox(Vec3(1.0, -1.0, -1.0).asDiagonal().toDenseMatrix(), 1e-12));
 }
 
 TEST_F(Touch, ItsFirstButtonClosesTheJawsInAQuarterOfASecond) {
