@@ -257,7 +257,8 @@ void RecordingReader::open() {
 }
 
 bool RecordingReader::open_as_is(int descriptor) {
-  const std::string name = "/proc/self/fd/" + std::to_string(descriptor);  // nobody can exchange that file
+  std::string name = "/proc/self/fd/" + std::to_string(descriptor);  // nobody can exchange that file
+  if (::access(name.c_str(), R_OK) != 0) name = path_.string();      // a system without /proc
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
   // More tries wait ever longer for a block that a cut-off file does not have.
   constexpr unsigned kTries = 10;
