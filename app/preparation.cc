@@ -23,8 +23,8 @@ OrganPreparation::OrganPreparation(bool no_cache)
   };
   if (no_cache) return;
   scene::use_organ_cache(how_, user_cache_folder(), tell_detail, [](const std::string& why) {
-    static std::once_flag told;  // a program may prepare many organs
-    std::call_once(told, [&why] { tell(why); });
+    static std::once_flag warned;  // a process may prepare many organs
+    std::call_once(warned, [&why] { tell(why); });
   });
 }
 

@@ -187,8 +187,8 @@ void ServedRuns::require_no_loading() const {
     throw LiveError("state", "a scene is being loaded already; wait for its run event");
 }
 
-/// Whoever asked for the scene that is on its way is told that it does not come. Its thread ends soon; nobody
-/// waits for it.
+/// Breaks off the scene that is being loaded: its client gets an error. The loading thread ends by itself and
+/// is not joined here.
 void ServedRuns::break_off_loading(const std::string& why) {
   if (is_loading()) {
     news_.push_back({std::exchange(next_asker_, std::nullopt), "", {}, LiveError("state", why)});

@@ -49,8 +49,7 @@ struct ForceCommand {
   double gripper_force = 0.0;  // N
 };
 
-/// What a device gives and bears, as far as its maker or the device itself says it; infinite where nobody
-/// does.
+/// Limits of a device, by its maker or as the device reports them; infinite where unknown.
 struct DeviceAbilities {
   static constexpr double kUnknown = std::numeric_limits<double>::infinity();
 

@@ -199,8 +199,7 @@ class LiveServer::Desk final : public LiveDesk {
     leaves->drop();
   }
 
-  /// Counts a connection that is refused, and tells it to the log: at most so often, whoever knocks how
-  /// often.
+  /// Counts a refused connection and writes a line to the log, at a limited rate.
   void log_refused(const LiveConnection& from, const std::string& why) {
     ++account_.refused;
     if (!log_limit_.allows(monotonic_ns())) {

@@ -53,7 +53,7 @@ struct LiveOptions {
   std::string token;                              // what a client's hello must have; empty: none is asked for
   std::vector<std::string> origins;               // of web pages, beside the server's own
   std::string page;                               // HTML that a browser gets; empty: there is none
-  std::function<void(const std::string&)> log{};  // told in one line who was refused, and why
+  std::function<void(const std::string&)> log{};  // gets one line for a refused connection: who and why
 };
 
 /// What a server has seen.

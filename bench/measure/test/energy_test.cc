@@ -40,7 +40,7 @@ struct Attack {
 };
 
 struct Outcome {
-  bool warned = false;  // told before the run: then it is not made
+  bool warned = false;  // the check warns: then the case is not run
   bool faulted = false;
   double given = 0.0;           // J, the most given to the hand beyond what hand and organ had put in
   double bound = 0.0;           // J, that docs/safety.md promises

@@ -211,7 +211,7 @@ void TouchScheduler::read(TouchArm& arm, TouchSample& sample) noexcept {
   read_switches(arm, state);
 }
 
-/// The switches that take the force away. An arm without a safety switch tells an open one: it counts from
+/// The switches that take the force away. An arm without a safety switch reports an open one: it counts from
 /// when it was first closed.
 void TouchScheduler::read_switches(TouchArm& arm, haptics::DeviceState& state) noexcept {
   const HdFunctions& call = library_.call();

@@ -30,7 +30,7 @@ enum class TouchTrouble : std::uint32_t { kNone, kError, kInkwell, kNotHeld, kFo
 /// One arm: what the loop and the vendor's thread exchange about it without waiting for each other.
 struct TouchArm {
   std::string name;      // as Touch_Setup has it; empty: the default device
-  std::string model;     // as the arm tells it
+  std::string model;     // as the arm reports it
   double max_force = 0;  // N, the arm's own nominal one
   haptics::DeviceAbilities abilities;
   int calibration_style = 0;
