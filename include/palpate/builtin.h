@@ -11,8 +11,8 @@ namespace palpate::geometry {
 /// four also with "-30k" or "-300k" behind them, that many triangles.
 [[nodiscard]] const std::vector<std::string>& builtin_organ_names();
 
-/// [setup] A built-in organ, metres, middle of its bounding box at the origin; 300,000 triangles take some
-/// seconds. @throws InputError listing the names.
+/// [setup] A built-in organ, metres, middle of its bounding box at the origin.
+/// @throws InputError listing the names.
 [[nodiscard]] TriangleMesh make_organ(const std::string& name);
 
 /// [setup] Names of the built-in instruments: "curved-forceps", "straight-forceps" (two jaws each);

@@ -1,20 +1,15 @@
 #include "palpate/builtin.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <optional>
 #include <string_view>
-#include <utility>
 
 #include <fmt/core.h>
 
+#include "core/base/portable_math.h"
 #include "core/base/text.h"
-#include "io/shapes/detail.h"
-#include "io/shapes/forceps.h"
-#include "io/shapes/gallbladder.h"
-#include "io/shapes/heart.h"
-#include "io/shapes/kidney.h"
-#include "io/shapes/liver.h"
+#include "io/shapes/mesh_archive.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
 #include "palpate/units.h"
@@ -29,23 +24,19 @@ constexpr double kBallRadius = 0.03;       // [m]
 constexpr double kBoxEdge = 0.005;         // [m] longest edge of the box's squares
 const Vec3 kBoxSize(0.060, 0.060, 0.040);  // [m]
 
-TriangleMesh centred(TriangleMesh mesh) {
-  const Vec3 middle = bounds(mesh).middle();
-  for (Vec3& v : mesh.vertices) v -= middle;
-  return mesh;
+/// All `stems` with each ending, the plain names first and `more` behind those.
+std::vector<std::string> with_endings(const std::vector<std::string>& stems,
+                                      const std::vector<std::string>& more) {
+  std::vector<std::string> names = stems;
+  names.insert(names.end(), more.begin(), more.end());
+  for (const char* ending : {"-30k", "-300k"}) {
+    for (const std::string& stem : stems) names.push_back(stem + ending);
+  }
+  return names;
 }
 
-/// A shape's name without its ending, and what the ending says.
-struct Name {
-  std::string_view stem;
-  Detail detail = Detail::kPaper;
-};
-Name split(std::string_view name) {
-  constexpr std::string_view k30k = "-30k";
-  constexpr std::string_view k300k = "-300k";
-  if (name.ends_with(k30k)) return {name.substr(0, name.size() - k30k.size()), Detail::k30k};
-  if (name.ends_with(k300k)) return {name.substr(0, name.size() - k300k.size()), Detail::k300k};
-  return {name, Detail::kPaper};
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 [[noreturn]] void unknown(const std::string& kind, const std::string& name,
@@ -72,50 +63,46 @@ Tool sphere(const std::string& name) {
   return tool;
 }
 
+/// Two jaws and the shaft, which both kinds of forceps share.
+Tool forceps(const std::string& name) {
+  constexpr double kOpenAngle = 15.0 * portable::kPi / 180.0;  // [rad] each jaw at gripper 1
+  const std::string ending = name.substr(name.find("forceps") + std::string_view("forceps").size());
+  const auto mesh = [](const std::string& part) { return unpack_mesh(built_in_meshes(), part); };
+  Tool tool;
+  tool.name = name;
+  tool.parts.push_back(
+      {.name = "left", .mesh = mesh(name + "/left"), .is_jaw = true, .open_angle = kOpenAngle});
+  tool.parts.push_back(
+      {.name = "right", .mesh = mesh(name + "/right"), .is_jaw = true, .open_angle = -kOpenAngle});
+  tool.parts.push_back({.name = "shaft", .mesh = mesh("shaft" + ending)});
+  return tool;
+}
+
 }  // namespace
 
 const std::vector<std::string>& builtin_organ_names() {
-  static const std::vector<std::string> names{"gallbladder",
-                                              "heart",
-                                              "liver",
-                                              "kidney",
-                                              "ball",
-                                              "box",
-                                              "gallbladder-30k",
-                                              "heart-30k",
-                                              "liver-30k",
-                                              "kidney-30k",
-                                              "gallbladder-300k",
-                                              "heart-300k",
-                                              "liver-300k",
-                                              "kidney-300k"};
+  static const std::vector<std::string> names =
+      with_endings({"gallbladder", "heart", "liver", "kidney"}, {"ball", "box"});
   return names;
 }
 
 TriangleMesh make_organ(const std::string& name) {
-  const auto [stem, detail] = split(name);
-  if (stem == "gallbladder") return centred(make_gallbladder(detail));
-  if (stem == "heart") return centred(make_heart(detail));
-  if (stem == "liver") return centred(make_liver(detail));
-  if (stem == "kidney") return centred(make_kidney(detail));
-  if (name == "ball") return centred(make_ball(kBallRadius));
-  if (name == "box") return centred(make_box(kBoxSize, kBoxEdge));
-  unknown("organ", name, builtin_organ_names(), "");
+  if (name == "ball") return make_ball(kBallRadius);
+  if (name == "box") return make_box(kBoxSize, kBoxEdge);
+  if (!contains(builtin_organ_names(), name)) unknown("organ", name, builtin_organ_names(), "");
+  return unpack_mesh(built_in_meshes(), name);
 }
 
 const std::vector<std::string>& builtin_tool_names() {
-  static const std::vector<std::string> names{"curved-forceps",      "straight-forceps",
-                                              "curved-forceps-30k",  "straight-forceps-30k",
-                                              "curved-forceps-300k", "straight-forceps-300k"};
+  static const std::vector<std::string> names = with_endings({"curved-forceps", "straight-forceps"}, {});
   return names;
 }
 
 Tool make_tool(const std::string& name) {
-  const auto [stem, detail] = split(name);
-  if (stem == "curved-forceps") return make_curved_forceps(detail);
-  if (stem == "straight-forceps") return make_straight_forceps(detail);
   if (std::string_view(name).starts_with(kSphere)) return sphere(name);
-  unknown("tool", name, builtin_tool_names(), ", sphere:R with R in mm");
+  if (!contains(builtin_tool_names(), name))
+    unknown("tool", name, builtin_tool_names(), ", sphere:R with R in mm");
+  return forceps(name);
 }
 
 }  // namespace palpate::geometry

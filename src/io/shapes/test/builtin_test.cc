@@ -153,15 +153,6 @@ TEST(BuiltinOrgan, LiverAndKidneyShowTheirFrontToTheDefaultPress) {
   EXPECT_GT(hits_from_above(kidney(), 1.3e-5, 2.7e-5)[0].normal.z(), 0.9);
 }
 
-TEST(BuiltinOrgan, TwiceTheSameBits) {
-  for (const std::string& name : kOrgans) {
-    const TriangleMesh a = make_organ(name);
-    const TriangleMesh b = make_organ(name);
-    EXPECT_EQ(a.triangles, b.triangles);
-    EXPECT_EQ(a.vertices, b.vertices);
-  }
-}
-
 TEST(BuiltinOrgan, FourOrgansAreListedAtThreeResolutions) {
   for (const std::string stem : {"gallbladder", "heart", "liver", "kidney"}) {
     for (const char* ending : {"", "-30k", "-300k"})

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "io/shapes/kidney.h"
-#include "io/shapes/liver.h"
 #include "io/shapes/test/shape_checks.h"
+#include "palpate/builtin.h"
 
-// What anatomy says of liver and kidney, looked for on their meshes, in the frames of liver.h and kidney.h.
-// That they are sound surfaces is tested with the other built-in shapes.
+// What anatomy says of liver and kidney, looked for on their meshes, in the frames of
+// tools/make_shapes/liver.h and kidney.h. That they are sound surfaces is tested with the other built-in
+// shapes.
 namespace palpate::geometry {
 namespace {
 
@@ -19,6 +19,15 @@ using test::Hit;
 using test::hits_from_above;
 
 constexpr double kLiverMm = 1e-3;
+
+/// A built-in organ in the frame of its formula, which has the middle of the organ's bounding box at `middle`
+/// [mm].
+TriangleMesh moved_organ(const char* name, const Vec3& middle) {
+  TriangleMesh mesh = make_organ(name);
+  for (Vec3& v : mesh.vertices) v += kLiverMm * middle;
+  return mesh;
+}
+TriangleMesh fine_liver() { return moved_organ("liver-30k", {-0.775274, 4.843998, -5.068860}); }
 
 TriangleMesh turned(TriangleMesh mesh, const Mat3& turn) {
   for (Vec3& v : mesh.vertices) v = turn * v;
@@ -44,7 +53,7 @@ class Liver : public ::testing::Test {
     return y;
   }
 
-  TriangleMesh mesh_ = make_liver(Detail::kPaper);
+  TriangleMesh mesh_ = moved_organ("liver", {-0.800214, 4.906109, -5.067389});
   TriangleMesh upright_ = turned(mesh_, (Mat3() << 1, 0, 0, 0, 0, -1, 0, 1, 0).finished());  // +y is up now
 };
 
@@ -127,7 +136,7 @@ TEST_F(Liver, KidneyAndStomachPressIntoIt) {
 }
 
 TEST(FineLiver, VenaCavaIsOpenAtBothEndsAndPortalVeinBelow) {
-  const TriangleMesh mesh = make_liver(Detail::k30k);
+  const TriangleMesh mesh = fine_liver();
   // Vertices at the bottom of each lumen: inside the wall's ring, sunk below it.
   const auto sunk = [&mesh](const Vec3& end_mm, const Vec3& out) {
     double middle = 1.0;
@@ -148,7 +157,7 @@ TEST(FineLiver, VenaCavaIsOpenAtBothEndsAndPortalVeinBelow) {
 }
 
 TEST(FineLiver, FalciformLigamentsStumpRunsOverTheFront) {
-  const TriangleMesh mesh = make_liver(Detail::k30k);
+  const TriangleMesh mesh = fine_liver();
   const auto front = [&mesh](double x, double y) {
     return hits_from_above(mesh, x * kLiverMm, y * kLiverMm)[0].z / kLiverMm;
   };
@@ -169,7 +178,7 @@ class Kidney : public ::testing::Test {
     return -hits_from_above(sideways_, -z * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5).back().z / kLiverMm;
   }
 
-  TriangleMesh mesh_ = make_kidney(Detail::kPaper);
+  TriangleMesh mesh_ = moved_organ("kidney", {3.877033, 0.095891, 0.262458});
   TriangleMesh sideways_ = turned(mesh_, (Mat3() << 0, 0, -1, 0, 1, 0, 1, 0, 0).finished());  // +x is up now
 };
 

@@ -1,15 +1,16 @@
-#include "io/shapes/heart.h"
+#include "tools/make_shapes/heart.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
-#include "io/shapes/cut_vessel.h"
-#include "io/shapes/implicit.h"
-#include "io/shapes/remesh.h"
-#include "io/shapes/tube.h"
 #include "palpate/units.h"
+
+#include "tools/make_shapes/cut_vessel.h"
+#include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/remesh.h"
+#include "tools/make_shapes/tube.h"
 
 namespace palpate::geometry {
 
@@ -318,8 +319,8 @@ TriangleMesh make_heart(Detail detail) {
   const TriangleMesh start = polygonise(SolidHeart(), box, kSpacing);
   RemeshGoal goal{.vertices = kHeartVertices, .bend_radius = 0.012, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.006, .finest = 0.2};
-  if (detail == Detail::k300k)
-    goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.005, .finest = 0.2};
+  if (detail == Detail::k75k)
+    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.005, .finest = 0.2};
   return remesh(Heart(detail != Detail::kPaper), start, goal);
 }
 

@@ -1,14 +1,15 @@
-#include "io/shapes/haemostat.h"
+#include "tools/make_shapes/haemostat.h"
 
 #include <cmath>
 #include <vector>
 
 #include "core/base/portable_math.h"
-#include "io/shapes/field_arithmetic.h"
-#include "io/shapes/implicit.h"
-#include "io/shapes/remesh.h"
-#include "io/shapes/tube.h"
 #include "palpate/units.h"
+
+#include "tools/make_shapes/field_arithmetic.h"
+#include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/remesh.h"
+#include "tools/make_shapes/tube.h"
 
 namespace palpate::geometry {
 
@@ -166,24 +167,21 @@ class Handles final : public ImplicitSolid {
 struct HaemostatCounts {
   int jaw = 0;
   int shaft = 0;
-  int quadruplings = 0;
 };
 
 }  // namespace
 
-Tool make_haemostat(const char* name, const HaemostatShape& shape, Detail detail) {
+Tool make_haemostat(const HaemostatShape& shape, Detail detail) {
   const HaemostatCounts counts =
-      detail == Detail::k30k ? HaemostatCounts{3002, 8998, 0} : HaemostatCounts{7502, 22498, 1};
+      detail == Detail::k30k ? HaemostatCounts{3002, 8998} : HaemostatCounts{7502, 22498};
   Tool tool;
-  tool.name = name;
   for (const double side : {1.0, -1.0}) {
     const Jaw jaw(shape, side);
     const Bounds box{Vec3(-0.0161, -0.0041, -0.0037), Vec3(0.0043, 0.0042, 0.0281)};
     ToolPart part;
     part.name = side > 0.0 ? "left" : "right";
-    part.mesh = remesh(
-        jaw, polygonise(jaw, box, 0.00042),
-        {.vertices = counts.jaw, .quadruplings = counts.quadruplings, .bend_radius = 0.0008, .finest = 0.25});
+    part.mesh = remesh(jaw, polygonise(jaw, box, 0.00042),
+                       {.vertices = counts.jaw, .bend_radius = 0.0008, .finest = 0.25});
     part.is_jaw = true;
     part.open_angle = side * shape.open_angle;
     tool.parts.push_back(std::move(part));
@@ -192,9 +190,8 @@ Tool make_haemostat(const char* name, const HaemostatShape& shape, Detail detail
   const Bounds box{Vec3(-0.0291, -0.0047, -0.1211), Vec3(0.0292, 0.0046, 0.0052)};
   ToolPart part;
   part.name = "shaft";
-  part.mesh = remesh(
-      handles, polygonise(handles, box, 0.0005),
-      {.vertices = counts.shaft, .quadruplings = counts.quadruplings, .bend_radius = 0.0015, .finest = 0.25});
+  part.mesh = remesh(handles, polygonise(handles, box, 0.0005),
+                     {.vertices = counts.shaft, .bend_radius = 0.0015, .finest = 0.25});
   tool.parts.push_back(std::move(part));
   return tool;
 }

@@ -1,6 +1,7 @@
 #pragma once
-#include "io/shapes/detail.h"
 #include "palpate/tool.h"
+
+#include "tools/make_shapes/detail.h"
 
 namespace palpate::geometry {
 
@@ -16,10 +17,10 @@ struct HaemostatShape {
   double open_angle = 0.262;  // [rad] each jaw at gripper 1
 };
 
-/// [setup] Forceps with box joint, shanks, ratchet and finger rings, some 135 mm long, about 30 k or 300 k
+/// [setup] Forceps with box joint, shanks, ratchet and finger rings, some 135 mm long, about 30 k or 75 k
 /// triangles: jaws "left" and "right", which turn about y at the origin, and "shaft", all the rest. Handle
 /// frame as in forceps.h. Every part closed; the shaft has two handles (its rings).
 /// @param detail not kPaper
-[[nodiscard]] Tool make_haemostat(const char* name, const HaemostatShape& shape, Detail detail);
+[[nodiscard]] Tool make_haemostat(const HaemostatShape& shape, Detail detail);
 
 }  // namespace palpate::geometry

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "io/shapes/implicit.h"
-#include "io/shapes/tube.h"
+#include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/tube.h"
 
 namespace palpate::geometry {
 

@@ -1,4 +1,4 @@
-#include "io/shapes/loft.h"
+#include "tools/make_shapes/loft.h"
 
 #include <cstddef>
 #include <cstdint>

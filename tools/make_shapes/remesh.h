@@ -1,6 +1,7 @@
 #pragma once
-#include "io/shapes/implicit.h"
 #include "palpate/mesh.h"
+
+#include "tools/make_shapes/implicit.h"
 
 namespace palpate::geometry {
 

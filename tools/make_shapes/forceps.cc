@@ -1,4 +1,4 @@
-#include "io/shapes/forceps.h"
+#include "tools/make_shapes/forceps.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "core/base/portable_math.h"
-#include "io/shapes/haemostat.h"
-#include "io/shapes/loft.h"
 #include "palpate/units.h"
+
+#include "tools/make_shapes/haemostat.h"
+#include "tools/make_shapes/loft.h"
 
 namespace palpate::geometry {
 
@@ -206,9 +207,8 @@ class Shaft final {
   std::array<std::int32_t, 2> feet_{};
 };
 
-Tool assemble(const char* name, const std::vector<Section>& sections, const CentreLine& line) {
+Tool assemble(const std::vector<Section>& sections, const CentreLine& line) {
   Tool tool;
-  tool.name = name;
   tool.parts = {jaw(sections, line, 1.0), jaw(sections, line, -1.0), Shaft().part()};
   return tool;
 }
@@ -223,8 +223,7 @@ Tool make_curved_forceps(Detail detail) {
                                .base_radius = 2.4,
                                .tip_radius = 1.7,
                                .open_angle = kOpenAngle};
-    return make_haemostat(detail == Detail::k30k ? "curved-forceps-30k" : "curved-forceps-300k", shape,
-                          detail);
+    return make_haemostat(shape, detail);
   }
   std::vector<Section> sections = hinge_sections();
   constexpr std::array<double, 5> kAlong{8.0, 11.5, 15.0, 18.5, 21.8};
@@ -233,15 +232,14 @@ Tool make_curved_forceps(Detail detail) {
     sections.push_back({.along = kAlong[k], .half_width = half, .height = half});
   }
   add_tip(sections);
-  return assemble("curved-forceps", sections, {.straight = 5.5, .bend = 0.033});
+  return assemble(sections, {.straight = 5.5, .bend = 0.033});
 }
 
 Tool make_straight_forceps(Detail detail) {
   if (detail != Detail::kPaper) {
     const HaemostatShape shape{
         .jaw_length = 17.5, .base_radius = 2.4, .tip_radius = 2.0, .open_angle = kOpenAngle};
-    return make_haemostat(detail == Detail::k30k ? "straight-forceps-30k" : "straight-forceps-300k", shape,
-                          detail);
+    return make_haemostat(shape, detail);
   }
   std::vector<Section> sections = hinge_sections();
   constexpr int kTeeth = 11;
@@ -251,7 +249,7 @@ Tool make_straight_forceps(Detail detail) {
     sections.push_back({.along = 6.0 + 1.15 * k, .half_width = half, .height = half, .tooth = tooth});
   }
   add_tip(sections);
-  return assemble("straight-forceps", sections, {.straight = 100.0});
+  return assemble(sections, {.straight = 100.0});
 }
 
 }  // namespace palpate::geometry

@@ -1,12 +1,13 @@
-#include "io/shapes/gallbladder.h"
+#include "tools/make_shapes/gallbladder.h"
 
 #include <vector>
 
 #include "core/base/portable_math.h"
-#include "io/shapes/implicit.h"
-#include "io/shapes/remesh.h"
-#include "io/shapes/tube.h"
 #include "palpate/units.h"
+
+#include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/remesh.h"
+#include "tools/make_shapes/tube.h"
 
 namespace palpate::geometry {
 
@@ -105,8 +106,8 @@ TriangleMesh make_gallbladder(Detail detail) {
   const TriangleMesh start = polygonise(plain, box, kSpacing);
   if (detail == Detail::kPaper) return remesh(plain, start, {.vertices = kGallbladderVertices});
   RemeshGoal goal{.vertices = 15002, .bend_radius = 0.004, .finest = 0.2};
-  if (detail == Detail::k300k)
-    goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.003, .finest = 0.2};
+  if (detail == Detail::k75k)
+    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.003, .finest = 0.2};
   return remesh(Gallbladder(true), start, goal);
 }
 

@@ -1,4 +1,4 @@
-#include "io/shapes/tube.h"
+#include "tools/make_shapes/tube.h"
 
 #include <algorithm>
 #include <cmath>

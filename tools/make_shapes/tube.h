@@ -2,7 +2,7 @@
 #include <array>
 #include <vector>
 
-#include "io/shapes/implicit.h"
+#include "tools/make_shapes/implicit.h"
 
 namespace palpate::geometry {
 

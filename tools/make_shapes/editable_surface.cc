@@ -1,4 +1,4 @@
-#include "io/shapes/editable_surface.h"
+#include "tools/make_shapes/editable_surface.h"
 
 #include <algorithm>
 #include <cmath>

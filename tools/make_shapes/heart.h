@@ -1,11 +1,12 @@
 #pragma once
-#include "io/shapes/detail.h"
 #include "palpate/mesh.h"
+
+#include "tools/make_shapes/detail.h"
 
 namespace palpate::geometry {
 
 /// [setup] A human heart with its great vessels cut off: 3,208 vertices and 6,412 triangles, or 30,000 or
-/// 300,000 triangles with the coronary vessels in full; closed, metres.
+/// 75,000 triangles with the coronary vessels in full; closed, metres.
 /// Seen as in an anterior view from +z with +y up: the ventricles' front wall faces
 /// +z, the apex points to +x and -y (the patient's left), the vessels leave towards +y.
 [[nodiscard]] TriangleMesh make_heart(Detail detail);

@@ -1,14 +1,15 @@
-#include "io/shapes/kidney.h"
+#include "tools/make_shapes/kidney.h"
 
 #include <array>
 #include <vector>
 
-#include "io/shapes/cut_vessel.h"
-#include "io/shapes/field_arithmetic.h"
-#include "io/shapes/implicit.h"
-#include "io/shapes/remesh.h"
-#include "io/shapes/tube.h"
 #include "palpate/units.h"
+
+#include "tools/make_shapes/cut_vessel.h"
+#include "tools/make_shapes/field_arithmetic.h"
+#include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/remesh.h"
+#include "tools/make_shapes/tube.h"
 
 namespace palpate::geometry {
 
@@ -112,8 +113,8 @@ TriangleMesh make_kidney(Detail detail) {
   const TriangleMesh start = polygonise(Kidney(false), box, kSpacing);
   RemeshGoal goal{.vertices = kKidneyVertices, .bend_radius = 0.008, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.005, .finest = 0.2};
-  if (detail == Detail::k300k)
-    goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.005, .finest = 0.2};
+  if (detail == Detail::k75k)
+    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.005, .finest = 0.2};
   return remesh(Kidney(true), start, goal);
 }
 

@@ -1,4 +1,4 @@
-#include "io/shapes/remesh.h"
+#include "tools/make_shapes/remesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +6,13 @@
 
 #include <gtest/gtest.h>
 
-#include "io/shapes/field_arithmetic.h"
-#include "io/shapes/implicit.h"
-#include "io/shapes/loft.h"
 #include "io/shapes/test/shape_checks.h"
-#include "io/shapes/tube.h"
 #include "palpate/error.h"
+
+#include "tools/make_shapes/field_arithmetic.h"
+#include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/loft.h"
+#include "tools/make_shapes/tube.h"
 
 namespace palpate::geometry {
 namespace {

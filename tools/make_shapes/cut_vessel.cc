@@ -1,4 +1,4 @@
-#include "io/shapes/cut_vessel.h"
+#include "tools/make_shapes/cut_vessel.h"
 
 namespace palpate::geometry {
 

@@ -1,13 +1,14 @@
-#include "io/shapes/liver.h"
+#include "tools/make_shapes/liver.h"
 
 #include <vector>
 
-#include "io/shapes/cut_vessel.h"
-#include "io/shapes/field_arithmetic.h"
-#include "io/shapes/implicit.h"
-#include "io/shapes/remesh.h"
-#include "io/shapes/tube.h"
 #include "palpate/units.h"
+
+#include "tools/make_shapes/cut_vessel.h"
+#include "tools/make_shapes/field_arithmetic.h"
+#include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/remesh.h"
+#include "tools/make_shapes/tube.h"
 
 namespace palpate::geometry {
 
@@ -196,8 +197,8 @@ TriangleMesh make_liver(Detail detail) {
   const TriangleMesh start = polygonise(Liver(Liver::kNoLumens), box, kSpacing);
   RemeshGoal goal{.vertices = kLiverVertices, .bend_radius = 0.0115, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.010, .finest = 0.2};
-  if (detail == Detail::k300k)
-    goal = {.vertices = 9377, .quadruplings = 2, .bend_radius = 0.010, .finest = 0.2};
+  if (detail == Detail::k75k)
+    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.010, .finest = 0.2};
   return remesh(Liver(detail == Detail::kPaper ? Liver::kCoarse : Liver::kFine), start, goal);
 }
 

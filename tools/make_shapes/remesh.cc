@@ -1,4 +1,4 @@
-#include "io/shapes/remesh.h"
+#include "tools/make_shapes/remesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,9 @@
 #include <fmt/core.h>
 
 #include "core/base/index.h"
-#include "io/shapes/editable_surface.h"
 #include "palpate/error.h"
+
+#include "tools/make_shapes/editable_surface.h"
 
 namespace palpate::geometry {
 

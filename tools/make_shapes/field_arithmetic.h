@@ -2,7 +2,8 @@
 #include <cmath>
 
 #include "core/base/portable_math.h"
-#include "io/shapes/implicit.h"
+
+#include "tools/make_shapes/implicit.h"
 
 /// Arithmetic on field values that carries the gradient along, so that a solid may be written as a formula.
 namespace palpate::geometry {

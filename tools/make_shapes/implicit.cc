@@ -1,4 +1,4 @@
-#include "io/shapes/implicit.h"
+#include "tools/make_shapes/implicit.h"
 
 #include <algorithm>
 #include <array>
