@@ -57,7 +57,6 @@ struct DeviceAbilities {
   double max_force = kUnknown;         // N
   double continuous_force = kUnknown;  // N, root mean square, without end
   double max_stiffness = kUnknown;     // N/m that it renders without trembling
-  double workspace_radius = kUnknown;  // m
   bool torque = true;                  // it can give torque
 
   bool operator==(const DeviceAbilities&) const = default;
@@ -74,8 +73,10 @@ class Device {
   virtual bool write(const ForceCommand& command_D) noexcept = 0;
   /// [any] Zero force; idempotent, from any thread.
   virtual void stop() noexcept = 0;
-  /// [any] Tick number at which the device has nothing more to say (a path's end + 0.5 s), or 2^64-1.
-  [[nodiscard]] virtual std::uint64_t last_tick(double rate_Hz) const noexcept = 0;
+  /// [any] Tick number at which the device has nothing more to say (a path's end + 0.5 s), or 2^64-1: never.
+  [[nodiscard]] virtual std::uint64_t last_tick(double /*rate_Hz*/) const noexcept {
+    return ~std::uint64_t{0};
+  }
   /// [setup] What it can give: the limits of a run follow it.
   [[nodiscard]] virtual DeviceAbilities abilities() const { return {}; }
   /// [any] What was last wrong with the device, in words for its user; empty: nothing. Not for the tick: may

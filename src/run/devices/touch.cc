@@ -95,15 +95,10 @@ haptics::DeviceState TouchDevice::read(std::uint64_t tick, double time) noexcept
 }
 
 bool TouchDevice::write(const haptics::ForceCommand& command_D) noexcept {
-  const bool finite = command_D.force.allFinite();
-  TouchCommand& command = arm_.commands.writable();
-  command.force_D = finite ? command_D.force : Vec3::Zero();
-  command.written_ns = monotonic_ns();
-  arm_.commands.publish();
-  return finite;
+  return arm_.forces.write(command_D.force);
 }
 
-void TouchDevice::stop() noexcept { arm_.stopped_ns.store(monotonic_ns()); }
+void TouchDevice::stop() noexcept { arm_.forces.stop(); }
 
 std::string TouchDevice::trouble() const {
   const std::uint32_t trouble = arm_.trouble.load(std::memory_order_relaxed);

@@ -258,12 +258,9 @@ void TouchScheduler::show_error(TouchArm& arm, haptics::DeviceState& state, std:
 
 /// The loop's newest force, no more than the arm can give; zero when it was stopped or writes no more.
 Vec3 TouchScheduler::wanted_force(TouchArm& arm, std::int64_t now) const noexcept {
-  arm.commands.refresh();
-  const TouchCommand& command = arm.commands.value();
-  const bool stopped = command.written_ns <= arm.stopped_ns.load();
-  if (stopped || now - command.written_ns > kNoWrite) return Vec3::Zero();
-  const double size = command.force_D.norm();
-  return size > arm.max_force ? Vec3(arm.max_force / size * command.force_D) : command.force_D;
+  const Vec3 force_D = arm.forces.wanted(now, kNoWrite);
+  const double size = force_D.norm();
+  return size > arm.max_force ? Vec3(arm.max_force / size * force_D) : force_D;
 }
 
 }  // namespace palpate::devices

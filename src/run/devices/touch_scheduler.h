@@ -8,6 +8,7 @@
 
 #include "palpate/device.h"
 #include "palpate/snapshot_cell.h"
+#include "run/devices/force_hand_over.h"
 #include "run/devices/touch_library.h"
 
 namespace palpate::devices {
@@ -17,11 +18,6 @@ struct TouchSample {
   haptics::DeviceState state;  // frame D; gripper and age are the reader's
   std::int64_t taken_ns = 0;   // monotonic; 0: no frame yet
   unsigned calibration = 0;    // kHdCalibrated ..., asked for while the arm is being opened
-};
-
-struct TouchCommand {
-  Vec3 force_D = Vec3::Zero();  // N
-  std::int64_t written_ns = 0;
 };
 
 /// Why an arm is in a fault, beside errors of the vendor's library.
@@ -36,11 +32,10 @@ struct TouchArm {
   int calibration_style = 0;
   unsigned handle = kHdInvalidHandle;
 
-  SnapshotCell<TouchSample> samples;        // vendor's thread to loop
-  SnapshotCell<TouchCommand> commands;      // loop to vendor's thread
-  std::atomic<std::int64_t> stopped_ns{0};  // no command written before counts
-  std::atomic<bool> opening{true};          // its calibration is looked after
-  std::atomic<std::uint32_t> trouble{0};    // TouchTrouble << 16 | code, what was last wrong
+  SnapshotCell<TouchSample> samples;      // vendor's thread to loop
+  ForceHandOver forces;                   // loop to vendor's thread
+  std::atomic<bool> opening{true};        // its calibration is looked after
+  std::atomic<std::uint32_t> trouble{0};  // TouchTrouble << 16 | code, what was last wrong
 
   /// [rt] Keeps what is wrong for TouchDevice::trouble().
   void note(TouchTrouble what, unsigned code = 0) noexcept {
