@@ -128,13 +128,11 @@ std::string TouchDevice::description() const {
 Probe probe_touch(const std::string& library) {
   try {
     const HdLibrary opened(library);
-    const std::string hints = touch_setup_hints();
-    return {"touch", true,
-            fmt::format("{} is there; `palpate devices --try touch` opens the arm{}{}", library,
-                        hints.empty() ? "" : "; ", hints)};
+    return {"touch", true, library + " is there; `palpate devices --try touch` opens the arm"};
   } catch (const InputError& error) {
     const std::string words = error.what();
-    return {"touch", false, words.substr(std::string(kTouchPlace).size())};
+    const bool installed = words.find("is not installed") == std::string::npos;
+    return {"touch", false, words.substr(std::string(kTouchPlace).size()), installed};
   }
 }
 

@@ -54,8 +54,7 @@ class TouchDevice final : public haptics::Device {
   double read_time_ = 0.0;  // of the last read [s]
 };
 
-/// [setup] Whether the vendor's library is there, and what on this machine would keep an arm from being
-/// opened; opens none. @param library as HdLibrary takes it
+/// [setup] Whether the vendor's library is there; opens no arm. @param library as HdLibrary takes it
 [[nodiscard]] Probe probe_touch(const std::string& library = HdLibrary::kName);
 
 }  // namespace palpate::devices

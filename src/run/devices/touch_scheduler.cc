@@ -9,6 +9,7 @@
 #include "palpate/error.h"
 #include "palpate/units.h"
 #include "run/devices/models.h"
+#include "run/devices/reasons.h"
 #include "run/devices/touch_errors.h"
 #include "run/realtime/realtime.h"
 
@@ -94,9 +95,11 @@ void TouchScheduler::open(TouchArm& arm) {
     const std::string words = error.code == kHdSuccess
                                   ? "the vendor's library gives no reason: run Touch_Setup, then begin again"
                                   : words_of_hd_error(error.code);
-    const std::string hints = touch_setup_hints();
-    throw InputError(fmt::format("device touch: {} {}: {}{}{}", quoted_name(arm), what, words,
-                                 hints.empty() ? "" : "; ", hints));
+    std::string reasons;
+    for (const Reason& reason : touch_reasons({}, true)) {
+      reasons += fmt::format("; {} ({})", reason.what, reason.command);
+    }
+    throw InputError(fmt::format("device touch: {} {}: {}{}", quoted_name(arm), what, words, reasons));
   };
   library_.take_error();
   arm.handle = call.InitDevice(arm.name.empty() ? nullptr : arm.name.c_str());

@@ -450,3 +450,4 @@ TEST_F(Touch, TheLoopAndTheVendorsThreadNeverWaitForEachOther) {
 
 }  // namespace
 }  // namespace palpate::devices
+  EXPECT_FALSE(missing.library);
