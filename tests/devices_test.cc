@@ -119,5 +119,20 @@ TEST(TouchRun, GoesThroughTheWholeProgramWithTheLibraryThatTheLoaderFinds) {
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
 }
 
+TEST(TouchRun, WarmMotorsAreReportedOnceAndColdOnesNever) {
+  const Folder folder;
+  const auto reports = [&](const char* temperature) {
+    const Outcome outcome =
+        run(folder, {"run", "--device", "touch", "--duration-s", "0.5", "--offline", "--headless"},
+            {{"LD_LIBRARY_PATH", PALPATE_HD_STAND_IN_FOLDER}, {"PALPATE_STAND_IN_MOTORS", temperature}});
+    const std::string words = "hand 0: the device's motors are warm, its force is lowered";
+    const std::size_t first = outcome.err.find(words);
+    if (first == std::string::npos) return 0;
+    return outcome.err.find(words, first + 1) == std::string::npos ? 1 : 2;
+  };
+  EXPECT_EQ(reports("0.8"), 1);
+  EXPECT_EQ(reports("0.6"), 0);
+}
+
 }  // namespace
 }  // namespace palpate::tests

@@ -19,6 +19,7 @@ namespace {
 constexpr unsigned long kHdRate = 1000;  // Hz
 constexpr double kWeakestArm = 3.3;      // N, of an arm that does not tell: a Touch
 constexpr int kMostErrorsAFrame = 16;
+constexpr std::size_t kMostMotors = 16;           // the vendor's largest arms have 6
 constexpr std::int64_t kLastFrames = 50'000'000;  // ns, for the frames that give zero force
 constexpr std::int64_t kLookAgain = 1'000'000;    // ns
 
@@ -185,6 +186,8 @@ void TouchScheduler::exchange(TouchArm& arm, bool quiet) noexcept {
   call.BeginFrame(arm.handle);
   read(arm, sample);
   const std::int64_t now = monotonic_ns();
+  read_temperature(arm, now);
+  if (arm.warm) sample.state.events |= haptics::kMotorsWarm;
   const bool off = quiet || sample.state.fault != haptics::Fault::kNone;
   const Vec3 force_D = off ? Vec3(Vec3::Zero()) : wanted_force(arm, now);
   const double force[3] = {force_D.x(), force_D.z(), -force_D.y()};
@@ -234,6 +237,17 @@ void TouchScheduler::read_switches(TouchArm& arm, haptics::DeviceState& state) n
   if (trouble == TouchTrouble::kNone) return;
   state.fault = haptics::Fault::kForceOff;
   arm.note(trouble);
+}
+
+/// An arm that does not tell its motors' temperature answers with an error, which is no fault.
+void TouchScheduler::read_temperature(TouchArm& arm, std::int64_t now) noexcept {
+  if (now - arm.temperature_ns < kTemperatureEvery) return;
+  arm.temperature_ns = now;
+  take_errors(arm, now);  // those of before are not the temperature's
+  double motors[kMostMotors] = {};
+  library_.call().GetDoublev(kHdMotorTemperature, motors);
+  const bool given = library_.take_error().code == kHdSuccess;
+  arm.warm = given && *std::max_element(std::begin(motors), std::end(motors)) > kWarm;
 }
 
 /// Gives each error to the arm that it names, else to the current one.
