@@ -31,7 +31,14 @@ int list_devices(bool as_json) {
   if (as_json) {
     Json list = Json::array();
     for (const devices::Probe& probe : probes) {
-      list.push_back({{"kind", probe.kind}, {"available", probe.available}, {"words", probe.words}});
+      Json reasons = Json::array();
+      for (const devices::Reason& reason : probe.reasons) {
+        reasons.push_back({{"what", reason.what}, {"command", reason.command}});
+      }
+      list.push_back({{"kind", probe.kind},
+                      {"available", probe.available},
+                      {"words", probe.words},
+                      {"reasons", reasons}});
     }
     std::cout << Json{{"devices", list}}.dump() << '\n';
     return kDone;
@@ -41,6 +48,10 @@ int list_devices(bool as_json) {
     std::string kind = probe.kind;
     kind.resize(std::max(kKindWidth, kind.size() + 1), ' ');
     std::cout << kind << (probe.available ? "there:      " : "not there:  ") << probe.words << '\n';
+    for (const devices::Reason& reason : probe.reasons) {
+      std::cout << std::string(kKindWidth, ' ') << "- " << reason.what << '\n'
+                << std::string(kKindWidth, ' ') << "  $ " << reason.command << '\n';
+    }
   }
   return kDone;
 }

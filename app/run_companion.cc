@@ -35,12 +35,20 @@ void RunCompanion::accompany(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any wake;
   std::unique_lock lock(mutex);
+  bool told_warm = false;
   for (bool last = false; !last;) {
     last = wake.wait_for(lock, stop, kRedraw, [&stop] { return stop.stop_requested(); });
     haptics::FaultSeen seen;
     while (faults_.pop(seen)) {
       bar.clear();
       tell_fault(seen);
+    }
+    if (const int hand = warm_hand_.load(std::memory_order_relaxed); hand >= 0 && !told_warm) {
+      bar.clear();
+      tell("hand " + std::to_string(hand) +
+           ": the device's motors are warm, its force is lowered until they have cooled: rest for some "
+           "minutes");
+      told_warm = true;
     }
     if (last) break;
     const auto ticks = static_cast<double>(done_.load(std::memory_order_relaxed));

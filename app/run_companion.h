@@ -21,6 +21,10 @@ class RunCompanion final : public haptics::TickObserver {
   RunCompanion& operator=(const RunCompanion&) = delete;
 
   void on_fault(const haptics::FaultSeen& fault) noexcept override { (void)faults_.push(fault); }
+  void on_row(const haptics::TickRow& row) noexcept override {
+    if ((row.events & haptics::kMotorsWarm) != 0)
+      warm_hand_.store(static_cast<int>(row.hand), std::memory_order_relaxed);
+  }
   void on_tick(const haptics::TickState& now) noexcept override {
     done_.store(now.tick + 1, std::memory_order_relaxed);
   }
@@ -33,6 +37,7 @@ class RunCompanion final : public haptics::TickObserver {
 
   const session::Session& session_;
   std::atomic<std::uint64_t> done_{0};  // ticks
+  std::atomic<int> warm_hand_{-1};      // whose device's motors were warm last; -1: none
   Ring<haptics::FaultSeen> faults_{kFaultsKept};
   std::jthread thread_;  // last: it uses all of the above
 };

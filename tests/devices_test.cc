@@ -20,7 +20,17 @@ TEST(DevicesCommand, HasALineForEveryKind) {
   EXPECT_EQ(text.exit_code, 0) << text.err;
   const Outcome outcome = run(folder, {"devices", "--json"});
   const json devices = json::parse(outcome.out)["devices"];
-  EXPECT_EQ(lines(text.out), devices.size());
+  std::size_t reasons = 0;
+  for (const json& device : devices) {
+    EXPECT_LE(device["reasons"].size(), 3U);
+    reasons += device["reasons"].size();
+    for (const json& reason : device["reasons"]) {
+      EXPECT_NE(text.out.find("- " + reason["what"].get<std::string>() + '\n'), std::string::npos) << reason;
+      EXPECT_NE(text.out.find("  $ " + reason["command"].get<std::string>() + '\n'), std::string::npos)
+          << reason;
+    }
+  }
+  EXPECT_EQ(lines(text.out), devices.size() + 2 * reasons);
   bool seen = false;
   for (const json& device : devices) {
     EXPECT_TRUE(device["available"].is_boolean());
@@ -28,6 +38,21 @@ TEST(DevicesCommand, HasALineForEveryKind) {
     seen = seen || device["kind"] == "forcedimension";
   }
   EXPECT_TRUE(seen);
+}
+
+TEST(DevicesCommand, HasReasonsForWhatIsNotThereAndNoneForWhatIs) {
+  const Folder folder;
+  for (const json& device : json::parse(run(folder, {"devices", "--json"}).out)["devices"]) {
+    const std::string kind = device["kind"];
+    if (kind == "scripted" || kind == "replay" || kind == "emulated" || kind == "host") {
+      EXPECT_EQ(device["reasons"].size(), 0U) << kind;
+    } else if (!device["available"]) {
+      EXPECT_GT(device["reasons"].size(), 0U) << kind;
+    }
+  }
+  const Outcome window = run(folder, {"devices", "--json"}, {{"DISPLAY", ":0"}});
+  EXPECT_EQ(json::parse(window.out)["devices"][3]["kind"], "mouse");
+  EXPECT_EQ(json::parse(window.out)["devices"][3]["available"], true);
 }
 
 TEST(DevicesCommand, OpensOneAndSaysWhatItReads) {
@@ -92,6 +117,21 @@ TEST(TouchRun, GoesThroughTheWholeProgramWithTheLibraryThatTheLoaderFinds) {
   EXPECT_TRUE(outcome.exit_code == 0 || outcome.err.find("no new sample for 5 ms") != std::string::npos)
       << outcome.err;
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
+}
+
+TEST(TouchRun, WarmMotorsAreReportedOnceAndColdOnesNever) {
+  const Folder folder;
+  const auto reports = [&](const char* temperature) {
+    const Outcome outcome =
+        run(folder, {"run", "--device", "touch", "--duration-s", "0.5", "--offline", "--headless"},
+            {{"LD_LIBRARY_PATH", PALPATE_HD_STAND_IN_FOLDER}, {"PALPATE_STAND_IN_MOTORS", temperature}});
+    const std::string words = "hand 0: the device's motors are warm, its force is lowered";
+    const std::size_t first = outcome.err.find(words);
+    if (first == std::string::npos) return 0;
+    return outcome.err.find(words, first + 1) == std::string::npos ? 1 : 2;
+  };
+  EXPECT_EQ(reports("0.8"), 1);
+  EXPECT_EQ(reports("0.6"), 0);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ typedef int32_t palpate_status;
 #define PALPATE_TORQUE_SLEWED (UINT32_C(1) << 11)
 #define PALPATE_ENERGY_DAMPED (UINT32_C(1) << 12)  // the passivity controller acted
 #define PALPATE_DUTY_HIGH (UINT32_C(1) << 13)  // RMS force over 10 s above what the device gives without end
-#define PALPATE_DUTY_LIMITED (UINT32_C(1) << 14)  // the force was lowered: that over 60 s
+#define PALPATE_DUTY_LIMITED (UINT32_C(1) << 14)  // the force was lowered: that over 60 s, or warm motors
 
 // ---- The library
 

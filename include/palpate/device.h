@@ -26,9 +26,10 @@ inline constexpr double kStalledAfter = 20e-3;  // s
 /// [any] For people: "the device gave no new sample for 5 ms".
 [[nodiscard]] const char* words_of(Fault fault) noexcept;
 
-/// What a user asks of one hand with a tick; bits of DeviceState::events.
+/// What a user or the device adds to a sample; bits of DeviceState::events.
 inline constexpr std::uint32_t kResetFault = 1U << 0;  // clear a latched fault
 inline constexpr std::uint32_t kLiveChange = 1U << 1;  // from this tick on: a change of tissue or noise
+inline constexpr std::uint32_t kMotorsWarm = 1U << 2;  // the device's motors are: the gate lowers the force
 
 /// One reading of a device, taken as ONE sample, in the device's frame D. SI.
 struct DeviceState {
@@ -39,7 +40,7 @@ struct DeviceState {
   double age = 0.0;                // s since the device took this sample; 0: for this tick
   std::uint32_t buttons = 0;       // a bit a button
   Fault fault = Fault::kNone;      // kDevice: could not be read; kForceOff; kStalled (set by the loop)
-  std::uint32_t events = 0;        // kResetFault, kLiveChange; set by the loop, not by devices
+  std::uint32_t events = 0;        // kResetFault and kLiveChange are the loop's, kMotorsWarm is the device's
 };
 
 /// What goes to the hand. SI. World frame from the tick; the loop turns it into the device's frame.
@@ -57,7 +58,6 @@ struct DeviceAbilities {
   double max_force = kUnknown;         // N
   double continuous_force = kUnknown;  // N, root mean square, without end
   double max_stiffness = kUnknown;     // N/m that it renders without trembling
-  double workspace_radius = kUnknown;  // m
   bool torque = true;                  // it can give torque
 
   bool operator==(const DeviceAbilities&) const = default;
@@ -74,8 +74,10 @@ class Device {
   virtual bool write(const ForceCommand& command_D) noexcept = 0;
   /// [any] Zero force; idempotent, from any thread.
   virtual void stop() noexcept = 0;
-  /// [any] Tick number at which the device has nothing more to say (a path's end + 0.5 s), or 2^64-1.
-  [[nodiscard]] virtual std::uint64_t last_tick(double rate_Hz) const noexcept = 0;
+  /// [any] Tick number at which the device has nothing more to say (a path's end + 0.5 s), or 2^64-1: never.
+  [[nodiscard]] virtual std::uint64_t last_tick(double /*rate_Hz*/) const noexcept {
+    return ~std::uint64_t{0};
+  }
   /// [setup] What it can give: the limits of a run follow it.
   [[nodiscard]] virtual DeviceAbilities abilities() const { return {}; }
   /// [any] What was last wrong with the device, in words for its user; empty: nothing. Not for the tick: may

@@ -78,11 +78,16 @@ std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const 
 
 /// Follows the RMS of what was written and lowers the force where the device would not bear it without end.
 /// @return status bits
-std::uint32_t keep_duty(const GateLimits& limits, GateState& state, ForceCommand& tissue) noexcept {
+std::uint32_t keep_duty(const GateLimits& limits, GateState& state, bool warm,
+                        ForceCommand& tissue) noexcept {
   if (!std::isfinite(limits.continuous_force)) return 0;
   const double square = state.force.squaredNorm();
   state.square_short += (square - state.square_short) * limits.period / kDutyShort;
   state.square_long += (square - state.square_long) * limits.period / kDutyLong;
+  if (warm) {
+    const double left = limits.continuous_force * limits.continuous_force - state.square_long;
+    state.square_long += std::max(0.0, left) * limits.period / kDutyWarm;
+  }
   const double load = std::sqrt(state.square_long) / limits.continuous_force;
   std::uint32_t status = std::sqrt(state.square_short) > limits.continuous_force ? kDutyHigh : 0U;
   if (load > kDutyBegin) {
@@ -111,7 +116,7 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
   if (input.controlled) output.noise_share = noise_share(state.energy);
   ForceCommand tissue = input.tissue;
   const Vec3 noise = output.noise_share * input.noise;
-  output.status |= keep_duty(limits, state, tissue);
+  output.status |= keep_duty(limits, state, input.warm, tissue);
   const bool usable = finite(tissue, tissue.force + noise);
   const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
   if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);

@@ -14,11 +14,14 @@ inline constexpr std::uint32_t kTorqueClamped = 1U << 10;
 inline constexpr std::uint32_t kTorqueSlewed = 1U << 11;
 inline constexpr std::uint32_t kEnergyDamped = 1U << 12;  // the passivity controller acted
 inline constexpr std::uint32_t kDutyHigh = 1U << 13;      // RMS force over kDutyShort above continuous_force
-inline constexpr std::uint32_t kDutyLimited = 1U << 14;   // the force was lowered: that over kDutyLong
+inline constexpr std::uint32_t kDutyLimited = 1U
+                                              << 14;  // the force was lowered: that over kDutyLong, or warm
 
 /// Time constants [s] of the mean squares of the written force: the shorter warns, the longer lowers it.
 inline constexpr double kDutyShort = 10.0;
 inline constexpr double kDutyLong = 60.0;
+/// A device whose motors are warm counts as one at its limit, approached with this time constant [s].
+inline constexpr double kDutyWarm = 1.0;
 /// From this share of continuous_force on the RMS force over kDutyLong lowers the force, to nothing at 1.
 inline constexpr double kDutyBegin = 0.9;
 
@@ -44,7 +47,7 @@ struct GateState {
   Vec3 noise = Vec3::Zero();  // its part of `force`
   EnergyAccount energy;
   double square_short = 0.0;  // N^2, mean square of the written force over kDutyShort
-  double square_long = 0.0;   // over kDutyLong
+  double square_long = 0.0;   // over kDutyLong; raised while the motors are warm
   ForceCommand fault_step;    // a tick, while a fault brings the force to zero
   int fault_ticks_left = 0;
   Fault fault = Fault::kNone;  // latched until reset
@@ -57,6 +60,7 @@ struct GateInput {
   DeviceMotion motion{};       // of the device since the last tick
   DeviceMotion organ{};        // of the organ by itself, where the handle is, in the device's lengths
   bool outside = false;        // the tool touches nothing
+  bool warm = false;           // the device's motors are: lower the force
   bool controlled = false;     // the passivity controller acts; else the energy is only observed
   Fault fault = Fault::kNone;  // seen this tick outside the gate
 };

@@ -132,6 +132,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
                  .motion = motion,
                  .organ = organ,
                  .outside = outside,
+                 .warm = (sample.events & kMotorsWarm) != 0,
                  .controlled = world.mappings[hand].held,
                  .fault = fault});
   command = out.command;

@@ -112,7 +112,7 @@ inline constexpr auto kTickFields = [] {
     {{"device_valid"}, kU32, offsetof(TickRow, device_valid), nullptr, nullptr, "0: the device could not be read"},
     {{"device_fault"}, kU32, offsetof(TickRow, device_fault), nullptr, nullptr, "fault that came with the sample"},
     {{"events"}, kU32, offsetof(TickRow, events), nullptr, nullptr,
-     "bit 0: a fault was reset; bit 1: tissue or noise changed"},
+     "bit 0: a fault was reset; bit 1: tissue or noise changed; bit 2: the device's motors are warm"},
   });
 }();
 // clang-format on

@@ -1,9 +1,8 @@
 #include "run/devices/devices.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <string_view>
-#include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -90,25 +89,23 @@ std::unique_ptr<haptics::Device> open_gamepad(const scene::Setup& setup, std::si
   return std::make_unique<GamepadDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
 }
 
-Probe probe_mouse(const std::string& /*path*/) {
+Probe probe_mouse(const Machine& machine) {
+  std::vector<Reason> reasons = mouse_reasons(machine);
+  if (!reasons.empty()) return {"mouse", false, "needs the window of a run", true, std::move(reasons)};
   return {"mouse", true, "moves the tool in the window of `palpate run`: sideways, the wheel presses"};
 }
 
-Probe probe_gamepad(const std::string& /*path*/) {
-  std::error_code error;
-  int pads = 0;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev/input", error)) {
-    if (entry.path().filename().string().rfind("js", 0) == 0) ++pads;
-  }
-  if (pads == 0) return {"gamepad", false, "none is connected (nothing like /dev/input/js0)"};
+Probe probe_gamepad(const Machine& machine) {
+  std::vector<Reason> reasons = gamepad_reasons(machine);
+  if (!reasons.empty()) return {"gamepad", false, "none that a window could use", true, std::move(reasons)};
   return {"gamepad", true, "moves the tool in the window of `palpate run`: sticks, triggers, rumble"};
 }
 
-Probe probe_scripted(const std::string& /*path*/) {
+Probe probe_scripted(const Machine& /*machine*/) {
   return {"scripted", true, "follows a path from a CSV file, or one of its own onto the organ"};
 }
 
-Probe probe_emulated(const std::string& /*path*/) {
+Probe probe_emulated(const Machine& /*machine*/) {
   return {"emulated", true,
           "a hand that the force moves, computed: it wants to follow a path as scripted does"};
 }
@@ -120,11 +117,11 @@ std::unique_ptr<haptics::Device> open_host(const scene::Setup& /*setup*/, std::s
       "here it must be another kind");
 }
 
-Probe probe_host(const std::string& /*path*/) {
+Probe probe_host(const Machine& /*machine*/) {
   return {"host", false, "is the device of a program that embeds palpate (palpate.h)"};
 }
 
-Probe probe_replay(const std::string& /*path*/) {
+Probe probe_replay(const Machine& /*machine*/) {
   return {"replay", true, "follows the hand of a recording (replay:run.h5)"};
 }
 
@@ -136,35 +133,48 @@ std::unique_ptr<haptics::Device> open_forcedimension(const scene::Setup& setup, 
   return std::make_unique<ForceDimensionDevice>(setup.devices[hand].path, ordinal);
 }
 
-Opened connect_forcedimension(const std::string& path) {
-  auto device = std::make_unique<ForceDimensionDevice>(path, 0);
+Probe probe_connected_forcedimension(const Machine& machine) {
+  Probe probe = probe_forcedimension({});
+  if (!probe.available) probe.reasons = forcedimension_reasons(machine, probe.library);
+  return probe;
+}
+
+Probe probe_local_haply(const Machine& machine) {
+  Probe probe = probe_haply({});
+  if (!probe.available) probe.reasons = haply_reasons(machine);
+  return probe;
+}
+
+/// What the arm needs is looked at even when the library is there: the library is not asked for arms.
+Probe probe_installed_touch(const Machine& machine) {
+  Probe probe = probe_touch();
+  probe.reasons = touch_reasons(machine, probe.library);
+  return probe;
+}
+
+/// Opens a device outside a scene, made of `what`.
+template <typename AnyDevice, typename... What>
+Opened connected(const What&... what) {
+  auto device = std::make_unique<AnyDevice>(what...);
   std::string name = device->description();
   return {std::move(device), std::move(name)};
 }
 
-Opened connect_haply(const std::string& path) {
-  auto device = std::make_unique<HaplyDevice>(path, 0);
-  std::string name = device->description();
-  return {std::move(device), std::move(name)};
+Opened connect_forcedimension(const std::string& path) {
+  return connected<ForceDimensionDevice>(path, std::size_t{0});
 }
+Opened connect_haply(const std::string& path) { return connected<HaplyDevice>(path, std::size_t{0}); }
+Opened connect_touch(const std::string& name) { return connected<TouchDevice>(name); }
 
 std::unique_ptr<haptics::Device> open_touch(const scene::Setup& setup, std::size_t hand) {
   return std::make_unique<TouchDevice>(setup.devices[hand].path);
-}
-
-Probe probe_installed_touch(const std::string& /*name*/) { return probe_touch(); }
-
-Opened connect_touch(const std::string& name) {
-  auto device = std::make_unique<TouchDevice>(name);
-  std::string description = device->description();
-  return {std::move(device), std::move(description)};
 }
 
 /// What can be done with one kind of device.
 struct Kind {
   std::string_view name;
   std::unique_ptr<haptics::Device> (*open)(const scene::Setup& setup, std::size_t hand);
-  Probe (*probe)(const std::string& path);
+  Probe (*probe)(const Machine& machine);
   Opened (*connect)(const std::string& path);  // null: nothing that could be connected to a computer
 };
 
@@ -174,8 +184,8 @@ constexpr Kind kKinds[] = {
     {"emulated", open_emulated, probe_emulated, nullptr},
     {"mouse", open_mouse, probe_mouse, nullptr},
     {"gamepad", open_gamepad, probe_gamepad, nullptr},
-    {"forcedimension", open_forcedimension, probe_forcedimension, connect_forcedimension},
-    {"haply", open_haply, probe_haply, connect_haply},
+    {"forcedimension", open_forcedimension, probe_connected_forcedimension, connect_forcedimension},
+    {"haply", open_haply, probe_local_haply, connect_haply},
     {"touch", open_touch, probe_installed_touch, connect_touch},
     {"host", open_host, probe_host, nullptr},
 };
@@ -213,11 +223,11 @@ std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::siz
   throw InputError(fmt::format("device kind = \"{}\": must be {}", name, names_of_kinds(false)));
 }
 
-std::vector<Probe> probe_devices() {
+std::vector<Probe> probe_devices(const Machine& machine) {
   std::vector<Probe> probes;
   for (const scene::DeviceKind& known : scene::device_kinds()) {
     Probe probe{std::string(known.name), false, "this version of palpate cannot open it"};
-    if (const Kind* kind = find_kind(known.name)) probe = kind->probe({});
+    if (const Kind* kind = find_kind(known.name)) probe = kind->probe(machine);
     probes.push_back(std::move(probe));
   }
   return probes;

@@ -6,6 +6,7 @@
 #include "palpate/device.h"
 #include "palpate/scene.h"
 #include "run/devices/probe.h"
+#include "run/devices/reasons.h"
 
 namespace palpate::devices {
 
@@ -18,8 +19,8 @@ namespace palpate::devices {
 [[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand);
 
 /// [setup] What is there of every kind of device and why something is not, in the order of
-/// scene::device_kinds(). Opens no device.
-[[nodiscard]] std::vector<Probe> probe_devices();
+/// scene::device_kinds(). Opens no device. @param machine looked at for reasons
+[[nodiscard]] std::vector<Probe> probe_devices(const Machine& machine = {});
 
 /// A device opened to be looked at.
 struct Opened {

@@ -311,6 +311,7 @@ Probe probe_forcedimension(const std::string& library) {
   } catch (const InputError& error) {
     const std::string words = error.what();
     const std::string place = "device forcedimension: ";
+    probe.library = words.find("is not installed") == std::string::npos;
     probe.words = words.rfind(place, 0) == 0 ? words.substr(place.size()) : words;
   }
   return probe;

@@ -42,10 +42,6 @@ class ForceDimensionDevice final : public haptics::Device {
   bool write(const haptics::ForceCommand& command_D) noexcept override;
   /// [any]
   void stop() noexcept override;
-  /// [any] Never: it runs until it is stopped.
-  [[nodiscard]] std::uint64_t last_tick(double /*rate_Hz*/) const noexcept override {
-    return ~std::uint64_t{0};
-  }
   /// [any]
   [[nodiscard]] std::string trouble() const override;
 

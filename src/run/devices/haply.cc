@@ -79,17 +79,10 @@ haptics::DeviceState HaplyDevice::read(std::uint64_t /*tick*/, double /*time*/) 
 }
 
 bool HaplyDevice::write(const haptics::ForceCommand& command_D) noexcept {
-  const bool finite = command_D.force.allFinite();
-  Command& command = commands_.writable();
-  command.force_D = finite ? command_D.force : Vec3::Zero();
-  command.written_ns = monotonic_ns();
-  commands_.publish();
-  return finite;
+  return forces_.write(command_D.force);
 }
 
-void HaplyDevice::stop() noexcept { stopped_ns_.store(monotonic_ns()); }
-
-std::uint64_t HaplyDevice::last_tick(double /*rate_Hz*/) const noexcept { return ~std::uint64_t{0}; }
+void HaplyDevice::stop() noexcept { forces_.stop(); }
 
 std::string HaplyDevice::trouble() const {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -159,7 +152,7 @@ void HaplyDevice::take_replies(Exchange& exchange) {
 
 void HaplyDevice::send_if_due(Exchange& exchange) {
   const std::int64_t now = monotonic_ns();
-  const Vec3 force_D = wanted_force(now);
+  const Vec3 force_D = forces_.wanted(now, times_.no_write);
   const bool releases = force_D.isZero(0.0) && !exchange.sent_D.isZero(0.0);
   const bool due = exchange.awaited == 0 && now >= exchange.next_send_ns;
   if (link_.sending() || !(due || releases)) return;
@@ -168,15 +161,6 @@ void HaplyDevice::send_if_due(Exchange& exchange) {
   ++exchange.awaited;
   exchange.sent_D = force_D;
   exchange.next_send_ns = now + times_.period;
-}
-
-/// The loop's newest force; zero when it was stopped or writes no more.
-Vec3 HaplyDevice::wanted_force(std::int64_t now) noexcept {
-  commands_.refresh();
-  const Command& command = commands_.value();
-  const bool stopped = command.written_ns <= stopped_ns_.load();
-  const bool dead = now - command.written_ns > times_.no_write;
-  return stopped || dead ? Vec3(Vec3::Zero()) : command.force_D;
 }
 
 void HaplyDevice::take(const std::string& message, std::int64_t now) {

@@ -7,6 +7,7 @@
 
 #include "palpate/device.h"
 #include "palpate/snapshot_cell.h"
+#include "run/devices/force_hand_over.h"
 #include "run/devices/haply_link.h"
 #include "run/devices/haply_messages.h"
 #include "run/devices/models.h"
@@ -48,8 +49,6 @@ class HaplyDevice final : public haptics::Device {
   bool write(const haptics::ForceCommand& command_D) noexcept override;
   /// [any] Zero force until the next write().
   void stop() noexcept override;
-  /// [any] Never ends.
-  [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override;
   /// [any]
   [[nodiscard]] std::string trouble() const override;
   /// [setup] Those of an Inverse3.
@@ -61,10 +60,6 @@ class HaplyDevice final : public haptics::Device {
   struct Sample {
     haptics::DeviceState state;
     std::int64_t received_ns = 0;
-  };
-  struct Command {
-    Vec3 force_D = Vec3::Zero();
-    std::int64_t written_ns = 0;
   };
   /// Where the exchange of messages stands, on the thread.
   struct Exchange {
@@ -85,15 +80,13 @@ class HaplyDevice final : public haptics::Device {
   void say(const std::string& what);
   void pause() const noexcept;
   void let_go() noexcept;
-  [[nodiscard]] Vec3 wanted_force(std::int64_t now) noexcept;
 
   const HaplyTimes times_;
   const HaplyAddress address_;
   std::atomic<bool> closing_{false};
-  std::atomic<std::int64_t> stopped_ns_{0};
-  SnapshotCell<Sample> samples_;    // thread to loop
-  SnapshotCell<Command> commands_;  // loop to thread
-  mutable std::mutex mutex_;        // of trouble_
+  SnapshotCell<Sample> samples_;  // thread to loop
+  ForceHandOver forces_;          // loop to thread
+  mutable std::mutex mutex_;      // of trouble_
   std::string trouble_;
 
   // The thread's alone, once it runs:

@@ -11,18 +11,22 @@ struct Model {
   std::string_view part;  // of its name, in lower case
   double max_force;       // N
   double max_stiffness;   // N/m; 0: not known
-  double radius;          // m, of the workspace
   bool torque;
 };
 
-// Forces, stiffness and workspace as CHAI3D 3.3's tables have them, the Inverse3's from its documentation;
+// Forces and stiffness as CHAI3D 3.3's tables have them, the Inverse3's from its documentation;
 // docs/devices.md shows this table.
 constexpr Model kModels[] = {
-    {"omega", 12.0, 5000.0, 0.075, false},         {"delta", 20.0, 5000.0, 0.15, false},
-    {"sigma", 20.0, 4000.0, 0.075, true},          {"lambda", 20.0, 8000.0, 0.112, true},
-    {"falcon", 8.0, 3000.0, 0.04, false},          {"touch x", 7.9, 1000.0, 0.08, false},
-    {"phantom desktop", 7.9, 1000.0, 0.08, false}, {"phantom omni", 3.3, 700.0, 0.1, false},
-    {"touch", 3.3, 400.0, 0.075, false},           {"inverse3", 10.0, 0.0, 0.1, false},
+    {"omega", 12.0, 5000.0, false},
+    {"delta", 20.0, 5000.0, false},
+    {"sigma", 20.0, 4000.0, true},
+    {"lambda", 20.0, 8000.0, true},
+    {"falcon", 8.0, 3000.0, false},
+    {"touch x", 7.9, 1000.0, false},
+    {"phantom desktop", 7.9, 1000.0, false},
+    {"phantom omni", 3.3, 700.0, false},
+    {"touch", 3.3, 400.0, false},
+    {"inverse3", 10.0, 0.0, false},
 };
 
 }  // namespace
@@ -37,7 +41,6 @@ haptics::DeviceAbilities abilities_of_model(std::string_view name) {
     if (lower.find(model.part) == std::string::npos) continue;
     abilities.max_force = model.max_force;
     if (model.max_stiffness > 0.0) abilities.max_stiffness = model.max_stiffness;
-    abilities.workspace_radius = model.radius;
     abilities.torque = model.torque;
     break;
   }

@@ -95,15 +95,10 @@ haptics::DeviceState TouchDevice::read(std::uint64_t tick, double time) noexcept
 }
 
 bool TouchDevice::write(const haptics::ForceCommand& command_D) noexcept {
-  const bool finite = command_D.force.allFinite();
-  TouchCommand& command = arm_.commands.writable();
-  command.force_D = finite ? command_D.force : Vec3::Zero();
-  command.written_ns = monotonic_ns();
-  arm_.commands.publish();
-  return finite;
+  return arm_.forces.write(command_D.force);
 }
 
-void TouchDevice::stop() noexcept { arm_.stopped_ns.store(monotonic_ns()); }
+void TouchDevice::stop() noexcept { arm_.forces.stop(); }
 
 std::string TouchDevice::trouble() const {
   const std::uint32_t trouble = arm_.trouble.load(std::memory_order_relaxed);
@@ -133,13 +128,11 @@ std::string TouchDevice::description() const {
 Probe probe_touch(const std::string& library) {
   try {
     const HdLibrary opened(library);
-    const std::string hints = touch_setup_hints();
-    return {"touch", true,
-            fmt::format("{} is there; `palpate devices --try touch` opens the arm{}{}", library,
-                        hints.empty() ? "" : "; ", hints)};
+    return {"touch", true, library + " is there; `palpate devices --try touch` opens the arm"};
   } catch (const InputError& error) {
     const std::string words = error.what();
-    return {"touch", false, words.substr(std::string(kTouchPlace).size())};
+    const bool installed = words.find("is not installed") == std::string::npos;
+    return {"touch", false, words.substr(std::string(kTouchPlace).size()), installed};
   }
 }
 

@@ -37,10 +37,6 @@ class TouchDevice final : public haptics::Device {
   bool write(const haptics::ForceCommand& command_D) noexcept override;
   /// [any] Zero force until the next write().
   void stop() noexcept override;
-  /// [any] Never: it runs until it is stopped.
-  [[nodiscard]] std::uint64_t last_tick(double /*rate_Hz*/) const noexcept override {
-    return ~std::uint64_t{0};
-  }
   /// [any]
   [[nodiscard]] std::string trouble() const override;
 
@@ -58,8 +54,7 @@ class TouchDevice final : public haptics::Device {
   double read_time_ = 0.0;  // of the last read [s]
 };
 
-/// [setup] Whether the vendor's library is there, and what on this machine would keep an arm from being
-/// opened; opens none. @param library as HdLibrary takes it
+/// [setup] Whether the vendor's library is there; opens no arm. @param library as HdLibrary takes it
 [[nodiscard]] Probe probe_touch(const std::string& library = HdLibrary::kName);
 
 }  // namespace palpate::devices

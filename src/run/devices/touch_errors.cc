@@ -1,10 +1,6 @@
 #include "run/devices/touch_errors.h"
 
-#include <cstdlib>
-#include <filesystem>
-
 #include <fmt/core.h>
-#include <unistd.h>
 
 namespace palpate::devices {
 namespace {
@@ -43,16 +39,6 @@ constexpr HdErrorWords kHdErrors[] = {
 constexpr unsigned kFirstForceError = 0x0200;
 constexpr unsigned kLastForceError = 0x0204;
 
-/// The first serial port that an arm could be and that this user may not open; empty: none.
-std::string closed_port() {
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev", error)) {
-    std::string port = entry.path().string();
-    if (port.rfind("/dev/ttyACM", 0) == 0 && access(port.c_str(), R_OK | W_OK) != 0) return port;
-  }
-  return {};
-}
-
 }  // namespace
 
 haptics::Fault fault_of_hd_error(unsigned code) noexcept {
@@ -69,25 +55,6 @@ std::string words_of_hd_error(unsigned code) {
       "OpenHaptics error 0x{:04x}: switch the arm off and on, look at it with Touch_Diagnostic, then begin "
       "again",
       code);
-}
-
-std::string touch_setup_hints() {
-  std::string hints;
-  const char* home = std::getenv("GTDD_HOME");  // NOLINT(concurrency-mt-unsafe): at set-up only
-  std::error_code error;
-  if (home == nullptr || *home == '\0') {
-    hints =
-        "GTDD_HOME is not set, must be the folder that Touch_Setup wrote to (export "
-        "GTDD_HOME=/usr/share/3DSystems; sudo needs -E)";
-  } else if (!std::filesystem::is_directory(home, error)) {
-    hints = fmt::format(
-        "GTDD_HOME = \"{}\": there is no such folder, must be the one that Touch_Setup wrote to", home);
-  }
-  if (const std::string port = closed_port(); !port.empty()) {
-    hints += fmt::format("{}{} is not open to this user (sudo usermod -aG dialout $USER, then log in again)",
-                         hints.empty() ? "" : "; ", port);
-  }
-  return hints;
 }
 
 }  // namespace palpate::devices

@@ -10,12 +10,7 @@ namespace palpate::devices {
 [[nodiscard]] haptics::Fault fault_of_hd_error(unsigned code) noexcept;
 
 /// [any] What an error means and what to do about it: "its motors are too warm (OpenHaptics error 0x0200):
-/// let
-/// ...". Allocates.
+/// let ...". Allocates.
 [[nodiscard]] std::string words_of_hd_error(unsigned code);
-
-/// [setup] What on this machine may keep an arm from being opened, with the command that mends it: GTDD_HOME,
-/// rights on /dev/ttyACM*; empty: nothing was found.
-[[nodiscard]] std::string touch_setup_hints();
 
 }  // namespace palpate::devices

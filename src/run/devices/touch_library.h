@@ -22,6 +22,7 @@ inline constexpr unsigned kHdSerialNumber = 0x2504;
 inline constexpr unsigned kHdCalibrationStyle = 0x2555;    // a bit a style
 inline constexpr unsigned kHdMaxForce = 0x2603;            // N
 inline constexpr unsigned kHdMaxContinuousForce = 0x2604;  // N
+inline constexpr unsigned kHdMotorTemperature = 0x2605;    // a double a motor, 0 cold, 1 too warm
 inline constexpr unsigned kHdForce = 0x2700;               // 3 doubles, N
 inline constexpr unsigned kHdForceOutput = 0x4000;
 

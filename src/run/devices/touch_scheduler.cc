@@ -9,6 +9,7 @@
 #include "palpate/error.h"
 #include "palpate/units.h"
 #include "run/devices/models.h"
+#include "run/devices/reasons.h"
 #include "run/devices/touch_errors.h"
 #include "run/realtime/realtime.h"
 
@@ -18,6 +19,7 @@ namespace {
 constexpr unsigned long kHdRate = 1000;  // Hz
 constexpr double kWeakestArm = 3.3;      // N, of an arm that does not tell: a Touch
 constexpr int kMostErrorsAFrame = 16;
+constexpr std::size_t kMostMotors = 16;           // the vendor's largest arms have 6
 constexpr std::int64_t kLastFrames = 50'000'000;  // ns, for the frames that give zero force
 constexpr std::int64_t kLookAgain = 1'000'000;    // ns
 
@@ -94,9 +96,11 @@ void TouchScheduler::open(TouchArm& arm) {
     const std::string words = error.code == kHdSuccess
                                   ? "the vendor's library gives no reason: run Touch_Setup, then begin again"
                                   : words_of_hd_error(error.code);
-    const std::string hints = touch_setup_hints();
-    throw InputError(fmt::format("device touch: {} {}: {}{}{}", quoted_name(arm), what, words,
-                                 hints.empty() ? "" : "; ", hints));
+    std::string reasons;
+    for (const Reason& reason : touch_reasons({}, true)) {
+      reasons += fmt::format("; {} ({})", reason.what, reason.command);
+    }
+    throw InputError(fmt::format("device touch: {} {}: {}{}", quoted_name(arm), what, words, reasons));
   };
   library_.take_error();
   arm.handle = call.InitDevice(arm.name.empty() ? nullptr : arm.name.c_str());
@@ -182,6 +186,8 @@ void TouchScheduler::exchange(TouchArm& arm, bool quiet) noexcept {
   call.BeginFrame(arm.handle);
   read(arm, sample);
   const std::int64_t now = monotonic_ns();
+  read_temperature(arm, now);
+  if (arm.warm) sample.state.events |= haptics::kMotorsWarm;
   const bool off = quiet || sample.state.fault != haptics::Fault::kNone;
   const Vec3 force_D = off ? Vec3(Vec3::Zero()) : wanted_force(arm, now);
   const double force[3] = {force_D.x(), force_D.z(), -force_D.y()};
@@ -233,6 +239,17 @@ void TouchScheduler::read_switches(TouchArm& arm, haptics::DeviceState& state) n
   arm.note(trouble);
 }
 
+/// An arm that does not tell its motors' temperature answers with an error, which is no fault.
+void TouchScheduler::read_temperature(TouchArm& arm, std::int64_t now) noexcept {
+  if (now - arm.temperature_ns < kTemperatureEvery) return;
+  arm.temperature_ns = now;
+  take_errors(arm, now);  // those of before are not the temperature's
+  double motors[kMostMotors] = {};
+  library_.call().GetDoublev(kHdMotorTemperature, motors);
+  const bool given = library_.take_error().code == kHdSuccess;
+  arm.warm = given && *std::max_element(std::begin(motors), std::end(motors)) > kWarm;
+}
+
 /// Gives each error to the arm that it names, else to the current one.
 void TouchScheduler::take_errors(TouchArm& current, std::int64_t now) noexcept {
   for (int i = 0; i < kMostErrorsAFrame; ++i) {
@@ -258,12 +275,9 @@ void TouchScheduler::show_error(TouchArm& arm, haptics::DeviceState& state, std:
 
 /// The loop's newest force, no more than the arm can give; zero when it was stopped or writes no more.
 Vec3 TouchScheduler::wanted_force(TouchArm& arm, std::int64_t now) const noexcept {
-  arm.commands.refresh();
-  const TouchCommand& command = arm.commands.value();
-  const bool stopped = command.written_ns <= arm.stopped_ns.load();
-  if (stopped || now - command.written_ns > kNoWrite) return Vec3::Zero();
-  const double size = command.force_D.norm();
-  return size > arm.max_force ? Vec3(arm.max_force / size * command.force_D) : command.force_D;
+  const Vec3 force_D = arm.forces.wanted(now, kNoWrite);
+  const double size = force_D.norm();
+  return size > arm.max_force ? Vec3(arm.max_force / size * force_D) : force_D;
 }
 
 }  // namespace palpate::devices

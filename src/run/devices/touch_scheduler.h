@@ -8,6 +8,7 @@
 
 #include "palpate/device.h"
 #include "palpate/snapshot_cell.h"
+#include "run/devices/force_hand_over.h"
 #include "run/devices/touch_library.h"
 
 namespace palpate::devices {
@@ -17,11 +18,6 @@ struct TouchSample {
   haptics::DeviceState state;  // frame D; gripper and age are the reader's
   std::int64_t taken_ns = 0;   // monotonic; 0: no frame yet
   unsigned calibration = 0;    // kHdCalibrated ..., asked for while the arm is being opened
-};
-
-struct TouchCommand {
-  Vec3 force_D = Vec3::Zero();  // N
-  std::int64_t written_ns = 0;
 };
 
 /// Why an arm is in a fault, beside errors of the vendor's library.
@@ -36,11 +32,10 @@ struct TouchArm {
   int calibration_style = 0;
   unsigned handle = kHdInvalidHandle;
 
-  SnapshotCell<TouchSample> samples;        // vendor's thread to loop
-  SnapshotCell<TouchCommand> commands;      // loop to vendor's thread
-  std::atomic<std::int64_t> stopped_ns{0};  // no command written before counts
-  std::atomic<bool> opening{true};          // its calibration is looked after
-  std::atomic<std::uint32_t> trouble{0};    // TouchTrouble << 16 | code, what was last wrong
+  SnapshotCell<TouchSample> samples;      // vendor's thread to loop
+  ForceHandOver forces;                   // loop to vendor's thread
+  std::atomic<bool> opening{true};        // its calibration is looked after
+  std::atomic<std::uint32_t> trouble{0};  // TouchTrouble << 16 | code, what was last wrong
 
   /// [rt] Keeps what is wrong for TouchDevice::trouble().
   void note(TouchTrouble what, unsigned code = 0) noexcept {
@@ -51,6 +46,8 @@ struct TouchArm {
   bool was_held = false;  // its safety switch was closed once: there is one
   unsigned error = kHdSuccess;
   std::int64_t error_ns = 0;
+  bool warm = false;                // one of its motors is above TouchScheduler::kWarm
+  std::int64_t temperature_ns = 0;  // when their temperature was last asked for
 };
 
 /// The vendor's scheduler, of which a process has one, with all open arms: one callback at 1 kHz reads each
@@ -64,6 +61,11 @@ class TouchScheduler final {
   static constexpr std::int64_t kNoWrite = 20'000'000;
   /// An error of the vendor's library is shown for so long, so that every tick sees it [ns].
   static constexpr std::int64_t kErrorShown = 20'000'000;
+  /// The motors' temperature is asked for so often [ns].
+  static constexpr std::int64_t kTemperatureEvery = 100'000'000;
+  /// From here on a motor is warm: 0 is room temperature, 1 where the arm takes its force away (0x0200). The
+  /// vendor's own example lowers the force from here on.
+  static constexpr double kWarm = 0.7;
 
   /// [setup] The process's scheduler; its library is loaded with the first arm. @throws InputError as
   /// HdLibrary does
@@ -87,6 +89,7 @@ class TouchScheduler final {
   void exchange(TouchArm& arm, bool quiet) noexcept;
   void read(TouchArm& arm, TouchSample& sample) noexcept;
   void read_switches(TouchArm& arm, haptics::DeviceState& state) noexcept;
+  void read_temperature(TouchArm& arm, std::int64_t now) noexcept;
   void take_errors(TouchArm& current, std::int64_t now) noexcept;
   void show_error(TouchArm& arm, haptics::DeviceState& state, std::int64_t now) noexcept;
   [[nodiscard]] Vec3 wanted_force(TouchArm& arm, std::int64_t now) const noexcept;

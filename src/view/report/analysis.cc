@@ -212,7 +212,9 @@ std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& ro
       {haptics::kTorqueSlewed, "the torque's change was limited by max_slew_N_m_per_ms"},
       {haptics::kDutyHigh, "the RMS force over 10 s was more than the device gives without end"},
       {haptics::kDutyLimited,
-       "the force was lowered: its RMS over 60 s reached what the device gives without end"},
+       "the force was lowered: its RMS over 60 s reached what the device gives without end, or the device's "
+       "motors "
+       "were warm"},
   }};
   std::vector<std::string> words;
   for (const auto& [bit, text] : kWords) {

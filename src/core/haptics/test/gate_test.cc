@@ -183,11 +183,12 @@ struct Duty {
   GateState state;
   std::uint32_t status = 0;  // of all ticks
   double squares = 0.0;
+  bool warm = false;  // the motors
 
   Duty() { limits.continuous_force = 1.0; }
   void hold(double force, int ticks) {
     for (int i = 0; i < ticks; ++i) {
-      status |= pass(limits, state, force_only(Vec3(0, force, 0))).status;
+      status |= pass_gate(limits, state, {.tissue = force_only(Vec3(0, force, 0)), .warm = warm}).status;
       squares += state.force.squaredNorm();
     }
   }
@@ -223,6 +224,26 @@ TEST(Duty, WarnsWhenTheRmsOverTenSecondsIsAboveAndLowersTheForceWhenThatOverAMin
   }
   EXPECT_LT(std::sqrt(duty.squares / 120'000), 1.0);
   EXPECT_GT(duty.state.force.y(), 0.85) << "and what the device bears goes on";
+}
+
+TEST(Duty, WarmMotorsLowerTheForceWithinSecondsByARampAndItComesBackSlowly) {
+  Duty duty;
+  duty.hold(0.5, 1000);
+  EXPECT_EQ(duty.status, 0U);
+  duty.warm = true;
+  double before = duty.state.force.y();
+  for (int i = 0; i < 5000; ++i) {
+    duty.hold(0.5, 1);
+    ASSERT_LT(std::abs(duty.state.force.y() - before), 0.01) << "a ramp, no step";
+    before = duty.state.force.y();
+  }
+  EXPECT_NE(duty.status & kDutyLimited, 0U);
+  // The mean square approaches 1 N^2 with 1 s, pulled back with 60 s: the RMS load settles at (60/61)^(1/2),
+  // a share of 10 (1 - 0.9918) of the force.
+  EXPECT_NEAR(duty.state.force.y(), 0.5 * 10.0 * (1.0 - std::sqrt(60.0 / 61.0)), 0.02);
+  duty.warm = false;
+  duty.hold(0.5, 60'000);
+  EXPECT_EQ(duty.state.force.y(), 0.5);
 }
 
 TEST(Duty, OfADeviceWhoseContinuousForceNobodyKnowsNothingIsLowered) {

@@ -86,6 +86,23 @@ TEST(Tick, InContactTheHandFeelsTheTissueForcePlusTheNoiseAlongTheNormal) {
   EXPECT_NEAR((Vec3(row.force[0], row.force[1], row.force[2]) - expected).norm(), 0.0, 1e-12);
 }
 
+TEST(Tick, ADeviceWithWarmMotorsIsGivenLessForceWithTheSameTissue) {
+  Bench cold(1);
+  Bench warm(1);
+  cold.world.limits.continuous_force = warm.world.limits.continuous_force = 5.0;
+  cold.press(5000);
+  for (int i = 0; i < 5000; ++i) {
+    warm.samples[0] = pressing(static_cast<double>(warm.number) * 1e-3);
+    warm.samples[0].events = kMotorsWarm;
+    warm.step();
+  }
+  EXPECT_EQ(cold.rows[0].status & kDutyLimited, 0U);
+  EXPECT_EQ(warm.rows[0].status & kDutyLimited, kDutyLimited);
+  EXPECT_EQ(warm.rows[0].events, kMotorsWarm) << "recorded, so that a replay does the same";
+  EXPECT_EQ(warm.rows[0].tissue_force, cold.rows[0].tissue_force);
+  EXPECT_LT(norm(warm.rows[0].force), 0.3 * norm(cold.rows[0].force));
+}
+
 TEST(Tick, NoiseIsThatOfTheDistanceInApproachAndOfContactInContact) {
   Bench bench(1);
   noise::TouchNoise::State level;

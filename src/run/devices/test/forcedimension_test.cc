@@ -448,7 +448,9 @@ TEST_F(ForceDimension, TheProbeCountsDevicesAndOpensNone) {
   EXPECT_THAT(none.words, HasSubstr("no device is connected"));
   dhd_.library->count = -1;
   EXPECT_THAT(probe_forcedimension(dhd_.path).words, HasSubstr("cannot look for devices"));
-  EXPECT_THAT(probe_forcedimension(stand_in::file_of("dhd_stand_in_old")).words, HasSubstr("must be 3.3"));
+  const Probe old = probe_forcedimension(stand_in::file_of("dhd_stand_in_old"));
+  EXPECT_THAT(old.words, HasSubstr("must be 3.3"));
+  EXPECT_TRUE(old.library) << "installed: it is not missing";
   EXPECT_EQ(hardware_.opens, 0);
 }
 

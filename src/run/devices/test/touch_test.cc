@@ -252,6 +252,53 @@ TEST_F(Touch, ASilentSchedulersSampleGrowsOlderByTheClock) {
   let_run();
 }
 
+TEST_F(Touch, AWarmMotorIsShownWithTheSampleUntilItHasCooled) {
+  TouchDevice device("");
+  hold();
+  const auto warm = [&] { return (device.read(0, 0.0).events & haptics::kMotorsWarm) != 0; };
+  const auto frames_until = [&](bool wanted) {
+    for (int i = 0; i < 10'000 && warm() != wanted; ++i) hd_.step();
+    return warm();
+  };
+  EXPECT_FALSE(warm());
+  hd_.arm([](HdArm& arm) { arm.temperatures = {0.2, 0.71, 0.2}; });
+  EXPECT_TRUE(frames_until(true)) << "any of them";
+  EXPECT_EQ(device.read(1, 0.001).fault, Fault::kNone);
+  hd_.arm([](HdArm& arm) { arm.temperatures = {0.2, 0.69, 0.2}; });
+  EXPECT_FALSE(frames_until(false));
+  let_run();
+}
+
+TEST_F(Touch, TheTemperatureIsAskedForSeldomAndAnArmThatTellsNoneIsInOrder) {
+  hd_.arm([](HdArm& arm) { arm.temperatures.clear(); }, 1);
+  const std::int64_t begun = monotonic_ns();
+  TouchDevice telling("");
+  TouchDevice silent("Left");
+  while (hd_.arm([](const HdArm& arm) { return arm.temperatures_asked; }) < 3) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_GE(monotonic_ns() - begun, 2 * TouchScheduler::kTemperatureEvery) << "the third one";
+  EXPECT_EQ(silent.read(0, 0.0).fault, Fault::kNone);
+  EXPECT_EQ(silent.trouble(), "");
+  EXPECT_EQ(telling.read(0, 0.0).fault, Fault::kNone);
+}
+
+TEST_F(Touch, AnErrorOfTheFrameIsNotTakenForTheTemperatures) {
+  TouchDevice device("");
+  hold();
+  hd_.arm([](HdArm& arm) {
+    arm.begin_error = 0x0302;
+    arm.temperatures = {0.9};
+  });
+  for (int i = 0; i < 10'000 && (device.read(0, 0.0).events & haptics::kMotorsWarm) == 0; ++i) {
+    hd_.step();
+    ASSERT_EQ(device.read(1, 0.001).fault, Fault::kDevice);
+  }
+  EXPECT_NE(device.read(2, 0.002).events & haptics::kMotorsWarm, 0U);
+  hd_.arm([](HdArm& arm) { arm.begin_error = 0; });
+  let_run();
+}
+
 TEST_F(Touch, TheInkwellAndAReleasedStylusTakeTheForceAway) {
   TouchDevice device("");
   hold();
@@ -415,6 +462,7 @@ TEST_F(Touch, TheProbeOpensNoArm) {
   EXPECT_THAT(there.words, HasSubstr("libHD.so is there"));
   const Probe missing = probe_touch("libHD_of_nobody.so");
   EXPECT_FALSE(missing.available);
+  EXPECT_FALSE(missing.library);
   EXPECT_EQ(missing.words.find("device touch"), std::string::npos);
   EXPECT_THAT(missing.words, HasSubstr("is not installed"));
   EXPECT_EQ(hd_.arm([](const HdArm& arm) { return arm.opens; }), 0);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <thread>
 
@@ -105,6 +106,9 @@ unsigned hdInitDevice(const char* name) {
     const unsigned error = arm.open ? kAlreadyOpen : arm.init_error;
     fail(error, kInvalid);
     if (error != 0) return kInvalid;
+    if (const char* motors = std::getenv("PALPATE_STAND_IN_MOTORS")) {  // for a test of the whole program
+      arm.temperatures.assign(3, std::atof(motors));
+    }
     arm.open = true;
     ++arm.opens;
     return current = device;
@@ -133,6 +137,7 @@ void hdBeginFrame(unsigned device) {
   if (find(device) == nullptr) return fail(kBadHandle, device);
   if (std::this_thread::get_id() != scheduler.get_id()) ++world.illegal;
   current = framed = device;
+  fail(find(device)->begin_error, device);
 }
 
 void hdEndFrame(unsigned device) {
@@ -203,8 +208,13 @@ void hdGetDoublev(unsigned what, double* values) {
     *values = world.arms[current].continuous_force;
     return;
   }
-  const HdArm* arm = framed_arm();
+  HdArm* arm = framed_arm();
   if (arm == nullptr) return;
+  if (what == 0x2605) {
+    ++arm->temperatures_asked;
+    if (arm->temperatures.empty()) return fail(0x0100, current);
+    std::copy(arm->temperatures.begin(), arm->temperatures.end(), values);
+  }
   if (what == 0x2050) std::copy_n(arm->position, 3, values);
   if (what == 0x2051) std::copy_n(arm->velocity, 3, values);
   if (what == 0x2052) std::copy_n(arm->transform, 16, values);

@@ -15,10 +15,12 @@ struct HdArm {
   double velocity[3] = {0.0, 0.0, 0.0};  // mm/s
   double transform[16] = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0};
   int buttons = 0;
-  bool held = true;               // its safety switch is closed
-  bool in_inkwell = false;        // its inkwell switch is open
-  double max_force = 3.3;         // N
-  double continuous_force = 0.0;  // N; 0: it does not tell
+  bool held = true;                                    // its safety switch is closed
+  bool in_inkwell = false;                             // its inkwell switch is open
+  double max_force = 3.3;                              // N
+  double continuous_force = 0.0;                       // N; 0: it does not tell
+  std::vector<double> temperatures = {0.1, 0.1, 0.1};  // of its motors; empty: it does not tell
+  int temperatures_asked = 0;
   unsigned calibration = 0x5000;
   int calibration_style = 4;
   unsigned after_update = 0x5000;  // its calibration after hdUpdateCalibration
@@ -26,6 +28,7 @@ struct HdArm {
   // Faults.
   unsigned init_error = 0;
   unsigned enable_error = 0;
+  unsigned begin_error = 0;  // at the beginning of every frame
   unsigned frame_error = 0;  // at the end of every frame
 
   // What was done to it.
