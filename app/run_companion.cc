@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <stop_token>
+#include <utility>
 
 #include <unistd.h>
 
@@ -41,6 +42,11 @@ void RunCompanion::accompany(const std::stop_token& stop) {
     while (faults_.pop(seen)) {
       bar.clear();
       tell_fault(seen);
+    }
+    {
+      const std::scoped_lock errors(mutex_);
+      if (!errors_.empty()) bar.clear();
+      for (const std::string& error : std::exchange(errors_, {})) tell_error(error);
     }
     if (last) break;
     const auto ticks = static_cast<double>(done_.load(std::memory_order_relaxed));

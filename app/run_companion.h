@@ -1,8 +1,12 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "core/base/ring.h"
 #include "palpate/session.h"
@@ -20,6 +24,12 @@ class RunCompanion final : public haptics::TickObserver {
   RunCompanion(const RunCompanion&) = delete;
   RunCompanion& operator=(const RunCompanion&) = delete;
 
+  /// [setup] Writes an error to standard error within a tenth of a second; from any thread.
+  void tell(std::string error) {
+    const std::scoped_lock lock(mutex_);
+    errors_.push_back(std::move(error));
+  }
+
   void on_fault(const haptics::FaultSeen& fault) noexcept override { (void)faults_.push(fault); }
   void on_tick(const haptics::TickState& now) noexcept override {
     done_.store(now.tick + 1, std::memory_order_relaxed);
@@ -34,6 +44,8 @@ class RunCompanion final : public haptics::TickObserver {
   const session::Session& session_;
   std::atomic<std::uint64_t> done_{0};  // ticks
   Ring<haptics::FaultSeen> faults_{kFaultsKept};
+  std::mutex mutex_;  // of errors_
+  std::vector<std::string> errors_;
   std::jthread thread_;  // last: it uses all of the above
 };
 

@@ -227,24 +227,29 @@ TEST(Damaged, FlippedBytesNeverCrash) {
   }
 }
 
-/// In a child process: the recorder may write no more than `limit` bytes to a file.
+/// In a child process: the recorder may write no more than `limit` bytes to a file. 0 when its failure is
+/// reported while rows still come, and again by finish().
 int record_with_limit(const std::filesystem::path& file, rlim_t limit) {
   std::signal(SIGXFSZ, SIG_IGN);
-  Recorder recorder(file, sample_setup(1), true);
+  std::promise<std::string> reported;
+  Recorder recorder(file, sample_setup(1), true, [&](const std::string& what) { reported.set_value(what); });
   recorder.on_start(kStarted);
   for (std::uint64_t tick = 0; tick < 2000; ++tick) recorder.on_row(sample_row(tick, 0));
   const rlimit bounds{limit, limit};
   ::setrlimit(RLIMIT_FSIZE, &bounds);
   for (std::uint64_t tick = 2000; tick < 40000; ++tick) recorder.on_row(sample_row(tick, 0));
+  const std::string failure = reported.get_future().get();
+  for (std::uint64_t tick = 40000; tick < 41000; ++tick) recorder.on_row(sample_row(tick, 0));
   try {
     recorder.finish({});
   } catch (const InputError& error) {
-    return std::string(error.what()).find(file.string()) == std::string::npos ? 2 : 0;
+    const bool named = failure.find(file.string() + ": the recording ends after its first ") == 0;
+    return named && failure == error.what() ? 0 : 2;
   }
   return 1;
 }
 
-TEST(DiskFull, IsToldAtTheEndAndWhatWasWrittenStaysReadable) {
+TEST(DiskFull, IsReportedAtOnceAndWhatWasWrittenStaysReadable) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();
   if (child == 0) ::_exit(record_with_limit(folder / "a.h5", 5'000'000));
