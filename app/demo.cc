@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run/session/usable_core.h"
+#include "view/report/page.h"
 #include "view/report/report.h"
 
 #include "app/commands.h"
@@ -53,14 +54,14 @@ fs::path write_demo_report(const std::vector<std::unique_ptr<Session>>& sessions
 
 int demo(const DemoFlags& flags, const std::string& command_line) {
   session::require_usable_core(flags.thread.core, "--core");
+  require_writable_folder(flags.folder, "--report");
+  report::make_report_folder(flags.folder);
   std::vector<std::unique_ptr<Session>> sessions;
   for (const Experiment& experiment : kExperiments) {
     scene::Request request;
     request.task = experiment.task;
     sessions.push_back(prepare(scene::load(request), std::nullopt, flags.no_cache));
   }
-  require_writable_folder(flags.folder, "--report");
-  fs::create_directories(flags.folder);
 
   int exit_code = kDone;
   bool stopped = false;
@@ -76,13 +77,15 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
       how.stop = &signals.flag();
       result = play(*sessions[i], how);
     }
-    stopped = result.loop.stopped_early;
+    stopped = result.loop.stopped_early || !result.recording_failure.empty();
     exit_code = std::max(exit_code, exit_code_of(result, std::nullopt));
     summaries.push_back(summary_json(result, files[i]));
     if (!flags.json) print_summary(std::cout, result, files[i]);
   }
   if (stopped) {
-    tell("stopped before the end of the demo; no report was written");
+    if (flags.json)
+      std::cout << nlohmann::ordered_json{{"experiments", summaries}, {"report", nullptr}}.dump(2) << '\n';
+    tell("the demo is not whole; no report was written");
     return exit_code;
   }
   const fs::path page = write_demo_report(sessions, files, flags.folder, command_line);

@@ -12,6 +12,7 @@
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/progress.h"
+#include "app/session.h"
 
 namespace palpate::app {
 namespace {
@@ -26,6 +27,7 @@ int export_file(const ExportFlags& flags) {
   const bool has_place_beside = may_have_files_beside(flags.csv);
   refuse_overwriting(std::vector<NamedFile>{{"--csv", flags.csv}, {"beside --csv", changes}},
                      std::vector<NamedFile>{{"the recording", flags.file}});
+  require_writable_file(flags.csv, "--csv");
   record::Recording recording;
   {
     Progress bar("export");

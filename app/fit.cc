@@ -24,6 +24,7 @@
 #include "app/messages.h"
 #include "app/numbers.h"
 #include "app/progress.h"
+#include "app/session.h"
 #include "app/sweep_summary.h"
 
 namespace palpate::app {
@@ -89,12 +90,19 @@ std::vector<fit::Specimen> read_all(const std::vector<std::string>& files, bool 
   return all;
 }
 
+void require_writable(const FitFlags& flags) {
+  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
+  if (!flags.sweep_csv.empty()) require_writable_file(flags.sweep_csv, "--sweep-csv");
+  if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
+}
+
 /// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
 std::vector<fit::Specimen> read_for(fit::Crew& crew, const FitFlags& flags) {
   std::vector<fit::Specimen> specimens;
   std::string trouble;
   if (crew.rank() == 0) {
     try {
+      require_writable(flags);  // here: processors elsewhere need not have these folders
       specimens = read_all(flags.files, flags.relaxation);
     } catch (const InputError& error) {
       trouble = error.what();

@@ -1,4 +1,5 @@
 // The one program: `palpate SUBCOMMAND`. Bad usage and bad input end with exit code 2 and one line in words.
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -28,6 +29,8 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   const std::string command_line = quoted_command_line("palpate", argc, argv);
   int exit_code = kDone;
+  std::signal(SIGXFSZ,
+              SIG_IGN);  // a file over the limit of `ulimit -f` is an error of write(), as a full disk is
   add_run(program, command_line, exit_code);
   add_demo(program, command_line, exit_code);
   add_model(program, exit_code);

@@ -16,6 +16,7 @@
 #include "io/system/temporary.h"
 #include "palpate/error.h"
 #include "run/session/usable_core.h"
+#include "view/report/page.h"
 #include "view/report/report.h"
 
 #include "app/commands.h"
@@ -156,16 +157,16 @@ int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
-  const std::unique_ptr<Session> session =
-      prepare(scene::load(flags.request), flags.duration_s, flags.no_cache);
+  scene::Setup setup = scene::load(flags.request);
+  check_outputs(flags.files, setup);
+  const std::unique_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);
   require_window(*session, flags, window);
   OutputFiles files = flags.files;
-  check_outputs(files, session->setup());
 
   std::optional<TemporaryFolder> temporary;
   if (!files.report.empty()) {
-    fs::create_directories(files.report);
+    report::make_report_folder(files.report);
     if (files.recording.empty()) files.recording = files.report / "recording.h5";
   }
   fs::path recorded = files.recording;
@@ -177,8 +178,10 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const std::optional<net::IgtlTally> tally = igtl.finish();
   const RunResult& result = played.result;
   bool draw = result.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
-  if (draw && played.display_lost) {  // SDL holds on to the display that is gone, and cannot have another
-    tell("no pictures can be drawn now: no report and no screenshot were made" +
+  // SDL holds on to a display that is gone, and cannot have another.
+  if (draw && (played.display_lost || !result.recording_failure.empty())) {
+    tell((played.display_lost ? "no pictures can be drawn now" : "the recording is not whole") +
+         std::string(": no report and no screenshot were made") +
          (files.recording.empty()
               ? std::string()
               : "; palpate view " + files.recording.string() + " --screenshot does that"));

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <stop_token>
+#include <utility>
 
 #include <unistd.h>
 
@@ -45,10 +46,15 @@ void RunCompanion::accompany(const std::stop_token& stop) {
     }
     if (const int hand = warm_hand_.load(std::memory_order_relaxed); hand >= 0 && !told_warm) {
       bar.clear();
-      tell("hand " + std::to_string(hand) +
-           ": the device's motors are warm, its force is lowered until they have cooled: rest for some "
-           "minutes");
+      app::tell("hand " + std::to_string(hand) +
+                ": the device's motors are warm, its force is lowered until they have cooled: rest for some "
+                "minutes");
       told_warm = true;
+    }
+    {
+      const std::scoped_lock errors(mutex_);
+      if (!errors_.empty()) bar.clear();
+      for (const std::string& error : std::exchange(errors_, {})) tell_error(error);
     }
     if (last) break;
     const auto ticks = static_cast<double>(done_.load(std::memory_order_relaxed));

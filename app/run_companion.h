@@ -1,8 +1,12 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "core/base/ring.h"
 #include "palpate/session.h"
@@ -19,6 +23,12 @@ class RunCompanion final : public haptics::TickObserver {
   ~RunCompanion() override;
   RunCompanion(const RunCompanion&) = delete;
   RunCompanion& operator=(const RunCompanion&) = delete;
+
+  /// [setup] Writes an error to standard error within a tenth of a second; from any thread.
+  void tell(std::string error) {
+    const std::scoped_lock lock(mutex_);
+    errors_.push_back(std::move(error));
+  }
 
   void on_fault(const haptics::FaultSeen& fault) noexcept override { (void)faults_.push(fault); }
   void on_row(const haptics::TickRow& row) noexcept override {
@@ -39,6 +49,8 @@ class RunCompanion final : public haptics::TickObserver {
   std::atomic<std::uint64_t> done_{0};  // ticks
   std::atomic<int> warm_hand_{-1};      // whose device's motors were warm last; -1: none
   Ring<haptics::FaultSeen> faults_{kFaultsKept};
+  std::mutex mutex_;  // of errors_
+  std::vector<std::string> errors_;
   std::jthread thread_;  // last: it uses all of the above
 };
 

@@ -137,6 +137,8 @@ Json ServedRuns::about_run() {
     about["ticks"] = run_->run().result()->loop.ticks;
     about["stopped_early"] = run_->run().result()->loop.stopped_early;
     about["fault"] = haptics::name_of(run_->run().result()->loop.fault);
+    const std::string& failure = run_->run().result()->recording_failure;
+    if (!failure.empty()) about["failure"] = failure;
   } else {
     about["failure"] = run_->run().failure();
   }
@@ -332,6 +334,7 @@ void ServedRuns::account_for_run() {
   accounted_ = true;
   if (run_->run().result()) {
     fault_ = fault_ || run_->run().result()->loop.fault != haptics::Fault::kNone;
+    failed_ = failed_ || !run_->run().result()->recording_failure.empty();
     const OutputFiles files{run_->recording(), {}, {}};
     if (options_.json) {
       std::cout << net::text_of({{"run", summary_json(*run_->run().result(), files)}}) << std::endl;

@@ -100,7 +100,7 @@ void require_writable_file(const fs::path& file, const std::string& flag) {
   if (!file.has_filename() || fs::is_directory(file, error)) {
     throw InputError(flag + " " + file.string() + ": is a folder; a file is wanted");
   }
-  require_writable_parent(link_target(file), flag);
+  if (!is_special_file(file)) require_writable_parent(link_target(file), flag);
   if (fs::exists(file, error) && access(file.c_str(), W_OK) != 0) {
     throw InputError(flag + " " + file.string() + ": the file is there and not writable");
   }
@@ -162,7 +162,11 @@ RunResult play(Session& session, const PlayOptions& how) {
   std::vector<haptics::TickObserver*> observers = how.observers;
   observers.insert(observers.end(), {&companion, &relay});
   if (how.igtl != nullptr) observers.push_back(how.igtl);
-  return session.run(how.run, observers);
+  session::RunOptions options = how.run;
+  options.on_recording_failure = [&companion](const std::string& failure) {
+    companion.tell(failure + "; the run goes on and is not recorded: make room, then record again");
+  };
+  return session.run(options, observers);
 }
 
 std::unique_ptr<session::BackgroundRun> play_in_background(Session& session, PlayOptions how) {
@@ -172,6 +176,7 @@ std::unique_ptr<session::BackgroundRun> play_in_background(Session& session, Pla
 
 int exit_code_of(const RunResult& run, std::optional<std::uint64_t> max_missed) {
   if (run.loop.fault != haptics::Fault::kNone) return kFault;
+  if (!run.recording_failure.empty()) return kBadInput;
   if (max_missed && run.loop.missed_deadlines > *max_missed) return kGoalMissed;
   return kDone;
 }

@@ -65,15 +65,15 @@ struct PlayOptions {
 };
 
 /// [setup] Runs a session to its end, with a progress bar on a terminal. Each latched fault is
-/// reported on standard error while the run continues at zero force; SIGUSR1 clears the faults of all hands.
-/// @throws InputError when the recording cannot be written.
+/// reported on standard error while the run continues at zero force, so is a recording that cannot be written
+/// any more; SIGUSR1 clears the faults of all hands. @throws InputError when the recording cannot be made.
 [[nodiscard]] RunResult play(Session& session, const PlayOptions& how);
 
 /// [setup] Calls play() on a new thread. Destroying the result stops the run and waits for its end.
 [[nodiscard]] std::unique_ptr<session::BackgroundRun> play_in_background(Session& session, PlayOptions how);
 
-/// [setup] Exit code of a run: 3 with a fault, also one that was reset, 4 past the missed deadlines allowed,
-/// else 0.
+/// [setup] Exit code of a run: 3 with a fault, also one that was reset, 2 when its recording ends early, 4
+/// past the missed deadlines allowed, else 0.
 [[nodiscard]] int exit_code_of(const RunResult& run, std::optional<std::uint64_t> max_missed);
 
 /// [setup] "Gallbladder pressed with curved-forceps".

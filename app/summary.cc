@@ -142,6 +142,7 @@ std::vector<std::string> remarks(const RunResult& run) {
                                  run.statistics.limited_ticks));
   }
   for (const haptics::FaultSeen& seen : run.loop.faults) all.push_back(fault_in_words(run, seen));
+  if (!run.recording_failure.empty()) all.push_back(run.recording_failure);
   if (run.loop.further_faults > 0) {
     all.emplace_back(fmt::format("and {} more faults", run.loop.further_faults));
   }
@@ -151,8 +152,8 @@ std::vector<std::string> remarks(const RunResult& run) {
 
 nlohmann::ordered_json summary_json(const RunResult& run, const OutputFiles& files,
                                     const std::optional<net::IgtlTally>& igtl) {
-  const auto path_or_null = [](const std::filesystem::path& path) {
-    return path.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(path.string());
+  const auto text_or_null = [](const std::string& text) {
+    return text.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(text);
   };
   nlohmann::ordered_json phases = nlohmann::ordered_json::array();
   for (const session::PhaseSpan& span : run.statistics.phases) {
@@ -185,10 +186,11 @@ nlohmann::ordered_json summary_json(const RunResult& run, const OutputFiles& fil
           {"further_faults", run.loop.further_faults},
           {"watchdog_stops", run.loop.watchdog_stops},
           {"igtl", igtl_json(igtl)},
-          {"recording", path_or_null(files.recording)},
-          {"report", path_or_null(files.report)},
-          {"screenshot", path_or_null(files.screenshot)},
-          {"fault_recording", path_or_null(run.fault_recording)},
+          {"recording", text_or_null(files.recording)},
+          {"recording_failure", text_or_null(run.recording_failure)},
+          {"report", text_or_null(files.report)},
+          {"screenshot", text_or_null(files.screenshot)},
+          {"fault_recording", text_or_null(run.fault_recording)},
           {"remarks", remarks(run)}};
 }
 

@@ -20,6 +20,7 @@
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/numbers.h"
+#include "app/session.h"
 #include "app/validate_image.h"
 #include "app/validate_summary.h"
 
@@ -236,6 +237,8 @@ void check_validate_outputs(const ValidateFlags& flags) {
   for (const std::string& file : flags.profiles) inputs.push_back({"--profile", file});
   for (const std::string& file : flags.image.files) inputs.push_back({"--image", file});
   refuse_overwriting(outputs, inputs);
+  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
+  if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
 }
 
 /// The tissue with the reach that was fitted.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "tests/program.h"
 
@@ -76,6 +77,15 @@ TEST(DevicesCommand, SaysInOneLineWhyOneCannotBeOpened) {
     EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
     EXPECT_EQ(outcome.out, "");
   }
+}
+
+TEST(DeviceLibrary, AFifoIsRefusedWithoutWaiting) {
+  const Folder folder;
+  ASSERT_EQ(mkfifo((folder / "libdhd.so").c_str(), 0600), 0);
+  const Outcome outcome = run(folder, {"devices", "--try", "forcedimension:" + (folder / "libdhd.so")});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("libdhd.so: is no regular file, must be the vendor's"), std::string::npos)
+      << outcome.err;
 }
 
 TEST(DeviceLibrary, IsNeverLoadedBecauseASceneNamesIt) {

@@ -105,10 +105,9 @@ TEST(Mpi, ASweepGoesOnWhereItWasBrokenOff) {
   const std::string sweeps = " --sweep q=0.3:1.2:4 --sweep beta=1:5:4";
   ASSERT_EQ(shell(folder, alone + sweeps), 0) << text_of(folder / "err");
   const std::string whole = text_of(folder / "out");
-  fs::create_directory(folder / "r");
-  std::ofstream(folder / "r/report.html") << "a page that stands where a folder must be";
-  // the report cannot be written, so the results stay
-  ASSERT_EQ(shell(folder, alone + " --sweep q=0.3:1.2:4 --report r/report.html/x"), 2);
+  fs::create_directories(folder / "r/report.html");
+  // The page cannot be written, as a folder has its name: the results stay.
+  ASSERT_EQ(shell(folder, alone + " --sweep q=0.3:1.2:4 --report r"), 2);
   EXPECT_EQ(results_in(folder), 3U);  // the fit and both halves of the sweep
   ASSERT_EQ(shell(folder, by_mpi(2, words + sweeps)), 0) << text_of(folder / "err");
   EXPECT_THAT(text_of(folder / "err"), testing::HasSubstr("2 pieces of sweeps were finished before"));

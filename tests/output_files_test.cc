@@ -1,11 +1,17 @@
 // Outputs that are inputs, or that are there and are no regular files.
+#include <array>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -76,6 +82,20 @@ TEST(OutputFiles, ARecordingOntoItsSceneMeshPathOrReplayedRecordingIsRefused) {
   refused("a.h5", {"--device", "replay:a.h5"}, "--device a.h5");
   std::ofstream(folder / "r.toml") << kShortScene << "[device]\nkind = \"replay\"\npath = \"a.h5\"\n";
   refused("a.h5", {"r.toml"}, "r.toml:");
+}
+
+TEST(OutputFiles, ARecordingOntoABufferOfAGltfMeshIsRefused) {
+  const Folder folder;
+  const std::array<float, 9> triangle = {0, 0, 0, 0.01F, 0, 0, 0, 0.01F, 0};
+  std::ofstream(folder / "a.bin", std::ios::binary).write(reinterpret_cast<const char*>(triangle.data()), 36);
+  std::ofstream(folder / "a.gltf")
+      << R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin", "byteLength": 36}],
+    "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]})";
+  expect_refused_untouched(folder,
+                           {"run", "--offline", "--tool", "a.gltf", "--tool-unit", "m", "--record", "a.bin"},
+                           "a.bin", "--record a.bin", "a buffer of --tool");
 }
 
 TEST(OutputFiles, AFitOntoItsMeasurementsIsRefused) {
@@ -161,6 +181,97 @@ TEST(OutputFiles, NoTemporaryFileHasANameThatOthersCanForesee) {
     EXPECT_EQ(program.wait().exit_code, 0);
     EXPECT_EQ(text_of(folder / "theirs"), "precious");
     EXPECT_EQ(temporary.names().size(), 2U);
+  }
+}
+
+/// Files of this process and its children may grow to so many bytes while this lives: what a full disk does
+/// to one file.
+class FileLimit final {
+ public:
+  explicit FileLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(OutputFiles, AFullDiskIsReportedWhileTheRunGoesOnAndTheSummaryIsWhole) {
+  const Folder folder;
+  record_short(folder, "short.h5");
+  const FileLimit limit(fs::file_size(folder / "short.h5") + 400'000);
+  Program program(folder.path(), {"run", "--headless", "--device", "emulated", "--rate-Hz", "4000",
+                                  "--record", "a.h5", "--report", "report", "--json"});
+  const std::string reported = "a.h5: the recording ends after its first ";
+  while (program.err_so_far().find(reported) == std::string::npos && !program.ended()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_FALSE(program.ended()) << "the run goes on";
+  program.signal(SIGINT);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("the run goes on and is not recorded: make room, then record again"),
+                    HasSubstr("no report and no screenshot were made")));
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_THAT(summary["recording_failure"].get<std::string>(), HasSubstr(reported));
+  EXPECT_EQ(summary["recording"], "a.h5");
+  EXPECT_EQ(summary["report"], nullptr);
+  const Outcome exported = run(folder, {"export", "a.h5", "--csv", "/dev/stdout"});
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+  const auto rows = std::stoul(outcome.err.substr(outcome.err.find(reported) + reported.size()));
+  EXPECT_GE(lines(exported.out), rows + 1) << "all rows that were said to be safe";
+  EXPECT_LT(rows, summary["ticks"].get<std::size_t>());
+}
+
+TEST(OutputFiles, ARunThatIsStoppedByASignalGoesOnWithItsRecordingWhole) {
+  const Folder folder;
+  Program program(folder.path(), {"run", "--headless", "--record", "a.h5", "--duration-s", "2", "--json"});
+  while (!fs::exists(folder / "a.h5") && !program.ended())
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  program.signal(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  program.signal(SIGCONT);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 0) << "no hand holds a scripted device: " << outcome.err;
+  EXPECT_GE(nlohmann::json::parse(outcome.out)["missed_deadlines"], 1);
+  EXPECT_EQ(run(folder, {"replay", "a.h5", "--verify"}).exit_code, 0);
+}
+
+/// Every command with each flag that names an output, to which the output's name is added.
+TEST(OutputFiles, AFolderThatIsNotThereOrTakesNoFileIsRefusedByEveryFlagAndNothingIsLeftBehind) {
+  const Folder folder;
+  record_short(folder, "a.h5");
+  measure(folder / "m.csv");
+  const std::vector<std::vector<std::string>> commands = {
+      {"run", "--offline", "--duration-s", "0.01", "--record"},
+      {"run", "--offline", "--duration-s", "0.01", "--screenshot"},
+      {"export", "a.h5", "--csv"},
+      {"view", "a.h5", "--screenshot"},
+      {"view", "a.h5", "--video"},
+      {"fit", "m.csv", "--out"},
+      {"fit", "m.csv", "--report"},
+      {"run", "--offline", "--duration-s", "0.01", "--report"},
+      {"demo", "--report"},
+      {"validate", "m.csv", "--tissue", "liver", "--direction", "press", "--report"},
+      {"serve", "--wait", "--port", "0", "--record"}};
+  const std::vector<std::string> names = folder.names();
+  for (std::vector<std::string> command : commands) {
+    const bool makes_folder = command.back() == "--report";
+    // /proc takes no file or folder from anybody, root included; a report makes the folders on its way.
+    command.emplace_back(makes_folder ? "/proc/none/out" : "none/out.x");
+    const std::string flag = command[command.size() - 2] + " " + command.back();
+    const Outcome outcome = run(folder, command);
+    EXPECT_EQ(outcome.exit_code, 2) << flag << ": " << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(makes_folder ? command.back() : flag + ": there is no folder none"));
+    EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
+    EXPECT_EQ(outcome.out, "") << flag;
+    EXPECT_EQ(folder.names(), names) << flag;
   }
 }
 

@@ -72,6 +72,7 @@ class Program final {
   void signal(int number) const { kill(child_, number); }
   /// What it has printed on standard output up to now.
   [[nodiscard]] std::string out_so_far() const { return text_of(output_ / "out"); }
+  [[nodiscard]] std::string err_so_far() const { return text_of(output_ / "err"); }
   /// Whether it has ended by itself.
   [[nodiscard]] bool ended() const {
     siginfo_t how{};

@@ -1,4 +1,5 @@
 // What users see of real time: faults told while the run goes on, resets by a signal, the core, the doctor.
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <limits>
@@ -81,6 +82,10 @@ TEST(RealTime, ALoopThatStoodStillWithADeviceInAHandIsAFaultThatIsToldAndRecorde
   EXPECT_EQ(summary["fault"], "stalled-loop");
   EXPECT_EQ(summary["ticks"], 2000) << "the run goes on";
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0) << "a replay meets the same fault";
+  for (const haptics::TickRow& row : record::read_recording(folder / "run.h5").rows) {
+    if (row.fault == 0) continue;
+    EXPECT_EQ(row.force, (std::array<double, 3>{})) << "tick " << row.tick;
+  }
 }
 
 TEST(RealTime, ACoreThatCannotBeUsedIsRefusedInOneLineAndNothingIsWritten) {

@@ -34,7 +34,10 @@ class LiveRun final {
   /// After its end: how it went; nothing when it failed.
   [[nodiscard]] std::optional<RunResult> result() const { return run_ ? run_->result() : std::nullopt; }
   /// After its end: why it failed, in words; empty: it did not.
-  [[nodiscard]] std::string failure() const { return run_ ? run_->failure() : std::string(); }
+  [[nodiscard]] std::string failure() const {
+    if (!run_) return {};
+    return run_->result() ? run_->result()->recording_failure : run_->failure();
+  }
 
   [[nodiscard]] Session& session() noexcept { return session_; }
   [[nodiscard]] const Session& session() const noexcept { return session_; }

@@ -1,5 +1,6 @@
 // A run is recorded, read back, run again and compared bit for bit, and written as CSV.
-// Usage: record_and_replay [RECORDING.h5]     (without: in the temporary folder, and removed)
+// Usage: record_and_replay [RECORDING.h5]     (without: record_and_replay.h5 in the current folder, and
+// removed)
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -42,7 +43,7 @@ int replay_and_compare(const fs::path& file) {
 
 int main(int argc, char** argv) {
   const bool keep = argc > 1;
-  const fs::path file = keep ? fs::path(argv[1]) : fs::temp_directory_path() / "palpate-record-and-replay.h5";
+  const fs::path file = keep ? argv[1] : "record_and_replay.h5";
   try {
     record_a_press(file);
     const int code = replay_and_compare(file);

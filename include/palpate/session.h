@@ -61,6 +61,7 @@ struct RunResult {
   haptics::LoopReport loop;
   RunStatistics statistics;
   std::filesystem::path fault_recording;  // the last ticks before a fault of an unrecorded run; empty: none
+  std::string recording_failure;          // the recording's file, where it ends and why; empty: it is whole
 };
 
 /// A run on a thread of its own. All members: [any], unless said; none is for the tick.
@@ -112,6 +113,10 @@ struct RunOptions {
   haptics::LoopThread thread{};       // of the loop
   // Without a recording: the last seconds before a fault go to a file in the user's state folder.
   bool keep_fault = true;
+  // Called once, from the recorder's thread, when a recording cannot be written any more, with the file, the
+  // rows that are safe in it, and the reason. The run goes on, and run() returns with recording_failure set.
+  // Without this function run() throws at the end of the run.
+  std::function<void(const std::string&)> on_recording_failure{};
 };
 
 /// [setup] The number of ticks in a duration [s]. @param name what the user calls the duration
@@ -135,7 +140,8 @@ class Session final {
   Session& operator=(const Session&) = delete;
 
   /// [setup] Runs to the end and closes the recording. @param observers are told of every tick, in this order
-  /// @throws InputError when the recording cannot be written, std::logic_error at a second call.
+  /// @throws InputError when the recording cannot be made, or cannot be written and there is no
+  /// on_recording_failure; std::logic_error at a second call.
   RunResult run(const RunOptions& options = {}, const std::vector<haptics::TickObserver*>& observers = {});
   /// [setup] The same on a thread of its own. The session and the observers outlive what it returns.
   [[nodiscard]] std::unique_ptr<BackgroundRun> run_in_background(

@@ -12,6 +12,7 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
+#include <strings.h>
 
 #include "io/mesh_io/text_scan.h"
 #include "palpate/error.h"
@@ -50,18 +51,39 @@ std::string_view json_of_glb(const MeshFile& file) {
   return bytes.substr(kHeader, length);
 }
 
+std::string_view json_text(const MeshFile& file) {
+  return file.format == MeshFormat::kGlb ? json_of_glb(file) : std::string_view(file.bytes);
+}
+
 class GltfCheck final {
  public:
   GltfCheck(const MeshFile& file, std::string_view text) : file_(file), text_(text) {}
 
   void run() {
-    check_nesting();
-    root_ = json::parse(text_.begin(), text_.end(), nullptr, /*allow_exceptions=*/false);
-    if (!root_.is_object()) refuse("not a JSON document");
+    parse();
     check_nodes();
     check_buffers();
     check_accessors();
     check_parts();
+  }
+
+  void parse() {
+    check_nesting();
+    root_ = json::parse(text_.begin(), text_.end(), nullptr, /*allow_exceptions=*/false);
+    if (!root_.is_object()) refuse("not a JSON document");
+  }
+
+  /// Of the buffers that are files of their own.
+  [[nodiscard]] std::vector<std::string> buffer_names() const {
+    std::vector<std::string> names;
+    for (const json& buffer : list(root_, "buffers")) {
+      if (!buffer.is_object()) continue;
+      const auto uri = buffer.find("uri");
+      if (uri == buffer.end() || !uri->is_string()) continue;
+      const std::string name = uri->get<std::string>();
+      if (!name.starts_with("data:")) names.push_back(name);
+    }
+    return names;
   }
 
  private:
@@ -137,12 +159,7 @@ class GltfCheck final {
 
   /// A buffer of a file of its own lies beside or below the mesh file: no other file is opened for it.
   void check_buffers() const {
-    for (const json& buffer : list(root_, "buffers")) {
-      if (!buffer.is_object()) continue;
-      const auto uri = buffer.find("uri");
-      if (uri == buffer.end() || !uri->is_string()) continue;
-      const std::string name = uri->get<std::string>();
-      if (name.starts_with("data:")) continue;
+    for (const std::string& name : buffer_names()) {
       const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
       const bool leaves = path.is_absolute() || path.empty() || *path.begin() == ".." ||
                           name.find(':') != std::string::npos || hides_a_path(name) || leads_out(path);
@@ -200,10 +217,17 @@ class GltfCheck final {
 
 }  // namespace
 
-void check_gltf(const MeshFile& file) {
-  const std::string_view text =
-      file.format == MeshFormat::kGlb ? json_of_glb(file) : std::string_view(file.bytes);
-  GltfCheck(file, text).run();
+void check_gltf(const MeshFile& file) { GltfCheck(file, json_text(file)).run(); }
+
+std::vector<std::filesystem::path> gltf_buffer_files(const std::filesystem::path& mesh) {
+  const std::string ending = mesh.extension().string();
+  if (::strcasecmp(ending.c_str(), ".gltf") != 0 && ::strcasecmp(ending.c_str(), ".glb") != 0) return {};
+  const MeshFile file = open_mesh_file(mesh);
+  GltfCheck check(file, json_text(file));
+  check.parse();
+  std::vector<std::filesystem::path> files;
+  for (const std::string& name : check.buffer_names()) files.push_back(mesh.parent_path() / name);
+  return files;
 }
 
 }  // namespace palpate::geometry

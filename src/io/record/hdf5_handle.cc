@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/content_hash.h"
+
 namespace palpate::record::hdf5 {
 namespace {
 
@@ -18,6 +20,7 @@ Handle within_the_file(hid_t kind) {
   return access;
 }
 
+constexpr const char* kContentHash = "content_hash";
 constexpr std::size_t kLongestAttribute = 32768;  // bytes; HDF5 takes less than 64 KB
 
 void write_value(hid_t object, const std::string& name, hid_t type, const void* value) {
@@ -167,6 +170,7 @@ std::string read_text(hid_t parent, const std::string& name, std::size_t longest
   std::string text(fixed_text_bytes(type.id(), "/" + name, longest), '\0');
   check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()),
         "/" + name + " cannot be read");
+  check_content_hash(dataset.id(), "/" + name, std::as_bytes(std::span(text)));
   return without_padding(std::move(text));
 }
 
@@ -206,6 +210,16 @@ std::vector<std::int64_t> read_pairs(hid_t parent, const std::string& name, std:
   check(H5Dread(dataset.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
         name + " cannot be read");
   return values;
+}
+
+void write_content_hash(hid_t dataset, std::span<const std::byte> values) {
+  write_attribute(dataset, kContentHash, ContentHasher().add(values).hash().hexadecimal());
+}
+
+void check_content_hash(hid_t dataset, const std::string& name, std::span<const std::byte> values) {
+  if (H5Aexists(dataset, kContentHash) <= 0) return;
+  if (read_text_attribute(dataset, kContentHash) == ContentHasher().add(values).hash().hexadecimal()) return;
+  throw Error(name + " is damaged: its values are others than those that were recorded");
 }
 
 std::size_t rows_of_three(hid_t dataset, const std::string& name, std::size_t value_bytes,

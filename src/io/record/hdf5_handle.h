@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
@@ -96,6 +97,12 @@ void fill_pairs(hid_t dataset, const std::string& name, const std::vector<std::i
 /// another shape or more pairs.
 [[nodiscard]] std::vector<std::int64_t> read_pairs(hid_t parent, const std::string& name,
                                                    std::size_t longest);
+
+/// Keeps the hash of a dataset's values as its attribute, so that flipped bits are found.
+void write_content_hash(hid_t dataset, std::span<const std::byte> values);
+/// @throws Error naming the dataset when the values are others than those that were written. A dataset of a
+/// recording from before there were hashes has none, and passes.
+void check_content_hash(hid_t dataset, const std::string& name, std::span<const std::byte> values);
 
 /// Number of rows of an N x 3 dataset. @throws Error when there is none, it has another shape, or it claims
 /// more than a file of `file_bytes` bytes can hold.

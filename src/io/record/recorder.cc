@@ -9,12 +9,15 @@
 #include <exception>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include "core/base/ring.h"
+#include "core/base/text.h"
 #include "io/record/machine.h"
 #include "io/record/recording_writer.h"
 #include "io/system/clock.h"
@@ -109,6 +112,8 @@ struct Recorder::Impl {
   std::filesystem::path file;
   std::filesystem::path partial;
   bool offline = false;
+  double rows_per_second;  // of the simulation
+  std::function<void(const std::string&)> on_failure;
   Ring<haptics::TickRow> ring;
   Ring<haptics::LiveChange> change_ring{kChangesKept};
   std::unique_ptr<RecordingWriter> writer;  // of the thread; of finish() once that has ended
@@ -120,7 +125,9 @@ struct Recorder::Impl {
 
   // Of the thread:
   bool started = false;
-  std::string failure;  // why nothing more is written; empty: nothing went wrong
+  std::string failure;  // where the recording ends and why; empty: nothing went wrong
+  std::uint64_t rows_written = 0;
+  std::uint64_t rows_safe = 0;  // of them flushed: they outlive this process
   std::vector<haptics::TickRow> block;
   std::vector<haptics::LiveChange> changes;
   std::int64_t next_flush = 0;
@@ -129,10 +136,13 @@ struct Recorder::Impl {
   std::size_t unflushed = 0;  // rows
   std::thread thread;
 
-  Impl(std::filesystem::path target, const scene::Setup& setup, bool is_offline)
+  Impl(std::filesystem::path target, const scene::Setup& setup, bool is_offline,
+       std::function<void(const std::string&)> when_it_fails)
       : file(std::move(target)),
         partial(make_partial(file)),
         offline(is_offline),
+        rows_per_second(setup.rate_Hz * static_cast<double>(setup.tools.size())),
+        on_failure(std::move(when_it_fails)),
         ring(ring_rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, setup)),
         flush_rows(ring_rows_in(kSimulatedFlush, setup)) {
     block.reserve(RecordingWriter::kChunkRows);
@@ -142,13 +152,15 @@ struct Recorder::Impl {
   void start();
   bool drain();
   void write_block();
+  void flush(bool to_disk);
   void flush_when_due(bool now);
   void stop_thread();
   void close_file(const RunFacts& facts);
   void remove_partial() const noexcept;
-  /// Runs a step of writing; a failure ends all writing and is told at finish().
+  /// Runs a step of writing; a failure ends all writing and is reported at once.
   template <typename Step>
   void guarded(const Step& step);
+  void fail(const std::string& why);
 };
 
 template <typename Step>
@@ -157,8 +169,18 @@ void Recorder::Impl::guarded(const Step& step) {
   try {
     step();
   } catch (const std::exception& error) {
-    failure = error.what();
+    fail(error.what());
+    if (on_failure) on_failure(failure);
   }
+}
+
+void Recorder::Impl::fail(const std::string& why) {
+  try {
+    if (!writer->damaged()) flush(false);  // there is room kept for what HDF5 still holds
+  } catch (const hdf5::Error&) {           // then fewer rows are safe
+  }
+  failure = fmt::format("{}: the recording ends after its first {} rows ({} s): {}", file.string(), rows_safe,
+                        shortest(static_cast<double>(rows_safe) / rows_per_second), why);
 }
 
 void Recorder::Impl::run() {
@@ -215,9 +237,15 @@ void Recorder::Impl::write_block() {
   guarded([this] {
     writer->append(changes);
     writer->append(block);
+    rows_written += block.size();
   });
   changes.clear();
   block.clear();
+}
+
+void Recorder::Impl::flush(bool to_disk) {
+  writer->flush(to_disk);
+  rows_safe = rows_written;
 }
 
 void Recorder::Impl::flush_when_due(bool now) {
@@ -229,7 +257,7 @@ void Recorder::Impl::flush_when_due(bool now) {
   unflushed = 0;
   const bool to_disk = time >= next_to_disk;
   if (to_disk) next_to_disk = time + kToDiskEvery;
-  guarded([this, to_disk] { writer->flush(to_disk); });
+  guarded([this, to_disk] { flush(to_disk); });
 }
 
 void Recorder::Impl::stop_thread() {
@@ -251,19 +279,19 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
   if (writer->path() == partial) {
     remove_partial();  // the run never began, or the file could not get its name
   } else if (!writer->damaged()) {
-    const std::string before = failure;
-    failure.clear();
-    guarded([&] {
+    try {
       writer->write_summary(facts, rows_lost.load(std::memory_order_relaxed));
       writer->close();
-    });
-    if (!before.empty()) failure = before;
+    } catch (const hdf5::Error& error) {
+      if (failure.empty()) fail(error.what());
+    }
   }
   writer.reset();
 }
 
-Recorder::Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline)
-    : impl_(std::make_unique<Impl>(checked_target(file), setup, offline)) {
+Recorder::Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline,
+                   std::function<void(const std::string&)> on_failure)
+    : impl_(std::make_unique<Impl>(checked_target(file), setup, offline, std::move(on_failure))) {
   const hdf5::Quiet quiet;
   try {
     impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, setup, facts_before(offline));
@@ -309,9 +337,7 @@ void Recorder::finish(const haptics::LoopReport& report) {
   impl_->stop_thread();
   const std::uint64_t lost = impl_->rows_lost.load(std::memory_order_relaxed);
   impl_->close_file(facts_after(report, impl_->failure.empty()));
-  if (!impl_->failure.empty()) {
-    throw InputError(impl_->file.string() + ": the recording ends early: " + impl_->failure);
-  }
+  if (!impl_->failure.empty()) throw InputError(impl_->failure);
   if (lost > 0) {
     throw InputError(impl_->file.string() + ": the disk could not keep up, " + std::to_string(lost) +
                      " rows are missing from the recording");

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -14,8 +15,11 @@ namespace palpate::record {
 class Recorder final : public haptics::TickObserver {
  public:
   /// [setup] Prepares the file next to its final name and starts the thread.
+  /// @param on_failure is called once, from the recorder's thread, when writing fails (the disk is full),
+  /// with the file, the rows that are safe in it, and the reason; the run can go on
   /// @throws InputError when the file cannot be made, naming it.
-  Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline);
+  Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline,
+           std::function<void(const std::string&)> on_failure = {});
   ~Recorder() override;
 
   void on_start(std::int64_t started_unix_ns) noexcept override;

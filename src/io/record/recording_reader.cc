@@ -92,6 +92,8 @@ geometry::TriangleMesh read_mesh(hid_t file, const std::string& path, std::uint6
       }
     }
   }
+  hdf5::check_content_hash(vertices.id(), path + "/vertices", std::as_bytes(std::span(mesh.vertices)));
+  hdf5::check_content_hash(triangles.id(), path + "/triangles", std::as_bytes(std::span(mesh.triangles)));
   return mesh;
 }
 

@@ -44,15 +44,17 @@ hid_t native_type(ColumnType type) {
   return H5T_NATIVE_DOUBLE;
 }
 
-void write_rows_of_three(hid_t group, const char* name, hid_t type, std::size_t count, const void* data) {
-  const Handle dataset = hdf5::create_dataset(group, name, type, {count, 3});
-  if (count == 0) return;
-  check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), name);
+template <typename Row>
+void write_rows_of_three(hid_t group, const char* name, hid_t type, const std::vector<Row>& rows) {
+  const Handle dataset = hdf5::create_dataset(group, name, type, {rows.size(), 3});
+  if (rows.empty()) return;
+  check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), name);
+  hdf5::write_content_hash(dataset.id(), std::as_bytes(std::span(rows)));
 }
 
 void write_mesh(hid_t group, const geometry::TriangleMesh& mesh) {
-  write_rows_of_three(group, "vertices", H5T_NATIVE_DOUBLE, mesh.vertices.size(), mesh.vertices.data());
-  write_rows_of_three(group, "triangles", H5T_NATIVE_INT32, mesh.triangles.size(), mesh.triangles.data());
+  write_rows_of_three(group, "vertices", H5T_NATIVE_DOUBLE, mesh.vertices);
+  write_rows_of_three(group, "triangles", H5T_NATIVE_INT32, mesh.triangles);
 }
 
 std::int64_t mesh_bytes(const geometry::TriangleMesh& mesh) {
@@ -222,6 +224,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene:
   write_facts(file_.id(), setup, facts);
   const Handle text = hdf5::create_text(file_.id(), "scene", scene.size());
   hdf5::write_text(text.id(), scene);
+  hdf5::write_content_hash(text.id(), std::as_bytes(std::span(scene)));
   const Handle organ = hdf5::create_group(file_.id(), "organ");
   hdf5::write_attribute(organ.id(), "name", setup.organ_name);
   write_mesh(organ.id(), setup.organ);

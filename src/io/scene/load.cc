@@ -4,6 +4,7 @@
 
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
+#include "io/mesh_io/gltf_check.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/emulated_reader.h"
 #include "io/scene/instrument.h"
@@ -290,14 +291,22 @@ void add_source(const Stated& stated, Setup& setup) {
   if (means_file(stated.value)) setup.files.push_back({stated.where, stated.file()});
 }
 
-/// All files that were read, but for buffers beside a glTF mesh.
+void add_mesh_source(const Stated& stated, Setup& setup) {
+  add_source(stated, setup);
+  if (!means_file(stated.value)) return;
+  for (const std::filesystem::path& buffer : geometry::gltf_buffer_files(stated.file())) {
+    setup.files.push_back({"a buffer of " + stated.where, buffer});
+  }
+}
+
+/// All files that were read.
 void add_sources(const Request& request, const SceneDescription& scene, Setup& setup) {
   if (request.scene) setup.files.push_back({"the scene", *request.scene});
   if (scene.tissue) add_source(*scene.tissue, setup);
-  if (scene.organ) add_source(*scene.organ, setup);
+  if (scene.organ) add_mesh_source(*scene.organ, setup);
   for (const ToolDescription& tool : scene.tools) {
-    if (tool.mesh) add_source(*tool.mesh, setup);
-    for (const JawDescription& jaw : tool.jaws) add_source(jaw.mesh, setup);
+    if (tool.mesh) add_mesh_source(*tool.mesh, setup);
+    for (const JawDescription& jaw : tool.jaws) add_mesh_source(jaw.mesh, setup);
   }
   for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
     const DevicePath kind = find_device_kind(setup.devices[hand].kind)->path;

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "io/system/cache_folder.h"
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "run/devices/vendor_library.h"
 
@@ -37,6 +38,10 @@ DhdLibrary::~DhdLibrary() { dlclose(handle_); }
 
 void DhdLibrary::open_file(const std::filesystem::path& file) {
   name_ = file.string();
+  if (is_special_file(file)) {  // the loader would wait for a FIFO
+    throw InputError(in_front(name_) +
+                     "is no regular file, must be the vendor's libdhd.so for this computer");
+  }
   handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle_ != nullptr) return;
   throw InputError(in_front(name_) + "cannot be loaded (" + loader_words() +

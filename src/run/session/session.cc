@@ -43,6 +43,14 @@ void keep_flight(const record::FlightRecorder& flight, RunResult& result) {
   }
 }
 
+/// A failure after which the user was warned is part of the result.
+void close_recording(record::Recorder& recorder, const RunOptions& options, RunResult& result) try {
+  recorder.finish(result.loop);
+} catch (const InputError& failure) {
+  if (!options.on_recording_failure) throw;
+  result.recording_failure = failure.what();
+}
+
 }  // namespace
 
 std::uint64_t ticks_in(double duration_s, double rate_Hz, const std::string& name, double most) {
@@ -98,7 +106,8 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
     std::vector<NamedFile> inputs;
     for (const scene::SourceFile& file : setup_.files) inputs.push_back({file.named_by, file.path});
     refuse_overwriting(outputs, inputs);
-    all.push_back(&recorder.emplace(options.recording, setup_, options.offline));
+    all.push_back(
+        &recorder.emplace(options.recording, setup_, options.offline, options.on_recording_failure));
   } else if (options.keep_fault) {
     all.push_back(&flight.emplace(setup_));
   }
@@ -117,7 +126,7 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
                                    .control = &control_,
                                    .thread = options.thread,
                                    .stalled_after_ns = haptics::stall_limit_ns(*world_)});
-  if (recorder) recorder->finish(result.loop);
+  if (recorder) close_recording(*recorder, options, result);
   if (flight && flight->fault_met()) keep_flight(*flight, result);
   result.statistics = statistics.statistics();
   return result;

@@ -1,7 +1,9 @@
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstddef>
 #include <fstream>
+#include <future>
 #include <random>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include <sys/wait.h>
 
 #include "io/record/recording_writer.h"
+#include "io/record/scene_json.h"
 #include "io/record/test/sample_recording.h"
 #include "io/system/clock.h"
 #include "palpate/error.h"
@@ -224,24 +227,29 @@ TEST(Damaged, FlippedBytesNeverCrash) {
   }
 }
 
-/// In a child process: the recorder may write no more than `limit` bytes to a file.
+/// In a child process: the recorder may write no more than `limit` bytes to a file. 0 when its failure is
+/// reported while rows still come, and again by finish().
 int record_with_limit(const std::filesystem::path& file, rlim_t limit) {
   std::signal(SIGXFSZ, SIG_IGN);
-  Recorder recorder(file, sample_setup(1), true);
+  std::promise<std::string> reported;
+  Recorder recorder(file, sample_setup(1), true, [&](const std::string& what) { reported.set_value(what); });
   recorder.on_start(kStarted);
   for (std::uint64_t tick = 0; tick < 2000; ++tick) recorder.on_row(sample_row(tick, 0));
   const rlimit bounds{limit, limit};
   ::setrlimit(RLIMIT_FSIZE, &bounds);
   for (std::uint64_t tick = 2000; tick < 40000; ++tick) recorder.on_row(sample_row(tick, 0));
+  const std::string failure = reported.get_future().get();
+  for (std::uint64_t tick = 40000; tick < 41000; ++tick) recorder.on_row(sample_row(tick, 0));
   try {
     recorder.finish({});
   } catch (const InputError& error) {
-    return std::string(error.what()).find(file.string()) == std::string::npos ? 2 : 0;
+    const bool named = failure.find(file.string() + ": the recording ends after its first ") == 0;
+    return named && failure == error.what() ? 0 : 2;
   }
   return 1;
 }
 
-TEST(DiskFull, IsToldAtTheEndAndWhatWasWrittenStaysReadable) {
+TEST(DiskFull, IsReportedAtOnceAndWhatWasWrittenStaysReadable) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();
   if (child == 0) ::_exit(record_with_limit(folder / "a.h5", 5'000'000));
@@ -320,6 +328,50 @@ TEST(DamagedRecording, AFlippedBitInARowIsToldAndRepairKeepsTheRowsBeforeItsChun
     EXPECT_EQ(repaired.rows, kChunk);
     EXPECT_EQ(read_recording(file).rows.size(), kChunk);
   }
+}
+
+/// Flips the lowest bit of the byte at `place` of a dataset's values.
+void flip_bit(const std::filesystem::path& file, const char* dataset, std::size_t place) {
+  const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t set = H5Dopen2(id, dataset, H5P_DEFAULT);
+  const auto at = static_cast<std::streamoff>(H5Dget_offset(set) + place);
+  H5Dclose(set);
+  H5Fclose(id);
+  std::fstream bytes(file, std::ios::binary | std::ios::in | std::ios::out);
+  bytes.seekg(at);
+  const auto flipped = static_cast<char>(bytes.get() ^ 1);
+  bytes.seekp(at);
+  bytes.put(flipped);
+}
+
+constexpr std::array<const char*, 4> kHashed = {"/scene", "/organ/vertices", "/organ/triangles",
+                                                "/tools/0/parts/1/vertices"};
+
+TEST(DamagedRecording, AFlippedBitInSceneOrMeshIsRefusedWithTheNameOfWhatIsDamaged) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "a.h5";
+  for (const char* dataset : kHashed) {
+    record_sample(file, 10, 1);
+    const std::string scene = setup_to_json(sample_setup(1));
+    const bool in_scene = dataset == kHashed[0];
+    flip_bit(file, dataset, in_scene ? scene.find("soft") : 0);
+    EXPECT_THAT([&] { (void)read_recording(file); },
+                testing::ThrowsMessage<InputError>(
+                    testing::HasSubstr(std::string(dataset) + (dataset == kHashed[2] ? "" : " is damaged"))))
+        << dataset;
+  }
+}
+
+TEST(DamagedRecording, OneOfBeforeThereWereContentHashesOpens) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "a.h5";
+  record_sample(file, 10, 1);
+  const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  for (const char* dataset : kHashed) {
+    EXPECT_GE(H5Adelete_by_name(id, dataset, "content_hash", H5P_DEFAULT), 0) << dataset;
+  }
+  H5Fclose(id);
+  EXPECT_EQ(read_recording(file).rows.size(), 10U);
 }
 
 }  // namespace
