@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -133,21 +134,12 @@ class Driven {
   bool point_at(std::initializer_list<std::string_view> path) {
     ImGuiID wanted = 0;
     for (const std::string_view name : path) wanted = ImHashStr(name.data(), name.size(), wanted);
-    const ImGuiWindow* window = ImGui::FindWindowByName(std::string(*path.begin()).c_str());
-    if (window == nullptr) return false;
-    const float step = 0.9F * ImGui::GetFontSize();
-    const ImRect& inside = window->InnerClipRect;
-    for (const float share : {0.72F, 0.28F, 0.04F, 0.1F, 0.9F, 0.5F, 0.18F, 0.4F, 0.6F, 0.82F}) {
-      const int rows = static_cast<int>(std::lround(inside.GetHeight() / step));
-      for (int row = 0; row < rows; ++row) {
-        move(static_cast<int>(inside.Min.x + share * inside.GetWidth()),
-             static_cast<int>(inside.Min.y + (static_cast<float>(row) + 0.5F) * step));
-        frames(1);
-        if (ImGui::GetCurrentContext()->HoveredIdPreviousFrame == wanted ||
-            ImGui::GetCurrentContext()->HoveredId == wanted) {
-          return true;
-        }
-      }
+    const std::string window(*path.begin());
+    for (int attempt = 0; attempt < 10; ++attempt) {  // what has just been opened may move for some frames
+      const std::optional<ImVec2> middle = middle_of(window, wanted);
+      if (middle) move(static_cast<int>(middle->x), static_cast<int>(middle->y));
+      frames(1);
+      if (ImGui::GetCurrentContext()->HoveredId == wanted) return true;
     }
     return false;
   }
@@ -162,6 +154,21 @@ class Driven {
   virtual bool frame() = 0;
 
  private:
+  /// Where an item of a window was drawn: ImGui notes it of the item that the keyboard is at, which is this
+  /// one for a frame.
+  std::optional<ImVec2> middle_of(const std::string& name, ImGuiID wanted) {
+    ImGuiContext& all = *ImGui::GetCurrentContext();
+    ImGuiWindow* window = ImGui::FindWindowByName(name.c_str());
+    if (window == nullptr) return std::nullopt;
+    const auto keyboard = std::tuple(all.NavWindow, all.NavId, all.NavLayer, all.NavFocusScopeId);
+    all.NavWindow = window;
+    all.NavId = wanted;
+    frames(1);
+    const bool found = all.NavIdIsAlive && all.NavId == wanted;
+    const ImRect place = ImGui::WindowRectRelToAbs(window, window->NavRectRel[all.NavLayer]);
+    std::tie(all.NavWindow, all.NavId, all.NavLayer, all.NavFocusScopeId) = keyboard;
+    return found ? std::optional(place.GetCenter()) : std::nullopt;
+  }
   void release_modifiers() {
     SDL_SetModState(KMOD_NONE);
     SDL_Event event{};

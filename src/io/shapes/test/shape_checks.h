@@ -125,17 +125,32 @@ inline bool share_vertex(const Triangle& a, const Triangle& b) {
                      [&b](std::int32_t v) { return std::find(b.begin(), b.end(), v) != b.end(); });
 }
 
-/// Pairs of triangles, of two meshes or (with itself) of one, that go through each other.
+/// Pairs of triangles, of two meshes or (with itself) of one, that go through each other. The second's are
+/// sorted by where they begin along x, so that only those are looked at whose stretches of x overlap.
 inline int crossings(const TriangleMesh& m, const TriangleMesh& n) {
   const bool same = &m == &n;
-  std::vector<Bounds> boxes;
-  for (std::size_t t = 0; t < n.triangles.size(); ++t) boxes.push_back(box_of(n, t));
+  struct Boxed {
+    Bounds box;
+    std::size_t t;
+  };
+  std::vector<Boxed> sorted;
+  double widest = 0.0;
+  for (std::size_t t = 0; t < n.triangles.size(); ++t) {
+    sorted.push_back({box_of(n, t), t});
+    widest = std::max(widest, sorted.back().box.size().x());
+  }
+  const auto begins = [](const Boxed& one) { return one.box.low.x(); };
+  std::sort(sorted.begin(), sorted.end(),
+            [&](const Boxed& a, const Boxed& b) { return begins(a) < begins(b); });
   int count = 0;
   for (std::size_t s = 0; s < m.triangles.size(); ++s) {
     const Bounds box = box_of(m, s);
-    for (std::size_t t = same ? s + 1 : 0; t < n.triangles.size(); ++t) {
-      if (apart(box, boxes[t]) || (same && share_vertex(m.triangles[s], n.triangles[t]))) continue;
-      count += cross(m, s, n, t) ? 1 : 0;
+    auto other = std::lower_bound(sorted.begin(), sorted.end(), box.low.x() - widest,
+                                  [&](const Boxed& one, double x) { return begins(one) < x; });
+    for (; other != sorted.end() && begins(*other) <= box.high.x(); ++other) {
+      if (apart(box, other->box)) continue;
+      if (same && (other->t <= s || share_vertex(m.triangles[s], n.triangles[other->t]))) continue;
+      count += cross(m, s, n, other->t) ? 1 : 0;
     }
   }
   return count;

@@ -39,14 +39,14 @@ double force_of(LawKind law, double depth) {
   return model::LayeredSpringLaw(truth(), Direction::kPress, 1e-3).force_at(depth).force;
 }
 
-/// 60 points to 15 mm; first contact at 0.1 mm, sensor 5 mN off; noise in shares of the range.
-Specimen curve(LawKind law, double noise, std::uint32_t number) {
+/// To 15 mm; first contact at 0.1 mm, sensor 5 mN off; noise in shares of the range.
+Specimen curve(LawKind law, double noise, std::uint32_t number, int points = 60) {
   Random random(99, number, 0);
   Specimen specimen;
   specimen.name = "curve " + std::to_string(number);
   const double range = force_of(law, 15e-3);
-  for (int i = 0; i < 60; ++i) {
-    const double displacement = 15e-3 * (i + 1) / 60;
+  for (int i = 0; i < points; ++i) {
+    const double displacement = 15e-3 * (i + 1) / points;
     specimen.displacement.push_back(displacement);
     specimen.force.push_back(force_of(law, displacement - 1e-4) + 5e-3 + noise * range * random.normal());
   }
@@ -80,7 +80,7 @@ TEST(FitSpecimen, IntervalsHoldTheTruth) {
   for (const LawKind law : {LawKind::kLayered, LawKind::kSmooth}) {
     int held = 0;
     for (std::uint32_t n = 0; n < 5; ++n) {
-      const SpecimenFit fit = fit_specimen(curve(law, 0.01, 10 + n), settings_for(law), n, {});
+      const SpecimenFit fit = fit_specimen(curve(law, 0.01, 10 + n, 30), settings_for(law), n, {});
       EXPECT_LT(fit.nrmse, 0.013);
       for (std::size_t i = 0; i < 6; ++i) {
         const Interval& interval = fit.estimates[i].interval;
@@ -140,14 +140,15 @@ TEST(FitSpecimen, SaysWhatTheDataDoNotDetermine) {
   EXPECT_THAT(fit.warnings, testing::Contains(testing::HasSubstr("beta is not determined by the data")));
 }
 
-/// Pressed in 1 s, held for 20 s.
-Specimen press_and_hold(LawKind law, const std::vector<model::RelaxationTerm>& terms) {
-  const model::Relaxation relaxation(terms, 0.05);
+/// Pressed in 1 s, then held, with so many points a second.
+Specimen press_and_hold(LawKind law, const std::vector<model::RelaxationTerm>& terms, int rate_Hz,
+                        int points) {
+  const model::Relaxation relaxation(terms, 1.0 / rate_Hz);
   model::RelaxationState state;
   Specimen specimen;
   specimen.name = "hold";
-  for (int i = 0; i < 420; ++i) {
-    const double time = 0.05 * i;
+  for (int i = 0; i < points; ++i) {
+    const double time = static_cast<double>(i) / rate_Hz;
     const double depth = 15e-3 * std::min(1.0, time);
     specimen.time.push_back(time);
     specimen.displacement.push_back(depth);
@@ -157,7 +158,7 @@ Specimen press_and_hold(LawKind law, const std::vector<model::RelaxationTerm>& t
 }
 
 TEST(FitSpecimen, FindsRelaxationOfAPressAndHold) {
-  const Specimen exact = press_and_hold(LawKind::kSmooth, {{0.3, 0.4}, {0.25, 6.0}});
+  const Specimen exact = press_and_hold(LawKind::kSmooth, {{0.3, 0.4}, {0.25, 6.0}}, 10, 210);
   const double range = *std::max_element(exact.force.begin(), exact.force.end());
   Random random(7, 0, 0);
   Specimen noisy = exact;
@@ -172,13 +173,14 @@ TEST(FitSpecimen, FindsRelaxationOfAPressAndHold) {
   }
   double squares = 0.0;
   for (std::size_t i = 0; i < exact.size(); ++i) squares += std::pow(fit.curve.fitted[i] - exact.force[i], 2);
-  EXPECT_LT(std::sqrt(squares / 420.0) / range, 0.03);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(exact.size())) / range, 0.03);
 }
 
 TEST(FitSpecimen, RelaxationTooFaintForAnySensorIsNoTerm) {
   Settings settings = settings_for(LawKind::kLayered);
   settings.relaxation = true;
-  const Specimen specimen = press_and_hold(LawKind::kLayered, {{0.3, 0.4}, {5e-5, 1.5}, {0.25, 6.0}});
+  const Specimen specimen =
+      press_and_hold(LawKind::kLayered, {{0.3, 0.4}, {5e-5, 1.5}, {0.25, 6.0}}, 20, 220);
   const SpecimenFit fit = fit_specimen(specimen, settings, 0, {});
   ASSERT_EQ(fit.terms, 2U);
   const double wanted[] = {0.3, 0.4, 0.25, 6.0};

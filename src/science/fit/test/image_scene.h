@@ -44,29 +44,41 @@ struct SideView {
   std::uint32_t seed = 1;
 };
 
-/// model.md, section 3, written once more: c = 1.1, a = 0.43, s = 1.8, g = 0.58. Pixels.
-inline double true_u(const SideView& view, double r_px) {
-  const double depth = std::abs(view.depth_mm);
-  if (depth == 0.0) return 0.0;
-  const double r1 = 1.1 * std::sqrt(view.tip_mm * depth);
-  double sum = 0.0;
-  double weights = 0.0;
-  for (int i = 0; i < 6; ++i) {
-    const double ri = r1 * (1.0 + 0.43 * (std::pow(1.8, i) - 1.0) / 0.8);
-    const double share = r_px * view.mm_per_px / ri;
-    weights += std::pow(0.58, i);
-    sum += std::pow(0.58, i) * std::max(0.0, 1.0 - share * share);
+/// Radii and weights of model.md, section 3, written once more: c = 1.1, a = 0.43, s = 1.8, g = 0.58. Pixels.
+struct Bowl {
+  explicit Bowl(const SideView& view) : depth_px(view.depth_mm / view.mm_per_px) {
+    const double r1 = 1.1 * std::sqrt(view.tip_mm * std::abs(view.depth_mm)) / view.mm_per_px;
+    for (std::size_t i = 0; i < radii.size(); ++i) {
+      radii[i] = r1 * (1.0 + 0.43 * (std::pow(1.8, i) - 1.0) / 0.8);
+      weights[i] = std::pow(0.58, i);
+      sum += weights[i];
+    }
   }
-  return view.depth_mm * sum / weights / view.mm_per_px;
-}
+  [[nodiscard]] double u(double r_px) const {
+    if (depth_px == 0.0) return 0.0;
+    double all = 0.0;
+    for (std::size_t i = 0; i < radii.size(); ++i) {
+      const double share = r_px / radii[i];
+      all += weights[i] * std::max(0.0, 1.0 - share * share);
+    }
+    return depth_px * all / sum;
+  }
+
+  double depth_px;
+  double sum = 0.0;
+  std::array<double, 6> radii{};
+  std::array<double, 6> weights{};
+};
+
+inline double true_u(const SideView& view, double r_px) { return Bowl(view).u(r_px); }
 
 inline double rest_row(const SideView& view, double x) {
   const double share = (x - 0.5 * view.width) / view.width;
   return view.surface_y + view.dome * share * share;
 }
 
-inline double surface_row(const SideView& view, double x) {
-  return rest_row(view, x) + true_u(view, std::abs(x - view.centre_x));
+inline double surface_row(const SideView& view, const Bowl& bowl, double x) {
+  return rest_row(view, x) + bowl.u(std::abs(x - view.centre_x));
 }
 
 /// Smooth noise of unit size: bilinear between random values on a lattice.
@@ -86,12 +98,16 @@ inline double lattice_noise(double x, double y, double cell, std::uint32_t seed)
          v * ((1 - u) * value(fx, fy + 1) + u * value(fx + 1, fy + 1));
 }
 
-inline double coverage(double distance) { return 0.5 * std::erfc(-distance / (0.5 * std::sqrt(2.0))); }
+/// Of a pixel at a distance inside an edge; at 5 pixels it is 1 to the last bit.
+inline double coverage(double distance) {
+  if (std::abs(distance) > 5.0) return distance > 0.0 ? 1.0 : 0.0;
+  return 0.5 * std::erfc(-distance / (0.5 * std::sqrt(2.0)));
+}
 
 /// Brightness of the scene at a place, before the camera.
-inline double light_at(const SideView& view, double x, double y) {
-  const double row = surface_row(view, x);
-  const double slope = 0.5 * (surface_row(view, x + 1.0) - surface_row(view, x - 1.0));
+inline double light_at(const SideView& view, const Bowl& bowl, double x, double y) {
+  const double row = surface_row(view, bowl, x);
+  const double slope = 0.5 * (surface_row(view, bowl, x + 1.0) - surface_row(view, bowl, x - 1.0));
   const double inside = coverage((y - row) / std::hypot(1.0, slope));
   const double grain = lattice_noise(x, y, 7.0, view.seed) + 0.7 * lattice_noise(x, y, 23.0, view.seed + 1);
   const double above = view.above + 0.3 * view.texture * lattice_noise(x, y, 60.0, view.seed + 2);
@@ -99,8 +115,9 @@ inline double light_at(const SideView& view, double x, double y) {
   if (view.instrument) {
     const double tip = view.tip_mm / view.mm_per_px;
     const double up = view.depth_mm < 0.0 ? -1.0 : 1.0;
-    const double ball_y = rest_row(view, view.centre_x) + true_u(view, 0.0) - tip * up;
-    const double top = std::min(ball_y, rest_row(view, view.centre_x) + true_u(view, 0.0));
+    const double pressed = surface_row(view, bowl, view.centre_x);
+    const double ball_y = pressed - tip * up;
+    const double top = std::min(ball_y, pressed);
     const double ball = tip - std::hypot(x - view.centre_x, y - (view.depth_mm < 0.0 ? top - tip : ball_y));
     const double shaft = y < top ? 0.45 * tip - std::abs(x - view.centre_x) : -9.0;
     const double cover = coverage(std::max(ball, shaft));
@@ -207,6 +224,7 @@ inline Picture picture_of(const std::vector<unsigned char>& gray, int width, int
 
 /// The photograph: scene, camera, blur, noise, eight bits, compression.
 inline Picture photograph(const SideView& view) {
+  const Bowl bowl(view);
   std::vector<float> light;
   const double c = std::cos(view.turn);
   const double n = std::sin(view.turn);
@@ -216,7 +234,8 @@ inline Picture photograph(const SideView& view) {
     for (int px = 0; px < view.width; ++px) {
       const double x = px - middle_x - view.shift_x;
       const double y = py - middle_y - view.shift_y;
-      light.push_back(static_cast<float>(light_at(view, middle_x + c * x + n * y, middle_y - n * x + c * y)));
+      light.push_back(
+          static_cast<float>(light_at(view, bowl, middle_x + c * x + n * y, middle_y - n * x + c * y)));
     }
   }
   if (view.blur > 0.0) blur(light, view.width, view.height, view.blur);
