@@ -1,13 +1,13 @@
 # palpate_module(NAME [HEADERS ...] [SUBFOLDERS ...] [DEPS ...] [PRIVATE_DEPS ...] [TEST_DEPS ...]): the library palpate_NAME (alias
 # palpate::NAME) from the *.cc files of the current folder and of its SUBFOLDERS, and one test program palpate_NAME_test from
 # test/*_test.cc. HEADERS are those in include/palpate/ that belong to it (tools/lint_modules), DEPS module names or link targets. Who links a module sees the public headers in include/ alone;
-# sources in this repository that may see src/ link palpate::private.
+# sources in this repository that may see src/ link palpate::private. TEST_PROPERTIES: CTest's, of each suite.
 add_library(palpate_private INTERFACE)
 add_library(palpate::private ALIAS palpate_private)
 target_include_directories(palpate_private INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
 
 function(palpate_module name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;SUBFOLDERS;DEPS;PRIVATE_DEPS;TEST_DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "HEADERS;SUBFOLDERS;DEPS;PRIVATE_DEPS;TEST_DEPS;TEST_PROPERTIES" ${ARGN})
   list(TRANSFORM ARG_SUBFOLDERS APPEND "/*.cc")
   file(GLOB sources CONFIGURE_DEPENDS *.cc ${ARG_SUBFOLDERS})
   add_library(palpate_${name} STATIC ${sources})
@@ -31,6 +31,6 @@ function(palpate_module name)
     target_link_libraries(palpate_${name}_test PRIVATE palpate::${name} palpate::private ${ARG_TEST_DEPS} GTest::gmock
       GTest::gtest_main)
     palpate_compile_quickly(palpate_${name}_test)
-    palpate_add_suites(palpate_${name}_test ${name})
+    palpate_add_suites(palpate_${name}_test ${name} ${ARG_TEST_PROPERTIES})
   endif()
 endfunction()
