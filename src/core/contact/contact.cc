@@ -13,8 +13,6 @@
 namespace palpate::contact {
 namespace {
 
-constexpr std::size_t kPointsFetched = 16;  // of a shortlist: it seldom holds more
-
 ToolPoints sample_tool(const geometry::Tool& tool) {
   if (tool.parts.empty() || tool.parts.size() > static_cast<std::size_t>(kMaxParts)) {
     throw InputError("tool \"" + tool.name + "\" has " + std::to_string(tool.parts.size()) +
@@ -238,20 +236,6 @@ State& State::operator=(const State& other) {
 }
 State::State(State&&) noexcept = default;
 State& State::operator=(State&&) noexcept = default;
-
-void list_memory(const State& state, FetchList& list) {
-  const State::Data& now = state.data();
-  list.add(now.tools);
-  list.add_elements(now.tools);
-  for (const ToolState& tool : now.tools) {
-    for (const PartState& part : tool.parts) {
-      list.add(&part, &part.contacts);
-      list.add_elements(part.cluster_crosses);
-      const Contact& first = part.contacts.front();
-      list.add(&first, &first.kept.points[kPointsFetched]);
-    }
-  }
-}
 
 void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept {
   State::Data& now = state.data();
