@@ -29,10 +29,10 @@ constexpr int kMostEvaluations = 8;         // supports looked at for starts, a 
 constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
 
 Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
-                     const Vec3& point_S, const Vec3& normal_S) noexcept {
+                     const Vec3& point_S, const Vec3& normal_S, std::uint32_t guess) noexcept {
   const Placement& placed = part.placed_S;
   Support support = support_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
-                               world.tissue.contact.reference_radius);
+                               world.tissue.contact.reference_radius, guess);
   support.mean = placed * support.mean;
   return support;
 }
@@ -79,10 +79,8 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   double turn_left = limit / reference_radius;
   contact.step = std::max(contact.step, (part.travelled - contact.walked) / kRestartShare);
   const auto find_support = [&] {
-    const Placement& placed = part.placed_S;
-    contact.support = support_of(points, placed.bring_back(contact.at.point),
-                                 placed.turn_back(contact.normal), reference_radius, contact.kept);
-    contact.support.mean = placed * contact.support.mean;
+    contact.support =
+        support_in_S(world, points, part, contact.at.point, contact.normal, contact.support.cluster);
   };
   find_support();
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
@@ -279,7 +277,7 @@ class Starter final {
     }
     ++evaluations_;
     const Vec3 normal = world_.surface.normal_at(at);
-    const Support support = support_in_S(world_, points_, part_, at.point, normal);
+    const Support support = support_in_S(world_, points_, part_, at.point, normal, 0);
     if (support.depth <= 0.0 || (part_.contact_count > 0 && support.depth > kDeepestSecond)) return;
     const Vec3 here = part_.placed_S * points_.point(point);
     if ((support.mean - here).norm() > radius() / 5.0) {

@@ -57,8 +57,6 @@ struct Contact {
   double normal_force = 0.0;     // with damping [N]
   Vec3 friction = Vec3::Zero();  // [N]
   double share = 1.0;            // of several contacts on one tissue, presence counted in
-
-  Shortlist kept;  // of the part's points, for the next support
 };
 
 /// A point that has gone in, and where.
