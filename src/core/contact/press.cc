@@ -1,12 +1,9 @@
 #include "core/contact/press.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "core/base/portable_math.h"
-#include "core/contact/proximity.h"
 #include "core/contact/sharing.h"
 
 namespace palpate::contact {
@@ -30,7 +27,7 @@ constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, 
 
 Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
                      const Vec3& point_S, const Vec3& normal_S, std::uint32_t guess) noexcept {
-  const Placement& placed = part.placed_S;
+  const RigidTransform& placed = part.distances.placed_S();
   Support support = support_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
                                world.tissue.contact.reference_radius, guess);
   support.mean = placed * support.mean;
@@ -72,12 +69,12 @@ Vec3 aside_of(const Contact& contact) noexcept {
 /// step too far shows in the next one. Leaves the support of where the contact ends.
 void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part,
                   Contact& contact) noexcept {
-  const double own_motion = motion_at(part, contact.at.point).norm();
+  const double own_motion = part.distances.motion_at(contact.at.point).norm();
   const double limit = kWalkSpeed * world.period + own_motion;
   const double reference_radius = world.tissue.contact.reference_radius;
   double left = limit;
   double turn_left = limit / reference_radius;
-  contact.step = std::max(contact.step, (part.travelled - contact.walked) / kRestartShare);
+  contact.step = std::max(contact.step, (part.distances.odometer() - contact.walked) / kRestartShare);
   const auto find_support = [&] {
     contact.support =
         support_in_S(world, points, part, contact.at.point, contact.normal, contact.support.cluster);
@@ -95,7 +92,7 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
     const double length = std::min({contact.step, distance, left});
     contact.at = world.surface.walk(contact.at, length * direction, contact.normal);
     contact.last_direction = direction;
-    contact.walked = part.travelled;
+    contact.walked = part.distances.odometer();
     left -= length;
     contact.surface_normal = world.surface.normal_at(contact.at);
     turn_left -= turn_towards(contact.normal, contact.surface_normal, turn_left);
@@ -117,7 +114,7 @@ void compute_force(const World::Data& world, const TissueLaws& laws, const PartS
                              ? contact.elastic_force
                              : laws.relaxation.next(contact.memory, contact.elastic_force);
   // The depth's rate is taken where the tool touches: the same in the limit, without the steps of the walk.
-  const Vec3 motion = motion_at(part, contact.touch);
+  const Vec3 motion = part.distances.motion_at(contact.touch);
   const double speed = -motion.dot(contact.normal) / world.period;
   contact.normal_force = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth / kDampingDepth));
   contact.depth = depth;
@@ -151,7 +148,7 @@ void follow_support(double period, const PartState& part, Contact& contact) noex
   const double surely = kTouchSpeed * period;
   const double squared = way.squaredNorm();
   if (squared > surely * surely) {
-    const double share = (surely + motion_at(part, contact.touch).norm()) / std::sqrt(squared);
+    const double share = (surely + part.distances.motion_at(contact.touch).norm()) / std::sqrt(squared);
     if (share < 1.0) {
       contact.touch += share * way;
       return;
@@ -227,23 +224,20 @@ class Starter final {
       : world_(world), points_(points), part_(part) {}
 
   void try_entries() noexcept {
-    for (std::size_t i = 0; i < part_.entry_count; ++i)
-      try_at(part_.entries[i].point, part_.entries[i].at, 2);
+    for (const EntryEvent& entry : part_.distances.entries()) try_at(entry.point, entry.at, 2);
   }
 
   /// Points that are inside but not deep, a few a tick, in turn.
   void try_shallow_points() noexcept {
     const auto count = static_cast<std::uint32_t>(points_.size());
-    const std::uint32_t tried = std::min(kPointsTried, count);
-    for (std::uint32_t k = 0; k < tried && evaluations_ < kMostEvaluations; ++k) {
-      k += skip_outside(tried - k - 1, count);
-      part_.cursor = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
-      const std::size_t i = part_.cursor;
-      if (part_.inside[i] == 0 || greatest_distance(part_, i) < -kShallow) continue;
-      if (near_a_contact(radius(), part_, part_.placed_S * points_.point(i))) continue;
-      const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, i, part_);
-      if (nearest.distance >= kInside || nearest.distance < -kShallow) continue;
-      try_at(i, {nearest.point, nearest.triangle}, 0);
+    std::uint32_t left = std::min(kPointsTried, count);
+    while (left > 0 && evaluations_ < kMostEvaluations) {
+      const std::uint32_t first = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
+      const std::uint32_t end = std::min(count, first + left);
+      const std::uint32_t i = part_.distances.next_inside(first, end);
+      part_.cursor = std::min(i, end - 1);
+      left -= part_.cursor + 1 - first;
+      if (i < end) try_shallow_point(i);
     }
   }
 
@@ -252,20 +246,12 @@ class Starter final {
  private:
   [[nodiscard]] double radius() const noexcept { return world_.tissue.contact.reference_radius; }
 
-  /// Leads the cursor to before the next inside point, eight outside ones at a time. @return over how many,
-  /// at most `most`
-  std::uint32_t skip_outside(std::uint32_t most, std::uint32_t count) noexcept {
-    std::uint32_t skipped = 0;
-    for (std::uint64_t eight = 0; skipped + sizeof eight <= most;) {
-      const std::size_t next = std::size_t{part_.cursor} + 1;
-      if (next + sizeof eight > count) break;
-      std::memcpy(&eight, &part_.inside[next], sizeof eight);
-      const int outside = std::countr_zero(eight) / 8;  // of one byte each, the first lowest
-      part_.cursor += static_cast<std::uint32_t>(outside);
-      skipped += static_cast<std::uint32_t>(outside);
-      if (eight != 0) break;
-    }
-    return skipped;
+  void try_shallow_point(std::uint32_t i) noexcept {
+    DistanceCache& distances = part_.distances;
+    if (distances.greatest(i) < -kShallow || near_a_contact(radius(), part_, distances.point_S(i))) return;
+    const geometry::NearestPoint nearest = distances.ask(i);
+    if (nearest.distance >= kInside || nearest.distance < -kShallow) return;
+    try_at(i, {nearest.point, nearest.triangle}, 0);
   }
 
   /// Starts a contact at `at` if the point is the deepest of its own support; else looks where that is.
@@ -279,11 +265,12 @@ class Starter final {
     const Vec3 normal = world_.surface.normal_at(at);
     const Support support = support_in_S(world_, points_, part_, at.point, normal, 0);
     if (support.depth <= 0.0 || (part_.contact_count > 0 && support.depth > kDeepestSecond)) return;
-    const Vec3 here = part_.placed_S * points_.point(point);
+    const Vec3 here = part_.distances.point_S(point);
     if ((support.mean - here).norm() > radius() / 5.0) {
       if (redirections == 0) return;
-      const std::size_t deepest = point_nearest_to(points_, part_.placed_S.bring_back(support.mean));
-      const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, deepest, part_);
+      const std::size_t deepest =
+          point_nearest_to(points_, part_.distances.placed_S().bring_back(support.mean));
+      const geometry::NearestPoint nearest = part_.distances.ask(deepest);
       if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
       return;
     }
@@ -294,9 +281,9 @@ class Starter final {
     contact.support = support;
     contact.touch = support.mean;
     if (is_lost(radius(), part_, contact)) return;
-    const double own_motion = motion_at(part_, at.point).norm();
+    const double own_motion = part_.distances.motion_at(at.point).norm();
     contact.step = own_motion;
-    contact.walked = part_.travelled;
+    contact.walked = part_.distances.odometer();
     hold_back(world_.period, std::max(0.0, support.depth - own_motion), contact);
     part_.contacts[static_cast<std::size_t>(part_.contact_count++)] = contact;
   }
@@ -348,15 +335,15 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
   }
   merge_contacts(world.tissue.contact.reference_radius, world.period, part);
   if (before > 0 && part.contact_count == 0) {
-    find_nearest(world.surface, points, part);
-    if (part.nearest.distance < kDeepInside) part.armed = false;
+    part.distances.find_nearest();
+    if (part.distances.nearest().distance < kDeepInside) part.armed = false;
   }
 
   std::uint32_t status = 0;
   if (part.armed) {
     Starter starter(world, points, part);
     starter.try_entries();
-    if (part.inside_count > 0) starter.try_shallow_points();
+    if (part.distances.inside_count() > 0) starter.try_shallow_points();
     status = starter.status();
   } else {
     status = kStartedInside;

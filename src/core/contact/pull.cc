@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/contact/proximity.h"
-
 namespace palpate::contact {
 namespace {
 
@@ -44,19 +42,19 @@ void let_go(GripState& grip) noexcept {
 
 /// Where a jaw meets the tissue: the mean of its points as near as the nearest, weighted as in a support, so
 /// that neither the mesh nor rounding decides between points that are equally near.
-Vec3 meeting_point(const World::Data& world, const PartPoints& points, PartState& part) noexcept {
-  find_nearest(world.surface, points, part);
-  const double nearest = part.nearest.distance;
+Vec3 meeting_point(const PartPoints& points, DistanceCache& distances) noexcept {
+  distances.find_nearest();
+  const double nearest = distances.nearest().distance;
   Vec3 sum = Vec3::Zero();
   double total = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (part.floor[i] - part.travelled >= nearest + kSupportBand) continue;
-    const double distance = ask_distance(world.surface, points, i, part).distance;
+    if (distances.least(i) >= nearest + kSupportBand) continue;
+    const double distance = distances.ask(i).distance;
     const double weight = points.area[i] * std::max(0.0, 1.0 - (distance - nearest) / kSupportBand);
     sum += weight * points.point(i);
     total += weight;
   }
-  return part.placed_S * (total > 0.0 ? Vec3(sum / total) : points.point(part.nearest_point));
+  return distances.placed_S() * (total > 0.0 ? Vec3(sum / total) : points.point(distances.nearest_point()));
 }
 
 /// Takes hold of the rest point nearest to the middle of the jaws, if a jaw that has been outside is near.
@@ -68,12 +66,12 @@ void take_hold(const World::Data& world, const ToolPoints& points, ToolState& to
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     PartState& part = tool.parts[i];
     if (!holds(points, i) || !part.armed) continue;
-    middle += meeting_point(world, points.parts[i], part);
+    middle += meeting_point(points.parts[i], part.distances);
     count += 1.0;
-    if (part.nearest.distance > nearest) continue;
+    if (part.distances.nearest().distance > nearest) continue;
     near = true;
-    nearest = part.nearest.distance;
-    tool.grip.tip_radius = points.parts[i].tip_radius[part.nearest_point];
+    nearest = part.distances.nearest().distance;
+    tool.grip.tip_radius = points.parts[i].tip_radius[part.distances.nearest_point()];
   }
   if (!near) return;
   const geometry::NearestPoint anchor = world.surface.nearest(middle / count, -1);

@@ -8,8 +8,6 @@
 namespace palpate::contact {
 namespace {
 
-constexpr double kBoundSlack = 1e-12;  // m: rounding of a cluster's bound against its points' depths
-
 /// Depths of a part's points behind the tangent plane of a contact, as far as they may carry it.
 class DepthSearch final {
  public:
@@ -18,6 +16,7 @@ class DepthSearch final {
         point_(point),
         normal_(normal),
         steepness_(normal.cwiseAbs()),
+        height_(point.dot(normal) + kBoundSlack),
         radius_(reference_radius) {}
 
   /// Measures every cluster that may have points within the band. @param first the one to begin with: any
@@ -36,10 +35,10 @@ class DepthSearch final {
     support.cluster = deepest_cluster_;
     const double band = std::min(kSupportBand, deepest_);
     double total = 0.0;
-    for (std::uint64_t left = measured_; left != 0; left &= left - 1) {
-      const PartPoints::Cluster& cluster = part_.clusters[static_cast<std::size_t>(std::countr_zero(left))];
-      for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-        if (depths_[i] < least_ - kBoundSlack) continue;  // spares the division
+    for (std::uint64_t clusters = measured_; clusters != 0; clusters &= clusters - 1) {
+      const auto c = static_cast<std::size_t>(std::countr_zero(clusters));
+      for (std::uint32_t points = candidates_[c]; points != 0; points &= points - 1) {
+        const std::size_t i = part_.clusters[c].begin + static_cast<std::size_t>(std::countr_zero(points));
         const double share = 1.0 - (deepest_ - depths_[i]) / band;
         if (share <= 0.0) continue;
         const double weight = part_.area[i] * share;
@@ -70,44 +69,52 @@ class DepthSearch final {
 
   /// Whether a point of the cluster may be within the band of the deepest so far.
   [[nodiscard]] bool may_count(const PartPoints::Cluster& cluster) const noexcept {
-    const Vec3 offset = cluster.centre - point_;
-    const double height = offset.dot(normal_);
-    const double behind = cluster.half_size.dot(steepness_) - height + kBoundSlack;
+    const double behind = cluster.half_size.dot(steepness_) - cluster.centre.dot(normal_) + height_;
     if (behind <= least_) return false;
-    const double rho = std::sqrt(std::max(0.0, offset.squaredNorm() - height * height)) - cluster.radius;
+    const Vec3 offset = cluster.centre - point_;
+    const double along = offset.dot(normal_);
+    const double rho = std::sqrt(std::max(0.0, offset.squaredNorm() - along * along)) - cluster.radius;
     return rho <= 0.0 || behind * taper(rho * rho) > least_;
   }
 
   void measure(std::uint32_t c) noexcept {
     const PartPoints::Cluster& cluster = part_.clusters[c];
     measured_ |= std::uint64_t{1} << c;
-    const double* const x = part_.x.data();
-    const double* const y = part_.y.data();
-    const double* const z = part_.z.data();
+    const double* const x = part_.x.data() + cluster.begin;
+    const double* const y = part_.y.data() + cluster.begin;
+    const double* const z = part_.z.data() + cluster.begin;
     const Vec3 p = point_;
     const Vec3 n = normal_;
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-      depths_[i] = -((x[i] - p.x()) * n.x() + ((y[i] - p.y()) * n.y() + (z[i] - p.z()) * n.z()));
+    double* const __restrict depths = depths_.data() + cluster.begin;
+    const std::size_t count = cluster.end - cluster.begin;
+    for (std::size_t i = 0; i < count; ++i) {
+      depths[i] = -((x[i] - p.x()) * n.x() + ((y[i] - p.y()) * n.y() + (z[i] - p.z()) * n.z()));
     }
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-      if (depths_[i] <= least_) continue;  // with the taper still more so
-      depths_[i] *= taper((part_.point(i) - p).squaredNorm() - depths_[i] * depths_[i]);
-      if (depths_[i] <= deepest_) continue;
-      deepest_ = depths_[i];
+    std::uint32_t candidates = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (depths[i] <= least_) continue;  // with the taper still more so
+      depths[i] *= taper((part_.point(cluster.begin + i) - p).squaredNorm() - depths[i] * depths[i]);
+      candidates |= std::uint32_t{1} << i;
+      if (depths[i] <= deepest_) continue;
+      deepest_ = depths[i];
       deepest_cluster_ = c;
-      least_ = std::max(0.0, deepest_ - kSupportBand);
+      least_ = std::max(0.0, deepest_ - kSupportBand - kBoundSlack);
     }
+    candidates_[c] = candidates;
   }
 
   const PartPoints& part_;
   Vec3 point_;      // of the plane
   Vec3 normal_;     // of the plane
   Vec3 steepness_;  // its components' sizes
+  double height_;   // of the plane above the origin, and the slack of bounds [m]
   double radius_;   // R_ref [m]
   double deepest_ = 0.0;
   double least_ = 0.0;  // points that are no deeper do not count [m]
   std::uint32_t deepest_cluster_ = 0;
-  std::uint64_t measured_ = 0;                                           // one bit a cluster
+  std::uint64_t measured_ = 0;  // one bit a cluster
+  std::array<std::uint32_t, kMostClusters>
+      candidates_;  // of clusters measured: one bit a point that may count
   std::array<double, kMostClusters * PartPoints::kClusterSize> depths_;  // [m], of clusters measured
 };
 

@@ -7,6 +7,10 @@
 
 namespace palpate::contact {
 
+/// A bound of a cluster is a sum in another order than its points' own: no cluster is left out within this of
+/// counting [m].
+inline constexpr double kBoundSlack = 1e-12;
+
 /// The surface points of one rigid part of a tool, in the part's own frame P (the handle's, drawn closed).
 /// Arrays by component; points that lie together are neighbours in the arrays, in clusters that can be passed
 /// over whole.
@@ -23,7 +27,7 @@ struct PartPoints {
     std::uint32_t end = 0;
   };
 
-  static_assert(kMostPoints <= std::size_t{64} * kClusterSize);  // PartState has one bit a cluster
+  static_assert(kMostPoints <= std::size_t{64} * kClusterSize);  // DepthSearch has one bit a cluster
 
   std::vector<double> x, y, z;     // m
   std::vector<double> area;        // m^2, of the surface that the point stands for, > 0

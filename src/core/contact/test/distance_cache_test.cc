@@ -1,5 +1,5 @@
-// What is passed over unseen in a tick changes nothing: against plain loops over all points.
-#include "core/contact/proximity.h"
+// What is left out in a tick changes nothing: against plain loops over all points.
+#include "core/contact/distance_cache.h"
 
 #include <cmath>
 #include <limits>
@@ -18,19 +18,6 @@ namespace {
 constexpr double kReference = 10e-3;
 constexpr double kPeriod = 1e-3;
 
-PartState state_for(const PartPoints& points) {
-  PartState part;
-  part.known.assign(points.size(), 0.0);
-  part.since.assign(points.size(), 0.0);
-  part.floor.assign(points.size(), 0.0);
-  part.nearest_triangle.assign(points.size(), -1);
-  part.inside.assign(points.size(), 0);
-  const std::size_t pairs = (points.clusters.size() + 1) / 2;
-  part.cluster_crosses.assign(2 * pairs, std::numeric_limits<double>::infinity());
-  part.cluster_floor.assign(2 * pairs, std::numeric_limits<double>::infinity());
-  return part;
-}
-
 PartPoints jaw() { return sample_part(geometry::make_tool("curved-forceps").parts.front(), 0.0); }
 
 Quat random_turn(std::mt19937& random) {
@@ -46,67 +33,61 @@ Pose wander(double time, const Quat& turn, const Vec3& tip) {
   return {rotation, place - rotation * tip};
 }
 
-TEST(Proximity, NearestIsThatOfAllPointsAlongAnyWay) {
+TEST(DistanceCache, NearestIsThatOfAllPointsAlongAnyWay) {
   std::mt19937 random(1);
   const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
   const PartPoints points = jaw();
   for (int run = 0; run < 3; ++run) {
-    PartState part = state_for(points);
+    DistanceCache part(surface, points);
     const Quat turn = random_turn(random);
     for (int tick = 0; tick < 1500; ++tick) {
-      move_part(surface, points, wander(tick * kPeriod, turn, points.point(0)), kReference, kPeriod, part);
+      part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, {}, kReference);
       if (tick % 7 != 0) continue;  // and after ticks in which nobody asked
-      find_nearest(surface, points, part);
+      part.find_nearest();
       double nearest = std::numeric_limits<double>::infinity();
       for (std::size_t i = 0; i < points.size(); ++i) {
-        nearest = std::min(nearest, surface.nearest(part.placed_S * points.point(i), -1).distance);
+        nearest = std::min(nearest, surface.nearest(part.point_S(i), -1).distance);
       }
-      ASSERT_EQ(part.nearest.distance, nearest) << "run " << run << ", tick " << tick;
+      ASSERT_EQ(part.nearest().distance, nearest) << "run " << run << ", tick " << tick;
     }
   }
 }
 
-double nearest_of_all(const OrganSurface& surface, const PartPoints& points, const PartState& part) {
+double nearest_of_all(const OrganSurface& surface, const PartPoints& points, const DistanceCache& part) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    nearest = std::min(nearest, surface.nearest(part.placed_S * points.point(i), -1).distance);
+    nearest = std::min(nearest, surface.nearest(part.point_S(i), -1).distance);
   }
   return nearest;
 }
 
-TEST(Proximity, NearestIsThatOfAllPointsTickByTickWhileABallRestsOnTheOrgan) {
+TEST(DistanceCache, NearestIsThatOfAllPointsTickByTickAndBoundsHold) {
   const OrganSurface surface(geometry::make_organ("heart"), kReference);
   const PartPoints points = jaw();
-  PartState part = state_for(points);
-  int served = 0;
+  DistanceCache part(surface, points);
   for (int tick = 0; tick < 1200; ++tick) {
     const double time = tick * kPeriod;
     const Vec3 aside(10e-3 * std::sin(3.0 * time), 8e-3 * std::sin(4.0 * time), 4e-3 * std::sin(9.0 * time));
     const Pose pose{rotation_about(Vec3::UnitX(), 0.2 * std::sin(5.0 * time)),
                     aside - Vec3(0.0, 0.0, 135e-3)};
-    move_part(surface, points, pose, kReference, kPeriod, part);
-    find_nearest(surface, points, part);
-    ASSERT_EQ(part.nearest.distance, nearest_of_all(surface, points, part)) << "tick " << tick;
-    if (part.ball.radius > 0.0) ++served;
+    part.move(pose, kPeriod, {}, kReference);
+    part.find_nearest();
+    ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << "tick " << tick;
     if (tick % 20 != 0) continue;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 p = part.placed_S * points.point(i);
+      const Vec3 p = part.point_S(i);
       const double distance = surface.nearest(p, -1).distance;
-      ASSERT_LE(part.ball.radius - (p - part.ball.centre_S).norm(), distance + 1e-12);
-      if (part.known[i] > 0.0) {
-        ASSERT_LE(least_distance(part, i), distance + 1e-12);
-      }
+      ASSERT_LE(part.least(i), distance + 1e-12);
     }
   }
-  EXPECT_GT(served, 1000);
 }
 
-TEST(Proximity, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
+TEST(DistanceCache, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(0.9, 1.1);
   const OrganSurface surface(geometry::make_organ("heart"), kReference);
   const PartPoints points = jaw();
-  PartState part = state_for(points);
+  DistanceCache part(surface, points);
   int nearer = 0;
   int farther = 0;
   for (int tick = 0; tick < 1200; ++tick) {
@@ -114,16 +95,16 @@ TEST(Proximity, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
     const Vec3 aside(10e-3 * std::sin(3.0 * time), 8e-3 * std::sin(4.0 * time), 4e-3 * std::sin(9.0 * time));
     const Pose pose{rotation_about(Vec3::UnitX(), 0.2 * std::sin(5.0 * time)),
                     aside - Vec3(0.0, 0.0, 140e-3)};
-    move_part(surface, points, pose, kReference, kPeriod, part);
+    part.move(pose, kPeriod, {}, kReference);
     const double nearest = nearest_of_all(surface, points, part);
     ASSERT_GT(nearest, 0.0);
     const double enough = share(random) * nearest;
-    find_nearest(surface, points, part, enough);
+    part.find_nearest(enough);
     if (nearest < enough) {
-      ASSERT_EQ(part.nearest.distance, nearest) << "tick " << tick;
+      ASSERT_EQ(part.nearest().distance, nearest) << "tick " << tick;
       ++nearer;
     } else {
-      ASSERT_GE(part.nearest.distance, enough) << "tick " << tick;
+      ASSERT_GE(part.nearest().distance, enough) << "tick " << tick;
       ++farther;
     }
   }
@@ -133,71 +114,70 @@ TEST(Proximity, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
 
 /// Brings the part's tip straight up to the organ, from far below, until it is `depth` [m] inside.
 double height_of_depth(const OrganSurface& surface, const PartPoints& points, double depth) {
-  PartState part = state_for(points);
+  DistanceCache part(surface, points);
   for (int step = 0; step < 2000; ++step) {
     const double z = -0.2 + 0.1e-3 * step;
-    move_part(surface, points, place(Vec3(0.0, 0.0, z)), kReference, kPeriod, part);
-    find_nearest(surface, points, part);
-    if (part.nearest.distance < -depth) return z;
+    part.move(place(Vec3(0.0, 0.0, z)), kPeriod, {}, kReference);
+    part.find_nearest();
+    if (part.nearest().distance < -depth) return z;
   }
   return 0.0;
 }
 
-TEST(Proximity, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
+TEST(DistanceCache, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
   const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
   const PartPoints points = jaw();
   const double deep = height_of_depth(surface, points, 1.5e-3);
-  PartState part = state_for(points);
+  DistanceCache part(surface, points);
+  std::vector<Vec3> contacts;
   const auto go_to = [&](double from, double to) {
     for (int k = 1; k <= 40; ++k) {
       const double z = from + (to - from) * k / 40.0;
-      move_part(surface, points, place(Vec3(0.0, 0.0, z)), kReference, kPeriod, part);
-      if (part.contact_count == 0) find_nearest(surface, points, part);
+      part.move(place(Vec3(0.0, 0.0, z)), kPeriod, contacts, kReference);
+      if (contacts.empty()) part.find_nearest();
     }
   };
   go_to(deep - 4e-3, deep);
-  ASSERT_GT(part.inside_count, 0U);
-  // A contact that covers the place while the tool leaves: nobody looks which points come out.
-  part.contact_count = 1;
-  part.contacts[0].at = {part.nearest.point, part.nearest.triangle};
+  ASSERT_GT(part.inside_count(), 0U);
+  // A contact that covers the place while the tool leaves: which points come out is not looked for.
+  contacts.push_back(part.nearest().point);
   go_to(deep, deep - 2e-3);
-  part.contact_count = 0;
-  find_nearest(surface, points, part);
-  ASSERT_GT(part.nearest.distance, 0.0);
+  contacts.clear();
+  part.find_nearest();
+  ASSERT_GT(part.nearest().distance, 0.0);
   // The very next tick goes in again, slower than a hand that counts as placed anew.
-  move_part(surface, points, place(Vec3(0.0, 0.0, deep)), kReference, kPeriod, part);
+  part.move(place(Vec3(0.0, 0.0, deep)), kPeriod, {}, kReference);
   std::size_t inside = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (surface.nearest(part.placed_S * points.point(i), -1).distance < kInside) ++inside;
+    if (surface.nearest(part.point_S(i), -1).distance < kInside) ++inside;
   }
   EXPECT_GT(inside, 3U);
-  EXPECT_EQ(part.entry_count, inside);
+  EXPECT_EQ(part.entries().size(), inside);
 }
 
-TEST(Proximity, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
+TEST(DistanceCache, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
   std::mt19937 random(2);
   const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
   const PartPoints points = jaw();
-  PartState part = state_for(points);
+  DistanceCache part(surface, points);
   const Quat turn = random_turn(random);
   std::vector<bool> was_inside(points.size(), false);
   int entered = 0;
   for (int tick = 0; tick < 1500; ++tick) {
-    move_part(surface, points, wander(tick * kPeriod, turn, points.point(0)), kReference, kPeriod, part);
+    part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, {}, kReference);
     std::uint32_t inside = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const bool now = surface.nearest(part.placed_S * points.point(i), -1).distance < kInside;
-      ASSERT_EQ(part.inside[i] != 0, now) << "tick " << tick << ", point " << i;
+      const bool now = surface.nearest(part.point_S(i), -1).distance < kInside;
+      ASSERT_EQ(part.is_inside(i), now) << "tick " << tick << ", point " << i;
       inside += now ? 1U : 0U;
-      if (now && !was_inside[i] && tick > 0 && part.entry_count < PartState::kMostEntries) {
+      if (now && !was_inside[i] && tick > 0 && part.entries().size() < DistanceCache::kMostEntries) {
         ++entered;
-        EXPECT_TRUE(std::any_of(part.entries.begin(),
-                                part.entries.begin() + static_cast<std::ptrdiff_t>(part.entry_count),
+        EXPECT_TRUE(std::any_of(part.entries().begin(), part.entries().end(),
                                 [&](const EntryEvent& entry) { return entry.point == i; }));
       }
       was_inside[i] = now;
     }
-    ASSERT_EQ(part.inside_count, inside);
+    ASSERT_EQ(part.inside_count(), inside);
   }
   EXPECT_GT(entered, 50);
 }
