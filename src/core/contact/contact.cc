@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "core/contact/press.h"
-#include "core/contact/pull.h"
 #include "core/contact/sharing.h"
 #include "core/contact/state.h"
 #include "palpate/error.h"
@@ -75,13 +74,10 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
     }
     if (move_part(tool.pose_S * part.joint_T, world.tissue.contact.reference_radius, world.period, part))
       continue;
-    GripState grip;
-    grip.open = tool.grip.open;
-    grip.last_gripper = tool.grip.last_gripper;
-    tool.grip = grip;
+    tool.grip.drop();
     if (was_placed) status |= kJump;
   }
-  status |= update_pull(world, laws, points, input.gripper, tool);
+  status |= tool.grip.update(world, laws, points, input.gripper, tool.pose_S, tool.parts);
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     status |= update_press(world, laws, points.parts[i], tool.parts[i]);
   }
@@ -116,7 +112,7 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
       if (counts <= 0.0 || contact.depth <= 0.0) continue;
       result.phase = Phase::kPress;
       add_view({contact.at.point, -contact.normal, contact.depth * contact.presence * part.press_level,
-                contact.support.tip_radius, contact.support.half_width, contact.at.triangle, false},
+                contact.patch.tip_radius, contact.patch.half_width, contact.at.triangle, false},
                result);
       if (counts * contact.normal_force <= largest) continue;
       largest = counts * contact.normal_force;
@@ -131,22 +127,22 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
 }
 
 void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult& result) noexcept {
-  const GripState& grip = tool.grip;
-  if (!pulls(grip)) return;
-  const Vec3 carried = grip.anchor.point + grip.stretch;
-  sums.add(grip.force, carried, tool.pose_S.position);
-  const double length = grip.stretch.norm();
+  const Grip& grip = tool.grip;
+  if (!grip.pulls()) return;
+  const Vec3 carried = grip.anchor().point + grip.stretch();
+  sums.add(grip.force(), carried, tool.pose_S.position);
+  const double length = grip.stretch().norm();
   if (length > 0.0) {
-    add_view(
-        {grip.anchor.point, grip.stretch / length, length, grip.tip_radius, 0.0, grip.anchor.triangle, true},
-        result);
+    add_view({grip.anchor().point, grip.stretch() / length, length, grip.tip_radius(), 0.0,
+              grip.anchor().triangle, true},
+             result);
   }
   result.phase = Phase::kPull;
   result.depth = length;
-  result.cutoff_layer = grip.cutoff_layer;
-  result.saturated = grip.saturated;
-  result.contact_W = organ_W * grip.anchor.point;
-  result.normal_W = organ_W.rotation * grip.normal;
+  result.cutoff_layer = grip.cutoff_layer();
+  result.saturated = grip.saturated();
+  result.contact_W = organ_W * grip.anchor().point;
+  result.normal_W = organ_W.rotation * grip.normal();
 }
 
 /// Exact distance of the whole tool, and the way from the tissue to it.
@@ -248,9 +244,7 @@ void change_tissue(const World& world, State& state, const TissueLaws& laws) noe
     for (PartState& part : tool.parts) {
       for (Contact& contact : part.active()) laws.relaxation.take_over(contact.memory, before);
     }
-    for (model::RelaxationState& memory : tool.grip.memory) {
-      laws.relaxation.take_over(memory, before);
-    }
+    tool.grip.change_relaxation(laws.relaxation, before);
   }
   now.changed = laws;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/tool_contact.h"
+
 namespace palpate::contact {
 namespace {
 

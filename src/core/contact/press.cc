@@ -22,16 +22,16 @@ constexpr double kShallow = 0.5e-3;  // m, an inside point this deep may start a
 constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
 constexpr double kDampingDepth = 1e-3;      // m, where the damping counts in full
 constexpr double kDeepInside = -1e-3;       // m, a part that loses its last contact here is off until outside
-constexpr int kMostEvaluations = 8;         // supports looked at for starts, a tick and part
+constexpr int kMostEvaluations = 8;         // patches looked at for starts, a tick and part
 constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
 
-Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
-                     const Vec3& point_S, const Vec3& normal_S, std::uint32_t guess) noexcept {
+ContactPatch patch_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
+                        const Vec3& point_S, const Vec3& normal_S, std::uint32_t guess) noexcept {
   const RigidTransform& placed = part.distances.placed_S();
-  Support support = support_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
-                               world.tissue.contact.reference_radius, guess);
-  support.mean = placed * support.mean;
-  return support;
+  ContactPatch patch = contact_patch_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
+                                        world.tissue.contact.reference_radius, guess);
+  patch.centroid = placed * patch.centroid;
+  return patch;
 }
 
 /// Turns `normal` towards `goal` by at most `most` [rad]. @return the angle turned
@@ -59,14 +59,14 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
   return most;
 }
 
-/// From a contact's place to the middle of its support, along the tangent plane [m].
+/// From a contact's place to the centroid of its patch, along the tangent plane [m].
 Vec3 aside_of(const Contact& contact) noexcept {
-  const Vec3 away = contact.support.mean - contact.at.point;
+  const Vec3 away = contact.patch.centroid - contact.at.point;
   return away - away.dot(contact.normal) * contact.normal;
 }
 
-/// Up to three steps along the surface towards the middle of the support; the normal turns along, so that a
-/// step too far shows in the next one. Leaves the support of where the contact ends.
+/// Up to three steps along the surface towards the centroid of the patch; the normal turns along, so that a
+/// step too far shows in the next one. Leaves the patch of where the contact ends.
 void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part,
                   Contact& contact) noexcept {
   const double own_motion = part.distances.motion_at(contact.at.point).norm();
@@ -75,13 +75,12 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
   double left = limit;
   double turn_left = limit / reference_radius;
   contact.step = std::max(contact.step, (part.distances.odometer() - contact.walked) / kRestartShare);
-  const auto find_support = [&] {
-    contact.support =
-        support_in_S(world, points, part, contact.at.point, contact.normal, contact.support.cluster);
+  const auto find_patch = [&] {
+    contact.patch = patch_in_S(world, points, part, contact.at.point, contact.normal, contact.patch.cluster);
   };
-  find_support();
+  find_patch();
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
-    if (contact.support.depth <= 0.0) break;
+    if (contact.patch.depth <= 0.0) break;
     const Vec3 away = aside_of(contact);
     const double distance = away.norm();
     if (distance < kStillStep) break;
@@ -96,19 +95,19 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
     left -= length;
     contact.surface_normal = world.surface.normal_at(contact.at);
     turn_left -= turn_towards(contact.normal, contact.surface_normal, turn_left);
-    find_support();
+    find_patch();
   }
   const Vec3 before = contact.normal;
   const double turned = turn_towards(contact.normal, contact.surface_normal, turn_left);
   contact.step = std::max(contact.step, turned * reference_radius / kRestartShare);
-  if (contact.normal != before) find_support();
+  if (contact.normal != before) find_patch();
 }
 
-/// Depth, force along the normal with damping, and friction of a contact whose support is known.
+/// Depth, force along the normal with damping, and friction of a contact whose patch is known.
 void compute_force(const World::Data& world, const TissueLaws& laws, const PartState& part,
                    Contact& contact) noexcept {
   contact.offset = std::max(0.0, contact.offset - contact.offset_step);
-  const double depth = std::max(0.0, contact.support.depth - contact.offset);
+  const double depth = std::max(0.0, contact.patch.depth - contact.offset);
   contact.elastic_force = laws.press.force_at(depth).force;
   const double relaxed = laws.relaxation.count() == 0
                              ? contact.elastic_force
@@ -136,15 +135,15 @@ bool is_lost(double reference_radius, PartState& part, const Contact& contact) n
   const double farthest = kLost * reference_radius;
   if (away.squaredNorm() <= farthest * farthest) return false;
   return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& other) {
-    return !other.merged && other.support.depth > contact.support.depth &&
+    return !other.merged && other.patch.depth > contact.patch.depth &&
            (other.at.point - contact.at.point).dot(away) > 0.0;
   });
 }
 
-/// The force applies at the middle of the support; from one deepest place to another it goes at a limited
+/// The force applies at the centroid of the patch; from one deepest place to another it goes at a limited
 /// speed.
-void follow_support(double period, const PartState& part, Contact& contact) noexcept {
-  const Vec3 way = contact.support.mean - contact.touch;
+void follow_patch(double period, const PartState& part, Contact& contact) noexcept {
+  const Vec3 way = contact.patch.centroid - contact.touch;
   const double surely = kTouchSpeed * period;
   const double squared = way.squaredNorm();
   if (squared > surely * surely) {
@@ -154,7 +153,7 @@ void follow_support(double period, const PartState& part, Contact& contact) noex
       return;
     }
   }
-  contact.touch = contact.support.mean;
+  contact.touch = contact.patch.centroid;
 }
 
 void remove_contact(PartState& part, int index) noexcept {
@@ -184,7 +183,7 @@ void merge_contacts(double reference_radius, double period, PartState& part) noe
     const bool leaves = contact.merged || is_lost(reference_radius, part, contact);
     contact.presence = std::min(1.0, contact.presence + (leaves ? -period : period) / kLeave);
     // What leaves presses no deeper on its way to where another presses already.
-    const double deeper = contact.support.depth - contact.depth;
+    const double deeper = contact.patch.depth - contact.depth;
     const double kept_back = std::max(0.0, contact.offset - contact.offset_step);
     if (leaves && deeper > kept_back) hold_back(period, deeper, contact);
   }
@@ -217,7 +216,7 @@ std::size_t point_nearest_to(const PartPoints& points, const Vec3& wanted) noexc
   return best;
 }
 
-/// Starting contacts of one part, with a bound on the supports looked at.
+/// Starting contacts of one part, with a bound on the patches looked at.
 class Starter final {
  public:
   Starter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
@@ -254,7 +253,7 @@ class Starter final {
     try_at(i, {nearest.point, nearest.triangle}, 0);
   }
 
-  /// Starts a contact at `at` if the point is the deepest of its own support; else looks where that is.
+  /// Starts a contact at `at` if the point is the deepest of its own patch; else looks where that is.
   void try_at(std::size_t point, const SurfacePoint& at, int redirections) noexcept {
     if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMostEvaluations) return;
     if (part_.contact_count == kContactsPerPart) {
@@ -263,13 +262,13 @@ class Starter final {
     }
     ++evaluations_;
     const Vec3 normal = world_.surface.normal_at(at);
-    const Support support = support_in_S(world_, points_, part_, at.point, normal, 0);
-    if (support.depth <= 0.0 || (part_.contact_count > 0 && support.depth > kDeepestSecond)) return;
+    const ContactPatch patch = patch_in_S(world_, points_, part_, at.point, normal, 0);
+    if (patch.depth <= 0.0 || (part_.contact_count > 0 && patch.depth > kDeepestSecond)) return;
     const Vec3 here = part_.distances.point_S(point);
-    if ((support.mean - here).norm() > radius() / 5.0) {
+    if ((patch.centroid - here).norm() > radius() / 5.0) {
       if (redirections == 0) return;
       const std::size_t deepest =
-          point_nearest_to(points_, part_.distances.placed_S().bring_back(support.mean));
+          point_nearest_to(points_, part_.distances.placed_S().bring_back(patch.centroid));
       const geometry::NearestPoint nearest = part_.distances.ask(deepest);
       if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
       return;
@@ -278,13 +277,13 @@ class Starter final {
     contact.at = at;
     contact.surface_normal = normal;
     contact.normal = normal;
-    contact.support = support;
-    contact.touch = support.mean;
+    contact.patch = patch;
+    contact.touch = patch.centroid;
     if (is_lost(radius(), part_, contact)) return;
     const double own_motion = part_.distances.motion_at(at.point).norm();
     contact.step = own_motion;
     contact.walked = part_.distances.odometer();
-    hold_back(world_.period, std::max(0.0, support.depth - own_motion), contact);
+    hold_back(world_.period, std::max(0.0, patch.depth - own_motion), contact);
     part_.contacts[static_cast<std::size_t>(part_.contact_count++)] = contact;
   }
 
@@ -327,7 +326,7 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
   for (int i = 0; i < part.contact_count;) {
     Contact& contact = part.contacts[static_cast<std::size_t>(i)];
     walk_contact(world, points, part, contact);
-    if (contact.support.depth > 0.0) {
+    if (contact.patch.depth > 0.0) {
       ++i;
     } else {
       remove_contact(part, i);
@@ -349,7 +348,7 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
     status = kStartedInside;
   }
   for (Contact& contact : part.active()) {
-    follow_support(world.period, part, contact);
+    follow_patch(world.period, part, contact);
     compute_force(world, laws, part, contact);
     contact.elastic_force *= part.press_level;  // jaws that hold press nothing, and take no share from others
   }

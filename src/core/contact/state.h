@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "core/contact/contact.h"
+#include "core/contact/contact_patch.h"
 #include "core/contact/distance_cache.h"
+#include "core/contact/grip.h"
 #include "core/contact/organ_surface.h"
-#include "core/contact/support.h"
 #include "core/contact/tissue_laws.h"
 #include "core/contact/tool_points.h"
 
@@ -53,7 +54,7 @@ struct Contact {
 
   model::RelaxationState memory;  // of the force
   // Of this tick:
-  Support support;               // in S
+  ContactPatch patch;            // in S
   double elastic_force = 0.0;    // F(D) [N]
   double normal_force = 0.0;     // with damping [N]
   Vec3 friction = Vec3::Zero();  // [N]
@@ -78,34 +79,12 @@ struct PartState {
   }
 };
 
-/// The jaws' hold on the tissue; organ frame S unless said.
-struct GripState {
-  bool open = false;     // by the gripper, with hysteresis
-  bool closing = false;  // the gripper has passed its closing value and closes on
-  double last_gripper = 0.0;
-  bool held = false;
-  bool released = false;         // let go past the limit; until the jaws open again
-  SurfacePoint anchor;           // on the rest surface
-  Vec3 normal = Vec3::UnitZ();   // of the surface there
-  Vec3 anchor_T = Vec3::Zero();  // in the handle's frame at closing
-  double tip_radius = 0.0;
-  std::array<model::RelaxationState, 3> memory{};  // of the force's components
-  // Of this tick, or fading after letting go:
-  Vec3 stretch = Vec3::Zero();         // s [m]
-  Vec3 force = Vec3::Zero();           // [N]
-  Vec3 released_force = Vec3::Zero();  // at the moment of letting go [N]
-  Vec3 released_stretch = Vec3::Zero();
-  double fade = 0.0;  // 1 .. 0 after letting go
-  int cutoff_layer = 0;
-  bool saturated = false;
-};
-
 /// One tool from tick to tick.
 struct ToolState {
   Pose pose_S;  // of the handle in the organ's frame, this tick
   std::vector<PartState> parts;
   std::size_t nearest_part = 0;  // to the organ, when that was last looked for
-  GripState grip;
+  Grip grip;
 };
 
 struct State::Data {

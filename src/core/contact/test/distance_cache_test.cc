@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/contact/contact_patch.h"
 #include "core/contact/sharing.h"
-#include "core/contact/support.h"
 #include "core/contact/test/rig.h"
 #include "palpate/builtin.h"
 
@@ -183,9 +183,9 @@ TEST(DistanceCache, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
 }
 
 /// The rule of model.md, section 4, as a plain loop in double precision.
-Support plain_support(const PartPoints& part, const Vec3& point, const Vec3& normal) {
+ContactPatch plain_patch(const PartPoints& part, const Vec3& point, const Vec3& normal) {
   std::vector<double> depths(part.size());
-  Support support;
+  ContactPatch patch;
   for (std::size_t i = 0; i < part.size(); ++i) {
     const Vec3 offset = part.point(i) - point;
     depths[i] = -offset.dot(normal);
@@ -196,21 +196,21 @@ Support plain_support(const PartPoints& part, const Vec3& point, const Vec3& nor
       const double t = (std::sqrt(rho_squared) - inner) / inner;
       depths[i] *= t >= 1.0 ? 0.0 : 1.0 - t * t * (3.0 - 2.0 * t);
     }
-    support.depth = std::max(support.depth, depths[i]);
+    patch.depth = std::max(patch.depth, depths[i]);
   }
-  if (support.depth <= 0.0) return support;
+  if (patch.depth <= 0.0) return patch;
   double total = 0.0;
   for (std::size_t i = 0; i < part.size(); ++i) {
-    const double share = 1.0 - (support.depth - depths[i]) / std::min(kSupportBand, support.depth);
+    const double share = 1.0 - (patch.depth - depths[i]) / std::min(kPatchBand, patch.depth);
     if (share <= 0.0) continue;
     total += part.area[i] * share;
-    support.mean += part.area[i] * share * part.point(i);
+    patch.centroid += part.area[i] * share * part.point(i);
   }
-  support.mean /= total;
-  return support;
+  patch.centroid /= total;
+  return patch;
 }
 
-TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBitWhateverTheGuess) {
+TEST(ContactPatch, IsThatOfAPlainLoopOverAllPointsToTheBitWhateverTheGuess) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   for (const std::string name : {"curved-forceps", "straight-forceps"}) {
@@ -222,11 +222,11 @@ TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBitWhateverTheGuess) {
         const double depth = i % 3 == 0 ? 1e-5 : 4e-3;
         const Vec3 point =
             part.point(index(random)) + depth * Vec3(normal(random), normal(random), normal(random));
-        const Support plain = plain_support(part, point, direction);
+        const ContactPatch plain = plain_patch(part, point, direction);
         const auto guess = static_cast<std::uint32_t>(static_cast<std::size_t>(i) % part.clusters.size());
-        const Support found = support_of(part, point, direction, kReference, guess);
+        const ContactPatch found = contact_patch_of(part, point, direction, kReference, guess);
         ASSERT_EQ(found.depth, plain.depth);
-        ASSERT_EQ(found.mean, plain.mean);
+        ASSERT_EQ(found.centroid, plain.centroid);
       }
     }
   }

@@ -1,4 +1,4 @@
-#include "core/contact/support.h"
+#include "core/contact/contact_patch.h"
 
 #include <algorithm>
 #include <array>
@@ -28,12 +28,12 @@ class DepthSearch final {
     }
   }
 
-  [[nodiscard]] Support support() const noexcept {
-    Support support;
-    if (deepest_ <= 0.0) return support;
-    support.depth = deepest_;
-    support.cluster = deepest_cluster_;
-    const double band = std::min(kSupportBand, deepest_);
+  [[nodiscard]] ContactPatch patch() const noexcept {
+    ContactPatch patch;
+    if (deepest_ <= 0.0) return patch;
+    patch.depth = deepest_;
+    patch.cluster = deepest_cluster_;
+    const double band = std::min(kPatchBand, deepest_);
     double total = 0.0;
     for (std::uint64_t clusters = measured_; clusters != 0; clusters &= clusters - 1) {
       const auto c = static_cast<std::size_t>(std::countr_zero(clusters));
@@ -42,16 +42,16 @@ class DepthSearch final {
         const double share = 1.0 - (deepest_ - depths_[i]) / band;
         if (share <= 0.0) continue;
         const double weight = part_.area[i] * share;
-        support.mean += weight * part_.point(i);
-        support.tip_radius += weight * part_.tip_radius[i];
-        support.half_width += weight * part_.half_width[i];
+        patch.centroid += weight * part_.point(i);
+        patch.tip_radius += weight * part_.tip_radius[i];
+        patch.half_width += weight * part_.half_width[i];
         total += weight;
       }
     }
-    support.mean /= total;
-    support.tip_radius /= total;
-    support.half_width /= total;
-    return support;
+    patch.centroid /= total;
+    patch.tip_radius /= total;
+    patch.half_width /= total;
+    return patch;
   }
 
  private:
@@ -98,7 +98,7 @@ class DepthSearch final {
       if (depths[i] <= deepest_) continue;
       deepest_ = depths[i];
       deepest_cluster_ = c;
-      least_ = std::max(0.0, deepest_ - kSupportBand - kBoundSlack);
+      least_ = std::max(0.0, deepest_ - kPatchBand - kBoundSlack);
     }
     candidates_[c] = candidates;
   }
@@ -120,11 +120,11 @@ class DepthSearch final {
 
 }  // namespace
 
-Support support_of(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius,
-                   std::uint32_t guess) noexcept {
+ContactPatch contact_patch_of(const PartPoints& part, const Vec3& point, const Vec3& normal,
+                              double reference_radius, std::uint32_t guess) noexcept {
   DepthSearch search(part, point, normal, reference_radius);
   search.run(guess);
-  return search.support();
+  return search.patch();
 }
 
 }  // namespace palpate::contact
