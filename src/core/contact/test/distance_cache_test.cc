@@ -155,6 +155,42 @@ TEST(DistanceCache, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
   EXPECT_EQ(part.entries().size(), inside);
 }
 
+TEST(DistanceCache, IsRightAgainInTheTickInWhichAContactHasLeft) {
+  std::mt19937 random(6);
+  const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
+  const PartPoints points = jaw();
+  DistanceCache part(surface, points);
+  const Quat turn = random_turn(random);
+  std::vector<Vec3> contacts;
+  std::vector<bool> was_inside(points.size());
+  for (int tick = 0; tick < 3000; ++tick) {
+    part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, contacts, kReference);
+    if (tick % 100 < 50) {  // a contact stays where the tool was nearest
+      if (contacts.empty()) contacts.push_back(surface.nearest(part.point_S(0), -1).point);
+      continue;
+    }
+    if (tick % 100 == 50) {  // it leaves: whether the nearest point is looked for before the next tick or not
+      contacts.clear();
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        was_inside[i] = surface.nearest(part.point_S(i), -1).distance < kInside;
+      }
+      if (tick % 200 == 50) part.find_nearest();
+      continue;
+    }
+    if (tick % 100 > 51 && tick % 10 != 0) continue;
+    if (tick % 100 == 51) {  // what crossed before is no entry
+      for (const EntryEvent& entry : part.entries()) EXPECT_FALSE(was_inside[entry.point]) << "tick " << tick;
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double distance = surface.nearest(part.point_S(i), -1).distance;
+      ASSERT_EQ(part.is_inside(i), distance < kInside) << "tick " << tick << ", point " << i;
+      ASSERT_LE(part.least(i), distance + 1e-12);
+    }
+    part.find_nearest();
+    ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << "tick " << tick;
+  }
+}
+
 TEST(DistanceCache, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
   std::mt19937 random(2);
   const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
