@@ -1,5 +1,6 @@
 // What tools/check_counts counts the instructions of, under callgrind: the law both ways, the noise, and a
-// tick in approach and in contact. Run alone it does the same and prints nothing.
+// tick in approach and in contact, of the built-in tool and of one of 97,000 triangles. Run alone it does the
+// same and prints nothing.
 #include <cstdint>
 #include <cstdio>
 #include <vector>
@@ -73,8 +74,10 @@ bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted,
   return false;
 }
 
-bool count_tick() {
-  const scene::Setup setup = bench::subject("press", 0, 0);
+/// Counts ticks shortly before and shortly after the touch. @return false when the path has none
+template <typename Approach, typename Contact>
+bool count_tick(std::size_t tool_triangles, Approach dump_approach, Contact dump_contact) {
+  const scene::Setup setup = bench::subject("press", 0, tool_triangles);
   const haptics::SimulationWorld world = scene::make_world(setup);
   devices::ScriptedDevice device(bench::hand_path(setup));
   const std::uint64_t last = device.last_tick(world.rate_Hz);
@@ -82,11 +85,11 @@ bool count_tick() {
   std::uint64_t next = 0;
   if (!go_to(hand, device, contact::Phase::kApproach, next, last)) return false;
   count_ticks(hand, device, next);
-  PALPATE_COUNTED("tick in approach", 200);
+  dump_approach();
   CALLGRIND_STOP_INSTRUMENTATION;
   if (!go_to(hand, device, contact::Phase::kPress, next, last)) return false;
   count_ticks(hand, device, next);
-  PALPATE_COUNTED("tick in contact", 200);
+  dump_contact();
   CALLGRIND_STOP_INSTRUMENTATION;
   return true;
 }
@@ -95,7 +98,13 @@ bool count_tick() {
 
 int main() {
   count_law_and_noise();
-  if (count_tick()) return 0;
+  const bool counted = count_tick(
+                           0, [] { PALPATE_COUNTED("tick in approach", 200); },
+                           [] { PALPATE_COUNTED("tick in contact", 200); }) &&
+                       count_tick(
+                           97'000, [] { PALPATE_COUNTED("dense tool in approach", 200); },
+                           [] { PALPATE_COUNTED("dense tool in contact", 200); });
+  if (counted) return 0;
   std::fputs("palpate_counted: the way never came into contact\n", stderr);
   return 1;
 }

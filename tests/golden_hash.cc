@@ -8,18 +8,15 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <iostream>
-#include <map>
-#include <sstream>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "palpate/recording.h"
 #include "palpate/scene.h"
 
 #include "tests/built_in_experiments.h"
+#include "tests/hash_file.h"
 
 namespace palpate::tests {
 namespace {
@@ -35,12 +32,6 @@ Rig two_hands() {
   setup.tools.push_back(setup.tools.front());
   setup.devices.push_back(setup.devices.front());
   return Rig(std::move(setup));
-}
-
-std::string hexadecimal(std::uint64_t value) {
-  std::array<char, 20> text{};
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
-  return text.data();
 }
 
 /// "TICKS HASH" of a run.
@@ -63,17 +54,6 @@ std::string hash_of_library() {
   return hexadecimal(hash);
 }
 
-std::map<std::string, std::string> expected_in(const char* file) {
-  std::map<std::string, std::string> expected;
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);) {
-    if (line.empty() || line.front() == '#') continue;
-    const std::size_t blank = line.find(' ');
-    expected[line.substr(0, blank)] = line.substr(blank + 1);
-  }
-  return expected;
-}
-
 int run(const char* expected_file) {
   const std::array<std::pair<const char*, std::string>, 3> found = {{
       {"gallbladder-press", hash_of(built_in("press"))},
@@ -81,16 +61,8 @@ int run(const char* expected_file) {
       {"two-hands-on-a-moving-organ", hash_of(two_hands())},
   }};
   int differing = 0;
-  std::map<std::string, std::string> expected;
-  if (expected_file != nullptr) expected = expected_in(expected_file);
-  for (const auto& [name, hash] : found) {
-    std::cout << name << ' ' << hash << '\n';
-    if (expected_file == nullptr || expected[name] == hash) continue;
-    ++differing;
-    std::cerr << name << " " << hash << " differs from " << expected_file << ": "
-              << (expected[name].empty() ? "no such line" : expected[name])
-              << " (tools/check_hashes --update writes it anew)\n";
-  }
+  for (const auto& [name, hash] : found) differing += check_hash(name, hash, expected_file) ? 0 : 1;
+  if (differing > 0) std::cerr << "tools/check_hashes --update writes the file anew\n";
   std::cout << "# C library " << hash_of_library() << '\n';
   return differing == 0 ? 0 : 1;
 }

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/fetch_list.h"
 #include "core/base/ring.h"
 #include "core/haptics/simulation.h"
 #include "palpate/scripted_device.h"
@@ -76,12 +75,6 @@ class Hand final {
     while (offset_ < offset) tick(device, window_.at(offset_++), exchange);
   }
 
-  /// Finds out where its state lies, once it lies there for good. [setup]
-  void settle() { list_ = haptics::memory_of(state_); }
-
-  /// [rt] Its turn is next.
-  void expect() const noexcept { list_.fetch(); }
-
   /// [rt]
   const haptics::TickRow& go_on(haptics::Device& device, std::uint64_t step, Exchange& exchange) noexcept {
     return tick(device, window_.at(offset_ + step), exchange);
@@ -99,7 +92,6 @@ class Hand final {
   std::uint64_t offset_ = 0;
   std::uint64_t number_ = 0;
   haptics::SimulationState state_;
-  FetchList list_;
 };
 
 /// Hands spread evenly over the window, there and back: one walks, and leaves a copy at each place.
@@ -116,7 +108,6 @@ std::vector<Hand> make_hands(const haptics::SimulationWorld& world, const Window
     walker.go_to(device, i * length / count, exchange);
     hands.push_back(walker);
   }
-  for (Hand& hand : hands) hand.settle();
   return hands;
 }
 
@@ -208,10 +199,7 @@ class Crowd final {
       const std::int64_t woken = monotonic_ns();
       const bool missed = schedule.begin(woken).missed;
       const std::int64_t begun = thread_cpu_ns();
-      for (std::size_t i = 0; i < hands.size(); ++i) {
-        if (i + 1 < hands.size()) hands[i + 1].expect();
-        taker.put(hands[i].go_on(device, step, exchange));
-      }
+      for (Hand& hand : hands) taker.put(hand.go_on(device, step, exchange));
       const std::int64_t spent = thread_cpu_ns() - begun;
       if (step < kWarmUp) continue;
       rounds.times_us.push_back(static_cast<double>(spent) / kNanosecondsPerMicrosecond);

@@ -4,16 +4,12 @@
 #include <limits>
 
 #include "core/contact/press.h"
-#include "core/contact/proximity.h"
-#include "core/contact/pull.h"
 #include "core/contact/sharing.h"
 #include "core/contact/state.h"
 #include "palpate/error.h"
 
 namespace palpate::contact {
 namespace {
-
-constexpr std::size_t kPointsFetched = 16;  // of a shortlist: it seldom holds more
 
 ToolPoints sample_tool(const geometry::Tool& tool) {
   if (tool.parts.empty() || tool.parts.size() > static_cast<std::size_t>(kMaxParts)) {
@@ -44,6 +40,26 @@ std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
   return sampled;
 }
 
+/// @return false when the part was placed anew: no contact of before is valid, and it is off until it has
+/// been outside
+bool move_part(const Pose& pose_S, double reference_radius, double period, PartState& part) noexcept {
+  constexpr double kOutside = -1e-6;  // m: a part that just touches counts as outside
+  std::array<Vec3, kContactsPerPart> contacts_S;
+  std::size_t count = 0;
+  for (const Contact& contact : part.active()) contacts_S[count++] = contact.at.point;
+  const bool moved =
+      part.distances.move(pose_S, period, std::span(contacts_S).first(count), reference_radius);
+  if (!moved) {
+    part.armed = false;
+    part.contact_count = 0;
+  }
+  if (!part.armed) {
+    part.distances.find_nearest();
+    part.armed = part.distances.nearest().distance >= kOutside;
+  }
+  return moved;
+}
+
 /// Brings all parts of a tool to where they are now and works out its contacts; shares come later.
 std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
                           const TissueLaws& laws, const ToolInput& input, ToolState& tool) noexcept {
@@ -51,23 +67,17 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
   tool.pose_S = organ_W.inverse() * input.pose_W;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     PartState& part = tool.parts[i];
-    const bool was_seen = part.seen;
+    const bool was_placed = part.distances.was_placed();
     if (part.gripper != input.gripper) {
       part.gripper = input.gripper;
       part.joint_T = geometry::part_pose(points.parts[i].joint, input.gripper);
     }
-    const Pose pose_S = tool.pose_S * part.joint_T;
-    if (move_part(world.surface, points.parts[i], pose_S, world.tissue.contact.reference_radius, world.period,
-                  part))
+    if (move_part(tool.pose_S * part.joint_T, world.tissue.contact.reference_radius, world.period, part))
       continue;
-    part.contact_count = 0;
-    GripState grip;
-    grip.open = tool.grip.open;
-    grip.last_gripper = tool.grip.last_gripper;
-    tool.grip = grip;
-    if (was_seen) status |= kJump;
+    tool.grip.drop();
+    if (was_placed) status |= kJump;
   }
-  status |= update_pull(world, laws, points, input.gripper, tool);
+  status |= tool.grip.update(world, laws, points, input.gripper, tool.pose_S, tool.parts);
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     status |= update_press(world, laws, points.parts[i], tool.parts[i]);
   }
@@ -102,7 +112,7 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
       if (counts <= 0.0 || contact.depth <= 0.0) continue;
       result.phase = Phase::kPress;
       add_view({contact.at.point, -contact.normal, contact.depth * contact.presence * part.press_level,
-                contact.support.tip_radius, contact.support.half_width, contact.at.triangle, false},
+                contact.patch.tip_radius, contact.patch.half_width, contact.at.triangle, false},
                result);
       if (counts * contact.normal_force <= largest) continue;
       largest = counts * contact.normal_force;
@@ -117,45 +127,44 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
 }
 
 void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult& result) noexcept {
-  const GripState& grip = tool.grip;
-  if (!pulls(grip)) return;
-  const Vec3 carried = grip.anchor.point + grip.stretch;
-  sums.add(grip.force, carried, tool.pose_S.position);
-  const double length = grip.stretch.norm();
+  const Grip& grip = tool.grip;
+  if (!grip.pulls()) return;
+  const Vec3 carried = grip.anchor().point + grip.stretch();
+  sums.add(grip.force(), carried, tool.pose_S.position);
+  const double length = grip.stretch().norm();
   if (length > 0.0) {
-    add_view(
-        {grip.anchor.point, grip.stretch / length, length, grip.tip_radius, 0.0, grip.anchor.triangle, true},
-        result);
+    add_view({grip.anchor().point, grip.stretch() / length, length, grip.tip_radius(), 0.0,
+              grip.anchor().triangle, true},
+             result);
   }
   result.phase = Phase::kPull;
   result.depth = length;
-  result.cutoff_layer = grip.cutoff_layer;
-  result.saturated = grip.saturated;
-  result.contact_W = organ_W * grip.anchor.point;
-  result.normal_W = organ_W.rotation * grip.normal;
+  result.cutoff_layer = grip.cutoff_layer();
+  result.saturated = grip.saturated();
+  result.contact_W = organ_W * grip.anchor().point;
+  result.normal_W = organ_W.rotation * grip.normal();
 }
 
 /// Exact distance of the whole tool, and the way from the tissue to it.
-void add_nearest(const World::Data& world, const ToolPoints& points, const Pose& organ_W, ToolState& tool,
-                 ToolResult& result) noexcept {
+void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexcept {
   // The part that was nearest last time first: with its distance known, the others are seldom asked.
   const std::size_t first = tool.nearest_part;
-  find_nearest(world.surface, points.parts[first], tool.parts[first]);
+  tool.parts[first].distances.find_nearest();
   for (std::size_t i = 0; i < tool.parts.size(); ++i) {
-    const double best = tool.parts[tool.nearest_part].nearest.distance;
+    const double best = tool.parts[tool.nearest_part].distances.nearest().distance;
     if (i == first) continue;
-    find_nearest(world.surface, points.parts[i], tool.parts[i], best);
-    if (tool.parts[i].nearest.distance < best) tool.nearest_part = i;
+    tool.parts[i].distances.find_nearest(best);
+    if (tool.parts[i].distances.nearest().distance < best) tool.nearest_part = i;
   }
-  const PartState& part = tool.parts[tool.nearest_part];
-  result.distance = part.nearest.distance;
-  result.nearest_W = organ_W * part.nearest.point;
-  const Vec3 to_tool =
-      part.placed_S * points.parts[tool.nearest_part].point(part.nearest_point) - part.nearest.point;
+  const DistanceCache& distances = tool.parts[tool.nearest_part].distances;
+  const geometry::NearestPoint& nearest = distances.nearest();
+  result.distance = nearest.distance;
+  result.nearest_W = organ_W * nearest.point;
+  const Vec3 to_tool = distances.point_S(distances.nearest_point()) - nearest.point;
   constexpr double kTouching =
       1e-9;  // m: nearer than this the line has no direction, the surface's normal serves
-  Vec3 away = part.nearest.normal;
-  if (part.nearest.distance > kTouching) away = to_tool.normalized();
+  Vec3 away = nearest.normal;
+  if (nearest.distance > kTouching) away = to_tool.normalized();
   result.away_W = organ_W.rotation * away;
   result.contact_W = result.nearest_W;
   result.normal_W = result.away_W;
@@ -173,15 +182,15 @@ void clear(ToolResult& result) noexcept {
   result.view_count = 0;
 }
 
-void summarize(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
-               const Pose& organ_W, ToolState& tool, std::uint32_t status, ToolResult& result) noexcept {
+void summarize(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, std::uint32_t status,
+               ToolResult& result) noexcept {
   clear(result);
   Sums sums;
   result.status = status;
   add_press(laws, organ_W, tool, sums, result);
   add_pull(organ_W, tool, sums, result);
   if (result.phase == Phase::kApproach) {
-    add_nearest(world, points, organ_W, tool, result);
+    add_nearest(organ_W, tool, result);
   } else {  // in contact the depth says where the tool is
     result.distance = result.phase == Phase::kPress ? -result.depth : 0.0;
     result.nearest_W = result.contact_W;
@@ -215,18 +224,7 @@ double World::tip_radius(std::size_t tool) const noexcept { return data_->tools[
 State::State(const World& world) : data_(std::make_unique<Data>()) {
   for (const ToolPoints& points : world.data().tools) {
     ToolState tool;
-    for (const PartPoints& part_points : points.parts) {
-      PartState part;
-      part.known.assign(part_points.size(), 0.0);
-      part.since.assign(part_points.size(), 0.0);
-      part.floor.assign(part_points.size(), 0.0);
-      part.nearest_triangle.assign(part_points.size(), -1);
-      part.inside.assign(part_points.size(), 0);
-      const std::size_t pairs = (part_points.clusters.size() + 1) / 2;
-      part.cluster_crosses.assign(2 * pairs, std::numeric_limits<double>::infinity());
-      part.cluster_floor.assign(2 * pairs, std::numeric_limits<double>::infinity());
-      tool.parts.push_back(std::move(part));
-    }
+    for (const PartPoints& part : points.parts) tool.parts.emplace_back(world.data().surface, part);
     data_->tools.push_back(std::move(tool));
   }
 }
@@ -239,20 +237,6 @@ State& State::operator=(const State& other) {
 State::State(State&&) noexcept = default;
 State& State::operator=(State&&) noexcept = default;
 
-void list_memory(const State& state, FetchList& list) {
-  const State::Data& now = state.data();
-  list.add(now.tools);
-  list.add_elements(now.tools);
-  for (const ToolState& tool : now.tools) {
-    for (const PartState& part : tool.parts) {
-      list.add(&part, &part.contacts);
-      list.add_elements(part.cluster_crosses);
-      const Contact& first = part.contacts.front();
-      list.add(&first, &first.kept.points[kPointsFetched]);
-    }
-  }
-}
-
 void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept {
   State::Data& now = state.data();
   const model::Relaxation before = now.laws(world.data()).relaxation;
@@ -260,9 +244,7 @@ void change_tissue(const World& world, State& state, const TissueLaws& laws) noe
     for (PartState& part : tool.parts) {
       for (Contact& contact : part.active()) laws.relaxation.take_over(contact.memory, before);
     }
-    for (model::RelaxationState& memory : tool.grip.memory) {
-      laws.relaxation.take_over(memory, before);
-    }
+    tool.grip.change_relaxation(laws.relaxation, before);
   }
   now.changed = laws;
 }
@@ -283,7 +265,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   }
   share_tissue(data.tissue.contact.reference_radius, std::span(all).first(count));
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
-    summarize(data, laws, data.tools[t], organ_W, now.tools[t], status[t], results[t]);
+    summarize(laws, organ_W, now.tools[t], status[t], results[t]);
   }
 }
 

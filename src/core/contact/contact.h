@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "core/base/fetch_list.h"
 #include "core/contact/tissue_laws.h"
 #include "palpate/mesh.h"
 #include "palpate/pose.h"
@@ -65,10 +64,6 @@ class State final {
  private:
   std::unique_ptr<Data> data_;
 };
-
-/// [setup] Adds to `list` where advance() looks at `state` in nearly every tick in contact: while that is not
-/// copied to.
-void list_memory(const State& state, FetchList& list);
 
 /// [rt] From the next tick on the tissue has these laws. Every contact keeps its place and its depth, so its
 /// force is the new law's there, and goes on from what its relaxation remembers; a term that is new has let

@@ -1,12 +1,9 @@
 #include "core/contact/press.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "core/base/portable_math.h"
-#include "core/contact/proximity.h"
 #include "core/contact/sharing.h"
 
 namespace palpate::contact {
@@ -25,16 +22,16 @@ constexpr double kShallow = 0.5e-3;  // m, an inside point this deep may start a
 constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
 constexpr double kDampingDepth = 1e-3;      // m, where the damping counts in full
 constexpr double kDeepInside = -1e-3;       // m, a part that loses its last contact here is off until outside
-constexpr int kMostEvaluations = 8;         // supports looked at for starts, a tick and part
+constexpr int kMostEvaluations = 8;         // patches looked at for starts, a tick and part
 constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
 
-Support support_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
-                     const Vec3& point_S, const Vec3& normal_S) noexcept {
-  const Placement& placed = part.placed_S;
-  Support support = support_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
-                               world.tissue.contact.reference_radius);
-  support.mean = placed * support.mean;
-  return support;
+ContactPatch patch_in_S(const World::Data& world, const PartPoints& points, const PartState& part,
+                        const Vec3& point_S, const Vec3& normal_S, std::uint32_t guess) noexcept {
+  const RigidTransform& placed = part.distances.placed_S();
+  ContactPatch patch = contact_patch_of(points, placed.bring_back(point_S), placed.turn_back(normal_S),
+                                        world.tissue.contact.reference_radius, guess);
+  patch.centroid = placed * patch.centroid;
+  return patch;
 }
 
 /// Turns `normal` towards `goal` by at most `most` [rad]. @return the angle turned
@@ -62,31 +59,28 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
   return most;
 }
 
-/// From a contact's place to the middle of its support, along the tangent plane [m].
+/// From a contact's place to the centroid of its patch, along the tangent plane [m].
 Vec3 aside_of(const Contact& contact) noexcept {
-  const Vec3 away = contact.support.mean - contact.at.point;
+  const Vec3 away = contact.patch.centroid - contact.at.point;
   return away - away.dot(contact.normal) * contact.normal;
 }
 
-/// Up to three steps along the surface towards the middle of the support; the normal turns along, so that a
-/// step too far shows in the next one. Leaves the support of where the contact ends.
+/// Up to three steps along the surface towards the centroid of the patch; the normal turns along, so that a
+/// step too far shows in the next one. Leaves the patch of where the contact ends.
 void walk_contact(const World::Data& world, const PartPoints& points, const PartState& part,
                   Contact& contact) noexcept {
-  const double own_motion = motion_at(part, contact.at.point).norm();
+  const double own_motion = part.distances.motion_at(contact.at.point).norm();
   const double limit = kWalkSpeed * world.period + own_motion;
   const double reference_radius = world.tissue.contact.reference_radius;
   double left = limit;
   double turn_left = limit / reference_radius;
-  contact.step = std::max(contact.step, (part.travelled - contact.walked) / kRestartShare);
-  const auto find_support = [&] {
-    const Placement& placed = part.placed_S;
-    contact.support = support_of(points, placed.bring_back(contact.at.point),
-                                 placed.turn_back(contact.normal), reference_radius, contact.kept);
-    contact.support.mean = placed * contact.support.mean;
+  contact.step = std::max(contact.step, (part.distances.odometer() - contact.walked) / kRestartShare);
+  const auto find_patch = [&] {
+    contact.patch = patch_in_S(world, points, part, contact.at.point, contact.normal, contact.patch.cluster);
   };
-  find_support();
+  find_patch();
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
-    if (contact.support.depth <= 0.0) break;
+    if (contact.patch.depth <= 0.0) break;
     const Vec3 away = aside_of(contact);
     const double distance = away.norm();
     if (distance < kStillStep) break;
@@ -97,29 +91,29 @@ void walk_contact(const World::Data& world, const PartPoints& points, const Part
     const double length = std::min({contact.step, distance, left});
     contact.at = world.surface.walk(contact.at, length * direction, contact.normal);
     contact.last_direction = direction;
-    contact.walked = part.travelled;
+    contact.walked = part.distances.odometer();
     left -= length;
     contact.surface_normal = world.surface.normal_at(contact.at);
     turn_left -= turn_towards(contact.normal, contact.surface_normal, turn_left);
-    find_support();
+    find_patch();
   }
   const Vec3 before = contact.normal;
   const double turned = turn_towards(contact.normal, contact.surface_normal, turn_left);
   contact.step = std::max(contact.step, turned * reference_radius / kRestartShare);
-  if (contact.normal != before) find_support();
+  if (contact.normal != before) find_patch();
 }
 
-/// Depth, force along the normal with damping, and friction of a contact whose support is known.
+/// Depth, force along the normal with damping, and friction of a contact whose patch is known.
 void compute_force(const World::Data& world, const TissueLaws& laws, const PartState& part,
                    Contact& contact) noexcept {
   contact.offset = std::max(0.0, contact.offset - contact.offset_step);
-  const double depth = std::max(0.0, contact.support.depth - contact.offset);
+  const double depth = std::max(0.0, contact.patch.depth - contact.offset);
   contact.elastic_force = laws.press.force_at(depth).force;
   const double relaxed = laws.relaxation.count() == 0
                              ? contact.elastic_force
                              : laws.relaxation.next(contact.memory, contact.elastic_force);
   // The depth's rate is taken where the tool touches: the same in the limit, without the steps of the walk.
-  const Vec3 motion = motion_at(part, contact.touch);
+  const Vec3 motion = part.distances.motion_at(contact.touch);
   const double speed = -motion.dot(contact.normal) / world.period;
   contact.normal_force = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth / kDampingDepth));
   contact.depth = depth;
@@ -141,25 +135,25 @@ bool is_lost(double reference_radius, PartState& part, const Contact& contact) n
   const double farthest = kLost * reference_radius;
   if (away.squaredNorm() <= farthest * farthest) return false;
   return std::any_of(part.active().begin(), part.active().end(), [&](const Contact& other) {
-    return !other.merged && other.support.depth > contact.support.depth &&
+    return !other.merged && other.patch.depth > contact.patch.depth &&
            (other.at.point - contact.at.point).dot(away) > 0.0;
   });
 }
 
-/// The force applies at the middle of the support; from one deepest place to another it goes at a limited
+/// The force applies at the centroid of the patch; from one deepest place to another it goes at a limited
 /// speed.
-void follow_support(double period, const PartState& part, Contact& contact) noexcept {
-  const Vec3 way = contact.support.mean - contact.touch;
+void follow_patch(double period, const PartState& part, Contact& contact) noexcept {
+  const Vec3 way = contact.patch.centroid - contact.touch;
   const double surely = kTouchSpeed * period;
   const double squared = way.squaredNorm();
   if (squared > surely * surely) {
-    const double share = (surely + motion_at(part, contact.touch).norm()) / std::sqrt(squared);
+    const double share = (surely + part.distances.motion_at(contact.touch).norm()) / std::sqrt(squared);
     if (share < 1.0) {
       contact.touch += share * way;
       return;
     }
   }
-  contact.touch = contact.support.mean;
+  contact.touch = contact.patch.centroid;
 }
 
 void remove_contact(PartState& part, int index) noexcept {
@@ -189,7 +183,7 @@ void merge_contacts(double reference_radius, double period, PartState& part) noe
     const bool leaves = contact.merged || is_lost(reference_radius, part, contact);
     contact.presence = std::min(1.0, contact.presence + (leaves ? -period : period) / kLeave);
     // What leaves presses no deeper on its way to where another presses already.
-    const double deeper = contact.support.depth - contact.depth;
+    const double deeper = contact.patch.depth - contact.depth;
     const double kept_back = std::max(0.0, contact.offset - contact.offset_step);
     if (leaves && deeper > kept_back) hold_back(period, deeper, contact);
   }
@@ -222,30 +216,27 @@ std::size_t point_nearest_to(const PartPoints& points, const Vec3& wanted) noexc
   return best;
 }
 
-/// Starting contacts of one part, with a bound on the supports looked at.
+/// Starting contacts of one part, with a bound on the patches looked at.
 class Starter final {
  public:
   Starter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
       : world_(world), points_(points), part_(part) {}
 
   void try_entries() noexcept {
-    for (std::size_t i = 0; i < part_.entry_count; ++i)
-      try_at(part_.entries[i].point, part_.entries[i].at, 2);
+    for (const EntryEvent& entry : part_.distances.entries()) try_at(entry.point, entry.at, 2);
   }
 
   /// Points that are inside but not deep, a few a tick, in turn.
   void try_shallow_points() noexcept {
     const auto count = static_cast<std::uint32_t>(points_.size());
-    const std::uint32_t tried = std::min(kPointsTried, count);
-    for (std::uint32_t k = 0; k < tried && evaluations_ < kMostEvaluations; ++k) {
-      k += skip_outside(tried - k - 1, count);
-      part_.cursor = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
-      const std::size_t i = part_.cursor;
-      if (part_.inside[i] == 0 || greatest_distance(part_, i) < -kShallow) continue;
-      if (near_a_contact(radius(), part_, part_.placed_S * points_.point(i))) continue;
-      const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, i, part_);
-      if (nearest.distance >= kInside || nearest.distance < -kShallow) continue;
-      try_at(i, {nearest.point, nearest.triangle}, 0);
+    std::uint32_t left = std::min(kPointsTried, count);
+    while (left > 0 && evaluations_ < kMostEvaluations) {
+      const std::uint32_t first = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
+      const std::uint32_t end = std::min(count, first + left);
+      const std::uint32_t i = part_.distances.next_inside(first, end);
+      part_.cursor = std::min(i, end - 1);
+      left -= part_.cursor + 1 - first;
+      if (i < end) try_shallow_point(i);
     }
   }
 
@@ -254,23 +245,15 @@ class Starter final {
  private:
   [[nodiscard]] double radius() const noexcept { return world_.tissue.contact.reference_radius; }
 
-  /// Leads the cursor to before the next inside point, eight outside ones at a time. @return over how many,
-  /// at most `most`
-  std::uint32_t skip_outside(std::uint32_t most, std::uint32_t count) noexcept {
-    std::uint32_t skipped = 0;
-    for (std::uint64_t eight = 0; skipped + sizeof eight <= most;) {
-      const std::size_t next = std::size_t{part_.cursor} + 1;
-      if (next + sizeof eight > count) break;
-      std::memcpy(&eight, &part_.inside[next], sizeof eight);
-      const int outside = std::countr_zero(eight) / 8;  // of one byte each, the first lowest
-      part_.cursor += static_cast<std::uint32_t>(outside);
-      skipped += static_cast<std::uint32_t>(outside);
-      if (eight != 0) break;
-    }
-    return skipped;
+  void try_shallow_point(std::uint32_t i) noexcept {
+    DistanceCache& distances = part_.distances;
+    if (distances.greatest(i) < -kShallow || near_a_contact(radius(), part_, distances.point_S(i))) return;
+    const geometry::NearestPoint nearest = distances.ask(i);
+    if (nearest.distance >= kInside || nearest.distance < -kShallow) return;
+    try_at(i, {nearest.point, nearest.triangle}, 0);
   }
 
-  /// Starts a contact at `at` if the point is the deepest of its own support; else looks where that is.
+  /// Starts a contact at `at` if the point is the deepest of its own patch; else looks where that is.
   void try_at(std::size_t point, const SurfacePoint& at, int redirections) noexcept {
     if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMostEvaluations) return;
     if (part_.contact_count == kContactsPerPart) {
@@ -279,13 +262,14 @@ class Starter final {
     }
     ++evaluations_;
     const Vec3 normal = world_.surface.normal_at(at);
-    const Support support = support_in_S(world_, points_, part_, at.point, normal);
-    if (support.depth <= 0.0 || (part_.contact_count > 0 && support.depth > kDeepestSecond)) return;
-    const Vec3 here = part_.placed_S * points_.point(point);
-    if ((support.mean - here).norm() > radius() / 5.0) {
+    const ContactPatch patch = patch_in_S(world_, points_, part_, at.point, normal, 0);
+    if (patch.depth <= 0.0 || (part_.contact_count > 0 && patch.depth > kDeepestSecond)) return;
+    const Vec3 here = part_.distances.point_S(point);
+    if ((patch.centroid - here).norm() > radius() / 5.0) {
       if (redirections == 0) return;
-      const std::size_t deepest = point_nearest_to(points_, part_.placed_S.bring_back(support.mean));
-      const geometry::NearestPoint nearest = ask_distance(world_.surface, points_, deepest, part_);
+      const std::size_t deepest =
+          point_nearest_to(points_, part_.distances.placed_S().bring_back(patch.centroid));
+      const geometry::NearestPoint nearest = part_.distances.ask(deepest);
       if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
       return;
     }
@@ -293,13 +277,13 @@ class Starter final {
     contact.at = at;
     contact.surface_normal = normal;
     contact.normal = normal;
-    contact.support = support;
-    contact.touch = support.mean;
+    contact.patch = patch;
+    contact.touch = patch.centroid;
     if (is_lost(radius(), part_, contact)) return;
-    const double own_motion = motion_at(part_, at.point).norm();
+    const double own_motion = part_.distances.motion_at(at.point).norm();
     contact.step = own_motion;
-    contact.walked = part_.travelled;
-    hold_back(world_.period, std::max(0.0, support.depth - own_motion), contact);
+    contact.walked = part_.distances.odometer();
+    hold_back(world_.period, std::max(0.0, patch.depth - own_motion), contact);
     part_.contacts[static_cast<std::size_t>(part_.contact_count++)] = contact;
   }
 
@@ -342,7 +326,7 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
   for (int i = 0; i < part.contact_count;) {
     Contact& contact = part.contacts[static_cast<std::size_t>(i)];
     walk_contact(world, points, part, contact);
-    if (contact.support.depth > 0.0) {
+    if (contact.patch.depth > 0.0) {
       ++i;
     } else {
       remove_contact(part, i);
@@ -350,21 +334,21 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
   }
   merge_contacts(world.tissue.contact.reference_radius, world.period, part);
   if (before > 0 && part.contact_count == 0) {
-    find_nearest(world.surface, points, part);
-    if (part.nearest.distance < kDeepInside) part.armed = false;
+    part.distances.find_nearest();
+    if (part.distances.nearest().distance < kDeepInside) part.armed = false;
   }
 
   std::uint32_t status = 0;
   if (part.armed) {
     Starter starter(world, points, part);
     starter.try_entries();
-    if (part.inside_count > 0) starter.try_shallow_points();
+    if (part.distances.inside_count() > 0) starter.try_shallow_points();
     status = starter.status();
   } else {
     status = kStartedInside;
   }
   for (Contact& contact : part.active()) {
-    follow_support(world.period, part, contact);
+    follow_patch(world.period, part, contact);
     compute_force(world, laws, part, contact);
     contact.elastic_force *= part.press_level;  // jaws that hold press nothing, and take no share from others
   }

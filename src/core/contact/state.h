@@ -2,13 +2,15 @@
 // What World and State hold inside; only the .cc files of this module include it.
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/contact/contact.h"
+#include "core/contact/contact_patch.h"
+#include "core/contact/distance_cache.h"
+#include "core/contact/grip.h"
 #include "core/contact/organ_surface.h"
-#include "core/contact/support.h"
 #include "core/contact/tissue_laws.h"
 #include "core/contact/tool_points.h"
 
@@ -39,7 +41,7 @@ struct Contact {
   Vec3 normal = Vec3::UnitZ();          // state: turns towards the surface's normal at a limited rate
   double step = 0.0;                    // length of the next step of the walk [m]
   Vec3 last_direction = Vec3::Zero();   // of the walk
-  double walked = 0.0;                  // PartState::travelled when c last went on
+  double walked = 0.0;                  // odometer of the part when c last went on
   double offset = 0.0;                  // depth not let in yet [m]
   double offset_step = 0.0;             // let in a tick [m]
   double depth = 0.0;                   // D that counts, last tick [m]
@@ -52,108 +54,29 @@ struct Contact {
 
   model::RelaxationState memory;  // of the force
   // Of this tick:
-  Support support;               // in S
+  ContactPatch patch;            // in S
   double elastic_force = 0.0;    // F(D) [N]
   double normal_force = 0.0;     // with damping [N]
   Vec3 friction = Vec3::Zero();  // [N]
   double share = 1.0;            // of several contacts on one tissue, presence counted in
-
-  Shortlist kept;  // of the part's points, for the next support
 };
 
-/// A point that has gone in, and where.
-struct EntryEvent {
-  std::uint32_t point = 0;
-  SurfacePoint at;
-};
-
-/// A pose as a matrix: the same map, cheaper for many points.
-struct Placement {
-  Mat3 rotation = Mat3::Identity();
-  Vec3 position = Vec3::Zero();
-
-  [[nodiscard]] Vec3 operator*(const Vec3& p) const noexcept { return rotation * p + position; }
-  [[nodiscard]] Vec3 turn_back(const Vec3& direction) const noexcept {
-    return rotation.transpose() * direction;
-  }
-  [[nodiscard]] Vec3 bring_back(const Vec3& p) const noexcept { return turn_back(p - position); }
-};
-
-/// A ball outside the organ without surface in it. It lies behind the tool, as seen from the organ, and rests
-/// on the organ where the tool is nearest: over that place it bounds distances to second order in the way
-/// aside.
-struct EmptyBall {
-  Vec3 centre_S = Vec3::Zero();
-  double radius = -std::numeric_limits<double>::infinity();  // m; none yet: it bounds nothing
-  double made = 0.0;                                         // PartState::travelled then
-  double behind = 20e-3;                                     // m, from the tool's point to the next centre
-};
-
-/// One rigid part from tick to tick. What every tick looks at comes first, what few do last.
+/// One rigid part from tick to tick.
 struct PartState {
-  static constexpr std::size_t kMostEntries = 64;
+  PartState(const OrganSurface& surface, const PartPoints& points) : distances(surface, points) {}
 
-  // Where it is. When last asked a point was at least |known| from the organ's surface, inside if that is
-  // negative; it has moved by no more than `travelled - since` since.
-  Placement placed_S;        // of the part's frame in the organ's, this tick
-  Placement previous_S;      // last tick
+  DistanceCache distances;
   double gripper = -1.0;     // that `joint_T` belongs to
   Pose joint_T;              // of the part's frame in the handle's
-  double travelled = 0.0;    // most that any point has moved so far, summed [m]
-  double motion = 0.0;       // of that, this tick
-  double crosses = 0.0;      // none of cluster_crosses is less
-  double lowest = 0.0;       // none of cluster_floor is less
   double press_level = 1.0;  // 0 while the jaws hold tissue
-  // One bit a cluster: not looked at lately, by a contact, where a crossing starts nothing. It crosses never.
-  std::uint64_t left = 0;
-  std::size_t entry_count = 0;
   int contact_count = 0;
-  std::uint32_t inside_count = 0;
   std::uint32_t cursor = 0;  // next point to try for a start
-  bool seen = false;
-  bool armed = false;  // has been outside since it was placed
-  // Of the clusters, as values of `travelled`; an even number, the gap at the end infinite.
-  std::vector<double> cluster_crosses;  // before this no point can have crossed the surface
-  std::vector<double> cluster_floor;    // the least of `floor`
-  // Of the points:
-  std::vector<double> known;  // of its sign and no greater than a point's distance when last asked [m]
-  std::vector<double> since;  // `travelled` then
-  std::vector<double> floor;  // less `travelled`: a point is not nearer to the organ than this [m]
-  std::vector<std::int32_t> nearest_triangle;
-  std::vector<std::uint8_t> inside;
-
+  bool armed = false;        // has been outside since it was placed
   std::array<Contact, kContactsPerPart> contacts{};
-
-  std::uint32_t nearest_point = 0;  // of the part to the organ, when that was last looked for
-  geometry::NearestPoint nearest;   // its distance
-  EmptyBall ball;
-  std::array<EntryEvent, kMostEntries> entries{};  // of this tick
 
   [[nodiscard]] std::span<Contact> active() noexcept {
     return std::span(contacts).first(static_cast<std::size_t>(contact_count));
   }
-};
-
-/// The jaws' hold on the tissue; organ frame S unless said.
-struct GripState {
-  bool open = false;     // by the gripper, with hysteresis
-  bool closing = false;  // the gripper has passed its closing value and closes on
-  double last_gripper = 0.0;
-  bool held = false;
-  bool released = false;         // let go past the limit; until the jaws open again
-  SurfacePoint anchor;           // on the rest surface
-  Vec3 normal = Vec3::UnitZ();   // of the surface there
-  Vec3 anchor_T = Vec3::Zero();  // in the handle's frame at closing
-  double tip_radius = 0.0;
-  std::array<model::RelaxationState, 3> memory{};  // of the force's components
-  // Of this tick, or fading after letting go:
-  Vec3 stretch = Vec3::Zero();         // s [m]
-  Vec3 force = Vec3::Zero();           // [N]
-  Vec3 released_force = Vec3::Zero();  // at the moment of letting go [N]
-  Vec3 released_stretch = Vec3::Zero();
-  double fade = 0.0;  // 1 .. 0 after letting go
-  int cutoff_layer = 0;
-  bool saturated = false;
 };
 
 /// One tool from tick to tick.
@@ -161,7 +84,7 @@ struct ToolState {
   Pose pose_S;  // of the handle in the organ's frame, this tick
   std::vector<PartState> parts;
   std::size_t nearest_part = 0;  // to the organ, when that was last looked for
-  GripState grip;
+  Grip grip;
 };
 
 struct State::Data {

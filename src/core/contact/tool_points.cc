@@ -189,60 +189,26 @@ void shape_at(const Sample& sample, const Cells& cells, double& radius, double& 
   half_width = std::max(half_width, kSmallestRadius);
 }
 
-/// The ball around the middle of the box of some balls.
-PartPoints::Cluster ball_around(std::span<const PartPoints::Cluster> balls) {
-  PartPoints::Cluster around;
-  Vec3 low = balls.front().centre;
-  Vec3 high = low;
-  for (const PartPoints::Cluster& ball : balls) {
-    low = low.cwiseMin(ball.centre);
-    high = high.cwiseMax(ball.centre);
-  }
-  around.centre = 0.5 * (low + high);
-  for (const PartPoints::Cluster& ball : balls) {
-    around.radius = std::max(around.radius, (ball.centre - around.centre).norm() + ball.radius);
-  }
-  return around;
-}
-
 void make_clusters(PartPoints& points) {
   const auto count = static_cast<std::uint32_t>(points.size());
-  std::vector<PartPoints::Cluster> single;
   for (std::uint32_t begin = 0; begin < count; begin += kClusterSize) {
-    const std::uint32_t end = std::min(count, begin + kClusterSize);
-    single.clear();
-    for (std::uint32_t i = begin; i < end; ++i) single.push_back({points.point(i), 0.0, i, i + 1});
-    points.clusters.push_back(ball_around(single));
-    points.clusters.back().begin = begin;
-    points.clusters.back().end = end;
-  }
-  for (const PartPoints::Cluster& cluster : points.clusters) {
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-      points.offset.push_back((points.point(i) - cluster.centre).norm());
+    PartPoints::Cluster cluster;
+    cluster.begin = begin;
+    cluster.end = std::min(count, begin + kClusterSize);
+    Vec3 low = points.point(begin);
+    Vec3 high = low;
+    for (std::uint32_t i = begin; i < cluster.end; ++i) {
+      low = low.cwiseMin(points.point(i));
+      high = high.cwiseMax(points.point(i));
     }
+    cluster.centre = 0.5 * (low + high);
+    cluster.half_size = 0.5 * (high - low);
+    for (std::uint32_t i = begin; i < cluster.end; ++i) {
+      points.offset.push_back((points.point(i) - cluster.centre).norm());
+      cluster.radius = std::max(cluster.radius, points.offset.back());
+    }
+    points.clusters.push_back(cluster);
   }
-  const auto clusters = static_cast<std::uint32_t>(points.clusters.size());
-  for (std::uint32_t begin = 0; begin < clusters; begin += PartPoints::kGroupSize) {
-    const std::uint32_t end = std::min(clusters, begin + PartPoints::kGroupSize);
-    points.groups.push_back(ball_around(std::span(points.clusters).subspan(begin, end - begin)));
-    points.groups.back().begin = begin;
-    points.groups.back().end = end;
-  }
-}
-
-/// The points in single precision, for passing over what is not deep.
-void round_points(PartPoints& points) {
-  double largest = 0.0;
-  const std::size_t padded = points.clusters.size() * kClusterSize;
-  for (std::size_t i = 0; i < padded; ++i) {
-    const Vec3 p = points.point(std::min(i, points.size() - 1));
-    points.near_x.push_back(static_cast<float>(p.x()));
-    points.near_y.push_back(static_cast<float>(p.y()));
-    points.near_z.push_back(static_cast<float>(p.z()));
-    largest = std::max(largest, p.cwiseAbs().maxCoeff());
-  }
-  constexpr double kRoundings = 64.0;
-  points.rounding = kRoundings * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest;
 }
 
 }  // namespace
@@ -278,12 +244,7 @@ PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
     points.tip_radius.push_back(given_radius > 0.0 ? given_radius : radius);
     points.half_width.push_back(half_width);
   }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points.weighed.push_back({points.x[i], points.y[i], points.z[i], points.tip_radius[i], 1.0,
-                              points.half_width[i], points.area[i]});
-  }
   make_clusters(points);
-  round_points(points);
   return points;
 }
 

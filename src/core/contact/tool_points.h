@@ -7,6 +7,10 @@
 
 namespace palpate::contact {
 
+/// A bound of a cluster is a sum in another order than its points' own: no cluster is left out within this of
+/// counting [m].
+inline constexpr double kBoundSlack = 1e-12;
+
 /// The surface points of one rigid part of a tool, in the part's own frame P (the handle's, drawn closed).
 /// Arrays by component; points that lie together are neighbours in the arrays, in clusters that can be passed
 /// over whole.
@@ -14,39 +18,23 @@ struct PartPoints {
   static constexpr std::uint32_t kClusterSize = 32;
   static constexpr std::size_t kMostPoints = 2000;  // of a part: denser surfaces are thinned out
 
-  /// A run of kClusterSize points (the last one shorter) within a ball.
+  /// A run of kClusterSize points (the last one shorter) within a box and a ball about its middle.
   struct Cluster {
     Vec3 centre = Vec3::Zero();
-    double radius = 0.0;
+    Vec3 half_size = Vec3::Zero();  // of the box [m]
+    double radius = 0.0;            // of the ball [m]
     std::uint32_t begin = 0;
     std::uint32_t end = 0;
   };
 
-  static_assert(kMostPoints <= std::size_t{64} * kClusterSize);  // PartState has one bit a cluster
-
-  /// A run of up to kGroupSize clusters within a ball.
-  static constexpr std::uint32_t kGroupSize = 16;
-
-  /// What a support asks of a point, in one line of the cache.
-  struct alignas(64) Weighed {
-    double x, y, z;     // m
-    double tip_radius;  // m
-    double one;         // 1: a weight is added up beside the half-widths it weighs
-    double half_width;  // m
-    double area;        // m^2
-  };
+  static_assert(kMostPoints <= std::size_t{64} * kClusterSize);  // DepthSearch has one bit a cluster
 
   std::vector<double> x, y, z;     // m
   std::vector<double> area;        // m^2, of the surface that the point stands for, > 0
   std::vector<double> tip_radius;  // R, radius of curvature there [m]
   std::vector<double> half_width;  // of the part there [m]
   std::vector<Cluster> clusters;
-  std::vector<Cluster> groups;   // of clusters: begin and end count those
-  std::vector<Weighed> weighed;  // the same numbers, by point
-  std::vector<double> offset;    // of a point from its cluster's centre [m]
-  std::vector<float> near_x, near_y,
-      near_z;             // x, y, z rounded, whole clusters: the last one's gaps repeat its end
-  double rounding = 0.0;  // that near_* may be off by, and what is worked out of it [m]
+  std::vector<double> offset;  // of a point from its cluster's centre [m]
   Vec3 box_middle = Vec3::Zero();
   Vec3 box_reach = Vec3::Zero();  // half the box's size
   geometry::ToolPart joint;       // is_jaw, pivot, axis, open_angle; no mesh

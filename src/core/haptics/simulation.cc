@@ -182,20 +182,6 @@ DeviceState sample_of(const TickRow& row) noexcept {
   return sample;
 }
 
-FetchList memory_of(const SimulationState& state) {
-  FetchList list;
-  list.add(state);
-  list.add_elements(state.noise);
-  list.add_elements(state.gates);
-  list.add_elements(state.tracks);
-  list.add_elements(state.engagements);
-  list.add_elements(state.motions);
-  list.add_elements(state.inputs);
-  for (const contact::ToolResult& result : state.results) list.add(&result, &result.views[1]);
-  contact::list_memory(state.contact, list);
-  return list;
-}
-
 void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,
           std::span<TickRow> rows) noexcept {

@@ -61,10 +61,6 @@ struct SimulationState {
 /// [any] The device's sample that a row was made from, bit for bit.
 [[nodiscard]] DeviceState sample_of(const TickRow& row) noexcept;
 
-/// [setup] Where a tick looks at `state`, while that is neither moved nor copied to: fetched a tick ahead,
-/// when many states take turns on one thread, it takes off what each tick would wait for memory.
-[[nodiscard]] FetchList memory_of(const SimulationState& state);
-
 /// [rt] One haptic tick (docs/model.md, section 4): samples in, rows and commands out. A pure function of its
 /// arguments; it reads no clock, so tick_ns and late_ns stay 0.
 ///

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/contact/contact_patch.h"
 #include "core/contact/organ_surface.h"
-#include "core/contact/support.h"
 #include "core/contact/test/rig.h"
 #include "palpate/error.h"
 
@@ -115,16 +115,17 @@ TEST(ToolPoints, KnowTheRadiusOfABallAndTheWidthOfABar) {
 
 TEST(ToolPoints, WithoutTrianglesAreRefused) { EXPECT_THROW((void)sample_part({}, 0.0), InputError); }
 
-TEST(Support, IsTheDeepestPointAndTheWeightedMeanOfTheBand) {
+TEST(ContactPatch, IsTheDeepestPointAndTheWeightedMeanOfTheBand) {
   geometry::ToolPart part;
   part.mesh = geometry::make_ball(3e-3, 5120);
   const PartPoints points = sample_part(part, 0.0);
-  const Support support = support_of(points, Vec3(0.5e-3, 0, -2e-3), Vec3::UnitZ(), kSurfaceReference);
-  EXPECT_NEAR(support.depth, 1e-3, 1e-9);
-  EXPECT_LT((support.mean - Vec3(0, 0, -3e-3)).norm(), 0.15e-3);
+  const ContactPatch patch =
+      contact_patch_of(points, Vec3(0.5e-3, 0, -2e-3), Vec3::UnitZ(), kSurfaceReference);
+  EXPECT_NEAR(patch.depth, 1e-3, 1e-9);
+  EXPECT_LT((patch.centroid - Vec3(0, 0, -3e-3)).norm(), 0.15e-3);
 }
 
-TEST(Support, LeavesOutWhatIsFartherThanTheReferenceRadiusFromTheAxis) {
+TEST(ContactPatch, LeavesOutWhatIsFartherThanTheReferenceRadiusFromTheAxis) {
   geometry::ToolPart part;
   part.mesh = geometry::make_box(Vec3(40e-3, 4e-3, 4e-3), 1e-3);
   geometry::transform(part.mesh,
@@ -137,15 +138,15 @@ TEST(Support, LeavesOutWhatIsFartherThanTheReferenceRadiusFromTheAxis) {
     const double t = std::clamp((rho - 5e-3) / 5e-3, 0.0, 1.0);
     brute = std::max(brute, -points.z[i] * (1.0 - t * t * (3.0 - 2.0 * t)));
   }
-  EXPECT_NEAR(support_of(points, at, Vec3::UnitZ(), kSurfaceReference).depth, brute, 1e-12);
+  EXPECT_NEAR(contact_patch_of(points, at, Vec3::UnitZ(), kSurfaceReference).depth, brute, 1e-12);
   EXPECT_LT(brute, 6e-3);
 }
 
-TEST(Support, OfNothingBehindThePlaneIsZero) {
+TEST(ContactPatch, OfNothingBehindThePlaneIsZero) {
   geometry::ToolPart part;
   part.mesh = geometry::make_ball(3e-3, 320);
   const PartPoints points = sample_part(part, 0.0);
-  EXPECT_EQ(support_of(points, Vec3(0, 0, -3.1e-3), Vec3::UnitZ(), kSurfaceReference).depth, 0.0);
+  EXPECT_EQ(contact_patch_of(points, Vec3(0, 0, -3.1e-3), Vec3::UnitZ(), kSurfaceReference).depth, 0.0);
 }
 
 }  // namespace

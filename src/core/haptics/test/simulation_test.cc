@@ -1,6 +1,5 @@
 #include "core/haptics/simulation.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -205,29 +204,6 @@ TEST(Tick, TheNoiseCanBeSwitchedOff) {
   Bench bench(1, no_noise());
   bench.press(600);
   EXPECT_EQ(bench.rows[0].noise_force, 0.0);
-}
-
-TEST(MemoryOf, AStateNamesWhatItsTickReadsAndFetchingItChangesNothing) {
-  Bench bench(2);
-  const FetchList list = memory_of(bench.state);
-  const auto names = [&list](const void* place) {
-    return std::any_of(list.lines().begin(), list.lines().end(), [&](const void* line) {
-      const auto from = reinterpret_cast<std::uintptr_t>(line);
-      const auto at = reinterpret_cast<std::uintptr_t>(place);
-      return at >= from && at < from + 64;
-    });
-  };
-  EXPECT_TRUE(names(&bench.state));
-  EXPECT_TRUE(names(&bench.state.gates[1]));
-  EXPECT_TRUE(names(&bench.state.results[1].force_W));
-  Bench other(2);
-  for (int i = 0; i < 300; ++i) {
-    list.fetch();
-    bench.press(1);
-    other.press(1);
-    ASSERT_EQ(bench.rows[0].force, other.rows[0].force);
-  }
-  EXPECT_GT(norm(bench.rows[0].force), 0.0);
 }
 
 }  // namespace

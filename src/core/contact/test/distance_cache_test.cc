@@ -1,5 +1,5 @@
-// What is passed over unseen in a tick changes nothing: against plain loops over all points.
-#include "core/contact/proximity.h"
+// What is left out in a tick changes nothing: against plain loops over all points.
+#include "core/contact/distance_cache.h"
 
 #include <cmath>
 #include <limits>
@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/contact/contact_patch.h"
 #include "core/contact/sharing.h"
-#include "core/contact/support.h"
 #include "core/contact/test/rig.h"
 #include "palpate/builtin.h"
 
@@ -17,19 +17,6 @@ namespace {
 
 constexpr double kReference = 10e-3;
 constexpr double kPeriod = 1e-3;
-
-PartState state_for(const PartPoints& points) {
-  PartState part;
-  part.known.assign(points.size(), 0.0);
-  part.since.assign(points.size(), 0.0);
-  part.floor.assign(points.size(), 0.0);
-  part.nearest_triangle.assign(points.size(), -1);
-  part.inside.assign(points.size(), 0);
-  const std::size_t pairs = (points.clusters.size() + 1) / 2;
-  part.cluster_crosses.assign(2 * pairs, std::numeric_limits<double>::infinity());
-  part.cluster_floor.assign(2 * pairs, std::numeric_limits<double>::infinity());
-  return part;
-}
 
 PartPoints jaw() { return sample_part(geometry::make_tool("curved-forceps").parts.front(), 0.0); }
 
@@ -46,67 +33,61 @@ Pose wander(double time, const Quat& turn, const Vec3& tip) {
   return {rotation, place - rotation * tip};
 }
 
-TEST(Proximity, NearestIsThatOfAllPointsAlongAnyWay) {
+TEST(DistanceCache, NearestIsThatOfAllPointsAlongAnyWay) {
   std::mt19937 random(1);
   const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
   const PartPoints points = jaw();
   for (int run = 0; run < 3; ++run) {
-    PartState part = state_for(points);
+    DistanceCache part(surface, points);
     const Quat turn = random_turn(random);
     for (int tick = 0; tick < 1500; ++tick) {
-      move_part(surface, points, wander(tick * kPeriod, turn, points.point(0)), kReference, kPeriod, part);
+      part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, {}, kReference);
       if (tick % 7 != 0) continue;  // and after ticks in which nobody asked
-      find_nearest(surface, points, part);
+      part.find_nearest();
       double nearest = std::numeric_limits<double>::infinity();
       for (std::size_t i = 0; i < points.size(); ++i) {
-        nearest = std::min(nearest, surface.nearest(part.placed_S * points.point(i), -1).distance);
+        nearest = std::min(nearest, surface.nearest(part.point_S(i), -1).distance);
       }
-      ASSERT_EQ(part.nearest.distance, nearest) << "run " << run << ", tick " << tick;
+      ASSERT_EQ(part.nearest().distance, nearest) << "run " << run << ", tick " << tick;
     }
   }
 }
 
-double nearest_of_all(const OrganSurface& surface, const PartPoints& points, const PartState& part) {
+double nearest_of_all(const OrganSurface& surface, const PartPoints& points, const DistanceCache& part) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    nearest = std::min(nearest, surface.nearest(part.placed_S * points.point(i), -1).distance);
+    nearest = std::min(nearest, surface.nearest(part.point_S(i), -1).distance);
   }
   return nearest;
 }
 
-TEST(Proximity, NearestIsThatOfAllPointsTickByTickWhileABallRestsOnTheOrgan) {
+TEST(DistanceCache, NearestIsThatOfAllPointsTickByTickAndBoundsHold) {
   const OrganSurface surface(geometry::make_organ("heart"), kReference);
   const PartPoints points = jaw();
-  PartState part = state_for(points);
-  int served = 0;
+  DistanceCache part(surface, points);
   for (int tick = 0; tick < 1200; ++tick) {
     const double time = tick * kPeriod;
     const Vec3 aside(10e-3 * std::sin(3.0 * time), 8e-3 * std::sin(4.0 * time), 4e-3 * std::sin(9.0 * time));
     const Pose pose{rotation_about(Vec3::UnitX(), 0.2 * std::sin(5.0 * time)),
                     aside - Vec3(0.0, 0.0, 135e-3)};
-    move_part(surface, points, pose, kReference, kPeriod, part);
-    find_nearest(surface, points, part);
-    ASSERT_EQ(part.nearest.distance, nearest_of_all(surface, points, part)) << "tick " << tick;
-    if (part.ball.radius > 0.0) ++served;
+    part.move(pose, kPeriod, {}, kReference);
+    part.find_nearest();
+    ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << "tick " << tick;
     if (tick % 20 != 0) continue;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 p = part.placed_S * points.point(i);
+      const Vec3 p = part.point_S(i);
       const double distance = surface.nearest(p, -1).distance;
-      ASSERT_LE(part.ball.radius - (p - part.ball.centre_S).norm(), distance + 1e-12);
-      if (part.known[i] > 0.0) {
-        ASSERT_LE(least_distance(part, i), distance + 1e-12);
-      }
+      ASSERT_LE(part.least(i), distance + 1e-12);
     }
   }
-  EXPECT_GT(served, 1000);
 }
 
-TEST(Proximity, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
+TEST(DistanceCache, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(0.9, 1.1);
   const OrganSurface surface(geometry::make_organ("heart"), kReference);
   const PartPoints points = jaw();
-  PartState part = state_for(points);
+  DistanceCache part(surface, points);
   int nearer = 0;
   int farther = 0;
   for (int tick = 0; tick < 1200; ++tick) {
@@ -114,16 +95,16 @@ TEST(Proximity, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
     const Vec3 aside(10e-3 * std::sin(3.0 * time), 8e-3 * std::sin(4.0 * time), 4e-3 * std::sin(9.0 * time));
     const Pose pose{rotation_about(Vec3::UnitX(), 0.2 * std::sin(5.0 * time)),
                     aside - Vec3(0.0, 0.0, 140e-3)};
-    move_part(surface, points, pose, kReference, kPeriod, part);
+    part.move(pose, kPeriod, {}, kReference);
     const double nearest = nearest_of_all(surface, points, part);
     ASSERT_GT(nearest, 0.0);
     const double enough = share(random) * nearest;
-    find_nearest(surface, points, part, enough);
+    part.find_nearest(enough);
     if (nearest < enough) {
-      ASSERT_EQ(part.nearest.distance, nearest) << "tick " << tick;
+      ASSERT_EQ(part.nearest().distance, nearest) << "tick " << tick;
       ++nearer;
     } else {
-      ASSERT_GE(part.nearest.distance, enough) << "tick " << tick;
+      ASSERT_GE(part.nearest().distance, enough) << "tick " << tick;
       ++farther;
     }
   }
@@ -133,79 +114,114 @@ TEST(Proximity, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
 
 /// Brings the part's tip straight up to the organ, from far below, until it is `depth` [m] inside.
 double height_of_depth(const OrganSurface& surface, const PartPoints& points, double depth) {
-  PartState part = state_for(points);
+  DistanceCache part(surface, points);
   for (int step = 0; step < 2000; ++step) {
     const double z = -0.2 + 0.1e-3 * step;
-    move_part(surface, points, place(Vec3(0.0, 0.0, z)), kReference, kPeriod, part);
-    find_nearest(surface, points, part);
-    if (part.nearest.distance < -depth) return z;
+    part.move(place(Vec3(0.0, 0.0, z)), kPeriod, {}, kReference);
+    part.find_nearest();
+    if (part.nearest().distance < -depth) return z;
   }
   return 0.0;
 }
 
-TEST(Proximity, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
+TEST(DistanceCache, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
   const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
   const PartPoints points = jaw();
   const double deep = height_of_depth(surface, points, 1.5e-3);
-  PartState part = state_for(points);
+  DistanceCache part(surface, points);
+  std::vector<Vec3> contacts;
   const auto go_to = [&](double from, double to) {
     for (int k = 1; k <= 40; ++k) {
       const double z = from + (to - from) * k / 40.0;
-      move_part(surface, points, place(Vec3(0.0, 0.0, z)), kReference, kPeriod, part);
-      if (part.contact_count == 0) find_nearest(surface, points, part);
+      part.move(place(Vec3(0.0, 0.0, z)), kPeriod, contacts, kReference);
+      if (contacts.empty()) part.find_nearest();
     }
   };
   go_to(deep - 4e-3, deep);
-  ASSERT_GT(part.inside_count, 0U);
-  // A contact that covers the place while the tool leaves: nobody looks which points come out.
-  part.contact_count = 1;
-  part.contacts[0].at = {part.nearest.point, part.nearest.triangle};
+  ASSERT_GT(part.inside_count(), 0U);
+  // A contact that covers the place while the tool leaves: which points come out is not looked for.
+  contacts.push_back(part.nearest().point);
   go_to(deep, deep - 2e-3);
-  part.contact_count = 0;
-  find_nearest(surface, points, part);
-  ASSERT_GT(part.nearest.distance, 0.0);
+  contacts.clear();
+  part.find_nearest();
+  ASSERT_GT(part.nearest().distance, 0.0);
   // The very next tick goes in again, slower than a hand that counts as placed anew.
-  move_part(surface, points, place(Vec3(0.0, 0.0, deep)), kReference, kPeriod, part);
+  part.move(place(Vec3(0.0, 0.0, deep)), kPeriod, {}, kReference);
   std::size_t inside = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (surface.nearest(part.placed_S * points.point(i), -1).distance < kInside) ++inside;
+    if (surface.nearest(part.point_S(i), -1).distance < kInside) ++inside;
   }
   EXPECT_GT(inside, 3U);
-  EXPECT_EQ(part.entry_count, inside);
+  EXPECT_EQ(part.entries().size(), inside);
 }
 
-TEST(Proximity, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
+TEST(DistanceCache, IsRightAgainInTheTickInWhichAContactHasLeft) {
+  std::mt19937 random(6);
+  const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
+  const PartPoints points = jaw();
+  DistanceCache part(surface, points);
+  const Quat turn = random_turn(random);
+  std::vector<Vec3> contacts;
+  std::vector<bool> was_inside(points.size());
+  for (int tick = 0; tick < 3000; ++tick) {
+    part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, contacts, kReference);
+    if (tick % 100 < 50) {  // a contact stays where the tool was nearest
+      if (contacts.empty()) contacts.push_back(surface.nearest(part.point_S(0), -1).point);
+      continue;
+    }
+    if (tick % 100 == 50) {  // it leaves: whether the nearest point is looked for before the next tick or not
+      contacts.clear();
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        was_inside[i] = surface.nearest(part.point_S(i), -1).distance < kInside;
+      }
+      if (tick % 200 == 50) part.find_nearest();
+      continue;
+    }
+    if (tick % 100 > 51 && tick % 10 != 0) continue;
+    if (tick % 100 == 51) {  // what crossed before is no entry
+      for (const EntryEvent& entry : part.entries()) EXPECT_FALSE(was_inside[entry.point]) << "tick " << tick;
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double distance = surface.nearest(part.point_S(i), -1).distance;
+      ASSERT_EQ(part.is_inside(i), distance < kInside) << "tick " << tick << ", point " << i;
+      ASSERT_LE(part.least(i), distance + 1e-12);
+    }
+    part.find_nearest();
+    ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << "tick " << tick;
+  }
+}
+
+TEST(DistanceCache, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
   std::mt19937 random(2);
   const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
   const PartPoints points = jaw();
-  PartState part = state_for(points);
+  DistanceCache part(surface, points);
   const Quat turn = random_turn(random);
   std::vector<bool> was_inside(points.size(), false);
   int entered = 0;
   for (int tick = 0; tick < 1500; ++tick) {
-    move_part(surface, points, wander(tick * kPeriod, turn, points.point(0)), kReference, kPeriod, part);
+    part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, {}, kReference);
     std::uint32_t inside = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const bool now = surface.nearest(part.placed_S * points.point(i), -1).distance < kInside;
-      ASSERT_EQ(part.inside[i] != 0, now) << "tick " << tick << ", point " << i;
+      const bool now = surface.nearest(part.point_S(i), -1).distance < kInside;
+      ASSERT_EQ(part.is_inside(i), now) << "tick " << tick << ", point " << i;
       inside += now ? 1U : 0U;
-      if (now && !was_inside[i] && tick > 0 && part.entry_count < PartState::kMostEntries) {
+      if (now && !was_inside[i] && tick > 0 && part.entries().size() < DistanceCache::kMostEntries) {
         ++entered;
-        EXPECT_TRUE(std::any_of(part.entries.begin(),
-                                part.entries.begin() + static_cast<std::ptrdiff_t>(part.entry_count),
+        EXPECT_TRUE(std::any_of(part.entries().begin(), part.entries().end(),
                                 [&](const EntryEvent& entry) { return entry.point == i; }));
       }
       was_inside[i] = now;
     }
-    ASSERT_EQ(part.inside_count, inside);
+    ASSERT_EQ(part.inside_count(), inside);
   }
   EXPECT_GT(entered, 50);
 }
 
 /// The rule of model.md, section 4, as a plain loop in double precision.
-Support plain_support(const PartPoints& part, const Vec3& point, const Vec3& normal) {
+ContactPatch plain_patch(const PartPoints& part, const Vec3& point, const Vec3& normal) {
   std::vector<double> depths(part.size());
-  Support support;
+  ContactPatch patch;
   for (std::size_t i = 0; i < part.size(); ++i) {
     const Vec3 offset = part.point(i) - point;
     depths[i] = -offset.dot(normal);
@@ -216,21 +232,21 @@ Support plain_support(const PartPoints& part, const Vec3& point, const Vec3& nor
       const double t = (std::sqrt(rho_squared) - inner) / inner;
       depths[i] *= t >= 1.0 ? 0.0 : 1.0 - t * t * (3.0 - 2.0 * t);
     }
-    support.depth = std::max(support.depth, depths[i]);
+    patch.depth = std::max(patch.depth, depths[i]);
   }
-  if (support.depth <= 0.0) return support;
+  if (patch.depth <= 0.0) return patch;
   double total = 0.0;
   for (std::size_t i = 0; i < part.size(); ++i) {
-    const double share = 1.0 - (support.depth - depths[i]) / std::min(kSupportBand, support.depth);
+    const double share = 1.0 - (patch.depth - depths[i]) / std::min(kPatchBand, patch.depth);
     if (share <= 0.0) continue;
     total += part.area[i] * share;
-    support.mean += part.area[i] * share * part.point(i);
+    patch.centroid += part.area[i] * share * part.point(i);
   }
-  support.mean /= total;
-  return support;
+  patch.centroid /= total;
+  return patch;
 }
 
-TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBit) {
+TEST(ContactPatch, IsThatOfAPlainLoopOverAllPointsToTheBitWhateverTheGuess) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   for (const std::string name : {"curved-forceps", "straight-forceps"}) {
@@ -242,92 +258,12 @@ TEST(Support, IsThatOfAPlainLoopOverAllPointsToTheBit) {
         const double depth = i % 3 == 0 ? 1e-5 : 4e-3;
         const Vec3 point =
             part.point(index(random)) + depth * Vec3(normal(random), normal(random), normal(random));
-        const Support plain = plain_support(part, point, direction);
-        const Support found = support_of(part, point, direction, kReference);
+        const ContactPatch plain = plain_patch(part, point, direction);
+        const auto guess = static_cast<std::uint32_t>(static_cast<std::size_t>(i) % part.clusters.size());
+        const ContactPatch found = contact_patch_of(part, point, direction, kReference, guess);
         ASSERT_EQ(found.depth, plain.depth);
-        ASSERT_EQ(found.mean, plain.mean);
+        ASSERT_EQ(found.centroid, plain.centroid);
       }
-    }
-  }
-}
-
-TEST(Support, OfAKeptShortlistIsThatOfAPlainLoopToTheBitWhileThePlaneWandersAndLeaps) {
-  std::mt19937 random(5);
-  std::normal_distribution<double> normal;
-  const auto any = [&] { return Vec3(normal(random), normal(random), normal(random)); };
-  int served = 0;
-  int asked = 0;
-  for (const geometry::ToolPart& tool_part : geometry::make_tool("curved-forceps").parts) {
-    const PartPoints part = sample_part(tool_part, 0.0);
-    std::uniform_int_distribution<std::size_t> index(0, part.size() - 1);
-    for (int way = 0; way < 60; ++way) {
-      Vec3 direction = any().normalized();
-      Vec3 point = part.point(index(random)) + 3e-3 * direction;
-      Shortlist kept;
-      for (int i = 0; i < 60; ++i, ++asked) {
-        const double leap = i % 20 == 19 ? 100.0 : 1.0;
-        const double rise = 15e-6 * (way % 3 - 1);  // up, down or neither
-        point += leap * 2e-6 * any() + rise * direction;
-        direction = (direction + leap * 2e-4 * any()).normalized();
-        const Vec3 kept_for = kept.point;
-        const Support plain = plain_support(part, point, direction);
-        const Support found = support_of(part, point, direction, kReference, kept);
-        ASSERT_EQ(found.depth, plain.depth);
-        ASSERT_EQ(found.mean, plain.mean);
-        served += kept.count > 0 && kept.point == kept_for ? 1 : 0;
-      }
-    }
-  }
-  EXPECT_GT(served, asked / 3);
-}
-
-TEST(Support, AShortlistServesWhileThePlaneSinksAndRisesAgain) {
-  // As a tool lifts off and presses on: over 0.5 mm, 10 um and a little turning at a time.
-  std::mt19937 random(8);
-  std::normal_distribution<double> normal;
-  const geometry::ToolPart jaw = geometry::make_tool("curved-forceps").parts.front();
-  const PartPoints part = sample_part(jaw, 0.0);
-  std::size_t tip = 0;
-  for (std::size_t i = 0; i < part.size(); ++i) {
-    if (part.z[i] > part.z[tip]) tip = i;
-  }
-  Shortlist kept;
-  int anew = 0;
-  for (int i = 0; i < 100; ++i) {
-    const double sunk = 10e-6 * (i < 50 ? i : 100 - i);
-    const Vec3 point = part.point(tip) - (2e-3 - sunk) * Vec3::UnitZ();
-    const Vec3 direction =
-        (-Vec3::UnitZ() + 1e-5 * Vec3(normal(random), normal(random), normal(random))).normalized();
-    const Vec3 kept_for = kept.point;
-    const Support plain = plain_support(part, point, direction);
-    const Support found = support_of(part, point, direction, kReference, kept);
-    ASSERT_EQ(found.depth, plain.depth);
-    ASSERT_EQ(found.mean, plain.mean);
-    anew += kept.point == kept_for ? 0 : 1;
-  }
-  EXPECT_LE(anew, 3);
-}
-
-TEST(Support, AShortlistGivesWayWhenThePlaneTurnsToOtherPoints) {
-  // A flat end of 4 mm, pressed in and turned: another edge goes deepest, near to the axis as all of it is.
-  geometry::ToolPart end;
-  end.mesh = geometry::make_box(Vec3(4e-3, 4e-3, 4e-3), 0.4e-3);
-  const PartPoints part = sample_part(end, 0.0);
-  std::mt19937 random(9);
-  std::normal_distribution<double> normal;
-  for (int way = 0; way < 200; ++way) {
-    const Vec3 axis = Vec3(normal(random), normal(random), 0.0).normalized();
-    const double turn = std::pow(10.0, -4.0 + 2.0 * way / 200.0);  // rad a step
-    const double rise = 4e-6 * normal(random);
-    double angle = 0.1 * normal(random);
-    Shortlist kept;
-    for (int i = 0; i < 40; ++i, angle += turn) {
-      const Vec3 direction = rotation_about(axis, angle) * Vec3::UnitZ();
-      const Vec3 point = -(0.5e-3 - rise * i) * direction;
-      const Support plain = plain_support(part, point, direction);
-      const Support found = support_of(part, point, direction, kReference, kept);
-      ASSERT_EQ(found.depth, plain.depth);
-      ASSERT_EQ(found.mean, plain.mean);
     }
   }
 }

@@ -1,0 +1,244 @@
+#include "core/contact/distance_cache.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/tool_contact.h"
+
+namespace palpate::contact {
+namespace {
+
+// With more points of a cluster in question than this, its centre is asked first.
+constexpr std::size_t kFewPoints = 4;
+
+constexpr double kContactDrift = 0.1;  // m/s: twice what a contact may gain on the tool
+
+}  // namespace
+
+DistanceCache::DistanceCache(const OrganSurface& surface, const PartPoints& points)
+    : surface_(&surface),
+      points_(&points),
+      bounds_(points.clusters.size()),
+      cached_(points.size()),
+      inside_(points.size(), 0) {}
+
+/// No point of the part has moved more since the last tick: the motion of the middle of its box, and what
+/// turning adds on the way to a corner.
+double DistanceCache::greatest_motion() const noexcept {
+  const Mat3 turned = placed_S_.rotation - previous_S_.rotation;
+  const Vec3 moved = placed_S_.position - previous_S_.position;
+  double motion = (turned * points_->box_middle + moved).norm();
+  for (int axis = 0; axis < 3; ++axis) motion += points_->box_reach[axis] * turned.col(axis).norm();
+  return motion;
+}
+
+bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3> contacts_S,
+                         double reference_radius) noexcept {
+  previous_S_ = placed_S_;
+  placed_S_ = {pose_S.rotation.toRotationMatrix(), pose_S.position};
+  if (!placed_) previous_S_ = placed_S_;
+  motion_ = greatest_motion();
+  odometer_ += motion_;
+  entry_count_ = 0;
+  const bool placed_anew = !placed_ || motion_ > kFastestHand * period;
+  placed_ = true;
+  if (placed_anew) {
+    previous_S_ = placed_S_;
+    motion_ = 0.0;
+    reset();
+  } else {
+    // A contact walks no farther in a tick than the tool moves there and a little.
+    find_crossings(contacts_S, reference_radius - 3.0 * motion_ - kContactDrift * period);
+  }
+  return !placed_anew;
+}
+
+void DistanceCache::set_inside(std::size_t point, double distance) noexcept {
+  const bool now = distance < kInside;
+  inside_count_ += (now ? 1U : 0U) - inside_[point];
+  inside_[point] = now ? 1 : 0;
+}
+
+/// A point differs from another place's distance by no more than the way there. Its side is that of the
+/// place, or in question.
+void DistanceCache::take(std::size_t point, const geometry::NearestPoint& nearest, double way) noexcept {
+  set_inside(point, nearest.distance);
+  cached_[point] = {nearest.distance, odometer_ - way - kBoundSlack, nearest.triangle};
+}
+
+/// Finds the sides of a cluster's points whatever they were before.
+void DistanceCache::resolve(std::size_t c) noexcept {
+  const PartPoints::Cluster& cluster = points_->clusters[c];
+  const geometry::NearestPoint centre =
+      surface_->nearest(placed_S_ * cluster.centre, cached_[cluster.begin].triangle);
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) take(i, centre, points_->offset[i]);
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    if (!may_have_crossed(i)) continue;
+    const geometry::NearestPoint asked = ask(i);
+    for (std::size_t j = i + 1; j < cluster.end; ++j) {
+      if (may_have_crossed(j)) take(j, asked, (points_->point(j) - points_->point(i)).norm());
+    }
+  }
+  bound_cluster(c);
+}
+
+void DistanceCache::reset() noexcept {
+  nearest_point_ = 0;
+  for (std::size_t c = 0; c < bounds_.size(); ++c) resolve(c);
+  for (std::uint32_t i = 0; i < cached_.size(); ++i) {
+    if (least(i) < least(nearest_point_)) nearest_point_ = i;  // the one to ask first
+  }
+  next_crossing_ = odometer_;
+}
+
+void DistanceCache::bound_cluster(std::size_t c) noexcept {
+  double crossing = std::numeric_limits<double>::infinity();
+  double least = crossing;
+  const auto first = cached_.begin() + points_->clusters[c].begin;
+  const auto end = cached_.begin() + points_->clusters[c].end;
+  for (auto cached = first; cached != end; ++cached) {
+    crossing = std::min(crossing, cached->odometer + std::abs(cached->distance - kInside));
+    least = std::min(least, cached->odometer + cached->distance);
+  }
+  bounds_[c] = {crossing, least, false};
+}
+
+geometry::NearestPoint DistanceCache::ask(std::size_t point) noexcept {
+  Cached& cached = cached_[point];
+  geometry::NearestPoint found = surface_->nearest(point_S(point), cached.triangle);
+  set_inside(point, found.distance);
+  cached = {found.distance, odometer_, found.triangle};
+  return found;
+}
+
+/// One question for all points of a cluster. It serves the points that it shows to be on their side still,
+/// and farther from the surface than the part has moved in this tick.
+void DistanceCache::ask_centre(std::size_t c) noexcept {
+  const PartPoints::Cluster& cluster = points_->clusters[c];
+  const geometry::NearestPoint centre =
+      surface_->nearest(placed_S_ * cluster.centre, cached_[cluster.begin].triangle);
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    Cached& cached = cached_[i];
+    const double offset = points_->offset[i] + kBoundSlack;
+    const double clear = (is_inside(i) ? -centre.distance : centre.distance) - offset;
+    const double known = is_inside(i) ? -greatest(i) : least(i);
+    if (clear + kInside <= motion_ || clear <= known) continue;
+    cached = {centre.distance, odometer_ - offset, centre.triangle};
+  }
+}
+
+/// Whether a bound of its distance shows that a point was outside when last asked and has stayed there: the
+/// balls without surface about it, then and now, meet, and this one holds the tick's way. Keeps the bound.
+bool DistanceCache::stays_outside(std::size_t i) noexcept {
+  Cached& cached = cached_[i];
+  if (cached.distance <= 0.0) return false;
+  const geometry::Clearance clear = surface_->clearance(point_S(i), cached.triangle);
+  cached.triangle = clear.triangle;
+  const double least_here = clear.least + kInside;
+  if (least_here <= motion_ || cached.distance + least_here <= odometer_ - cached.odometer) return false;
+  cached.distance = clear.least;
+  cached.odometer = odometer_;
+  return true;
+}
+
+/// Asks a point that may have crossed the surface, and notes an entry when it went in, or in and out again,
+/// during this tick.
+void DistanceCache::ask_crossed(std::size_t i) noexcept {
+  if (stays_outside(i)) return;
+  const bool was_inside = is_inside(i);
+  const double before = least(i) + motion_;  // at least this far outside a tick ago
+  const geometry::NearestPoint now = ask(i);
+  if (was_inside || entry_count_ == kMostEntries) return;
+  const bool went_in = now.distance < kInside;
+  const Vec3 end = point_S(i);
+  const Vec3 start = previous_S_ * points_->point(i);
+  // Out and out again: in between it was in only if the way is long enough.
+  const double way_in = std::max(0.0, before - kInside) + now.distance - kInside;
+  if (!went_in && way_in > (end - start).norm()) return;
+  if (const auto entry = surface_->first_entry(start, end)) {
+    entries_[entry_count_++] = {static_cast<std::uint32_t>(i), {entry->point, entry->triangle}};
+  } else if (went_in) {
+    entries_[entry_count_++] = {static_cast<std::uint32_t>(i), {now.point, now.triangle}};
+  }
+}
+
+/// Asks the points of a cluster that may have crossed the surface.
+void DistanceCache::ask_cluster(std::size_t c) noexcept {
+  std::array<std::uint32_t, PartPoints::kClusterSize> crossed;
+  std::size_t count = 0;
+  for (std::uint32_t i = points_->clusters[c].begin; i < points_->clusters[c].end; ++i) {
+    if (may_have_crossed(i)) crossed[count++] = i;
+  }
+  if (count > kFewPoints) ask_centre(c);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (may_have_crossed(crossed[k])) ask_crossed(crossed[k]);
+  }
+  bound_cluster(c);
+}
+
+void DistanceCache::find_crossings(std::span<const Vec3> contacts_S, double reach) noexcept {
+  const double now = odometer_ + kBoundSlack;
+  if (next_crossing_ > now) return;
+  std::array<Vec3, kContactsPerPart> contacts_P;
+  std::transform(contacts_S.begin(), contacts_S.end(), contacts_P.begin(),
+                 [this](const Vec3& at_S) { return placed_S_.bring_back(at_S); });
+  double next = std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < bounds_.size(); ++c) {
+    ClusterBound& bound = bounds_[c];
+    if (bound.crossing > now) {
+      next = std::min(next, bound.crossing);
+      continue;
+    }
+    const PartPoints::Cluster& cluster = points_->clusters[c];
+    const double nearest = reach - cluster.radius;
+    if (nearest > 0.0 &&
+        std::any_of(contacts_P.begin(), contacts_P.begin() + contacts_S.size(), [&](const Vec3& at_P) {
+          return (at_P - cluster.centre).squaredNorm() <= nearest * nearest;
+        })) {
+      bound.deferred = true;
+      next = odometer_;
+      continue;
+    }
+    if (bound.deferred) {
+      resolve(c);  // what crossed meanwhile starts nothing by it
+    } else {
+      ask_cluster(c);
+    }
+    next = std::min(next, bound.crossing);
+  }
+  next_crossing_ = next;
+}
+
+void DistanceCache::find_nearest(double enough) noexcept {
+  for (std::size_t c = 0; c < bounds_.size(); ++c) {
+    if (bounds_[c].deferred) resolve(c);
+  }
+  const auto out_of_reach = [this](const ClusterBound& bound, double reach) {
+    return bound.least - odometer_ > reach + kBoundSlack;
+  };
+  if (std::all_of(bounds_.begin(), bounds_.end(),
+                  [&](const ClusterBound& bound) { return out_of_reach(bound, enough); })) {
+    nearest_.distance = std::numeric_limits<double>::infinity();
+    return;
+  }
+  const std::size_t last_nearest = nearest_point_;
+  nearest_ = ask(last_nearest);
+  const auto wanted = [this, enough] { return std::min(nearest_.distance, enough); };
+  for (std::size_t c = 0; c < bounds_.size(); ++c) {
+    if (out_of_reach(bounds_[c], wanted())) continue;
+    const PartPoints::Cluster& cluster = points_->clusters[c];
+    std::size_t nearer = 0;
+    for (std::size_t i = cluster.begin; i < cluster.end; ++i) nearer += least(i) < wanted() ? 1U : 0U;
+    if (nearer > kFewPoints) ask_centre(c);
+    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+      if (i == last_nearest || least(i) >= wanted()) continue;
+      const geometry::NearestPoint found = ask(i);
+      if (found.distance >= nearest_.distance) continue;
+      nearest_point_ = static_cast<std::uint32_t>(i);
+      nearest_ = found;
+    }
+    bound_cluster(c);
+  }
+}
+
+}  // namespace palpate::contact
