@@ -18,6 +18,7 @@ struct Specimen {
   std::vector<double> time;          // s, rising; empty when the file has none
   std::vector<double> displacement;  // m
   std::vector<double> force;         // N
+  std::size_t empty_rows = 0;        // that were left out by read_specimens()
 
   [[nodiscard]] std::size_t size() const noexcept { return force.size(); }
 };
@@ -26,10 +27,12 @@ inline constexpr std::size_t kFewestPoints = 10;
 
 /// [setup] The specimens of one CSV file with columns displacement_mm, force_N and optionally time_s and
 /// specimen, by header name; lines that begin with # and blank lines do not count. A file without a specimen
-/// column is one specimen, named after the file.
+/// column is one specimen, named after the file. Rows of 0 mm and 0 N after others are left out: a rig that
+/// stops at its force limit leaves such.
 /// @throws InputError naming file, line, column and value, or file and specimen: no such file, a header that
 /// is missing or unknown, a value that is no finite number, time that does not rise, fewer than kFewestPoints
-/// rows, a displacement or force that never changes, signs other than the contract's.
+/// rows, a displacement or force that never changes, a force that does not rise out of its noise, signs other
+/// than the contract's.
 [[nodiscard]] std::vector<Specimen> read_specimens(const std::filesystem::path& file);
 
 /// [setup] At most `most` points, each the mean of as many neighbours as that takes: neighbours in time, or,
@@ -92,7 +95,8 @@ struct OwnPrior {
 };
 
 /// [setup] First contact at displacement 0, or at the first point when displacements count from elsewhere;
-/// the sensor's zero is right to some percent.
+/// the sensor's zero is right to some percent. Where the lowest force is more, the data begin after contact
+/// or the sensor is off by as much, and both spreads grow by that share of the range.
 [[nodiscard]] OwnPrior own_prior(const Ranges& ranges);
 
 /// [setup] The displacement [m] up to which the best straight line through the data does not rise, as far as
@@ -145,7 +149,7 @@ struct Curve {
   std::vector<double> displacement;
   std::vector<double> measured;
   std::vector<double> fitted;
-  std::vector<double> low;  // 95 % band of the fitted curve, from the intervals' ensemble
+  std::vector<double> low;  // band of the curves that the data allow at 95 %
   std::vector<double> high;
 };
 

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/infinity.h"
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "palpate/error.h"
@@ -122,7 +123,7 @@ std::vector<Interval> valleys(const Minima& minima, const Progress& progress, Cr
     double end = best.shared[index];
     walk_valley(
         problem, best, index, item % 2 == 0 ? -1.0 : 1.0,
-        [&](const Solution& at) { return specimens_leave(costs, part_costs(problem, at)); },
+        [&](const Solution& at) { return specimens_leave(costs, part_costs(problem, at)) ? 0.0 : kInfinity; },
         [&](const Solution& at) { end = at.shared[index]; });
     return bytes_of(std::span<const double>(&end, 1));
   };

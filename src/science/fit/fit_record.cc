@@ -245,6 +245,7 @@ std::string bytes_of(const std::vector<Specimen>& specimens) {
     put(bytes, bytes_of(std::span<const double>(specimen.time)));
     put(bytes, bytes_of(std::span<const double>(specimen.displacement)));
     put(bytes, bytes_of(std::span<const double>(specimen.force)));
+    put(bytes, std::to_string(specimen.empty_rows));
   }
   return bytes;
 }
@@ -257,6 +258,7 @@ std::vector<Specimen> specimens_of(const std::string& bytes) {
     specimen.time = doubles_of(take(bytes, at));
     specimen.displacement = doubles_of(take(bytes, at));
     specimen.force = doubles_of(take(bytes, at));
+    specimen.empty_rows = std::stoul(take(bytes, at));
     specimens.push_back(std::move(specimen));
   }
   return specimens;

@@ -4,16 +4,15 @@
 #include <fmt/core.h>
 
 #include "core/base/portable_math.h"
-#include "core/base/statistics.h"
 #include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/fit.h"
-#include "science/fit/ensemble.h"
 #include "science/fit/forward.h"
 #include "science/fit/intervals.h"
 #include "science/fit/minima.h"
 #include "science/fit/parts.h"
 #include "science/fit/resampling.h"
+#include "science/fit/starts.h"
 #include "science/fit/warnings.h"
 
 namespace palpate::fit {
@@ -41,21 +40,26 @@ double criterion(const Minima& minima) {
 /// The minima with as many relaxation terms as the data bear: one more as long as the criterion falls.
 Minima with_terms(const Part& part, const Settings& settings, const Progress& progress) {
   constexpr double kWorthIt = 6.0;
+  constexpr std::size_t kStarts = 4;  // of each L_1
+  constexpr std::size_t kSplit = 4;   // minima
   if (!settings.relaxation) return find_minima(make_problem(settings, 0, {part}));
-  Minima best = find_minima(make_problem(settings, 1, {part}));
+  const Problem one = make_problem(settings, 1, {part});
+  Minima best = search_minima(one, starts(one, kStarts));
   for (std::size_t terms = 2; terms <= model::kMostRelaxationTerms; ++terms) {
     if (progress) progress(0.1 * static_cast<double>(terms), "relaxation terms");
-    // besides the search: what was found, its slowest term split in two
-    std::vector<Solution> more;
-    for (const double factor : {0.15, 0.4, 3.0, 8.0}) {
-      Solution start = best.all.front();
-      const double share = start.shared[start.shared.size() - 2] - portable::log(2.0);
-      const double time = start.shared.back();
-      start.shared[start.shared.size() - 2] = share;
-      start.shared.insert(start.shared.end(), {share, time + portable::log(factor)});
-      more.push_back(std::move(start));
+    // what was found with one term less, its slowest term split in two
+    std::vector<Solution> from;
+    for (std::size_t m = 0; m < std::min(kSplit, best.all.size()); ++m) {
+      for (const double factor : {0.05, 0.15, 0.4, 3.0, 8.0}) {
+        Solution start = best.all[m];
+        const double share = start.shared[start.shared.size() - 2] - portable::log(2.0);
+        const double time = start.shared.back();
+        start.shared[start.shared.size() - 2] = share;
+        start.shared.insert(start.shared.end(), {share, time + portable::log(factor)});
+        from.push_back(std::move(start));
+      }
     }
-    Minima tried = find_minima(make_problem(settings, terms, {part}), more);
+    Minima tried = search_minima(make_problem(settings, terms, {part}), from);
     // both by the same count of independent points, the larger one
     const double effective = std::max(best.effective, tried.effective);
     best.effective = effective;
@@ -63,15 +67,12 @@ Minima with_terms(const Part& part, const Settings& settings, const Progress& pr
     if (!(criterion(tried) < criterion(best) - kWorthIt)) break;
     best = std::move(tried);
   }
-  const Solution& found = best.all.front();
-  best.effective =
-      effective_sample_size(plain_residuals(best.problem, part, found.shared, found.own.front()));
+  settle_minima(best);
   return best;
 }
 
-/// The fitted curve with its band: at every point what 95 % of the ensemble's curves lie between.
+/// The fitted curve with its band: what the curves lie between that the data allow.
 Curve curve_of(const Minima& minima, const std::vector<Point>& points) {
-  constexpr std::size_t kCurves = 240;
   const Part& part = minima.problem.parts.front();
   const Specimen& specimen = *part.specimen;
   Curve curve;
@@ -81,28 +82,20 @@ Curve curve_of(const Minima& minima, const std::vector<Point>& points) {
   curve.fitted.resize(specimen.size());
   const Solution& best = minima.all.front();
   predict(specimen, part.ranges, minima.problem.settings, best.shared, best.own.front(), curve.fitted);
-  std::vector<std::vector<double>> forces(specimen.size());
+  curve.low = curve.fitted;
+  curve.high = curve.fitted;
   std::vector<double> force(specimen.size());
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / kCurves);
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    const std::span<const double> all(points[i]);
+  for (const Point& point : points) {
+    const std::span<const double> all(point);
     const std::size_t shared = best.shared.size();
     predict(specimen, part.ranges, minima.problem.settings, all.first(shared), all.subspan(shared), force);
-    for (std::size_t k = 0; k < force.size(); ++k) forces[k].push_back(force[k]);
-  }
-  for (const std::vector<double>& at : forces) {
-    curve.low.push_back(quantile(at, 0.025));
-    curve.high.push_back(quantile(at, 0.975));
+    for (std::size_t k = 0; k < force.size(); ++k) {
+      curve.low[k] = std::min(curve.low[k], force[k]);
+      curve.high[k] = std::max(curve.high[k], force[k]);
+    }
   }
   return curve;
 }
-
-/// What the data leave besides the best fit.
-struct Likely {
-  double effective = 0.0;  // points that count as independent
-  Ensemble ensemble;
-  std::vector<Point> profiles;  // points along them
-};
 
 Solution solution_at(const Problem& problem, const Point& point) {
   const auto own = point.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
@@ -111,70 +104,35 @@ Solution solution_at(const Problem& problem, const Point& point) {
   return solution;
 }
 
-/// The point of the ensemble and that of the profiles that are closest to the data.
-std::vector<Solution> closest_of(const Problem& problem, const Likely& likely) {
-  const std::vector<double>& chances = likely.ensemble.log_posterior;
-  const auto likeliest = std::max_element(chances.begin(), chances.end()) - chances.begin();
-  std::vector<Solution> closest = {
-      solution_at(problem, likely.ensemble.points[static_cast<std::size_t>(likeliest)])};
-  closest.push_back(closest.front());
-  for (const Point& point : likely.profiles) {
-    Solution solution = solution_at(problem, point);
-    if (solution.cost < closest.back().cost) closest.back() = std::move(solution);
-  }
-  return closest;
-}
-
-/// Draws the ensemble and walks the profiles, and does so again where they lead to a better fit than the
-/// search had found: then that is the fit.
-Likely look_around(Minima& minima, std::size_t points, const Settings& settings, std::uint32_t job,
-                   const std::function<void(double)>& progress) {
+/// The points along the profiles; where they lead to a better fit than the search had found, that is the fit,
+/// and they are walked again from there.
+std::vector<Point> look_around(Minima& minima, std::size_t points,
+                               const std::function<void(double)>& progress) {
   constexpr int kMostRounds = 3;
   double furthest = 0.0;  // a bar never goes back
-  const auto part_of = [&](double from, double to) {
-    return [&progress, &furthest, from, to](double share) {
-      furthest = std::max(furthest, from + share * (to - from));
-      if (progress) progress(furthest);
-    };
+  const auto shown = [&](double share) {
+    furthest = std::max(furthest, share);
+    if (progress) progress(furthest);
   };
-  Likely likely;
   for (int round = 1;; ++round) {
     const std::size_t parameters = minima.all.front().shared.size() + kOwnParameters;
-    likely.effective = trusted_count(minima.effective, points, parameters);
-    likely.ensemble =
-        draw_ensemble(minima.problem, minima.all, likely.effective, settings.seed, job, part_of(0.0, 0.5));
-    likely.profiles = profile_points(minima, likely.effective, part_of(0.5, 1.0));
-    if (round == kMostRounds || !descend_further(minima, closest_of(minima.problem, likely))) return likely;
-  }
-}
-
-/// Intervals that hold both what 95 % of the ensemble lie between and what is nearly as likely as the best:
-/// where the data say little, the first alone is drawn to where there is most room, away from a truth that
-/// fits as well.
-std::vector<Interval> both_intervals(const Minima& minima, const Likely& likely) {
-  const Ranges& ranges = minima.problem.parts.front().ranges;
-  const std::size_t terms = minima.problem.terms;
-  std::vector<Interval> intervals = intervals_of(likely.ensemble.points, ranges, terms);
-  std::vector<Point> near = nearly_best(likely.ensemble, likely.effective);
-  near.insert(near.end(), likely.profiles.begin(), likely.profiles.end());
-  for (const Point& point : near) {
-    const std::span<const double> all(point);
-    const std::size_t shared = shared_count(terms);
-    const std::vector<double> values = values_of(all.first(shared), all.subspan(shared), ranges);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      intervals[i].low = std::min(intervals[i].low, values[i]);
-      intervals[i].high = std::max(intervals[i].high, values[i]);
+    const double effective = trusted_count(minima.effective, points, parameters);
+    std::vector<Point> profiles = profile_points(minima, effective, shown);
+    Solution closest;
+    for (const Point& point : profiles) {
+      Solution solution = solution_at(minima.problem, point);
+      if (solution.cost < closest.cost || closest.shared.empty()) closest = std::move(solution);
     }
+    if (round == kMostRounds || !descend_further(minima, {closest})) return profiles;
   }
-  return intervals;
 }
 
-void add_estimates(const Minima& minima, const std::vector<Interval>& intervals,
+void add_estimates(const Minima& minima, const std::vector<Point>& profiles, const Curvature& curvature,
                    const std::vector<Point>& resampled, SpecimenFit& fit) {
   const Part& part = minima.problem.parts.front();
   const Solution& best = minima.all.front();
   const std::vector<double> values = values_of(best.shared, best.own.front(), part.ranges);
-  const auto covariance = covariance_intervals(minima);
+  const std::vector<Interval> intervals = intervals_of(profiles, part.ranges, fit.terms, 1.0);
   std::vector<Interval> bootstrap;
   if (!resampled.empty()) bootstrap = intervals_of(resampled, part.ranges, fit.terms);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -182,7 +140,7 @@ void add_estimates(const Minima& minima, const std::vector<Interval>& intervals,
     estimate.value = values[i];
     // the best fit of a law with corners can lie at the edge of what the data allow: never outside
     estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
-    estimate.covariance = covariance[i];
+    estimate.covariance = curvature.intervals[i];
     if (!bootstrap.empty()) estimate.bootstrap = bootstrap[i];
     fit.estimates.push_back(estimate);
   }
@@ -211,8 +169,8 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   const Part part = make_part(used);
   Minima minima = with_terms(part, settings, progress);
   const double most = settings.bootstrap > 0 ? 0.6 : 0.95;
-  const Likely likely = look_around(minima, used.size(), settings, job, told(0.3, most, "intervals"));
-  const Ensemble& ensemble = likely.ensemble;
+  const std::vector<Point> profiles = look_around(minima, used.size(), told(0.3, most, "intervals"));
+  const Curvature curvature = curvature_of(minima);
   SpecimenFit fit;
   fit.name = specimen.name;
   fit.law = settings.law;
@@ -231,14 +189,19 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   fit.layers_reached = layers.reached;
   const std::vector<Point> resampled =
       bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"), crew);
-  add_estimates(minima, both_intervals(minima, likely), resampled, fit);
-  const std::vector<Determined> determined = determined_of(minima, ensemble.points);
+  add_estimates(minima, profiles, curvature, resampled, fit);
+  const std::vector<Determined> determined = determined_of(minima, profiles);
   for (std::size_t i = 0; i < determined.size(); ++i) {
     fit.estimates[i].determined = determined[i] == Determined::kYes;
   }
   add_errors(minima, fit);
-  fit.curve = curve_of(minima, ensemble.points);
-  fit.warnings = warnings_of(minima, ensemble, fit);
+  fit.curve = curve_of(minima, profiles);
+  fit.warnings = warnings_of(minima, profiles, curvature, fit);
+  if (specimen.empty_rows > 0) {
+    fit.warnings.push_back(
+        fmt::format("{} of 0 mm and 0 N after others left out",
+                    specimen.empty_rows == 1 ? "1 row" : fmt::format("{} rows", specimen.empty_rows)));
+  }
   return fit;
 }
 

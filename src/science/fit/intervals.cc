@@ -2,14 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 
+#include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "science/fit/distributions.h"
+#include "science/fit/valley.h"
 
 namespace palpate::fit {
 namespace {
+
+Point joined(const Solution& solution) {
+  Point point = solution.shared;
+  point.insert(point.end(), solution.own.front().begin(), solution.own.front().end());
+  return point;
+}
+
+/// Whether every parameter of a point lies between the same parameters of others.
+bool enclosed(const Point& point, const std::vector<Point>& others) {
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const auto less = [&](const Point& other) { return other[i] < point[i]; };
+    const auto more = [&](const Point& other) { return other[i] > point[i]; };
+    if (std::none_of(others.begin(), others.end(), less) ||
+        std::none_of(others.begin(), others.end(), more)) {
+      return false;
+    }
+  }
+  return true;
+}
 
 std::vector<double> values_at(const Point& point, const Ranges& ranges, std::size_t terms) {
   const std::span<const double> all(point);
@@ -18,8 +40,8 @@ std::vector<double> values_at(const Point& point, const Ranges& ranges, std::siz
 
 }  // namespace
 
-std::vector<Interval> intervals_of(const std::vector<Point>& points, const Ranges& ranges,
-                                   std::size_t terms) {
+std::vector<Interval> intervals_of(const std::vector<Point>& points, const Ranges& ranges, std::size_t terms,
+                                   double share) {
   const std::size_t count = shared_count(terms) + kOwnParameters;
   std::vector<std::vector<double>> columns(count);
   for (const Point& point : points) {
@@ -28,26 +50,49 @@ std::vector<Interval> intervals_of(const std::vector<Point>& points, const Range
   }
   std::vector<Interval> intervals;
   for (const std::vector<double>& column : columns) {
-    intervals.push_back({quantile(column, 0.025), quantile(column, 0.975)});
+    intervals.push_back({quantile(column, 0.5 - 0.5 * share), quantile(column, 0.5 + 0.5 * share)});
   }
   return intervals;
 }
 
-std::vector<Point> nearly_best(const Ensemble& ensemble, double effective) {
-  // a cloud of points never holds the very best for every value of one parameter: that much less likely they
-  // are
-  constexpr double kCloud = 0.3;
-  const double t = student(effective - static_cast<double>(ensemble.points.front().size()));
-  const double limit =
-      *std::max_element(ensemble.log_posterior.begin(), ensemble.log_posterior.end()) - 0.5 * t * t - kCloud;
+double log_posterior_of(const Problem& problem, const Solution& at, double effective) {
+  const Part& part = problem.parts.front();
+  std::vector<double> values(residual_count(part));
+  residuals(problem, part, at.shared, at.own.front(), values);
+  const std::size_t points = part.specimen->size();
+  double squares = static_cast<double>(points) * kSmallestSigma * kSmallestSigma;
+  for (std::size_t i = 0; i < points; ++i) squares += values[i] * values[i];
+  double prior = 0.0;
+  for (std::size_t i = points; i < values.size(); ++i) prior += values[i] * values[i];
+  prior /= problem.sigma * problem.sigma;
+  const double result = -0.5 * effective * portable::log(squares) - 0.5 * prior;
+  return std::isfinite(result) ? result : -std::numeric_limits<double>::infinity();
+}
+
+std::vector<Point> profile_points(const Minima& minima, double effective,
+                                  const std::function<void(double)>& progress) {
+  const Problem& problem = minima.problem;
+  const std::size_t parameters = problem.bounds.low.size() + kOwnParameters;
+  const double best = log_posterior_of(problem, minima.all.front(), effective);
+  const double t = student(effective - static_cast<double>(parameters));
+  const auto ratio = [&](const Solution& at) {  // root of the likelihood ratio, over the test's limit
+    return std::sqrt(std::max(0.0, 2.0 * (best - log_posterior_of(problem, at, effective)))) / t;
+  };
   std::vector<Point> points;
-  for (std::size_t i = 0; i < ensemble.points.size(); ++i) {
-    if (ensemble.log_posterior[i] >= limit) points.push_back(ensemble.points[i]);
+  const auto keep = [&points](const Solution& at) { points.push_back(joined(at)); };
+  for (std::size_t m = 0; m < minima.all.size(); ++m) {
+    if (progress) progress(static_cast<double>(m) / static_cast<double>(minima.all.size()));
+    if (!(ratio(minima.all[m]) <= 1.0) || enclosed(joined(minima.all[m]), points)) continue;
+    keep(minima.all[m]);
+    for (std::size_t i = 0; i < parameters; ++i) {
+      for (const double direction : {-1.0, 1.0})
+        walk_valley(problem, minima.all[m], i, direction, ratio, keep);
+    }
   }
   return points;
 }
 
-std::vector<std::optional<Interval>> covariance_intervals(const Minima& minima) {
+Curvature curvature_of(const Minima& minima) {
   const Problem& problem = minima.problem;
   const Part& part = problem.parts.front();
   const Solution& best = minima.all.front();
@@ -57,51 +102,34 @@ std::vector<std::optional<Interval>> covariance_intervals(const Minima& minima) 
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Eigen::MatrixXd j = Eigen::Map<const RowMajor>(derivatives.data(), rows, columns);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinV);
-  const Eigen::VectorXd& singular = svd.singularValues();
+  constexpr double kFlat = 1e-10;  // of the largest singular value
+  const double smallest = kFlat * svd.singularValues()[0];
+  const Eigen::ArrayXd room = svd.singularValues().array().max(smallest).inverse();
+  const Eigen::MatrixXd reach = svd.matrixV() * room.matrix().asDiagonal();
+  const Eigen::MatrixXd covariance = reach * reach.transpose();
   const double inflate = static_cast<double>(part.specimen->size()) / std::max(1.0, minima.effective);
   const double t = student(minima.effective - static_cast<double>(columns));
-  std::vector<std::optional<Interval>> intervals;
+  Curvature curvature;
   for (Eigen::Index c = 0; c < columns; ++c) {
-    constexpr double kFlat = 1e-10;  // of the largest singular value
-    double variance = 0.0;
-    bool flat = false;
-    for (Eigen::Index k = 0; k < singular.size(); ++k) {
-      const double along = svd.matrixV()(c, k);
-      if (singular[k] <= kFlat * singular[0]) {
-        flat = flat || std::abs(along) > 1e-3;
-      } else {
-        variance += along * along / (singular[k] * singular[k]);
-      }
+    std::vector<double>& row = curvature.correlations.emplace_back();
+    for (Eigen::Index k = 0; k < columns; ++k) {
+      row.push_back(covariance(c, k) / std::sqrt(covariance(c, c) * covariance(k, k)));
     }
-    const double reach = t * problem.sigma * std::sqrt(inflate * variance);
-    if (flat || !(reach < 50.0)) {
-      intervals.emplace_back(std::nullopt);
+    const double way = t * problem.sigma * std::sqrt(inflate * covariance(c, c));
+    if (!(way < 50.0)) {
+      curvature.intervals.emplace_back(std::nullopt);
       continue;
     }
-    Point point = best.shared;
-    point.insert(point.end(), best.own.front().begin(), best.own.front().end());
+    Point point = joined(best);
     const auto index = static_cast<std::size_t>(c);
     const double centre = point[index];
-    point[index] = centre - reach;
+    point[index] = centre - way;
     const double low = values_at(point, part.ranges, problem.terms)[index];
-    point[index] = centre + reach;
+    point[index] = centre + way;
     const double high = values_at(point, part.ranges, problem.terms)[index];
-    intervals.emplace_back(Interval{std::min(low, high), std::max(low, high)});
+    curvature.intervals.emplace_back(Interval{std::min(low, high), std::max(low, high)});
   }
-  return intervals;
-}
-
-std::vector<std::vector<double>> correlations(const std::vector<Point>& points) {
-  const std::size_t count = points.front().size();
-  std::vector<std::vector<double>> columns(count);
-  for (const Point& point : points) {
-    for (std::size_t i = 0; i < count; ++i) columns[i].push_back(point[i]);
-  }
-  std::vector<std::vector<double>> all(count, std::vector<double>(count, 0.0));
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t k = 0; k < count; ++k) all[i][k] = correlation(columns[i], columns[k]);
-  }
-  return all;
+  return curvature;
 }
 
 }  // namespace palpate::fit

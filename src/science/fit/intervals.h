@@ -5,32 +5,33 @@
 #include <vector>
 
 #include "palpate/fit.h"
-#include "science/fit/ensemble.h"
 #include "science/fit/minima.h"
 
 namespace palpate::fit {
 
-/// [setup] 95 % intervals of every parameter from points of a specimen (shared, then own), in SI.
+/// [setup] Intervals of every parameter that hold all but 5 % of the points of a specimen (shared, then own),
+/// or all with `share` 1; in SI.
 [[nodiscard]] std::vector<Interval> intervals_of(const std::vector<Point>& points, const Ranges& ranges,
-                                                 std::size_t terms);
+                                                 std::size_t terms, double share = 0.95);
 
-/// [setup] The points that are nearly as likely as the best: those that a likelihood-ratio test of one
-/// parameter at 95 % leaves, by Student's t for what `effective` points tell of as many parameters as a point
-/// has.
-[[nodiscard]] std::vector<Point> nearly_best(const Ensemble& ensemble, double effective);
+/// [setup] ln of the posterior of a problem with one part, up to a constant: the noise's size is integrated
+/// out, so a sum of squares S counts S^(-effective/2), and the priors are the problem's.
+/// @param effective number of points that count as independent @return -infinity where there is no law
+[[nodiscard]] double log_posterior_of(const Problem& problem, const Solution& at, double effective);
 
-/// [setup] Points along the profiles of k_1, beta, q, L_1, first contact and offset: each moved away from the
-/// best fit, all others fitted again, as far as a likelihood-ratio test at 95 % leaves. They find the far end
-/// of a narrow bent valley that an ensemble hardly enters. From every minimum that the same test leaves.
+/// [setup] Points along the profile likelihood of every parameter [Raue 2009]: each moved away from the best
+/// fit, all others fitted again, as far as a likelihood-ratio test at 95 % allows (by Student's t for what
+/// `effective` points tell of so many parameters), from every minimum that the same test allows.
 [[nodiscard]] std::vector<Point> profile_points(const Minima& minima, double effective,
                                                 const std::function<void(double)>& progress);
 
-/// [setup] 95 % intervals from the curvature at the best minimum; a parameter along which the cost is flat
-/// has none.
-[[nodiscard]] std::vector<std::optional<Interval>> covariance_intervals(const Minima& minima);
+/// What the curvature at the best minimum says.
+struct Curvature {
+  std::vector<std::optional<Interval>> intervals;  // 95 %; none for a parameter along which the cost is flat
+  std::vector<std::vector<double>> correlations;   // of every two parameters, in their order
+};
 
-/// [setup] Correlation of every two parameters over the points, rows and columns in their order; 0 for one
-/// that never changes.
-[[nodiscard]] std::vector<std::vector<double>> correlations(const std::vector<Point>& points);
+/// [setup]
+[[nodiscard]] Curvature curvature_of(const Minima& minima);
 
 }  // namespace palpate::fit

@@ -56,12 +56,12 @@ void residuals(const Problem& problem, const Part& part, std::span<const double>
 /// [setup] Levenberg and Marquardt's method within the bounds, from `start` (clamped into them), by Ceres in
 /// one thread: the same input gives the same bits.
 /// @param held index of a parameter that stays as it is, shared ones first, then the first part's own; none
-/// when negative
+/// when negative @param tolerance ends the descent when a step gains less of the sum of squares
 [[nodiscard]] Solution solve(const Problem& problem, const Solution& start, int most_iterations = 60,
-                             int held = -1);
+                             int held = -1, double tolerance = 1e-9);
 
-/// [setup] Derivatives of a part's residuals, by central differences: one row a residual, shared parameters
-/// first, row by row.
+/// [setup] Derivatives of a part's residuals: one row a residual, shared parameters first, row by row. Exact
+/// for k_1 and the offset, by central differences for the others.
 [[nodiscard]] std::vector<double> jacobian(const Problem& problem, const Part& part,
                                            std::span<const double> shared, std::span<const double> own);
 

@@ -14,10 +14,9 @@
 namespace palpate::fit {
 namespace {
 
-constexpr std::size_t kStarts = 4;      // of each L_1
-constexpr std::size_t kKept = 8;        // minima that are descended to again with the loss
-constexpr std::size_t kDescended = 20;  // starts that are descended from to the end
-constexpr double kGain = 1e-3;          // of a sum of squares: less is not worth another round
+constexpr std::size_t kStarts = 4;  // of each L_1
+constexpr std::size_t kKept = 8;    // minima that are descended to again with the loss
+constexpr double kGain = 1e-3;      // of a sum of squares: less is not worth another round
 constexpr double kLoss = 4.0;  // spreads: Cauchy's loss there costs a normal noise 1 % of its information
 
 void sort_by_cost(std::vector<Solution>& all) {
@@ -47,9 +46,19 @@ std::vector<Solution> distinct(std::vector<Solution> all, std::size_t most) {
   return kept;
 }
 
-std::vector<Solution> descend(const Problem& problem, const std::vector<Solution>& from, int most = 60) {
+/// How far a search goes: with relaxation the points are dense and cost much.
+struct Effort {
+  std::size_t descended = 20;  // starts that are descended from to the end
+  int steps = 60;              // of a descent
+};
+
+Effort effort_for(const Problem& problem) { return problem.terms == 0 ? Effort{} : Effort{10, 30}; }
+
+std::vector<Solution> descend(const Problem& problem, const std::vector<Solution>& from, int most) {
+  constexpr int kNoneHeld = -1;
+  constexpr double kTolerance = 1e-6;  // of a sum of squares: the best is polished later
   std::vector<Solution> reached;
-  for (const Solution& start : from) reached.push_back(solve(problem, start, most));
+  for (const Solution& start : from) reached.push_back(solve(problem, start, most, kNoneHeld, kTolerance));
   return reached;
 }
 
@@ -129,7 +138,7 @@ Solution best_beside(const Problem& problem, const Solution& from) {
         Solution at = centre;
         for (int n = 0; n < steps; ++n) {
           at = moved_along(problem, at, index, step);
-          Solution found = solve(problem, at);
+          Solution found = descend(problem, {at}, effort_for(problem).steps).front();
           if (found.cost < best.cost) best = std::move(found);
         }
       }
@@ -142,8 +151,9 @@ Solution best_beside(const Problem& problem, const Solution& from) {
 /// The best few minima that starts lead to, and those beside the best.
 std::vector<Solution> search(const Problem& problem, const std::vector<Solution>& from) {
   constexpr int kFirstSteps = 10;
-  const std::vector<Solution> near = distinct(descend(problem, from, kFirstSteps), kDescended);
-  std::vector<Solution> found = distinct(descend(problem, near), kKept);
+  const Effort effort = effort_for(problem);
+  const std::vector<Solution> near = distinct(descend(problem, from, kFirstSteps), effort.descended);
+  std::vector<Solution> found = distinct(descend(problem, near, effort.steps), kKept);
   if (found.empty()) return found;
   const std::vector<Solution> beside = neighbours(problem, found.front());
   found.insert(found.end(), beside.begin(), beside.end());
@@ -160,7 +170,7 @@ void settle(Problem& problem, std::vector<Solution>& found) {
     if (!std::isfinite(polished) || problem.parts.size() > 1) return;  // tried for one specimen only
     for (Solution& other : neighbours(problem, found.front())) found.push_back(std::move(other));
     found.insert(found.begin(), best_beside(problem, found.front()));
-    found = distinct(descend(problem, found), kKept);
+    found = distinct(descend(problem, found, effort_for(problem).steps), kKept);
     if (!(found.front().cost < (1.0 - kGain) * polished)) return;
   }
 }
@@ -228,9 +238,7 @@ double trusted_count(double effective, std::size_t points, std::size_t parameter
   return std::max(effective, fewest);
 }
 
-Minima find_minima(Problem problem, const std::vector<Solution>& more) {
-  std::vector<Solution> from = starts(problem, kStarts);
-  from.insert(from.begin(), more.begin(), more.end());
+Minima search_minima(Problem problem, const std::vector<Solution>& from) {
   std::vector<Solution> found = search(problem, from);
   if (found.empty()) found = {at_lowest(problem)};
   for (int round = 0; round < 2; ++round) {
@@ -241,22 +249,33 @@ Minima find_minima(Problem problem, const std::vector<Solution>& more) {
       const std::vector<Solution> again = search(problem, from);
       found.insert(found.end(), again.begin(), again.end());
     }
-    found = distinct(descend(problem, found), kKept);
+    found = distinct(descend(problem, found, effort_for(problem).steps), kKept);
     if (found.empty()) found = {at_lowest(problem)};
   }
-  settle(problem, found);
   const double effective = effective_at(problem, found.front());
   return {std::move(problem), std::move(found), effective};
 }
 
+void settle_minima(Minima& minima) {
+  settle(minima.problem, minima.all);
+  minima.effective = effective_at(minima.problem, minima.all.front());
+}
+
+Minima find_minima(Problem problem, const std::vector<Solution>& more) {
+  std::vector<Solution> from = starts(problem, kStarts);
+  from.insert(from.begin(), more.begin(), more.end());
+  Minima minima = search_minima(std::move(problem), from);
+  settle_minima(minima);
+  return minima;
+}
+
 bool descend_further(Minima& minima, const std::vector<Solution>& from) {
-  std::vector<Solution> found = descend(minima.problem, from);
+  std::vector<Solution> found = descend(minima.problem, from, effort_for(minima.problem).steps);
   found.insert(found.end(), minima.all.begin(), minima.all.end());
   found = distinct(std::move(found), kKept);
   if (!(found.front().cost < (1.0 - kGain) * minima.all.front().cost)) return false;
-  settle(minima.problem, found);
-  minima.effective = effective_at(minima.problem, found.front());
   minima.all = std::move(found);
+  settle_minima(minima);
   return true;
 }
 

@@ -13,9 +13,15 @@ struct Minima {
   double effective = 0.0;  // points that count as independent, from how residuals follow their neighbours
 };
 
-/// [setup] Searches coarsely, descends from the best starts, sets the loss by the residuals' own spread (half
-/// of them lie within 0.6745 of it, so that outliers do not count), and descends again from the best few.
-/// @param more starts to descend from besides
+/// [setup] Descends from starts, sets the loss by the residuals' own spread (half of them lie within 0.6745
+/// of it, so that outliers do not count), and descends again from the best few.
+[[nodiscard]] Minima search_minima(Problem problem, const std::vector<Solution>& from);
+
+/// [setup] Goes to the very bottom of the best minimum, and looks for better ones beside it.
+void settle_minima(Minima& minima);
+
+/// [setup] Both, from a coarse search over all that a tissue may be. @param more starts to descend from
+/// besides
 [[nodiscard]] Minima find_minima(Problem problem, const std::vector<Solution>& more = {});
 
 /// [setup] Descends from more places, which a wider search found to be as good as the best minimum or better,

@@ -80,9 +80,15 @@ double flat_until(const Specimen& specimen, const Ranges& ranges) {
 
 OwnPrior own_prior(const Ranges& ranges) {
   constexpr double kFarStart = 0.25;  // of the range: displacements that begin there count from elsewhere
+  constexpr double kLate = 0.05;      // of the range: more than a sensor's zero is usually off
   const double start = ranges.lowest_displacement / ranges.displacement;
   OwnPrior prior;
   prior.first_contact = std::abs(start) > kFarStart ? start : 0.0;
+  const double late = ranges.lowest_force / ranges.force;
+  if (late > kLate) {
+    prior.first_contact_spread += late;
+    prior.offset_spread += late;
+  }
   return prior;
 }
 

@@ -23,15 +23,21 @@ constexpr double kLargest = 1e9;  // mm, N or s: beyond it squares of sums would
 constexpr std::size_t kMostSpecimens = 10'000;  // of one file; more is a mistaken column
 
 void add_row(Specimen& specimen, const CsvTable& table) {
+  const double displacement = table.number(kDisplacement) * kMillimetre;
+  const double force = table.number(kForce);
   if (table.has(kTime)) {
     const double time = table.number(kTime);
     if (!specimen.time.empty() && !(time > specimen.time.back())) {
       table.fail(kTime, "must be later than the row before, " + shortest(specimen.time.back()));
     }
-    specimen.time.push_back(time);
   }
-  specimen.displacement.push_back(table.number(kDisplacement) * kMillimetre);
-  specimen.force.push_back(table.number(kForce));
+  if (displacement == 0.0 && force == 0.0 && specimen.size() > 0 && specimen.displacement.back() != 0.0) {
+    ++specimen.empty_rows;
+    return;
+  }
+  if (table.has(kTime)) specimen.time.push_back(table.number(kTime));
+  specimen.displacement.push_back(displacement);
+  specimen.force.push_back(force);
 }
 
 /// Refuses what no law could be fitted to. @param where file and specimen, for the message
@@ -54,10 +60,16 @@ void check_specimen(const Specimen& s, const std::string& where) {
                      ": displacement_mm is never above 0; pressing in and pulling out both count "
                      "positive, with --direction for which");
   }
-  if (!(correlation(s.displacement, s.force) > 0.0)) {
+  const bool flat = flat_until(s, ranges_of(s)) >= *high;
+  const double rises = correlation(s.displacement, s.force);
+  if (!(rises > 0.0) && (!flat || rises < -0.5)) {
     throw InputError(where +
                      ": force_N falls as displacement_mm rises; pressing in and pulling out both "
                      "count positive, with --direction for which");
+  }
+  if (flat) {
+    throw InputError(where +
+                     ": force_N does not rise out of its noise anywhere: the tool seems not to have touched");
   }
 }
 

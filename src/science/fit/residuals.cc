@@ -85,14 +85,20 @@ std::vector<double> jacobian(const Problem& problem, const Part& part, std::span
   Point moved_own(own.begin(), own.end());
   std::vector<double> above(points);
   std::vector<double> below(points);
+  std::vector<double> force(points);
   std::vector<double> unit(points);  // of a residual, for 1 N
-  predict(*part.specimen, part.ranges, problem.settings, shared, own, unit);
+  predict(*part.specimen, part.ranges, problem.settings, shared, own, force);
   for (std::size_t r = 0; r < points; ++r) {
-    const double residual = (unit[r] - part.specimen->force[r]) / part.ranges.force;
+    const double residual = (force[r] - part.specimen->force[r]) / part.ranges.force;
     unit[r] = std::sqrt(part.weight[r]) * slope_of_loss(residual, problem.loss_scale) / part.ranges.force;
   }
   std::vector<double> out((points + kOwnParameters) * columns);
-  for (std::size_t c = 0; c < columns; ++c) {
+  const auto write = [&](std::size_t column, const auto& slope_at) {
+    for (std::size_t r = 0; r < points; ++r) out[r * columns + column] = unit[r] * slope_at(r);
+  };
+  write(0, [&](std::size_t r) { return force[r] - own[1] * part.ranges.force; });  // ln k_1 scales the law
+  write(columns - 1, [&](std::size_t) { return part.ranges.force; });
+  for (std::size_t c = 1; c + 1 < columns; ++c) {
     double& moved = c < shared.size() ? moved_shared[c] : moved_own[c - shared.size()];
     const double there = moved;
     moved = there + kStep;
@@ -100,9 +106,7 @@ std::vector<double> jacobian(const Problem& problem, const Part& part, std::span
     moved = there - kStep;
     predict(*part.specimen, part.ranges, problem.settings, moved_shared, moved_own, below);
     moved = there;
-    for (std::size_t r = 0; r < points; ++r) {
-      out[r * columns + c] = unit[r] * ((above[r] - below[r]) / (2.0 * kStep));
-    }
+    write(c, [&](std::size_t r) { return (above[r] - below[r]) / (2.0 * kStep); });
   }
   out[points * columns + shared.size()] = problem.sigma / part.prior.first_contact_spread;
   out[(points + 1) * columns + shared.size() + 1] = problem.sigma / part.prior.offset_spread;

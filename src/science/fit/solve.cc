@@ -93,7 +93,8 @@ class QuietLibrary final {
 
 }  // namespace
 
-Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held) {
+Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held,
+               double tolerance) {
   const QuietLibrary quiet;
   Solution found = start;
   clamp_into(found.shared, problem.bounds);
@@ -129,7 +130,7 @@ Solution solve(const Problem& problem, const Solution& start, int most_iteration
   }
   options.num_threads = 1;
   options.max_num_iterations = most_iterations;
-  options.function_tolerance = 1e-9;
+  options.function_tolerance = tolerance;
   options.parameter_tolerance = 1e-9;
   options.gradient_tolerance = 1e-14;
   options.logging_type = ceres::SILENT;

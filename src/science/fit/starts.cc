@@ -113,6 +113,7 @@ std::vector<Solution> best_apart(std::vector<Solution> all, std::size_t most) {
 /// Values of a law's parameters to begin at [logarithms].
 struct Grid {
   std::vector<double> stiffness, beta, q, limit;
+  std::vector<double> contact = {0.0};  // first contact beside the likeliest, in spreads of its prior
 };
 
 std::vector<double> logs(std::initializer_list<double> values, double unit = 1.0) {
@@ -131,26 +132,34 @@ Grid whole_grid(const Problem& problem) {
   Grid grid;
   grid.stiffness = {log(problem.parts.front().ranges.force / deepest)};  // any: it is scaled
   grid.beta = logs({0.5, 1.0, 1.3, 1.7, 2.2, 3.0, 8.0});
-  grid.q = logs({0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.3, 1.9, 2.8});
+  grid.q = logs({0.08, 0.13, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.3, 1.9, 2.8});
   grid.limit = logs({0.1, 0.17, 0.25, 0.33, 0.37, 0.42, 0.47, 0.52, 0.64, 0.8, 1.1}, deepest);
+  if (problem.terms == 0)
+    grid.contact = {0.0, -1.5, 1.5};  // with relaxation the points are dense and cost much
   return grid;
 }
 
 /// Adds a start for every point of a grid that can be judged.
 void add_starts(const Problem& problem, const Grid& grid, bool stiffness_held, const Point& relaxation,
                 std::vector<Solution>& all) {
-  std::vector<Point> own;
-  for (const Part& part : problem.parts) own.push_back({part.prior.first_contact, part.prior.offset});
+  std::vector<Solution> at_contact;
+  for (const double spreads : grid.contact) {
+    Solution& start = at_contact.emplace_back();
+    for (const Part& part : problem.parts) {
+      const OwnPrior& prior = part.prior;
+      start.own.push_back({prior.first_contact + spreads * prior.first_contact_spread, prior.offset});
+    }
+  }
   for (const double limit : grid.limit) {
     for (const double q : grid.q) {
       for (const double beta : grid.beta) {
         for (const double stiffness : grid.stiffness) {
-          Solution start;
-          start.shared = {stiffness, beta, q, limit};
-          start.shared.insert(start.shared.end(), relaxation.begin(), relaxation.end());
-          start.own = own;
-          scale_and_judge(problem, stiffness_held, start);
-          if (std::isfinite(start.cost)) all.push_back(std::move(start));
+          for (Solution start : at_contact) {
+            start.shared = {stiffness, beta, q, limit};
+            start.shared.insert(start.shared.end(), relaxation.begin(), relaxation.end());
+            scale_and_judge(problem, stiffness_held, start);
+            if (std::isfinite(start.cost)) all.push_back(std::move(start));
+          }
         }
       }
     }

@@ -13,7 +13,6 @@
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "science/fit/distributions.h"
-#include "science/fit/ensemble.h"
 #include "science/fit/intervals.h"
 #include "science/fit/minima.h"
 #include "science/fit/number_json.h"
@@ -199,9 +198,7 @@ class Target final {
   }
 
   [[nodiscard]] double posterior_of(const Solution& solution) const {
-    Point point = solution.shared;
-    point.insert(point.end(), solution.own.front().begin(), solution.own.front().end());
-    return log_posterior_of(problem_, point, effective_);
+    return log_posterior_of(problem_, solution, effective_);
   }
 
   bool pooled_;

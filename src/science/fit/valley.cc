@@ -13,7 +13,7 @@
 namespace palpate::fit {
 namespace {
 
-constexpr int kIterations = 20;  // of each fit along the way
+constexpr int kIterations = 10;  // of each fit along the way
 
 /// How far a step of 1 goes: 1 of a logarithm, a tenth of a range.
 double unit_of(const Solution& at, std::size_t index) { return index < at.shared.size() ? 1.0 : 0.1; }
@@ -45,6 +45,18 @@ Solution moved_by(const Problem& problem, const Solution& at, const Point& way, 
     }
   }
   return next;
+}
+
+/// The solution that lies `share` of the straight way from one to another.
+Solution between(const Solution& from, const Solution& to, double share) {
+  const auto mix = [share](Point& a, const Point& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) a[i] += share * (b[i] - a[i]);
+  };
+  Solution found = from;
+  mix(found.shared, to.shared);
+  for (std::size_t p = 0; p < found.own.size(); ++p) mix(found.own[p], to.own[p]);
+  found.cost += share * (to.cost - from.cost);
+  return found;
 }
 
 }  // namespace
@@ -112,26 +124,35 @@ Solution moved_to(const Problem& problem, Solution at, std::size_t index, double
 }
 
 void walk_valley(const Problem& problem, const Solution& from, std::size_t index, double direction,
-                 const std::function<bool(const Solution&)>& allowed,
+                 const std::function<double(const Solution&)>& excess,
                  const std::function<void(const Solution&)>& visit) {
   constexpr int kMostSteps = 40;
   constexpr double kFirst = 0.1;
   constexpr double kLongest = 0.6;
   constexpr double kShortest = 1e-5;
-  constexpr double kEnd = 0.1;  // of the way so far: the end of the interval is found well enough
+  constexpr double kEnd = 0.1;         // of the way so far: the end of the interval is found well enough
+  constexpr double kStraight = 1.5;    // excess up to which the last step is straight enough
+  constexpr double kTolerance = 1e-5;  // of a sum of squares: an interval needs no more
   const double unit = unit_of(from, index);
   Solution at = from;
+  double here = excess(at);
   double step = kFirst;
   double gone = 0.0;
   for (int n = 0; n < kMostSteps && step >= std::clamp(kEnd * gone, kShortest, 0.03); ++n) {
     const Solution start = moved_by(problem, at, tangent(problem, at, index), direction * step * unit);
     if (parameter_of(start, index) == parameter_of(at, index)) return;
-    Solution next = solve(problem, start, kIterations, static_cast<int>(index));
-    if (allowed(next)) {
+    Solution next = solve(problem, start, kIterations, static_cast<int>(index), kTolerance);
+    const double there = excess(next);
+    if (there <= 1.0) {
       visit(next);
-      at = std::move(next);
       gone += step;
-      step = std::min(1.6 * step, kLongest);
+      const double left = there > here ? 1.1 * step * (1.0 - there) / (there - here) : kLongest;
+      step = std::clamp(left, 0.5 * step, std::min(2.0 * step, kLongest));
+      at = std::move(next);
+      here = there;
+    } else if (there <= kStraight) {
+      visit(between(at, next, (1.0 - here) / (there - here)));
+      return;
     } else {
       step *= 0.4;
     }

@@ -24,10 +24,12 @@ namespace palpate::fit {
 /// [any] A parameter of a solution: shared ones first, then the first part's own.
 [[nodiscard]] double parameter_of(const Solution& solution, std::size_t index);
 
-/// [setup] Walks one parameter from `from` up or down, all others fitted again, as long as `allowed`, with
-/// steps that end close to where it ends. @param visit gets every solution on the way that is allowed
+/// [setup] Walks one parameter from `from` up or down, all others fitted again, as long as `excess` is at
+/// most 1, to about where it is 1.
+/// @param excess 0 at the best, growing about as the way from there; infinite where it is not known
+/// @param visit gets every solution on the way, and one in between for the end
 void walk_valley(const Problem& problem, const Solution& from, std::size_t index, double direction,
-                 const std::function<bool(const Solution&)>& allowed,
+                 const std::function<double(const Solution&)>& excess,
                  const std::function<void(const Solution&)>& visit);
 
 /// [setup] The sum of squares of each part, priors included: what cost_of() adds up.

@@ -6,10 +6,8 @@
 
 #include <fmt/core.h>
 
-#include "core/base/statistics.h"
 #include "core/base/text.h"
 #include "palpate/units.h"
-#include "science/fit/intervals.h"
 
 namespace palpate::fit {
 namespace {
@@ -24,9 +22,9 @@ void add_undetermined(const std::vector<Determined>& determined, const SpecimenF
   }
 }
 
-void add_correlated(const std::vector<Point>& points, const SpecimenFit& fit, std::vector<std::string>& out) {
+void add_correlated(const std::vector<std::vector<double>>& all, const SpecimenFit& fit,
+                    std::vector<std::string>& out) {
   constexpr double kToldFrom = 0.99;
-  const std::vector<std::vector<double>> all = correlations(points);
   const std::vector<ParameterLabel> names = labels(fit.terms);
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = i + 1; k < all.size(); ++k) {
@@ -65,6 +63,12 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
   const Part& part = problem.parts.front();
   if (fit.rows > fit.points) {
     out.push_back(fmt::format("{} rows were averaged to {} points", fit.rows, fit.points));
+  }
+  constexpr double kPoor = 0.2;  // of the range of force
+  if (fit.nrmse > kPoor) {
+    out.push_back(
+        fmt::format("the fit leaves {} % of the range of force: the data do not have the law's shape",
+                    brief(100.0 * fit.nrmse, 3)));
   }
   const std::vector<double> left = plain_residuals(problem, part, fit.shared, fit.own);
   const double limit = 1.5 * problem.loss_scale;  // six spreads
@@ -117,23 +121,20 @@ std::vector<Determined> determined_of(const Minima& minima, const std::vector<Po
   const Bounds& bounds = minima.problem.bounds;
   std::vector<Determined> determined;
   for (std::size_t i = 0; i < bounds.low.size(); ++i) {
-    std::vector<double> column;
-    for (const Point& point : points) column.push_back(point[i]);
-    determined.push_back(
-        determined_by(quantile(column, 0.025), quantile(column, 0.975), bounds.low[i], bounds.high[i]));
+    const auto [low, high] = std::minmax_element(points.begin(), points.end(),
+                                                 [i](const Point& a, const Point& b) { return a[i] < b[i]; });
+    determined.push_back(determined_by((*low)[i], (*high)[i], bounds.low[i], bounds.high[i]));
   }
   return determined;
 }
 
-std::vector<std::string> warnings_of(const Minima& minima, const Ensemble& ensemble, const SpecimenFit& fit) {
+std::vector<std::string> warnings_of(const Minima& minima, const std::vector<Point>& points,
+                                     const Curvature& curvature, const SpecimenFit& fit) {
   std::vector<std::string> out;
-  add_undetermined(determined_of(minima, ensemble.points), fit, out);
-  add_correlated(ensemble.points, fit, out);
+  add_undetermined(determined_of(minima, points), fit, out);
+  add_correlated(curvature.correlations, fit, out);
   add_wide_law(fit, out);
   add_data(minima, fit, out);
-  if (!ensemble.settled) {
-    out.emplace_back("the intervals had not settled when their search ended: take them as rough");
-  }
   return out;
 }
 

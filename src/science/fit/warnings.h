@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "palpate/fit.h"
-#include "science/fit/ensemble.h"
+#include "science/fit/intervals.h"
 #include "science/fit/minima.h"
 
 namespace palpate::fit {
@@ -21,7 +21,7 @@ enum class Determined { kYes, kEndsWhereTheSearchEnds, kSpansMost };
 
 /// [setup] What a user should know of a specimen's fit before believing it, a sentence each: parameters that
 /// the data do not determine, outliers, rows that were averaged, layers that were not reached, hysteresis.
-[[nodiscard]] std::vector<std::string> warnings_of(const Minima& minima, const Ensemble& ensemble,
-                                                   const SpecimenFit& fit);
+[[nodiscard]] std::vector<std::string> warnings_of(const Minima& minima, const std::vector<Point>& points,
+                                                   const Curvature& curvature, const SpecimenFit& fit);
 
 }  // namespace palpate::fit

@@ -129,6 +129,31 @@ TEST(FitSpecimen, OutliersHardlyCountAndAreTold) {
   EXPECT_THAT(fit.warnings, testing::Contains(testing::HasSubstr("2 points lie far off the curve")));
 }
 
+// A robot that counts from where it is 3 mm deep, with a sensor that is 0.2 N off.
+TEST(FitSpecimen, FitsACurveThatBeginsAfterContact) {
+  Specimen late;
+  late.name = "late";
+  for (int i = 0; i < 40; ++i) {
+    const double displacement = 6e-3 * i / 39;
+    late.displacement.push_back(displacement);
+    late.force.push_back(force_of(LawKind::kSmooth, 3e-3 + displacement));
+  }
+  for (double& force : late.force) force += 0.2;
+  const SpecimenFit fit = fit_specimen(late, settings_for(LawKind::kSmooth), 0, {});
+  EXPECT_LT(fit.nrmse, 1e-3);
+}
+
+TEST(FitSpecimen, SaysThatDataDoNotHaveTheLawsShape) {
+  Specimen bump;
+  bump.name = "bump";
+  for (int i = 0; i < 30; ++i) {
+    bump.displacement.push_back(1e-3 * i);
+    bump.force.push_back(i >= 15 && i < 20 ? 1.0 : 0.0);
+  }
+  const SpecimenFit fit = fit_specimen(bump, settings_for(LawKind::kLayered), 0, {});
+  EXPECT_THAT(fit.warnings, testing::Contains(testing::HasSubstr("the data do not have the law's shape")));
+}
+
 TEST(FitSpecimen, SaysWhatTheDataDoNotDetermine) {
   Specimen line;  // the first layer alone: any beta and q
   line.name = "line";

@@ -67,7 +67,7 @@ TEST(Minima, AreDescendedToFromBetterPlacesOnly) {
   EXPECT_NEAR(minima.all.front().cost, found.all.front().cost, 1e-3 * found.all.front().cost);
 }
 
-// Two curves whose ensemble or profiles find a better fit than the search, so that all is done again.
+// Two curves whose profiles find a better fit than the search, so that all is done again.
 TEST(FitSpecimen, ItsProgressNeverGoesBackAndGoesOnThroughTheProfiles) {
   for (const std::uint32_t number : {5U, 8U}) {
     double last = 0.0;

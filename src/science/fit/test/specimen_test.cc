@@ -1,6 +1,7 @@
 #include <functional>
 #include <string>
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,6 +65,23 @@ TEST(ReadSpecimens, WantsForcesAndFiniteNumbers) {
   EXPECT_EQ(error_in(kHeader + rows("10,nan\n")),
             "curve.csv:12: force_N = nan: must be a finite number up to 1e9");
   EXPECT_THAT(error_in("displacement_mm,time_s\n" + rows()), HasSubstr("force_N: missing"));
+}
+
+// A rig that stops at its force limit leaves rows of zeros.
+TEST(ReadSpecimens, LeavesOutRowsOfZerosAfterOthersAndCountsThem) {
+  const std::vector<Specimen> all = read(kHeader + rows("0,0\n0,0\n10,1.0\n0,0\n"));
+  ASSERT_EQ(all[0].size(), 11U);
+  EXPECT_DOUBLE_EQ(all[0].displacement[0], 0.0);  // the first row is a measurement
+  EXPECT_DOUBLE_EQ(all[0].force[10], 1.0);
+  EXPECT_EQ(all[0].empty_rows, 3U);
+}
+
+TEST(ReadSpecimens, RefusesAForceThatDoesNotRiseOutOfItsNoise) {
+  std::string text = kHeader;
+  const int noise[] = {3, -2, 5, 0, -4, 4, -1, 2, -3, 4, -5, 5, 1, -2, 3};
+  for (int i = 0; i < 15; ++i) text += fmt::format("{},{}\n", i, 1.0 + 1e-3 * noise[i]);
+  EXPECT_EQ(error_in(text),
+            "curve.csv: force_N does not rise out of its noise anywhere: the tool seems not to have touched");
 }
 
 TEST(ReadSpecimens, RefusesTimeThatDoesNotRise) {
