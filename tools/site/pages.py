@@ -18,7 +18,7 @@ SECTIONS = (
              'docs/openigtlink.md', 'docs/live-interface.md')),
     ('Embed', ('docs/python.md', 'api/python.md', 'docs/c-interface.md', 'api/palpate.h.md', 'examples/cxx/README.md',
                'examples/c/README.md', 'examples/README.md')),
-    ('How it works', ('docs/model.md', 'docs/architecture.md', 'docs/picture.md', 'docs/accuracy.md',
+    ('How it works', ('docs/model.md', 'docs/architecture.md', 'docs/glossary.md', 'docs/picture.md', 'docs/accuracy.md',
                       'docs/validation.md', 'docs/performance.md', 'docs/decisions/README.md')),
     ('C++ API', ('api/README.md',)),
     ('Project', ('CONTRIBUTING.md', 'CHANGELOG.md', 'docs/dependencies.md', 'docs/licences.md')),
