@@ -94,11 +94,22 @@ struct DeviceDynamics {
   std::optional<double> resolution;  // m, of its position sensors
 };
 
+/// How positions of a tool path go between its rows.
+enum class PathInterpolation : std::uint8_t {
+  kLinear,  // velocity steps at each row, and the damping force with it
+  kCubic    // continuous velocity, never beyond two neighbouring rows
+};
+
+/// [any] "linear", "cubic".
+[[nodiscard]] const char* to_string(PathInterpolation interpolation) noexcept;
+[[nodiscard]] std::optional<PathInterpolation> interpolation_of(std::string_view name) noexcept;
+
 /// How the device's sample becomes the tool's pose: translation scaled, then placed by `base`.
 struct DeviceSetup {
   std::string kind = "scripted";  // a name of device_kinds.h
   std::string path;               // file or address, resolved; empty: none given
-  double workspace_scale = 1.0;   // > 0
+  PathInterpolation interpolation = PathInterpolation::kLinear;  // of a tool path's file
+  double workspace_scale = 1.0;                                  // > 0
   Pose base;
   DeviceDynamics dynamics{};
   EmulatedHand emulated{};                       // of kind "emulated" only

@@ -17,17 +17,18 @@ struct PathRow {
   double gripper = 0.0;
 };
 
-/// A path in time: positions linear, rotations slerped between rows; the pose holds before the first and
-/// after the last row.
+/// A path in time: positions by PathInterpolation, rotations slerped between rows, the gripper linear; the
+/// pose holds before the first and after the last row.
 class ToolPath final {
  public:
   /// [setup] Orientations must be unit quaternions. @throws InputError when there is no row or times do not
   /// strictly increase.
-  explicit ToolPath(std::vector<PathRow> rows, bool has_gripper = true);
+  explicit ToolPath(std::vector<PathRow> rows, bool has_gripper = true,
+                    PathInterpolation interpolation = PathInterpolation::kLinear);
 
   /// [rt] The row at `time` [s].
   [[nodiscard]] PathRow at(double time) const noexcept;
-  /// [rt] Velocity [m/s] at `time` [s]: the slope of the piece that begins there or holds it; 0 outside.
+  /// [rt] Velocity [m/s] at `time` [s]; at a corner that of the piece that begins there, 0 outside the path.
   [[nodiscard]] Vec3 velocity_at(double time) const noexcept;
   [[nodiscard]] double end_time() const noexcept { return rows_.back().time; }
   [[nodiscard]] bool has_gripper() const noexcept { return has_gripper_; }
@@ -38,12 +39,14 @@ class ToolPath final {
   [[nodiscard]] std::size_t row_before(double time) const noexcept;
 
   std::vector<PathRow> rows_;
+  std::vector<Vec3> slopes_;      // m/s, at each row; empty: linear
   double rows_per_second_ = 0.0;  // on average; 0 with one row
   bool has_gripper_;
 };
 
 /// [setup] Reads a path CSV (columns by header name). @throws InputError naming file, line, column and value.
-[[nodiscard]] ToolPath read_tool_path(const std::filesystem::path& file);
+[[nodiscard]] ToolPath read_tool_path(const std::filesystem::path& file,
+                                      PathInterpolation interpolation = PathInterpolation::kLinear);
 
 /// [setup] The path that a scripted device without a file takes: tool +z down, from above the organ's middle
 /// with the tool's lowest point 10 mm clear, to 12 mm of depth (press) or, closed at touch, 12 mm of lift

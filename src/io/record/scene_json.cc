@@ -185,6 +185,8 @@ Json device_json(const scene::DeviceSetup& device) {
                {"max_stiffness_N_per_m", known_json(device.abilities.max_stiffness)},
                {"torque", device.abilities.torque},
                {"force_scale", device.force_scale}};
+  if (device.interpolation != scene::PathInterpolation::kLinear)
+    json["interpolation"] = scene::to_string(device.interpolation);
   if (device.kind == "emulated") json["emulated"] = emulated_json(device.emulated);
   return json;
 }
@@ -195,6 +197,10 @@ scene::DeviceSetup device_from(const Json& json) {
   device.path = json.at("path").get<std::string>();
   const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
   if (kind != nullptr && kind->path == scene::DevicePath::kLibrary) device.path.clear();  // see scene_json.h
+  const std::string interpolation = json.value("interpolation", "linear");
+  const auto known = scene::interpolation_of(interpolation);
+  if (!known) throw InputError("interpolation is " + interpolation + ", want linear or cubic");
+  device.interpolation = *known;
   device.workspace_scale = json.at("workspace_scale").get<double>();
   device.base = pose_from(json.at("base"));
   device.dynamics.damping = optional_from(json.at("damping_N_s_per_m"));

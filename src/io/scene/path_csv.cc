@@ -42,7 +42,7 @@ Quat rotation(const CsvTable& table) {
 
 }  // namespace
 
-ToolPath read_tool_path(const std::filesystem::path& file) {
+ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation interpolation) {
   CsvTable table(file, kColumns);
   const bool turns = has_rotations(table);
   std::vector<PathRow> rows;
@@ -62,7 +62,7 @@ ToolPath read_tool_path(const std::filesystem::path& file) {
     }
     rows.push_back(row);
   }
-  return ToolPath(std::move(rows), table.has(kGripper));
+  return ToolPath(std::move(rows), table.has(kGripper), interpolation);
 }
 
 }  // namespace palpate::scene

@@ -120,13 +120,14 @@ class SceneReader final {
 
   DeviceDescription read_device(const TomlTable& table) const {
     DeviceDescription device;
-    table.allow_only({"kind", "path", "workspace_scale", "base", "damping_N_s_per_m", "friction_N",
-                      "resolution_mm", "clutch_button", "fit", "mass_kg", "grip", "grip_N_per_m",
-                      "grip_N_s_per_m", "fault"});
+    table.allow_only({"kind", "path", "interpolation", "workspace_scale", "base", "damping_N_s_per_m",
+                      "friction_N", "resolution_mm", "clutch_button", "fit", "mass_kg", "grip",
+                      "grip_N_per_m", "grip_N_s_per_m", "fault"});
     if (const auto kind = stated(table, "kind")) device.kind = *kind;
     if (device.kind.where.empty()) device.kind.where = table.place("kind") + ": " + table.field("kind");
     device.path = stated(table, "path");
     DeviceSetup& setup = device.setup;
+    if (const auto name = stated(table, "interpolation")) setup.interpolation = parse_interpolation(*name);
     setup.workspace_scale = table.number("workspace_scale", kWorkspaceScale).value_or(setup.workspace_scale);
     setup.base = read_pose(table, "base");
     setup.dynamics.damping = table.number("damping_N_s_per_m", kNotNegative);
@@ -206,6 +207,11 @@ Task parse_task(const Stated& stated) {
   if (stated.value == "press") return Task::kPress;
   if (stated.value == "pull") return Task::kPull;
   stated.fail("must be press or pull");
+}
+
+PathInterpolation parse_interpolation(const Stated& stated) {
+  if (const auto known = interpolation_of(stated.value)) return *known;
+  stated.fail("must be linear or cubic");
 }
 
 LengthUnit parse_unit(const Stated& stated) {

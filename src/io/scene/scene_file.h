@@ -81,4 +81,7 @@ struct SceneDescription {
 /// [setup] The unit named by `stated`. @throws InputError through it.
 [[nodiscard]] LengthUnit parse_unit(const Stated& stated);
 
+/// [setup] "linear" or "cubic". @throws InputError naming where it stands
+[[nodiscard]] PathInterpolation parse_interpolation(const Stated& stated);
+
 }  // namespace palpate::scene

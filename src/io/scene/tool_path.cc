@@ -9,8 +9,43 @@
 #include "palpate/error.h"
 
 namespace palpate::scene {
+namespace {
 
-ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper)
+/// Slopes of a piecewise cubic that never goes beyond two neighbouring rows, coordinate by coordinate: zero
+/// where a coordinate turns back, else the weighted harmonic mean of the pieces' slopes [Fritsch and Butland
+/// 1984]. At both ends zero, as outside the path.
+std::vector<Vec3> monotone_slopes(const std::vector<PathRow>& rows) {
+  std::vector<Vec3> slopes(rows.size(), Vec3::Zero());
+  for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
+    const double before = rows[i].time - rows[i - 1].time;
+    const double after = rows[i + 1].time - rows[i].time;
+    const Vec3 slope_before = (rows[i].position - rows[i - 1].position) / before;
+    const Vec3 slope_after = (rows[i + 1].position - rows[i].position) / after;
+    const double weight_before = 2.0 * after + before;
+    const double weight_after = after + 2.0 * before;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(slope_before[axis] * slope_after[axis] > 0.0)) continue;
+      slopes[i][axis] = (weight_before + weight_after) /
+                        (weight_before / slope_before[axis] + weight_after / slope_after[axis]);
+    }
+  }
+  return slopes;
+}
+
+}  // namespace
+
+const char* to_string(PathInterpolation interpolation) noexcept {
+  return interpolation == PathInterpolation::kCubic ? "cubic" : "linear";
+}
+
+std::optional<PathInterpolation> interpolation_of(std::string_view name) noexcept {
+  for (const PathInterpolation known : {PathInterpolation::kLinear, PathInterpolation::kCubic}) {
+    if (name == to_string(known)) return known;
+  }
+  return std::nullopt;
+}
+
+ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper, PathInterpolation interpolation)
     : rows_(std::move(rows)), has_gripper_(has_gripper) {
   if (rows_.empty()) throw InputError("a tool path must have at least one row");
   for (std::size_t i = 1; i < rows_.size(); ++i) {
@@ -23,6 +58,7 @@ ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper)
     throw InputError(fmt::format("time_s = {} to {}: the path's length must be a finite number",
                                  shortest(rows_.front().time), shortest(rows_.back().time)));
   }
+  if (interpolation == PathInterpolation::kCubic) slopes_ = monotone_slopes(rows_);
   if (length > 0.0) rows_per_second_ = static_cast<double>(rows_.size() - 1) / length;
 }
 
@@ -54,6 +90,12 @@ PathRow ToolPath::at(double time) const noexcept {
     row = a;
     if (u > 0.0) {
       row.position = (1.0 - u) * a.position + u * b.position;
+      if (!slopes_.empty()) {  // Hermite's cubic, as what it adds to the straight line
+        const Vec3 chord = b.position - a.position;
+        const double period = b.time - a.time;
+        row.position += u * (1.0 - u) *
+                        ((1.0 - u) * (period * slopes_[i] - chord) - u * (period * slopes_[i + 1] - chord));
+      }
       row.orientation = slerp(a.orientation, b.orientation, u);
       row.gripper = (1.0 - u) * a.gripper + u * b.gripper;
     }
@@ -65,7 +107,12 @@ PathRow ToolPath::at(double time) const noexcept {
 Vec3 ToolPath::velocity_at(double time) const noexcept {
   if (!(time >= rows_.front().time) || time >= rows_.back().time) return Vec3::Zero();
   const std::size_t i = row_before(time);
-  return (rows_[i + 1].position - rows_[i].position) / (rows_[i + 1].time - rows_[i].time);
+  const double period = rows_[i + 1].time - rows_[i].time;
+  const Vec3 chord = (rows_[i + 1].position - rows_[i].position) / period;
+  if (slopes_.empty()) return chord;
+  const double u = (time - rows_[i].time) / period;
+  return 6.0 * u * (1.0 - u) * chord + (1.0 - u) * (1.0 - 3.0 * u) * slopes_[i] +
+         u * (3.0 * u - 2.0) * slopes_[i + 1];
 }
 
 }  // namespace palpate::scene

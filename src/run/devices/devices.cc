@@ -23,19 +23,20 @@
 namespace palpate::devices {
 namespace {
 
-/// The path from a file, checked for the task. @param kind for messages
-scene::ToolPath path_from(const std::string& kind, const std::string& file, scene::Task task) {
-  scene::ToolPath path = scene::read_tool_path(file);
+/// The path from a device's file, checked for the task.
+scene::ToolPath path_from(const scene::DeviceSetup& device, scene::Task task) {
+  scene::ToolPath path = scene::read_tool_path(device.path, device.interpolation);
   if (task == scene::Task::kPull && !path.has_gripper()) {
-    throw InputError(fmt::format("device {}: {}: gripper: missing, a pull needs this column", kind, file));
+    throw InputError(
+        fmt::format("device {}: {}: gripper: missing, a pull needs this column", device.kind, device.path));
   }
   return path;
 }
 
 std::unique_ptr<haptics::Device> open_scripted(const scene::Setup& setup, std::size_t hand) {
-  const std::string& file = setup.devices[hand].path;
-  if (file.empty()) return std::make_unique<ScriptedDevice>(scene::default_path(setup, hand));
-  return std::make_unique<ScriptedDevice>(path_from("scripted", file, setup.task));
+  const scene::DeviceSetup& device = setup.devices[hand];
+  if (device.path.empty()) return std::make_unique<ScriptedDevice>(scene::default_path(setup, hand));
+  return std::make_unique<ScriptedDevice>(path_from(device, setup.task));
 }
 
 /// The default path begun a second later: a held device gets no force before it has been still for a while.
@@ -48,8 +49,8 @@ scene::ToolPath default_path_of_a_hand(const scene::Setup& setup, std::size_t ha
 
 std::unique_ptr<haptics::Device> open_emulated(const scene::Setup& setup, std::size_t hand) {
   const scene::DeviceSetup& device = setup.devices[hand];
-  scene::ToolPath path = device.path.empty() ? default_path_of_a_hand(setup, hand)
-                                             : path_from("emulated", device.path, setup.task);
+  scene::ToolPath path =
+      device.path.empty() ? default_path_of_a_hand(setup, hand) : path_from(device, setup.task);
   return std::make_unique<EmulatedDevice>(std::move(path), device, setup.rate_Hz);
 }
 

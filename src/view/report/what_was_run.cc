@@ -85,6 +85,9 @@ Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
     facts.emplace_back("device", fmt::format("{}{}, workspace scale {}", device.kind,
                                              device.path.empty() ? "" : ", path " + device.path,
                                              shortest(device.workspace_scale)));
+    if (device.interpolation == scene::PathInterpolation::kCubic) {
+      facts.emplace_back("tool path", "cubic between its rows");
+    }
     if (device.force_scale < 1.0) {
       facts.emplace_back("force scale",
                          fmt::format("{}: the hand felt that much of the tissue's force, as much as a "

@@ -65,6 +65,7 @@ inline scene::Setup sample_setup(std::size_t hands) {
     scene::DeviceSetup& device = setup.devices.emplace_back();
     device.kind = "replay";
     device.path = "a/path.h5";
+    device.interpolation = scene::PathInterpolation::kCubic;
     device.workspace_scale = 2.5;
     device.base = {Quat(0.6, 0.8, 0, 0), Vec3(1, 2, 3.1)};
     device.dynamics.damping = 1.5;

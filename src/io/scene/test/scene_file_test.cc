@@ -60,6 +60,7 @@ mesh = "right.stl"
 [device]
 kind = "scripted"
 path = "way.csv"
+interpolation = "cubic"
 workspace_scale = 2.0
 base = { position_mm = [100, 0, 0], rotation_deg = [90, 0, 0] }
 [noise]
@@ -99,6 +100,7 @@ max_slew_N_m_per_ms = 0.02
   ASSERT_EQ(scene.devices.size(), 1U);
   EXPECT_EQ(scene.devices[0].kind.value, "scripted");
   EXPECT_EQ(scene.devices[0].path->value, "way.csv");
+  EXPECT_EQ(scene.devices[0].setup.interpolation, PathInterpolation::kCubic);
   EXPECT_EQ(scene.devices[0].setup.workspace_scale, 2.0);
   EXPECT_NEAR((scene.devices[0].setup.base * Vec3(0.0, 1.0, 0.0) - Vec3(0.1, 0.0, 1.0)).norm(), 0.0, 1e-15);
   EXPECT_FALSE(scene.noise.enabled);
@@ -201,6 +203,8 @@ TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {
            {"[[tool.jaw]]\nmesh = \"a.stl\"\nopen_deg = inf",
             ":7: tool.jaw.open_deg = inf: must be a number >= -180"},
            {"[device]\nworkspace_scale = 0", ":6: device.workspace_scale = 0: must be a number > 0"},
+           {"[device]\ninterpolation = \"spline\"",
+            ":6: device.interpolation = \"spline\": must be linear or cubic"},
            {"[device]\nbase = 1", ":6: device.base = 1: must be a table"},
            {"[noise]\nenabled = 1", ":6: noise.enabled = 1: must be true or false"},
            {"[noise]\ngain_N_m = -1e-5", ":6: noise.gain_N_m = -1e-05: must be"},

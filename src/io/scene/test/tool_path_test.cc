@@ -1,7 +1,9 @@
 #include "palpate/tool_path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,6 +44,64 @@ TEST(ToolPath, InterpolatesPositionAndGripperLinearly) {
   EXPECT_DOUBLE_EQ(quarter.position.y(), 1.0);
   EXPECT_DOUBLE_EQ(quarter.position.z(), 1.0);
   EXPECT_DOUBLE_EQ(quarter.gripper, 0.75);
+}
+
+/// Rows by chance, at uneven times.
+ToolPath random_cubic(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> between(-1.0, 1.0);
+  std::vector<PathRow> rows;
+  double time = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    rows.push_back(row(time, {between(random), between(random), i < 6 ? 0.1 * i : 0.5}));
+    time += 0.02 + 0.01 * between(random);
+  }
+  return ToolPath(rows, false, PathInterpolation::kCubic);
+}
+
+TEST(ToolPath, ACubicMeetsItsRowsAndStaysBetweenNeighbours) {
+  constexpr double kRounding = 1e-12;
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    const ToolPath path = random_cubic(seed);
+    const std::vector<PathRow>& rows = path.rows();
+    for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+      EXPECT_LT((path.at(rows[i].time).position - rows[i].position).norm(), kRounding);
+      for (const double u : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+        const Vec3 between = path.at(rows[i].time + u * (rows[i + 1].time - rows[i].time)).position;
+        for (int axis = 0; axis < 3; ++axis) {
+          const auto [low, high] = std::minmax(rows[i].position[axis], rows[i + 1].position[axis]);
+          EXPECT_GE(between[axis], low - kRounding) << seed;
+          EXPECT_LE(between[axis], high + kRounding) << seed;
+        }
+      }
+    }
+  }
+}
+
+TEST(ToolPath, ACubicsVelocityIsContinuousAndItsPositionsDerivative) {
+  constexpr double kStep = 1e-7;  // s
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const ToolPath path = random_cubic(seed);
+    for (double time = -0.01; time < path.end_time() + 0.01; time += 0.0007) {
+      const Vec3 slope = (path.at(time + kStep).position - path.at(time - kStep).position) / (2.0 * kStep);
+      EXPECT_LT((path.velocity_at(time) - slope).norm(), 1e-3) << time;
+    }
+    for (const PathRow& at : path.rows()) {
+      const Vec3 step = path.velocity_at(at.time + 1e-9) - path.velocity_at(at.time - 1e-9);
+      EXPECT_LT(step.norm(), 1e-3) << at.time;
+    }
+  }
+}
+
+// At both ends it begins and ends at rest, so only the pieces between are straight.
+TEST(ToolPath, ACubicAtConstantSpeedIsTheStraightLine) {
+  std::vector<PathRow> rows;
+  for (int i = 0; i < 6; ++i) rows.push_back(row(0.1 * i, Vec3(1.0, -2.0, 3.0) * i));
+  const ToolPath cubic(rows, false, PathInterpolation::kCubic);
+  const ToolPath linear(rows);
+  for (const double time : {0.1, 0.137, 0.2, 0.299, 0.35}) {
+    EXPECT_LT((cubic.at(time).position - linear.at(time).position).norm(), 1e-12) << time;
+  }
 }
 
 TEST(ToolPath, SlerpsTheRotationAtConstantSpeed) {
