@@ -35,7 +35,20 @@ void add_correlated(const std::vector<std::vector<double>>& all, const SpecimenF
   }
 }
 
-void add_wide_law(const SpecimenFit& fit, std::vector<std::string>& out) {
+/// What to measure when the law's shape is not well known.
+std::string advice(const SpecimenFit& fit, const Part& part) {
+  const double q = fit.estimates[2].value;
+  const double third_layer =
+      fit.estimates[4 + 2 * fit.terms].value + fit.estimates[3].value * (1.0 + q * (1.0 + q));
+  const double deepest = part.ranges.lowest_displacement + part.ranges.displacement;
+  if (deepest < third_layer) {
+    return "measure to about " + brief(third_layer / kMillimetre, 3) +
+           " mm, where the third layer of this fit ends";
+  }
+  return "measure more points, or with less noise";
+}
+
+void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::string>& out) {
   constexpr double kFactor = 2.0;
   std::string wide;
   for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
@@ -43,10 +56,9 @@ void add_wide_law(const SpecimenFit& fit, std::vector<std::string>& out) {
     if (interval.high > kFactor * interval.low) wide += (wide.empty() ? "" : " and ") + labels(0)[i].name;
   }
   if (wide.empty()) return;
-  out.push_back(
-      "the interval of " + wide +
-      " is wider than a factor 2: L_1, q and beta stand in for each other unless the data reach deep "
-      "into a third layer; the curve is known better than they are");
+  out.push_back("the interval of " + wide +
+                " is wider than a factor 2, because L_1, q and beta replace each other: " +
+                advice(fit, part) + "; the curve itself is known better");
 }
 
 /// Mean way back of the force between loading and unloading at the same displacement, over the range.
@@ -133,7 +145,7 @@ std::vector<std::string> warnings_of(const Minima& minima, const std::vector<Poi
   std::vector<std::string> out;
   add_undetermined(determined_of(minima, points), fit, out);
   add_correlated(curvature.correlations, fit, out);
-  add_wide_law(fit, out);
+  add_wide_law(fit, minima.problem.parts.front(), out);
   add_data(minima, fit, out);
   return out;
 }

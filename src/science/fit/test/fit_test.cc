@@ -163,6 +163,7 @@ TEST(FitSpecimen, SaysWhatTheDataDoNotDetermine) {
   }
   const SpecimenFit fit = fit_specimen(line, settings_for(LawKind::kLayered), 0, {});
   EXPECT_THAT(fit.warnings, testing::Contains(testing::HasSubstr("beta is not determined by the data")));
+  EXPECT_THAT(fit.warnings, testing::Contains(testing::HasSubstr("measure to about")));
 }
 
 /// Pressed in 1 s, then held, with so many points a second.
