@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -64,5 +65,17 @@ void residuals(const Problem& problem, const Part& part, std::span<const double>
 /// for k_1 and the offset, by central differences for the others.
 [[nodiscard]] std::vector<double> jacobian(const Problem& problem, const Part& part,
                                            std::span<const double> shared, std::span<const double> own);
+
+/// The sum of squares of a few parameters whose derivatives are found by central differences.
+struct SmallProblem {
+  Bounds bounds;
+  std::size_t residuals = 0;
+  std::function<void(std::span<const double>, std::span<double>)> errors;  // of parameters, to residuals
+};
+
+/// [setup] Levenberg and Marquardt's method from `point`, which must lie within the bounds, as solve().
+/// @param held index of a parameter that stays as it is; none when negative
+/// @return half the sum of squares that is left; infinite when no step led to numbers
+double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held = -1);
 
 }  // namespace palpate::fit

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -91,7 +92,43 @@ class QuietLibrary final {
   int before_;
 };
 
+/// A SmallProblem as Ceres asks for it.
+class SmallErrors final {
+ public:
+  explicit SmallErrors(const SmallProblem& problem) : problem_(problem) {}
+
+  bool operator()(double const* const* blocks, double* errors) const {
+    problem_.errors({blocks[0], problem_.bounds.low.size()}, {errors, problem_.residuals});
+    return true;
+  }
+
+ private:
+  const SmallProblem& problem_;
+};
+
 }  // namespace
+
+double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held) {
+  const QuietLibrary quiet;
+  const std::size_t count = point.size();
+  ceres::Problem all;
+  all.AddParameterBlock(point.data(), static_cast<int>(count));
+  set_bounds(all, point.data(), problem.bounds);
+  if (held >= 0) hold(all, point.data(), count, static_cast<std::size_t>(held));
+  using Cost = ceres::DynamicNumericDiffCostFunction<SmallErrors, ceres::CENTRAL>;
+  auto cost = std::make_unique<Cost>(std::make_unique<SmallErrors>(problem).release());  // it owns them
+  cost->AddParameterBlock(static_cast<int>(count));
+  cost->SetNumResiduals(static_cast<int>(problem.residuals));
+  all.AddResidualBlock(cost.release(), nullptr, point.data());  // the problem owns it
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.max_num_iterations = most_iterations;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &all, &summary);
+  return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+}
 
 Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held,
                double tolerance) {

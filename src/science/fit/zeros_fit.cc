@@ -1,25 +1,22 @@
 #include "science/fit/zeros_fit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <span>
 #include <utility>
-
-#include <ceres/ceres.h>
 
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "palpate/fit.h"
 #include "science/fit/forward.h"
+#include "science/fit/least_squares.h"
 
 namespace palpate::fit {
 namespace {
 
-constexpr std::size_t kSearched = 2000;          // points: two unknowns need no more
-constexpr double kSmallestSpread = 1e-5;         // of the range of force
-using Own = std::array<double, kOwnParameters>;  // first contact and offset, in shares of the ranges
+constexpr std::size_t kSearched = 2000;   // points: two unknowns need no more
+constexpr double kSmallestSpread = 1e-5;  // of the range of force
 
 /// What the search holds fixed.
 struct Search {
@@ -32,7 +29,7 @@ struct Search {
 };
 
 /// Computed less measured force at every point, in shares of the range of force.
-std::vector<double> plain_residuals(const Search& search, const double* own) {
+std::vector<double> plain_residuals(const Search& search, std::span<const double> own) {
   const Specimen& specimen = search.specimen;
   std::vector<double> depths;
   for (const double displacement : specimen.displacement) {
@@ -50,60 +47,35 @@ std::vector<double> plain_residuals(const Search& search, const double* own) {
 }
 
 /// The residuals after the loss, then how far the two lie from where they usually are.
-class ZeroErrors final {
- public:
-  explicit ZeroErrors(const Search& search) : search_(search) {}
-
-  bool operator()(double const* const* own, double* errors) const {
-    const std::vector<double> values = plain_residuals(search_, own[0]);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const double share = values[i] / search_.loss_scale;  // 0 without a loss
-      errors[i] = share == 0.0 ? values[i]
-                               : std::copysign(search_.loss_scale * std::sqrt(portable::log1p(share * share)),
-                                               values[i]);
-    }
-    const OwnPrior& prior = search_.prior;
-    errors[values.size()] = search_.sigma * (own[0][0] - prior.first_contact) / prior.first_contact_spread;
-    errors[values.size() + 1] = search_.sigma * (own[0][1] - prior.offset) / prior.offset_spread;
-    return true;
+void zero_errors(const Search& search, std::span<const double> own, std::span<double> errors) {
+  const std::vector<double> values = plain_residuals(search, own);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double share = values[i] / search.loss_scale;  // 0 without a loss
+    errors[i] = share == 0.0
+                    ? values[i]
+                    : std::copysign(search.loss_scale * std::sqrt(portable::log1p(share * share)), values[i]);
   }
+  const OwnPrior& prior = search.prior;
+  errors[values.size()] = search.sigma * (own[0] - prior.first_contact) / prior.first_contact_spread;
+  errors[values.size() + 1] = search.sigma * (own[1] - prior.offset) / prior.offset_spread;
+}
 
- private:
-  const Search& search_;
-};
-
-/// Descends from `own`; the sum of squares that is left.
-double descend_to_zeros(const Search& search, Own& own) {
+/// Descends from `own`; half the sum of squares that is left.
+double descend_to_zeros(const Search& search, Point& own) {
   const Bounds bounds = own_bounds(search.prior);
-  ceres::Problem problem;
-  problem.AddParameterBlock(own.data(), kOwnParameters);
-  for (std::size_t i = 0; i < kOwnParameters; ++i) {
-    own[i] = std::clamp(own[i], bounds.low[i], bounds.high[i]);
-    problem.SetParameterLowerBound(own.data(), static_cast<int>(i), bounds.low[i]);
-    problem.SetParameterUpperBound(own.data(), static_cast<int>(i), bounds.high[i]);
-  }
-  auto errors = std::make_unique<ZeroErrors>(search);
-  auto cost =
-      std::make_unique<ceres::DynamicNumericDiffCostFunction<ZeroErrors, ceres::CENTRAL>>(errors.release());
-  cost->AddParameterBlock(kOwnParameters);
-  cost->SetNumResiduals(static_cast<int>(search.specimen.size() + kOwnParameters));
-  problem.AddResidualBlock(cost.release(), nullptr, own.data());  // the problem owns it
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.num_threads = 1;
-  options.max_num_iterations = 60;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kOwnParameters; ++i) own[i] = std::clamp(own[i], bounds.low[i], bounds.high[i]);
+  const auto errors = [&search](std::span<const double> at, std::span<double> out) {
+    zero_errors(search, at, out);
+  };
+  return minimise({bounds, search.specimen.size() + kOwnParameters, errors}, own, 60);
 }
 
 /// The best of descents from first contacts all over the bounds, and from `own`.
-void search_from_everywhere(const Search& search, Own& own) {
+void search_from_everywhere(const Search& search, Point& own) {
   const Bounds bounds = own_bounds(search.prior);
   double best_cost = descend_to_zeros(search, own);
   for (const double way : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-    Own start = {bounds.low[0] + way * (bounds.high[0] - bounds.low[0]), search.prior.offset};
+    Point start = {bounds.low[0] + way * (bounds.high[0] - bounds.low[0]), search.prior.offset};
     const double cost = descend_to_zeros(search, start);
     if (cost < best_cost) {
       best_cost = cost;
@@ -113,8 +85,8 @@ void search_from_everywhere(const Search& search, Own& own) {
 }
 
 /// The spread of the residuals that outliers do not change.
-double spread_of(const Search& search, const Own& own) {
-  return std::max(normalized_mad(plain_residuals(search, own.data())), kSmallestSpread);
+double spread_of(const Search& search, const Point& own) {
+  return std::max(normalized_mad(plain_residuals(search, own)), kSmallestSpread);
 }
 
 }  // namespace
@@ -128,7 +100,7 @@ ZerosFit fit_zeros(const Specimen& specimen, const Law& law) {
   search.law = law;
   search.ranges = ranges_of(search.specimen);
   search.prior = own_prior(search.ranges);
-  Own own = {search.prior.first_contact, search.prior.offset};
+  Point own = {search.prior.first_contact, search.prior.offset};
   search_from_everywhere(search, own);
   // Many outliers widen the loss that should leave them out: each round narrows it.
   for (int round = 0; round < kMostRounds; ++round) {
