@@ -72,8 +72,8 @@ Figure draw_curve(const fit::SpecimenFit& fit, const std::filesystem::path& file
   figure.file = file;
   figure.alternative = "Measured and fitted force of " + fit.name + ", and what is left";
   figure.caption =
-      "Measured force, the fitted curve with the band that 95 % of the curves lie in that the data allow, "
-      "and what is left.";
+      "Measured force, the fitted curve with the band of curves that the data allow at 95 %, and the "
+      "residuals.";
   double largest = 0.0;
   for (std::size_t i = 0; i < fit.curve.fitted.size(); ++i) {
     largest = std::max(largest, std::abs(fit.curve.fitted[i] - fit.curve.measured[i]));
