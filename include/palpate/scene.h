@@ -108,8 +108,7 @@ enum class PathInterpolation : std::uint8_t {
 struct DeviceSetup {
   std::string kind = "scripted";  // a name of device_kinds.h
   std::string path;               // file or address, resolved; empty: none given
-  PathInterpolation interpolation = PathInterpolation::kLinear;  // of a tool path's file
-  double workspace_scale = 1.0;                                  // > 0
+  double workspace_scale = 1.0;   // > 0
   Pose base;
   DeviceDynamics dynamics{};
   EmulatedHand emulated{};                       // of kind "emulated" only
@@ -117,6 +116,7 @@ struct DeviceSetup {
   bool fit = false;                              // the force is scaled to the stiffness that the device bears
   haptics::DeviceAbilities abilities{};          // of the device that was opened
   double force_scale = 1.0;  // of the tissue's force on the hand; 1 unless `fit` lowered it
+  PathInterpolation interpolation = PathInterpolation::kLinear;  // of a tool path's file
 };
 
 /// Limits of the gate; SI (slew per second). A scene may ask for at most 2.5 times the force of the strongest
