@@ -6,7 +6,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
   # curves and random pictures.
   set(PALPATE_LEFT_OUT "")
   if(PALPATE_SANITIZE)
-    set(PALPATE_LEFT_OUT "*Fine*.*:*_300k:*ImageTrials.*:FitSpecimen.FindsRelaxation*:FitSpecimen.RelaxationTooFaint*:"
+    set(PALPATE_LEFT_OUT "*Fine*.*:*_300k:*ImageTrials.*:FitSpecimen.FindsRelaxation*:FitSpecimen.RelaxationTooFaint*:FitSpecimen.OrdersRelaxation*:"
       "FitSpecimen.IntervalsHold*:Sweep.OfAllTogether*:Sweep.NoValueFitsClearly*:Minima.OfRandomSprings*")
     list(JOIN PALPATE_LEFT_OUT "" PALPATE_LEFT_OUT)
   endif()

@@ -1,6 +1,6 @@
 // Hashes contact on 32 tool paths, to prove that a change of src/core/contact changes no bit of a result: one
 // and three tools of 968 to 97,000 triangles on the gallbladder (press) and the heart (pull), on the scene's
-// path and shaken with leaps, with the organ at rest and moving. It takes about a minute.
+// path and shaken with leaps, with the organ at rest and moving. It takes about half a minute.
 //
 // Usage: palpate_contact_hash [tests/contact_hashes.txt]   exit 1 when a hash differs from its line in the
 // file

@@ -45,13 +45,14 @@ struct EntryEvent {
 /// Invariants. The odometer sums the greatest motion of any point, relative to the organ. Since a point was
 /// asked it has moved by no more than odometer_ - `odometer`. `distance` was its signed distance then, or of
 /// an outside point a positive lower bound. After move(), `inside_` is right for every point that is not in a
-/// deferred cluster, and each of them that went in on the way is among the entries.
+/// deferred cluster, and each of them that went in on the way is among the entries, kMostEntries at most. A
+/// cluster that was deferred until this move makes none.
 class DistanceCache final {
  public:
   /// [setup] @param surface, points outlive it
   DistanceCache(const OrganSurface& surface, const PartPoints& points);
 
-  /// [rt] Brings the part to `pose_S` (organ frame) and finds, exactly, every point that went in on the way,
+  /// [rt] Brings the part to `pose_S` (organ frame) and finds, exactly, the points that went in on the way,
   /// also right through.
   /// @param contacts_S places of the part's contacts: within `reference_radius` [m] of one no point starts
   /// another, so that clusters that lie there are deferred until it leaves

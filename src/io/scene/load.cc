@@ -272,6 +272,8 @@ void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
     made.kind = kind.name;
     if (made.kind == "emulated") made.dynamics = with_emulated_defaults(made.dynamics);
     made.path = check_device_path(device, kind, scene.task);
+    if (kind.path != DevicePath::kToolPath || made.path.empty())
+      made.interpolation = PathInterpolation::kLinear;
   }
   for (const ToolDescription& tool : scene.tools) setup.tools.push_back(load_instrument(tool, notes));
 }

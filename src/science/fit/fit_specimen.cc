@@ -67,6 +67,11 @@ Minima with_terms(const Part& part, const Settings& settings, const Progress& pr
     if (!(criterion(tried) < criterion(best) - kWorthIt)) break;
     best = std::move(tried);
   }
+  if (best.problem.terms > 1) {  // a law that few terms draw elsewhere is not near the best one
+    std::vector<Solution> from = starts(best.problem, kStarts);
+    from.insert(from.begin(), best.all.begin(), best.all.end());
+    best = search_minima(make_problem(settings, best.problem.terms, {part}), from);
+  }
   settle_minima(best);
   return best;
 }

@@ -19,9 +19,13 @@ namespace palpate::fit {
 /// @param effective number of points that count as independent @return -infinity where there is no law
 [[nodiscard]] double log_posterior_of(const Problem& problem, const Solution& at, double effective);
 
+/// [setup] The root of twice the fall of log_posterior_of() that a test at 95 % allows: Student's t for what
+/// so many points tell of so many parameters, a little wider.
+[[nodiscard]] double likelihood_limit(double effective, std::size_t parameters);
+
 /// [setup] Points along the profile likelihood of every parameter [Raue 2009]: each moved away from the best
-/// fit, all others fitted again, as far as a likelihood-ratio test at 95 % allows (by Student's t for what
-/// `effective` points tell of so many parameters), from every minimum that the same test allows.
+/// fit, all others fitted again, as far as likelihood_limit() allows, from every minimum that it
+/// allows and that the points so far do not enclose.
 [[nodiscard]] std::vector<Point> profile_points(const Minima& minima, double effective,
                                                 const std::function<void(double)>& progress);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
@@ -19,6 +20,18 @@ constexpr std::size_t kKept = 8;    // minima that are descended to again with t
 constexpr double kGain = 1e-3;      // of a sum of squares: less is not worth another round
 constexpr double kLoss = 4.0;  // spreads: Cauchy's loss there costs a normal noise 1 % of its information
 
+/// Relaxation terms in the order of their times, as values_of() has them; the cost does not depend on it.
+void order_terms(Solution& solution) {
+  Point& shared = solution.shared;
+  for (std::size_t last = shared.size(); last > kLawParameters + 2; last -= 2) {
+    for (std::size_t i = kLawParameters; i + 2 < last; i += 2) {
+      if (!(shared[i + 1] > shared[i + 3])) continue;
+      std::swap(shared[i], shared[i + 2]);
+      std::swap(shared[i + 1], shared[i + 3]);
+    }
+  }
+}
+
 void sort_by_cost(std::vector<Solution>& all) {
   std::stable_sort(all.begin(), all.end(),
                    [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
@@ -28,6 +41,7 @@ void sort_by_cost(std::vector<Solution>& all) {
 std::vector<Solution> distinct(std::vector<Solution> all, std::size_t most) {
   constexpr double kSame = 0.03;
   constexpr double kSameCost = 1e-6;
+  for (Solution& solution : all) order_terms(solution);
   sort_by_cost(all);
   std::vector<Solution> kept;
   for (Solution& solution : all) {

@@ -59,7 +59,10 @@ double flat_until(const Specimen& specimen, const Ranges& ranges) {
   });
   std::vector<double> force;
   for (const std::size_t i : order) force.push_back(specimen.force[i]);
-  const double noise = std::max(noise_of(force), kSmallestNoise * ranges.force);
+  // In the rows' order too: by displacement, loading and unloading alternate and hysteresis would count as
+  // noise.
+  const double noise =
+      std::max(std::min(noise_of(force), noise_of(specimen.force)), kSmallestNoise * ranges.force);
   double until = ranges.lowest_displacement;
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;  // sums, of displacement past the lowest and of force
   for (std::size_t i = 0; i < rows; ++i) {

@@ -40,7 +40,9 @@ void reach_errors(const std::vector<ReachSample>& samples, const SurfaceRule& ru
 
 double solve_from(const std::vector<ReachSample>& samples, const SurfaceRule& rule, bool keep_exponent,
                   Point& shape) {
-  SmallProblem problem{{kLow, kHigh}, 0, [&](std::span<const double> at, std::span<double> errors) {
+  Bounds bounds{kLow, kHigh};
+  bounds.low[kExponent] = std::min(kLow[kExponent], shape[kExponent]);  // one that is kept may be less
+  SmallProblem problem{bounds, 0, [&](std::span<const double> at, std::span<double> errors) {
                          reach_errors(samples, rule, at, errors);
                        }};
   for (const ReachSample& sample : samples) problem.residuals += sample.deformation.size();

@@ -25,26 +25,39 @@ constexpr std::size_t kMostSpecimens = 10'000;  // of one file; more is a mistak
 void add_row(Specimen& specimen, const CsvTable& table) {
   const double displacement = table.number(kDisplacement) * kMillimetre;
   const double force = table.number(kForce);
+  if (displacement == 0.0 && force == 0.0 && specimen.size() > 0 && specimen.displacement.back() != 0.0) {
+    ++specimen.empty_rows;
+    return;
+  }
   if (table.has(kTime)) {
     const double time = table.number(kTime);
     if (!specimen.time.empty() && !(time > specimen.time.back())) {
       table.fail(kTime, "must be later than the row before, " + shortest(specimen.time.back()));
     }
+    specimen.time.push_back(time);
   }
-  if (displacement == 0.0 && force == 0.0 && specimen.size() > 0 && specimen.displacement.back() != 0.0) {
-    ++specimen.empty_rows;
-    return;
-  }
-  if (table.has(kTime)) specimen.time.push_back(table.number(kTime));
   specimen.displacement.push_back(displacement);
   specimen.force.push_back(force);
+}
+
+/// Whether the force rises out of its noise nowhere.
+bool is_flat(const Specimen& s) {
+  const Ranges ranges = ranges_of(s);
+  return flat_until(s, ranges) >= ranges.lowest_displacement + ranges.displacement;
+}
+
+/// The specimen with its force turned round.
+Specimen negated(Specimen s) {
+  for (double& force : s.force) force = -force;
+  return s;
 }
 
 /// Refuses what no law could be fitted to. @param where file and specimen, for the message
 void check_specimen(const Specimen& s, const std::string& where) {
   if (s.size() < kFewestPoints) {
-    throw InputError(fmt::format("{}: has {}{}, must have at least {}", where, s.size(),
-                                 s.size() == 1 ? " row" : " rows", kFewestPoints));
+    throw InputError(fmt::format(
+        "{}: has {}{}{}, must have at least {}", where, s.size(), s.size() == 1 ? " row" : " rows",
+        s.empty_rows > 0 ? fmt::format(" and {} of 0 mm and 0 N", s.empty_rows) : "", kFewestPoints));
   }
   const auto [low, high] = std::minmax_element(s.displacement.begin(), s.displacement.end());
   const auto [weak, strong] = std::minmax_element(s.force.begin(), s.force.end());
@@ -60,9 +73,8 @@ void check_specimen(const Specimen& s, const std::string& where) {
                      ": displacement_mm is never above 0; pressing in and pulling out both count "
                      "positive, with --direction for which");
   }
-  const bool flat = flat_until(s, ranges_of(s)) >= *high;
-  const double rises = correlation(s.displacement, s.force);
-  if (!(rises > 0.0) && (!flat || rises < -0.5)) {
+  const bool flat = is_flat(s);
+  if (flat ? !is_flat(negated(s)) : !(correlation(s.displacement, s.force) > 0.0)) {
     throw InputError(where +
                      ": force_N falls as displacement_mm rises; pressing in and pulling out both "
                      "count positive, with --direction for which");

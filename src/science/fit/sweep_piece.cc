@@ -12,7 +12,6 @@
 #include "core/base/statistics.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
-#include "science/fit/distributions.h"
 #include "science/fit/intervals.h"
 #include "science/fit/minima.h"
 #include "science/fit/number_json.h"
@@ -153,8 +152,7 @@ class Target final {
       point.deviance = std::numeric_limits<double>::quiet_NaN();
       point.within_95 = specimens_leave(best_costs_, part_costs(problem_, solution));
     } else {
-      const double t =
-          student(effective_ - static_cast<double>(shared_count(problem_.terms) + kOwnParameters));
+      const double t = likelihood_limit(effective_, shared_count(problem_.terms) + kOwnParameters);
       point.deviance = 2.0 * (posterior_of(best_) - posterior_of(solution));
       point.within_95 = point.deviance <= t * t;
     }

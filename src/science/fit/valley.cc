@@ -13,7 +13,7 @@
 namespace palpate::fit {
 namespace {
 
-constexpr int kIterations = 10;  // of each fit along the way
+constexpr int kIterations = 20;  // of each fit along the way
 
 /// How far a step of 1 goes: 1 of a logarithm, a tenth of a range.
 double unit_of(const Solution& at, std::size_t index) { return index < at.shared.size() ? 1.0 : 0.1; }
@@ -132,7 +132,7 @@ void walk_valley(const Problem& problem, const Solution& from, std::size_t index
   constexpr double kShortest = 1e-5;
   constexpr double kEnd = 0.1;         // of the way so far: the end of the interval is found well enough
   constexpr double kStraight = 1.5;    // excess up to which the last step is straight enough
-  constexpr double kTolerance = 1e-5;  // of a sum of squares: an interval needs no more
+  constexpr double kTolerance = 1e-7;  // of a sum of squares: an interval needs no more
   const double unit = unit_of(from, index);
   Solution at = from;
   double here = excess(at);

@@ -202,6 +202,24 @@ TEST(FitSpecimen, FindsRelaxationOfAPressAndHold) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(exact.size())) / range, 0.03);
 }
 
+// The curvature's intervals go with the terms that they belong to.
+TEST(FitSpecimen, OrdersRelaxationTermsByTheirTimes) {
+  Settings settings = settings_for(LawKind::kSmooth);
+  settings.relaxation = true;
+  Specimen specimen = press_and_hold(LawKind::kSmooth, {{0.2, 0.15}, {0.2, 1.5}, {0.2, 8.0}}, 20, 420);
+  Random random(3, 0, 0);
+  for (double& force : specimen.force) force += 2e-3 * random.normal();
+  const SpecimenFit fit = fit_specimen(specimen, settings, 0, {});
+  ASSERT_GE(fit.terms, 2U);
+  for (std::size_t i = 1; i < fit.terms; ++i) EXPECT_LT(fit.shared[3 + 2 * i], fit.shared[5 + 2 * i]);
+  for (std::size_t i = 0; i < fit.terms; ++i) {
+    const Estimate& time = fit.estimates[5 + 2 * i];
+    ASSERT_TRUE(time.covariance.has_value());
+    EXPECT_LT(time.covariance->low, time.value);
+    EXPECT_GT(time.covariance->high, time.value);
+  }
+}
+
 TEST(FitSpecimen, RelaxationTooFaintForAnySensorIsNoTerm) {
   Settings settings = settings_for(LawKind::kLayered);
   settings.relaxation = true;

@@ -76,6 +76,31 @@ TEST(ReadSpecimens, LeavesOutRowsOfZerosAfterOthersAndCountsThem) {
   EXPECT_EQ(all[0].empty_rows, 3U);
 }
 
+TEST(ReadSpecimens, LeavesOutRowsOfZerosInTimeToo) {
+  std::string text = "time_s,displacement_mm,force_N\n";
+  for (int i = 0; i < 12; ++i) text += fmt::format("{0},{0},0.{0}\n", i);
+  const std::vector<Specimen> all = read(text + "0,0,0\n0,0,0\n");
+  EXPECT_EQ(all[0].size(), 12U);
+  EXPECT_EQ(all[0].empty_rows, 2U);
+}
+
+// 17 rows pressed and let go, the force on the way back 40 % of that on the way in: hysteresis is no noise.
+TEST(ReadSpecimens, TakesALoadingAndUnloadingCurveOfFewRows) {
+  std::string text = "time_s,displacement_mm,force_N\n";
+  for (int i = 0; i < 17; ++i) {
+    const double depth = i < 9 ? i : 16 - i;
+    text += fmt::format("{},{},{}\n", i, depth + 0.01, 0.1 * depth * (i < 9 ? 1.0 : 0.4));
+  }
+  EXPECT_EQ(read(text)[0].size(), 17U);
+}
+
+TEST(ReadSpecimens, SaysThatAForceThatFallsLateFalls) {
+  std::string text = kHeader;
+  for (int i = 0; i < 101; ++i)
+    text += fmt::format("{},{}\n", 0.1 * i, i > 90 ? -0.1 * (i - 90) : 0.001 * (i % 3));
+  EXPECT_THAT(error_in(text), HasSubstr("force_N falls as displacement_mm rises"));
+}
+
 TEST(ReadSpecimens, RefusesAForceThatDoesNotRiseOutOfItsNoise) {
   std::string text = kHeader;
   const int noise[] = {3, -2, 5, 0, -4, 4, -1, 2, -3, 4, -5, 5, 1, -2, 3};

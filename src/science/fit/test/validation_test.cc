@@ -170,6 +170,8 @@ TEST(FitReach, KeepsTheExponentAsGivenWhereTheDepthsAreTooAlikeToDetermineIt) {
     EXPECT_EQ(fit.reach.depth_exponent, 0.7);
     EXPECT_FALSE(fit.at_limit[4]);
   }
+  // A kept exponent is not bounded.
+  EXPECT_EQ(fit_reach(samples_of(truth, {3e-3}), {true, 0.0}, 0.01).reach.depth_exponent, 0.01);
   // One depth: c makes up for p. c (3/5)^0.7 = 0.9 (3/5)^0.3.
   const ReachFit fit = fit_reach(samples_of(truth, {3e-3}), {true, 0.0}, 0.7);
   EXPECT_NEAR(fit.reach.contact_ratio, 0.9 * std::pow(0.6, -0.4), 0.01);
