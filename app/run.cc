@@ -182,7 +182,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   if (draw && (played.display_lost || !result.recording_failure.empty())) {
     tell((played.display_lost ? "no pictures can be drawn now" : "the recording is not whole") +
          std::string(": no report and no screenshot were made") +
-         (files.recording.empty()
+         (files.recording.empty() || !std::filesystem::exists(files.recording)
               ? std::string()
               : "; palpate view " + files.recording.string() + " --screenshot does that"));
     draw = false;

@@ -44,11 +44,11 @@ void RunCompanion::accompany(const std::stop_token& stop) {
       bar.clear();
       tell_fault(seen);
     }
-    if (const int hand = warm_hand_.load(std::memory_order_relaxed); hand >= 0 && !told_warm) {
+    const int hand = warm_hand_.load(std::memory_order_relaxed);
+    if (hand >= 0 && !told_warm &&
+        session_.setup().devices[static_cast<std::size_t>(hand)].kind != "replay") {
       bar.clear();
-      app::tell("hand " + std::to_string(hand) +
-                ": the device's motors are warm, its force is lowered until they have cooled: rest for some "
-                "minutes");
+      app::tell(words_of_warm_motors(static_cast<std::size_t>(hand)));
       told_warm = true;
     }
     {
@@ -60,6 +60,14 @@ void RunCompanion::accompany(const std::stop_token& stop) {
     const auto ticks = static_cast<double>(done_.load(std::memory_order_relaxed));
     bar.update(ticks / static_cast<double>(session_.ticks()), seconds(ticks / session_.setup().rate_Hz));
   }
+}
+
+std::string RunCompanion::words_of_warm_motors(std::size_t hand) const {
+  const bool lowers = std::isfinite(session_.setup().devices[hand].abilities.continuous_force);
+  return "hand " + std::to_string(hand) + ": the device's motors are warm: rest for some minutes; " +
+         (lowers
+              ? "its force is lowered until they have cooled"
+              : "its force is not lowered, because it does not report the force that it bears without end");
 }
 
 void RunCompanion::tell_fault(const haptics::FaultSeen& seen) const {

@@ -44,6 +44,7 @@ class RunCompanion final : public haptics::TickObserver {
 
   void accompany(const std::stop_token& stop);
   void tell_fault(const haptics::FaultSeen& seen) const;
+  [[nodiscard]] std::string words_of_warm_motors(std::size_t hand) const;
 
   const session::Session& session_;
   std::atomic<std::uint64_t> done_{0};  // ticks

@@ -119,8 +119,8 @@ int serve(const ServeFlags& flags) {
   server.run(signals.flag());
   runs.finish();
   tell_account(server.account(), runs.runs(), flags.runs.json);
-  if (runs.failed()) return kBadInput;
-  return runs.fault() ? kFault : kDone;
+  if (runs.fault()) return kFault;
+  return runs.failed() ? kBadInput : kDone;
 }
 
 void add_serve_flags(CLI::App& command, ServeFlags& flags) {

@@ -177,7 +177,7 @@ void Recorder::Impl::guarded(const Step& step) {
 void Recorder::Impl::fail(const std::string& why) {
   try {
     if (!writer->damaged()) flush(false);  // there is room kept for what HDF5 still holds
-  } catch (const hdf5::Error&) {           // then fewer rows are safe
+  } catch (const std::exception&) {        // then fewer rows are safe
   }
   failure = fmt::format("{}: the recording ends after its first {} rows ({} s): {}", file.string(), rows_safe,
                         shortest(static_cast<double>(rows_safe) / rows_per_second), why);
@@ -282,7 +282,7 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
     try {
       writer->write_summary(facts, rows_lost.load(std::memory_order_relaxed));
       writer->close();
-    } catch (const hdf5::Error& error) {
+    } catch (const std::exception& error) {
       if (failure.empty()) fail(error.what());
     }
   }

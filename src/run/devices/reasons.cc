@@ -64,7 +64,7 @@ std::string name_of_node(const Machine& machine, const fs::path& node) {
 std::string holder_of(const Machine& machine, const std::string& node) {
   for (const fs::path& process : entries_of(machine.root / "proc")) {
     const std::string id = process.filename().string();
-    if (id.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (id.find_first_not_of("0123456789") != std::string::npos || id == std::to_string(getpid())) continue;
     for (const fs::path& file : entries_of(process / "fd")) {
       std::error_code error;
       if (fs::read_symlink(file, error) == node) {
@@ -81,7 +81,8 @@ bool has_udev_rule(const Machine& machine, const UsbNumber& number) {
       std::ifstream in(file);
       for (std::string line; std::getline(in, line);) {
         const bool names_it =
-            line.find(number.vendor) != std::string::npos && line.find(number.product) != std::string::npos;
+            line.find(fmt::format("idVendor}}==\"{}\"", number.vendor)) != std::string::npos &&
+            line.find(number.product) != std::string::npos;
         if (names_it && line.front() != '#') return true;
       }
     }
@@ -94,15 +95,15 @@ Reason rights_reason(const Machine& machine, const std::string& node, const UsbN
     return {node +
                 " is not open to this user, although a udev rule names the device: log in at this "
                 "computer (not by ssh) and plug the device in again after",
-            "sudo udevadm control --reload && sudo udevadm trigger"};
+            "sudo udevadm control --reload"};
   }
   const std::string product =
       number.product.empty() ? "" : fmt::format(R"(ATTRS{{idProduct}}=="{}", )", number.product);
   return {node + " is not open to this user, and no udev rule names the device",
           fmt::format(
               R"(echo 'SUBSYSTEM=="usb|tty|hidraw", ATTRS{{idVendor}}=="{}", {}MODE="0660", TAG+="uaccess"' )"
-              "| sudo tee /etc/udev/rules.d/60-haptic.rules && sudo udevadm trigger",
-              number.vendor, product)};
+              "| sudo tee /etc/udev/rules.d/60-haptic-{}.rules   # then plug it in again",
+              number.vendor, product, number.vendor)};
 }
 
 void add_reasons_of_node(const Machine& machine, const fs::path& node, const UsbNumber& number,
@@ -111,8 +112,7 @@ void add_reasons_of_node(const Machine& machine, const fs::path& node, const Usb
   if (is_there(node) && !machine.may_open(node)) reasons.push_back(rights_reason(machine, name, number));
   const std::string holder = holder_of(machine, name);
   if (holder.empty()) return;
-  reasons.push_back({fmt::format("{} is in use by {}", name, holder),
-                     "kill " + holder.substr(holder.rfind(' ') + 1, holder.size() - holder.rfind(' ') - 2)});
+  reasons.push_back({fmt::format("{} is in use by {}: end that program", name, holder), "fuser -v " + name});
 }
 
 /// The serial ports and hidraw devices that the kernel made of a USB device.
@@ -225,7 +225,9 @@ std::vector<Reason> forcedimension_reasons(const Machine& machine, bool library)
         for (const fs::path& part : entries_of(device)) {
           std::error_code error;
           if (fs::read_symlink(part / "driver", error).filename() != "ftdi_sio") continue;
-          reasons.push_back({"the kernel's serial driver holds the Falcon", "sudo rmmod ftdi_sio"});
+          reasons.push_back({"the kernel's serial driver holds the Falcon",
+                             fmt::format("echo {} | sudo tee /sys/bus/usb/drivers/ftdi_sio/unbind",
+                                         part.filename().string())});
         }
       });
   if (found == 0) {
@@ -264,7 +266,7 @@ std::vector<Reason> haply_reasons(const Machine& machine) {
     for (const char* folder : {"etc/systemd/system", "usr/lib/systemd/system", "lib/systemd/system"}) {
       installed = installed || is_there(machine.root / folder / "haply-inverse-service.service");
     }
-    if (listens(machine, kOldHaplyPort)) {
+    if (installed && listens(machine, kOldHaplyPort)) {
       reasons.push_back(
           {"the service listens on port 10000 alone: it is older than 3.1, or its port was changed",
            "sudo apt install ./haply-inverse-service*.deb"});
@@ -304,18 +306,22 @@ std::vector<Reason> mouse_reasons(const Machine& machine) {
 std::vector<Reason> gamepad_reasons(const Machine& machine) {
   std::vector<Reason> reasons = mouse_reasons(machine);
   bool pad = false;
+  bool open = false;
   for (const fs::path& input : entries_of(machine.root / "sys/class/input")) {
     if (!begins(input, "js")) continue;
     pad = true;
     for (const fs::path& part : entries_of(input / "device")) {
       const fs::path node = machine.root / "dev/input" / part.filename();
-      if (!begins(part, "event") || machine.may_open(node)) continue;
+      if (!begins(part, "event")) continue;
+      open = open || machine.may_open(node);
+      if (machine.may_open(node)) continue;
       reasons.push_back({name_of_node(machine, node) + (is_there(node) ? " is not open to this user"
                                                                        : " is missing, as in a container"),
                          is_there(node) ? "sudo usermod -aG input $USER   # then log in again"
                                         : "docker run --device /dev/input"});
     }
   }
+  if (open) return mouse_reasons(machine);
   if (!pad) reasons.push_back({"no gamepad is plugged in or paired", "ls /sys/class/input/ | grep js"});
   if (!pad && !is_there(machine.root / "sys/module/joydev")) {
     reasons.push_back({"the kernel's module for gamepads is not loaded", "sudo modprobe joydev"});

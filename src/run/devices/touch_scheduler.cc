@@ -247,7 +247,7 @@ void TouchScheduler::read_temperature(TouchArm& arm, std::int64_t now) noexcept 
   double motors[kMostMotors] = {};
   library_.call().GetDoublev(kHdMotorTemperature, motors);
   const bool given = library_.take_error().code == kHdSuccess;
-  arm.warm = given && *std::max_element(std::begin(motors), std::end(motors)) > kWarm;
+  arm.warm = given && std::any_of(std::begin(motors), std::end(motors), [](double t) { return t >= kWarm; });
 }
 
 /// Gives each error to the arm that it names, else to the current one.

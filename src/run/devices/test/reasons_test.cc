@@ -102,7 +102,7 @@ TEST_F(Reasons, TheUsbNodeIsNotOpenToThisUser) {
                                  R"(ATTRS{idVendor}=="1451", MODE="0660", TAG+="uaccess"' | sudo tee)")));
   put("etc/udev/rules.d/60-palpate.rules", "# 1451\nSUBSYSTEM==\"usb\", ATTR{idVendor}==\"1451\"\n");
   EXPECT_THAT(forcedimension_reasons(machine_, true),
-              ElementsAre(reason("although a udev rule names", "udevadm trigger")));
+              ElementsAre(reason("although a udev rule names", "udevadm control --reload")));
   open("dev/bus/usb/001/004");
   EXPECT_THAT(forcedimension_reasons(machine_, true), IsEmpty());
 }
@@ -119,9 +119,9 @@ TEST_F(Reasons, ARuleInACommentOrForAnotherProductIsNone) {
 TEST_F(Reasons, AnotherProgramHasTheDevice) {
   plug_in("1451", "0402");
   hold("/dev/bus/usb/001/004", "HapticDesk");
-  EXPECT_THAT(
-      forcedimension_reasons(machine_, true),
-      ElementsAre(reason("/dev/bus/usb/001/004 is in use by HapticDesk (process 4242)", "kill 4242")));
+  EXPECT_THAT(forcedimension_reasons(machine_, true),
+              ElementsAre(reason("/dev/bus/usb/001/004 is in use by HapticDesk (process 4242)",
+                                 "fuser -v /dev/bus/usb/001/004")));
   release();
   EXPECT_THAT(forcedimension_reasons(machine_, true), IsEmpty());
 }
@@ -129,7 +129,8 @@ TEST_F(Reasons, AnotherProgramHasTheDevice) {
 TEST_F(Reasons, TheKernelsSerialDriverHoldsTheFalcon) {
   plug_in("0403", "cb48");
   link("sys/bus/usb/devices/1-2/1-2:1.0/driver", "../../drivers/ftdi_sio");
-  EXPECT_THAT(forcedimension_reasons(machine_, true), ElementsAre(reason("Falcon", "sudo rmmod ftdi_sio")));
+  EXPECT_THAT(forcedimension_reasons(machine_, true),
+              ElementsAre(reason("Falcon", "sudo tee /sys/bus/usb/drivers/ftdi_sio/unbind")));
   remove("sys/bus/usb/devices/1-2/1-2:1.0/driver");
   EXPECT_THAT(forcedimension_reasons(machine_, true), IsEmpty());
 }
@@ -173,7 +174,7 @@ TEST_F(Reasons, TheTouchsPortIsMissingClosedOrInUse) {
               ElementsAre(reason("/dev/ttyACM0 is not open", R"(SUBSYSTEM=="usb|tty|hidraw")")));
   open("dev/ttyACM0");
   hold("/dev/ttyACM0", "ModemManager");
-  EXPECT_THAT(touch_reasons(machine_, true), ElementsAre(reason("in use by ModemManager", "kill 4242")));
+  EXPECT_THAT(touch_reasons(machine_, true), ElementsAre(reason("in use by ModemManager", "fuser -v")));
   release();
   remove("sys/bus/usb/devices/1-2/1-2:1.0/tty");
   EXPECT_THAT(touch_reasons(machine_, true), ElementsAre(reason("no /dev/ttyACM*", "modprobe cdc_acm")));
