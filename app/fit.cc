@@ -14,9 +14,9 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
-#include "science/fit/crew.h"
-#include "science/fit/fit_many.h"
-#include "science/fit/sweep.h"
+#include "science/identify/crew.h"
+#include "science/identify/fit_many.h"
+#include "science/identify/sweep.h"
 #include "view/report/fit_report.h"
 
 #include "app/commands.h"
@@ -46,9 +46,9 @@ struct FitFlags {
   bool as_json = false;
 };
 
-fit::Settings settings_of(const FitFlags& flags) {
+identify::Settings settings_of(const FitFlags& flags) {
   constexpr std::uint64_t kMostResamples = 100'000;
-  fit::Settings settings;
+  identify::Settings settings;
   if (flags.law != "layered" && flags.law != "smooth") {
     throw InputError("--law " + flags.law + ": must be layered or smooth");
   }
@@ -71,17 +71,17 @@ fit::Settings settings_of(const FitFlags& flags) {
 }
 
 /// All specimens of all files, each with a name of its own.
-std::vector<fit::Specimen> read_all(const std::vector<std::string>& files, bool timed) {
-  std::vector<fit::Specimen> all;
+std::vector<identify::Specimen> read_all(const std::vector<std::string>& files, bool timed) {
+  std::vector<identify::Specimen> all;
   for (const std::string& file : files) {
-    for (fit::Specimen& specimen : fit::read_specimens(file)) {
+    for (identify::Specimen& specimen : identify::read_specimens(file)) {
       if (timed && specimen.time.empty()) {
         throw InputError(file + ":1: time_s: missing, --relaxation needs the column");
       }
       const std::string name = specimen.name;
       const auto taken = [&all](const std::string& wanted) {
         return std::any_of(all.begin(), all.end(),
-                           [&wanted](const fit::Specimen& other) { return other.name == wanted; });
+                           [&wanted](const identify::Specimen& other) { return other.name == wanted; });
       };
       for (int n = 2; taken(specimen.name); ++n) specimen.name = fmt::format("{} ({})", name, n);
       all.push_back(std::move(specimen));
@@ -97,8 +97,8 @@ void require_writable(const FitFlags& flags) {
 }
 
 /// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
-std::vector<fit::Specimen> read_for(fit::Crew& crew, const FitFlags& flags) {
-  std::vector<fit::Specimen> specimens;
+std::vector<identify::Specimen> read_for(identify::Crew& crew, const FitFlags& flags) {
+  std::vector<identify::Specimen> specimens;
   std::string trouble;
   if (crew.rank() == 0) {
     try {
@@ -113,10 +113,11 @@ std::vector<fit::Specimen> read_for(fit::Crew& crew, const FitFlags& flags) {
   return specimens;
 }
 
-std::vector<fit::SweepRequest> requests_of(const FitFlags& flags) {
-  std::vector<fit::SweepRequest> requests;
+std::vector<identify::SweepRequest> requests_of(const FitFlags& flags) {
+  std::vector<identify::SweepRequest> requests;
   for (const std::string& text : flags.sweeps) {
-    for (const fit::SweepRequest& request : fit::sweep_requests("--sweep", text)) requests.push_back(request);
+    for (const identify::SweepRequest& request : identify::sweep_requests("--sweep", text))
+      requests.push_back(request);
   }
   if (requests.empty() && !flags.sweep_csv.empty()) {
     throw InputError("--sweep-csv " + flags.sweep_csv + ": needs --sweep, which says what to sweep");
@@ -139,24 +140,24 @@ void check_fit_outputs(const FitFlags& flags, const std::string& results) {
 }
 
 void fit_all(const FitFlags& flags, const std::string& command_line) {
-  const fit::Settings settings = settings_of(flags);
-  const std::vector<fit::SweepRequest> requests = requests_of(flags);
+  const identify::Settings settings = settings_of(flags);
+  const std::vector<identify::SweepRequest> requests = requests_of(flags);
   const std::string results =
       flags.out.empty() || !may_have_files_beside(flags.out) ? "" : flags.out + ".fits.jsonl";
   check_fit_outputs(flags, results);
-  const std::unique_ptr<fit::Crew> crew = fit::make_crew();
-  std::vector<fit::Specimen> specimens = read_for(*crew, flags);
-  fit::ManyFits many;
+  const std::unique_ptr<identify::Crew> crew = identify::make_crew();
+  std::vector<identify::Specimen> specimens = read_for(*crew, flags);
+  identify::ManyFits many;
   {
     Progress bar("fit");
-    many = fit::fit_many(specimens, settings, *crew, results,
-                         [&bar](double share, const std::string& what) { bar.update(share, what); });
+    many = identify::fit_many(specimens, settings, *crew, results,
+                              [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
-  fit::Sweeps sweeps;
+  identify::Sweeps sweeps;
   if (!requests.empty()) {
     Progress bar("sweep");
-    sweeps = fit::sweep_many(std::move(specimens), many, requests, settings, *crew, results,
-                             [&bar](double share, const std::string& what) { bar.update(share, what); });
+    sweeps = identify::sweep_many(std::move(specimens), many, requests, settings, *crew, results,
+                                  [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
   if (crew->rank() != 0) return;
   if (many.resumed > 0) {

@@ -15,8 +15,8 @@ namespace palpate::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using fit::Estimate;
-using fit::Interval;
+using identify::Estimate;
+using identify::Interval;
 
 /// What of an estimate is shown, times 1/unit: a number, two, or null.
 using Part = std::function<Json(const Estimate&, double unit)>;
@@ -36,13 +36,13 @@ Json bootstrap_part(const Estimate& estimate, double unit) {
 
 /// The shared parameters by their names, relaxation terms as a list.
 Json shared_json(const std::vector<Estimate>& estimates, std::size_t terms, const Part& part) {
-  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+  const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   Json json;
-  for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
+  for (std::size_t i = 0; i < identify::kLawParameters; ++i) {
     json[labels[i].name] = part(estimates[i], labels[i].unit);
   }
   json["relaxation"] = Json::array();
-  for (std::size_t i = fit::kLawParameters; i < fit::shared_count(terms); i += 2) {
+  for (std::size_t i = identify::kLawParameters; i < identify::shared_count(terms); i += 2) {
     json["relaxation"].push_back(
         {{"share", part(estimates[i], 1.0)}, {"time_s", part(estimates[i + 1], 1.0)}});
   }
@@ -50,10 +50,10 @@ Json shared_json(const std::vector<Estimate>& estimates, std::size_t terms, cons
 }
 
 /// All of a specimen's parameters by their names.
-Json all_json(const fit::SpecimenFit& fit, const Part& part) {
+Json all_json(const identify::SpecimenFit& fit, const Part& part) {
   Json json = shared_json(fit.estimates, fit.terms, part);
-  const std::vector<fit::ParameterLabel> labels = fit::labels(fit.terms);
-  for (std::size_t i = fit::shared_count(fit.terms); i < labels.size(); ++i) {
+  const std::vector<identify::ParameterLabel> labels = identify::labels(fit.terms);
+  for (std::size_t i = identify::shared_count(fit.terms); i < labels.size(); ++i) {
     json[labels[i].name] = part(fit.estimates[i], labels[i].unit);
   }
   return json;
@@ -61,7 +61,7 @@ Json all_json(const fit::SpecimenFit& fit, const Part& part) {
 
 /// Names of the parameters that the data leave open.
 Json open_json(const std::vector<Estimate>& estimates, std::size_t terms) {
-  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+  const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   Json names = Json::array();
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     if (!estimates[i].determined) names.push_back(labels[i].name);
@@ -69,9 +69,9 @@ Json open_json(const std::vector<Estimate>& estimates, std::size_t terms) {
   return names;
 }
 
-Json specimen_json(const fit::SpecimenFit& fit) {
-  const std::vector<fit::ParameterLabel> labels = fit::labels(fit.terms);
-  const std::size_t own = fit::shared_count(fit.terms);
+Json specimen_json(const identify::SpecimenFit& fit) {
+  const std::vector<identify::ParameterLabel> labels = identify::labels(fit.terms);
+  const std::size_t own = identify::shared_count(fit.terms);
   Json json = {{"name", fit.name},
                {"law", model::to_string(fit.law)},
                {"layers", fit.layers_allowed},
@@ -100,7 +100,7 @@ std::string padded(const std::string& text, std::size_t width) {
 std::string estimate_lines(const std::vector<Estimate>& estimates, std::size_t terms) {
   constexpr std::size_t kNameWidth = 24;
   constexpr std::size_t kValueWidth = 12;
-  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+  const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   std::string text;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const double unit = labels[i].unit;
@@ -120,11 +120,11 @@ std::string warning_lines(const std::vector<std::string>& warnings) {
 
 }  // namespace
 
-std::string fit_json(const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
-                     const std::vector<fit::Sweep>& sweeps, const fit::Settings& settings) {
+std::string fit_json(const std::vector<identify::SpecimenFit>& fits, const identify::PooledFit& pooled,
+                     const std::vector<identify::Sweep>& sweeps, const identify::Settings& settings) {
   Json json;
   json["specimens"] = Json::array();
-  for (const fit::SpecimenFit& fit : fits) json["specimens"].push_back(specimen_json(fit));
+  for (const identify::SpecimenFit& fit : fits) json["specimens"].push_back(specimen_json(fit));
   json["pooled"] = {{"law", model::to_string(settings.law)},
                     {"direction", settings.direction == model::Direction::kPull ? "pull" : "press"},
                     {"specimens", pooled.specimens},
@@ -141,10 +141,10 @@ std::string fit_json(const std::vector<fit::SpecimenFit>& fits, const fit::Poole
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-std::string fit_text(const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
-                     const fit::Settings& settings) {
+std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const identify::PooledFit& pooled,
+                     const identify::Settings& settings) {
   std::string text;
-  for (const fit::SpecimenFit& fit : fits) {
+  for (const identify::SpecimenFit& fit : fits) {
     text += fmt::format(
         "{}: {} law, {} points, error {} of the force range ({} N), on points left out {}, {} of {} layers "
         "reached; parameter, best, 95 % interval:\n"

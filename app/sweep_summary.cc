@@ -11,18 +11,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json relaxation_json(const fit::SweepPoint& point) {
+Json relaxation_json(const identify::SweepPoint& point) {
   Json terms = Json::array();
-  for (std::size_t i = fit::kLawParameters; i + 1 < point.others.size(); i += 2) {
+  for (std::size_t i = identify::kLawParameters; i + 1 < point.others.size(); i += 2) {
     terms.push_back({{"share", point.others[i]}, {"time_s", point.others[i + 1]}});
   }
   return terms;
 }
 
-Json point_json(const fit::SweepPoint& point, double unit) {
-  const std::vector<fit::ParameterLabel> labels = fit::labels(0);
+Json point_json(const identify::SweepPoint& point, double unit) {
+  const std::vector<identify::ParameterLabel> labels = identify::labels(0);
   Json parameters;
-  for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
+  for (std::size_t i = 0; i < identify::kLawParameters; ++i) {
     parameters[labels[i].name] = point.others[i] / labels[i].unit;
   }
   parameters["relaxation"] = relaxation_json(point);
@@ -41,11 +41,11 @@ std::string quoted(const std::string& name) {
   return field + '"';
 }
 
-std::string verdict(const fit::Sweep& sweep, double unit) {
+std::string verdict(const identify::Sweep& sweep, double unit) {
   double low = 0.0;
   double high = 0.0;
   bool any = false;
-  for (const fit::SweepPoint& point : sweep.points) {
+  for (const identify::SweepPoint& point : sweep.points) {
     if (!point.within_95) continue;
     if (!any) low = point.value;
     high = point.value;
@@ -61,12 +61,12 @@ std::string verdict(const fit::Sweep& sweep, double unit) {
 
 }  // namespace
 
-Json sweeps_json(const std::vector<fit::Sweep>& sweeps) {
+Json sweeps_json(const std::vector<identify::Sweep>& sweeps) {
   Json json = Json::array();
-  for (const fit::Sweep& sweep : sweeps) {
-    const fit::ParameterLabel label = fit::labels(0)[sweep.parameter];
+  for (const identify::Sweep& sweep : sweeps) {
+    const identify::ParameterLabel label = identify::labels(0)[sweep.parameter];
     Json points = Json::array();
-    for (const fit::SweepPoint& point : sweep.points) points.push_back(point_json(point, label.unit));
+    for (const identify::SweepPoint& point : sweep.points) points.push_back(point_json(point, label.unit));
     json.push_back({{"specimen", sweep.specimen.empty() ? Json(nullptr) : Json(sweep.specimen)},
                     {"parameter", label.name},
                     {"best", sweep.best / label.unit},
@@ -79,17 +79,17 @@ Json sweeps_json(const std::vector<fit::Sweep>& sweeps) {
   return json;
 }
 
-std::string sweeps_csv(const std::vector<fit::Sweep>& sweeps) {
-  const std::vector<fit::ParameterLabel> labels = fit::labels(0);
+std::string sweeps_csv(const std::vector<identify::Sweep>& sweeps) {
+  const std::vector<identify::ParameterLabel> labels = identify::labels(0);
   std::string text = "specimen,parameter,value,nrmse,deviance,within_95,k1_N_per_m,beta,q,limit_mm\n";
-  for (const fit::Sweep& sweep : sweeps) {
-    const fit::ParameterLabel& label = labels[sweep.parameter];
-    for (const fit::SweepPoint& point : sweep.points) {
+  for (const identify::Sweep& sweep : sweeps) {
+    const identify::ParameterLabel& label = labels[sweep.parameter];
+    for (const identify::SweepPoint& point : sweep.points) {
       text += (sweep.specimen.empty() ? "all together" : quoted(sweep.specimen)) + ',' + label.name + ',' +
               shortest(point.value / label.unit) + ',' + shortest(point.nrmse) + ',' +
               (std::isfinite(point.deviance) ? shortest(point.deviance) : "") + ',' +
               (point.within_95 ? '1' : '0');
-      for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
+      for (std::size_t i = 0; i < identify::kLawParameters; ++i) {
         text += ',' + shortest(point.others[i] / labels[i].unit);
       }
       text += '\n';
@@ -98,10 +98,10 @@ std::string sweeps_csv(const std::vector<fit::Sweep>& sweeps) {
   return text;
 }
 
-std::string sweeps_text(const std::vector<fit::Sweep>& sweeps) {
+std::string sweeps_text(const std::vector<identify::Sweep>& sweeps) {
   std::string text;
-  for (const fit::Sweep& sweep : sweeps) {
-    const fit::ParameterLabel label = fit::labels(0)[sweep.parameter];
+  for (const identify::Sweep& sweep : sweeps) {
+    const identify::ParameterLabel label = identify::labels(0)[sweep.parameter];
     text += fmt::format("Sweep of {}, {}, {} values from {} to {}: {}\n", label.name,
                         sweep.specimen.empty() ? "all together" : sweep.specimen, sweep.points.size(),
                         brief(sweep.points.front().value / label.unit),

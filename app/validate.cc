@@ -1,4 +1,6 @@
 // `palpate validate`: the model against measurements.
+#include "palpate/validate.h"
+
 #include <iostream>
 #include <memory>
 #include <string>
@@ -12,9 +14,8 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
-#include "palpate/validation.h"
-#include "science/fit/reach_fit.h"
-#include "science/fit/rivals.h"
+#include "science/validate/reach_fit.h"
+#include "science/validate/rivals.h"
 #include "view/report/validation_report.h"
 
 #include "app/commands.h"
@@ -53,8 +54,8 @@ struct ValidateFlags {
   bool as_json = false;
 };
 
-fit::Law law_of(const ValidateFlags& flags) {
-  fit::Law law;
+validate::Law law_of(const ValidateFlags& flags) {
+  validate::Law law;
   if (flags.direction != "press" && flags.direction != "pull") {
     throw InputError("--direction " + flags.direction + ": must be press or pull");
   }
@@ -70,7 +71,7 @@ fit::Law law_of(const ValidateFlags& flags) {
 }
 
 /// The depth [m] that flags give each profile; 0 where the file's own counts.
-std::vector<double> depths_of(const ValidateFlags& flags, const fit::Law& law, std::size_t count) {
+std::vector<double> depths_of(const ValidateFlags& flags, const validate::Law& law, std::size_t count) {
   if (flags.depth.empty() && flags.force.empty()) return std::vector<double>(count, 0.0);
   const bool by_force = !flags.force.empty();
   const std::string name = by_force ? "--force-N" : "--depth-mm";
@@ -87,25 +88,25 @@ std::vector<double> depths_of(const ValidateFlags& flags, const fit::Law& law, s
   return depths;
 }
 
-std::vector<fit::Specimen> read_forces(const ValidateFlags& flags) {
-  std::vector<fit::Specimen> all;
+std::vector<identify::Specimen> read_forces(const ValidateFlags& flags) {
+  std::vector<identify::Specimen> all;
   for (const std::string& file : flags.files) {
-    for (fit::Specimen& specimen : fit::read_specimens(file)) all.push_back(std::move(specimen));
+    for (identify::Specimen& specimen : identify::read_specimens(file)) all.push_back(std::move(specimen));
   }
   return all;
 }
 
-std::vector<fit::Deformation> read_profiles(const ValidateFlags& flags) {
-  std::vector<fit::Deformation> all;
+std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
+  std::vector<validate::Deformation> all;
   for (const std::string& file : flags.profiles) {
-    for (const fit::Deformation& profile : fit::read_deformations(file))
-      all.push_back(fit::thinned(profile, fit::kMostPoints));
+    for (const validate::Deformation& profile : validate::read_deformations(file))
+      all.push_back(validate::thinned(profile, validate::kMostPoints));
   }
   return all;
 }
 
 /// The tool's radius [m]: given, or the one that the tissue was fitted with.
-double tip_radius_of(const ValidateFlags& flags, const fit::Law& law) {
+double tip_radius_of(const ValidateFlags& flags, const validate::Law& law) {
   if (!flags.tip_radius.empty()) return parse_positive("--tip-radius-mm", flags.tip_radius) * kMillimetre;
   if (law.tissue.source) return law.tissue.source->radius;
   throw InputError("--tip-radius-mm: missing, a profile needs the radius of the tool's tip");
@@ -120,15 +121,15 @@ void hold(const std::string& flag, const std::string& goal, double error, const 
 }
 
 /// The profiles beside the tissue's u(r); with --fit-reach its reach is fitted to them first.
-void compare_profiles(const ValidateFlags& flags, const std::vector<fit::Deformation>& profiles,
+void compare_profiles(const ValidateFlags& flags, const std::vector<validate::Deformation>& profiles,
                       report::Validation& validation) {
   const double radius = tip_radius_of(flags, validation.law);
   const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
-  fit::SurfaceRule rule{flags.as_drawn, 0.0};
+  validate::SurfaceRule rule{flags.as_drawn, 0.0};
   if (!flags.rest_radius.empty()) {
     rule.rest_radius = parse_positive("--surface-radius-mm", flags.rest_radius) * kMillimetre;
   }
-  fit::compare_profiles(profiles, depths, radius, flags.fit_reach, validation, rule);
+  validate::compare_profiles(profiles, depths, radius, flags.fit_reach, validation, rule);
 }
 
 void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
@@ -145,8 +146,8 @@ void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
 }
 
 /// The zeros that flags state.
-fit::Zeros given_zeros(const ValidateFlags& flags) {
-  fit::Zeros zeros;
+validate::Zeros given_zeros(const ValidateFlags& flags) {
+  validate::Zeros zeros;
   if (!flags.first_contact.empty()) {
     zeros.first_contact = parse_number("--first-contact-mm", flags.first_contact) * kMillimetre;
   }
@@ -210,21 +211,21 @@ void add_image(const ValidateFlags& flags, report::Validation& validation) {
   validation.profiles.push_back(std::move(set));
 }
 
-report::Validation validate(const ValidateFlags& flags) {
+report::Validation validation_of(const ValidateFlags& flags) {
   check_use(flags);
   report::Validation validation;
   validation.law = law_of(flags);
-  const fit::Zeros zeros = given_zeros(flags);
-  const std::vector<fit::RivalKind> rivals = fit::parse_rivals(flags.against);
-  const std::vector<fit::Specimen> specimens = read_forces(flags);
-  const std::vector<fit::Deformation> profiles = read_profiles(flags);
-  for (const fit::Specimen& specimen : specimens) {
+  const validate::Zeros zeros = given_zeros(flags);
+  const std::vector<validate::RivalKind> rivals = validate::parse_rivals(flags.against);
+  const std::vector<identify::Specimen> specimens = read_forces(flags);
+  const std::vector<validate::Deformation> profiles = read_profiles(flags);
+  for (const identify::Specimen& specimen : specimens) {
     validation.forces.push_back(
-        fit::compare_forces(specimen, validation.law, zeros, flags.zeros == "fitted"));
+        validate::compare_forces(specimen, validation.law, zeros, flags.zeros == "fitted"));
   }
   if (!profiles.empty()) compare_profiles(flags, profiles, validation);
   if (!flags.image.files.empty()) add_image(flags, validation);
-  if (!rivals.empty()) fit::compare_with_rivals(rivals, validation);
+  if (!rivals.empty()) validate::compare_with_rivals(rivals, validation);
   hold_goals(flags, validation);
   return validation;
 }
@@ -315,7 +316,7 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "docs/validation.md says what is compared and what the figures mean.");
   command->callback([flags, command_line, &exit_code] {
     check_validate_outputs(*flags);
-    const report::Validation validation = validate(*flags);
+    const report::Validation validation = validation_of(*flags);
     if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
     if (!flags->report.empty()) {
       tell("report: " + report::write_validation_report(validation, command_line, flags->report).string());

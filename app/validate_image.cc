@@ -22,21 +22,21 @@ void add_image_flags(CLI::App& command, ImageFlags& flags) {
                    "the camera stood still between the two: no turn or shift is taken out");
 }
 
-report::ImageSet validate_image(const ImageFlags& flags, const fit::Law& law, double depth,
+report::ImageSet validate_image(const ImageFlags& flags, const validate::Law& law, double depth,
                                 double tip_radius) {
   if (flags.scale.empty()) throw InputError("--scale-mm-per-px: missing, --image needs it");
-  fit::ImageSettings settings;
+  imaging::ImageSettings settings;
   settings.pixel = parse_positive("--scale-mm-per-px", flags.scale) * kMillimetre;
   settings.direction = law.direction;
   settings.fixed_camera = flags.fixed_camera;
-  return fit::compare_photographs(flags.files[0], flags.files[1], settings, law, depth, tip_radius);
+  return imaging::compare_photographs(flags.files[0], flags.files[1], settings, law, depth, tip_radius);
 }
 
 nlohmann::ordered_json image_json(const report::ImageSet& set) {
   constexpr double kDegree = 0.017453292519943295;
-  const fit::ImageMeasurement& measured = set.measured;
+  const imaging::ImageMeasurement& measured = set.measured;
   nlohmann::ordered_json points = nlohmann::ordered_json::array();
-  for (const fit::ImagePoint& point : measured.points) {
+  for (const imaging::ImagePoint& point : measured.points) {
     points.push_back({{"x_px", point.x},
                       {"y_px", point.y},
                       {"r_mm", (point.right ? point.r : -point.r) / kMillimetre},

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "palpate/validation.h"
+#include "palpate/validate.h"
 #include "view/report/image_section.h"
 
 namespace palpate::app {
@@ -23,7 +23,7 @@ void add_image_flags(CLI::App& command, ImageFlags& flags);
 /// [setup] Measures the pictures and compares with the tissue's u(r). @param depth D [m]; 0: the largest u,
 /// or, where the tool hides it, the depth that suits the line best @param tip_radius R [m]
 /// @throws InputError as read_picture() and measure_pictures(), and for flags that are missing.
-[[nodiscard]] report::ImageSet validate_image(const ImageFlags& flags, const fit::Law& law, double depth,
+[[nodiscard]] report::ImageSet validate_image(const ImageFlags& flags, const validate::Law& law, double depth,
                                               double tip_radius);
 
 /// [setup] What is known of the measurement beside the comparison (docs/photographs.md).

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json errors_json(const std::string& name, const char* kind, const fit::Errors& errors, double unit) {
+Json errors_json(const std::string& name, const char* kind, const validate::Errors& errors, double unit) {
   return {{"name", name},
           {"kind", kind},
           {"rms", errors.rms / unit},
@@ -27,7 +27,7 @@ void add_rivals(Json& json, double cost_ns, const std::vector<report::RivalResul
   json["evaluation_ns"] = cost_ns;
   json["against"] = Json::array();
   for (const report::RivalResult& rival : rivals) {
-    json["against"].push_back({{"name", fit::to_string(rival.fit.kind)},
+    json["against"].push_back({{"name", validate::to_string(rival.fit.kind)},
                                {"parameters", rival.fit.parameters},
                                {"rms", rival.fit.errors.rms / unit},
                                {"max", rival.fit.errors.max / unit},
@@ -36,7 +36,7 @@ void add_rivals(Json& json, double cost_ns, const std::vector<report::RivalResul
   }
 }
 
-Json zeros_json(const fit::ZeroedErrors& with) {
+Json zeros_json(const validate::ZeroedErrors& with) {
   return {{"first_contact_mm", with.zeros.first_contact / kMillimetre},
           {"offset_N", with.zeros.force},
           {"rms", with.errors.rms},
@@ -45,7 +45,7 @@ Json zeros_json(const fit::ZeroedErrors& with) {
 }
 
 Json force_json(const report::ForceSet& set) {
-  const fit::ForceComparison& force = set.ours;
+  const validate::ForceComparison& force = set.ours;
   Json json = errors_json(force.measured.name, "force", force.errors, 1.0);
   json["unit"] = "N";
   json["points"] = force.measured.size();
@@ -61,7 +61,7 @@ Json force_json(const report::ForceSet& set) {
 }
 
 Json profile_json(const report::ProfileSet& set) {
-  const fit::DeformationComparison& profile = set.ours;
+  const validate::DeformationComparison& profile = set.ours;
   Json json = errors_json(profile.measured.name, "profile", profile.errors, kMillimetre);
   json["unit"] = "mm";
   json["points"] = profile.measured.size();
@@ -73,7 +73,7 @@ Json profile_json(const report::ProfileSet& set) {
   return json;
 }
 
-Json reach_json(const fit::ReachFit& fit) {
+Json reach_json(const validate::ReachFit& fit) {
   return {{"contact_ratio", fit.reach.contact_ratio},
           {"first_bar_ratio", fit.reach.first_bar_ratio},
           {"bar_ratio", fit.reach.bar_ratio},
@@ -88,9 +88,9 @@ std::string rivals_text(double cost_ns, const std::vector<report::RivalResult>& 
   if (rivals.empty()) return "";
   std::string text = "  one evaluation " + brief(cost_ns) + " ns; others, each fitted to these data:\n";
   for (const report::RivalResult& rival : rivals) {
-    const fit::Errors& errors = rival.fit.errors;
+    const validate::Errors& errors = rival.fit.errors;
     text += fmt::format("    {}: RMS {} {}, largest {} {}; RMS {}; one evaluation {} ns ({})\n",
-                        fit::to_string(rival.fit.kind), brief(errors.rms / unit), unit_name,
+                        validate::to_string(rival.fit.kind), brief(errors.rms / unit), unit_name,
                         brief(errors.max / unit), unit_name, percent(errors.nrmse), brief(rival.cost_ns),
                         rival.fit.parameters);
   }
@@ -98,12 +98,12 @@ std::string rivals_text(double cost_ns, const std::vector<report::RivalResult>& 
 }
 
 std::string force_text(const report::ForceSet& set) {
-  const fit::ForceComparison& force = set.ours;
+  const validate::ForceComparison& force = set.ours;
   std::string text = fmt::format(
       "{}: force, {} points: RMS {} N, largest {} N; RMS {} of the force range; {} of the points within the "
       "{} % of their force that a hand notices\n",
       force.measured.name, force.measured.size(), brief(force.errors.rms), brief(force.errors.max),
-      percent(force.errors.nrmse), percent(force.within_jnd), brief(100.0 * fit::kForceJnd));
+      percent(force.errors.nrmse), percent(force.within_jnd), brief(100.0 * validate::kForceJnd));
   text += report::zeros_text(set);
   if (force.rows > force.measured.size()) {
     text += fmt::format("  of {} rows: means of neighbours\n", force.rows);
@@ -117,14 +117,14 @@ std::string force_text(const report::ForceSet& set) {
 }
 
 // Which surface under the ball was compared, where it is not the model's own.
-std::string surface_text(const fit::SurfaceRule& rule) {
+std::string surface_text(const validate::SurfaceRule& rule) {
   if (!rule.as_drawn) return "";
   if (!(rule.rest_radius > 0.0)) return ", as drawn on a flat surface";
   return ", as drawn on a surface of " + brief(rule.rest_radius / kMillimetre) + " mm radius";
 }
 
 std::string profile_text(const report::ProfileSet& set) {
-  const fit::DeformationComparison& profile = set.ours;
+  const validate::DeformationComparison& profile = set.ours;
   return fmt::format(
       "{}: deformation, {} points, ball of {} mm at {} mm{}: RMS {} mm, largest {} mm; RMS {} of the depth\n"
       "{}",
@@ -134,7 +134,7 @@ std::string profile_text(const report::ProfileSet& set) {
       rivals_text(set.cost_ns, set.rivals, kMillimetre, "mm"));
 }
 
-std::string reach_text(const fit::ReachFit& fit) {
+std::string reach_text(const validate::ReachFit& fit) {
   const char* const names[] = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio",
                                "depth_exponent"};
   const double values[] = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
@@ -154,7 +154,7 @@ std::string reach_text(const fit::ReachFit& fit) {
 }  // namespace
 
 std::string validation_json(const report::Validation& validation) {
-  const fit::Law& law = validation.law;
+  const validate::Law& law = validation.law;
   Json json = {{"tissue", law.tissue.name},
                {"law", model::to_string(law.tissue.law)},
                {"direction", law.direction == model::Direction::kPull ? "pull" : "press"},
@@ -168,7 +168,7 @@ std::string validation_json(const report::Validation& validation) {
 }
 
 std::string validation_text(const report::Validation& validation) {
-  const fit::Law& law = validation.law;
+  const validate::Law& law = validation.law;
   std::string text = fmt::format("{}, {} law, {}\n", law.tissue.name, model::to_string(law.tissue.law),
                                  law.direction == model::Direction::kPull ? "pull" : "press");
   if (validation.reach) text += reach_text(*validation.reach);

@@ -1,7 +1,7 @@
 // Measured deformations as CSV; what was read can be compared with the model.
 #include <cmath>
 
-#include "palpate/validation.h"
+#include "palpate/validate.h"
 
 #include "fuzz/input.h"
 
@@ -10,8 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::InputFile input(".csv");
   const std::filesystem::path& file = input.hold({data, size});
   fuzz::read_or_refuse(file.string(), [&] {
-    for (const fit::Deformation& deformation : fit::read_deformations(file)) {
-      fuzz::require(deformation.size() >= fit::kFewestPlaces, "a deformation has enough places");
+    for (const validate::Deformation& deformation : validate::read_deformations(file)) {
+      fuzz::require(deformation.size() >= validate::kFewestPlaces, "a deformation has enough places");
       fuzz::require(deformation.displacement.size() == deformation.size(), "every place has a displacement");
       double last = 0.0;
       for (const double r : deformation.distance) {
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         last = r;
       }
       const double deep = 1e4;  // m: more than any displacement that is taken
-      const auto comparison = fit::compare_deformation(deformation, {}, deep, 5e-3);
+      const auto comparison = validate::compare_deformation(deformation, {}, deep, 5e-3);
       fuzz::require(std::isfinite(comparison.errors.rms), "an error is finite");
     }
   });

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "palpate/fit.h"
+#include "palpate/identify.h"
 
 #include "fuzz/input.h"
 
@@ -11,17 +11,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::InputFile input(".csv");
   const std::filesystem::path& file = input.hold({data, size});
   fuzz::read_or_refuse(file.string(), [&] {
-    for (const fit::Specimen& specimen : fit::read_specimens(file)) {
-      fuzz::require(specimen.size() >= fit::kFewestPoints, "a specimen has enough points");
-      const fit::Specimen few = fit::thinned(specimen, 7);
+    for (const identify::Specimen& specimen : identify::read_specimens(file)) {
+      fuzz::require(specimen.size() >= identify::kFewestPoints, "a specimen has enough points");
+      const identify::Specimen few = validate::thinned(specimen, 7);
       fuzz::require(few.size() <= 7, "a thinned specimen has no more points than asked for");
       for (const double value : few.force) fuzz::require(std::isfinite(value), "forces are finite");
-      const fit::Ranges ranges = fit::ranges_of(specimen);
+      const identify::Ranges ranges = identify::ranges_of(specimen);
       fuzz::require(ranges.force > 0.0 && ranges.displacement > 0.0, "ranges are above 0");
-      const fit::OwnPrior prior = fit::own_prior(ranges);
+      const identify::OwnPrior prior = identify::own_prior(ranges);
       fuzz::require(std::isfinite(prior.first_contact) && prior.first_contact_spread > 0.0,
                     "a prior is finite");
-      fuzz::require(std::isfinite(fit::flat_until(specimen, ranges)), "the end of the flat part is finite");
+      fuzz::require(std::isfinite(identify::flat_until(specimen, ranges)),
+                    "the end of the flat part is finite");
     }
   });
   return 0;

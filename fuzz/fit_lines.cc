@@ -1,20 +1,20 @@
 // The lines that a fit of many keeps beside its results; what is read must be written as what is read again.
-#include "science/fit/fit_record.h"
-#include "science/fit/sweep_piece.h"
+#include "science/identify/fit_record.h"
+#include "science/identify/sweep_piece.h"
 
 #include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;
   static const fuzz::InputFile input(".lines");
-  for (const auto& [key, line] : fit::read_lines(input.hold({data, size}).string())) {  // never refuses
+  for (const auto& [key, line] : identify::read_lines(input.hold({data, size}).string())) {  // never refuses
     if (line.find("points_swept") != std::string::npos) continue;  // a sweep's: read_lines() has read it
-    const fit::SpecimenFit fit = fit::fit_of(line);
-    const fit::Curve& curve = fit.curve;
+    const identify::SpecimenFit fit = identify::fit_of(line);
+    const identify::Curve& curve = fit.curve;
     fuzz::require(curve.low.size() == curve.fitted.size() && curve.high.size() == curve.fitted.size(),
                   "a band is as long as its curve");
-    const std::string written = fit::line_of(key, fit);
-    fuzz::require(fit::line_of(key, fit::fit_of(written)) == written,
+    const std::string written = identify::line_of(key, fit);
+    fuzz::require(identify::line_of(key, identify::fit_of(written)) == written,
                   "a fit that was read is read again when written", written);
   }
   return 0;

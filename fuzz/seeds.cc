@@ -15,7 +15,7 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/tissue.h"
-#include "science/fit/fit_record.h"
+#include "science/identify/fit_record.h"
 
 namespace {
 
@@ -359,18 +359,18 @@ constexpr char kPicture[] =
 
 /// A specimen's line, and one of a sweep.
 std::string fit_lines() {
-  fit::SpecimenFit fit;
+  identify::SpecimenFit fit;
   fit.name = "a";
   fit.layers_allowed = 6;
   fit.layers_reached = 4;
   fit.shared = {1, 2, 3, 4};
   fit.own = {5, 6};
   fit.estimates.resize(6);
-  fit.estimates[0].covariance = fit::Interval{1, 2};
+  fit.estimates[0].covariance = identify::Interval{1, 2};
   fit.minima = {{1, 2, 3, 4, 5, 6}};
   fit.curve = {{0, 1}, {1e-3, 2e-3}, {0.1, 0.2}, {0.1, 0.2}, {0, 0.1}, {0.2, 0.3}};
   fit.warnings = {"a"};
-  return fit::line_of("a", fit) +
+  return identify::line_of("a", fit) +
          "\n{\"key\":\"b\",\"best_nrmse\":0.1,\"found_better\":false,\"values\":1,\"points_swept\":"
          "[[1,\"nan\",1.0,0.5,1,2,3,4]]}\n";
 }

@@ -16,8 +16,8 @@
 #include "palpate/mesh.h"
 #include "palpate/offscreen.h"
 #include "palpate/surface.h"
-#include "science/fit/image_file.h"
-#include "science/fit/image_measure.h"
+#include "science/imaging/image_file.h"
+#include "science/imaging/image_measure.h"
 
 #include "tests/program.h"
 
@@ -95,17 +95,17 @@ class RenderedImage : public testing::Test {
 std::unique_ptr<Folder> RenderedImage::folder_;
 
 TEST_F(RenderedImage, IsMeasuredToHalfAPixel) {
-  fit::ImageSettings settings;
+  imaging::ImageSettings settings;
   settings.pixel = kPixel;
   settings.fixed_camera = true;
-  const fit::ImageMeasurement measured =
-      fit::measure_pictures(fit::read_picture(*folder_ / "before.png"),
-                            fit::read_picture(*folder_ / "after.png"), settings, "before", "after");
+  const imaging::ImageMeasurement measured =
+      imaging::measure_pictures(imaging::read_picture(*folder_ / "before.png"),
+                                imaging::read_picture(*folder_ / "after.png"), settings, "before", "after");
   EXPECT_GT(measured.points.size(), 200U);
   EXPECT_NEAR(measured.centre_x, 0.5 * kWidth, 1.5);
   std::vector<double> errors;
   std::size_t within = 0;
-  for (const fit::ImagePoint& point : measured.points) {
+  for (const imaging::ImagePoint& point : measured.points) {
     const double r = std::abs(point.x - 0.5 * (kWidth - 1)) * kPixel;
     errors.push_back(std::abs(point.u - drawn_at(r)) / kPixel);
     within += std::abs(point.u - drawn_at(r)) <= point.uncertainty ? 1 : 0;

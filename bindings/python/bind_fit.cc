@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "palpate/error.h"
-#include "palpate/fit.h"
+#include "palpate/identify.h"
 #include "palpate/units.h"
 
 #include "bindings/python/binding.h"
@@ -16,7 +16,7 @@
 namespace palpate::python {
 namespace {
 
-using fit::Specimen;
+using identify::Specimen;
 
 std::vector<double> list_of(const Numbers& numbers, const char* name) {
   if (numbers.ndim() != 1) throw InputError(std::string(name) + ": must be one row of numbers");
@@ -28,9 +28,9 @@ Specimen make_specimen(std::string name, const Numbers& displacement, const Numb
   Specimen specimen{std::move(name), {}, list_of(displacement, "displacement"), list_of(force, "force")};
   if (time) specimen.time = list_of(*time, "time");
   const std::size_t size = specimen.force.size();
-  if (size < fit::kFewestPoints) {
+  if (size < identify::kFewestPoints) {
     throw InputError("force: has " + std::to_string(size) + " points, must be at least " +
-                     std::to_string(fit::kFewestPoints));
+                     std::to_string(identify::kFewestPoints));
   }
   if (specimen.displacement.size() != size || (time && specimen.time.size() != size)) {
     throw InputError("displacement, force and time: must have the same length");
@@ -39,19 +39,19 @@ Specimen make_specimen(std::string name, const Numbers& displacement, const Numb
 }
 
 /// Name -> (value, low, high) in the unit of the name.
-py::dict parameters_of(const std::vector<fit::Estimate>& estimates, std::size_t terms) {
-  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
+py::dict parameters_of(const std::vector<identify::Estimate>& estimates, std::size_t terms) {
+  const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   py::dict parameters;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const double unit = labels[i].unit;
-    const fit::Estimate& estimate = estimates[i];
+    const identify::Estimate& estimate = estimates[i];
     parameters[py::str(labels[i].name)] =
         py::make_tuple(estimate.value / unit, estimate.interval.low / unit, estimate.interval.high / unit);
   }
   return parameters;
 }
 
-py::dict dictionary_of(const fit::SpecimenFit& one) {
+py::dict dictionary_of(const identify::SpecimenFit& one) {
   py::dict result;
   result["name"] = one.name;
   result["law"] = model::to_string(one.law);
@@ -71,7 +71,7 @@ py::dict dictionary_of(const fit::SpecimenFit& one) {
   return result;
 }
 
-py::dict dictionary_of(const fit::PooledFit& pooled) {
+py::dict dictionary_of(const identify::PooledFit& pooled) {
   py::dict result;
   result["parameters"] = parameters_of(pooled.estimates, pooled.terms);
   result["rms_N"] = pooled.rms;
@@ -88,7 +88,7 @@ py::dict fit_specimens(const std::vector<Specimen>& specimens, const std::string
                        const std::string& direction, bool relaxation, double loop_period, double t1,
                        int bootstrap, std::uint64_t seed) {
   if (specimens.empty()) throw InputError("specimens: is empty, must have at least one");
-  fit::Settings settings;
+  identify::Settings settings;
   settings.law = model::parse_law(law);
   settings.direction = direction_of(direction);
   settings.relaxation = relaxation;
@@ -99,18 +99,19 @@ py::dict fit_specimens(const std::vector<Specimen>& specimens, const std::string
   settings.t1 = t1;
   settings.bootstrap = bootstrap;
   settings.seed = seed;
-  std::vector<fit::SpecimenFit> fits;
-  fit::PooledFit pooled;
+  std::vector<identify::SpecimenFit> fits;
+  identify::PooledFit pooled;
   {
     const py::gil_scoped_release others_may_run;
     const auto silent = [](double, const std::string&) {};
     for (const Specimen& specimen : specimens) {
-      fits.push_back(fit::fit_specimen(specimen, settings, static_cast<std::uint32_t>(fits.size()), silent));
+      fits.push_back(
+          identify::fit_specimen(specimen, settings, static_cast<std::uint32_t>(fits.size()), silent));
     }
-    pooled = fit::fit_pooled(specimens, fits, settings, silent);
+    pooled = identify::fit_pooled(specimens, fits, settings, silent);
   }
   py::list each;
-  for (const fit::SpecimenFit& one : fits) each.append(dictionary_of(one));
+  for (const identify::SpecimenFit& one : fits) each.append(dictionary_of(one));
   py::dict result;
   result["specimens"] = each;
   result["pooled"] = dictionary_of(pooled);
@@ -131,7 +132,7 @@ void bind_fit(py::module_& module) {
           "force", [](const Specimen& one) { return array_of(one.force); }, doc("Specimen::force"))
       .def_property_readonly(
           "time", [](const Specimen& one) { return array_of(one.time); }, doc("Specimen::time"));
-  module.def("read_specimens", &fit::read_specimens, py::arg("file"), doc("read_specimens"));
+  module.def("read_specimens", &identify::read_specimens, py::arg("file"), doc("read_specimens"));
   module.def("fit", &fit_specimens, py::arg("specimens"), py::kw_only(), py::arg("law") = "layered",
              py::arg("direction") = "press", py::arg("relaxation") = false, py::arg("loop_period") = 1e-3,
              py::arg("t1") = 1e-6, py::arg("bootstrap") = 0, py::arg("seed") = 1,

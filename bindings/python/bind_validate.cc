@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "palpate/error.h"
-#include "science/fit/validation_sets.h"
+#include "science/imaging/image_compare.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"
@@ -17,7 +17,7 @@ namespace palpate::python {
 namespace {
 
 namespace fs = std::filesystem;
-using fit::Deformation;
+using validate::Deformation;
 
 /// One for all profiles, or one each; metres or newtons.
 using PerProfile = std::optional<std::variant<double, std::vector<double>>>;
@@ -33,7 +33,7 @@ Deformation make_deformation(std::string name, const Numbers& distance, const Nu
     throw InputError("distance and displacement: must have the same length");
   }
   if (!(depth >= 0.0)) throw ParameterError("depth", depth, ">= 0 (m; 0: not known)");
-  fit::check_deformation(made, "deformation '" + made.name + "'");
+  validate::check_deformation(made, "deformation '" + made.name + "'");
   return made;
 }
 
@@ -49,18 +49,18 @@ void bind_deformation(py::module_& module) {
       .def_property_readonly(
           "displacement", [](const Deformation& one) { return array_of(one.displacement); },
           doc("Deformation::displacement"));
-  module.def("read_deformations", &fit::read_deformations, py::arg("file"),
+  module.def("read_deformations", &validate::read_deformations, py::arg("file"),
              py::call_guard<py::gil_scoped_release>(), doc("read_deformations"));
 }
 
 /// What a call asks for, beside the law and the measurements.
 struct ValidationWish {
-  std::vector<fit::Specimen> forces;
+  std::vector<identify::Specimen> forces;
   std::vector<Deformation> profiles;
   std::optional<std::pair<fs::path, fs::path>> image;  // before, after
   double pixel = 0.0;                                  // m
   bool fixed_camera = false;
-  fit::Zeros zeros;
+  validate::Zeros zeros;
   std::string zeros_from;  // given or fitted
   PerProfile depth;
   PerProfile force;
@@ -68,7 +68,7 @@ struct ValidationWish {
   bool fit_reach = false;
   bool as_drawn = false;
   std::optional<double> surface_radius;  // m
-  std::vector<fit::RivalKind> rivals;
+  std::vector<validate::RivalKind> rivals;
 };
 
 /// Refuses zeros that would do nothing or contradict each other.
@@ -116,7 +116,7 @@ void check(const ValidationWish& wish, model::Direction direction) {
 }
 
 /// The depth [m] that is given of each of `count` profiles; 0 where the profile's own counts.
-std::vector<double> depths_of(const ValidationWish& wish, const fit::Law& law, std::size_t count) {
+std::vector<double> depths_of(const ValidationWish& wish, const validate::Law& law, std::size_t count) {
   const PerProfile& given = wish.depth ? wish.depth : wish.force;
   const std::string name = wish.depth ? "depth" : "force";
   if (!given) return std::vector<double>(count, 0.0);
@@ -137,53 +137,55 @@ std::vector<double> depths_of(const ValidationWish& wish, const fit::Law& law, s
   return depths;
 }
 
-double tip_radius_of(const ValidationWish& wish, const fit::Law& law) {
+double tip_radius_of(const ValidationWish& wish, const validate::Law& law) {
   if (wish.tip_radius) return *wish.tip_radius;
   if (law.tissue.source) return law.tissue.source->radius;
   throw InputError("tip_radius: missing, a profile needs the radius of the tool's tip");
 }
 
-fit::Validation compare(const ValidationWish& wish, const fit::Law& law) {
+imaging::Validation compare(const ValidationWish& wish, const validate::Law& law) {
   check(wish, law.direction);
-  fit::Validation validation;
+  imaging::Validation validation;
   validation.law = law;
-  for (const fit::Specimen& specimen : wish.forces) {
-    validation.forces.push_back(fit::compare_forces(specimen, law, wish.zeros, wish.zeros_from == "fitted"));
+  for (const identify::Specimen& specimen : wish.forces) {
+    validation.forces.push_back(
+        validate::compare_forces(specimen, law, wish.zeros, wish.zeros_from == "fitted"));
   }
   if (!wish.profiles.empty()) {
     std::vector<Deformation> profiles;
     for (const Deformation& profile : wish.profiles) {
-      profiles.push_back(fit::thinned(profile, fit::kMostPoints));
+      profiles.push_back(validate::thinned(profile, validate::kMostPoints));
     }
-    fit::compare_profiles(profiles, depths_of(wish, law, profiles.size()), tip_radius_of(wish, law),
-                          wish.fit_reach, validation, {wish.as_drawn, wish.surface_radius.value_or(0.0)});
+    validate::compare_profiles(profiles, depths_of(wish, law, profiles.size()), tip_radius_of(wish, law),
+                               wish.fit_reach, validation,
+                               {wish.as_drawn, wish.surface_radius.value_or(0.0)});
   }
   if (wish.image) {
-    const fit::ImageSettings settings{wish.pixel, law.direction, wish.fixed_camera};
+    const imaging::ImageSettings settings{wish.pixel, law.direction, wish.fixed_camera};
     validation.image =
-        fit::compare_photographs(wish.image->first, wish.image->second, settings, validation.law,
-                                 depths_of(wish, law, 1).front(), tip_radius_of(wish, law));
-    fit::ProfileSet set;
+        imaging::compare_photographs(wish.image->first, wish.image->second, settings, validation.law,
+                                     depths_of(wish, law, 1).front(), tip_radius_of(wish, law));
+    validate::ProfileSet set;
     set.ours = validation.image->comparison;
     validation.profiles.push_back(std::move(set));
   }
-  if (!wish.rivals.empty()) fit::compare_with_rivals(wish.rivals, validation);
+  if (!wish.rivals.empty()) validate::compare_with_rivals(wish.rivals, validation);
   return validation;
 }
 
-void put(const fit::Errors& errors, py::dict& result) {
+void put(const validate::Errors& errors, py::dict& result) {
   result["rms"] = errors.rms;
   result["max"] = errors.max;
   result["nrmse"] = errors.nrmse;
 }
 
 /// What others' laws make of the same data, when there are any.
-void put(const std::vector<fit::RivalResult>& rivals, double cost_ns, py::dict& result) {
+void put(const std::vector<validate::RivalResult>& rivals, double cost_ns, py::dict& result) {
   if (rivals.empty()) return;
   py::list others;
-  for (const fit::RivalResult& rival : rivals) {
+  for (const validate::RivalResult& rival : rivals) {
     py::dict other;
-    other["name"] = fit::to_string(rival.fit.kind);
+    other["name"] = validate::to_string(rival.fit.kind);
     other["parameters"] = rival.fit.parameters;
     put(rival.fit.errors, other);
     other["computed"] = array_of(rival.fit.computed);
@@ -194,7 +196,7 @@ void put(const std::vector<fit::RivalResult>& rivals, double cost_ns, py::dict& 
   result["against"] = others;
 }
 
-py::dict dictionary_of(const fit::ZeroedErrors& with) {
+py::dict dictionary_of(const validate::ZeroedErrors& with) {
   py::dict result;
   result["first_contact"] = with.zeros.first_contact;
   result["offset"] = with.zeros.force;
@@ -203,8 +205,8 @@ py::dict dictionary_of(const fit::ZeroedErrors& with) {
   return result;
 }
 
-py::dict dictionary_of(const fit::ForceSet& set) {
-  const fit::ForceComparison& ours = set.ours;
+py::dict dictionary_of(const validate::ForceSet& set) {
+  const validate::ForceComparison& ours = set.ours;
   py::dict result;
   result["name"] = ours.measured.name;
   put(ours.errors, result);
@@ -222,8 +224,8 @@ py::dict dictionary_of(const fit::ForceSet& set) {
   return result;
 }
 
-py::dict dictionary_of(const fit::ProfileSet& set) {
-  const fit::DeformationComparison& ours = set.ours;
+py::dict dictionary_of(const validate::ProfileSet& set) {
+  const validate::DeformationComparison& ours = set.ours;
   py::dict result;
   result["name"] = ours.measured.name;
   put(ours.errors, result);
@@ -238,12 +240,12 @@ py::dict dictionary_of(const fit::ProfileSet& set) {
   return result;
 }
 
-py::dict dictionary_of(const fit::ImageSet& image) {
-  const fit::ImageMeasurement& measured = image.measured;
+py::dict dictionary_of(const imaging::ImageSet& image) {
+  const imaging::ImageMeasurement& measured = image.measured;
   std::vector<double> r;
   std::vector<double> u;
   std::vector<double> uncertainty;
-  for (const fit::ImagePoint& point : measured.points) {
+  for (const imaging::ImagePoint& point : measured.points) {
     r.push_back(point.right ? point.r : -point.r);
     u.push_back(point.u);
     uncertainty.push_back(point.uncertainty);
@@ -263,7 +265,7 @@ py::dict dictionary_of(const fit::ImageSet& image) {
   return result;
 }
 
-py::dict dictionary_of(const fit::ReachFit& fit) {
+py::dict dictionary_of(const validate::ReachFit& fit) {
   static constexpr std::array kNames = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio",
                                         "depth_exponent"};
   const std::array values = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
@@ -279,11 +281,11 @@ py::dict dictionary_of(const fit::ReachFit& fit) {
   return result;
 }
 
-py::dict dictionary_of(const fit::Validation& validation) {
+py::dict dictionary_of(const imaging::Validation& validation) {
   py::list forces;
   py::list profiles;
-  for (const fit::ForceSet& set : validation.forces) forces.append(dictionary_of(set));
-  for (const fit::ProfileSet& set : validation.profiles) profiles.append(dictionary_of(set));
+  for (const validate::ForceSet& set : validation.forces) forces.append(dictionary_of(set));
+  for (const validate::ProfileSet& set : validation.profiles) profiles.append(dictionary_of(set));
   py::dict result;
   result["tissue"] = validation.law.tissue;
   result["forces"] = forces;
@@ -293,7 +295,7 @@ py::dict dictionary_of(const fit::Validation& validation) {
   return result;
 }
 
-py::dict validate(const TissueWish& tissue, std::vector<fit::Specimen> forces,
+py::dict validate(const TissueWish& tissue, std::vector<identify::Specimen> forces,
                   std::vector<Deformation> profiles, std::optional<std::pair<fs::path, fs::path>> image,
                   double pixel, bool fixed_camera, const std::optional<std::string>& law,
                   const std::string& direction, double loop_period, double first_contact, double offset,
@@ -301,7 +303,7 @@ py::dict validate(const TissueWish& tissue, std::vector<fit::Specimen> forces,
                   std::optional<double> tip_radius, bool fit_reach, bool as_drawn,
                   std::optional<double> surface_radius, const std::vector<std::string>& against) {
   if (!(loop_period > 0.0)) throw ParameterError("loop_period", loop_period, "> 0 (s)");
-  fit::Law ours{tissue_of(tissue), direction_of(direction), loop_period};
+  validate::Law ours{tissue_of(tissue), direction_of(direction), loop_period};
   if (law) ours.tissue.law = model::parse_law(*law);
   ValidationWish wish{std::move(forces),
                       std::move(profiles),
@@ -319,8 +321,8 @@ py::dict validate(const TissueWish& tissue, std::vector<fit::Specimen> forces,
                       {}};
   std::string names;
   for (const std::string& name : against) names += (names.empty() ? "" : ",") + name;
-  wish.rivals = fit::parse_rivals(names);
-  fit::Validation validation;
+  wish.rivals = validate::parse_rivals(names);
+  imaging::Validation validation;
   {
     const py::gil_scoped_release others_may_run;
     validation = compare(wish, ours);
@@ -335,7 +337,7 @@ void bind_validate(py::module_& module) {
   const py::none none;
   module.def(
       "validate", &validate, py::arg("tissue"), py::kw_only(),
-      py::arg("forces") = std::vector<fit::Specimen>{}, py::arg("profiles") = std::vector<Deformation>{},
+      py::arg("forces") = std::vector<identify::Specimen>{}, py::arg("profiles") = std::vector<Deformation>{},
       py::arg("image") = none, py::arg("pixel") = 0.0, py::arg("fixed_camera") = false, py::arg("law") = none,
       py::arg("direction") = "press", py::arg("loop_period") = 1e-3, py::arg("first_contact") = 0.0,
       py::arg("offset") = 0.0, py::arg("zeros") = "given", py::arg("depth") = none, py::arg("force") = none,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "palpate/error.h"
-#include "palpate/fit.h"
+#include "palpate/identify.h"
 #include "palpate/spring_law.h"
 #include "palpate/touch_noise.h"
 
@@ -19,9 +19,9 @@ palpate::model::TissueParameters known_tissue() {
   return tissue;
 }
 
-palpate::fit::Specimen made_up() {
+palpate::identify::Specimen made_up() {
   const palpate::model::SpringLaw law(known_tissue(), palpate::model::Direction::kPress, 1e-3);
-  palpate::fit::Specimen specimen;
+  palpate::identify::Specimen specimen;
   specimen.name = "made up";
   for (int i = 0; i < 60; ++i) {
     const double depth = 18e-3 * i / 59.0;
@@ -32,11 +32,11 @@ palpate::fit::Specimen made_up() {
   return specimen;
 }
 
-void show(const palpate::fit::SpecimenFit& fit) {
+void show(const palpate::identify::SpecimenFit& fit) {
   std::cout << fit.name << ": " << fit.points << " points, rms " << 1e3 * fit.rms << " mN\n";
-  const std::vector<palpate::fit::ParameterLabel> labels = palpate::fit::labels(fit.terms);
+  const std::vector<palpate::identify::ParameterLabel> labels = palpate::identify::labels(fit.terms);
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const palpate::fit::Estimate& estimate = fit.estimates[i];
+    const palpate::identify::Estimate& estimate = fit.estimates[i];
     const double unit = labels[i].unit;
     std::cout << "  " << labels[i].name << " = " << estimate.value / unit
               << ", 95 %: " << estimate.interval.low / unit << " .. " << estimate.interval.high / unit
@@ -54,17 +54,18 @@ void show(const palpate::fit::SpecimenFit& fit) {
 
 int main(int argc, char** argv) {
   try {
-    const std::vector<palpate::fit::Specimen> specimens =
-        argc > 1 ? palpate::fit::read_specimens(argv[1]) : std::vector{made_up()};
-    palpate::fit::Settings settings;
+    const std::vector<palpate::identify::Specimen> specimens =
+        argc > 1 ? palpate::identify::read_specimens(argv[1]) : std::vector{made_up()};
+    palpate::identify::Settings settings;
     settings.law = palpate::model::LawKind::kSmooth;
-    std::vector<palpate::fit::SpecimenFit> fits;
+    std::vector<palpate::identify::SpecimenFit> fits;
     for (std::size_t i = 0; i < specimens.size(); ++i) {
-      fits.push_back(palpate::fit::fit_specimen(specimens[i], settings, static_cast<std::uint32_t>(i), {}));
+      fits.push_back(
+          palpate::identify::fit_specimen(specimens[i], settings, static_cast<std::uint32_t>(i), {}));
       show(fits.back());
     }
     // One tissue for all specimens, ready for a scene; palpate::scene::to_toml() writes it as a tissue file.
-    const palpate::fit::PooledFit pooled = palpate::fit::fit_pooled(specimens, fits, settings, {});
+    const palpate::identify::PooledFit pooled = palpate::identify::fit_pooled(specimens, fits, settings, {});
     std::cout << "tissue of " << pooled.specimens << " specimen(s): k1 = " << pooled.tissue.k1 << " N/m\n";
   } catch (const palpate::InputError& error) {
     std::cerr << "fit_a_tissue: " << error.what() << '\n';

@@ -11,7 +11,7 @@
 #include "core/base/text.h"
 #include "io/scene/make_world.h"
 #include "palpate/mesh.h"
-#include "science/fit/distributions.h"
+#include "science/identify/distributions.h"
 #include "view/report/gnuplot.h"
 #include "view/report/text_format.h"
 
@@ -279,7 +279,7 @@ Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::pat
   const double scale = kBins / (2.0 * kRange * static_cast<double>(hand.unit_noise.size()));
   PlotData curve{"normal.dat", {}};
   for (int i = -100; i <= 100; ++i)
-    curve.rows.push_back({kRange * i / 100, fit::normal_density(kRange * i / 100)});
+    curve.rows.push_back({kRange * i / 100, identify::normal_density(kRange * i / 100)});
   std::string script = preamble(640, 420, kKey);
   script +=
       "set xlabel 'noise force / σ' offset 0,0.4\nset ylabel 'density' offset 1\nset yrange [0:*]\n"

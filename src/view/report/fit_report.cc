@@ -50,7 +50,7 @@ std::string script(bool over_time, double largest_residual) {
       std::string(over_time ? "time, s" : "displacement, mm"), shortest(tic_step(largest_residual)), kOrange);
 }
 
-std::vector<std::vector<double>> curve_rows(const fit::Curve& curve, bool over_time) {
+std::vector<std::vector<double>> curve_rows(const identify::Curve& curve, bool over_time) {
   std::vector<std::size_t> order(curve.measured.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (!over_time) {
@@ -66,7 +66,7 @@ std::vector<std::vector<double>> curve_rows(const fit::Curve& curve, bool over_t
   return rows;
 }
 
-Figure draw_curve(const fit::SpecimenFit& fit, const std::filesystem::path& file) {
+Figure draw_curve(const identify::SpecimenFit& fit, const std::filesystem::path& file) {
   const bool over_time = fit.terms > 0;
   Figure figure;
   figure.file = file;
@@ -86,21 +86,21 @@ Figure draw_curve(const fit::SpecimenFit& fit, const std::filesystem::path& file
   return figure;
 }
 
-std::string range_text(const fit::Interval& interval, double unit) {
+std::string range_text(const identify::Interval& interval, double unit) {
   return brief(interval.low / unit) + " to " + brief(interval.high / unit);
 }
 
-TableRows estimate_table(const std::vector<fit::Estimate>& estimates, std::size_t terms) {
-  const std::vector<fit::ParameterLabel> labels = fit::labels(terms);
-  const bool covariance = std::any_of(estimates.begin(), estimates.end(), [](const fit::Estimate& estimate) {
-    return estimate.covariance.has_value();
-  });
+TableRows estimate_table(const std::vector<identify::Estimate>& estimates, std::size_t terms) {
+  const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
+  const bool covariance =
+      std::any_of(estimates.begin(), estimates.end(),
+                  [](const identify::Estimate& estimate) { return estimate.covariance.has_value(); });
   const bool bootstrap = estimates.front().bootstrap.has_value();
   TableRows rows = {{"parameter", "best", "95 % interval"}};
   if (covariance) rows.front().emplace_back("from the covariance alone");
   if (bootstrap) rows.front().emplace_back("from the bootstrap");
   for (std::size_t i = 0; i < estimates.size(); ++i) {
-    const fit::Estimate& estimate = estimates[i];
+    const identify::Estimate& estimate = estimates[i];
     const double unit = labels[i].unit;
     std::vector<std::string> row = {
         escaped(labels[i].name), brief(estimate.value / unit),
@@ -119,8 +119,9 @@ void write_warnings(Page& page, const std::vector<std::string>& warnings) {
   page.list(items);
 }
 
-void write_summary(Page& page, const std::vector<fit::SpecimenFit>& fits, const fit::PooledFit& pooled,
-                   const fit::Settings& settings, const std::string& command) {
+void write_summary(Page& page, const std::vector<identify::SpecimenFit>& fits,
+                   const identify::PooledFit& pooled, const identify::Settings& settings,
+                   const std::string& command) {
   page.open_section("summary", "What came out");
   page.code(command);
   page.facts({{"law", model::to_string(settings.law)},
@@ -129,7 +130,7 @@ void write_summary(Page& page, const std::vector<fit::SpecimenFit>& fits, const 
               {"specimens", std::to_string(fits.size())},
               {"seed", std::to_string(settings.seed)}});
   TableRows rows = {{"specimen", "points", "error", "on points left out", "k1, N/m", "beta", "q", "L1, mm"}};
-  for (const fit::SpecimenFit& fit : fits) {
+  for (const identify::SpecimenFit& fit : fits) {
     rows.push_back({escaped(fit.name), std::to_string(fit.points), percent(fit.nrmse), percent(fit.leave_out),
                     brief(fit.estimates[0].value), brief(fit.estimates[1].value),
                     brief(fit.estimates[2].value), brief(fit.estimates[3].value / kMillimetre)});
@@ -147,7 +148,7 @@ void write_summary(Page& page, const std::vector<fit::SpecimenFit>& fits, const 
   page.close_section();
 }
 
-void write_specimen(Page& page, const fit::SpecimenFit& fit, const Figure& figure, std::size_t number) {
+void write_specimen(Page& page, const identify::SpecimenFit& fit, const Figure& figure, std::size_t number) {
   page.open_section("experiment-" + std::to_string(number), fit.name);
   page.open_grid("one");
   page.figure(figure);
@@ -159,9 +160,10 @@ void write_specimen(Page& page, const fit::SpecimenFit& fit, const Figure& figur
 
 }  // namespace
 
-std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits,
-                                       const fit::PooledFit& pooled, const std::vector<fit::Sweep>& sweeps,
-                                       const fit::Settings& settings, const std::string& command,
+std::filesystem::path write_fit_report(const std::vector<identify::SpecimenFit>& fits,
+                                       const identify::PooledFit& pooled,
+                                       const std::vector<identify::Sweep>& sweeps,
+                                       const identify::Settings& settings, const std::string& command,
                                        const std::filesystem::path& folder) {
   make_report_folder(folder);
   Page page(fmt::format("Fit of {}{}", fits.size(), fits.size() == 1 ? " specimen" : " specimens"),

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "palpate/fit.h"
-#include "science/fit/sweep.h"
+#include "palpate/identify.h"
+#include "science/identify/sweep.h"
 
 namespace palpate::report {
 
@@ -13,9 +13,10 @@ namespace palpate::report {
 /// picture a sweep.
 /// @param command the command line that made it
 /// @return path of report.html. @throws InputError when the folder cannot be written.
-std::filesystem::path write_fit_report(const std::vector<fit::SpecimenFit>& fits,
-                                       const fit::PooledFit& pooled, const std::vector<fit::Sweep>& sweeps,
-                                       const fit::Settings& settings, const std::string& command,
+std::filesystem::path write_fit_report(const std::vector<identify::SpecimenFit>& fits,
+                                       const identify::PooledFit& pooled,
+                                       const std::vector<identify::Sweep>& sweeps,
+                                       const identify::Settings& settings, const std::string& command,
                                        const std::filesystem::path& folder);
 
 }  // namespace palpate::report

@@ -36,7 +36,7 @@ std::string digits(double value) {
 }
 
 /// Every so many-th pixel of the photograph both ways, so that it is a figure, and how many.
-render::Image as_figure(const fit::Picture& picture, int& factor) {
+render::Image as_figure(const imaging::Picture& picture, int& factor) {
   factor = (picture.width + kWidest - 1) / kWidest;
   render::Image image;
   image.width = picture.width / factor;
@@ -83,9 +83,9 @@ void draw_line(render::Image& image, const std::vector<std::pair<double, double>
   }
 }
 
-std::vector<std::pair<double, double>> seen(const fit::SurfaceLine& line, int factor) {
+std::vector<std::pair<double, double>> seen(const imaging::SurfaceLine& line, int factor) {
   std::vector<std::pair<double, double>> points;
-  for (const fit::LinePoint& point : line.points) {
+  for (const imaging::LinePoint& point : line.points) {
     if (point.trusted) points.emplace_back(point.x / factor, point.y / factor);
   }
   return points;
@@ -94,10 +94,10 @@ std::vector<std::pair<double, double>> seen(const fit::SurfaceLine& line, int fa
 Figure photograph(const ImageSet& set, bool second, const std::filesystem::path& file) {
   int factor = 1;
   render::Image image = as_figure(second ? set.after : set.before, factor);
-  const fit::SurfaceLine& line = second ? set.measured.after : set.measured.before;
+  const imaging::SurfaceLine& line = second ? set.measured.after : set.measured.before;
   if (second) {
     std::vector<std::pair<double, double>> rest;
-    for (const fit::ImagePoint& point : set.measured.points) {
+    for (const imaging::ImagePoint& point : set.measured.points) {
       rest.emplace_back(point.x / factor, point.rest_y / factor);
     }
     draw_line(image, rest, kLineBefore, 8);
@@ -118,9 +118,9 @@ Figure photograph(const ImageSet& set, bool second, const std::filesystem::path&
 /// r, u, uncertainty, computed; r < 0 left of the centre [mm].
 std::vector<std::vector<double>> rows_of(const ImageSet& set) {
   std::vector<std::vector<double>> rows;
-  std::vector<fit::ImagePoint> points = set.measured.points;
+  std::vector<imaging::ImagePoint> points = set.measured.points;
   std::stable_sort(points.begin(), points.end(),
-                   [](const fit::ImagePoint& a, const fit::ImagePoint& b) { return a.r < b.r; });
+                   [](const imaging::ImagePoint& a, const imaging::ImagePoint& b) { return a.r < b.r; });
   for (std::size_t i = 0; i < points.size() && i < set.comparison.computed.size(); ++i) {
     const double side = points[i].right ? 1.0 : -1.0;
     rows.push_back({side * points[i].r / kMillimetre, points[i].u / kMillimetre,
@@ -169,7 +169,7 @@ Figure draw_profile(const ImageSet& set, const std::filesystem::path& file) {
 }  // namespace
 
 std::string image_text(const ImageSet& set) {
-  const fit::ImageMeasurement& measured = set.measured;
+  const imaging::ImageMeasurement& measured = set.measured;
   const double pixel = set.settings.pixel;
   return fmt::format(
       "pictures: {} places, uncertain by {} mm ({} px); confidence {} of 100, {}; the model lies within the "
@@ -182,7 +182,7 @@ std::string image_text(const ImageSet& set) {
 }
 
 void write_image_section(Page& page, const ImageSet& set, const std::filesystem::path& folder) {
-  const fit::ImageMeasurement& measured = set.measured;
+  const imaging::ImageMeasurement& measured = set.measured;
   page.open_section("pictures", "Measured in photographs");
   page.open_grid("one");
   page.figure(photograph(set, false, folder / "image-before.png"));

@@ -2,12 +2,12 @@
 #include <filesystem>
 #include <string>
 
-#include "science/fit/validation_sets.h"
+#include "science/imaging/image_compare.h"
 #include "view/report/page.h"
 
 namespace palpate::report {
 
-using fit::ImageSet;
+using imaging::ImageSet;
 
 /// [setup] How sure a measurement is, in one line for people.
 [[nodiscard]] std::string image_text(const ImageSet& set);

@@ -19,11 +19,11 @@ struct Line {
   const char* title;
   const char* colour;
 };
-constexpr Line kLines[fit::kLawParameters] = {
+constexpr Line kLines[identify::kLawParameters] = {
     {"k_1", "#0072B2"}, {"beta", "#D55E00"}, {"q", "#009E73"}, {"L_1", "#CC79A7"}};
 
 std::string axis_name(std::size_t parameter) {
-  const char* const names[fit::kLawParameters] = {"k_1, N/m", "beta", "q", "L_1, mm"};
+  const char* const names[identify::kLawParameters] = {"k_1, N/m", "beta", "q", "L_1, mm"};
   return names[parameter];
 }
 
@@ -44,14 +44,14 @@ std::string axis(const std::string& name, double low, double high) {
   return fmt::format("{}set logscale {}\nset {}tics ({})\n", text, name, name, tics);
 }
 
-std::string where(const fit::Sweep& sweep) {
+std::string where(const identify::Sweep& sweep) {
   return sweep.specimen.empty() ? std::string("all together") : sweep.specimen;
 }
 
 /// Two panes over the value that was held: error, then the other parameters as factors of the fit's own.
 /// Columns: value, error in percent, the same where the data leave it, four factors.
-std::string script(const fit::Sweep& sweep, double most, double lowest, double highest) {
-  const double unit = fit::labels(0)[sweep.parameter].unit;
+std::string script(const identify::Sweep& sweep, double most, double lowest, double highest) {
+  const double unit = identify::labels(0)[sweep.parameter].unit;
   constexpr const char* kScript = R"({}set lmargin 11; set rmargin 3
 {}set multiplot; set origin 0,0.49; set size 1,0.51; set bmargin 0.6; set format x ''
 set yrange [0:{}]; set ylabel 'error, % of force range'
@@ -65,7 +65,7 @@ plot 1 with lines lw 1 lc rgb '#555555' notitle)";
       fmt::format(kScript, preamble(760, 560, "top center horizontal samplen 2 noopaque"),
                   axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit),
                   shortest(most), axis("y", lowest, highest), axis_name(sweep.parameter));
-  for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
+  for (std::size_t i = 0; i < identify::kLawParameters; ++i) {
     if (i == sweep.parameter) continue;
     text += fmt::format(", 'sweep.dat' using 1:{} with lines lw 2 lc rgb '{}' title '{}'", 4 + i,
                         kLines[i].colour, kLines[i].title);
@@ -74,15 +74,15 @@ plot 1 with lines lw 1 lc rgb '#555555' notitle)";
 }
 
 /// The fitted parameters nearest to the fit's own value, which the others are told against.
-const fit::SweepPoint& nearest(const fit::Sweep& sweep) {
+const identify::SweepPoint& nearest(const identify::Sweep& sweep) {
   return *std::min_element(sweep.points.begin(), sweep.points.end(),
-                           [&sweep](const fit::SweepPoint& a, const fit::SweepPoint& b) {
+                           [&sweep](const identify::SweepPoint& a, const identify::SweepPoint& b) {
                              return std::abs(a.value - sweep.best) < std::abs(b.value - sweep.best);
                            });
 }
 
-Figure draw(const fit::Sweep& sweep, const std::filesystem::path& file) {
-  const fit::ParameterLabel label = fit::labels(0)[sweep.parameter];
+Figure draw(const identify::Sweep& sweep, const std::filesystem::path& file) {
+  const identify::ParameterLabel label = identify::labels(0)[sweep.parameter];
   Figure figure;
   figure.file = file;
   figure.alternative = fmt::format("Error over {} of {}, and the other parameters", label.name, where(sweep));
@@ -90,17 +90,17 @@ Figure draw(const fit::Sweep& sweep, const std::filesystem::path& file) {
       "{}: {} held at each value and the others fitted again. Shaded: values that the data leave at 95 %. "
       "Below: where the others go.",
       where(sweep), label.name);
-  const fit::SweepPoint& centre = nearest(sweep);
+  const identify::SweepPoint& centre = nearest(sweep);
   constexpr double kRoom = 1.15;  // factor beside the lines
   std::vector<std::vector<double>> rows;
   double most = 100.0 * sweep.best_nrmse;
   double lowest = 1.0;
   double highest = 1.0;
-  for (const fit::SweepPoint& point : sweep.points) {
+  for (const identify::SweepPoint& point : sweep.points) {
     const double error = 100.0 * point.nrmse;
     most = std::max(most, error);
     std::vector<double> row = {point.value / label.unit, error, point.within_95 ? error : std::nan("")};
-    for (std::size_t i = 0; i < fit::kLawParameters; ++i) {
+    for (std::size_t i = 0; i < identify::kLawParameters; ++i) {
       row.push_back(point.others[i] / centre.others[i]);
       if (i == sweep.parameter) continue;
       lowest = std::min(lowest, row.back());
@@ -118,7 +118,7 @@ Figure draw(const fit::Sweep& sweep, const std::filesystem::path& file) {
   return figure;
 }
 
-std::string verdict(const fit::Sweep& sweep) {
+std::string verdict(const identify::Sweep& sweep) {
   if (sweep.found_better)
     return "a value fits clearly better than the fit's own: the fit is not the best one";
   if (sweep.open_below && sweep.open_above) return "left open by the data";
@@ -129,7 +129,8 @@ std::string verdict(const fit::Sweep& sweep) {
 
 }  // namespace
 
-void write_sweeps(Page& page, const std::vector<fit::Sweep>& sweeps, const std::filesystem::path& folder) {
+void write_sweeps(Page& page, const std::vector<identify::Sweep>& sweeps,
+                  const std::filesystem::path& folder) {
   if (sweeps.empty()) return;
   page.open_section("sweeps", "Sweeps");
   page.paragraph(
@@ -137,8 +138,9 @@ void write_sweeps(Page& page, const std::vector<fit::Sweep>& sweeps, const std::
       "that the "
       "data do not tell this parameter: others stand in for it.");
   TableRows rows = {{"parameter", "of", "within the swept range"}};
-  for (const fit::Sweep& sweep : sweeps) {
-    rows.push_back({escaped(fit::labels(0)[sweep.parameter].name), escaped(where(sweep)), verdict(sweep)});
+  for (const identify::Sweep& sweep : sweeps) {
+    rows.push_back(
+        {escaped(identify::labels(0)[sweep.parameter].name), escaped(where(sweep)), verdict(sweep)});
   }
   page.table(rows);
   page.open_grid("one");

@@ -44,7 +44,7 @@ unset multiplot
                      preamble(760, 620, "top " + axes.key + " Left reverse samplen 2 spacing 1.15 noopaque"),
                      fmt::arg("x", axes.x), fmt::arg("y", axes.y), fmt::arg("unit", axes.unit),
                      fmt::arg("step", shortest(tic_step(largest_error))),
-                     fmt::arg("jnd", shortest(fit::kForceJnd)), fmt::arg("jnd_title", axes.jnd));
+                     fmt::arg("jnd", shortest(validate::kForceJnd)), fmt::arg("jnd_title", axes.jnd));
 }
 
 std::vector<std::vector<double>> rows_of(const std::vector<double>& x, double unit_x,
@@ -73,7 +73,7 @@ Figure draw(const std::string& name, const std::string& caption, const Axes& axe
   figure.caption = caption;
   double largest = 0.0;  // in the lower pane
   for (const std::vector<double>& row : rows) {
-    largest = std::max({largest, std::abs(row[2] - row[1]), fit::kForceJnd * std::abs(row[1])});
+    largest = std::max({largest, std::abs(row[2] - row[1]), validate::kForceJnd * std::abs(row[1])});
   }
   try {
     run_gnuplot(script(axes, largest), {{"curve.dat", rows}}, file);
@@ -84,7 +84,7 @@ Figure draw(const std::string& name, const std::string& caption, const Axes& axe
 }
 
 Figure draw_force(const ForceSet& set, bool relaxes, const std::filesystem::path& file) {
-  const fit::ForceComparison& ours = set.ours;
+  const validate::ForceComparison& ours = set.ours;
   const bool over_time = relaxes && !ours.measured.time.empty();
   const Axes axes{over_time ? "time, s" : "displacement, mm", "force", "N",
                   "7 % of the force: what a hand notices", over_time ? "right" : "left"};
@@ -95,7 +95,7 @@ Figure draw_force(const ForceSet& set, bool relaxes, const std::filesystem::path
 }
 
 Figure draw_profile(const ProfileSet& set, const std::filesystem::path& file) {
-  const fit::DeformationComparison& ours = set.ours;
+  const validate::DeformationComparison& ours = set.ours;
   const Axes axes{"distance from the contact along the surface, mm", "displacement", "mm",
                   "7 % of the displacement (a hand notices 7 % of a force)", "right"};
   return draw(
@@ -108,21 +108,21 @@ Figure draw_profile(const ProfileSet& set, const std::filesystem::path& file) {
       file);
 }
 
-std::string zeros_of(const fit::ZeroedErrors& with) {
+std::string zeros_of(const validate::ZeroedErrors& with) {
   return fmt::format("first contact {} mm, sensor {} N: RMS {} of the force range",
                      brief(with.zeros.first_contact / kMillimetre, 3), brief(with.zeros.force, 3),
                      percent(with.errors.nrmse));
 }
 
-TableRows error_table(const fit::Errors& ours, double cost_ns, const std::string& words,
+TableRows error_table(const validate::Errors& ours, double cost_ns, const std::string& words,
                       const std::vector<RivalResult>& rivals, double unit, const std::string& unit_name) {
   TableRows rows = {{"law", "parameters", "RMS, " + unit_name, "largest, " + unit_name, "RMS, relative",
                      "one evaluation, ns"}};
   rows.push_back({"ours", escaped(words), brief(ours.rms / unit, 3), brief(ours.max / unit, 3),
                   percent(ours.nrmse), cost_ns > 0.0 ? brief(cost_ns, 3) : "not measured"});
   for (const RivalResult& rival : rivals) {
-    const fit::Errors& errors = rival.fit.errors;
-    rows.push_back({fit::to_string(rival.fit.kind), escaped(rival.fit.parameters),
+    const validate::Errors& errors = rival.fit.errors;
+    rows.push_back({validate::to_string(rival.fit.kind), escaped(rival.fit.parameters),
                     brief(errors.rms / unit, 3), brief(errors.max / unit, 3), percent(errors.nrmse),
                     brief(rival.cost_ns, 3)});
   }
@@ -130,7 +130,7 @@ TableRows error_table(const fit::Errors& ours, double cost_ns, const std::string
 }
 
 void write_summary(Page& page, const Validation& validation, const std::string& command) {
-  const fit::Law& law = validation.law;
+  const validate::Law& law = validation.law;
   page.open_section("summary", "What came out");
   page.code(command);
   page.facts({{"tissue", law.tissue.name},

@@ -2,15 +2,15 @@
 #include <filesystem>
 #include <string>
 
-#include "science/fit/validation_sets.h"
+#include "science/imaging/image_compare.h"
 #include "view/report/image_section.h"
 
 namespace palpate::report {
 
-using fit::ForceSet;
-using fit::ProfileSet;
-using fit::RivalResult;
-using fit::Validation;
+using imaging::Validation;
+using validate::ForceSet;
+using validate::ProfileSet;
+using validate::RivalResult;
 
 /// [setup] Both pairs of zeros of a force curve and what ours leaves with each, indented lines of text.
 [[nodiscard]] std::string zeros_text(const ForceSet& set);

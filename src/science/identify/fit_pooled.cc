@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+
+#include <fmt/core.h>
+
+#include "core/base/infinity.h"
+#include "core/base/portable_math.h"
+#include "core/base/statistics.h"
+#include "palpate/error.h"
+#include "palpate/identify.h"
+#include "science/identify/fit_record.h"
+#include "science/identify/forward.h"
+#include "science/identify/intervals.h"
+#include "science/identify/minima.h"
+#include "science/identify/parts.h"
+#include "science/identify/random.h"
+#include "science/identify/valley.h"
+#include "science/identify/warnings.h"
+
+namespace palpate::identify {
+namespace {
+
+constexpr std::uint32_t kPooledJob = 0xffff'ffff;  // the random numbers of no specimen
+constexpr std::uint32_t kPooledStream = 3;
+constexpr int kResamples = 100;  // of specimens, for the intervals
+
+/// As many terms as most specimens have, the fewer on a tie.
+std::size_t usual_terms(const std::vector<SpecimenFit>& fits) {
+  std::map<std::size_t, std::size_t> counts;
+  for (const SpecimenFit& fit : fits) ++counts[fit.terms];
+  const auto most = std::max_element(counts.begin(), counts.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most->first;
+}
+
+/// Starts from the specimens' own fits that have as many terms: the middle of them, and the few whose law
+/// suits all best.
+std::vector<Solution> own_starts(const Problem& problem, const std::vector<SpecimenFit>& fits) {
+  constexpr std::size_t kTaken = 3;
+  std::vector<Point> own;
+  for (const SpecimenFit& fit : fits) own.push_back(fit.own);
+  std::vector<Solution> all;
+  std::vector<std::vector<double>> columns(shared_count(problem.terms));
+  for (const SpecimenFit& fit : fits) {
+    if (fit.terms != problem.terms) continue;
+    all.push_back({fit.shared, own, cost_of(problem, fit.shared, own)});
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].push_back(fit.shared[i]);
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
+  if (all.size() > kTaken) all.resize(kTaken);
+  Solution middle;
+  for (const std::vector<double>& column : columns) middle.shared.push_back(quantile(column, 0.5));
+  middle.own = own;
+  all.push_back(std::move(middle));
+  return all;
+}
+
+/// The shared parameters of tissues whose specimens were drawn again from the same ones.
+std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Progress& progress, Crew* crew) {
+  const Solution& best = minima.all.front();
+  const std::size_t count = minima.problem.parts.size();
+  const auto resample = [&](std::size_t b) {
+    Random random(seed, kPooledJob, kPooledStream);
+    random.skip(b * count);
+    std::vector<double> times(count, 0.0);
+    for (std::size_t i = 0; i < count; ++i) times[random.below(count)] += 1.0;
+    Problem problem = minima.problem;
+    problem.parts.clear();
+    Solution start;
+    start.shared = best.shared;
+    for (std::size_t p = 0; p < count; ++p) {
+      if (times[p] == 0.0) continue;
+      problem.parts.push_back(minima.problem.parts[p]);
+      for (double& weight : problem.parts.back().weight) weight *= times[p];
+      start.own.push_back(best.own[p]);
+    }
+    Point point = solve(problem, start, 20).shared;
+    point.insert(point.end(), {0.0, 0.0});  // no specimen's own
+    return bytes_of(std::span<const double>(point));
+  };
+  int done = 0;
+  const auto arrived = [&](std::size_t, const std::string&) {
+    if (progress) progress(0.3 + 0.4 * ++done / kResamples, "pooled intervals");
+  };
+  LocalCrew alone;
+  Crew& members = crew == nullptr ? alone : *crew;
+  std::vector<Point> points;
+  for (const std::string& bytes : members.share_out(kResamples, resample, arrived)) {
+    points.push_back(doubles_of(bytes));
+  }
+  return points;
+}
+
+PooledFit of_one(const SpecimenFit& fit, const Settings& settings) {
+  PooledFit pooled;
+  pooled.terms = fit.terms;
+  pooled.estimates.assign(fit.estimates.begin(),
+                          fit.estimates.begin() + static_cast<std::ptrdiff_t>(shared_count(fit.terms)));
+  pooled.layers_allowed = fit.layers_allowed;
+  pooled.layers_reached = fit.layers_reached;
+  pooled.rms = fit.rms;
+  pooled.nrmse = fit.nrmse;
+  pooled.points = fit.points;
+  pooled.specimens = 1;
+  pooled.shared = fit.shared;
+  pooled.own = {fit.own};
+  pooled.tissue = tissue_of(fit.shared, settings);
+  return pooled;
+}
+
+/// For each parameter of the law the lowest and highest value [logarithms] to which it can go, all others
+/// fitted again, without the specimens telling it from the best: what drawing specimens again cannot show,
+/// because a fit that begins at the best stays where nothing pulls it away.
+std::vector<Interval> valleys(const Minima& minima, const Progress& progress, Crew* crew) {
+  const Problem& problem = minima.problem;
+  const Solution& best = minima.all.front();
+  const std::vector<double> costs = part_costs(problem, best);
+  const auto end_of = [&](std::size_t item) {
+    const std::size_t index = item / 2;
+    double end = best.shared[index];
+    walk_valley(
+        problem, best, index, item % 2 == 0 ? -1.0 : 1.0,
+        [&](const Solution& at) { return specimens_leave(costs, part_costs(problem, at)) ? 0.0 : kInfinity; },
+        [&](const Solution& at) { end = at.shared[index]; });
+    return bytes_of(std::span<const double>(&end, 1));
+  };
+  int done = 0;
+  const auto arrived = [&](std::size_t, const std::string&) {
+    if (progress) progress(0.7 + 0.3 * ++done / (2.0 * kLawParameters), "what the specimens leave open");
+  };
+  LocalCrew alone;
+  Crew& members = crew == nullptr ? alone : *crew;
+  const std::vector<std::string> ends = members.share_out(2 * kLawParameters, end_of, arrived);
+  std::vector<Interval> intervals;
+  for (std::size_t i = 0; i < kLawParameters; ++i) {
+    intervals.push_back({doubles_of(ends[2 * i]).front(), doubles_of(ends[2 * i + 1]).front()});
+  }
+  return intervals;
+}
+
+/// The shared parameters with their intervals, and a warning for each that the specimens leave open.
+void add_estimates(const Minima& minima, const std::vector<Interval>& intervals,
+                   const std::vector<Interval>& valley, PooledFit& pooled) {
+  const Point none(kOwnParameters, 0.0);
+  const Bounds& bounds = minima.problem.bounds;
+  const std::vector<double> values = values_of(minima.all.front().shared, none, {});
+  for (std::size_t i = 0; i < shared_count(pooled.terms); ++i) {
+    Estimate estimate;
+    estimate.value = values[i];
+    estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
+    if (i < kLawParameters) {
+      estimate.interval.low = std::min(estimate.interval.low, portable::exp(valley[i].low));
+      estimate.interval.high = std::max(estimate.interval.high, portable::exp(valley[i].high));
+      const Determined how =
+          determined_by(portable::log(estimate.interval.low), portable::log(estimate.interval.high),
+                        bounds.low[i], bounds.high[i]);
+      estimate.determined = how == Determined::kYes;
+      if (!estimate.determined) {
+        pooled.warnings.push_back(undetermined_warning(how, labels(pooled.terms)[i], estimate.interval));
+      }
+    }
+    pooled.estimates.push_back(estimate);
+  }
+}
+
+void add_errors(const Minima& minima, PooledFit& pooled) {
+  const Solution& best = minima.all.front();
+  double newtons = 0.0;
+  double shares = 0.0;
+  for (std::size_t p = 0; p < minima.problem.parts.size(); ++p) {
+    const Part& part = minima.problem.parts[p];
+    double squares = 0.0;
+    for (const double r : plain_residuals(minima.problem, part, best.shared, best.own[p])) squares += r * r;
+    newtons += squares * part.ranges.force * part.ranges.force;
+    shares += squares / static_cast<double>(part.specimen->size());
+    pooled.points += part.specimen->size();
+    const LayerCount layers =
+        layers_of(*part.specimen, part.ranges, minima.problem.settings, best.shared, best.own[p]);
+    pooled.layers_allowed = layers.allowed;
+    pooled.layers_reached = std::max(pooled.layers_reached, layers.reached);
+  }
+  pooled.rms = std::sqrt(newtons / static_cast<double>(pooled.points));
+  pooled.nrmse = std::sqrt(shares / static_cast<double>(minima.problem.parts.size()));
+}
+
+}  // namespace
+
+PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
+                     const Settings& settings, const Progress& progress, Crew* crew) {
+  if (specimens.empty() || specimens.size() != fits.size()) {
+    throw InputError("pooled fit: needs at least one specimen, and a fit of each");
+  }
+  if (specimens.size() == 1) return of_one(fits.front(), settings);
+  const std::vector<Specimen> used = as_pooled(specimens);
+  const std::size_t terms = usual_terms(fits);
+  Problem problem = make_problem(settings, terms, pooled_parts(used));
+  if (progress) progress(0.05, "pooled fit");
+  const std::vector<Solution> from = own_starts(problem, fits);
+  const Minima minima = find_minima(std::move(problem), from);
+  const std::vector<Interval> intervals =
+      intervals_of(resampled(minima, settings.seed, progress, crew), {}, terms);
+  PooledFit pooled;
+  pooled.terms = terms;
+  pooled.specimens = specimens.size();
+  add_estimates(minima, intervals, valleys(minima, progress, crew), pooled);
+  add_errors(minima, pooled);
+  pooled.shared = minima.all.front().shared;
+  pooled.own = minima.all.front().own;
+  pooled.tissue = tissue_of(pooled.shared, settings);
+  constexpr std::size_t kFewSpecimens = 6;
+  if (specimens.size() < kFewSpecimens) {
+    pooled.warnings.push_back(
+        fmt::format("the pooled intervals come from how {} specimens differ: too few to trust them to 95 %",
+                    specimens.size()));
+  }
+  return pooled;
+}
+
+}  // namespace palpate::identify

@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "core/base/portable_math.h"
+#include "core/base/text.h"
+#include "palpate/error.h"
+#include "palpate/identify.h"
+#include "science/identify/forward.h"
+#include "science/identify/intervals.h"
+#include "science/identify/minima.h"
+#include "science/identify/parts.h"
+#include "science/identify/resampling.h"
+#include "science/identify/starts.h"
+#include "science/identify/warnings.h"
+
+namespace palpate::identify {
+namespace {
+
+void check(const Specimen& specimen, const Settings& settings) {
+  if (specimen.size() < kFewestPoints) {
+    throw InputError(fmt::format("specimen {}: has {} points, must have at least {}", specimen.name,
+                                 specimen.size(), kFewestPoints));
+  }
+  if (settings.relaxation && specimen.time.empty()) {
+    throw InputError("specimen " + specimen.name + ": has no column time_s, which --relaxation needs");
+  }
+}
+
+/// Bayes's information criterion: ln of the effective number of points a parameter.
+double criterion(const Minima& minima) {
+  const double n = minima.effective;
+  const auto points = static_cast<double>(minima.problem.parts.front().specimen->size());
+  const auto parameters = static_cast<double>(shared_count(minima.problem.terms) + kOwnParameters);
+  const double variance = std::max(minima.all.front().cost / points, kSmallestSigma * kSmallestSigma);
+  return n * portable::log(variance) + parameters * portable::log(n);
+}
+
+/// The minima with as many relaxation terms as the data bear: one more as long as the criterion falls.
+Minima with_terms(const Part& part, const Settings& settings, const Progress& progress) {
+  constexpr double kWorthIt = 6.0;
+  constexpr std::size_t kStarts = 4;  // of each L_1
+  constexpr std::size_t kSplit = 4;   // minima
+  if (!settings.relaxation) return find_minima(make_problem(settings, 0, {part}));
+  const Problem one = make_problem(settings, 1, {part});
+  Minima best = search_minima(one, starts(one, kStarts));
+  for (std::size_t terms = 2; terms <= model::kMostRelaxationTerms; ++terms) {
+    if (progress) progress(0.1 * static_cast<double>(terms), "relaxation terms");
+    // what was found with one term less, its slowest term split in two
+    std::vector<Solution> from;
+    for (std::size_t m = 0; m < std::min(kSplit, best.all.size()); ++m) {
+      for (const double factor : {0.05, 0.15, 0.4, 3.0, 8.0}) {
+        Solution start = best.all[m];
+        const double share = start.shared[start.shared.size() - 2] - portable::log(2.0);
+        const double time = start.shared.back();
+        start.shared[start.shared.size() - 2] = share;
+        start.shared.insert(start.shared.end(), {share, time + portable::log(factor)});
+        from.push_back(std::move(start));
+      }
+    }
+    Minima tried = search_minima(make_problem(settings, terms, {part}), from);
+    // both by the same count of independent points, the larger one
+    const double effective = std::max(best.effective, tried.effective);
+    best.effective = effective;
+    tried.effective = effective;
+    if (!(criterion(tried) < criterion(best) - kWorthIt)) break;
+    best = std::move(tried);
+  }
+  if (best.problem.terms > 1) {  // a law that few terms draw elsewhere is not near the best one
+    std::vector<Solution> from = starts(best.problem, kStarts);
+    from.insert(from.begin(), best.all.begin(), best.all.end());
+    best = search_minima(make_problem(settings, best.problem.terms, {part}), from);
+  }
+  settle_minima(best);
+  return best;
+}
+
+/// The fitted curve with its band: what the curves lie between that the data allow.
+Curve curve_of(const Minima& minima, const std::vector<Point>& points) {
+  const Part& part = minima.problem.parts.front();
+  const Specimen& specimen = *part.specimen;
+  Curve curve;
+  curve.time = specimen.time;
+  curve.displacement = specimen.displacement;
+  curve.measured = specimen.force;
+  curve.fitted.resize(specimen.size());
+  const Solution& best = minima.all.front();
+  predict(specimen, part.ranges, minima.problem.settings, best.shared, best.own.front(), curve.fitted);
+  curve.low = curve.fitted;
+  curve.high = curve.fitted;
+  std::vector<double> force(specimen.size());
+  for (const Point& point : points) {
+    const std::span<const double> all(point);
+    const std::size_t shared = best.shared.size();
+    predict(specimen, part.ranges, minima.problem.settings, all.first(shared), all.subspan(shared), force);
+    for (std::size_t k = 0; k < force.size(); ++k) {
+      curve.low[k] = std::min(curve.low[k], force[k]);
+      curve.high[k] = std::max(curve.high[k], force[k]);
+    }
+  }
+  return curve;
+}
+
+Solution solution_at(const Problem& problem, const Point& point) {
+  const auto own = point.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
+  Solution solution{Point(point.begin(), own), {Point(own, point.end())}};
+  solution.cost = cost_of(problem, solution.shared, solution.own);
+  return solution;
+}
+
+/// The points along the profiles; where they lead to a better fit than the search had found, that is the fit,
+/// and they are walked again from there.
+std::vector<Point> look_around(Minima& minima, std::size_t points,
+                               const std::function<void(double)>& progress) {
+  constexpr int kMostRounds = 3;
+  double furthest = 0.0;  // a bar never goes back
+  const auto shown = [&](double share) {
+    furthest = std::max(furthest, share);
+    if (progress) progress(furthest);
+  };
+  for (int round = 1;; ++round) {
+    const std::size_t parameters = minima.all.front().shared.size() + kOwnParameters;
+    const double effective = trusted_count(minima.effective, points, parameters);
+    std::vector<Point> profiles = profile_points(minima, effective, shown);
+    Solution closest;
+    for (const Point& point : profiles) {
+      Solution solution = solution_at(minima.problem, point);
+      if (solution.cost < closest.cost || closest.shared.empty()) closest = std::move(solution);
+    }
+    if (round == kMostRounds || !descend_further(minima, {closest})) return profiles;
+  }
+}
+
+void add_estimates(const Minima& minima, const std::vector<Point>& profiles, const Curvature& curvature,
+                   const std::vector<Point>& resampled, SpecimenFit& fit) {
+  const Part& part = minima.problem.parts.front();
+  const Solution& best = minima.all.front();
+  const std::vector<double> values = values_of(best.shared, best.own.front(), part.ranges);
+  const std::vector<Interval> intervals = intervals_of(profiles, part.ranges, fit.terms, 1.0);
+  std::vector<Interval> bootstrap;
+  if (!resampled.empty()) bootstrap = intervals_of(resampled, part.ranges, fit.terms);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    Estimate estimate;
+    estimate.value = values[i];
+    // the best fit of a law with corners can lie at the edge of what the data allow: never outside
+    estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
+    estimate.covariance = curvature.intervals[i];
+    if (!bootstrap.empty()) estimate.bootstrap = bootstrap[i];
+    fit.estimates.push_back(estimate);
+  }
+}
+
+void add_errors(const Minima& minima, SpecimenFit& fit) {
+  const Part& part = minima.problem.parts.front();
+  double squares = 0.0;
+  for (const double r : plain_residuals(minima.problem, part, fit.shared, fit.own)) squares += r * r;
+  fit.nrmse = std::sqrt(squares / static_cast<double>(fit.points));
+  fit.rms = fit.nrmse * part.ranges.force;
+  fit.leave_out = leave_out_error(minima);
+}
+
+}  // namespace
+
+SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
+                         const Progress& progress, Crew* crew) {
+  check(specimen, settings);
+  const auto told = [&progress](double from, double to, const char* what) {
+    return [&progress, from, to, what](double share) {
+      if (progress) progress(from + share * (to - from), what);
+    };
+  };
+  const Specimen used = as_fitted(specimen, settings);
+  const Part part = make_part(used);
+  Minima minima = with_terms(part, settings, progress);
+  const double most = settings.bootstrap > 0 ? 0.6 : 0.95;
+  const std::vector<Point> profiles = look_around(minima, used.size(), told(0.3, most, "intervals"));
+  const Curvature curvature = curvature_of(minima);
+  SpecimenFit fit;
+  fit.name = specimen.name;
+  fit.law = settings.law;
+  fit.terms = minima.problem.terms;
+  fit.points = used.size();
+  fit.rows = specimen.size();
+  fit.shared = minima.all.front().shared;
+  fit.own = minima.all.front().own.front();
+  for (std::size_t i = 1; i < minima.all.size(); ++i) {
+    fit.minima.push_back(minima.all[i].shared);
+    const Point& own = minima.all[i].own.front();
+    fit.minima.back().insert(fit.minima.back().end(), own.begin(), own.end());
+  }
+  const LayerCount layers = layers_of(used, part.ranges, settings, fit.shared, fit.own);
+  fit.layers_allowed = layers.allowed;
+  fit.layers_reached = layers.reached;
+  const std::vector<Point> resampled =
+      bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"), crew);
+  add_estimates(minima, profiles, curvature, resampled, fit);
+  const std::vector<Determined> determined = determined_of(minima, profiles);
+  for (std::size_t i = 0; i < determined.size(); ++i) {
+    fit.estimates[i].determined = determined[i] == Determined::kYes;
+  }
+  add_errors(minima, fit);
+  fit.curve = curve_of(minima, profiles);
+  fit.warnings = warnings_of(minima, profiles, curvature, fit);
+  if (specimen.empty_rows > 0) {
+    fit.warnings.push_back(
+        fmt::format("{} of 0 mm and 0 N after others left out",
+                    specimen.empty_rows == 1 ? "1 row" : fmt::format("{} rows", specimen.empty_rows)));
+  }
+  return fit;
+}
+
+}  // namespace palpate::identify
