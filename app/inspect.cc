@@ -159,8 +159,9 @@ void add_inspect(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<InspectOptions>();
   command
       ->add_option("mesh", options->mesh,
-                   "a file (.stl .obj .ply .off .3ds .gltf .glb .vtk) or a built-in organ (gallbladder, "
-                   "heart, liver, kidney, each also -30k and -300k; ball, box)")
+                   "a file (" + joined(geometry::mesh_file_endings(), " ") +
+                       ") or a built-in organ (gallbladder, heart, liver, kidney, each also -30k and -300k; "
+                       "ball, box)")
       ->required();
   command->add_option("--unit", options->unit,
                       "unit of the file's numbers: mm, cm, m or in; without it mm is taken");

@@ -4,16 +4,13 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <unordered_map>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "io/mesh_io/import_mesh.h"
 #include "io/mesh_io/mesh_file.h"
-#include "io/mesh_io/vtk_file.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -21,8 +18,6 @@ namespace {
 
 constexpr double kSmallestOrgan = 5e-3;  // m
 constexpr double kLargestOrgan = 2.0;    // m
-// What a mesh file can hold, and squares of it can be summed.
-constexpr double kLargestCoordinate = std::numeric_limits<float>::max();
 
 struct PlaceHash {
   std::size_t operator()(const std::array<double, 3>& place) const noexcept {
@@ -81,23 +76,22 @@ Merged merge_equal_vertices(const TriangleMesh& mesh) {
   return merged;
 }
 
-void say_merged(const MeshFile& file, const FileFacts& facts, const TriangleMesh& imported,
-                const Merged& merged, std::vector<std::string>& repairs) {
-  // The importer gives each OBJ, PLY and OFF face vertices of its own: there the file's own list counts.
-  const std::size_t vertices = facts.has_vertex_list ? facts.vertices : imported.vertices.size();
-  const std::size_t distinct = facts.has_vertex_list ? facts.distinct_vertices : merged.distinct;
+void say_merged(const MeshFile& file, std::size_t vertices, const Merged& merged,
+                std::vector<std::string>& repairs) {
+  const std::size_t distinct = merged.distinct;
   const std::size_t kept = merged.mesh.vertices.size();
   if (file.format == MeshFormat::kStl) {  // a list of triangles without a list of vertices
     repairs.push_back(fmt::format("joined {} triangle corners in {} vertices", vertices, kept));
   } else if (vertices > distinct) {
-    repairs.push_back(fmt::format("merged {} duplicate vertices", vertices - distinct));
+    repairs.push_back("merged " + counted(vertices - distinct, "duplicate vertex", "duplicate vertices"));
   }
   if (file.format != MeshFormat::kStl && distinct > kept) {
-    repairs.push_back(fmt::format("dropped {} vertices that no triangle uses", distinct - kept));
+    repairs.push_back(
+        fmt::format("dropped {} that no triangle uses", counted(distinct - kept, "vertex", "vertices")));
   }
   if (merged.collapsed > 0) {
-    repairs.push_back(fmt::format("dropped {}{} with two corners in one place", merged.collapsed,
-                                  merged.collapsed == 1 ? " triangle" : " triangles"));
+    repairs.push_back(fmt::format("dropped {} with two corners in one place",
+                                  counted(merged.collapsed, "triangle", "triangles")));
   }
 }
 
@@ -119,8 +113,7 @@ std::string unit_hint(double size) {
 LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
   const MeshFile file = open_mesh_file(path);
   if (!unit) throw InputError(path.string() + ": its unit is missing: must be mm, cm, m or in");
-  const FileFacts facts = check_mesh_file(file);
-  ImportedMesh imported = file.format == MeshFormat::kVtk ? read_vtk(file) : import_mesh(file, facts);
+  ImportedMesh imported = import_mesh(file);
   if (imported.mesh.triangles.empty()) {
     throw InputError(path.string() + ": no triangles" +
                      (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));
@@ -132,7 +125,7 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
         fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)", path.string(), v + 1));
   }
   Merged merged = merge_equal_vertices(imported.mesh);
-  say_merged(file, facts, imported.mesh, merged, imported.repairs);
+  say_merged(file, imported.mesh.vertices.size(), merged, imported.repairs);
   if (merged.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: no triangles ({})", path.string(), joined(imported.repairs)));
   }

@@ -1,5 +1,3 @@
-#include "io/mesh_io/import_mesh.h"
-
 #include <algorithm>
 #include <cctype>
 #include <cstring>
@@ -13,36 +11,34 @@
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
 #include <assimp/MemoryIOWrapper.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/core.h>
 
+#include "core/base/text.h"
+#include "io/mesh_io/formats/formats.h"
+#include "io/mesh_io/formats/gltf_check.h"
+#include "io/mesh_io/formats/scan.h"
 #include "io/system/input_file.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostTriangles = 20'000'000;
 constexpr int kDeepestNode = 1000;
 
-std::string one_line(std::string_view text) {
-  std::string line(text.substr(0, text.find_first_of("\r\n")));
-  for (char& c : line) {
-    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
-  }
-  return line.substr(0, 200);
+std::string first_line(std::string_view text) {
+  return one_line(std::string(text.substr(0, std::min<std::size_t>(200, text.find_first_of("\r\n")))));
 }
 
 /// Keeps the first complaint about an index that the importer has bent into range instead of refusing it.
 class Complaints final : public Assimp::LogStream {
  public:
   void write(const char* message) override {
-    std::string text = one_line(message);
+    std::string text = first_line(message);
     std::transform(text.begin(), text.end(), text.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     for (const char* sign : {"overflow", "out of range", "out-of-range", "exceed", "failed to triangulate"}) {
-      if (text.find(sign) != std::string::npos && first_.empty()) first_ = one_line(message);
+      if (text.find(sign) != std::string::npos && first_.empty()) first_ = first_line(message);
     }
   }
   [[nodiscard]] const std::string& first() const { return first_; }
@@ -129,8 +125,11 @@ class SceneReader final {
   ImportedMesh run() {
     if (scene_.mRootNode != nullptr) add_node(*scene_.mRootNode, axis_change_undone(file_.format), 0);
     if (mirrored_ > 0) {
-      imported_.repairs.push_back(
-          fmt::format("turned the triangles of {} mirrored parts outwards", mirrored_));
+      imported_.repairs.push_back(fmt::format("turned the triangles of {} outwards",
+                                              counted(mirrored_, "mirrored part", "mirrored parts")));
+    }
+    if (lines_ > 0) {
+      imported_.repairs.push_back("dropped " + counted(lines_, "line or point", "lines or points"));
     }
     return std::move(imported_);
   }
@@ -160,7 +159,10 @@ class SceneReader final {
     }
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // points and lines: counted by the caller
+      if (face.mNumIndices != 3) {  // neither format has polygons
+        ++lines_;
+        continue;
+      }
       Triangle triangle{};
       for (unsigned k = 0; k < 3; ++k) {
         if (face.mIndices[k] >= part.mNumVertices) {
@@ -178,63 +180,105 @@ class SceneReader final {
   const MeshFile& file_;
   const aiScene& scene_;
   ImportedMesh imported_;
-  int mirrored_ = 0;
+  std::size_t mirrored_ = 0;
+  std::size_t lines_ = 0;
 };
 
-struct FaceCounts {
-  std::size_t lines = 0;     // of fewer than three corners
-  std::size_t polygons = 0;  // of more
-};
+std::string cannot_read(const MeshFile& file, const std::string& why) {
+  return file.path.string() + ": cannot be read: " + first_line(why);
+}
 
-void add_faces(const aiScene& scene, FaceCounts& counts) {
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    for (unsigned f = 0; f < scene.mMeshes[m]->mNumFaces; ++f) {
-      const unsigned corners = scene.mMeshes[m]->mFaces[f].mNumIndices;
-      counts.lines += corners < 3 ? 1 : 0;
-      counts.polygons += corners > 3 ? 1 : 0;
+ImportedMesh read_by_assimp(const MeshFile& file) {
+  const LogCapture log;
+  Assimp::Importer importer;
+  auto* files = new CheckedFiles(file);  // the importer's from here on
+  importer.SetIOHandler(files);
+  const aiScene* scene = importer.ReadFile(file.path.string(), 0);
+  if (scene == nullptr) {
+    throw InputError(
+        cannot_read(file, files->refusal().empty() ? importer.GetErrorString() : files->refusal()));
+  }
+  if (!log.first().empty()) throw InputError(cannot_read(file, log.first()));
+  return SceneReader(file, *scene).run();
+}
+
+/// Calls visit(id, begin, end) for each chunk between two bytes of a 3DS file. A chunk that is longer than
+/// what is left of the one around it is refused: the importer would read it to its end, and only then give
+/// up.
+template <typename Visit>
+void each_3ds_chunk(const MeshFile& file, std::size_t begin, std::size_t end, const Visit& visit) {
+  constexpr std::size_t kHead = 6;
+  while (begin + kHead <= end) {
+    const std::size_t length = little_endian_32(file.bytes, begin + 2);
+    if (length < kHead || length > end - begin) {
+      throw InputError(fmt::format(
+          "{}, byte {}: a chunk declares {} bytes, must be 6 to {}, which are left of the one around it",
+          file.path.string(), begin, length, end - begin));
     }
+    const auto low = static_cast<unsigned char>(file.bytes[begin]);
+    const auto high = static_cast<unsigned char>(file.bytes[begin + 1]);
+    visit(256U * high + low, begin + kHead, begin + length);
+    begin += length;
   }
 }
 
-std::string cannot_read(const MeshFile& file, const std::string& why) {
-  return file.path.string() + ": cannot be read: " + one_line(why);
+/// The importer believes how many keys a track declares.
+void check_3ds_track(const MeshFile& file, std::size_t begin, std::size_t end) {
+  constexpr std::size_t kBeforeCount = 10;  // flags and what is not used
+  constexpr std::size_t kLeastKey = 6;      // bytes
+  const std::string where = fmt::format("{}, byte {}: a track of key frames ", file.path.string(), begin);
+  if (end - begin < kBeforeCount + 4) throw InputError(where + "is too short");
+  const std::size_t keys = little_endian_32(file.bytes, begin + kBeforeCount);
+  if (keys > (end - begin) / kLeastKey) {
+    throw InputError(fmt::format("{}declares {} keys in {} bytes", where, keys, end - begin));
+  }
+}
+
+/// The tracks of every node of the key frames.
+void check_3ds_key_frames(const MeshFile& file, std::size_t begin, std::size_t end) {
+  constexpr unsigned kFirstNode = 0xB001;
+  constexpr unsigned kLastNode = 0xB007;
+  constexpr unsigned kFirstTrack = 0xB020;
+  constexpr unsigned kLastTrack = 0xB029;
+  each_3ds_chunk(file, begin, end, [&](unsigned node, std::size_t node_begin, std::size_t node_end) {
+    if (node < kFirstNode || node > kLastNode) return;
+    each_3ds_chunk(file, node_begin, node_end, [&](unsigned id, std::size_t from, std::size_t to) {
+      if (id >= kFirstTrack && id <= kLastTrack) check_3ds_track(file, from, to);
+    });
+  });
+}
+
+void check_3ds(const MeshFile& file) {
+  const std::string& bytes = file.bytes;
+  if (bytes.size() < 6 || bytes.compare(0, 2, "MM") != 0) {
+    throw InputError(file.path.string() + ": not a 3DS file: must start with the chunk 4D4D");
+  }
+  const std::size_t declared = little_endian_32(bytes, 2);
+  if (declared > bytes.size()) {
+    throw InputError(
+        fmt::format("{}: truncated: declares {} bytes, has {}", file.path.string(), declared, bytes.size()));
+  }
+  constexpr unsigned kMain = 0x4D4D;
+  constexpr unsigned kProject = 0xC23D;
+  constexpr unsigned kKeyFrames = 0xB000;
+  each_3ds_chunk(file, 0, bytes.size(), [&](unsigned whole, std::size_t whole_begin, std::size_t whole_end) {
+    if (whole != kMain && whole != kProject) return;
+    each_3ds_chunk(file, whole_begin, whole_end, [&](unsigned id, std::size_t begin, std::size_t end) {
+      if (id == kKeyFrames) check_3ds_key_frames(file, begin, end);
+    });
+  });
 }
 
 }  // namespace
 
-ImportedMesh import_mesh(const MeshFile& file, const FileFacts& facts) {
-  FaceCounts counts;
-  counts.lines = facts.lines;
-  ImportedMesh imported;
-  const bool is_cleaned =
-      file.format == MeshFormat::kObj || file.format == MeshFormat::kPly || file.format == MeshFormat::kOff;
-  if (!is_cleaned || facts.cleaned.find("\nf ") != std::string::npos) {
-    const LogCapture log;
-    Assimp::Importer importer;
-    auto* files = new CheckedFiles(file);  // the importer's from here on
-    importer.SetIOHandler(files);
-    const aiScene* scene =
-        is_cleaned ? importer.ReadFileFromMemory(facts.cleaned.data(), facts.cleaned.size(), 0, "obj")
-                   : importer.ReadFile(file.path.string(), 0);
-    if (scene == nullptr) {
-      throw InputError(
-          cannot_read(file, files->refusal().empty() ? importer.GetErrorString() : files->refusal()));
-    }
-    add_faces(*scene, counts);
-    if (counts.polygons > 0) {
-      scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-      if (scene == nullptr) throw InputError(cannot_read(file, importer.GetErrorString()));
-    }
-    if (!log.first().empty()) throw InputError(cannot_read(file, log.first()));
-    imported = SceneReader(file, *scene).run();
-  }
-  if (counts.polygons > 0) {
-    imported.repairs.push_back(fmt::format("cut {} polygons into triangles", counts.polygons));
-  }
-  if (counts.lines > 0) {
-    imported.repairs.push_back(fmt::format("dropped {} lines or points", counts.lines));
-  }
-  return imported;
+ImportedMesh read_3ds(const MeshFile& file) {
+  check_3ds(file);
+  return read_by_assimp(file);
+}
+
+ImportedMesh read_gltf(const MeshFile& file) {
+  check_gltf(file);
+  return read_by_assimp(file);
 }
 
 }  // namespace palpate::geometry
