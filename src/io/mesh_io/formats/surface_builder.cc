@@ -188,6 +188,7 @@ void SurfaceBuilder::take_outer_faces() {
     const Quad& quad = faces_[face];
     add_polygon({quad.data(), quad[3] < 0 ? std::size_t{3} : std::size_t{4}});
   }
+  cut_ = 0;
   imported_.repairs.push_back(fmt::format("took the surface of {}: {}",
                                           counted(solids_, "solid cell", "solid cells"),
                                           counted(outer.size(), "face", "faces")));
