@@ -30,39 +30,34 @@ std::string first_line(std::string_view text) {
   return one_line(std::string(text.substr(0, std::min<std::size_t>(200, text.find_first_of("\r\n")))));
 }
 
-/// Keeps the first complaint about an index that the importer has bent into range instead of refusing it.
+/// While it lives, keeps the first complaint about an index that the importer has bent into range instead of
+/// refusing it.
 class Complaints final : public Assimp::LogStream {
  public:
+  Complaints() {
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+    Assimp::DefaultLogger::get()->attachStream(this, kLevels);
+  }
+  ~Complaints() override {
+    Assimp::DefaultLogger::get()->detachStream(this, kLevels);
+    Assimp::DefaultLogger::kill();
+  }
+  Complaints(const Complaints&) = delete;
+  Complaints& operator=(const Complaints&) = delete;
+
   void write(const char* message) override {
     std::string text = first_line(message);
     std::transform(text.begin(), text.end(), text.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    for (const char* sign : {"overflow", "out of range", "out-of-range", "exceed", "failed to triangulate"}) {
+    for (const char* sign : {"overflow", "out of range", "out-of-range", "exceed"}) {
       if (text.find(sign) != std::string::npos && first_.empty()) first_ = first_line(message);
     }
   }
   [[nodiscard]] const std::string& first() const { return first_; }
 
  private:
+  static constexpr unsigned kLevels = Assimp::Logger::Err | Assimp::Logger::Warn;
   std::string first_;
-};
-
-class LogCapture final {
- public:
-  LogCapture() {
-    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
-    Assimp::DefaultLogger::get()->attachStream(&complaints_, Assimp::Logger::Err | Assimp::Logger::Warn);
-  }
-  ~LogCapture() {
-    Assimp::DefaultLogger::get()->detachStream(&complaints_, Assimp::Logger::Err | Assimp::Logger::Warn);
-    Assimp::DefaultLogger::kill();
-  }
-  LogCapture(const LogCapture&) = delete;
-  LogCapture& operator=(const LogCapture&) = delete;
-  [[nodiscard]] const std::string& first() const { return complaints_.first(); }
-
- private:
-  Complaints complaints_;
 };
 
 /// Gives the importer the mesh file's bytes from memory, and lets it open regular files alone beside it (the
@@ -101,11 +96,7 @@ class CheckedFiles final : public Assimp::DefaultIOSystem {
 using Mat4 = Eigen::Matrix4d;
 
 Mat4 matrix_of(const aiMatrix4x4& m) {
-  Mat4 matrix;
-  for (unsigned row = 0; row < 4; ++row) {
-    for (unsigned column = 0; column < 4; ++column) matrix(row, column) = static_cast<double>(m[row][column]);
-  }
-  return matrix;
+  return Eigen::Map<const Eigen::Matrix<float, 4, 4, Eigen::RowMajor>>(m[0]).cast<double>();
 }
 
 /// The 3DS importer turns the scene by -90 degrees about x, to its own y-up; this turns it back.
@@ -189,7 +180,7 @@ std::string cannot_read(const MeshFile& file, const std::string& why) {
 }
 
 ImportedMesh read_by_assimp(const MeshFile& file) {
-  const LogCapture log;
+  const Complaints complaints;
   Assimp::Importer importer;
   auto* files = new CheckedFiles(file);  // the importer's from here on
   importer.SetIOHandler(files);
@@ -198,7 +189,7 @@ ImportedMesh read_by_assimp(const MeshFile& file) {
     throw InputError(
         cannot_read(file, files->refusal().empty() ? importer.GetErrorString() : files->refusal()));
   }
-  if (!log.first().empty()) throw InputError(cannot_read(file, log.first()));
+  if (!complaints.first().empty()) throw InputError(cannot_read(file, complaints.first()));
   return SceneReader(file, *scene).run();
 }
 

@@ -162,42 +162,41 @@ class GltfCheck final {
     }
   }
 
+  /// How many elements an accessor declares, none where that is no number; at most `most`.
+  static std::uint64_t count_of(const json& accessor, std::uint64_t most) {
+    const auto count = accessor.is_object() ? accessor.find("count") : accessor.end();
+    if (count == accessor.end() || !count->is_number_unsigned()) return 0;
+    return std::min(count->get<std::uint64_t>(), most);
+  }
+
   void check_accessors() const {
     std::uint64_t without_buffer = 0;
     for (const json& accessor : list(root_, "accessors")) {
-      if (!accessor.is_object() || accessor.contains("bufferView")) continue;
-      const auto count = accessor.find("count");
-      if (count == accessor.end() || !count->is_number_unsigned()) continue;
-      without_buffer += std::min(count->get<std::uint64_t>(), kMostWithoutBuffer + 1);
+      if (accessor.is_object() && accessor.contains("bufferView")) continue;
+      without_buffer += count_of(accessor, kMostWithoutBuffer + 1);
       if (without_buffer > kMostWithoutBuffer) {
         refuse(fmt::format("accessors without a buffer declare more than {} elements", kMostWithoutBuffer));
       }
     }
   }
 
-  [[nodiscard]] std::uint64_t count_of(const json& accessor_index) const {
-    const json& accessors = list(root_, "accessors");
-    if (!accessor_index.is_number_unsigned() || accessor_index.get<std::uint64_t>() >= accessors.size())
-      return 0;
-    const json& accessor = accessors[accessor_index.get<std::size_t>()];
-    const auto count = accessor.is_object() ? accessor.find("count") : accessor.end();
-    if (count == accessor.end() || !count->is_number_unsigned()) return 0;
-    return std::min(count->get<std::uint64_t>(), kMostElements + 1);
-  }
-
   /// The importer copies indices and vertices for each part, also where parts share them.
   void check_parts() const {
+    const json& accessors = list(root_, "accessors");
     std::uint64_t elements = 0;
+    const auto add = [&](const json& index) {
+      if (!index.is_number_unsigned() || index.get<std::uint64_t>() >= accessors.size()) return;
+      elements += count_of(accessors[index.get<std::size_t>()], kMostElements + 1);
+      if (elements <= kMostElements) return;
+      refuse(fmt::format("its parts declare more than {} indices and vertices", kMostElements));
+    };
     for (const json& mesh : list(root_, "meshes")) {
       for (const json& part : list(mesh, "primitives")) {
         if (!part.is_object()) continue;
-        if (const auto indices = part.find("indices"); indices != part.end()) elements += count_of(*indices);
+        if (const auto indices = part.find("indices"); indices != part.end()) add(*indices);
         const auto attributes = part.find("attributes");
         if (attributes == part.end() || !attributes->is_object()) continue;
-        for (const json& attribute : *attributes) elements += count_of(attribute);
-        if (elements > kMostElements) {
-          refuse(fmt::format("its parts declare more than {} indices and vertices", kMostElements));
-        }
+        for (const json& attribute : *attributes) add(attribute);
       }
     }
   }

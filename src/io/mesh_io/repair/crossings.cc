@@ -8,7 +8,8 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostTests = 40'000'000;  // pairs of boxes or triangles, about 3 s
+constexpr std::size_t kMostSteps = 400'000'000;  // about 3 s: a look at a node is one
+constexpr std::size_t kTestSteps = 10;           // of two triangles
 constexpr std::size_t kMostPairs = 1'000'000;
 constexpr std::size_t kLeaf = 4;  // triangles
 // Volumes below this share of what their lengths could make are rounding.
@@ -89,51 +90,34 @@ class Search final {
     }
   }
 
-  /// Every pair of nodes whose boxes meet, from the pair of the root with itself down.
+  /// For each triangle, the later ones whose boxes meet its own, from the root down.
   void walk() {
-    std::vector<std::array<std::uint32_t, 2>> open{{0, 0}};
-    while (!open.empty()) {
-      const auto [a, b] = open.back();
-      open.pop_back();
-      if (++tests_ > kMostTests || found_.pairs.size() > kMostPairs) {
-        found_.all = false;
-        return;
-      }
-      const Node& one = nodes_[a];
-      const Node& other = nodes_[b];
-      if (a == b) {
-        if (one.left == 0) {
-          test_leaves(one, one);
-        } else {
-          open.push_back({one.left, one.left});
-          open.push_back({one.left + 1, one.left + 1});
-          open.push_back({one.left, one.left + 1});
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t s = 0; s < boxes_.size(); ++s) {
+      open.assign(1, 0);
+      while (!open.empty()) {
+        const Node& node = nodes_[open.back()];
+        open.pop_back();
+        if (++steps_ > kMostSteps || found_.pairs.size() > kMostPairs) {
+          found_.all = false;
+          return;
         }
-        continue;
-      }
-      if (!one.box.meets(other.box)) continue;
-      if (one.left == 0 && other.left == 0) {
-        test_leaves(one, other);
-      } else if (other.left == 0 || (one.left != 0 && one.end - one.begin >= other.end - other.begin)) {
-        open.push_back({one.left, b});
-        open.push_back({one.left + 1, b});
-      } else {
-        open.push_back({a, other.left});
-        open.push_back({a, other.left + 1});
+        if (!node.box.meets(boxes_[s])) continue;
+        if (node.left != 0) {
+          open.insert(open.end(), {node.left + 1, node.left});
+        } else {
+          test(s, node);
+        }
       }
     }
   }
 
-  void test_leaves(const Node& one, const Node& other) {
-    const bool same = &one == &other;
-    for (std::uint32_t i = one.begin; i < one.end; ++i) {
-      for (std::uint32_t j = same ? i + 1 : other.begin; j < other.end; ++j) {
-        const std::uint32_t s = std::min(order_[i], order_[j]);
-        const std::uint32_t t = std::max(order_[i], order_[j]);
-        if (!boxes_[s].meets(boxes_[t])) continue;
-        ++tests_;
-        if (cross(mesh_.triangles[s], mesh_.triangles[t])) found_.pairs.push_back({s, t});
-      }
+  void test(std::uint32_t s, const Node& leaf) {
+    for (std::uint32_t i = leaf.begin; i < leaf.end; ++i) {
+      const std::uint32_t t = order_[i];
+      if (t <= s || !boxes_[s].meets(boxes_[t])) continue;
+      steps_ += kTestSteps;
+      if (cross(mesh_.triangles[s], mesh_.triangles[t])) found_.pairs.push_back({s, t});
     }
   }
 
@@ -200,7 +184,7 @@ class Search final {
   std::vector<Box> boxes_;
   std::vector<Node> nodes_;
   double scale_ = 0.0;
-  std::size_t tests_ = 0;
+  std::size_t steps_ = 0;
   Crossings found_;
 };
 

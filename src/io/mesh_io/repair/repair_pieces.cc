@@ -45,11 +45,6 @@ std::vector<Piece> measured(const WorkSurface& surface, const std::vector<std::u
   return pieces;
 }
 
-std::vector<std::uint32_t> current_pieces(const WorkSurface& surface) {
-  std::size_t left = 0;
-  return pieces_of(pair_sides(surface, left));
-}
-
 void turn_outwards(WorkSurface& surface, const std::vector<std::uint32_t>& piece_of,
                    std::vector<Piece>& pieces) {
   for (std::size_t t = 0; t < piece_of.size(); ++t) {
@@ -70,28 +65,21 @@ Done drop_pieces(WorkSurface& surface, const std::vector<std::uint32_t>& piece_o
   return done;
 }
 
-/// Whether a point is inside a piece, by its winding number [van Oosterom and Strackee 1983].
+/// Whether a point is inside a piece, by its winding number.
 bool is_inside(const WorkSurface& surface, const std::vector<std::uint32_t>& piece_of, std::uint32_t piece,
                const Vec3& p) {
   double half_angles = 0.0;
   for (std::uint32_t t = 0; t < piece_of.size(); ++t) {
     if (piece_of[t] != piece) continue;
-    const Vec3 a = surface.point_at(3 * t) - p;
-    const Vec3 b = surface.point_at(3 * t + 1) - p;
-    const Vec3 c = surface.point_at(3 * t + 2) - p;
-    const double la = a.norm();
-    const double lb = b.norm();
-    const double lc = c.norm();
-    // Rounded to whole turns below, so the last bit does not matter: not in a tick.
-    half_angles +=
-        std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    half_angles += half_solid_angle(surface.point_at(3 * t) - p, surface.point_at(3 * t + 1) - p,
+                                    surface.point_at(3 * t + 2) - p);
   }
   constexpr double kHalfTurn = 3.141592653589793;
   return half_angles > kHalfTurn;
 }
 
 void drop_scraps(WorkSurface& surface, PiecesDone& done) {
-  const std::vector<std::uint32_t> piece_of = current_pieces(surface);
+  const std::vector<std::uint32_t> piece_of = pieces_of(pair_sides(surface));
   std::vector<Piece> pieces = measured(surface, piece_of);
   turn_outwards(surface, piece_of, pieces);
   double largest = 0.0;
@@ -137,12 +125,6 @@ void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& piece_of
   done.kept -= done.inner.times;
 }
 
-/// @return whether two pieces go through each other
-bool do_pieces_cross(const Crossings& crossings, const std::vector<std::uint32_t>& piece_of) {
-  return std::any_of(crossings.pairs.begin(), crossings.pairs.end(),
-                     [&](const auto& pair) { return piece_of[pair[0]] != piece_of[pair[1]]; });
-}
-
 void account_for(const WorkSurface& surface, const Crossings& crossings, PiecesDone& done) {
   done.crossing_pairs = crossings.pairs.size();
   std::vector<std::uint8_t> crosses(surface.mesh.triangles.size(), 0);
@@ -179,8 +161,9 @@ PiecesDone sort_out_pieces(WorkSurface& surface) {
   if (!done.refusal.empty()) return done;
   Crossings crossings = find_crossings(surface.mesh);
   if (done.kept > 1) {
-    const std::vector<std::uint32_t> piece_of = current_pieces(surface);
-    if (do_pieces_cross(crossings, piece_of)) {
+    const std::vector<std::uint32_t> piece_of = pieces_of(pair_sides(surface));
+    const auto joins_two = [&](const auto& pair) { return piece_of[pair[0]] != piece_of[pair[1]]; };
+    if (std::any_of(crossings.pairs.begin(), crossings.pairs.end(), joins_two)) {
       account_for(surface, crossings, done);
       done.refusal = fmt::format("{} of its pieces go through each other (at {} pairs of triangles)",
                                  done.kept, crossings.pairs.size());

@@ -12,18 +12,13 @@ constexpr int kMostRounds = 20;
 // An edge shorter than this share of its triangle's longest is shrunk to a point.
 constexpr double kNoLength = 4e-7;
 
-std::size_t count_flat(const TriangleMesh& mesh) {
-  return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
-                                                [&](const Triangle& t) { return is_flat(mesh, t); }));
-}
-
 /// One round over all slivers. Triangles about a change are left alone until the next, since the mates are of
 /// before.
 class Round final {
  public:
   explicit Round(WorkSurface& surface)
       : surface_(surface),
-        mates_(pair_sides(surface, crowded_)),
+        mates_(pair_sides(surface)),
         touched_(surface.mesh.vertices.size(), 0),
         doomed_(surface.mesh.triangles.size(), 0) {}
 
@@ -119,7 +114,6 @@ class Round final {
   }
 
   WorkSurface& surface_;
-  std::size_t crowded_ = 0;
   Mates mates_;
   std::vector<std::uint8_t> touched_;  // vertices
   std::vector<std::uint8_t> doomed_;   // triangles
@@ -135,6 +129,11 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
     longest_squared = std::max(longest_squared, (b - a).squaredNorm());
   }
   return area_vector_doubled(mesh, triangle).norm() <= kFlat * longest_squared;
+}
+
+std::size_t count_flat(const TriangleMesh& mesh) {
+  return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
+                                                [&](const Triangle& t) { return is_flat(mesh, t); }));
 }
 
 std::size_t remove_slivers(WorkSurface& surface) {

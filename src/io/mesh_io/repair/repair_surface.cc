@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/index.h"
 #include "core/geometry/cell.h"
 #include "core/geometry/edge_key.h"
 
@@ -133,37 +134,6 @@ void pair_around(const WorkSurface& surface, const EdgeSide* first, const EdgeSi
   }
 }
 
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const noexcept {
-    std::uint64_t hash = 0;
-    for (const std::int64_t x : cell) hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
-    return static_cast<std::size_t>(hash ^ (hash >> 31));
-  }
-};
-
-/// Finds for each point the first one before it that lies near.
-class NearestBefore final {
- public:
-  NearestBefore(const WorkSurface& surface, double tolerance) : surface_(surface), tolerance_(tolerance) {}
-
-  std::int32_t find_or_add(std::int32_t vertex) {
-    const Vec3& p = surface_.point(vertex);
-    const Cell home = cell_at(p, tolerance_);
-    for (int n = 0; n < 27; ++n) {
-      const auto found = cells_.find({home[0] + n % 3 - 1, home[1] + n / 3 % 3 - 1, home[2] + n / 9 - 1});
-      if (found == cells_.end()) continue;
-      if ((surface_.point(found->second) - p).norm() <= tolerance_) return found->second;
-    }
-    cells_.try_emplace(home, vertex);
-    return vertex;
-  }
-
- private:
-  const WorkSurface& surface_;
-  double tolerance_;
-  std::unordered_map<Cell, std::int32_t, CellHash> cells_;
-};
-
 }  // namespace
 
 double WorkSurface::area(std::size_t triangle) const {
@@ -193,14 +163,14 @@ std::size_t WorkSurface::drop(const std::vector<std::uint8_t>& doomed) {
   if (dropped == 0) return 0;
   mesh.triangles.resize(kept);
   marks.resize(kept);
-  drop_unused_vertices();
+  drop_unused_vertices(mesh);
   return dropped;
 }
 
-void WorkSurface::drop_unused_vertices() {
+void drop_unused_vertices(TriangleMesh& mesh) {
   std::vector<std::int32_t> name(mesh.vertices.size(), -1);
   for (const Triangle& triangle : mesh.triangles) {
-    for (const std::int32_t v : triangle) name[static_cast<std::size_t>(v)] = 0;
+    for (const std::int32_t v : triangle) name[at(v)] = 0;
   }
   std::size_t used = 0;
   for (std::size_t v = 0; v < name.size(); ++v) {
@@ -210,8 +180,16 @@ void WorkSurface::drop_unused_vertices() {
   }
   mesh.vertices.resize(used);
   for (Triangle& triangle : mesh.triangles) {
-    for (std::int32_t& v : triangle) v = name[static_cast<std::size_t>(v)];
+    for (std::int32_t& v : triangle) v = name[at(v)];
   }
+}
+
+double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double la = a.norm();
+  const double lb = b.norm();
+  const double lc = c.norm();
+  // Rounded to whole turns by the callers, so the last bit does not matter: not in a tick.
+  return std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
 DisjointSets::DisjointSets(std::size_t count) : parent_(count) {
@@ -229,37 +207,8 @@ void DisjointSets::unite(std::uint32_t a, std::uint32_t b) {
   parent_[std::max(a, b)] = std::min(a, b);
 }
 
-std::vector<EdgeSide> sorted_sides(const std::vector<Triangle>& triangles) {
-  // Dealt out by the smaller vertex first, so that only a handful at each is left to sort.
-  std::size_t vertices = 0;
-  for (const Triangle& t : triangles)
-    vertices = std::max(vertices, static_cast<std::size_t>(*std::max_element(t.begin(), t.end())) + 1);
-  const auto side = [&](Corner c) {
-    return EdgeSide{edge_key(triangles[c / 3][c % 3], triangles[c / 3][(c + 1) % 3]), c};
-  };
-  const auto corners = static_cast<Corner>(3 * triangles.size());
-  std::vector<std::size_t> begin(vertices + 1, 0);
-  for (Corner c = 0; c < corners; ++c) ++begin[(side(c).edge >> 32) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<EdgeSide> sides(corners);
-  std::vector<std::size_t> next = begin;
-  for (Corner c = 0; c < corners; ++c) {
-    const EdgeSide one = side(c);
-    sides[next[one.edge >> 32]++] = one;
-  }
-  for (std::size_t v = 0; v < vertices; ++v) {
-    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin[v]),
-              sides.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]),
-              [](const EdgeSide& a, const EdgeSide& b) {
-                return a.edge != b.edge ? a.edge < b.edge : a.corner < b.corner;
-              });
-  }
-  return sides;
-}
-
-Mates pair_sides(const WorkSurface& surface, std::size_t& left) {
+Mates pair_sides(const WorkSurface& surface) {
   Mates mates(surface.corners(), kNoMate);
-  left = 0;
   DisjointSets patches(surface.mesh.triangles.size());
   std::vector<std::array<const EdgeSide*, 2>> crowded;
   const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
@@ -270,8 +219,6 @@ Mates pair_sides(const WorkSurface& surface, std::size_t& left) {
       patches.unite(first[0].corner / 3, first[1].corner / 3);
     } else if ((last - first) % 2 == 0) {
       crowded.push_back({first, last});
-    } else if (last - first > 2) {
-      ++left;
     }
   });
   for (const auto& [first, last] : crowded) pair_around(surface, first, last, patches, mates);
@@ -296,12 +243,9 @@ std::size_t drop_duplicates(WorkSurface& surface) {
   std::vector<Face> faces(surface.mesh.triangles.size());
   for (std::uint32_t t = 0; t < faces.size(); ++t) {
     Triangle sorted = surface.mesh.triangles[t];
-    bool is_even = true;
-    for (const std::size_t k : {0U, 1U, 0U}) {
-      if (sorted[k] <= sorted[k + 1]) continue;
-      std::swap(sorted[k], sorted[k + 1]);
-      is_even = !is_even;
-    }
+    std::rotate(sorted.begin(), std::min_element(sorted.begin(), sorted.end()), sorted.end());
+    const bool is_even = sorted[1] <= sorted[2];
+    if (!is_even) std::swap(sorted[1], sorted[2]);
     faces[t] = {sorted, t, is_even};
   }
   std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
@@ -328,19 +272,30 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
     is_open = true;
   });
   if (!is_open || !(tolerance > 0.0)) return 0;
-  NearestBefore near(surface, tolerance);
+  std::unordered_map<Cell, std::int32_t, ThreeWordsHash> cells;  // the first vertex in each
+  const auto find_or_add = [&](std::int32_t vertex) {  // the first one before it that lies near, or itself
+    const Vec3& p = surface.point(vertex);
+    const Cell home = cell_at(p, tolerance);
+    for (int n = 0; n < 27; ++n) {
+      const auto found = cells.find({home[0] + n % 3 - 1, home[1] + n / 3 % 3 - 1, home[2] + n / 9 - 1});
+      if (found != cells.end() && (surface.point(found->second) - p).norm() <= tolerance)
+        return found->second;
+    }
+    cells.try_emplace(home, vertex);
+    return vertex;
+  };
   std::vector<std::int32_t> name(surface.mesh.vertices.size());
   std::size_t joined = 0;
   for (std::size_t v = 0; v < name.size(); ++v) {
     name[v] = static_cast<std::int32_t>(v);
-    if (at_boundary[v] != 0) name[v] = near.find_or_add(name[v]);
+    if (at_boundary[v] != 0) name[v] = find_or_add(name[v]);
     joined += name[v] == static_cast<std::int32_t>(v) ? 0 : 1;
   }
   if (joined == 0) return 0;
   for (Triangle& triangle : surface.mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[static_cast<std::size_t>(v)];
   }
-  surface.drop_unused_vertices();
+  drop_unused_vertices(surface.mesh);
   drop_collapsed(surface);
   return joined;
 }
@@ -393,8 +348,7 @@ std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates) {
     Triangle half = whole;
     whole[(corner % 3 + 1) % 3] = middle;
     half[corner % 3] = middle;
-    surface.mesh.triangles.push_back(half);
-    surface.marks.push_back(std::uint8_t{surface.marks[corner / 3]});
+    surface.add(half, surface.marks[corner / 3]);
   };
   const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
   for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {

@@ -4,17 +4,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/half_edges.h"
 #include "palpate/mesh.h"
 
 // The mesh that is being repaired, its edges, and the steps that need no more than who meets whom; for
 // repair.cc.
 namespace palpate::geometry {
-
-/// A corner 3 t + k is corner k of triangle t, and the edge from there to the next corner.
-using Corner = std::uint32_t;
-
-[[nodiscard]] inline Corner next_corner(Corner corner) { return corner - corner % 3 + (corner + 1) % 3; }
-[[nodiscard]] inline Corner previous_corner(Corner corner) { return corner - corner % 3 + (corner + 2) % 3; }
 
 inline constexpr std::uint8_t kTurned = 1;   // the other way round than in the input
 inline constexpr std::uint8_t kAdded = 2;    // not in the input
@@ -35,12 +30,22 @@ struct WorkSurface {
   [[nodiscard]] double area(std::size_t triangle) const;
   [[nodiscard]] double area() const;
 
+  void add(const Triangle& triangle, std::uint8_t mark) {
+    mesh.triangles.push_back(triangle);
+    marks.push_back(mark);
+  }
   void turn(std::size_t triangle);
   /// Drops the triangles that are marked with anything but 0, and then the vertices that none uses.
   /// @return how many triangles were dropped
   std::size_t drop(const std::vector<std::uint8_t>& doomed);
-  void drop_unused_vertices();
 };
+
+/// Drops the vertices that no triangle uses. The others keep their order.
+void drop_unused_vertices(TriangleMesh& mesh);
+
+/// Half the solid angle at which a triangle is seen from the origin, positive from behind its outside. [van
+/// Oosterom and Strackee 1983]
+[[nodiscard]] double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// Groups of triangles that hang together in some way; the smallest member names the group.
 class DisjointSets final {
@@ -53,35 +58,14 @@ class DisjointSets final {
   std::vector<std::uint32_t> parent_;
 };
 
-/// One side of an edge; those of one edge stand together when sorted.
-struct EdgeSide {
-  std::uint64_t edge;  // edge_key()
-  Corner corner;
-};
-
-/// All sides of all edges, sorted by edge, then corner.
-[[nodiscard]] std::vector<EdgeSide> sorted_sides(const std::vector<Triangle>& triangles);
-
-/// Calls `visit(first, last)` with the sides of each edge.
-template <typename Visit>
-void for_each_edge(const std::vector<EdgeSide>& sides, const Visit& visit) {
-  for (std::size_t first = 0; first < sides.size();) {
-    std::size_t end = first + 1;
-    while (end < sides.size() && sides[end].edge == sides[first].edge) ++end;
-    visit(sides.data() + first, sides.data() + end);
-    first = end;
-  }
-}
-
 inline constexpr Corner kNoMate = 0xffffffffU;
 
 /// For each corner the one across its edge, or kNoMate.
 using Mates = std::vector<Corner>;
 
 /// Two sides of an edge are mates, and of more an even number two by two, so that what lies between two mates
-/// is solid. @param left is set to how many edges of an odd number larger than one there are: these have no
-/// mates
-[[nodiscard]] Mates pair_sides(const WorkSurface& surface, std::size_t& left);
+/// is solid. Edges of an odd number of sides have no mates.
+[[nodiscard]] Mates pair_sides(const WorkSurface& surface);
 
 /// How often something was done, and to how many triangles.
 struct Done {
