@@ -56,16 +56,11 @@ class Analysis final {
       boundary_edges_ += triangles == 1 ? 1 : 0;
       crowded_edges_ += triangles > 2 ? 1 : 0;
       if (triangles == 2 && vertex_at(corner) == vertex_at(first[1].corner)) ++turned_edges_;
-      for (const EdgeSide* side = first + 1; side != last; ++side) join(corner, side->corner);
+      for (const EdgeSide* side = first + 1; side != last; ++side) {
+        shells_.unite(corner / 3, side->corner / 3);
+        unite_fans(mesh_.triangles, corner, side->corner, fans_);
+      }
     });
-  }
-
-  /// Two triangles at one edge are of one shell, and of one fan about each end.
-  void join(Corner a, Corner b) {
-    shells_.unite(a / 3, b / 3);
-    const bool runs_along = vertex_at(a) == vertex_at(b);
-    fans_.unite(a, runs_along ? b : next_corner(b));
-    fans_.unite(next_corner(a), runs_along ? next_corner(b) : b);
   }
 
   /// Vertices with more than one fan of triangles about them.

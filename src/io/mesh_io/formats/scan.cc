@@ -17,18 +17,23 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\v\f\r\n";
 
-// Each name between blanks.
-constexpr std::array<std::pair<NumberType, std::string_view>, 10> kTypes{
-    {{NumberType::kInt8, " char int8 signed_char "},
-     {NumberType::kUint8, " uchar uint8 unsigned_char "},
-     {NumberType::kInt16, " short int16 "},
-     {NumberType::kUint16, " ushort uint16 unsigned_short "},
-     {NumberType::kInt32, " int int32 vtkidtype "},
-     {NumberType::kUint32, " uint uint32 unsigned_int "},
-     {NumberType::kInt64, " long vtktypeint64 "},
-     {NumberType::kUint64, " unsigned_long vtktypeuint64 "},
-     {NumberType::kFloat, " float float32 "},
-     {NumberType::kDouble, " double float64 "}}};
+struct TypeFacts {
+  std::size_t size;        // bytes
+  std::string_view names;  // each between blanks
+};
+
+constexpr std::array<TypeFacts, 10> kTypes{{{1, " char int8 signed_char "},  // as in NumberType
+                                            {1, " uchar uint8 unsigned_char "},
+                                            {2, " short int16 "},
+                                            {2, " ushort uint16 unsigned_short "},
+                                            {4, " int int32 vtkidtype "},
+                                            {4, " uint uint32 unsigned_int "},
+                                            {8, " long vtktypeint64 "},
+                                            {8, " unsigned_long vtktypeuint64 "},
+                                            {4, " float float32 "},
+                                            {8, " double float64 "}}};
+
+std::size_t size_of(NumberType type) { return kTypes[static_cast<std::size_t>(type)].size; }
 
 template <typename T>
 T decoded(const std::array<char, 8>& bytes) {
@@ -40,23 +45,6 @@ T decoded(const std::array<char, 8>& bytes) {
 std::string quoted(std::string_view word) { return "\"" + excerpt(word, 40) + "\""; }
 
 }  // namespace
-
-std::size_t size_of(NumberType type) {
-  switch (type) {
-    case NumberType::kInt8:
-    case NumberType::kUint8:
-      return 1;
-    case NumberType::kInt16:
-    case NumberType::kUint16:
-      return 2;
-    case NumberType::kInt32:
-    case NumberType::kUint32:
-    case NumberType::kFloat:
-      return 4;
-    default:
-      return 8;
-  }
-}
 
 std::uint32_t little_endian_32(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -193,8 +181,8 @@ NumberType MeshScan::type() {
   std::string name = " " + std::string(text) + " ";
   std::transform(name.begin(), name.end(), name.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  for (const auto& [type, names] : kTypes) {
-    if (names.find(name) != std::string_view::npos) return type;
+  for (std::size_t n = 0; n < kTypes.size(); ++n) {
+    if (kTypes[n].names.find(name) != std::string_view::npos) return static_cast<NumberType>(n);
   }
   refuse(quoted(text) + " is not a type of numbers, such as float or int");
 }

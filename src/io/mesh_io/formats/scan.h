@@ -13,7 +13,6 @@ namespace palpate::geometry {
 
 enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
 
-[[nodiscard]] std::size_t size_of(NumberType type);
 /// @param at where four bytes follow
 [[nodiscard]] std::uint32_t little_endian_32(std::string_view bytes, std::size_t at);
 

@@ -61,23 +61,9 @@ std::span<const Face> faces_of(Shape shape) {
 }
 
 std::size_t corners_of(Shape shape, std::size_t nodes) {
-  switch (shape) {
-    case Shape::kTriangle:
-      return 3;
-    case Shape::kPixel:
-    case Shape::kQuadrilateral:
-    case Shape::kTetrahedron:
-      return 4;
-    case Shape::kPyramid:
-      return 5;
-    case Shape::kWedge:
-      return 6;
-    case Shape::kVoxel:
-    case Shape::kHexahedron:
-      return 8;
-    default:
-      return nodes;
-  }
+  constexpr std::array<std::size_t, 11> kCorners{0, 0, 0, 3, 4, 4, 4, 8, 8, 6, 5};  // as in Shape; 0: all
+  const std::size_t corners = kCorners[static_cast<std::size_t>(shape)];
+  return corners == 0 ? nodes : corners;
 }
 
 const CellKind* kind_of(std::int64_t number, int CellKind::*numbered) {

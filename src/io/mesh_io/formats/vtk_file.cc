@@ -148,12 +148,12 @@ class VtkReader final {
         (void)scan_.word();
         skip_to_empty_line();
       }
-      const std::string name = "FIELD " + excerpt(scan_.word(), 40);
-      const std::size_t components = scan_.count("components of " + name);
+      section_ = "FIELD " + excerpt(scan_.word(), 40);
+      const std::size_t components = scan_.count("components of " + section_);
       const std::size_t tuples =
-          scan_.count("tuples of " + name);  // both at most the file's size: no overflow
+          scan_.count("tuples of " + section_);  // both at most the file's size: no overflow
       const NumberType type = scan_.type();
-      scan_.reading(name);
+      scan_.reading(section_);
       if (scan_.is_binary()) scan_.leave_lines();
       scan_.skip_numbers(components * tuples, type);
     }
@@ -261,7 +261,7 @@ class VtkReader final {
   SurfaceBuilder surface_{scan_};
   Cells grid_;
   std::vector<const CellKind*> cell_types_;
-  std::string section_;  // of cells
+  std::string section_;  // that is being read
   bool has_points_ = false;
   bool has_offsets_ = false;
   bool is_grid_ = false;

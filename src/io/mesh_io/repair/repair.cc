@@ -138,7 +138,10 @@ class Repair final {
     const double diagonal = bounds(surface_.mesh).size().norm();
     const double area = surface_.area();
     std::uint64_t steps = 0;
-    for (const Hole& hole : holes) steps += hole.loop.size() <= kMostHoleEdges ? steps_to_close(hole) : 0;
+    for (const Hole& hole : holes) {
+      const std::uint64_t n = hole.loop.size();
+      if (n <= kMostHoleEdges) steps += n * n * n / 6 + 1;
+    }
     if (steps > kMostHoleSteps) {
       return refuse(counted(holes.size(), "hole", "holes") + ": too many to be damage");
     }

@@ -43,11 +43,6 @@ std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates) {
   return holes;
 }
 
-std::uint64_t steps_to_close(const Hole& hole) {
-  const std::uint64_t n = hole.loop.size();
-  return n * n * n / 6 + 1;
-}
-
 std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
                                        const std::function<bool(std::int32_t, std::int32_t)>& may_join) {
   const std::size_t n = loop.size();

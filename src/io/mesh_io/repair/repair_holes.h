@@ -19,9 +19,6 @@ struct Hole {
 /// All boundary loops. @param mates of a surface without edges of more than two triangles
 [[nodiscard]] std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates);
 
-/// How much one hole's patch costs to find, in steps: with n edges about n^3 / 6.
-[[nodiscard]] std::uint64_t steps_to_close(const Hole& hole);
-
 /// The triangles over a loop of vertices that have the least area together; for a polygon in a plane that is
 /// one way to cut it up, whatever its shape. [Barequet and Sharir 1995] n^3 / 6 steps.
 /// @param may_join whether an edge may be made between two vertices that are not next to each other

@@ -207,6 +207,12 @@ void DisjointSets::unite(std::uint32_t a, std::uint32_t b) {
   parent_[std::max(a, b)] = std::min(a, b);
 }
 
+void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, DisjointSets& fans) {
+  const bool runs_along = triangles[a / 3][a % 3] == triangles[b / 3][b % 3];
+  fans.unite(a, runs_along ? b : next_corner(b));
+  fans.unite(next_corner(a), runs_along ? next_corner(b) : b);
+}
+
 Mates pair_sides(const WorkSurface& surface) {
   Mates mates(surface.corners(), kNoMate);
   DisjointSets patches(surface.mesh.triangles.size());
@@ -316,9 +322,7 @@ std::size_t split_fans(WorkSurface& surface, const Mates& mates) {
   DisjointSets fans(surface.corners());
   for (Corner c = 0; c < mates.size(); ++c) {
     if (mates[c] == kNoMate || mates[c] < c) continue;
-    const bool runs_back = surface.vertex_at(mates[c]) != surface.vertex_at(c);
-    fans.unite(c, runs_back ? next_corner(mates[c]) : mates[c]);
-    fans.unite(next_corner(c), runs_back ? mates[c] : next_corner(mates[c]));
+    unite_fans(surface.mesh.triangles, c, mates[c], fans);
   }
   const std::size_t before = surface.mesh.vertices.size();
   std::vector<std::uint32_t> first_fan(before, kNoMate);

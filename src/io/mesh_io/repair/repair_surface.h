@@ -58,6 +58,9 @@ class DisjointSets final {
   std::vector<std::uint32_t> parent_;
 };
 
+/// Two triangles at an edge, each with its corner of it, are of one fan about either end.
+void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, DisjointSets& fans);
+
 inline constexpr Corner kNoMate = 0xffffffffU;
 
 /// For each corner the one across its edge, or kNoMate.
