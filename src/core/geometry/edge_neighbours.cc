@@ -34,7 +34,7 @@ void check_corners(const TriangleMesh& mesh) {
 std::vector<std::array<std::int32_t, 3>> edge_neighbours(const TriangleMesh& mesh) {
   check_corners(mesh);
   std::vector<std::array<std::int32_t, 3>> neighbours(mesh.triangles.size(), {-1, -1, -1});
-  for_each_edge(sorted_sides(mesh.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
+  for_each_edge(sorted_half_edges(mesh.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 1) return;
     const Corner a = first[0].corner;
     const Corner b = first[1].corner;

@@ -25,10 +25,10 @@ class Analysis final {
     walk_edges();
     const std::size_t touching = touching_vertices();
     findings_.closed = !mesh_.triangles.empty() && boundary_edges_ == 0;
-    findings_.manifold = !mesh_.triangles.empty() && crowded_edges_ == 0 && touching == 0;
+    findings_.manifold = !mesh_.triangles.empty() && non_manifold_edges_ == 0 && touching == 0;
     findings_.volume = signed_volume(mesh_);
     say(boundary_edges_, "boundary edge", "boundary edges");
-    say(crowded_edges_, "edge", "edges", " of more than two triangles");
+    say(non_manifold_edges_, "edge", "edges", " of more than two triangles");
     say(turned_edges_, "edge", "edges", " whose two triangles are turned against each other");
     say(touching, "vertex", "vertices", " where separate surfaces touch");
     if (const std::size_t flat = count_flat(mesh_); flat > 0) {
@@ -45,18 +45,18 @@ class Analysis final {
   }
 
   void walk_edges() {
-    for_each_edge(sorted_sides(mesh_.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
+    for_each_edge(sorted_half_edges(mesh_.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
       const Corner corner = first->corner;
       if (first->edge >> 32 == (first->edge & 0xffffffffU)) {  // the other two edges are one
-        for (const EdgeSide* side = first; side != last; ++side)
+        for (const HalfEdge* side = first; side != last; ++side)
           fans_.unite(side->corner, next_corner(side->corner));
         return;
       }
       const auto triangles = last - first;
       boundary_edges_ += triangles == 1 ? 1 : 0;
-      crowded_edges_ += triangles > 2 ? 1 : 0;
+      non_manifold_edges_ += triangles > 2 ? 1 : 0;
       if (triangles == 2 && vertex_at(corner) == vertex_at(first[1].corner)) ++turned_edges_;
-      for (const EdgeSide* side = first + 1; side != last; ++side) {
+      for (const HalfEdge* side = first + 1; side != last; ++side) {
         shells_.unite(corner / 3, side->corner / 3);
         unite_fans(mesh_.triangles, corner, side->corner, fans_);
       }
@@ -129,8 +129,8 @@ class Analysis final {
   std::vector<std::uint32_t> shell_of_;
   std::vector<std::uint32_t> shell_roots_;
   std::size_t boundary_edges_ = 0;
-  std::size_t crowded_edges_ = 0;  // of more than two triangles
-  std::size_t turned_edges_ = 0;   // whose two triangles run the same way
+  std::size_t non_manifold_edges_ = 0;  // of more than two triangles
+  std::size_t turned_edges_ = 0;        // whose two triangles run the same way
   MeshFindings findings_;
 };
 

@@ -14,11 +14,11 @@ double area_of(const TriangleMesh& mesh, const Triangle& triangle) {
 
 }  // namespace
 
-std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates) {
+std::vector<Hole> holes_of(const WorkSurface& surface, const Opposites& opposite) {
   // A patch runs against the boundary, so from each boundary edge's end to its start.
   std::vector<std::int32_t> next(surface.mesh.vertices.size(), -1);
-  for (Corner c = 0; c < mates.size(); ++c) {
-    if (mates[c] != kNoMate) continue;
+  for (Corner c = 0; c < opposite.size(); ++c) {
+    if (opposite[c] != kNoOpposite) continue;
     next[static_cast<std::size_t>(surface.vertex_at(next_corner(c)))] = surface.vertex_at(c);
   }
   std::vector<Hole> holes;
@@ -85,7 +85,7 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
 
 std::vector<std::uint64_t> edges_of(const WorkSurface& surface) {
   std::vector<std::uint64_t> edges;
-  for (const EdgeSide& side : sorted_sides(surface.mesh.triangles)) edges.push_back(side.edge);
+  for (const HalfEdge& side : sorted_half_edges(surface.mesh.triangles)) edges.push_back(side.edge);
   return edges;
 }
 

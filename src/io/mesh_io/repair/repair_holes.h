@@ -16,8 +16,8 @@ struct Hole {
   Vec3 middle = Vec3::Zero();      // of its bounding box [m]
 };
 
-/// All boundary loops. @param mates of a surface without edges of more than two triangles
-[[nodiscard]] std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates);
+/// All boundary loops. @param opposite half-edges of a surface without edges of more than two triangles
+[[nodiscard]] std::vector<Hole> holes_of(const WorkSurface& surface, const Opposites& opposite);
 
 /// The triangles over a loop of vertices that have the least area together; for a polygon in a plane that is
 /// one way to cut it up, whatever its shape. [Barequet and Sharir 1995] n^3 / 6 steps.

@@ -24,7 +24,7 @@ struct Patches {
   };
   std::vector<std::uint32_t> of;  // each triangle
   std::vector<Patch> patches;     // by their smallest triangle; the others empty
-  std::size_t crowded_edges = 0;
+  std::size_t non_manifold_edges = 0;
   std::uint32_t largest = 0;
 };
 
@@ -32,8 +32,8 @@ Patches patches_of(const WorkSurface& surface) {
   const std::size_t count = surface.mesh.triangles.size();
   Patches found{std::vector<std::uint32_t>(count), std::vector<Patches::Patch>(count), 0, 0};
   DisjointSets sets(count);
-  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
-  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+  const std::vector<HalfEdge> sides = sorted_half_edges(surface.mesh.triangles);
+  for_each_edge(sides, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) sets.unite(first[0].corner / 3, first[1].corner / 3);
   });
   for (std::uint32_t t = 0; t < count; ++t) {
@@ -42,11 +42,11 @@ Patches patches_of(const WorkSurface& surface) {
     patch.area += surface.area(t);
     if ((surface.marks[t] & kDoubled) == 0) patch.was_doubled = false;
   }
-  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+  for_each_edge(sides, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 1) found.patches[found.of[first->corner / 3]].has_boundary = true;
     if (last - first <= 2) return;
-    ++found.crowded_edges;
-    for (const EdgeSide* side = first; side != last; ++side)
+    ++found.non_manifold_edges;
+    for (const HalfEdge* side = first; side != last; ++side)
       found.patches[found.of[side->corner / 3]].meets_others = true;
   });
   for (std::uint32_t t = 0; t < count; ++t) {
@@ -62,7 +62,7 @@ Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
   Done done;
   for (int round = 0; round < kMostRounds; ++round) {
     const Patches found = patches_of(surface);
-    if (found.crowded_edges == 0) break;
+    if (found.non_manifold_edges == 0) break;
     std::vector<std::uint8_t> doomed(surface.mesh.triangles.size(), 0);
     for (std::uint32_t t = 0; t < doomed.size(); ++t) {
       const Patches::Patch& patch = found.patches[found.of[t]];
@@ -91,18 +91,18 @@ struct Spoke {
   bool ascends;  // along the edge, from its smaller vertex to its larger one
 };
 
-/// Pairs the sides of a crowded edge so that between two of a pair lies what is solid: seen along the edge
-/// and going round against the clock, solid begins at a side that descends and ends at one that ascends.
+/// Pairs the sides of a non-manifold edge so that between two of a pair lies what is solid: seen along the
+/// edge and going round against the clock, solid begins at a side that descends and ends at one that ascends.
 /// Where the sides do not agree on that, the narrower wedges are taken for solid. Sides of one patch come
 /// before all that.
-void pair_around(const WorkSurface& surface, const EdgeSide* first, const EdgeSide* last,
-                 DisjointSets& patches, Mates& mates) {
+void pair_around(const WorkSurface& surface, const HalfEdge* first, const HalfEdge* last,
+                 DisjointSets& patches, Opposites& opposite) {
   const auto low = static_cast<std::int32_t>(first->edge >> 32);
   const auto high = static_cast<std::int32_t>(first->edge & 0xffffffffU);
   const Vec3 axis = (surface.point(high) - surface.point(low)).normalized();
   Vec3 u = Vec3::Zero();
   std::vector<Spoke> spokes;
-  for (const EdgeSide* side = first; side != last; ++side) {
+  for (const HalfEdge* side = first; side != last; ++side) {
     const Vec3 out = surface.point_at(previous_corner(side->corner)) - surface.point(low);
     const Vec3 across = out - axis.dot(out) * axis;
     if (u.isZero()) u = across.normalized();
@@ -129,8 +129,8 @@ void pair_around(const WorkSurface& surface, const EdgeSide* first, const EdgeSi
   for (std::size_t i = offset; i < count + offset; i += 2) {
     const Corner a = spokes[i % count].corner;
     const Corner b = spokes[(i + 1) % count].corner;
-    mates[a] = b;
-    mates[b] = a;
+    opposite[a] = b;
+    opposite[b] = a;
   }
 }
 
@@ -213,22 +213,22 @@ void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, Disj
   fans.unite(next_corner(a), runs_along ? next_corner(b) : b);
 }
 
-Mates pair_sides(const WorkSurface& surface) {
-  Mates mates(surface.corners(), kNoMate);
+Opposites pair_half_edges(const WorkSurface& surface) {
+  Opposites opposite(surface.corners(), kNoOpposite);
   DisjointSets patches(surface.mesh.triangles.size());
-  std::vector<std::array<const EdgeSide*, 2>> crowded;
-  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
-  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+  std::vector<std::array<const HalfEdge*, 2>> non_manifold;
+  const std::vector<HalfEdge> sides = sorted_half_edges(surface.mesh.triangles);
+  for_each_edge(sides, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) {
-      mates[first[0].corner] = first[1].corner;
-      mates[first[1].corner] = first[0].corner;
+      opposite[first[0].corner] = first[1].corner;
+      opposite[first[1].corner] = first[0].corner;
       patches.unite(first[0].corner / 3, first[1].corner / 3);
     } else if ((last - first) % 2 == 0) {
-      crowded.push_back({first, last});
+      non_manifold.push_back({first, last});
     }
   });
-  for (const auto& [first, last] : crowded) pair_around(surface, first, last, patches, mates);
-  return mates;
+  for (const auto& [first, last] : non_manifold) pair_around(surface, first, last, patches, opposite);
+  return opposite;
 }
 
 std::size_t drop_collapsed(WorkSurface& surface) {
@@ -272,7 +272,7 @@ std::size_t drop_duplicates(WorkSurface& surface) {
 std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
   std::vector<std::uint8_t> at_boundary(surface.mesh.vertices.size(), 0);
   bool is_open = false;
-  for_each_edge(sorted_sides(surface.mesh.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
+  for_each_edge(sorted_half_edges(surface.mesh.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first != 1) return;
     at_boundary[first->edge >> 32] = at_boundary[first->edge & 0xffffffffU] = 1;
     is_open = true;
@@ -306,32 +306,32 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
   return joined;
 }
 
-Done drop_fins(WorkSurface& surface) {
+Done drop_dangling_faces(WorkSurface& surface) {
   constexpr double kMostOfArea = 0.05;
   const double most = kMostOfArea * surface.area();
   return drop_patches(surface, [&](const Patches::Patch& p) { return p.has_boundary && p.area <= most; });
 }
 
-Done drop_walls(WorkSurface& surface) {
+Done drop_internal_faces(WorkSurface& surface) {
   const auto was_doubled = [](std::uint8_t mark) { return (mark & kDoubled) != 0; };
   if (std::none_of(surface.marks.begin(), surface.marks.end(), was_doubled)) return {};
   return drop_patches(surface, [](const Patches::Patch& p) { return p.was_doubled; });
 }
 
-std::size_t split_fans(WorkSurface& surface, const Mates& mates) {
+std::size_t split_bow_tie_vertices(WorkSurface& surface, const Opposites& opposite) {
   DisjointSets fans(surface.corners());
-  for (Corner c = 0; c < mates.size(); ++c) {
-    if (mates[c] == kNoMate || mates[c] < c) continue;
-    unite_fans(surface.mesh.triangles, c, mates[c], fans);
+  for (Corner c = 0; c < opposite.size(); ++c) {
+    if (opposite[c] == kNoOpposite || opposite[c] < c) continue;
+    unite_fans(surface.mesh.triangles, c, opposite[c], fans);
   }
   const std::size_t before = surface.mesh.vertices.size();
-  std::vector<std::uint32_t> first_fan(before, kNoMate);
+  std::vector<std::uint32_t> first_fan(before, kNoOpposite);
   std::unordered_map<std::uint32_t, std::int32_t> vertex_of_fan;
-  for (Corner c = 0; c < mates.size(); ++c) {
+  for (Corner c = 0; c < opposite.size(); ++c) {
     const std::uint32_t fan = fans.find(c);
     std::int32_t& vertex = surface.mesh.triangles[c / 3][c % 3];
     const auto old = static_cast<std::size_t>(vertex);
-    if (first_fan[old] == kNoMate) first_fan[old] = fan;
+    if (first_fan[old] == kNoOpposite) first_fan[old] = fan;
     if (first_fan[old] == fan) continue;
     const auto [entry, is_new] =
         vertex_of_fan.try_emplace(fan, static_cast<std::int32_t>(surface.mesh.vertices.size()));
@@ -344,7 +344,7 @@ std::size_t split_fans(WorkSurface& surface, const Mates& mates) {
   return surface.mesh.vertices.size() - before;
 }
 
-std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates) {
+std::size_t split_non_manifold_edges(WorkSurface& surface, const Opposites& opposite) {
   std::size_t parted = 0;
   std::vector<std::uint8_t> is_cut(surface.mesh.triangles.size(), 0);
   const auto cut = [&](Corner corner, std::int32_t middle) {
@@ -354,41 +354,41 @@ std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates) {
     half[corner % 3] = middle;
     surface.add(half, surface.marks[corner / 3]);
   };
-  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
-  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+  const std::vector<HalfEdge> sides = sorted_half_edges(surface.mesh.triangles);
+  for_each_edge(sides, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first <= 2) return;
-    for (const EdgeSide* side = first; side != last; ++side) {
-      const Corner mate = mates[side->corner];
-      if (mate == kNoMate || mate < side->corner) continue;
-      if (is_cut[side->corner / 3] != 0 || is_cut[mate / 3] != 0) continue;
-      is_cut[side->corner / 3] = is_cut[mate / 3] = 1;
+    for (const HalfEdge* side = first; side != last; ++side) {
+      const Corner across = opposite[side->corner];
+      if (across == kNoOpposite || across < side->corner) continue;
+      if (is_cut[side->corner / 3] != 0 || is_cut[across / 3] != 0) continue;
+      is_cut[side->corner / 3] = is_cut[across / 3] = 1;
       const auto middle = static_cast<std::int32_t>(surface.mesh.vertices.size());
       const Vec3 point = 0.5 * (surface.point_at(side->corner) + surface.point_at(next_corner(side->corner)));
       surface.mesh.vertices.push_back(point);
       cut(side->corner, middle);
-      cut(mate, middle);
+      cut(across, middle);
       ++parted;
     }
   });
   return parted;
 }
 
-bool turn_alike(WorkSurface& surface, const Mates& mates) {
+bool orient_consistently(WorkSurface& surface, const Opposites& opposite) {
   const std::size_t count = surface.mesh.triangles.size();
   std::vector<std::uint8_t> seen(count, 0);
   std::vector<std::uint8_t> turned(count, 0);
-  std::vector<std::uint32_t> piece;
+  std::vector<std::uint32_t> component;
   for (std::uint32_t start = 0; start < count; ++start) {
     if (seen[start] != 0) continue;
-    piece.assign(1, start);
+    component.assign(1, start);
     seen[start] = 1;
     std::size_t turned_ones = 0;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      for (Corner c = 3 * piece[i]; c < 3 * piece[i] + 3; ++c) {
-        if (mates[c] == kNoMate) continue;
-        const std::uint32_t other = mates[c] / 3;
-        const bool runs_along = surface.vertex_at(mates[c]) == surface.vertex_at(c);
-        const auto wanted = static_cast<std::uint8_t>(turned[piece[i]] ^ (runs_along ? 1 : 0));
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      for (Corner c = 3 * component[i]; c < 3 * component[i] + 3; ++c) {
+        if (opposite[c] == kNoOpposite) continue;
+        const std::uint32_t other = opposite[c] / 3;
+        const bool runs_along = surface.vertex_at(opposite[c]) == surface.vertex_at(c);
+        const auto wanted = static_cast<std::uint8_t>(turned[component[i]] ^ (runs_along ? 1 : 0));
         if (seen[other] != 0) {
           if (turned[other] != wanted) return false;
           continue;
@@ -396,11 +396,11 @@ bool turn_alike(WorkSurface& surface, const Mates& mates) {
         seen[other] = 1;
         turned[other] = wanted;
         turned_ones += wanted;
-        piece.push_back(other);
+        component.push_back(other);
       }
     }
-    const std::uint8_t majority = 2 * turned_ones > piece.size() ? 1 : 0;
-    for (const std::uint32_t t : piece) turned[t] ^= majority;
+    const std::uint8_t majority = 2 * turned_ones > component.size() ? 1 : 0;
+    for (const std::uint32_t t : component) turned[t] ^= majority;
   }
   for (std::size_t t = 0; t < count; ++t) {
     if (turned[t] != 0) surface.turn(t);
@@ -408,14 +408,14 @@ bool turn_alike(WorkSurface& surface, const Mates& mates) {
   return true;
 }
 
-std::vector<std::uint32_t> pieces_of(const Mates& mates) {
-  DisjointSets sets(mates.size() / 3);
-  for (Corner c = 0; c < mates.size(); ++c) {
-    if (mates[c] != kNoMate && mates[c] > c) sets.unite(c / 3, mates[c] / 3);
+std::vector<std::uint32_t> components_of(const Opposites& opposite) {
+  DisjointSets sets(opposite.size() / 3);
+  for (Corner c = 0; c < opposite.size(); ++c) {
+    if (opposite[c] != kNoOpposite && opposite[c] > c) sets.unite(c / 3, opposite[c] / 3);
   }
-  std::vector<std::uint32_t> pieces(mates.size() / 3);
-  for (std::uint32_t t = 0; t < pieces.size(); ++t) pieces[t] = sets.find(t);
-  return pieces;
+  std::vector<std::uint32_t> components(opposite.size() / 3);
+  for (std::uint32_t t = 0; t < components.size(); ++t) components[t] = sets.find(t);
+  return components;
 }
 
 }  // namespace palpate::geometry

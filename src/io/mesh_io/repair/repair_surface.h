@@ -61,14 +61,14 @@ class DisjointSets final {
 /// Two triangles at an edge, each with its corner of it, are of one fan about either end.
 void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, DisjointSets& fans);
 
-inline constexpr Corner kNoMate = 0xffffffffU;
+inline constexpr Corner kNoOpposite = 0xffffffffU;
 
-/// For each corner the one across its edge, or kNoMate.
-using Mates = std::vector<Corner>;
+/// For each half-edge its opposite one, or kNoOpposite.
+using Opposites = std::vector<Corner>;
 
-/// Two sides of an edge are mates, and of more an even number two by two, so that what lies between two mates
-/// is solid. Edges of an odd number of sides have no mates.
-[[nodiscard]] Mates pair_sides(const WorkSurface& surface);
+/// Two half-edges of an edge are opposite; of a larger even number they are paired so that what lies between
+/// two is solid. Half-edges of an edge with a larger odd number have no opposite.
+[[nodiscard]] Opposites pair_half_edges(const WorkSurface& surface);
 
 /// How often something was done, and to how many triangles.
 struct Done {
@@ -82,20 +82,20 @@ std::size_t drop_collapsed(WorkSurface& surface);
 std::size_t drop_duplicates(WorkSurface& surface);
 /// Joins vertices at boundaries that lie within `tolerance` [m]. @return how many went
 std::size_t weld_boundaries(WorkSurface& surface, double tolerance);
-/// At edges of more than two triangles drops patches that end in a boundary (fins).
-Done drop_fins(WorkSurface& surface);
-/// At edges of more than two triangles drops patches that were there once each way round (walls between
-/// solids).
-Done drop_walls(WorkSurface& surface);
-/// Gives each fan of triangles about a vertex a vertex of its own. @return how many vertices came
-std::size_t split_fans(WorkSurface& surface, const Mates& mates);
-/// Where an edge is still of more than two triangles after that, cuts the triangles of each two mates in half
-/// at a middle of their own. @return how many middles came
-std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates);
-/// Turns triangles so that all of one piece agree, the fewer to the more. @return false for one-sided
+/// At edges of more than two triangles drops patches that end in a boundary.
+Done drop_dangling_faces(WorkSurface& surface);
+/// At edges of more than two triangles drops patches that were there once each way round: faces between two
+/// solids.
+Done drop_internal_faces(WorkSurface& surface);
+/// Gives each fan of triangles about a bow-tie vertex a vertex of its own. @return how many vertices came
+std::size_t split_bow_tie_vertices(WorkSurface& surface, const Opposites& opposite);
+/// Where an edge is still of more than two triangles after that, cuts the triangles of each pair of
+/// half-edges in half at a middle of their own. @return how many middles came
+std::size_t split_non_manifold_edges(WorkSurface& surface, const Opposites& opposite);
+/// Turns triangles so that all of one component agree, the fewer to the more. @return false for one-sided
 /// surfaces
-bool turn_alike(WorkSurface& surface, const Mates& mates);
-/// The piece of each triangle, by its smallest triangle.
-[[nodiscard]] std::vector<std::uint32_t> pieces_of(const Mates& mates);
+bool orient_consistently(WorkSurface& surface, const Opposites& opposite);
+/// The component of each triangle, by its smallest triangle.
+[[nodiscard]] std::vector<std::uint32_t> components_of(const Opposites& opposite);
 
 }  // namespace palpate::geometry
