@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstring>
 #include <filesystem>
@@ -193,26 +194,6 @@ ImportedMesh read_by_assimp(const MeshFile& file) {
   return SceneReader(file, *scene).run();
 }
 
-/// Calls visit(id, begin, end) for each chunk between two bytes of a 3DS file. A chunk that is longer than
-/// what is left of the one around it is refused: the importer would read it to its end, and only then give
-/// up.
-template <typename Visit>
-void each_3ds_chunk(const MeshFile& file, std::size_t begin, std::size_t end, const Visit& visit) {
-  constexpr std::size_t kHead = 6;
-  while (begin + kHead <= end) {
-    const std::size_t length = little_endian_32(file.bytes, begin + 2);
-    if (length < kHead || length > end - begin) {
-      throw InputError(fmt::format(
-          "{}, byte {}: a chunk declares {} bytes, must be 6 to {}, which are left of the one around it",
-          file.path.string(), begin, length, end - begin));
-    }
-    const auto low = static_cast<unsigned char>(file.bytes[begin]);
-    const auto high = static_cast<unsigned char>(file.bytes[begin + 1]);
-    visit(256U * high + low, begin + kHead, begin + length);
-    begin += length;
-  }
-}
-
 /// The importer believes how many keys a track declares.
 void check_3ds_track(const MeshFile& file, std::size_t begin, std::size_t end) {
   constexpr std::size_t kBeforeCount = 10;  // flags and what is not used
@@ -225,18 +206,33 @@ void check_3ds_track(const MeshFile& file, std::size_t begin, std::size_t end) {
   }
 }
 
-/// The tracks of every node of the key frames.
-void check_3ds_key_frames(const MeshFile& file, std::size_t begin, std::size_t end) {
-  constexpr unsigned kFirstNode = 0xB001;
-  constexpr unsigned kLastNode = 0xB007;
-  constexpr unsigned kFirstTrack = 0xB020;
-  constexpr unsigned kLastTrack = 0xB029;
-  each_3ds_chunk(file, begin, end, [&](unsigned node, std::size_t node_begin, std::size_t node_end) {
-    if (node < kFirstNode || node > kLastNode) return;
-    each_3ds_chunk(file, node_begin, node_end, [&](unsigned id, std::size_t from, std::size_t to) {
-      if (id >= kFirstTrack && id <= kLastTrack) check_3ds_track(file, from, to);
-    });
-  });
+/// Chunks within chunks, down to the tracks of key frames. A chunk that is longer than what is left of the
+/// one around it is refused: the importer would read it to its end, and only then give up.
+void check_3ds_chunks(const MeshFile& file, std::size_t begin, std::size_t end, std::size_t depth) {
+  constexpr std::size_t kHead = 6;
+  // The whole, its key frames, their nodes and the tracks of these: first and last number.
+  constexpr std::array<std::array<unsigned, 2>, 4> kChunks{
+      {{0x4D4D, 0x4D4D}, {0xB000, 0xB000}, {0xB001, 0xB007}, {0xB020, 0xB029}}};
+  constexpr unsigned kProject = 0xC23D;  // another number of the whole
+  while (begin + kHead <= end) {
+    const std::size_t length = little_endian_32(file.bytes, begin + 2);
+    if (length < kHead || length > end - begin) {
+      throw InputError(fmt::format(
+          "{}, byte {}: a chunk declares {} bytes, must be 6 to {}, which are left of the one around it",
+          file.path.string(), begin, length, end - begin));
+    }
+    const auto low = static_cast<unsigned char>(file.bytes[begin]);
+    const auto high = static_cast<unsigned char>(file.bytes[begin + 1]);
+    const unsigned id = 256U * high + low;
+    if ((id >= kChunks[depth][0] && id <= kChunks[depth][1]) || (depth == 0 && id == kProject)) {
+      if (depth + 1 < kChunks.size()) {
+        check_3ds_chunks(file, begin + kHead, begin + length, depth + 1);
+      } else {
+        check_3ds_track(file, begin + kHead, begin + length);
+      }
+    }
+    begin += length;
+  }
 }
 
 void check_3ds(const MeshFile& file) {
@@ -249,15 +245,7 @@ void check_3ds(const MeshFile& file) {
     throw InputError(
         fmt::format("{}: truncated: declares {} bytes, has {}", file.path.string(), declared, bytes.size()));
   }
-  constexpr unsigned kMain = 0x4D4D;
-  constexpr unsigned kProject = 0xC23D;
-  constexpr unsigned kKeyFrames = 0xB000;
-  each_3ds_chunk(file, 0, bytes.size(), [&](unsigned whole, std::size_t whole_begin, std::size_t whole_end) {
-    if (whole != kMain && whole != kProject) return;
-    each_3ds_chunk(file, whole_begin, whole_end, [&](unsigned id, std::size_t begin, std::size_t end) {
-      if (id == kKeyFrames) check_3ds_key_frames(file, begin, end);
-    });
-  });
+  check_3ds_chunks(file, 0, bytes.size(), 0);
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <initializer_list>
 #include <numeric>
+
+#include "io/mesh_io/repair/repair_surface.h"
 
 namespace palpate::geometry {
 namespace {
@@ -14,18 +16,6 @@ constexpr std::size_t kMostPairs = 1'000'000;
 constexpr std::size_t kLeaf = 4;  // triangles
 // Volumes below this share of what their lengths could make are rounding.
 constexpr double kRounding = 1e-12;
-
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
-  void add(const Box& other) {
-    low = low.cwiseMin(other.low);
-    high = high.cwiseMax(other.high);
-  }
-  [[nodiscard]] bool meets(const Box& other) const {
-    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
-  }
-};
 
 struct Node {
   Box box;
@@ -43,11 +33,7 @@ class Search final {
   explicit Search(const TriangleMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
     std::iota(order_.begin(), order_.end(), 0U);
     boxes_.reserve(mesh.triangles.size());
-    for (const Triangle& t : mesh.triangles) {
-      Box box;
-      for (const std::int32_t v : t) box.add({point(v), point(v)});
-      boxes_.push_back(box);
-    }
+    for (const Triangle& t : mesh.triangles) boxes_.push_back(box_of({t}));
     scale_ = 0.0;
     for (const Vec3& v : mesh.vertices) scale_ = std::max(scale_, v.cwiseAbs().maxCoeff());
   }
@@ -69,8 +55,7 @@ class Search final {
       Box centres;
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
         node.box.add(boxes_[order_[i]]);
-        const Vec3 middle = centre(order_[i]);
-        centres.add({middle, middle});
+        centres.add(centre(order_[i]));
       }
       if (node.end - node.begin > kLeaf) {
         int axis = 0;
@@ -131,9 +116,7 @@ class Search final {
   }
 
   [[nodiscard]] double rounding(const Triangle& s, const Triangle& t) const {
-    Box box;
-    for (const std::int32_t v : s) box.add({point(v), point(v)});
-    for (const std::int32_t v : t) box.add({point(v), point(v)});
+    const Box box = box_of({s, t});
     const double size = (box.high - box.low).maxCoeff();
     return kRounding * (size + 1e-3 * scale_) * size * size;
   }
@@ -175,6 +158,13 @@ class Search final {
     return false;
   }
 
+  [[nodiscard]] Box box_of(std::initializer_list<Triangle> triangles) const {
+    Box box;
+    for (const Triangle& triangle : triangles) {
+      for (const std::int32_t v : triangle) box.add(point(v));
+    }
+    return box;
+  }
   [[nodiscard]] const Vec3& point(std::int32_t v) const {
     return mesh_.vertices[static_cast<std::size_t>(v)];
   }

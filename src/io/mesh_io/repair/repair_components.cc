@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/core.h>
 
@@ -20,11 +19,7 @@ struct Component {
   double volume = 0.0;
   double area = 0.0;
   std::size_t triangles = 0;
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
-  [[nodiscard]] bool holds(const Component& other) const {
-    return (low.array() <= other.low.array()).all() && (other.high.array() <= high.array()).all();
-  }
+  Box box;
 };
 
 /// The components by their smallest triangle; what no component is named by stays empty.
@@ -37,10 +32,7 @@ std::vector<Component> measured(const WorkSurface& surface, const std::vector<st
     component.volume += (surface.point_at(3 * t) - origin).dot(doubled) / 6.0;
     component.area += 0.5 * doubled.norm();
     ++component.triangles;
-    for (const std::int32_t v : surface.mesh.triangles[t]) {
-      component.low = component.low.cwiseMin(surface.point(v));
-      component.high = component.high.cwiseMax(surface.point(v));
-    }
+    for (const std::int32_t v : surface.mesh.triangles[t]) component.box.add(surface.point(v));
   }
   return components;
 }
@@ -117,7 +109,8 @@ void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& componen
   for (std::uint32_t inner = 0; inner < components.size(); ++inner) {
     for (std::uint32_t outer = 0; outer < components.size() && components[inner].triangles > 0; ++outer) {
       if (outer == inner || components[outer].triangles == 0 || goes[inner] != 0) continue;
-      if (!components[outer].holds(components[inner]) || components[outer].volume <= components[inner].volume)
+      if (!components[outer].box.holds(components[inner].box) ||
+          components[outer].volume <= components[inner].volume)
         continue;
       if (is_inside(surface, component_of, outer, surface.point_at(3 * inner))) goes[inner] = 1;
     }

@@ -25,19 +25,17 @@ std::vector<Hole> holes_of(const WorkSurface& surface, const Opposites& opposite
   for (std::size_t start = 0; start < next.size(); ++start) {
     if (next[start] < 0) continue;
     Hole hole;
-    Vec3 low = Vec3::Constant(kInfinity);
-    Vec3 high = Vec3::Constant(-kInfinity);
+    Box box;
     for (auto v = static_cast<std::int32_t>(start); v >= 0;) {
       hole.loop.push_back(v);
-      low = low.cwiseMin(surface.point(v));
-      high = high.cwiseMax(surface.point(v));
+      box.add(surface.point(v));
       std::int32_t& after = next[static_cast<std::size_t>(v)];
       v = after;
       after = -1;
       if (v == static_cast<std::int32_t>(start)) break;
     }
-    hole.width = (high - low).norm();
-    hole.middle = 0.5 * (low + high);
+    hole.width = (box.high - box.low).norm();
+    hole.middle = 0.5 * (box.low + box.high);
     holes.push_back(std::move(hole));
   }
   return holes;

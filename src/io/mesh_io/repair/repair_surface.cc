@@ -14,45 +14,50 @@
 namespace palpate::geometry {
 namespace {
 
-/// Patches of triangles that hang together by edges of exactly two.
-struct Patches {
-  struct Patch {
-    double area = 0.0;
-    bool has_boundary = false;
-    bool meets_others = false;  // at an edge of more than two
-    bool was_doubled = true;    // all of it
-  };
-  std::vector<std::uint32_t> of;  // each triangle
-  std::vector<Patch> patches;     // by their smallest triangle; the others empty
-  std::size_t non_manifold_edges = 0;
-  std::uint32_t largest = 0;
+/// Triangles that hang together by edges of exactly two.
+struct Patch {
+  double area = 0.0;
+  bool has_boundary = false;
+  bool meets_others = false;  // at an edge of more than two
+  bool was_doubled = true;    // all of it
 };
 
-Patches patches_of(const WorkSurface& surface) {
+/// One round of drop_patches(). @return what went
+template <typename IsDoomed>
+Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   const std::size_t count = surface.mesh.triangles.size();
-  Patches found{std::vector<std::uint32_t>(count), std::vector<Patches::Patch>(count), 0, 0};
   DisjointSets sets(count);
-  const std::vector<HalfEdge> sides = sorted_half_edges(surface.mesh.triangles);
-  for_each_edge(sides, [&](const HalfEdge* first, const HalfEdge* last) {
+  const std::vector<HalfEdge> half_edges = sorted_half_edges(surface.mesh.triangles);
+  for_each_edge(half_edges, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) sets.unite(first[0].corner / 3, first[1].corner / 3);
   });
+  std::vector<Patch> patches(count);  // by their smallest triangle; the others empty
   for (std::uint32_t t = 0; t < count; ++t) {
-    found.of[t] = sets.find(t);
-    Patches::Patch& patch = found.patches[found.of[t]];
+    Patch& patch = patches[sets.find(t)];
     patch.area += surface.area(t);
     if ((surface.marks[t] & kDoubled) == 0) patch.was_doubled = false;
   }
-  for_each_edge(sides, [&](const HalfEdge* first, const HalfEdge* last) {
-    if (last - first == 1) found.patches[found.of[first->corner / 3]].has_boundary = true;
-    if (last - first <= 2) return;
-    ++found.non_manifold_edges;
-    for (const HalfEdge* side = first; side != last; ++side)
-      found.patches[found.of[side->corner / 3]].meets_others = true;
+  for_each_edge(half_edges, [&](const HalfEdge* first, const HalfEdge* last) {
+    if (last - first == 2) return;
+    for (const HalfEdge* side = first; side != last; ++side) {
+      Patch& patch = patches[sets.find(side->corner / 3)];
+      (last - first == 1 ? patch.has_boundary : patch.meets_others) = true;
+    }
   });
+  const auto largest = static_cast<std::uint32_t>(
+      std::max_element(patches.begin(), patches.end(),
+                       [](const Patch& a, const Patch& b) { return a.area < b.area; }) -
+      patches.begin());
+  Done done;
+  std::vector<std::uint8_t> doomed(count, 0);
   for (std::uint32_t t = 0; t < count; ++t) {
-    if (found.patches[t].area > found.patches[found.largest].area) found.largest = t;
+    const std::uint32_t own = sets.find(t);
+    if (own == largest || !patches[own].meets_others || !is_doomed(patches[own])) continue;
+    doomed[t] = 1;
+    if (own == t) ++done.times;
   }
-  return found;
+  done.triangles = surface.drop(doomed);
+  return done;
 }
 
 /// Drops patches at edges of more than two triangles, as long as that changes something.
@@ -61,18 +66,10 @@ Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
   constexpr int kMostRounds = 8;  // what goes may uncover the next
   Done done;
   for (int round = 0; round < kMostRounds; ++round) {
-    const Patches found = patches_of(surface);
-    if (found.non_manifold_edges == 0) break;
-    std::vector<std::uint8_t> doomed(surface.mesh.triangles.size(), 0);
-    for (std::uint32_t t = 0; t < doomed.size(); ++t) {
-      const Patches::Patch& patch = found.patches[found.of[t]];
-      if (!patch.meets_others || found.of[t] == found.largest || !is_doomed(patch)) continue;
-      doomed[t] = 1;
-      if (found.of[t] == t) ++done.times;
-    }
-    const std::size_t dropped = surface.drop(doomed);
-    if (dropped == 0) break;
-    done.triangles += dropped;
+    const Done once = drop_patches_once(surface, is_doomed);
+    if (once.triangles == 0) break;
+    done.times += once.times;
+    done.triangles += once.triangles;
   }
   return done;
 }
@@ -309,13 +306,13 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
 Done drop_dangling_faces(WorkSurface& surface) {
   constexpr double kMostOfArea = 0.05;
   const double most = kMostOfArea * surface.area();
-  return drop_patches(surface, [&](const Patches::Patch& p) { return p.has_boundary && p.area <= most; });
+  return drop_patches(surface, [&](const Patch& p) { return p.has_boundary && p.area <= most; });
 }
 
 Done drop_internal_faces(WorkSurface& surface) {
   const auto was_doubled = [](std::uint8_t mark) { return (mark & kDoubled) != 0; };
   if (std::none_of(surface.marks.begin(), surface.marks.end(), was_doubled)) return {};
-  return drop_patches(surface, [](const Patches::Patch& p) { return p.was_doubled; });
+  return drop_patches(surface, [](const Patch& p) { return p.was_doubled; });
 }
 
 std::size_t split_bow_tie_vertices(WorkSurface& surface, const Opposites& opposite) {

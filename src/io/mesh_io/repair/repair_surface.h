@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/infinity.h"
 #include "core/geometry/half_edges.h"
 #include "palpate/mesh.h"
 
@@ -46,6 +47,23 @@ void drop_unused_vertices(TriangleMesh& mesh);
 /// Half the solid angle at which a triangle is seen from the origin, positive from behind its outside. [van
 /// Oosterom and Strackee 1983]
 [[nodiscard]] double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Axis-aligned box of what was added; empty at first.
+struct Box {
+  Vec3 low = Vec3::Constant(kInfinity);
+  Vec3 high = Vec3::Constant(-kInfinity);
+  void add(const Vec3& point) { add(Box{point, point}); }
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  [[nodiscard]] bool meets(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+  [[nodiscard]] bool holds(const Box& other) const {
+    return (low.array() <= other.low.array()).all() && (other.high.array() <= high.array()).all();
+  }
+};
 
 /// Groups of triangles that hang together in some way; the smallest member names the group.
 class DisjointSets final {
