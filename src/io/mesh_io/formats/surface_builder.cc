@@ -13,6 +13,7 @@
 namespace palpate::geometry {
 namespace {
 
+constexpr std::size_t kMostFaces = 20'000'000;     // of solid cells, 0.8 GB
 constexpr std::size_t kMostCorners = 512;          // of a polygon
 constexpr std::uint64_t kMostSteps = 120'000'000;  // to cut all polygons, about 4 s
 
@@ -77,11 +78,6 @@ const CellKind* kind_of(std::int64_t number, int CellKind::*numbered) {
 const CellKind* vtk_kind(std::int64_t number) { return kind_of(number, &CellKind::vtk); }
 const CellKind* gmsh_kind(std::int64_t number) { return kind_of(number, &CellKind::gmsh); }
 
-void SurfaceBuilder::count_triangles(std::size_t more) {
-  triangles_ += more;
-  if (triangles_ > kMostTriangles) scan_.refuse_item(fmt::format("more than {} triangles", kMostTriangles));
-}
-
 void SurfaceBuilder::add_polygon(std::span<const std::int32_t> corners) {
   const std::size_t count = corners.size();
   if (count < 3) {
@@ -100,7 +96,8 @@ void SurfaceBuilder::add_polygon(std::span<const std::int32_t> corners) {
     scan_.refuse_item(fmt::format(
         "too many polygons as large as this one of {} corners: cut them into triangles first", count));
   }
-  count_triangles(count - 2);
+  triangles_ += count - 2;
+  if (triangles_ > kMostTriangles) scan_.refuse_item(fmt::format("more than {} triangles", kMostTriangles));
   corners_.insert(corners_.end(), corners.begin(), corners.end());
   starts_.push_back(corners_.size());
 }
@@ -129,7 +126,6 @@ void SurfaceBuilder::add_cell(const CellKind& kind, std::span<const std::int32_t
 /// A cell whose nodes are listed the other way round has a negative volume: then its faces are turned.
 void SurfaceBuilder::add_solid(Shape shape, std::span<const std::int32_t> corners) {
   const std::span<const Face> faces = faces_of(shape);
-  count_triangles(2 * faces.size());
   ++solids_;
   const auto point = [&](int corner) -> const Vec3& {
     return vertices[static_cast<std::size_t>(corners[static_cast<std::size_t>(corner)])];
@@ -142,11 +138,18 @@ void SurfaceBuilder::add_solid(Shape shape, std::span<const std::int32_t> corner
   }
   for (const Face& face : faces) {
     Quad quad{-1, -1, -1, -1};
-    const std::size_t count = face[3] < 0 ? 3 : 4;
-    for (std::size_t k = 0; k < count; ++k) quad[k] = corners[static_cast<std::size_t>(face[k])];
-    if (volume < 0.0) std::reverse(quad.begin(), quad.begin() + static_cast<std::ptrdiff_t>(count));
+    auto end = quad.begin();  // a cell that names a node twice has faces with fewer corners
+    for (const int corner : face) {
+      if (corner < 0) break;
+      const std::int32_t vertex = corners[static_cast<std::size_t>(corner)];
+      if (std::find(quad.begin(), end, vertex) == end) *end++ = vertex;
+    }
+    if (end - quad.begin() < 3) continue;
+    if (volume < 0.0) std::reverse(quad.begin(), end);
     faces_.push_back(quad);
   }
+  if (faces_.size() > kMostFaces)
+    scan_.refuse_item(fmt::format("more than {} faces of solid cells", kMostFaces));
 }
 
 /// Replaces the polygons by the faces that belong to one solid cell alone, in the order of the file.

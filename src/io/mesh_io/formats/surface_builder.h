@@ -62,7 +62,6 @@ class SurfaceBuilder final {
 
   void add_solid(Shape shape, std::span<const std::int32_t> corners);
   void take_outer_faces();
-  void count_triangles(std::size_t more);
   void say(std::size_t count, std::string_view done, std::string_view one, std::string_view more,
            std::string_view then);
 
@@ -71,7 +70,7 @@ class SurfaceBuilder final {
   std::vector<std::int32_t> corners_;   // of all polygons
   std::vector<std::size_t> starts_{0};  // polygon n has the corners from starts_[n] to starts_[n + 1]
   std::vector<Quad> faces_;             // of solid cells
-  std::size_t triangles_ = 0;           // of polygons and faces
+  std::size_t triangles_ = 0;           // of all polygons
   std::uint64_t steps_ = 0;             // to cut all polygons
   std::size_t lines_ = 0;
   std::size_t strips_ = 0;

@@ -50,6 +50,12 @@ inline std::vector<Solid> solids() {
       {"a hexahedron upside down", box_points(), {{12, 5, {4, 5, 6, 7, 0, 1, 2, 3}}}, 12, 24.0},
       {"a voxel", box_points(), {{11, 0, {0, 1, 3, 2, 4, 5, 7, 6}}}, 12, 24.0},
       {"a wedge", box_points(), {{13, 6, {0, 1, 3, 4, 5, 7}}}, 8, 12.0},
+      {"a hexahedron that is a wedge", box_points(), {{12, 5, {0, 1, 2, 2, 4, 5, 6, 6}}}, 8, 12.0},
+      {"a wedge beside a hexahedron that is a wedge",
+       box_points(),
+       {{12, 5, {0, 1, 2, 2, 4, 5, 6, 6}}, {13, 6, {0, 2, 3, 4, 6, 7}}},
+       12,
+       24.0},
       {"a pyramid", box_points(), {{14, 7, {4, 5, 6, 7, 8}}}, 6, 4.0},
       {"a hexahedron with a pyramid upon it", box_points(), {hexahedron, {14, 7, {5, 6, 7, 4, 8}}}, 14, 28.0},
       {"a tetrahedron of second order", curved, {{24, 11, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}}, 4, 1.0 / 6.0}};
