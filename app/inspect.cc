@@ -159,13 +159,16 @@ void add_inspect(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<InspectOptions>();
   command
       ->add_option("mesh", options->mesh,
-                   "a file (.stl .obj .ply .off .3ds .gltf .glb .vtk) or a built-in organ (gallbladder, "
-                   "heart, liver, kidney, each also -30k and -300k; ball, box)")
+                   "a file (" + joined(geometry::mesh_file_endings(), " ") +
+                       ") or a built-in organ (gallbladder, heart, liver, kidney, each also -30k and -300k; "
+                       "ball, box)")
       ->required();
   command->add_option("--unit", options->unit,
                       "unit of the file's numbers: mm, cm, m or in; without it mm is taken");
   command->add_flag("--json", options->as_json, "one JSON document");
-  command->footer("Example: palpate inspect liver.stl --unit mm --json");
+  command->footer(
+      "Examples: palpate inspect liver.stl --unit mm --json\n"
+      "          palpate inspect liver-tetrahedra.msh --unit mm");
   command->callback([options, &exit_code] {
     const Inspected inspected = inspect(*options);
     if (is_path(options->mesh) && options->unit.empty()) {

@@ -253,6 +253,51 @@ std::string binary_vtk(const Shape& shape) {
   return bytes;
 }
 
+// A hexahedron with a tetrahedron upon it, whose faces do not meet.
+const std::vector<std::array<float, 3>> kSolidNodes{{0, 0, 0},    {20, 0, 0},  {20, 20, 0},
+                                                    {0, 20, 0},   {0, 0, 20},  {20, 0, 20},
+                                                    {20, 20, 20}, {0, 20, 20}, {10, 10, 40}};
+const std::vector<Face> kSolidCells{{0, 1, 2, 3, 4, 5, 6, 7}, {4, 5, 6, 8}};
+
+std::string solid_vtk() {
+  std::string text = "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 float\n" +
+                     vertex_lines({"", kSolidNodes, {}});
+  text += "CELLS 2 14\n" + face_lines({"", {}, kSolidCells});
+  return text + "CELL_TYPES 2\n12 10\n";
+}
+
+std::string text_msh() {
+  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n9\n";
+  for (std::size_t n = 0; n < kSolidNodes.size(); ++n)
+    text += std::to_string(n) + ' ' + numbers(kSolidNodes[n]) + '\n';
+  text += "$EndNodes\n$Elements\n2\n";
+  for (std::size_t c = 0; c < kSolidCells.size(); ++c) {
+    text += std::to_string(c + 1) + (c == 0 ? " 5 2 1 1" : " 4 2 1 1");
+    for (const int node : kSolidCells[c]) text += ' ' + std::to_string(node);
+    text += '\n';
+  }
+  return text + "$EndElements\n";
+}
+
+/// Version 4.1 has blocks of nodes and elements, with counts and tags of eight bytes.
+std::string binary_msh() {
+  const auto wide = [](std::size_t value) { return little_endian(std::uint64_t{value}); };
+  const std::size_t nodes = kSolidNodes.size();
+  std::string bytes = "$MeshFormat\n4.1 1 8\n" + little_endian(1) + "\n$EndMeshFormat\n$Nodes\n" + wide(1) +
+                      wide(nodes) + wide(0) + wide(nodes - 1) + little_endian(3) + little_endian(1) +
+                      little_endian(0) + wide(nodes);
+  for (std::size_t n = 0; n < nodes; ++n) bytes += wide(n);
+  for (const auto& vertex : kSolidNodes) {
+    for (const float x : vertex) bytes += little_endian(static_cast<double>(x));
+  }
+  bytes += "\n$EndNodes\n$Elements\n" + wide(2) + wide(2) + wide(1) + wide(2);
+  for (std::size_t c = 0; c < kSolidCells.size(); ++c) {
+    bytes += little_endian(3) + little_endian(1) + little_endian(c == 0 ? 5 : 4) + wide(1) + wide(c + 1);
+    for (const int node : kSolidCells[c]) bytes += wide(static_cast<std::size_t>(node));
+  }
+  return bytes + "\n$EndElements\n";
+}
+
 class Seeds final {
  public:
   explicit Seeds(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -288,6 +333,9 @@ void add_meshes(const Seeds& seeds) {
     seeds.add("mesh_vtk", shape.name + "_text", text_vtk(shape));
     seeds.add("mesh_vtk", shape.name, binary_vtk(shape));
   }
+  seeds.add("mesh_vtk", "solid", solid_vtk());
+  seeds.add("mesh_msh", "solid_text", text_msh());
+  seeds.add("mesh_msh", "solid", binary_msh());
 }
 
 constexpr const char* kScene = R"([scene]

@@ -33,6 +33,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& readers() {
       {"h5", {"run", "--offline", "--device", "replay:FILE"}},
       {"stl", {"run", "--offline", "--organ", "FILE", "--organ-unit", "mm"}},
       {"vtk", {"run", "--offline", "--organ", "FILE", "--organ-unit", "mm"}},
+      {"msh", {"run", "--offline", "--organ", "FILE", "--organ-unit", "mm"}},
       {"obj", {"run", "--offline", "--tool", "FILE", "--tool-unit", "mm"}},
       {"stl", {"inspect", "FILE", "--unit", "mm"}},
       {"toml", {"model", "--tissue", "FILE", "--depth-mm", "1"}},

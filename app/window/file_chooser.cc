@@ -12,6 +12,7 @@
 
 #include "io/system/input_file.h"
 #include "palpate/error.h"
+#include "palpate/read_mesh.h"
 
 #include "app/window/look.h"
 
@@ -21,8 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTitle = "Choose a file";
-constexpr std::array<std::string_view, 8> kMeshEndings = {".stl", ".obj",  ".ply", ".off",
-                                                          ".3ds", ".gltf", ".glb", ".vtk"};
 
 std::string ending_of(const fs::path& file) {
   std::string ending = file.extension().string();
@@ -30,17 +29,12 @@ std::string ending_of(const fs::path& file) {
   return ending;
 }
 
-bool is_mesh(const fs::path& file) {
-  const std::string ending = ending_of(file);
-  return std::find(kMeshEndings.begin(), kMeshEndings.end(), ending) != kMeshEndings.end();
-}
-
 bool wants_mesh(FileUse use) {
   return use == FileUse::kOrgan || use == FileUse::kTool || use == FileUse::kFurtherJaw;
 }
 
 bool fits(FileUse use, const fs::path& file) {
-  if (wants_mesh(use)) return is_mesh(file);
+  if (wants_mesh(use)) return geometry::is_mesh_file(file);
   if (use == FileUse::kRecording) return ending_of(file) == ".h5";
   return ending_of(file) == (use == FileUse::kToolPath ? ".csv" : ".toml");
 }
@@ -48,7 +42,7 @@ bool fits(FileUse use, const fs::path& file) {
 const char* what_for(FileUse use) {
   switch (use) {
     case FileUse::kOrgan:
-      return "Organ: a mesh (STL, OBJ, PLY, OFF, 3DS, glTF, VTK)";
+      return "Organ: a mesh, or a solid mesh of a simulation (VTK, Gmsh)";
     case FileUse::kTool:
       return "Tool: a mesh in the handle's frame";
     case FileUse::kFurtherJaw:
@@ -70,7 +64,7 @@ const char* what_for(FileUse use) {
 }  // namespace
 
 std::optional<FileUse> use_of_file(const fs::path& file) {
-  if (is_mesh(file)) return FileUse::kOrgan;
+  if (geometry::is_mesh_file(file)) return FileUse::kOrgan;
   const std::string ending = ending_of(file);
   if (ending == ".csv") return FileUse::kToolPath;
   if (ending == ".h5") return FileUse::kRecording;

@@ -27,10 +27,16 @@ struct LoadedMesh {
   MeshFindings findings;
 };
 
-/// [setup] Reads a triangle mesh (STL, OBJ, PLY, OFF, 3DS, glTF, legacy VTK, told by the file's ending),
-/// merges duplicate vertices, drops unreferenced ones and says so. Node transforms are applied, an importer's
-/// axis change undone. Vertices at exactly equal places are one; the triangles' order and turning stay.
-/// Coordinates are kept as 32-bit floats, of VTK as they are. Not to be called from two threads at once.
+/// [setup] Endings of the mesh files that read_mesh() reads: ".stl", ".obj", ...
+[[nodiscard]] std::vector<std::string> mesh_file_endings();
+/// [setup] Whether a path has one of these endings, in small or capital letters.
+[[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
+
+/// [setup] Reads a triangle mesh, or the outer surface of a solid mesh (legacy VTK, Gmsh), told by the file's
+/// ending; merges duplicate vertices, drops unreferenced ones and says so. Node transforms are applied, an
+/// importer's axis change undone. Vertices at exactly equal places are one; the triangles' order and turning
+/// stay. Coordinates of STL, OBJ and OFF are 32-bit floats, others as the file has them. Not to be called
+/// from two threads at once.
 /// @param unit of the file's numbers; never guessed: none is an error
 /// @throws InputError naming the file and what is wrong: missing, unknown ending, empty, truncated, NaN,
 /// index out of range, no triangles, ...

@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "palpate/pose.h"
@@ -9,6 +11,16 @@ namespace palpate::geometry {
 
 /// A cube of a regular grid, by its whole numbers along x, y and z.
 using Cell = std::array<std::int64_t, 3>;
+
+/// [any] Hash of three numbers of 64 bits.
+struct ThreeWordsHash {
+  template <typename T>
+  std::size_t operator()(const std::array<T, 3>& words) const noexcept {
+    std::uint64_t hash = 0;
+    for (const T word : words) hash = (hash ^ std::bit_cast<std::uint64_t>(word)) * 0x9e3779b97f4a7c15ULL;
+    return static_cast<std::size_t>(hash ^ (hash >> 31));
+  }
+};
 
 /// [any] The cell that `p` lies in when cells are `width` (> 0) wide. A place more than 2^62 cells away, as a
 /// file's largest numbers are, lies in the outermost one: every cell has neighbours that can be named.

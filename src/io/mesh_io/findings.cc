@@ -1,10 +1,11 @@
 #include <algorithm>
-#include <cmath>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/core.h>
 
+#include "core/base/index.h"
+#include "core/base/text.h"
 #include "io/mesh_io/repair/repair_slivers.h"
 #include "io/mesh_io/repair/repair_surface.h"
 #include "palpate/read_mesh.h"
@@ -15,14 +16,6 @@ namespace {
 // With more shells than this their nesting is not looked into, only their turning.
 constexpr std::size_t kMostShellsNested = 100;
 
-struct Counts {
-  std::size_t boundary_edges = 0;
-  std::size_t crowded_edges = 0;  // of more than two triangles
-  std::size_t turned_edges = 0;   // whose two triangles run the same way
-  std::size_t fan_vertices = 0;
-  std::size_t flat_triangles = 0;
-};
-
 class Analysis final {
  public:
   explicit Analysis(const TriangleMesh& mesh)
@@ -30,69 +23,54 @@ class Analysis final {
 
   MeshFindings run() {
     walk_edges();
-    count_fans();
-    count_flat();
-    findings_.closed = !mesh_.triangles.empty() && counts_.boundary_edges == 0;
-    findings_.manifold = !mesh_.triangles.empty() && counts_.crowded_edges == 0 && counts_.fan_vertices == 0;
+    const std::size_t touching = touching_vertices();
+    findings_.closed = !mesh_.triangles.empty() && boundary_edges_ == 0;
+    findings_.manifold = !mesh_.triangles.empty() && non_manifold_edges_ == 0 && touching == 0;
     findings_.volume = signed_volume(mesh_);
-    say(counts_.boundary_edges, "boundary edge");
-    say(counts_.crowded_edges, "edge", " of more than two triangles");
-    say(counts_.turned_edges, "edge", " whose two triangles are turned against each other");
-    say(counts_.fan_vertices, "vertex", " where separate surfaces touch");
-    if (counts_.flat_triangles > 0) {
-      findings_.remarks.push_back(fmt::format("{}{} without area", counts_.flat_triangles,
-                                              counts_.flat_triangles == 1 ? " triangle" : " triangles"));
+    say(boundary_edges_, "boundary edge", "boundary edges");
+    say(non_manifold_edges_, "edge", "edges", " of more than two triangles");
+    say(turned_edges_, "edge", "edges", " whose two triangles are turned against each other");
+    say(touching, "vertex", "vertices", " where separate surfaces touch");
+    if (const std::size_t flat = count_flat(mesh_); flat > 0) {
+      findings_.remarks.push_back(counted(flat, "triangle", "triangles") + " without area");
     }
     list_shells();
-    if (findings_.closed && findings_.manifold && counts_.turned_edges == 0) judge_shells();
+    if (findings_.closed && findings_.manifold && turned_edges_ == 0) judge_shells();
     return std::move(findings_);
   }
 
  private:
-  void say(std::size_t count, const std::string& what, const std::string& more = "") {
-    if (count == 0) return;
-    const std::string plural = what == "vertex" ? "vertices" : what + "s";
-    findings_.defects.push_back(fmt::format("{} {}{}", count, count == 1 ? what : plural, more));
+  void say(std::size_t count, std::string_view one, std::string_view more, std::string_view then = "") {
+    if (count > 0) findings_.defects.push_back(fmt::format("{}{}", counted(count, one, more), then));
   }
 
   void walk_edges() {
-    for_each_edge(sorted_sides(mesh_.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
+    for_each_edge(sorted_half_edges(mesh_.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
       const Corner corner = first->corner;
-      if (first->edge >> 32 ==
-          (first->edge & 0xffffffffU)) {  // the other two edges of such a triangle are one
-        for (const EdgeSide* side = first; side != last; ++side)
+      if (first->edge >> 32 == (first->edge & 0xffffffffU)) {  // the other two edges are one
+        for (const HalfEdge* side = first; side != last; ++side)
           fans_.unite(side->corner, next_corner(side->corner));
         return;
       }
       const auto triangles = last - first;
-      counts_.boundary_edges += triangles == 1 ? 1 : 0;
-      counts_.crowded_edges += triangles > 2 ? 1 : 0;
-      if (triangles == 2 && vertex_at(corner) == vertex_at(first[1].corner)) ++counts_.turned_edges;
-      for (const EdgeSide* side = first + 1; side != last; ++side) join(corner, side->corner);
+      boundary_edges_ += triangles == 1 ? 1 : 0;
+      non_manifold_edges_ += triangles > 2 ? 1 : 0;
+      if (triangles == 2 && vertex_at(corner) == vertex_at(first[1].corner)) ++turned_edges_;
+      for (const HalfEdge* side = first + 1; side != last; ++side) {
+        shells_.unite(corner / 3, side->corner / 3);
+        unite_fans(mesh_.triangles, corner, side->corner, fans_);
+      }
     });
   }
 
-  /// Two triangles at one edge are of one shell, and of one fan about each end.
-  void join(Corner a, Corner b) {
-    shells_.unite(a / 3, b / 3);
-    const bool runs_along = vertex_at(a) == vertex_at(b);
-    fans_.unite(a, runs_along ? b : next_corner(b));
-    fans_.unite(next_corner(a), runs_along ? next_corner(b) : b);
-  }
-
-  void count_fans() {
+  /// Vertices with more than one fan of triangles about them.
+  std::size_t touching_vertices() {
     std::vector<std::size_t> fans_at(mesh_.vertices.size(), 0);
     for (Corner corner = 0; corner < 3 * mesh_.triangles.size(); ++corner) {
-      if (fans_.find(corner) == corner) ++fans_at[static_cast<std::size_t>(vertex_at(corner))];
+      if (fans_.find(corner) == corner) ++fans_at[at(vertex_at(corner))];
     }
-    counts_.fan_vertices = static_cast<std::size_t>(
+    return static_cast<std::size_t>(
         std::count_if(fans_at.begin(), fans_at.end(), [](std::size_t fans) { return fans > 1; }));
-  }
-
-  void count_flat() {
-    counts_.flat_triangles = static_cast<std::size_t>(
-        std::count_if(mesh_.triangles.begin(), mesh_.triangles.end(),
-                      [&](const Triangle& triangle) { return is_flat(mesh_, triangle); }));
   }
 
   void list_shells() {
@@ -124,25 +102,17 @@ class Analysis final {
       turned += is_inward && !is_inside ? 1 : 0;
       nested += !is_inward && is_inside ? 1 : 0;
     }
-    say(turned, "shell", " turned inwards");
-    say(nested, "shell", " inside another and not a cavity");
+    say(turned, "shell", "shells", " turned inwards");
+    say(nested, "shell", "shells", " inside another and not a cavity");
   }
 
-  /// Winding number of all other shells about the first vertex of this one [van Oosterom and Strackee 1983].
+  /// Winding number of all other shells about the first vertex of this one.
   [[nodiscard]] double winding_of_others(std::size_t root) const {
     const Vec3 p = point(3 * root);
     double half_angles = 0.0;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       if (shell_of_[t] == root) continue;
-      const Vec3 a = point(3 * t) - p;
-      const Vec3 b = point(3 * t + 1) - p;
-      const Vec3 c = point(3 * t + 2) - p;
-      const double la = a.norm();
-      const double lb = b.norm();
-      const double lc = c.norm();
-      // not in a tick
-      half_angles +=
-          std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+      half_angles += half_solid_angle(point(3 * t) - p, point(3 * t + 1) - p, point(3 * t + 2) - p);
     }
     constexpr double kTwoPi = 6.283185307179586;
     return half_angles / kTwoPi;
@@ -151,16 +121,16 @@ class Analysis final {
   [[nodiscard]] std::int32_t vertex_at(std::size_t corner) const {
     return mesh_.triangles[corner / 3][corner % 3];
   }
-  [[nodiscard]] const Vec3& point(std::size_t corner) const {
-    return mesh_.vertices[static_cast<std::size_t>(vertex_at(corner))];
-  }
+  [[nodiscard]] const Vec3& point(std::size_t corner) const { return mesh_.vertices[at(vertex_at(corner))]; }
 
   const TriangleMesh& mesh_;
   DisjointSets shells_;
   DisjointSets fans_;  // of triangle corners
   std::vector<std::uint32_t> shell_of_;
   std::vector<std::uint32_t> shell_roots_;
-  Counts counts_;
+  std::size_t boundary_edges_ = 0;
+  std::size_t non_manifold_edges_ = 0;  // of more than two triangles
+  std::size_t turned_edges_ = 0;        // whose two triangles run the same way
   MeshFindings findings_;
 };
 

@@ -1,12 +1,21 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <string>
+#include <vector>
 
-// What is checked in a mesh file before any importer sees it, for read_mesh.cc.
+#include "palpate/mesh.h"
+
+// A mesh file and its reader, for read_mesh.cc and formats/.
 namespace palpate::geometry {
 
-enum class MeshFormat { kStl, kObj, kPly, kOff, k3ds, kGltf, kGlb, kVtk };
+inline constexpr std::size_t kMostTriangles = 20'000'000;
+/// What a mesh file can hold, and squares of it can be summed.
+inline constexpr double kLargestCoordinate = std::numeric_limits<float>::max();
+
+enum class MeshFormat { kStl, kObj, kPly, kOff, k3ds, kGltf, kGlb, kVtk, kMsh };
 
 struct MeshFile {
   std::filesystem::path path;
@@ -14,20 +23,21 @@ struct MeshFile {
   std::string bytes;
 };
 
-/// What was seen while checking.
-struct FileFacts {
-  bool has_vertex_list = false;  // the format has one: OBJ, PLY, OFF
-  std::size_t vertices = 0;
-  std::size_t distinct_vertices = 0;
-  std::string cleaned;    // OBJ, PLY, OFF: vertices and faces alone, as OBJ, for the importer
-  std::size_t lines = 0;  // OBJ: lines, points and curves that `cleaned` leaves out
+/// What a file holds: vertices in the file's unit and axes, node transforms applied.
+struct ImportedMesh {
+  TriangleMesh mesh;
+  std::vector<std::string> repairs;  // polygons cut up, lines and points dropped, mirrored parts turned
 };
+
+/// [any] By the path's ending; none for one that no reader has.
+[[nodiscard]] std::optional<MeshFormat> mesh_format(const std::filesystem::path& path);
 
 /// [setup] Opens and reads the file. @throws InputError: missing, no file, unknown ending, empty, too large.
 [[nodiscard]] MeshFile open_mesh_file(const std::filesystem::path& path);
 
-/// [setup] Checks what an importer would trust: declared counts against the file's size, every number finite,
-/// every vertex index in range. @throws InputError naming the file and the line or element.
-FileFacts check_mesh_file(const MeshFile& file);
+/// [setup] The mesh by its format's reader, which bounds declared counts by the file's size and checks every
+/// coordinate and vertex index. Not to be called from two threads at once (assimp has one log for all).
+/// @throws InputError naming the file, the line, byte or element, the value and what would be right.
+[[nodiscard]] ImportedMesh import_mesh(const MeshFile& file);
 
 }  // namespace palpate::geometry

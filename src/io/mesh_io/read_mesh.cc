@@ -1,19 +1,18 @@
 #include "palpate/read_mesh.h"
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <unordered_map>
 #include <utility>
 
 #include <fmt/core.h>
 
+#include "core/base/index.h"
 #include "core/base/text.h"
-#include "io/mesh_io/import_mesh.h"
+#include "core/geometry/cell.h"
 #include "io/mesh_io/mesh_file.h"
-#include "io/mesh_io/vtk_file.h"
+#include "io/mesh_io/repair/repair_surface.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -21,16 +20,6 @@ namespace {
 
 constexpr double kSmallestOrgan = 5e-3;  // m
 constexpr double kLargestOrgan = 2.0;    // m
-// What a mesh file can hold, and squares of it can be summed.
-constexpr double kLargestCoordinate = std::numeric_limits<float>::max();
-
-struct PlaceHash {
-  std::size_t operator()(const std::array<double, 3>& place) const noexcept {
-    std::uint64_t hash = 0;
-    for (const double x : place) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
-    return static_cast<std::size_t>(hash ^ (hash >> 29));
-  }
-};
 
 struct Merged {
   TriangleMesh mesh;
@@ -40,64 +29,44 @@ struct Merged {
 
 /// One vertex for each place that a triangle uses, in the order of the input; only exactly equal places are
 /// one.
-Merged merge_equal_vertices(const TriangleMesh& mesh) {
-  std::unordered_map<std::array<double, 3>, std::size_t, PlaceHash> first_at;
+Merged merge_equal_vertices(TriangleMesh mesh) {
+  std::unordered_map<std::array<double, 3>, std::int32_t, ThreeWordsHash> first_at;
   first_at.reserve(mesh.vertices.size());
-  std::vector<std::size_t> place_of(mesh.vertices.size());
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const Vec3 p = mesh.vertices[v] + Vec3::Zero();  // -0 is 0
-    place_of[v] = first_at.try_emplace({p.x(), p.y(), p.z()}, v).first->second;
+  std::vector<std::int32_t> name;
+  name.reserve(mesh.vertices.size());
+  for (const Vec3& vertex : mesh.vertices) {
+    const Vec3 p = vertex + Vec3::Zero();  // -0 is 0
+    const auto own = static_cast<std::int32_t>(name.size());
+    name.push_back(first_at.try_emplace({p.x(), p.y(), p.z()}, own).first->second);
   }
-  const auto places = [&](const Triangle& triangle) {
-    return std::array<std::size_t, 3>{place_of[static_cast<std::size_t>(triangle[0])],
-                                      place_of[static_cast<std::size_t>(triangle[1])],
-                                      place_of[static_cast<std::size_t>(triangle[2])]};
-  };
-  const auto is_collapsed = [](const std::array<std::size_t, 3>& p) {
-    return p[0] == p[1] || p[1] == p[2] || p[2] == p[0];
-  };
-  std::vector<bool> is_used(mesh.vertices.size(), false);
-  for (const Triangle& triangle : mesh.triangles) {
-    if (is_collapsed(places(triangle))) continue;
-    for (const std::size_t place : places(triangle)) is_used[place] = true;
+  for (Triangle& triangle : mesh.triangles) {
+    for (std::int32_t& v : triangle) v = name[at(v)];
   }
   Merged merged;
   merged.distinct = first_at.size();
-  std::vector<std::int32_t> new_index(mesh.vertices.size(), -1);
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (!is_used[v]) continue;
-    new_index[v] = static_cast<std::int32_t>(merged.mesh.vertices.size());
-    merged.mesh.vertices.push_back(mesh.vertices[v]);
-  }
-  merged.mesh.triangles.reserve(mesh.triangles.size());
-  for (const Triangle& triangle : mesh.triangles) {
-    const auto [a, b, c] = places(triangle);
-    if (is_collapsed({a, b, c})) {
-      ++merged.collapsed;
-    } else {
-      merged.mesh.triangles.push_back({new_index[a], new_index[b], new_index[c]});
-    }
-  }
+  merged.collapsed = std::erase_if(
+      mesh.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  drop_unused_vertices(mesh);
+  merged.mesh = std::move(mesh);
   return merged;
 }
 
-void say_merged(const MeshFile& file, const FileFacts& facts, const TriangleMesh& imported,
-                const Merged& merged, std::vector<std::string>& repairs) {
-  // The importer gives each OBJ, PLY and OFF face vertices of its own: there the file's own list counts.
-  const std::size_t vertices = facts.has_vertex_list ? facts.vertices : imported.vertices.size();
-  const std::size_t distinct = facts.has_vertex_list ? facts.distinct_vertices : merged.distinct;
+void say_merged(const MeshFile& file, std::size_t vertices, const Merged& merged,
+                std::vector<std::string>& repairs) {
+  const std::size_t distinct = merged.distinct;
   const std::size_t kept = merged.mesh.vertices.size();
   if (file.format == MeshFormat::kStl) {  // a list of triangles without a list of vertices
     repairs.push_back(fmt::format("joined {} triangle corners in {} vertices", vertices, kept));
   } else if (vertices > distinct) {
-    repairs.push_back(fmt::format("merged {} duplicate vertices", vertices - distinct));
+    repairs.push_back("merged " + counted(vertices - distinct, "duplicate vertex", "duplicate vertices"));
   }
   if (file.format != MeshFormat::kStl && distinct > kept) {
-    repairs.push_back(fmt::format("dropped {} vertices that no triangle uses", distinct - kept));
+    repairs.push_back(
+        fmt::format("dropped {} that no triangle uses", counted(distinct - kept, "vertex", "vertices")));
   }
   if (merged.collapsed > 0) {
-    repairs.push_back(fmt::format("dropped {}{} with two corners in one place", merged.collapsed,
-                                  merged.collapsed == 1 ? " triangle" : " triangles"));
+    repairs.push_back(fmt::format("dropped {} with two corners in one place",
+                                  counted(merged.collapsed, "triangle", "triangles")));
   }
 }
 
@@ -119,8 +88,7 @@ std::string unit_hint(double size) {
 LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
   const MeshFile file = open_mesh_file(path);
   if (!unit) throw InputError(path.string() + ": its unit is missing: must be mm, cm, m or in");
-  const FileFacts facts = check_mesh_file(file);
-  ImportedMesh imported = file.format == MeshFormat::kVtk ? read_vtk(file) : import_mesh(file, facts);
+  ImportedMesh imported = import_mesh(file);
   if (imported.mesh.triangles.empty()) {
     throw InputError(path.string() + ": no triangles" +
                      (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));
@@ -131,8 +99,9 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
     throw InputError(
         fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)", path.string(), v + 1));
   }
-  Merged merged = merge_equal_vertices(imported.mesh);
-  say_merged(file, facts, imported.mesh, merged, imported.repairs);
+  const std::size_t vertices = imported.mesh.vertices.size();
+  Merged merged = merge_equal_vertices(std::move(imported.mesh));
+  say_merged(file, vertices, merged, imported.repairs);
   if (merged.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: no triangles ({})", path.string(), joined(imported.repairs)));
   }

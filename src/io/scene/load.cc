@@ -4,7 +4,7 @@
 
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
-#include "io/mesh_io/gltf_check.h"
+#include "io/mesh_io/formats/gltf_check.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/emulated_reader.h"
 #include "io/scene/instrument.h"

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <array>
 
+#include "palpate/read_mesh.h"
+
 namespace palpate::scene {
 
 bool means_file(std::string_view text) {
-  static constexpr std::array<std::string_view, 14> kEndings = {".toml", ".stl",  ".obj", ".ply", ".off",
-                                                                ".3ds",  ".gltf", ".glb", ".vtk", ".csv",
-                                                                ".h5",   ".hdf5", ".dae", ".vtp"};
-  if (text.find('/') != std::string_view::npos) return true;
+  // Endings that other files have, or that no reader takes: an error then names them.
+  static constexpr std::array<std::string_view, 7> kEndings = {".toml", ".csv", ".h5", ".hdf5",
+                                                               ".dae",  ".vtp", ".vtu"};
+  if (text.find('/') != std::string_view::npos || geometry::is_mesh_file(text)) return true;
   std::string ending = std::filesystem::path(text).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });

@@ -2,29 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <initializer_list>
 #include <numeric>
+
+#include "io/mesh_io/repair/repair_surface.h"
 
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostTests = 40'000'000;  // pairs of boxes or triangles, about 3 s
+constexpr std::size_t kMostSteps = 300'000'000;  // about 3 s: a look at a node is one
+constexpr std::size_t kTestSteps = 10;           // of two triangles
 constexpr std::size_t kMostPairs = 1'000'000;
 constexpr std::size_t kLeaf = 4;  // triangles
 // Volumes below this share of what their lengths could make are rounding.
 constexpr double kRounding = 1e-12;
-
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
-  void add(const Box& other) {
-    low = low.cwiseMin(other.low);
-    high = high.cwiseMax(other.high);
-  }
-  [[nodiscard]] bool meets(const Box& other) const {
-    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
-  }
-};
 
 struct Node {
   Box box;
@@ -42,11 +33,7 @@ class Search final {
   explicit Search(const TriangleMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
     std::iota(order_.begin(), order_.end(), 0U);
     boxes_.reserve(mesh.triangles.size());
-    for (const Triangle& t : mesh.triangles) {
-      Box box;
-      for (const std::int32_t v : t) box.add({point(v), point(v)});
-      boxes_.push_back(box);
-    }
+    for (const Triangle& t : mesh.triangles) boxes_.push_back(box_of({t}));
     scale_ = 0.0;
     for (const Vec3& v : mesh.vertices) scale_ = std::max(scale_, v.cwiseAbs().maxCoeff());
   }
@@ -68,8 +55,7 @@ class Search final {
       Box centres;
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
         node.box.add(boxes_[order_[i]]);
-        const Vec3 middle = centre(order_[i]);
-        centres.add({middle, middle});
+        centres.add(centre(order_[i]));
       }
       if (node.end - node.begin > kLeaf) {
         int axis = 0;
@@ -89,51 +75,35 @@ class Search final {
     }
   }
 
-  /// Every pair of nodes whose boxes meet, from the pair of the root with itself down.
+  /// For each triangle, those behind it in the tree's order whose boxes meet its own, from the root down.
   void walk() {
-    std::vector<std::array<std::uint32_t, 2>> open{{0, 0}};
-    while (!open.empty()) {
-      const auto [a, b] = open.back();
-      open.pop_back();
-      if (++tests_ > kMostTests || found_.pairs.size() > kMostPairs) {
-        found_.all = false;
-        return;
-      }
-      const Node& one = nodes_[a];
-      const Node& other = nodes_[b];
-      if (a == b) {
-        if (one.left == 0) {
-          test_leaves(one, one);
-        } else {
-          open.push_back({one.left, one.left});
-          open.push_back({one.left + 1, one.left + 1});
-          open.push_back({one.left, one.left + 1});
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t i = 0; i < order_.size(); ++i) {
+      open.assign(1, 0);
+      while (!open.empty()) {
+        const Node& node = nodes_[open.back()];
+        open.pop_back();
+        if (++steps_ > kMostSteps || found_.pairs.size() > kMostPairs) {
+          found_.all = false;
+          return;
         }
-        continue;
-      }
-      if (!one.box.meets(other.box)) continue;
-      if (one.left == 0 && other.left == 0) {
-        test_leaves(one, other);
-      } else if (other.left == 0 || (one.left != 0 && one.end - one.begin >= other.end - other.begin)) {
-        open.push_back({one.left, b});
-        open.push_back({one.left + 1, b});
-      } else {
-        open.push_back({a, other.left});
-        open.push_back({a, other.left + 1});
+        if (node.end <= i + 1 || !node.box.meets(boxes_[order_[i]])) continue;
+        if (node.left == 0) {
+          test(i, node);
+        } else {
+          open.push_back(node.left);
+          open.push_back(node.left + 1);
+        }
       }
     }
   }
 
-  void test_leaves(const Node& one, const Node& other) {
-    const bool same = &one == &other;
-    for (std::uint32_t i = one.begin; i < one.end; ++i) {
-      for (std::uint32_t j = same ? i + 1 : other.begin; j < other.end; ++j) {
-        const std::uint32_t s = std::min(order_[i], order_[j]);
-        const std::uint32_t t = std::max(order_[i], order_[j]);
-        if (!boxes_[s].meets(boxes_[t])) continue;
-        ++tests_;
-        if (cross(mesh_.triangles[s], mesh_.triangles[t])) found_.pairs.push_back({s, t});
-      }
+  void test(std::uint32_t i, const Node& leaf) {
+    for (std::uint32_t j = std::max(i + 1, leaf.begin); j < leaf.end; ++j) {
+      const auto [s, t] = std::minmax(order_[i], order_[j]);
+      if (!boxes_[s].meets(boxes_[t])) continue;
+      steps_ += kTestSteps;
+      if (cross(mesh_.triangles[s], mesh_.triangles[t])) found_.pairs.push_back({s, t});
     }
   }
 
@@ -146,9 +116,7 @@ class Search final {
   }
 
   [[nodiscard]] double rounding(const Triangle& s, const Triangle& t) const {
-    Box box;
-    for (const std::int32_t v : s) box.add({point(v), point(v)});
-    for (const std::int32_t v : t) box.add({point(v), point(v)});
+    const Box box = box_of({s, t});
     const double size = (box.high - box.low).maxCoeff();
     return kRounding * (size + 1e-3 * scale_) * size * size;
   }
@@ -190,6 +158,13 @@ class Search final {
     return false;
   }
 
+  [[nodiscard]] Box box_of(std::initializer_list<Triangle> triangles) const {
+    Box box;
+    for (const Triangle& triangle : triangles) {
+      for (const std::int32_t v : triangle) box.add(point(v));
+    }
+    return box;
+  }
   [[nodiscard]] const Vec3& point(std::int32_t v) const {
     return mesh_.vertices[static_cast<std::size_t>(v)];
   }
@@ -200,7 +175,7 @@ class Search final {
   std::vector<Box> boxes_;
   std::vector<Node> nodes_;
   double scale_ = 0.0;
-  std::size_t tests_ = 0;
+  std::size_t steps_ = 0;
   Crossings found_;
 };
 

@@ -5,13 +5,14 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <string_view>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
+#include "io/mesh_io/repair/repair_components.h"
 #include "io/mesh_io/repair/repair_holes.h"
-#include "io/mesh_io/repair/repair_pieces.h"
 #include "io/mesh_io/repair/repair_slivers.h"
 #include "io/mesh_io/repair/repair_surface.h"
 #include "palpate/error.h"
@@ -68,6 +69,13 @@ class Repair final {
 
  private:
   void say(const std::string& words) { repaired_.repairs.push_back(words); }
+  /// "dropped 2 small components (6 triangles)", where there were any.
+  void say(const Done& done, std::string_view one, std::string_view more, std::string_view measure = "",
+           std::string_view why = "") {
+    if (done.times == 0) return;
+    say(fmt::format("dropped {} ({}{}){}", counted(done.times, one, more), triangles(done.triangles), measure,
+                    why));
+  }
   void refuse(const std::string& words) { repaired_.refusal = words; }
 
   void drop_and_weld() {
@@ -82,78 +90,77 @@ class Repair final {
       duplicates += drop_duplicates(surface_);
     }
     if (duplicates > 0) say("dropped " + counted(duplicates, "duplicate triangle", "duplicate triangles"));
-    if (const Done fins = drop_fins(surface_); fins.times > 0) {
-      say(fmt::format("dropped {} ({})", counted(fins.times, "fin", "fins"), triangles(fins.triangles)));
-    }
-    if (const Done walls = drop_walls(surface_); walls.times > 0) {
-      say(fmt::format("dropped {} inside ({})", counted(walls.times, "wall", "walls"),
-                      triangles(walls.triangles)));
-    }
+    say(drop_dangling_faces(surface_), "patch of dangling faces", "patches of dangling faces");
+    say(drop_internal_faces(surface_), "patch of internal faces", "patches of internal faces");
     if (surface_.mesh.triangles.empty()) refuse("no triangles are left");
   }
 
   void part_and_turn() {
-    std::size_t crowded = 0;
-    Mates mates = pair_sides(surface_, crowded);
-    if (crowded > 0) return refuse_crowded(crowded);
-    std::size_t added = split_fans(surface_, mates);
+    refuse_non_manifold(/*odd_alone=*/true);
+    if (!repaired_.refusal.empty()) return;
+    Opposites opposite = pair_half_edges(surface_);
+    std::size_t added = split_bow_tie_vertices(surface_, opposite);
     constexpr int kMostRounds = 4;  // a triangle may be at three such edges
     for (int round = 0; round < kMostRounds; ++round) {
-      const std::size_t middles = part_pinched_edges(surface_, mates);
+      const std::size_t middles = split_non_manifold_edges(surface_, opposite);
       if (middles == 0) break;
-      mates = pair_sides(surface_, crowded);
-      added += middles + split_fans(surface_, mates);
+      opposite = pair_half_edges(surface_);
+      added += middles + split_bow_tie_vertices(surface_, opposite);
     }
     if (added > 0) {
       say("parted surfaces that touched, with " + counted(added, "new vertex", "new vertices"));
     }
-    if (!turn_alike(surface_, mates)) {
+    if (!orient_consistently(surface_, opposite)) {
       return refuse("its surface has only one side: its triangles cannot all be turned outwards");
     }
-    if (const Done scraps = drop_open_scraps(surface_, mates); scraps.times > 0) {
-      say(fmt::format("dropped {} ({})", counted(scraps.times, "open scrap", "open scraps"),
-                      triangles(scraps.triangles)));
-    }
-    for_each_edge(sorted_sides(surface_.mesh.triangles),
-                  [&](const EdgeSide* first, const EdgeSide* last) { crowded += last - first > 2 ? 1 : 0; });
-    if (crowded > 0) refuse_crowded(crowded);
+    say(drop_small_open_components(surface_, opposite), "small open component", "small open components");
+    refuse_non_manifold(/*odd_alone=*/false);
   }
 
-  void refuse_crowded(std::size_t count) {
+  /// Refuses edges of more than two triangles, or those alone of which the number is odd: pairs cannot part
+  /// them.
+  void refuse_non_manifold(bool odd_alone) {
+    std::size_t count = 0;
     Vec3 at = Vec3::Zero();
-    bool is_found = false;
-    for_each_edge(sorted_sides(surface_.mesh.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
-      if (last - first <= 2 || is_found) return;
-      at = 0.5 * (surface_.point_at(first->corner) + surface_.point_at(next_corner(first->corner)));
-      is_found = true;
-    });
-    refuse(fmt::format("{} of more than two triangles (the first at {}) that are no fins",
+    for_each_edge(
+        sorted_half_edges(surface_.mesh.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
+          if (last - first <= 2 || (odd_alone && (last - first) % 2 == 0)) return;
+          if (count++ > 0) return;
+          at = 0.5 * (surface_.point_at(first->corner) + surface_.point_at(next_corner(first->corner)));
+        });
+    if (count == 0) return;
+    refuse(fmt::format("{} of more than two triangles (the first at {}) that are no dangling faces",
                        counted(count, "edge", "edges"), place(at)));
   }
 
   void close_holes() {
-    std::size_t crowded = 0;
-    const std::vector<Hole> holes = holes_of(surface_, pair_sides(surface_, crowded));
+    const std::vector<Hole> holes = holes_of(surface_, pair_half_edges(surface_));
     if (holes.empty()) return;
     const double diagonal = bounds(surface_.mesh).size().norm();
     const double area = surface_.area();
     std::uint64_t steps = 0;
-    for (const Hole& hole : holes) steps += hole.loop.size() <= kMostHoleEdges ? steps_to_close(hole) : 0;
+    for (const Hole& hole : holes) {
+      const std::uint64_t n = hole.loop.size();
+      if (n <= kMostHoleEdges) steps += n * n * n / 6 + 1;
+    }
     if (steps > kMostHoleSteps) {
       return refuse(counted(holes.size(), "hole", "holes") + ": too many to be damage");
     }
-    HoleCloser closer(surface_);
+    const std::vector<std::uint64_t> edges = edges_of(surface_);
     std::vector<const Hole*> large;
     std::size_t added = 0;
     double widest = 0.0;
     for (const Hole& hole : holes) {
       const bool is_narrow = hole.loop.size() <= kMostHoleEdges && hole.width <= kMostHoleWidth * diagonal;
-      const bool is_short = hole.loop.size() <= kFewHoleEdges;
-      if ((!is_narrow && !is_short) || (closer.plan(hole) > kFewHoleArea * area && !is_narrow)) {
+      HolePatch patch;
+      if (is_narrow || hole.loop.size() <= kFewHoleEdges) patch = patch_of(surface_, edges, hole);
+      if (patch.triangles.empty() || (patch.area > kFewHoleArea * area && !is_narrow)) {
         large.push_back(&hole);
         continue;
       }
-      added += closer.close();
+      if (patch.middle) surface_.mesh.vertices.push_back(*patch.middle);
+      for (const Triangle& triangle : patch.triangles) surface_.add(triangle, kAdded);
+      added += patch.triangles.size();
       widest = std::max(widest, hole.width);
     }
     if (const std::size_t closed = holes.size() - large.size(); closed > 0) {
@@ -178,7 +185,7 @@ class Repair final {
     if (const std::size_t count = remove_slivers(surface_); count > 0) {
       say("took out " + triangles(count) + " without area");
     }
-    const PiecesDone pieces = sort_out_pieces(surface_);
+    const ComponentsDone components = sort_out_components(surface_);
     const auto turned = static_cast<std::size_t>(
         std::count_if(surface_.marks.begin(), surface_.marks.end(),
                       [](std::uint8_t mark) { return (mark & (kTurned | kAdded)) == kTurned; }));
@@ -186,22 +193,18 @@ class Repair final {
       say(fmt::format("turned {}{} outwards", turned == surface_.marks.size() ? "all " : std::string(),
                       triangles(turned)));
     }
-    if (pieces.scraps.times > 0) {
-      say("dropped " + counted(pieces.scraps.times, "small piece", "small pieces") + " (" +
-          triangles(pieces.scraps.triangles) + ", " + percent(pieces.scraps_share) + " of the volume)");
+    say(components.small, "small component", "small components",
+        ", " + percent(components.small_share) + " of the volume");
+    say(components.inner, "inner shell", "inner shells", "", ": an organ is solid");
+    if (!components.refusal.empty()) return refuse(components.refusal);
+    repaired_.crossing_pairs = components.crossing_pairs;
+    if (components.crossing_pairs > 0) {
+      repaired_.remarks.push_back(fmt::format(
+          "{} of triangles that go through each other ({} of the surface)",
+          counted(components.crossing_pairs, "pair", "pairs"), percent(components.crossing_share)));
     }
-    if (pieces.inner.times > 0) {
-      say("dropped " + counted(pieces.inner.times, "inner shell", "inner shells") + " (" +
-          triangles(pieces.inner.triangles) + "): an organ is solid");
-    }
-    if (!pieces.refusal.empty()) return refuse(pieces.refusal);
-    repaired_.crossing_pairs = pieces.crossing_pairs;
-    if (pieces.crossing_pairs > 0) {
-      repaired_.remarks.push_back(
-          fmt::format("{} of triangles that go through each other ({} of the surface)",
-                      counted(pieces.crossing_pairs, "pair", "pairs"), percent(pieces.crossing_share)));
-    }
-    if (pieces.kept > 1) repaired_.remarks.push_back(std::to_string(pieces.kept) + " separate pieces");
+    if (components.kept > 1)
+      repaired_.remarks.push_back(std::to_string(components.kept) + " separate components");
   }
 
   WorkSurface surface_;

@@ -17,11 +17,11 @@ struct RepairedSurface {
 };
 
 /// [setup] Makes a triangle surface closed, manifold and turned outwards, with SurfaceDistance in mind: drops
-/// triangles that name a vertex twice, duplicates, fins and walls, joins boundaries that meet, parts surfaces
-/// that touch in a vertex or an edge, turns triangles alike and outwards, closes small holes, takes out
-/// triangles without area, drops scraps and inner shells. What it returns it leaves alone when called again.
-/// A mesh that needs nothing keeps its vertices and triangles and their order. docs/file-formats.md says what
-/// is small. All tolerances are shares of the mesh's own size.
+/// triangles that name a vertex twice, duplicates, dangling and internal faces, joins boundaries that meet,
+/// parts surfaces that touch in a vertex or an edge, turns triangles alike and outwards, closes small holes,
+/// takes out triangles without area, drops small components and inner shells. What it returns it leaves alone
+/// when called again. A mesh that needs nothing keeps its vertices and triangles and their order.
+/// docs/file-formats.md says what is small. All tolerances are shares of the mesh's own size.
 [[nodiscard]] RepairedSurface repair_surface(TriangleMesh mesh);
 
 /// [setup] Repairs what was read from a file, adds what was done to its findings, and refuses what cannot be

@@ -12,50 +12,33 @@ double area_of(const TriangleMesh& mesh, const Triangle& triangle) {
   return 0.5 * area_vector_doubled(mesh, triangle).norm();
 }
 
-double area_of(const TriangleMesh& mesh, const std::vector<Triangle>& triangles) {
-  double sum = 0.0;
-  for (const Triangle& triangle : triangles) sum += area_of(mesh, triangle);
-  return sum;
-}
-
 }  // namespace
 
-std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates) {
+std::vector<Hole> holes_of(const WorkSurface& surface, const Opposites& opposite) {
   // A patch runs against the boundary, so from each boundary edge's end to its start.
   std::vector<std::int32_t> next(surface.mesh.vertices.size(), -1);
-  for (Corner c = 0; c < mates.size(); ++c) {
-    if (mates[c] != kNoMate) continue;
+  for (Corner c = 0; c < opposite.size(); ++c) {
+    if (opposite[c] != kNoOpposite) continue;
     next[static_cast<std::size_t>(surface.vertex_at(next_corner(c)))] = surface.vertex_at(c);
   }
   std::vector<Hole> holes;
   for (std::size_t start = 0; start < next.size(); ++start) {
     if (next[start] < 0) continue;
     Hole hole;
-    Vec3 low = Vec3::Constant(kInfinity);
-    Vec3 high = Vec3::Constant(-kInfinity);
+    Box box;
     for (auto v = static_cast<std::int32_t>(start); v >= 0;) {
       hole.loop.push_back(v);
-      low = low.cwiseMin(surface.point(v));
-      high = high.cwiseMax(surface.point(v));
+      box.add(surface.point(v));
       std::int32_t& after = next[static_cast<std::size_t>(v)];
       v = after;
       after = -1;
       if (v == static_cast<std::int32_t>(start)) break;
     }
-    hole.width = (high - low).norm();
-    hole.middle = 0.5 * (low + high);
+    hole.width = (box.high - box.low).norm();
+    hole.middle = 0.5 * (box.low + box.high);
     holes.push_back(std::move(hole));
   }
   return holes;
-}
-
-std::uint64_t steps_to_close(const Hole& hole) {
-  const std::uint64_t n = hole.loop.size();
-  return n * n * n / 6 + 1;
-}
-
-HoleCloser::HoleCloser(WorkSurface& surface) : surface_(surface) {
-  for (const EdgeSide& side : sorted_sides(surface.mesh.triangles)) edges_.push_back(side.edge);
 }
 
 std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
@@ -98,33 +81,31 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
   return patch;
 }
 
-double HoleCloser::plan(const Hole& hole) {
-  planned_ = least_area_patch(surface_.mesh, hole.loop, [&](std::int32_t a, std::int32_t b) {
-    return !std::binary_search(edges_.begin(), edges_.end(), edge_key(a, b));
+std::vector<std::uint64_t> edges_of(const WorkSurface& surface) {
+  std::vector<std::uint64_t> edges;
+  for (const HalfEdge& side : sorted_half_edges(surface.mesh.triangles)) edges.push_back(side.edge);
+  return edges;
+}
+
+HolePatch patch_of(const WorkSurface& surface, const std::vector<std::uint64_t>& edges, const Hole& hole) {
+  HolePatch patch;
+  patch.triangles = least_area_patch(surface.mesh, hole.loop, [&](std::int32_t a, std::int32_t b) {
+    return !std::binary_search(edges.begin(), edges.end(), edge_key(a, b));
   });
-  needs_middle_ = planned_.empty();
-  if (!needs_middle_) return area_of(surface_.mesh, planned_);
+  for (const Triangle& triangle : patch.triangles) patch.area += area_of(surface.mesh, triangle);
+  if (!patch.triangles.empty()) return patch;
   const std::size_t n = hole.loop.size();
-  middle_ = Vec3::Zero();
-  for (const std::int32_t v : hole.loop) middle_ += surface_.point(v) / static_cast<double>(n);
-  double fan = 0.0;
-  const auto added = static_cast<std::int32_t>(surface_.mesh.vertices.size());
+  Vec3 middle = Vec3::Zero();
+  for (const std::int32_t v : hole.loop) middle += surface.point(v) / static_cast<double>(n);
+  const auto added = static_cast<std::int32_t>(surface.mesh.vertices.size());
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t a = hole.loop[i];
     const std::int32_t b = hole.loop[(i + 1) % n];
-    fan += 0.5 * (surface_.point(a) - middle_).cross(surface_.point(b) - middle_).norm();
-    planned_.push_back({a, b, added});
+    patch.area += 0.5 * (surface.point(a) - middle).cross(surface.point(b) - middle).norm();
+    patch.triangles.push_back({a, b, added});
   }
-  return fan;
-}
-
-std::size_t HoleCloser::close() {
-  if (needs_middle_) surface_.mesh.vertices.push_back(middle_);
-  for (const Triangle& triangle : planned_) {
-    surface_.mesh.triangles.push_back(triangle);
-    surface_.marks.push_back(kAdded);
-  }
-  return planned_.size();
+  patch.middle = middle;
+  return patch;
 }
 
 }  // namespace palpate::geometry

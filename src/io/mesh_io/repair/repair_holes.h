@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "io/mesh_io/repair/repair_surface.h"
@@ -15,11 +16,8 @@ struct Hole {
   Vec3 middle = Vec3::Zero();      // of its bounding box [m]
 };
 
-/// All boundary loops. @param mates of a surface without edges of more than two triangles
-[[nodiscard]] std::vector<Hole> holes_of(const WorkSurface& surface, const Mates& mates);
-
-/// How much one hole's patch costs to find, in steps: with n edges about n^3 / 6.
-[[nodiscard]] std::uint64_t steps_to_close(const Hole& hole);
+/// All boundary loops. @param opposite half-edges of a surface without edges of more than two triangles
+[[nodiscard]] std::vector<Hole> holes_of(const WorkSurface& surface, const Opposites& opposite);
 
 /// The triangles over a loop of vertices that have the least area together; for a polygon in a plane that is
 /// one way to cut it up, whatever its shape. [Barequet and Sharir 1995] n^3 / 6 steps.
@@ -29,23 +27,18 @@ struct Hole {
     const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
     const std::function<bool(std::int32_t, std::int32_t)>& may_join);
 
-/// Closes holes by patches of the least area that has no edge that the surface has already; where there is
-/// none, by a fan about a new vertex in the middle.
-class HoleCloser final {
- public:
-  explicit HoleCloser(WorkSurface& surface);
-
-  /// @return area of the patch [m^2], without adding it
-  double plan(const Hole& hole);
-  /// Adds what was planned last. @return number of triangles
-  std::size_t close();
-
- private:
-  WorkSurface& surface_;
-  std::vector<std::uint64_t> edges_;  // sorted, before any patch: two holes share no vertex, so no edge
-  std::vector<Triangle> planned_;
-  Vec3 middle_ = Vec3::Zero();
-  bool needs_middle_ = false;
+/// What closes a hole.
+struct HolePatch {
+  std::vector<Triangle> triangles;
+  double area = 0.0;           // [m^2]
+  std::optional<Vec3> middle;  // a new vertex, behind those that the surface has
 };
+
+/// All edges of a surface, sorted. Two holes share no vertex, so these serve for all its holes.
+[[nodiscard]] std::vector<std::uint64_t> edges_of(const WorkSurface& surface);
+
+/// The patch of the least area that has no edge of the surface; where there is none, a fan about the middle.
+[[nodiscard]] HolePatch patch_of(const WorkSurface& surface, const std::vector<std::uint64_t>& edges,
+                                 const Hole& hole);
 
 }  // namespace palpate::geometry

@@ -12,18 +12,13 @@ constexpr int kMostRounds = 20;
 // An edge shorter than this share of its triangle's longest is shrunk to a point.
 constexpr double kNoLength = 4e-7;
 
-std::size_t count_flat(const TriangleMesh& mesh) {
-  return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
-                                                [&](const Triangle& t) { return is_flat(mesh, t); }));
-}
-
-/// One round over all slivers. Triangles about a change are left alone until the next, since the mates are of
-/// before.
+/// One round over all slivers. Triangles about a change are left alone until the next, since the opposite
+/// half-edges are of before.
 class Round final {
  public:
   explicit Round(WorkSurface& surface)
       : surface_(surface),
-        mates_(pair_sides(surface, crowded_)),
+        opposite_(pair_half_edges(surface)),
         touched_(surface.mesh.vertices.size(), 0),
         doomed_(surface.mesh.triangles.size(), 0) {}
 
@@ -57,12 +52,12 @@ class Round final {
     Corner c = start;
     do {
       const Triangle& triangle = surface_.mesh.triangles[c / 3];
-      if (mates_[c] == kNoMate || corners.size() > 100) return {};
+      if (opposite_[c] == kNoOpposite || corners.size() > 100) return {};
       for (const std::int32_t v : triangle) {
         if (touched_[static_cast<std::size_t>(v)] != 0) return {};
       }
       corners.push_back(c);
-      c = next_corner(mates_[c]);
+      c = next_corner(opposite_[c]);
     } while (c != start);
     return corners;
   }
@@ -89,38 +84,37 @@ class Round final {
     touch(about_kept);
     touch(about_gone);
     for (const Corner b : about_gone) surface_.mesh.triangles[b / 3][b % 3] = kept;
-    doomed_[c / 3] = doomed_[mates_[c] / 3] = 1;
+    doomed_[c / 3] = doomed_[opposite_[c] / 3] = 1;
     return true;
   }
 
   /// Turns the edge of a corner to the other diagonal of its two triangles, where that leaves fewer slivers.
   bool flip(Corner c) {
-    const Corner mate = mates_[c];
-    if (mate == kNoMate) return false;
+    const Corner across = opposite_[c];
+    if (across == kNoOpposite) return false;
     const std::vector<Corner> about_apex = ring(previous_corner(c));
-    const std::vector<Corner> about_other = ring(previous_corner(mate));
+    const std::vector<Corner> about_other = ring(previous_corner(across));
     if (about_apex.empty() || about_other.empty()) return false;
     const std::int32_t a = surface_.vertex_at(c);
-    const std::int32_t b = surface_.vertex_at(mate);
+    const std::int32_t b = surface_.vertex_at(across);
     const std::int32_t p = surface_.vertex_at(previous_corner(c));
-    const std::int32_t q = surface_.vertex_at(previous_corner(mate));
+    const std::int32_t q = surface_.vertex_at(previous_corner(across));
     if (p == q) return false;
     for (const Corner corner : about_apex) {
       if (surface_.vertex_at(next_corner(corner)) == q) return false;
     }
     const auto flat = [&](const Triangle& t) { return is_flat(surface_.mesh, t) ? 1 : 0; };
-    const int before = 1 + flat(surface_.mesh.triangles[mate / 3]);
+    const int before = 1 + flat(surface_.mesh.triangles[across / 3]);
     if (flat({a, q, p}) + flat({q, b, p}) >= before) return false;
     touch(about_apex);
     touch(about_other);
     surface_.mesh.triangles[c / 3] = {a, q, p};
-    surface_.mesh.triangles[mate / 3] = {q, b, p};
+    surface_.mesh.triangles[across / 3] = {q, b, p};
     return true;
   }
 
   WorkSurface& surface_;
-  std::size_t crowded_ = 0;
-  Mates mates_;
+  Opposites opposite_;
   std::vector<std::uint8_t> touched_;  // vertices
   std::vector<std::uint8_t> doomed_;   // triangles
 };
@@ -135,6 +129,11 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
     longest_squared = std::max(longest_squared, (b - a).squaredNorm());
   }
   return area_vector_doubled(mesh, triangle).norm() <= kFlat * longest_squared;
+}
+
+std::size_t count_flat(const TriangleMesh& mesh) {
+  return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
+                                                [&](const Triangle& t) { return is_flat(mesh, t); }));
 }
 
 std::size_t remove_slivers(WorkSurface& surface) {

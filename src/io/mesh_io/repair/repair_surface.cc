@@ -7,51 +7,57 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/index.h"
 #include "core/geometry/cell.h"
 #include "core/geometry/edge_key.h"
 
 namespace palpate::geometry {
 namespace {
 
-/// Patches of triangles that hang together by edges of exactly two.
-struct Patches {
-  struct Patch {
-    double area = 0.0;
-    bool has_boundary = false;
-    bool meets_others = false;  // at an edge of more than two
-    bool was_doubled = true;    // all of it
-  };
-  std::vector<std::uint32_t> of;  // each triangle
-  std::vector<Patch> patches;     // by their smallest triangle; the others empty
-  std::size_t crowded_edges = 0;
-  std::uint32_t largest = 0;
+/// Triangles that hang together by edges of exactly two.
+struct Patch {
+  double area = 0.0;
+  bool has_boundary = false;
+  bool meets_others = false;  // at an edge of more than two
+  bool was_doubled = true;    // all of it
 };
 
-Patches patches_of(const WorkSurface& surface) {
+/// One round of drop_patches(). @return what went
+template <typename IsDoomed>
+Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   const std::size_t count = surface.mesh.triangles.size();
-  Patches found{std::vector<std::uint32_t>(count), std::vector<Patches::Patch>(count), 0, 0};
   DisjointSets sets(count);
-  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
-  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+  const std::vector<HalfEdge> half_edges = sorted_half_edges(surface.mesh.triangles);
+  for_each_edge(half_edges, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) sets.unite(first[0].corner / 3, first[1].corner / 3);
   });
+  std::vector<Patch> patches(count);  // by their smallest triangle; the others empty
   for (std::uint32_t t = 0; t < count; ++t) {
-    found.of[t] = sets.find(t);
-    Patches::Patch& patch = found.patches[found.of[t]];
+    Patch& patch = patches[sets.find(t)];
     patch.area += surface.area(t);
     if ((surface.marks[t] & kDoubled) == 0) patch.was_doubled = false;
   }
-  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
-    if (last - first == 1) found.patches[found.of[first->corner / 3]].has_boundary = true;
-    if (last - first <= 2) return;
-    ++found.crowded_edges;
-    for (const EdgeSide* side = first; side != last; ++side)
-      found.patches[found.of[side->corner / 3]].meets_others = true;
+  for_each_edge(half_edges, [&](const HalfEdge* first, const HalfEdge* last) {
+    if (last - first == 2) return;
+    for (const HalfEdge* side = first; side != last; ++side) {
+      Patch& patch = patches[sets.find(side->corner / 3)];
+      (last - first == 1 ? patch.has_boundary : patch.meets_others) = true;
+    }
   });
+  const auto largest = static_cast<std::uint32_t>(
+      std::max_element(patches.begin(), patches.end(),
+                       [](const Patch& a, const Patch& b) { return a.area < b.area; }) -
+      patches.begin());
+  Done done;
+  std::vector<std::uint8_t> doomed(count, 0);
   for (std::uint32_t t = 0; t < count; ++t) {
-    if (found.patches[t].area > found.patches[found.largest].area) found.largest = t;
+    const std::uint32_t own = sets.find(t);
+    if (own == largest || !patches[own].meets_others || !is_doomed(patches[own])) continue;
+    doomed[t] = 1;
+    if (own == t) ++done.times;
   }
-  return found;
+  done.triangles = surface.drop(doomed);
+  return done;
 }
 
 /// Drops patches at edges of more than two triangles, as long as that changes something.
@@ -60,18 +66,10 @@ Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
   constexpr int kMostRounds = 8;  // what goes may uncover the next
   Done done;
   for (int round = 0; round < kMostRounds; ++round) {
-    const Patches found = patches_of(surface);
-    if (found.crowded_edges == 0) break;
-    std::vector<std::uint8_t> doomed(surface.mesh.triangles.size(), 0);
-    for (std::uint32_t t = 0; t < doomed.size(); ++t) {
-      const Patches::Patch& patch = found.patches[found.of[t]];
-      if (!patch.meets_others || found.of[t] == found.largest || !is_doomed(patch)) continue;
-      doomed[t] = 1;
-      if (found.of[t] == t) ++done.times;
-    }
-    const std::size_t dropped = surface.drop(doomed);
-    if (dropped == 0) break;
-    done.triangles += dropped;
+    const Done once = drop_patches_once(surface, is_doomed);
+    if (once.triangles == 0) break;
+    done.times += once.times;
+    done.triangles += once.triangles;
   }
   return done;
 }
@@ -90,18 +88,18 @@ struct Spoke {
   bool ascends;  // along the edge, from its smaller vertex to its larger one
 };
 
-/// Pairs the sides of a crowded edge so that between two of a pair lies what is solid: seen along the edge
-/// and going round against the clock, solid begins at a side that descends and ends at one that ascends.
+/// Pairs the sides of a non-manifold edge so that between two of a pair lies what is solid: seen along the
+/// edge and going round against the clock, solid begins at a side that descends and ends at one that ascends.
 /// Where the sides do not agree on that, the narrower wedges are taken for solid. Sides of one patch come
 /// before all that.
-void pair_around(const WorkSurface& surface, const EdgeSide* first, const EdgeSide* last,
-                 DisjointSets& patches, Mates& mates) {
+void pair_around(const WorkSurface& surface, const HalfEdge* first, const HalfEdge* last,
+                 DisjointSets& patches, Opposites& opposite) {
   const auto low = static_cast<std::int32_t>(first->edge >> 32);
   const auto high = static_cast<std::int32_t>(first->edge & 0xffffffffU);
   const Vec3 axis = (surface.point(high) - surface.point(low)).normalized();
   Vec3 u = Vec3::Zero();
   std::vector<Spoke> spokes;
-  for (const EdgeSide* side = first; side != last; ++side) {
+  for (const HalfEdge* side = first; side != last; ++side) {
     const Vec3 out = surface.point_at(previous_corner(side->corner)) - surface.point(low);
     const Vec3 across = out - axis.dot(out) * axis;
     if (u.isZero()) u = across.normalized();
@@ -128,41 +126,10 @@ void pair_around(const WorkSurface& surface, const EdgeSide* first, const EdgeSi
   for (std::size_t i = offset; i < count + offset; i += 2) {
     const Corner a = spokes[i % count].corner;
     const Corner b = spokes[(i + 1) % count].corner;
-    mates[a] = b;
-    mates[b] = a;
+    opposite[a] = b;
+    opposite[b] = a;
   }
 }
-
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const noexcept {
-    std::uint64_t hash = 0;
-    for (const std::int64_t x : cell) hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
-    return static_cast<std::size_t>(hash ^ (hash >> 31));
-  }
-};
-
-/// Finds for each point the first one before it that lies near.
-class NearestBefore final {
- public:
-  NearestBefore(const WorkSurface& surface, double tolerance) : surface_(surface), tolerance_(tolerance) {}
-
-  std::int32_t find_or_add(std::int32_t vertex) {
-    const Vec3& p = surface_.point(vertex);
-    const Cell home = cell_at(p, tolerance_);
-    for (int n = 0; n < 27; ++n) {
-      const auto found = cells_.find({home[0] + n % 3 - 1, home[1] + n / 3 % 3 - 1, home[2] + n / 9 - 1});
-      if (found == cells_.end()) continue;
-      if ((surface_.point(found->second) - p).norm() <= tolerance_) return found->second;
-    }
-    cells_.try_emplace(home, vertex);
-    return vertex;
-  }
-
- private:
-  const WorkSurface& surface_;
-  double tolerance_;
-  std::unordered_map<Cell, std::int32_t, CellHash> cells_;
-};
 
 }  // namespace
 
@@ -193,14 +160,14 @@ std::size_t WorkSurface::drop(const std::vector<std::uint8_t>& doomed) {
   if (dropped == 0) return 0;
   mesh.triangles.resize(kept);
   marks.resize(kept);
-  drop_unused_vertices();
+  drop_unused_vertices(mesh);
   return dropped;
 }
 
-void WorkSurface::drop_unused_vertices() {
+void drop_unused_vertices(TriangleMesh& mesh) {
   std::vector<std::int32_t> name(mesh.vertices.size(), -1);
   for (const Triangle& triangle : mesh.triangles) {
-    for (const std::int32_t v : triangle) name[static_cast<std::size_t>(v)] = 0;
+    for (const std::int32_t v : triangle) name[at(v)] = 0;
   }
   std::size_t used = 0;
   for (std::size_t v = 0; v < name.size(); ++v) {
@@ -210,8 +177,16 @@ void WorkSurface::drop_unused_vertices() {
   }
   mesh.vertices.resize(used);
   for (Triangle& triangle : mesh.triangles) {
-    for (std::int32_t& v : triangle) v = name[static_cast<std::size_t>(v)];
+    for (std::int32_t& v : triangle) v = name[at(v)];
   }
+}
+
+double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double la = a.norm();
+  const double lb = b.norm();
+  const double lc = c.norm();
+  // Rounded to whole turns by the callers, so the last bit does not matter: not in a tick.
+  return std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
 DisjointSets::DisjointSets(std::size_t count) : parent_(count) {
@@ -229,53 +204,28 @@ void DisjointSets::unite(std::uint32_t a, std::uint32_t b) {
   parent_[std::max(a, b)] = std::min(a, b);
 }
 
-std::vector<EdgeSide> sorted_sides(const std::vector<Triangle>& triangles) {
-  // Dealt out by the smaller vertex first, so that only a handful at each is left to sort.
-  std::size_t vertices = 0;
-  for (const Triangle& t : triangles)
-    vertices = std::max(vertices, static_cast<std::size_t>(*std::max_element(t.begin(), t.end())) + 1);
-  const auto side = [&](Corner c) {
-    return EdgeSide{edge_key(triangles[c / 3][c % 3], triangles[c / 3][(c + 1) % 3]), c};
-  };
-  const auto corners = static_cast<Corner>(3 * triangles.size());
-  std::vector<std::size_t> begin(vertices + 1, 0);
-  for (Corner c = 0; c < corners; ++c) ++begin[(side(c).edge >> 32) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<EdgeSide> sides(corners);
-  std::vector<std::size_t> next = begin;
-  for (Corner c = 0; c < corners; ++c) {
-    const EdgeSide one = side(c);
-    sides[next[one.edge >> 32]++] = one;
-  }
-  for (std::size_t v = 0; v < vertices; ++v) {
-    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin[v]),
-              sides.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]),
-              [](const EdgeSide& a, const EdgeSide& b) {
-                return a.edge != b.edge ? a.edge < b.edge : a.corner < b.corner;
-              });
-  }
-  return sides;
+void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, DisjointSets& fans) {
+  const bool runs_along = triangles[a / 3][a % 3] == triangles[b / 3][b % 3];
+  fans.unite(a, runs_along ? b : next_corner(b));
+  fans.unite(next_corner(a), runs_along ? next_corner(b) : b);
 }
 
-Mates pair_sides(const WorkSurface& surface, std::size_t& left) {
-  Mates mates(surface.corners(), kNoMate);
-  left = 0;
+Opposites pair_half_edges(const WorkSurface& surface) {
+  Opposites opposite(surface.corners(), kNoOpposite);
   DisjointSets patches(surface.mesh.triangles.size());
-  std::vector<std::array<const EdgeSide*, 2>> crowded;
-  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
-  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+  std::vector<std::array<const HalfEdge*, 2>> non_manifold;
+  const std::vector<HalfEdge> sides = sorted_half_edges(surface.mesh.triangles);
+  for_each_edge(sides, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) {
-      mates[first[0].corner] = first[1].corner;
-      mates[first[1].corner] = first[0].corner;
+      opposite[first[0].corner] = first[1].corner;
+      opposite[first[1].corner] = first[0].corner;
       patches.unite(first[0].corner / 3, first[1].corner / 3);
     } else if ((last - first) % 2 == 0) {
-      crowded.push_back({first, last});
-    } else if (last - first > 2) {
-      ++left;
+      non_manifold.push_back({first, last});
     }
   });
-  for (const auto& [first, last] : crowded) pair_around(surface, first, last, patches, mates);
-  return mates;
+  for (const auto& [first, last] : non_manifold) pair_around(surface, first, last, patches, opposite);
+  return opposite;
 }
 
 std::size_t drop_collapsed(WorkSurface& surface) {
@@ -296,12 +246,9 @@ std::size_t drop_duplicates(WorkSurface& surface) {
   std::vector<Face> faces(surface.mesh.triangles.size());
   for (std::uint32_t t = 0; t < faces.size(); ++t) {
     Triangle sorted = surface.mesh.triangles[t];
-    bool is_even = true;
-    for (const std::size_t k : {0U, 1U, 0U}) {
-      if (sorted[k] <= sorted[k + 1]) continue;
-      std::swap(sorted[k], sorted[k + 1]);
-      is_even = !is_even;
-    }
+    std::rotate(sorted.begin(), std::min_element(sorted.begin(), sorted.end()), sorted.end());
+    const bool is_even = sorted[1] <= sorted[2];
+    if (!is_even) std::swap(sorted[1], sorted[2]);
     faces[t] = {sorted, t, is_even};
   }
   std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
@@ -322,57 +269,66 @@ std::size_t drop_duplicates(WorkSurface& surface) {
 std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
   std::vector<std::uint8_t> at_boundary(surface.mesh.vertices.size(), 0);
   bool is_open = false;
-  for_each_edge(sorted_sides(surface.mesh.triangles), [&](const EdgeSide* first, const EdgeSide* last) {
+  for_each_edge(sorted_half_edges(surface.mesh.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first != 1) return;
     at_boundary[first->edge >> 32] = at_boundary[first->edge & 0xffffffffU] = 1;
     is_open = true;
   });
   if (!is_open || !(tolerance > 0.0)) return 0;
-  NearestBefore near(surface, tolerance);
+  std::unordered_map<Cell, std::int32_t, ThreeWordsHash> cells;  // the first vertex in each
+  const auto find_or_add = [&](std::int32_t vertex) {  // the first one before it that lies near, or itself
+    const Vec3& p = surface.point(vertex);
+    const Cell home = cell_at(p, tolerance);
+    for (int n = 0; n < 27; ++n) {
+      const auto found = cells.find({home[0] + n % 3 - 1, home[1] + n / 3 % 3 - 1, home[2] + n / 9 - 1});
+      if (found != cells.end() && (surface.point(found->second) - p).norm() <= tolerance)
+        return found->second;
+    }
+    cells.try_emplace(home, vertex);
+    return vertex;
+  };
   std::vector<std::int32_t> name(surface.mesh.vertices.size());
   std::size_t joined = 0;
   for (std::size_t v = 0; v < name.size(); ++v) {
     name[v] = static_cast<std::int32_t>(v);
-    if (at_boundary[v] != 0) name[v] = near.find_or_add(name[v]);
+    if (at_boundary[v] != 0) name[v] = find_or_add(name[v]);
     joined += name[v] == static_cast<std::int32_t>(v) ? 0 : 1;
   }
   if (joined == 0) return 0;
   for (Triangle& triangle : surface.mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[static_cast<std::size_t>(v)];
   }
-  surface.drop_unused_vertices();
+  drop_unused_vertices(surface.mesh);
   drop_collapsed(surface);
   return joined;
 }
 
-Done drop_fins(WorkSurface& surface) {
+Done drop_dangling_faces(WorkSurface& surface) {
   constexpr double kMostOfArea = 0.05;
   const double most = kMostOfArea * surface.area();
-  return drop_patches(surface, [&](const Patches::Patch& p) { return p.has_boundary && p.area <= most; });
+  return drop_patches(surface, [&](const Patch& p) { return p.has_boundary && p.area <= most; });
 }
 
-Done drop_walls(WorkSurface& surface) {
+Done drop_internal_faces(WorkSurface& surface) {
   const auto was_doubled = [](std::uint8_t mark) { return (mark & kDoubled) != 0; };
   if (std::none_of(surface.marks.begin(), surface.marks.end(), was_doubled)) return {};
-  return drop_patches(surface, [](const Patches::Patch& p) { return p.was_doubled; });
+  return drop_patches(surface, [](const Patch& p) { return p.was_doubled; });
 }
 
-std::size_t split_fans(WorkSurface& surface, const Mates& mates) {
+std::size_t split_bow_tie_vertices(WorkSurface& surface, const Opposites& opposite) {
   DisjointSets fans(surface.corners());
-  for (Corner c = 0; c < mates.size(); ++c) {
-    if (mates[c] == kNoMate || mates[c] < c) continue;
-    const bool runs_back = surface.vertex_at(mates[c]) != surface.vertex_at(c);
-    fans.unite(c, runs_back ? next_corner(mates[c]) : mates[c]);
-    fans.unite(next_corner(c), runs_back ? mates[c] : next_corner(mates[c]));
+  for (Corner c = 0; c < opposite.size(); ++c) {
+    if (opposite[c] == kNoOpposite || opposite[c] < c) continue;
+    unite_fans(surface.mesh.triangles, c, opposite[c], fans);
   }
   const std::size_t before = surface.mesh.vertices.size();
-  std::vector<std::uint32_t> first_fan(before, kNoMate);
+  std::vector<std::uint32_t> first_fan(before, kNoOpposite);
   std::unordered_map<std::uint32_t, std::int32_t> vertex_of_fan;
-  for (Corner c = 0; c < mates.size(); ++c) {
+  for (Corner c = 0; c < opposite.size(); ++c) {
     const std::uint32_t fan = fans.find(c);
     std::int32_t& vertex = surface.mesh.triangles[c / 3][c % 3];
     const auto old = static_cast<std::size_t>(vertex);
-    if (first_fan[old] == kNoMate) first_fan[old] = fan;
+    if (first_fan[old] == kNoOpposite) first_fan[old] = fan;
     if (first_fan[old] == fan) continue;
     const auto [entry, is_new] =
         vertex_of_fan.try_emplace(fan, static_cast<std::int32_t>(surface.mesh.vertices.size()));
@@ -385,7 +341,7 @@ std::size_t split_fans(WorkSurface& surface, const Mates& mates) {
   return surface.mesh.vertices.size() - before;
 }
 
-std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates) {
+std::size_t split_non_manifold_edges(WorkSurface& surface, const Opposites& opposite) {
   std::size_t parted = 0;
   std::vector<std::uint8_t> is_cut(surface.mesh.triangles.size(), 0);
   const auto cut = [&](Corner corner, std::int32_t middle) {
@@ -393,44 +349,43 @@ std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates) {
     Triangle half = whole;
     whole[(corner % 3 + 1) % 3] = middle;
     half[corner % 3] = middle;
-    surface.mesh.triangles.push_back(half);
-    surface.marks.push_back(std::uint8_t{surface.marks[corner / 3]});
+    surface.add(half, surface.marks[corner / 3]);
   };
-  const std::vector<EdgeSide> sides = sorted_sides(surface.mesh.triangles);
-  for_each_edge(sides, [&](const EdgeSide* first, const EdgeSide* last) {
+  const std::vector<HalfEdge> sides = sorted_half_edges(surface.mesh.triangles);
+  for_each_edge(sides, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first <= 2) return;
-    for (const EdgeSide* side = first; side != last; ++side) {
-      const Corner mate = mates[side->corner];
-      if (mate == kNoMate || mate < side->corner) continue;
-      if (is_cut[side->corner / 3] != 0 || is_cut[mate / 3] != 0) continue;
-      is_cut[side->corner / 3] = is_cut[mate / 3] = 1;
+    for (const HalfEdge* side = first; side != last; ++side) {
+      const Corner across = opposite[side->corner];
+      if (across == kNoOpposite || across < side->corner) continue;
+      if (is_cut[side->corner / 3] != 0 || is_cut[across / 3] != 0) continue;
+      is_cut[side->corner / 3] = is_cut[across / 3] = 1;
       const auto middle = static_cast<std::int32_t>(surface.mesh.vertices.size());
       const Vec3 point = 0.5 * (surface.point_at(side->corner) + surface.point_at(next_corner(side->corner)));
       surface.mesh.vertices.push_back(point);
       cut(side->corner, middle);
-      cut(mate, middle);
+      cut(across, middle);
       ++parted;
     }
   });
   return parted;
 }
 
-bool turn_alike(WorkSurface& surface, const Mates& mates) {
+bool orient_consistently(WorkSurface& surface, const Opposites& opposite) {
   const std::size_t count = surface.mesh.triangles.size();
   std::vector<std::uint8_t> seen(count, 0);
   std::vector<std::uint8_t> turned(count, 0);
-  std::vector<std::uint32_t> piece;
+  std::vector<std::uint32_t> component;
   for (std::uint32_t start = 0; start < count; ++start) {
     if (seen[start] != 0) continue;
-    piece.assign(1, start);
+    component.assign(1, start);
     seen[start] = 1;
     std::size_t turned_ones = 0;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      for (Corner c = 3 * piece[i]; c < 3 * piece[i] + 3; ++c) {
-        if (mates[c] == kNoMate) continue;
-        const std::uint32_t other = mates[c] / 3;
-        const bool runs_along = surface.vertex_at(mates[c]) == surface.vertex_at(c);
-        const auto wanted = static_cast<std::uint8_t>(turned[piece[i]] ^ (runs_along ? 1 : 0));
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      for (Corner c = 3 * component[i]; c < 3 * component[i] + 3; ++c) {
+        if (opposite[c] == kNoOpposite) continue;
+        const std::uint32_t other = opposite[c] / 3;
+        const bool runs_along = surface.vertex_at(opposite[c]) == surface.vertex_at(c);
+        const auto wanted = static_cast<std::uint8_t>(turned[component[i]] ^ (runs_along ? 1 : 0));
         if (seen[other] != 0) {
           if (turned[other] != wanted) return false;
           continue;
@@ -438,11 +393,11 @@ bool turn_alike(WorkSurface& surface, const Mates& mates) {
         seen[other] = 1;
         turned[other] = wanted;
         turned_ones += wanted;
-        piece.push_back(other);
+        component.push_back(other);
       }
     }
-    const std::uint8_t majority = 2 * turned_ones > piece.size() ? 1 : 0;
-    for (const std::uint32_t t : piece) turned[t] ^= majority;
+    const std::uint8_t majority = 2 * turned_ones > component.size() ? 1 : 0;
+    for (const std::uint32_t t : component) turned[t] ^= majority;
   }
   for (std::size_t t = 0; t < count; ++t) {
     if (turned[t] != 0) surface.turn(t);
@@ -450,14 +405,14 @@ bool turn_alike(WorkSurface& surface, const Mates& mates) {
   return true;
 }
 
-std::vector<std::uint32_t> pieces_of(const Mates& mates) {
-  DisjointSets sets(mates.size() / 3);
-  for (Corner c = 0; c < mates.size(); ++c) {
-    if (mates[c] != kNoMate && mates[c] > c) sets.unite(c / 3, mates[c] / 3);
+std::vector<std::uint32_t> components_of(const Opposites& opposite) {
+  DisjointSets sets(opposite.size() / 3);
+  for (Corner c = 0; c < opposite.size(); ++c) {
+    if (opposite[c] != kNoOpposite && opposite[c] > c) sets.unite(c / 3, opposite[c] / 3);
   }
-  std::vector<std::uint32_t> pieces(mates.size() / 3);
-  for (std::uint32_t t = 0; t < pieces.size(); ++t) pieces[t] = sets.find(t);
-  return pieces;
+  std::vector<std::uint32_t> components(opposite.size() / 3);
+  for (std::uint32_t t = 0; t < components.size(); ++t) components[t] = sets.find(t);
+  return components;
 }
 
 }  // namespace palpate::geometry

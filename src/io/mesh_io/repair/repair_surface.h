@@ -4,17 +4,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/infinity.h"
+#include "core/geometry/half_edges.h"
 #include "palpate/mesh.h"
 
 // The mesh that is being repaired, its edges, and the steps that need no more than who meets whom; for
 // repair.cc.
 namespace palpate::geometry {
-
-/// A corner 3 t + k is corner k of triangle t, and the edge from there to the next corner.
-using Corner = std::uint32_t;
-
-[[nodiscard]] inline Corner next_corner(Corner corner) { return corner - corner % 3 + (corner + 1) % 3; }
-[[nodiscard]] inline Corner previous_corner(Corner corner) { return corner - corner % 3 + (corner + 2) % 3; }
 
 inline constexpr std::uint8_t kTurned = 1;   // the other way round than in the input
 inline constexpr std::uint8_t kAdded = 2;    // not in the input
@@ -35,11 +31,38 @@ struct WorkSurface {
   [[nodiscard]] double area(std::size_t triangle) const;
   [[nodiscard]] double area() const;
 
+  void add(const Triangle& triangle, std::uint8_t mark) {
+    mesh.triangles.push_back(triangle);
+    marks.push_back(mark);
+  }
   void turn(std::size_t triangle);
   /// Drops the triangles that are marked with anything but 0, and then the vertices that none uses.
   /// @return how many triangles were dropped
   std::size_t drop(const std::vector<std::uint8_t>& doomed);
-  void drop_unused_vertices();
+};
+
+/// Drops the vertices that no triangle uses. The others keep their order.
+void drop_unused_vertices(TriangleMesh& mesh);
+
+/// Half the solid angle at which a triangle is seen from the origin, positive from behind its outside. [van
+/// Oosterom and Strackee 1983]
+[[nodiscard]] double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Axis-aligned box of what was added; empty at first.
+struct Box {
+  Vec3 low = Vec3::Constant(kInfinity);
+  Vec3 high = Vec3::Constant(-kInfinity);
+  void add(const Vec3& point) { add(Box{point, point}); }
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  [[nodiscard]] bool meets(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+  [[nodiscard]] bool holds(const Box& other) const {
+    return (low.array() <= other.low.array()).all() && (other.high.array() <= high.array()).all();
+  }
 };
 
 /// Groups of triangles that hang together in some way; the smallest member names the group.
@@ -53,35 +76,17 @@ class DisjointSets final {
   std::vector<std::uint32_t> parent_;
 };
 
-/// One side of an edge; those of one edge stand together when sorted.
-struct EdgeSide {
-  std::uint64_t edge;  // edge_key()
-  Corner corner;
-};
+/// Two triangles at an edge, each with its corner of it, are of one fan about either end.
+void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, DisjointSets& fans);
 
-/// All sides of all edges, sorted by edge, then corner.
-[[nodiscard]] std::vector<EdgeSide> sorted_sides(const std::vector<Triangle>& triangles);
+inline constexpr Corner kNoOpposite = 0xffffffffU;
 
-/// Calls `visit(first, last)` with the sides of each edge.
-template <typename Visit>
-void for_each_edge(const std::vector<EdgeSide>& sides, const Visit& visit) {
-  for (std::size_t first = 0; first < sides.size();) {
-    std::size_t end = first + 1;
-    while (end < sides.size() && sides[end].edge == sides[first].edge) ++end;
-    visit(sides.data() + first, sides.data() + end);
-    first = end;
-  }
-}
+/// For each half-edge its opposite one, or kNoOpposite.
+using Opposites = std::vector<Corner>;
 
-inline constexpr Corner kNoMate = 0xffffffffU;
-
-/// For each corner the one across its edge, or kNoMate.
-using Mates = std::vector<Corner>;
-
-/// Two sides of an edge are mates, and of more an even number two by two, so that what lies between two mates
-/// is solid. @param left is set to how many edges of an odd number larger than one there are: these have no
-/// mates
-[[nodiscard]] Mates pair_sides(const WorkSurface& surface, std::size_t& left);
+/// Two half-edges of an edge are opposite; of a larger even number they are paired so that what lies between
+/// two is solid. Half-edges of an edge with a larger odd number have no opposite.
+[[nodiscard]] Opposites pair_half_edges(const WorkSurface& surface);
 
 /// How often something was done, and to how many triangles.
 struct Done {
@@ -95,20 +100,20 @@ std::size_t drop_collapsed(WorkSurface& surface);
 std::size_t drop_duplicates(WorkSurface& surface);
 /// Joins vertices at boundaries that lie within `tolerance` [m]. @return how many went
 std::size_t weld_boundaries(WorkSurface& surface, double tolerance);
-/// At edges of more than two triangles drops patches that end in a boundary (fins).
-Done drop_fins(WorkSurface& surface);
-/// At edges of more than two triangles drops patches that were there once each way round (walls between
-/// solids).
-Done drop_walls(WorkSurface& surface);
-/// Gives each fan of triangles about a vertex a vertex of its own. @return how many vertices came
-std::size_t split_fans(WorkSurface& surface, const Mates& mates);
-/// Where an edge is still of more than two triangles after that, cuts the triangles of each two mates in half
-/// at a middle of their own. @return how many middles came
-std::size_t part_pinched_edges(WorkSurface& surface, const Mates& mates);
-/// Turns triangles so that all of one piece agree, the fewer to the more. @return false for one-sided
+/// At edges of more than two triangles drops patches that end in a boundary.
+Done drop_dangling_faces(WorkSurface& surface);
+/// At edges of more than two triangles drops patches that were there once each way round: faces between two
+/// solids.
+Done drop_internal_faces(WorkSurface& surface);
+/// Gives each fan of triangles about a bow-tie vertex a vertex of its own. @return how many vertices came
+std::size_t split_bow_tie_vertices(WorkSurface& surface, const Opposites& opposite);
+/// Where an edge is still of more than two triangles after that, cuts the triangles of each pair of
+/// half-edges in half at a middle of their own. @return how many middles came
+std::size_t split_non_manifold_edges(WorkSurface& surface, const Opposites& opposite);
+/// Turns triangles so that all of one component agree, the fewer to the more. @return false for one-sided
 /// surfaces
-bool turn_alike(WorkSurface& surface, const Mates& mates);
-/// The piece of each triangle, by its smallest triangle.
-[[nodiscard]] std::vector<std::uint32_t> pieces_of(const Mates& mates);
+bool orient_consistently(WorkSurface& surface, const Opposites& opposite);
+/// The component of each triangle, by its smallest triangle.
+[[nodiscard]] std::vector<std::uint32_t> components_of(const Opposites& opposite);
 
 }  // namespace palpate::geometry

@@ -252,7 +252,7 @@ TEST_F(ReadMesh, DuplicateAndUnusedVerticesAreMergedOrDroppedAndSaid) {
       "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 4\nv 0 0 -0\nv 2 0 0\nv 9 9 9\nf 1 3 2\nf 5 2 4\nf 6 3 4\nf 1 4 3\n");
   expect_tetrahedron(loaded);
   EXPECT_THAT(loaded.findings.repairs,
-              ElementsAre("merged 2 duplicate vertices", "dropped 1 vertices that no triangle uses"));
+              ElementsAre("merged 2 duplicate vertices", "dropped 1 vertex that no triangle uses"));
 }
 
 TEST_F(ReadMesh, NearVerticesAreNotMerged) {
@@ -268,13 +268,13 @@ TEST_F(ReadMesh, PolygonsAreCutIntoTrianglesAndSaid) {
   EXPECT_EQ(loaded.mesh.triangles.size(), 6U);
   EXPECT_TRUE(loaded.findings.closed);
   EXPECT_NEAR(loaded.findings.volume, 1.0 / 3.0, 1e-12);
-  EXPECT_THAT(loaded.findings.repairs, ElementsAre("cut 1 polygons into triangles"));
+  EXPECT_THAT(loaded.findings.repairs, ElementsAre("cut 1 polygon into triangles"));
 }
 
 TEST_F(ReadMesh, LinesBesideTrianglesAreDroppedAndSaid) {
   const LoadedMesh loaded = read("a.obj", kObj + "l 1 2\n");
   expect_tetrahedron(loaded);
-  EXPECT_THAT(loaded.findings.repairs, Contains(HasSubstr("dropped 1 lines or points")));
+  EXPECT_THAT(loaded.findings.repairs, Contains(HasSubstr("dropped 1 line or point")));
 }
 
 TEST_F(ReadMesh, AnOpenMeshIsReadAndItsDefectsAreSaid) {
@@ -299,7 +299,7 @@ TEST_F(ReadMesh, RefusesWhatIsNoMeshFile) {
 }
 
 TEST_F(ReadMesh, RefusesMeshesWithoutTriangles) {
-  expect_refused("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "no triangles (dropped 1 lines or points");
+  expect_refused("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "no triangles (dropped 1 line or point");
   expect_refused("a.stl", binary_stl({}), "no triangles");
   expect_refused("b.stl", "solid x\nendsolid x\n", "no triangles");
 }
@@ -312,12 +312,12 @@ TEST_F(ReadMesh, RefusesTruncatedFiles) {
   expect_refused("c.stl", text.substr(0, text.find("endloop", 200)), "truncated");
   expect_refused("d.stl", text.substr(0, text.find("endsolid")), "no endsolid");
   expect_refused("a.off", kOff.substr(0, kOff.size() - 8), "truncated");
-  expect_refused("b.off", kOff.substr(0, kOff.size() - 3), "a face of 3 corners has \"\"");
+  expect_refused("b.off", kOff.substr(0, kOff.size() - 3), "line 10: truncated: ends in face 4 of 4");
   expect_refused("a.ply", kPly.substr(0, kPly.size() - 3), "ends in face 4 of 4");
   const std::string binary = binary_ply(false);
   expect_refused("b.ply", binary.substr(0, binary.size() - 1), "ends in face 4 of 4");
   expect_refused("c.ply", "ply\nformat ascii 1.0\nelement vertex 4\n", "header does not end");
-  expect_refused("a.obj", "v 0 0 0\nv 2 0", "vertex 2 has fewer than three numbers");
+  expect_refused("a.obj", "v 0 0 0\nv 2 0", "line 2: truncated: ends in vertex 2");
   const std::string three = three_ds();
   expect_refused("a.3ds", three.substr(0, three.size() - 1), "truncated");
   const std::string gl = glb(R"([{"mesh":0}])");
@@ -346,15 +346,16 @@ TEST_F(ReadMesh, RefusesNumbersThatAreNotFiniteAndNamesTheVertex) {
 }
 
 TEST_F(ReadMesh, RefusesAVertexIndexOutOfRange) {
-  expect_refused("a.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf 1 2 4\n", "line 4: vertex index 4 is out of range");
+  expect_refused("a.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf 1 2 4\n",
+                 "line 4: face 1: vertex index 4 is out of range");
   expect_refused("b.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf 0 1 2\n", "vertex index 0 is out of range");
   expect_refused("c.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf -4 1 2\n", "vertex index -4 is out of range");
   expect_refused("d.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf a 1 2\n", "\"a\" is not a vertex index");
   expect_refused("a.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 3 0\n3 0 1 3\n",
-                 "line 6: vertex index 3 is out of range");
+                 "line 6: face 1: vertex index 3 is out of range");
   std::string ply = kPly;
   ply.replace(ply.rfind("3 0 3 2"), 7, "3 0 3 4");
-  expect_refused("a.ply", ply, "face 4: a vertex index is out of range");
+  expect_refused("a.ply", ply, "face 4: vertex index 4 is out of range: the file has 4 vertices");
   std::string three = three_ds();
   const std::string face =
       bytes_of(std::uint16_t{1}) + bytes_of(std::uint16_t{2}) + bytes_of(std::uint16_t{3});
@@ -370,7 +371,7 @@ TEST_F(ReadMesh, RefusesCountsThatTheFileCannotHold) {
   expect_refused("d.off", "OFF BINARY\n", "save it as text");
   std::string ply = kPly;
   ply.replace(ply.find("vertex 4"), 8, "vertex 999999999");
-  expect_refused("a.ply", ply, "declares 999999999 x vertex");
+  expect_refused("a.ply", ply, "declares 999999999 vertex, more than its");
 }
 
 TEST_F(ReadMesh, RefusesPolygonsThatWouldTakeTooLong) {
@@ -390,11 +391,11 @@ TEST_F(ReadMesh, RefusesPolygonsThatWouldTakeTooLong) {
   const std::string corner = "v 0 0 0\nv 2 0 0\nv 0 3 0\n";
   std::string face = "f";
   for (int n = 0; n < 171; ++n) face += " 1 2 3";
-  expect_refused("a.obj", corner + face + "\n", "line 4: " + words);
+  expect_refused("a.obj", corner + face + "\n", "line 4: face 1: " + words);
   std::string many = corner;
   for (int n = 0; n < 6; ++n)
     many += face.substr(0, face.size() - 2) + "\n";  // 512 corners, 22 million steps
-  expect_refused("b.obj", many, "line 9: too many polygons as large as this one of 512 corners");
+  expect_refused("b.obj", many, "line 9: face 6: too many polygons as large as this one of 512 corners");
 }
 
 TEST_F(ReadMesh, RefusesBadPlyHeaders) {
@@ -402,7 +403,7 @@ TEST_F(ReadMesh, RefusesBadPlyHeaders) {
   expect_refused("b.ply", "ply\nformat binary 1.0\nend_header\n", "must be ascii, binary_little_endian");
   expect_refused("c.ply", "ply\nproperty float x\nend_header\n", "before any element");
   expect_refused("d.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty quux x\nend_header\n",
-                 "not a PLY type");
+                 "\"quux\" is not a type of numbers");
   expect_refused("e.ply", "ply\nelement vertex 1\nproperty float x\nend_header\n1", "no format");
   expect_refused(
       "twice.ply",
@@ -470,8 +471,8 @@ TEST_F(ReadMesh, RefusesGltfBuffersOutsideItsFolder) {
   }
 }
 
-TEST_F(ReadMesh, SaysControlCharactersOfAFileAsQuestionMarks) {
-  expect_refused("a.vtk", "# vtk DataFile Version 3\r\r.0\na\nASCII\n", "version \"3??.0\"");
+TEST_F(ReadMesh, SaysControlCharactersOfAFileAsBlanks) {
+  expect_refused("a.vtk", "# vtk DataFile Version 3\1\1.0\na\nASCII\n", "version \"3  .0\"");
 }
 
 TEST_F(ReadMesh, RefusesGltfThatWouldTakeTheStackOrTheMemory) {

@@ -121,7 +121,7 @@ TEST(Repair, DropsTrianglesThatNameAVertexTwice) {
               ElementsAre("dropped 1 triangle that names a vertex twice"));
 }
 
-TEST(Repair, DropsFins) {
+TEST(Repair, DropsDanglingFaces) {
   TriangleMesh mesh = ball();
   const auto [a, b, c] = mesh.triangles[10];
   const Vec3 outside = 1.1 * mesh.vertices[static_cast<std::size_t>(a)];
@@ -130,7 +130,8 @@ TEST(Repair, DropsFins) {
   const auto out = static_cast<std::int32_t>(mesh.vertices.size()) - 1;
   mesh.triangles.push_back({a, b, out});
   mesh.triangles.push_back({b, out, out - 1});
-  EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs, ElementsAre("dropped 1 fin (2 triangles)"));
+  EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs,
+              ElementsAre("dropped 1 patch of dangling faces (2 triangles)"));
 }
 
 /// A box and its mirror image on its right side; each brings its own side, so that the two lie on each other.
@@ -152,13 +153,13 @@ TriangleMesh two_boxes_with_a_side_in_common() {
   return mesh;
 }
 
-TEST(Repair, DropsTheWallBetweenTwoSolidsThatShareASide) {
+TEST(Repair, DropsTheFacesBetweenTwoSolidsThatShareASide) {
   const RepairedSurface result = repaired(two_boxes_with_a_side_in_common(), 16e-6);
-  EXPECT_THAT(result.repairs,
-              ElementsAre("dropped 2 duplicate triangles", "dropped 1 wall inside (2 triangles)"));
+  EXPECT_THAT(result.repairs, ElementsAre("dropped 2 duplicate triangles",
+                                          "dropped 1 patch of internal faces (2 triangles)"));
 }
 
-TEST(Repair, RefusesEdgesOfThreeTrianglesThatAreNeitherFinNorWall) {
+TEST(Repair, RefusesEdgesOfThreeTrianglesWhoseFacesNeitherDangleNorLieInside) {
   TriangleMesh mesh = two_boxes_with_a_side_in_common();
   const auto is_in_wall = [&](const Triangle& t) {
     return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
@@ -180,7 +181,7 @@ TEST(Repair, PartsSolidsThatTouchInAVertex) {
   }
   const RepairedSurface result = repaired(mesh, 2.0 * signed_volume(other));
   EXPECT_THAT(result.repairs, ElementsAre("parted surfaces that touched, with 1 new vertex"));
-  EXPECT_THAT(result.remarks, ElementsAre("2 separate pieces"));
+  EXPECT_THAT(result.remarks, ElementsAre("2 separate components"));
 }
 
 TEST(Repair, PartsSolidsThatTouchInAnEdgeWhicheverWayTheyAreTurned) {
@@ -198,7 +199,7 @@ TEST(Repair, PartsSolidsThatTouchInAnEdgeWhicheverWayTheyAreTurned) {
     ASSERT_TRUE(test::is_closed(result.mesh)) << turned;
     ASSERT_THAT(findings_of(result.mesh).defects, IsEmpty()) << turned;
   }
-  EXPECT_THAT(repaired(mesh, 1e-6 / 3.0).remarks, ElementsAre("2 separate pieces"));
+  EXPECT_THAT(repaired(mesh, 1e-6 / 3.0).remarks, ElementsAre("2 separate components"));
 }
 
 TEST(Repair, ClosesAMissingTriangleAsItWas) {
@@ -331,34 +332,34 @@ TEST(Repair, DropsInnerShellsWhicheverWayTheyAreTurned) {
   }
 }
 
-TEST(Repair, DropsSmallPiecesAndKeepsLargeOnesAndSaysSo) {
+TEST(Repair, DropsSmallComponentsAndKeepsLargeOnesAndSaysSo) {
   TriangleMesh mesh = ball();
   add(mesh, ball(), {0.05, 0.0, 0.0}, 0.1);
   add(mesh, ball(), {-0.05, 0.0, 0.0}, 0.5);
   const RepairedSurface result = repaired(mesh, 1.125 * signed_volume(ball()));
-  EXPECT_THAT(result.repairs, ElementsAre("dropped 1 small piece (320 triangles, 0.09 % of the volume)"));
-  EXPECT_THAT(result.remarks, ElementsAre("2 separate pieces"));
+  EXPECT_THAT(result.repairs, ElementsAre("dropped 1 small component (320 triangles, 0.09 % of the volume)"));
+  EXPECT_THAT(result.remarks, ElementsAre("2 separate components"));
 }
 
-TEST(Repair, DropsOpenScraps) {
+TEST(Repair, DropsSmallOpenComponents) {
   TriangleMesh mesh = ball();
   const auto first = static_cast<std::int32_t>(mesh.vertices.size());
   for (const double x : {0.0, 0.001, 0.002}) mesh.vertices.emplace_back(0.03, x, x * x);
   mesh.triangles.push_back({first, first + 1, first + 2});
   EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs,
-              ElementsAre("dropped 1 open scrap (1 triangle)"));
+              ElementsAre("dropped 1 small open component (1 triangle)"));
 }
 
-TEST(Repair, RefusesPiecesThatGoThroughEachOther) {
+TEST(Repair, RefusesComponentsThatGoThroughEachOther) {
   TriangleMesh mesh = ball();
   add(mesh, ball(), {0.02, 0.001, 0.0005});
-  EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("pieces go through each other"));
+  EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("components go through each other"));
 }
 
-TEST(Repair, RefusesManyPiecesOfLikeSize) {
+TEST(Repair, RefusesManyComponentsOfLikeSize) {
   TriangleMesh mesh = make_ball(0.001, 20);
   for (int n = 1; n < 40; ++n) add(mesh, make_ball(0.001, 20), {0.003 * n, 0.0, 0.0});
-  EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("40 separate pieces"));
+  EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("40 separate components"));
 }
 
 TEST(Repair, KeepsAFewCrossingTrianglesAndSaysSo) {
@@ -474,7 +475,7 @@ class Damage final {
     add(mesh_, make_ball(0.02 * bounds(mesh_).size().minCoeff(), 20), bounds(mesh_).high * 3.0);
   }
 
-  /// Takes away triangles that have no vertex in common with each other or with a fin.
+  /// Takes away triangles that have no vertex in common with each other or with a dangling face.
   void remove_apart(std::size_t whole) {
     std::vector<int> uses(mesh_.vertices.size(), 0);
     for (std::size_t t = whole; t < mesh_.triangles.size(); ++t) {

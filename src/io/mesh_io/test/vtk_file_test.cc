@@ -1,5 +1,3 @@
-#include "io/mesh_io/vtk_file.h"
-
 #include <algorithm>
 #include <cstring>
 #include <random>
@@ -8,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/mesh_io/formats/formats.h"
+#include "io/mesh_io/test/solids.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
@@ -217,6 +217,38 @@ TEST(Vtk, ReadsPixelsAsTheSquaresTheyAre) {
     EXPECT_NEAR(area_vector_doubled(squares.mesh, t).z(), 1.0, 1e-12);
 }
 
+TEST(Vtk, TakesTheSurfaceOfSolidCellsTurnedOutwards) {
+  for (const Form& form : all_forms()) {
+    if (!form.is_grid) continue;
+    for (const test::Solid& solid : test::solids()) {
+      SCOPED_TRACE(solid.name);
+      std::vector<std::vector<std::int32_t>> cells;
+      std::vector<std::int32_t> types;
+      for (const test::SolidCell& cell : solid.cells) {
+        cells.push_back(cell.nodes);
+        types.push_back(cell.vtk);
+      }
+      Writer writer(form);
+      writer.points(solid.points);
+      writer.cells("CELLS", cells);
+      writer.cell_types(types);
+      const ImportedMesh surface = read(writer.bytes());
+      EXPECT_EQ(surface.mesh.triangles.size(), solid.triangles);
+      EXPECT_NEAR(signed_volume(surface.mesh), solid.volume, 1e-12);
+      EXPECT_TRUE(findings_of(surface.mesh).closed && findings_of(surface.mesh).manifold);
+    }
+  }
+}
+
+TEST(Vtk, RefusesACellWithoutTheNodesOfItsType) {
+  Writer writer({false, false, false, true});
+  writer.points(test::box_points());
+  writer.cells("CELLS", {{0, 1, 2, 3}, {0, 1, 2, 3, 4}});
+  writer.cell_types({10, 12});
+  EXPECT_THAT([&] { (void)read(writer.bytes()); },
+              ThrowsMessage<InputError>(HasSubstr("cell 1: a hexahedron has 5 points, must have 8")));
+}
+
 TEST(Vtk, PassesOverAllThatIsNothingToASurface) {
   for (const Form& form : all_forms()) {
     if (form.is_grid) continue;
@@ -304,15 +336,15 @@ TEST(Vtk, SaysLineFieldAndValueOfWhatItRefuses) {
   expect_refused(kHead + "POINTS 999999999999 float\n", "line 5", "declares 999999999999 points");
   expect_refused(kHead + "POINTS 20 float\n", "line 5", "60 numbers of POINTS do not fit");
   expect_refused(kHead + "POINTS 3 int\n", "line 5", "float or double");
-  expect_refused(kHead + "POINTS 3 real\n", "line 5", "\"real\" is not a type of coordinates");
+  expect_refused(kHead + "POINTS 3 real\n", "line 5", "\"real\" is not a type of numbers");
   expect_refused(kHead + "POINTS 1 float\n0 nan 0\n", "line 6", "vertex 1 is not finite");
   expect_refused(kHead + "POINTS 1 double\n0 1e300 0\n", "line 6", "vertex 1 is not finite");
-  expect_refused(kHead + "POINTS 1 float\n0 a.b 0\n", "line 6", "\"a.b\" is not a number, in POINTS");
+  expect_refused(kHead + "POINTS 1 float\n0 a.b 0\n", "line 6", "vertex 1: \"a.b\" is not a number");
   expect_refused(kHead + kPoints + kPoints, "line 9", "POINTS come twice");
-  expect_refused(kHead + "POLYGONS 1 4\n3 0 1 2\n", "line 6", "come before POINTS");
+  expect_refused(kHead + "POLYGONS 1 4\n3 0 1 2\n", "line 5", "POLYGONS come before POINTS");
   expect_refused(kHead + kPoints + "POLYGONS 1 4\n3 0 1 3\n", "line 10",
-                 "point 3 is out of range: the file has 3");
-  expect_refused(kHead + kPoints + "POLYGONS 1 4\n3 0 -1 2\n", "line 10", "point -1 is out of range");
+                 "POLYGONS: vertex index 3 is out of range: the file has 3");
+  expect_refused(kHead + kPoints + "POLYGONS 1 4\n3 0 -1 2\n", "line 10", "vertex index -1 is out of range");
   expect_refused(kHead + kPoints + "POLYGONS 1 4\n4 0 1 2\n", "line 10", "cell 0 of POLYGONS has 4 corners");
   expect_refused(kHead + kPoints + "POLYGONS 1 5\n3 0 1 2 0\n", "line 10",
                  "declares 5 numbers, its cells have 4");
@@ -327,7 +359,7 @@ TEST(Vtk, SaysTheByteInABinaryFile) {
   writer.points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   const std::size_t begin = writer.bytes().size() + std::string("POLYGONS 1 4\n").size();
   writer.cells("POLYGONS", {{0, 1, 9}});
-  expect_refused(writer.bytes(), "byte " + std::to_string(begin + 12), "point 9 is out of range");
+  expect_refused(writer.bytes(), "byte " + std::to_string(begin + 12), "vertex index 9 is out of range");
 }
 
 TEST(Vtk, RefusesBadOffsetsAndCellTypes) {
@@ -342,7 +374,7 @@ TEST(Vtk, RefusesBadOffsetsAndCellTypes) {
                            "CELLS 1 4\n3 0 1 2\n";
   expect_refused(grid, "line 11", "CELLS but no CELL_TYPES");
   expect_refused(grid + "CELL_TYPES 2\n5 5\n", "line 11", "CELL_TYPES has 2 cells, CELLS 1");
-  expect_refused(grid + "CELL_TYPES 1\n10\n", "line 12", "cell 0 of CELL_TYPES is of type 10");
+  expect_refused(grid + "CELL_TYPES 1\n15\n", "line 12", "cell 0 is of type 15: must be 1 to 14");
 }
 
 TEST(Vtk, RefusesPolygonsThatWouldTakeTooLong) {
@@ -360,7 +392,7 @@ TEST(Vtk, RefusesPolygonsThatWouldTakeTooLong) {
   };
   EXPECT_EQ(read(with_polygon(512, 1)).mesh.triangles.size(), 510U);
   EXPECT_THAT([&] { (void)read(with_polygon(513, 1)); },
-              ThrowsMessage<InputError>(HasSubstr("polygon 0: a polygon of 513 corners: at most 512")));
+              ThrowsMessage<InputError>(HasSubstr("cell 0: a polygon of 513 corners: at most 512")));
   EXPECT_THAT([&] { (void)read(with_polygon(512, 6)); },
               ThrowsMessage<InputError>(HasSubstr("too many polygons as large as this")));
 }

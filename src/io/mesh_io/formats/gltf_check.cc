@@ -1,8 +1,7 @@
-#include "io/mesh_io/gltf_check.h"
+#include "io/mesh_io/formats/gltf_check.h"
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -12,9 +11,9 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <strings.h>
 
-#include "io/mesh_io/text_scan.h"
+#include "core/base/text.h"
+#include "io/mesh_io/formats/scan.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -28,12 +27,6 @@ constexpr std::size_t kMostNodes = 100'000;
 constexpr std::uint64_t kMostElements = 20'000'000;       // indices and vertices of all parts
 constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // numbers that only a count stands for
 
-std::uint32_t read_u32_le(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
 /// The JSON chunk of a .glb, which comes first.
 std::string_view json_of_glb(const MeshFile& file) {
   const std::string_view bytes = file.bytes;
@@ -42,11 +35,11 @@ std::string_view json_of_glb(const MeshFile& file) {
   if (bytes.size() < kHeader || bytes.substr(0, 4) != "glTF") {
     refuse("not a binary glTF: must start with \"glTF\" and a JSON chunk");
   }
-  const std::size_t declared = read_u32_le(bytes, 8);
+  const std::size_t declared = little_endian_32(bytes, 8);
   if (declared != bytes.size()) {
     refuse(fmt::format("truncated or damaged: declares {} bytes, has {}", declared, bytes.size()));
   }
-  const std::size_t length = read_u32_le(bytes, 12);
+  const std::size_t length = little_endian_32(bytes, 12);
   if (length > bytes.size() - kHeader) refuse("truncated: its JSON chunk does not end");
   return bytes.substr(kHeader, length);
 }
@@ -164,48 +157,46 @@ class GltfCheck final {
       const bool leaves = path.is_absolute() || path.empty() || *path.begin() == ".." ||
                           name.find(':') != std::string::npos || hides_a_path(name) || leads_out(path);
       if (leaves) {
-        refuse(without_controls("buffer \"" + name.substr(0, 60) +
-                                "\": must be a file in the folder of the mesh"));
+        refuse("buffer \"" + excerpt(name) + "\": must be a file in the folder of the mesh");
       }
     }
+  }
+
+  /// How many elements an accessor declares, none where that is no number; at most `most`.
+  static std::uint64_t count_of(const json& accessor, std::uint64_t most) {
+    const auto count = accessor.is_object() ? accessor.find("count") : accessor.end();
+    if (count == accessor.end() || !count->is_number_unsigned()) return 0;
+    return std::min(count->get<std::uint64_t>(), most);
   }
 
   void check_accessors() const {
     std::uint64_t without_buffer = 0;
     for (const json& accessor : list(root_, "accessors")) {
-      if (!accessor.is_object() || accessor.contains("bufferView")) continue;
-      const auto count = accessor.find("count");
-      if (count == accessor.end() || !count->is_number_unsigned()) continue;
-      without_buffer += std::min(count->get<std::uint64_t>(), kMostWithoutBuffer + 1);
+      if (accessor.is_object() && accessor.contains("bufferView")) continue;
+      without_buffer += count_of(accessor, kMostWithoutBuffer + 1);
       if (without_buffer > kMostWithoutBuffer) {
         refuse(fmt::format("accessors without a buffer declare more than {} elements", kMostWithoutBuffer));
       }
     }
   }
 
-  [[nodiscard]] std::uint64_t count_of(const json& accessor_index) const {
-    const json& accessors = list(root_, "accessors");
-    if (!accessor_index.is_number_unsigned() || accessor_index.get<std::uint64_t>() >= accessors.size())
-      return 0;
-    const json& accessor = accessors[accessor_index.get<std::size_t>()];
-    const auto count = accessor.is_object() ? accessor.find("count") : accessor.end();
-    if (count == accessor.end() || !count->is_number_unsigned()) return 0;
-    return std::min(count->get<std::uint64_t>(), kMostElements + 1);
-  }
-
   /// The importer copies indices and vertices for each part, also where parts share them.
   void check_parts() const {
+    const json& accessors = list(root_, "accessors");
     std::uint64_t elements = 0;
+    const auto add = [&](const json& index) {
+      if (!index.is_number_unsigned() || index.get<std::uint64_t>() >= accessors.size()) return;
+      elements += count_of(accessors[index.get<std::size_t>()], kMostElements + 1);
+      if (elements <= kMostElements) return;
+      refuse(fmt::format("its parts declare more than {} indices and vertices", kMostElements));
+    };
     for (const json& mesh : list(root_, "meshes")) {
       for (const json& part : list(mesh, "primitives")) {
         if (!part.is_object()) continue;
-        if (const auto indices = part.find("indices"); indices != part.end()) elements += count_of(*indices);
+        if (const auto indices = part.find("indices"); indices != part.end()) add(*indices);
         const auto attributes = part.find("attributes");
         if (attributes == part.end() || !attributes->is_object()) continue;
-        for (const json& attribute : *attributes) elements += count_of(attribute);
-        if (elements > kMostElements) {
-          refuse(fmt::format("its parts declare more than {} indices and vertices", kMostElements));
-        }
+        for (const json& attribute : *attributes) add(attribute);
       }
     }
   }
@@ -220,8 +211,8 @@ class GltfCheck final {
 void check_gltf(const MeshFile& file) { GltfCheck(file, json_text(file)).run(); }
 
 std::vector<std::filesystem::path> gltf_buffer_files(const std::filesystem::path& mesh) {
-  const std::string ending = mesh.extension().string();
-  if (::strcasecmp(ending.c_str(), ".gltf") != 0 && ::strcasecmp(ending.c_str(), ".glb") != 0) return {};
+  const std::optional<MeshFormat> format = mesh_format(mesh);
+  if (format != MeshFormat::kGltf && format != MeshFormat::kGlb) return {};
   const MeshFile file = open_mesh_file(mesh);
   GltfCheck check(file, json_text(file));
   check.parse();

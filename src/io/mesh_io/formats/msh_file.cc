@@ -1,0 +1,242 @@
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "io/mesh_io/formats/formats.h"
+#include "io/mesh_io/formats/surface_builder.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr NumberType kInt = NumberType::kInt32;
+
+/// Gmsh reference manual, "MSH file format" and "Legacy formats".
+class MshReader final {
+ public:
+  explicit MshReader(const MeshFile& file) : scan_(file) {}
+
+  ImportedMesh run() {
+    read_format();
+    bool has_elements = false;
+    for (std::string_view section = scan_.word(); !section.empty(); section = scan_.word()) {
+      if (!section.starts_with('$')) scan_.refuse("must be a section here, such as $Nodes");
+      const std::string end = "$End" + std::string(section.substr(1));
+      if (section == "$Nodes") {
+        begin_section();
+        if (is_version_4()) {
+          read_node_blocks();
+        } else {
+          read_nodes();
+        }
+        scan_.expect(end);
+      } else if (section == "$Elements") {
+        if (surface_.vertices.empty()) scan_.refuse("$Elements come before $Nodes");
+        begin_section();
+        if (is_version_4()) {
+          read_element_blocks();
+        } else {
+          read_elements();
+        }
+        has_elements = true;
+        scan_.expect(end);
+      } else {
+        scan_.skip_past(end);
+      }
+    }
+    if (!has_elements) scan_.refuse("has no $Elements");
+    return surface_.take();
+  }
+
+ private:
+  [[nodiscard]] bool is_version_4() const { return version_ >= 4.0; }
+  [[nodiscard]] bool is_version_41() const { return version_ > 4.05; }
+  /// Of counts, and in version 4.1 of tags.
+  [[nodiscard]] NumberType tag_type() const { return is_version_41() ? NumberType::kUint64 : kInt; }
+
+  void read_format() {
+    scan_.expect("$MeshFormat");
+    const std::string_view version = scan_.word();
+    version_ = parse_number(version).value_or(0.0);
+    const bool is_read = (version_ >= 2.0 && version_ < 2.3) || (version_ >= 4.0 && version_ < 4.2);
+    if (!is_read)
+      scan_.refuse(fmt::format("version \"{}\": must be 2.0 to 2.2, 4.0 or 4.1", excerpt(version, 20)));
+    const std::string_view form = scan_.word();
+    if (form != "0" && form != "1") {
+      scan_.refuse(fmt::format("file type \"{}\": must be 0 (text) or 1 (binary)", excerpt(form, 20)));
+    }
+    const std::string_view size = scan_.word();
+    if (size != "8") scan_.refuse(fmt::format("data size \"{}\": must be 8", excerpt(size, 20)));
+    if (form == "1") find_byte_order();
+    scan_.expect("$EndMeshFormat");
+  }
+
+  /// A 1 of four bytes tells it.
+  void find_byte_order() {
+    scan_.set_encoding(MeshScan::Encoding::kLittleEndian);
+    scan_.leave_lines();
+    scan_.reading("the number 1 that tells the byte order");
+    const std::int64_t one = scan_.whole(kInt);
+    if (one == 0x01000000) {
+      scan_.set_encoding(MeshScan::Encoding::kBigEndian);
+    } else if (one != 1) {
+      scan_.refuse(fmt::format("the number that tells the byte order is {}, must be 1", one));
+    }
+  }
+
+  /// Version 2 has the count of a binary section as text, in a line before it.
+  void begin_section() {
+    if (is_version_4() && scan_.is_binary()) scan_.leave_lines();
+    scan_.reading("$Nodes or $Elements");
+  }
+
+  std::size_t count(std::string_view of) { return scan_.as_count(scan_.whole(NumberType::kUint64), of); }
+
+  /// Number of blocks; then of all that is in them.
+  std::size_t block_count(std::size_t& all, std::string_view of) {
+    const std::size_t blocks = count("blocks");
+    all = count(of);
+    if (is_version_41()) {  // smallest and largest tag
+      for (int n = 0; n < 2; ++n) (void)scan_.whole(NumberType::kUint64);
+    }
+    return blocks;
+  }
+
+  /// Number of things in a block, of those that are still to come.
+  std::size_t count_in_block(std::size_t left, std::string_view of) {
+    const std::size_t here = count(of);
+    if (here <= left) return here;
+    scan_.refuse(fmt::format("a block declares {} {}, of {} that are left", here, of, left));
+  }
+
+  void require_all(std::size_t left, std::size_t all, std::string_view of) const {
+    if (left > 0) scan_.refuse(fmt::format("declares {} {}, its blocks have {}", all, of, all - left));
+  }
+
+  void begin_nodes(std::size_t nodes) {
+    scan_.require_room(nodes, scan_.least_bytes(kInt) + 3 * scan_.least_bytes(NumberType::kDouble), "nodes");
+    surface_.vertices.reserve(nodes);
+    vertex_of_.reserve(nodes);
+  }
+
+  void read_nodes() {
+    const std::size_t nodes = scan_.count("nodes");
+    if (scan_.is_binary()) scan_.leave_lines();
+    begin_nodes(nodes);
+    for (std::size_t n = 1; n <= nodes; ++n) {
+      scan_.reading("node", n, nodes);
+      add_tag(scan_.whole(kInt));
+      surface_.vertices.push_back(scan_.point(NumberType::kDouble, n, nodes));
+    }
+  }
+
+  void read_node_blocks() {
+    std::size_t nodes = 0;
+    const std::size_t blocks = block_count(nodes, "nodes");
+    begin_nodes(nodes);
+    std::size_t left = nodes;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      scan_.reading("a block of $Nodes");
+      std::int64_t dimension = scan_.whole(kInt);
+      const std::int64_t second = scan_.whole(kInt);
+      if (!is_version_41()) dimension = second;  // it has the tag first
+      const bool is_parametric = scan_.whole(kInt) != 0;
+      const std::int64_t parameters = is_parametric ? std::clamp<std::int64_t>(dimension, 0, 3) : 0;
+      const std::size_t here = count_in_block(left, "nodes");
+      if (is_version_41()) {  // all tags, then all coordinates
+        for (std::size_t n = 0; n < here; ++n) add_tag(scan_.whole(tag_type()));
+      }
+      for (std::size_t n = 0; n < here; ++n) {
+        if (!is_version_41()) add_tag(scan_.whole(kInt));
+        surface_.vertices.push_back(scan_.point(NumberType::kDouble, surface_.vertices.size() + 1, nodes));
+        for (std::int64_t k = 0; k < parameters; ++k) (void)scan_.real(NumberType::kDouble);
+      }
+      left -= here;
+    }
+    require_all(left, nodes, "nodes");
+  }
+
+  /// The tag of the next vertex that has none.
+  void add_tag(std::int64_t tag) {
+    if (!vertex_of_.try_emplace(tag, static_cast<std::int32_t>(vertex_of_.size())).second) {
+      scan_.refuse(fmt::format("node {} comes twice", tag));
+    }
+  }
+
+  void read_elements() {
+    const std::size_t elements = scan_.count("elements");
+    if (scan_.is_binary()) scan_.leave_lines();
+    scan_.require_room(elements, 2 * scan_.least_bytes(kInt), "elements");
+    for (std::size_t done = 0; done < elements;) {
+      scan_.reading("element", done + 1, elements);
+      if (!scan_.is_binary()) (void)scan_.whole(kInt);  // its tag
+      const CellKind& kind = kind_of(scan_.whole(kInt));
+      std::size_t here = 1;
+      if (scan_.is_binary()) here = scan_.as_count(std::max<std::int64_t>(1, scan_.whole(kInt)), "elements");
+      const std::size_t tags = scan_.as_count(scan_.whole(kInt), "tags");
+      if (here > elements - done) {
+        scan_.refuse(fmt::format("a block declares {} elements, of {} that are left", here, elements - done));
+      }
+      for (std::size_t n = 0; n < here; ++n) {
+        scan_.reading("element", ++done, elements);
+        scan_.skip_numbers((scan_.is_binary() ? 1 : 0) + tags, kInt);
+        read_element(kind);
+      }
+    }
+  }
+
+  void read_element_blocks() {
+    std::size_t elements = 0;
+    const std::size_t blocks = block_count(elements, "elements");
+    std::size_t left = elements;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      scan_.reading("a block of $Elements");
+      for (int n = 0; n < 2; ++n) (void)scan_.whole(kInt);  // entity
+      const CellKind& kind = kind_of(scan_.whole(kInt));
+      const std::size_t here = count_in_block(left, "elements");
+      for (std::size_t n = 0; n < here; ++n) {
+        scan_.reading("element", elements - left + n + 1, elements);
+        (void)scan_.whole(tag_type());
+        read_element(kind);
+      }
+      left -= here;
+    }
+    require_all(left, elements, "elements");
+  }
+
+  [[nodiscard]] const CellKind& kind_of(std::int64_t type) const {
+    const CellKind* kind = gmsh_kind(type);
+    if (kind != nullptr) return *kind;
+    scan_.refuse(
+        fmt::format("elements of type {} are not read: must be of first or second order (1 to 19)", type));
+  }
+
+  void read_element(const CellKind& kind) {
+    nodes_.clear();
+    for (std::size_t k = 0; k < kind.nodes; ++k) {
+      const std::int64_t tag = scan_.whole(tag_type());
+      const auto vertex = vertex_of_.find(tag);
+      if (vertex == vertex_of_.end()) scan_.refuse(fmt::format("node {} is not in $Nodes", tag));
+      nodes_.push_back(vertex->second);
+    }
+    surface_.add_cell(kind, nodes_);
+  }
+
+  MeshScan scan_;
+  SurfaceBuilder surface_{scan_};
+  std::unordered_map<std::int64_t, std::int32_t> vertex_of_;  // by tag
+  std::vector<std::int32_t> nodes_;                           // of one element
+  double version_ = 0.0;
+};
+
+}  // namespace
+
+ImportedMesh read_msh(const MeshFile& file) { return MshReader(file).run(); }
+
+}  // namespace palpate::geometry

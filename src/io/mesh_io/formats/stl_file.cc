@@ -1,0 +1,83 @@
+#include <cstdint>
+
+#include <fmt/core.h>
+
+#include "io/mesh_io/formats/formats.h"
+#include "io/mesh_io/formats/scan.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr std::size_t kHeader = 84;
+constexpr std::size_t kTriangle = 50;
+
+/// Each three corners are a triangle.
+ImportedMesh as_triangles(std::vector<Vec3> corners) {
+  ImportedMesh imported;
+  imported.mesh.vertices = std::move(corners);
+  for (std::size_t n = 0; n + 2 < imported.mesh.vertices.size(); n += 3) {
+    const auto first = static_cast<std::int32_t>(n);
+    imported.mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  return imported;
+}
+
+ImportedMesh read_text(const MeshFile& file) {
+  MeshScan scan(file);
+  std::vector<Vec3> corners;
+  std::size_t facets = 0;
+  std::size_t closed_facets = 0;
+  bool ends = false;
+  while (scan.next_line()) {
+    const std::string_view word = scan.word();
+    if (word == "vertex") corners.push_back(scan.point(NumberType::kFloat, corners.size() + 1));
+    facets += word == "facet" ? 1 : 0;
+    closed_facets += word == "endfacet" ? 1 : 0;
+    if (!word.empty()) ends = word == "endsolid";
+  }
+  if (closed_facets != facets || (facets > 0 && !ends)) {
+    scan.refuse(fmt::format("truncated: {} facets begun, {} ended{}", facets, closed_facets,
+                            ends ? "" : ", and no endsolid at the end"));
+  }
+  if (corners.size() != 3 * facets) {
+    scan.refuse(fmt::format("{} facets have {} vertices: must be three each", facets, corners.size()));
+  }
+  return as_triangles(std::move(corners));
+}
+
+ImportedMesh read_binary(const MeshFile& file, std::size_t triangles) {
+  MeshScan scan(file);
+  scan.set_encoding(MeshScan::Encoding::kLittleEndian);
+  scan.skip_bytes(kHeader);
+  std::vector<Vec3> corners;
+  corners.reserve(3 * triangles);
+  for (std::size_t n = 0; n < triangles; ++n) {
+    scan.skip_bytes(12);  // its normal
+    for (int k = 0; k < 3; ++k) corners.push_back(scan.point(NumberType::kFloat, corners.size() + 1));
+    scan.skip_bytes(2);  // attributes
+  }
+  return as_triangles(std::move(corners));
+}
+
+}  // namespace
+
+/// Binary by its size, since many a binary file starts with "solid"; then text by its first word.
+ImportedMesh read_stl(const MeshFile& file) {
+  const std::string& bytes = file.bytes;
+  const std::size_t declared = bytes.size() >= kHeader ? little_endian_32(bytes, 80) : 0;
+  if (bytes.size() >= kHeader && bytes.size() == kHeader + kTriangle * declared) {
+    return read_binary(file, declared);
+  }
+  const bool is_text = bytes.find('\0') == std::string::npos;
+  if (is_text && MeshScan(file).word() == "solid") return read_text(file);
+  if (bytes.size() < kHeader) {
+    throw InputError(fmt::format("{}: truncated: a binary STL has at least 84 bytes, this has {}",
+                                 file.path.string(), bytes.size()));
+  }
+  throw InputError(
+      fmt::format("{}: truncated or damaged: a binary STL of {} triangles has {} bytes, this has {}",
+                  file.path.string(), declared, kHeader + kTriangle * declared, bytes.size()));
+}
+
+}  // namespace palpate::geometry

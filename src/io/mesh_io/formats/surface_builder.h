@@ -1,0 +1,82 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "io/mesh_io/formats/scan.h"
+#include "io/mesh_io/mesh_file.h"
+
+namespace palpate::geometry {
+
+enum class Shape {
+  kLine,  // or points
+  kStrip,
+  kPolygon,
+  kTriangle,
+  kPixel,  // a quadrilateral whose last two corners are exchanged
+  kQuadrilateral,
+  kTetrahedron,
+  kVoxel,  // a hexahedron of two pixels
+  kHexahedron,
+  kWedge,
+  kPyramid
+};
+
+/// A kind of cell. Its corners are its first nodes; those that follow bend it.
+struct CellKind {
+  int vtk;            // VTK's number; 0: none
+  int gmsh;           // Gmsh's number; 0: none
+  std::size_t nodes;  // 0: any number
+  Shape shape;
+  std::string_view name;
+};
+
+/// @return nullptr for a cell that is not read
+[[nodiscard]] const CellKind* vtk_kind(std::int64_t number);
+[[nodiscard]] const CellKind* gmsh_kind(std::int64_t number);
+
+/// Makes a triangle surface of what a reader finds. Polygons are cut into triangles; of solid cells the faces
+/// that belong to one cell alone are taken, turned outwards.
+class SurfaceBuilder final {
+ public:
+  explicit SurfaceBuilder(const MeshScan& scan) : scan_(scan) {}
+
+  /// Vertices may follow the polygons that name them.
+  std::vector<Vec3> vertices;
+
+  /// @throws InputError, at the scan's place, for a polygon that would take too long to cut, and more than 20
+  /// million triangles
+  void add_polygon(std::span<const std::int32_t> corners);
+  /// @param nodes vertices that are there already, as many as the kind has
+  void add_cell(const CellKind& kind, std::span<const std::int32_t> nodes);
+  void add_lines(std::size_t count) { lines_ += count; }
+
+  /// All polygons, or, where there are solid cells, their outer faces.
+  [[nodiscard]] ImportedMesh take();
+
+ private:
+  using Quad = std::array<std::int32_t, 4>;  // a triangle's last is -1
+
+  void add_solid(Shape shape, std::span<const std::int32_t> corners);
+  void take_outer_faces();
+  void say(std::size_t count, std::string_view done, std::string_view one, std::string_view more,
+           std::string_view then);
+
+  const MeshScan& scan_;
+  ImportedMesh imported_;
+  std::vector<std::int32_t> corners_;   // of all polygons
+  std::vector<std::size_t> starts_{0};  // polygon n has the corners from starts_[n] to starts_[n + 1]
+  std::vector<Quad> faces_;             // of solid cells
+  std::size_t triangles_ = 0;           // of all polygons
+  std::uint64_t steps_ = 0;             // to cut all polygons
+  std::size_t lines_ = 0;
+  std::size_t strips_ = 0;
+  std::size_t cut_ = 0;
+  std::size_t solids_ = 0;
+  std::size_t curved_ = 0;
+};
+
+}  // namespace palpate::geometry
