@@ -11,7 +11,7 @@
 
 namespace palpate::deform {
 
-class GeodesicDistance;
+class LiveSurface;
 
 /// One place where a tool presses or pulls the surface, in the organ's frame.
 struct Indentation {
@@ -84,33 +84,23 @@ inline constexpr double kAlike = 0.64;
 ///   share what lies between them in the same way (shares_of_room). Elsewhere u(0) = D.
 class SurfaceDeformer final {
  public:
-  /// [setup] Precomputes adjacency of the rest mesh (kept by copy). The mesh may be open.
-  explicit SurfaceDeformer(const geometry::TriangleMesh& rest);
+  /// [setup] Prepares the rest mesh, which is kept. It may be open.
+  explicit SurfaceDeformer(geometry::TriangleMesh rest);
   ~SurfaceDeformer();
   SurfaceDeformer(SurfaceDeformer&& other) noexcept;
   SurfaceDeformer& operator=(SurfaceDeformer&& other) noexcept;
 
-  /// [setup] Displaced vertices under all indentations together; as many as the rest mesh has, organ frame.
-  /// For the picture's thread. Only vertices in reach are touched: all others equal the rest bit for bit.
-  /// @param rounding 0: u(r) as it is; else the share of SurfaceProfile::rounded_at, below 1
+  /// [setup] Displaced vertices under all indentations together, to single precision; as many as the rest
+  /// mesh has, organ frame. For the picture's thread. Vertices out of reach equal the rest bit for bit. The
+  /// result does not depend on what was before.
   void deform(const model::ReachParameters& reach, std::span<const Indentation> indentations,
-              std::vector<Vec3>& vertices, double rounding = 0.0);
+              std::vector<Vec3>& vertices);
 
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept;
 
  private:
-  // Of the contacts that move a vertex.
-  struct Sums {
-    double weight = 0.0;             // of the lengths' eighth powers
-    double length = 0.0;             // of the lengths by those
-    double squares = 0.0;            // of the lengths' squares
-    Vec3 directions = Vec3::Zero();  // of the directions by those
-  };
-  void add(const model::ReachParameters& reach, const Indentation& indentation, double rounding);
-
-  std::unique_ptr<GeodesicDistance> geodesic_;
-  std::vector<Sums> sums_;  // a vertex
-  std::vector<std::int32_t> touched_;
+  model::ReachParameters reach_;  // that the surface is made for
+  std::unique_ptr<LiveSurface> surface_;
 };
 
 /// [setup] Where the tools of all hands press or pull the organ at one tick, organ frame.

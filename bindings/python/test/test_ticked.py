@@ -100,7 +100,7 @@ def test_deformed_surface_goes_down_by_the_depth_at_the_contact_and_nowhere_else
     assert list(press.direction) == [0.0, 0.0, -1.0]
     moved = palpate.deformed_surface(box, [press], 'liver')
     down = box.vertices[:, 2] - moved.vertices[:, 2]
-    assert down.max() == pytest.approx(2e-3, abs=5e-13)
+    assert down.max() == pytest.approx(2e-3, abs=1e-8)  # vertices move in single precision
     # R_6 of docs/model.md, section 3: beyond it every vertex keeps its bits.
     contact, first, ratio, _ = palpate.tissue_preset('liver').reach
     reach = contact * np.sqrt(4e-3 * 2e-3) * (1.0 + first * (ratio ** 5 - 1.0) / (ratio - 1.0))

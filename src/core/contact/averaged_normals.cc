@@ -3,71 +3,108 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "core/base/index.h"
 #include "core/base/parallel.h"
+#include "core/contact/triangle_groups.h"
 
 namespace palpate::contact {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kQuick = 1e7;  // triangles looked at in all: a few tenths of a second
+constexpr double kQuick = 1e7;            // triangles looked at in all: a few tenths of a second
+constexpr double kGroupsInRadius = 10.0;  // a group's size is this part of the radius
 
-/// What one thread needs for the rule by triangles.
-struct Flood {
-  SideFan fan;
-  std::vector<std::int32_t> visited_by;
-  std::vector<std::int32_t> queue;
-};
+/// Sums over the triangles that the surface leads to within reach of a point; one a thread.
+class Flood final {
+ public:
+  Flood(const SurfaceView& surface, const TriangleGroups& groups, double radius)
+      : surface_(surface), groups_(groups), radius_(radius), seen_by_(groups.size(), -1) {}
 
-NormalAndSlope normal_of_side(const SurfaceView& surface, std::int32_t side, std::int32_t first_corner,
-                              double radius, Flood& flood) {
-  const geometry::TriangleMesh& mesh = surface.mesh;
-  flood.fan.collect(surface, first_corner);
-  const Vec3& reference = flood.fan.reference();
-  const Vec3 centre = mesh.vertices[at(mesh.triangles[at(first_corner / 3)][at(first_corner % 3)])];
-  const double radius_squared = radius * radius;
-  flood.visited_by.resize(mesh.triangles.size(), -1);
-  std::vector<std::int32_t>& queue = flood.queue;
-  queue.assign(flood.fan.triangles().begin(), flood.fan.triangles().end());
-  for (const std::int32_t face : queue) flood.visited_by[at(face)] = side;
-  Vec3 sum = Vec3::Zero();
-  Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < queue.size(); ++i) {
-    const std::int32_t face = queue[i];
-    const geometry::Triangle& triangle = mesh.triangles[at(face)];
-    const Vec3& a = mesh.vertices[at(triangle[0])];
-    const Vec3& b = mesh.vertices[at(triangle[1])];
-    const Vec3& c = mesh.vertices[at(triangle[2])];
+  /// The normal of a side. @param first_corner of that side alone
+  NormalAndSlope average(std::int32_t first_corner) {
+    fan_.collect(surface_, first_corner);
+    centre_ = corner(first_corner / 3, at(first_corner % 3));
+    sum_ = {};
+    queue_.clear();
+    for (const std::int32_t face : fan_.triangles()) reach(groups_.group_of(face), first_corner);
+    for (std::size_t i = 0; i < queue_.size(); ++i) {
+      if (!add(queue_[i])) continue;
+      for (const std::int32_t next : groups_.neighbours(queue_[i])) reach(next, first_corner);
+    }
+    return NormalAndSlope::of(sum_.sum, sum_.slope, fan_.reference());
+  }
+
+ private:
+  void reach(std::int32_t group, std::int32_t first_corner) {
+    if (std::exchange(seen_by_[at(group)], first_corner) != first_corner) queue_.push_back(group);
+  }
+
+  [[nodiscard]] const Vec3& corner(std::int32_t face, std::size_t c) const {
+    return surface_.mesh.vertices[at(surface_.mesh.triangles[at(face)][c])];
+  }
+
+  /// Adds a group's triangles. @return whether any of them is in reach
+  bool add(std::int32_t group) {
+    const std::span<const std::int32_t> triangles = groups_.triangles(group);
+    if (triangles.size() > 1) {
+      const GroupMoments& moments = groups_.moments(group);
+      const Vec3 u = centre_ - moments.centre;
+      const double apart = u.norm();
+      if (apart - moments.reach >= radius_) return false;
+      const double cosine = fan_.reference().dot(moments.axis);
+      if (apart + moments.reach < radius_) {
+        if (cosine + moments.spread <= kSharpCosine) return true;  // counts for nothing
+        if (cosine - moments.spread >= kFullCosine) {
+          moments.add_to(sum_, u, radius_);
+          return true;
+        }
+      }
+    }
+    bool any = false;
+    for (const std::int32_t face : triangles) any = add_triangle(face) || any;
+    return any;
+  }
+
+  /// @return whether a corner is in reach
+  bool add_triangle(std::int32_t face) {
+    const double radius_squared = radius_ * radius_;
+    const Vec3& a = corner(face, 0);
+    const Vec3& b = corner(face, 1);
+    const Vec3& c = corner(face, 2);
+    if (std::min({(a - centre_).squaredNorm(), (b - centre_).squaredNorm(), (c - centre_).squaredNorm()}) >=
+        radius_squared) {
+      return false;
+    }
+    const double cosine = fan_.reference().dot(surface_.face_normals[at(face)]);
+    const double turned = std::clamp((cosine - kSharpCosine) / (kFullCosine - kSharpCosine), 0.0, 1.0);
     // The middles of the edges integrate a quadratic weight exactly.
     double weight = 0.0;
     Vec3 rise = Vec3::Zero();  // of the weight with the centre's place
     for (const Vec3& middle : {Vec3(0.5 * (a + b)), Vec3(0.5 * (b + c)), Vec3(0.5 * (c + a))}) {
-      const double share = 1.0 - (middle - centre).squaredNorm() / radius_squared;
+      const double share = 1.0 - (middle - centre_).squaredNorm() / radius_squared;
       if (share <= 0.0) continue;
       weight += share;
-      rise += (2.0 / radius_squared) * (middle - centre);
+      rise += (2.0 / radius_squared) * (middle - centre_);
     }
-    const double cosine = reference.dot(surface.face_normals[at(face)]);
-    const double turned = std::clamp((cosine - kSharpCosine) / (kFullCosine - kSharpCosine), 0.0, 1.0);
-    const Vec3 area = geometry::area_vector_doubled(mesh, triangle);
-    sum += weight * turned * area;
-    slope += turned * area * rise.transpose();
-    for (const std::int32_t other : surface.neighbours[at(face)]) {
-      if (other < 0 || flood.visited_by[at(other)] == side) continue;
-      const geometry::Triangle& next = mesh.triangles[at(other)];
-      const double reach = std::min({(mesh.vertices[at(next[0])] - centre).squaredNorm(),
-                                     (mesh.vertices[at(next[1])] - centre).squaredNorm(),
-                                     (mesh.vertices[at(next[2])] - centre).squaredNorm()});
-      if (reach >= radius_squared) continue;
-      flood.visited_by[at(other)] = side;
-      queue.push_back(other);
-    }
+    const Vec3 area = geometry::area_vector_doubled(surface_.mesh, surface_.mesh.triangles[at(face)]);
+    sum_.sum += weight * turned * area;
+    sum_.slope += turned * area * rise.transpose();
+    return true;
   }
-  return NormalAndSlope::of(sum, slope, reference);
-}
 
-/// Triangles that the rule by triangles would look at.
+  const SurfaceView& surface_;
+  const TriangleGroups& groups_;
+  double radius_;
+  SideFan fan_;
+  Vec3 centre_ = Vec3::Zero();
+  NormalSum sum_;
+  std::vector<std::int32_t> seen_by_;  // of each group: the side that reached it last, by its first corner
+  std::vector<std::int32_t> queue_;
+};
+
+/// Triangles that the rule looks at without groups.
 double work_of(const SurfaceView& surface, const Sides& sides, double radius) {
   double area = 0.0;
   for (const geometry::Triangle& triangle : surface.mesh.triangles) {
@@ -137,17 +174,21 @@ void SideFan::collect(const SurfaceView& surface, std::int32_t first_corner) {
   reference_.normalize();
 }
 
-std::vector<NormalAndSlope> normals_by_triangles(const SurfaceView& surface, const Sides& sides,
-                                                 double radius, const Share& share) {
-  constexpr std::size_t kBatch = 8192;  // sides between two words on how far it is
-  constexpr std::size_t kGrain = 512;
-  const std::size_t count = sides.first_corner.size();
-  std::vector<NormalAndSlope> normals(count);
+double group_size_for(const SurfaceView& surface, const Sides& sides, double radius) {
+  return work_of(surface, sides, radius) <= kQuick ? 0.0 : radius / kGroupsInRadius;
+}
+
+std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides, double radius,
+                                             double group_size, const Share& share) {
+  constexpr std::size_t kBatch = 4096;  // groups between two words on how far it is
+  constexpr std::size_t kGrain = 128;
+  const TriangleGroups groups(surface, group_size);
+  std::vector<NormalAndSlope> normals(sides.first_corner.size());
   std::mutex mutex;
   std::vector<std::unique_ptr<Flood>> idle;
-  for (std::size_t from = 0; from < count; from += kBatch) {
-    if (share) share(static_cast<double>(from) / static_cast<double>(count));
-    for_ranges(std::min(kBatch, count - from), kGrain, [&](std::size_t begin, std::size_t end) {
+  for (std::size_t from = 0; from < groups.size(); from += kBatch) {
+    if (share) share(static_cast<double>(from) / static_cast<double>(groups.size()));
+    for_ranges(std::min(kBatch, groups.size() - from), kGrain, [&](std::size_t begin, std::size_t end) {
       std::unique_ptr<Flood> flood;
       {
         const std::lock_guard lock(mutex);
@@ -156,23 +197,20 @@ std::vector<NormalAndSlope> normals_by_triangles(const SurfaceView& surface, con
           idle.pop_back();
         }
       }
-      if (!flood) flood = std::make_unique<Flood>();
-      for (std::size_t side = from + begin; side < from + end; ++side) {
-        if (sides.first_corner[side] < 0) continue;
-        normals[side] = normal_of_side(surface, static_cast<std::int32_t>(side), sides.first_corner[side],
-                                       radius, *flood);
+      if (!flood) flood = std::make_unique<Flood>(surface, groups, radius);
+      for (std::size_t group = from + begin; group < from + end; ++group) {
+        for (const std::int32_t face : groups.triangles(static_cast<std::int32_t>(group))) {
+          for (std::int32_t corner = 3 * face; corner < 3 * face + 3; ++corner) {
+            const std::int32_t side = sides.of_corner[at(corner)];
+            if (sides.first_corner[at(side)] == corner) normals[at(side)] = flood->average(corner);
+          }
+        }
       }
       const std::lock_guard lock(mutex);
       idle.push_back(std::move(flood));
     });
   }
   return normals;
-}
-
-std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides, double radius,
-                                             const Share& share) {
-  return work_of(surface, sides, radius) <= kQuick ? normals_by_triangles(surface, sides, radius, share)
-                                                   : normals_by_clusters(surface, sides, radius, share);
 }
 
 }  // namespace palpate::contact

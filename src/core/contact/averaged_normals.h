@@ -60,22 +60,18 @@ struct NormalAndSlope {
                                          const Vec3& otherwise);
 };
 
-/// [setup] The unit normal of every side by the rule itself, triangle by triangle: the area-weighted mean of
-/// the face normals within `radius` [m] along the surface, weight 1 - (r/radius)^2 at the middles of the
-/// edges, without faces turned more than 60 degrees; and its slope while the same middles are in reach. Time
-/// goes with triangles times triangles in reach.
-[[nodiscard]] std::vector<NormalAndSlope> normals_by_triangles(const SurfaceView& surface, const Sides& sides,
-                                                               double radius, const Share& share = {});
+/// [setup] Size [m] of the groups in which averaged_normals() takes triangles: 0, each triangle by itself,
+/// where that is quick; else a part of the radius. Small meshes so have the bits of the rule itself.
+[[nodiscard]] double group_size_for(const SurfaceView& surface, const Sides& sides, double radius);
 
-/// [setup] The same rule with clusters of triangles taken whole where all of one lies within reach and is
-/// turned less than 49 degrees; equal to normals_by_triangles() up to rounding (float, 1e-6 rad), without a
-/// slope where no triangle of the side has an edge longer than radius/32. For fine meshes;
-/// docs/decisions/0006-preparation.md.
-[[nodiscard]] std::vector<NormalAndSlope> normals_by_clusters(const SurfaceView& surface, const Sides& sides,
-                                                              double radius, const Share& share = {});
-
-/// [setup] By triangles where that is quick, else by clusters: small meshes have the bits of the rule itself.
+/// [setup] The unit normal of every side: the area-weighted mean of the face normals within `radius` [m]
+/// along the surface, weight 1 - (r/radius)^2 at the middles of the edges, without faces turned more than 60
+/// degrees; and its slope while the same middles are in reach. Groups of neighbouring triangles that lie in
+/// reach and are turned less than 49 degrees are added whole, by their moments, which is exact but for
+/// rounding (docs/decisions/0022).
+/// @param group_size no corner of a group's triangles is farther from its first triangle [m]; 0: no groups
 [[nodiscard]] std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides,
-                                                           double radius, const Share& share = {});
+                                                           double radius, double group_size,
+                                                           const Share& share = {});
 
 }  // namespace palpate::contact

@@ -13,7 +13,7 @@ namespace {
 
 // Raise it whenever the arrays of any mesh change: files of an older version are then not taken for new ones.
 // A test holds a hash of them against it.
-constexpr std::uint64_t kArraysVersion = 2;
+constexpr std::uint64_t kArraysVersion = 3;
 
 constexpr std::size_t kMostTriangles =
     2'000'000;  // of the refined surface: a 2 m organ is refined less finely
@@ -105,8 +105,9 @@ OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
   {
     const SurfaceView view{arrays.mesh, arrays.neighbours, arrays.face_normals};
     const Sides sides = find_sides(view);
+    const double radius = reference_radius / 2.0;
     const std::vector<NormalAndSlope> averaged = averaged_normals(
-        view, sides, reference_radius / 2.0,
+        view, sides, radius, group_size_for(view, sides, radius),
         [&](double done) { share(kNormalsFrom + (kNormalsTo - kNormalsFrom) * done, "normals"); });
     store_normals(averaged, sides, arrays);
     store_sides(sides, arrays);

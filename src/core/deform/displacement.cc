@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
+#include "core/base/index.h"
 #include "core/base/portable_math.h"
-#include "core/deform/geodesic.h"
-#include "core/deform/triangle_grid.h"
+#include "core/deform/live_surface.h"
 #include "palpate/surface.h"
 
 namespace palpate::deform {
@@ -13,17 +13,7 @@ namespace {
 constexpr double kSmallestRadius = 1e-6;  // m: R_1 of an ideal point
 constexpr double kFreeShare = 0.7;        // of the thickness: up to here a press is drawn as it is
 constexpr double kLargestShare = 0.9;     // of the thickness: never deeper than this
-constexpr double kLeastWeight = 1e-200;   // m^8: of a vertex that hardly moves
 constexpr double kOpposed = -0.3;         // cosine between two directions from which they share room in full
-
-// Distance from a point along a direction to the first triangle that faces that way (the organ's far side);
-// infinity when there is none.
-double thickness_behind(const geometry::TriangleMesh& mesh, const Vec3& start, const Vec3& direction) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const geometry::Triangle& t : mesh.triangles)
-    nearest = std::min(nearest, way_to_far_side(mesh, t, start, direction));
-  return nearest;
-}
 
 // R_1 [m] without its bound: c R (D/R)^p = c sqrt(R D) (D/R)^(p - 1/2), so that p = 1/2 is the root alone.
 double contact_radius(const model::ReachParameters& reach, double depth, double tip_radius) noexcept {
@@ -137,65 +127,28 @@ SurfaceProfile SurfaceProfile::widened(double factor) const noexcept {
   return wide;
 }
 
-SurfaceDeformer::SurfaceDeformer(const geometry::TriangleMesh& rest)
-    : geodesic_(std::make_unique<GeodesicDistance>(rest)), sums_(rest.vertices.size()) {}
+SurfaceDeformer::SurfaceDeformer(geometry::TriangleMesh rest)
+    : surface_(std::make_unique<LiveSurface>(std::move(rest), reach_, 0.0, 0.0F)) {}
 
 SurfaceDeformer::~SurfaceDeformer() = default;
 SurfaceDeformer::SurfaceDeformer(SurfaceDeformer&& other) noexcept = default;
 SurfaceDeformer& SurfaceDeformer::operator=(SurfaceDeformer&& other) noexcept = default;
 
-const geometry::TriangleMesh& SurfaceDeformer::rest() const noexcept { return geodesic_->mesh(); }
-
-void SurfaceDeformer::add(const model::ReachParameters& reach, const Indentation& indentation,
-                          double rounding) {
-  const SurfacePoint contact = geodesic_->nearest(indentation.point);
-  const double along_normal = indentation.direction.dot(contact.normal);
-  double depth = indentation.depth;
-  if (along_normal < 0.0)
-    depth = held_back(depth, thickness_behind(rest(), contact.point, indentation.direction));
-  const SurfaceProfile profile(reach, depth, indentation.tip_radius, indentation.half_width);
-  const Vec3 normal_part = along_normal * contact.normal;
-  const Vec3 side_part = indentation.direction - normal_part;
-  const double fold = side_part.norm() * profile.steepest() / kSteepestSideways;
-  const SurfaceProfile side_profile = profile.widened(std::max(1.0, fold));
-
-  // The profile runs out at its reach, rounded at reach / (1 - rounding).
-  const double limit = side_profile.reach() / (1.0 - rounding);
-  geodesic_->compute(contact, limit);
-  for (const std::int32_t v : geodesic_->reached()) {
-    const double r = geodesic_->at(v);
-    const Vec3 displacement =
-        profile.rounded_at(r, rounding) * normal_part + side_profile.rounded_at(r, rounding) * side_part;
-    const double length = displacement.norm();
-    if (!(length > 0.0)) continue;
-    const double squared = length * length;
-    const double weight = std::max(squared * squared * squared * squared, kLeastWeight);
-    Sums& sums = sums_[static_cast<std::size_t>(v)];
-    if (sums.weight == 0.0) touched_.push_back(v);
-    sums.weight += weight;
-    sums.length += weight * length;
-    sums.squares += squared;
-    sums.directions += length * displacement;
-  }
-}
+const geometry::TriangleMesh& SurfaceDeformer::rest() const noexcept { return surface_->rest(); }
 
 void SurfaceDeformer::deform(const model::ReachParameters& reach, std::span<const Indentation> indentations,
-                             std::vector<Vec3>& vertices, double rounding) {
+                             std::vector<Vec3>& vertices) {
+  if (!(reach == reach_)) {
+    reach_ = reach;
+    surface_ = std::make_unique<LiveSurface>(rest(), reach, 0.0, 0.0F);
+  }
+  surface_->update(indentations, LiveSurface::kSettle);
   vertices = rest().vertices;
-  const std::vector<double> shares = shares_of_room(indentations);
-  for (std::size_t i = 0; i < indentations.size(); ++i) {
-    Indentation indentation = indentations[i];
-    indentation.depth *= shares[i];
-    if (indentation.depth > 0.0) add(reach, indentation, rounding);
+  for (const std::int32_t v : surface_->moved()) {
+    const Eigen::Vector3f displacement =
+        surface_->vertices()[at(v)].position - surface_->rest_vertices()[at(v)];
+    vertices[at(v)] += displacement.cast<double>();
   }
-  for (const std::int32_t v : touched_) {
-    Sums& sums = sums_[static_cast<std::size_t>(v)];
-    const Vec3 direction = sums.directions / sums.squares;
-    vertices[static_cast<std::size_t>(v)] +=
-        sums.length / sums.weight * mean_direction_gain(direction.squaredNorm()) * direction;
-    sums = {};
-  }
-  touched_.clear();
 }
 
 }  // namespace palpate::deform

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/base/index.h"
 #include "core/base/infinity.h"
 #include "core/base/lanes.h"
 
@@ -13,14 +14,12 @@ namespace {
 using Eigen::Vector3f;
 
 // Improvements below this share of the distance are rounding and are not propagated again.
-constexpr float kFrontWorthwhile = 1.0F - 1e-5F;
-
-std::size_t front_index(std::int32_t i) { return static_cast<std::size_t>(i); }
+constexpr float kWorthwhile = 1.0F - 1e-5F;
 
 // Length of the straight way to c that crosses edge ab, given the distances of a and b; infinity when the
 // straight line does not cross it.
-float front_way_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float distance_a,
-                       float distance_b) {
+float way_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float distance_a,
+                 float distance_b) {
   const Vector3f edge = b - a;
   const float squared = edge.squaredNorm();
   if (!(squared > 0.0F)) return kInfinityF;
@@ -44,37 +43,34 @@ FrontSurface::FrontSurface(const geometry::TriangleMesh& mesh) : start(mesh.vert
   vertices.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) vertices.emplace_back(v.cast<float>());
   for (const geometry::Triangle& t : mesh.triangles)
-    for (const std::int32_t v : t) ++start[front_index(v) + 1];
+    for (const std::int32_t v : t) ++start[at(v) + 1];
   for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
   around.resize(mesh.triangles.size() * 3);
   std::vector<std::int32_t> next(start.begin(), start.end() - 1);
   for (const geometry::Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k)
-      around[front_index(next[front_index(t[k])]++)] = {t[(k + 1) % 3], t[(k + 2) % 3]};
+    for (std::size_t k = 0; k < 3; ++k) around[at(next[at(t[k])]++)] = {t[(k + 1) % 3], t[(k + 2) % 3]};
 }
 
 GeodesicFront::GeodesicFront(const FrontSurface& surface)
     : surface_(&surface),
       distance_(surface.vertices.size(), kInfinityF),
-      excess_((surface.vertices.size() + kLanes - 1) / kLanes * kLanes, kInfinityF),
-      is_settled_(surface.vertices.size(), 0) {}
+      excess_((surface.vertices.size() + kLanes - 1) / kLanes * kLanes, kInfinityF) {}
 
 void GeodesicFront::begin(const geometry::Triangle& corners, const Vector3f& point) {
   for (const std::int32_t v : seen_) {
-    distance_[front_index(v)] = kInfinityF;
-    excess_[front_index(v)] = kInfinityF;
-    is_settled_[front_index(v)] = 0;
+    distance_[at(v)] = kInfinityF;
+    excess_[at(v)] = kInfinityF;
   }
   seen_.clear();
   settled_.clear();
   queue_.clear();
   source_ = point;
-  for (const std::int32_t v : corners) offer(v, (surface_->vertices[front_index(v)] - point).norm());
+  for (const std::int32_t v : corners) offer(v, (surface_->vertices[at(v)] - point).norm());
 }
 
 void GeodesicFront::offer(std::int32_t vertex, float distance) {
-  float& now = distance_[front_index(vertex)];
-  if (!(distance < now * kFrontWorthwhile)) return;
+  float& now = distance_[at(vertex)];
+  if (!(distance < now * kWorthwhile)) return;
   if (now == kInfinityF) seen_.push_back(vertex);
   now = distance;
   queue_.emplace_back(distance, vertex);
@@ -82,15 +78,13 @@ void GeodesicFront::offer(std::int32_t vertex, float distance) {
 }
 
 void GeodesicFront::relax(std::int32_t from, std::int32_t known, std::int32_t to) {
-  const float here = distance_[front_index(from)];
-  if (distance_[front_index(to)] <= here) return;
-  const Vector3f& a = surface_->vertices[front_index(from)];
-  const Vector3f& c = surface_->vertices[front_index(to)];
-  const float other = distance_[front_index(known)];
+  const float here = distance_[at(from)];
+  const Vector3f& a = surface_->vertices[at(from)];
+  const Vector3f& c = surface_->vertices[at(to)];
+  const float other = distance_[at(known)];
   float distance = here + (c - a).norm();
   if (other < kInfinityF)
-    distance =
-        std::min(distance, front_way_across(a, surface_->vertices[front_index(known)], c, here, other));
+    distance = std::min(distance, way_across(a, surface_->vertices[at(known)], c, here, other));
   offer(to, distance);
 }
 
@@ -100,15 +94,12 @@ int GeodesicFront::advance(float limit, int most) {
     std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
     const auto [distance, v] = queue_.back();
     queue_.pop_back();
-    if (distance > distance_[front_index(v)]) continue;  // outdated
+    if (distance > distance_[at(v)]) continue;  // outdated
     ++steps;
-    if (is_settled_[front_index(v)] == 0) {
-      is_settled_[front_index(v)] = 1;
-      settled_.push_back(v);
-      excess_[front_index(v)] = distance - (surface_->vertices[front_index(v)] - source_).norm();
-    }
-    for (std::int32_t i = surface_->start[front_index(v)]; i < surface_->start[front_index(v) + 1]; ++i) {
-      const FrontSurface::Corner& corner = surface_->around[front_index(i)];
+    settled_.push_back(v);
+    excess_[at(v)] = distance - (surface_->vertices[at(v)] - source_).norm();
+    for (std::int32_t i = surface_->start[at(v)]; i < surface_->start[at(v) + 1]; ++i) {
+      const FrontSurface::Corner& corner = surface_->around[at(i)];
       relax(v, corner.q, corner.p);
       relax(v, corner.p, corner.q);
     }

@@ -63,7 +63,7 @@ struct LiveSurface::Contact {
   bool used = false;
   bool was_used = false;  // a picture ago
   std::uint64_t last_used = 0;
-  SurfacePoint place;
+  contact::SurfacePoint place;
   ContactField field;
   float wanted = 0.0F;  // how far the front must come [m]
 
@@ -84,13 +84,15 @@ struct LiveSurface::Contact {
   [[nodiscard]] float nearer() const { return way() + std::max(0.0F, field.own_excess); }
 };
 
-LiveSurface::LiveSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding)
+LiveSurface::LiveSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding,
+                         float least_share)
     : rest_(std::move(rest)),
       grid_(rest_),
       surface_(rest_),
       reach_(reach),
       profile_(reach, rounding),
-      end_(profile_.where(kLeastShare)),
+      least_share_(least_share),
+      end_(profile_.where(least_share)),
       rest_normals_(angle_weighted_normals(rest_)),
       blocks_(surface_.vertices, rest_normals_),
       vertices_(rest_.vertices.size()),
@@ -134,7 +136,7 @@ const std::vector<LiveSurface::Range>& LiveSurface::near(std::size_t i, double r
 }
 
 bool LiveSurface::is_near(std::size_t i, std::int32_t vertex, double radius) const noexcept {
-  return now_[i]->front.at(vertex) < static_cast<float>(radius) + now_[i]->way();
+  return now_[i]->front.distance_of(vertex) < static_cast<float>(radius) + now_[i]->way();
 }
 
 void LiveSurface::begin_frame() {
@@ -150,7 +152,7 @@ void LiveSurface::begin_frame() {
   growing_ = false;
 }
 
-Vector3f LiveSurface::normal_at(const SurfacePoint& place) const {
+Vector3f LiveSurface::normal_at(const contact::SurfacePoint& place) const {
   // Barycentric weights from the areas opposite to each corner.
   const geometry::Triangle& corners = rest_.triangles[at(place.triangle)];
   Vec3 sum = Vec3::Zero();
@@ -162,7 +164,7 @@ Vector3f LiveSurface::normal_at(const SurfacePoint& place) const {
   return sum.normalized().cast<float>();
 }
 
-LiveSurface::Contact& LiveSurface::contact_for(const SurfacePoint& place) {
+LiveSurface::Contact& LiveSurface::contact_for(const contact::SurfacePoint& place) {
   const Vector3f point = place.point.cast<float>();
   Contact* best = nullptr;
   float nearest = kSameContact;
@@ -184,7 +186,8 @@ LiveSurface::Contact& LiveSurface::contact_for(const SurfacePoint& place) {
   return *best;
 }
 
-void LiveSurface::prepare(Contact& contact, const Indentation& indentation, const SurfacePoint& place) {
+void LiveSurface::prepare(Contact& contact, const Indentation& indentation,
+                          const contact::SurfacePoint& place) {
   contact.used = true;
   contact.last_used = frame_;
   contact.place = place;
@@ -248,7 +251,7 @@ void LiveSurface::lower_to_front(Contact& contact) {
   // Where the front ends the displacement must have ended, too.
   const float end = contact.front.radius() - contact.nearer();
   const auto lowered = [this, end](float reach) {
-    return std::clamp(profile_.at(std::max(0.0F, end) / reach).u, kLeastShare, kEarliestEnd);
+    return std::clamp(profile_.at(std::max(0.0F, end) / reach).u, least_share_, kEarliestEnd);
   };
   field.lowered = lowered(field.reach);
   field.lowered_side = lowered(field.side_reach);
@@ -267,7 +270,7 @@ void LiveSurface::note_settled(Contact& contact) {
   const std::span<const std::int32_t> settled = contact.front.settled();
   for (const std::int32_t v : settled.subspan(contact.noted)) {
     const std::size_t block = at(v) / SurfaceBlocks::kBlock;
-    const float distance = contact.front.at(v);
+    const float distance = contact.front.distance_of(v);
     contact.least[block] = std::min(contact.least[block], distance);
     if (distance < ended_at) state_[block].off = kInfinityF;
   }
@@ -357,7 +360,7 @@ void LiveSurface::update(std::span<const Indentation> indentations, int steps) {
     indentation.depth *= shares[i];
     now_.push_back(nullptr);
     if (!(indentation.depth > 0.0)) continue;
-    const SurfacePoint place = grid_.nearest(indentation.point);
+    const contact::SurfacePoint place = grid_.nearest(indentation.point);
     if (place.triangle < 0) continue;
     Contact& contact = contact_for(place);
     prepare(contact, indentation, place);

@@ -16,7 +16,7 @@
 
 namespace palpate::deform {
 
-/// SurfaceDeformer for moving pictures: the same rules, at a cost that grows with the vertices in reach and
+/// The moving surface: SurfaceDeformer's rules, at a cost that grows with the vertices in reach and
 /// not with the mesh. Vertices and normals are kept from frame to frame, and only those in reach of a
 /// contact, now or a frame ago, are computed again, in runs of 64. A run stays as it was drawn while what all
 /// changes since then may have moved a vertex of it is bounded (FieldChange, from the least distance of its
@@ -28,15 +28,17 @@ namespace palpate::deform {
 /// a vertex's distance is its straight distance from the contact as it is now, and what the way along the
 /// surface was longer than that from where the front began; a new front runs behind. Where a front has not
 /// come yet nothing moves, and the profile is lowered so that it ends there; likewise where it has fallen to
-/// kLeastShare of the depth, which halves the vertices in reach. At the contact the depth stays D. Normals
-/// follow from the displacement's derivative, not from triangles.
+/// `least_share` of the depth: kLeastShare, as pictures have it, halves the vertices in reach. At the contact
+/// the depth stays D. Normals follow from the displacement's derivative, not from triangles.
 class LiveSurface final {
  public:
   static constexpr float kLeastShare = 0.015F;
   static constexpr int kSettle = std::numeric_limits<int>::max();
 
   /// [setup] @param rest kept; may be open @param rounding as of SurfaceProfile::rounded_at
-  LiveSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding);
+  /// @param least_share of the depth, at which the profile ends; below 0.9
+  LiveSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding,
+              float least_share = kLeastShare);
   ~LiveSurface();
   LiveSurface(const LiveSurface&) = delete;
   LiveSurface& operator=(const LiveSurface&) = delete;
@@ -80,8 +82,8 @@ class LiveSurface final {
     float off = 0.0F;      // how far a vertex may be from where it should be, at most [m]
   };
   void begin_frame();
-  Contact& contact_for(const SurfacePoint& place);
-  void prepare(Contact& contact, const Indentation& indentation, const SurfacePoint& place);
+  Contact& contact_for(const contact::SurfacePoint& place);
+  void prepare(Contact& contact, const Indentation& indentation, const contact::SurfacePoint& place);
   int run_fronts(Contact& contact, int steps, bool settle);
   void lower_to_front(Contact& contact);
   void note_settled(Contact& contact);
@@ -89,14 +91,15 @@ class LiveSurface final {
   void find_changes();
   [[nodiscard]] float newly_off(std::size_t block);
   void move_blocks(bool settle);
-  [[nodiscard]] Eigen::Vector3f normal_at(const SurfacePoint& place) const;
+  [[nodiscard]] Eigen::Vector3f normal_at(const contact::SurfacePoint& place) const;
 
   geometry::TriangleMesh rest_;
   TriangleGrid grid_;
   FrontSurface surface_;
   model::ReachParameters reach_;
   ProfileTable profile_;
-  float end_;  // r/R_6 where the profile ends
+  float least_share_;  // u/D
+  float end_;          // r/R_6 where the profile ends
   std::vector<Eigen::Vector3f> rest_normals_;
   SurfaceBlocks blocks_;
   std::vector<LiveVertex> vertices_;

@@ -31,6 +31,26 @@ geometry::Bounds box_of(const geometry::TriangleMesh& mesh, const geometry::Tria
   return box;
 }
 
+// Distance [m] from a point along a unit direction to a triangle that faces that way; infinity when it is not
+// hit.
+double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
+                       const Vec3& start, const Vec3& direction) {
+  // Moeller and Trumbore 1997; the determinant is minus `facing`.
+  const Vec3& a = mesh.vertices[at(triangle[0])];
+  const Vec3 ab = mesh.vertices[at(triangle[1])] - a;
+  const Vec3 ac = mesh.vertices[at(triangle[2])] - a;
+  const double facing = ab.cross(ac).dot(direction);
+  if (!(facing > 0.0)) return kInfinity;
+  const Vec3 p = direction.cross(ac);
+  const Vec3 s = start - a;
+  const double u = -s.dot(p) / facing;
+  const Vec3 q = s.cross(ab);
+  const double v = -direction.dot(q) / facing;
+  if (u < 0.0 || v < 0.0 || u + v > 1.0) return kInfinity;
+  const double distance = -ac.dot(q) / facing;
+  return distance > kOwnFace ? distance : kInfinity;
+}
+
 }  // namespace
 
 TriangleGrid::TriangleGrid(const geometry::TriangleMesh& mesh) : mesh_(mesh) {
@@ -79,7 +99,8 @@ std::size_t TriangleGrid::place(const Cell& c) const noexcept {
          static_cast<std::size_t>(c[2]);
 }
 
-void TriangleGrid::nearest_in(const Cell& c, const Vec3& p, SurfacePoint& best, double& best_squared) const {
+void TriangleGrid::nearest_in(const Cell& c, const Vec3& p, contact::SurfacePoint& best,
+                              double& best_squared) const {
   const std::size_t cell = place(c);
   for (std::int32_t i = start_[cell]; i < start_[cell + 1]; ++i) {
     const std::int32_t t = inside_[at(i)];
@@ -95,8 +116,8 @@ void TriangleGrid::nearest_in(const Cell& c, const Vec3& p, SurfacePoint& best, 
   }
 }
 
-SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
-  SurfacePoint best;
+contact::SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
+  contact::SurfacePoint best;
   double best_squared = kInfinity;
   const Cell middle = cell_of(p);
   const int most = std::max({count_[0], count_[1], count_[2]});
@@ -126,8 +147,6 @@ SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
       }
     }
   }
-  if (best.triangle >= 0)
-    best.normal = geometry::area_vector_doubled(mesh_, mesh_.triangles[at(best.triangle)]).normalized();
   return best;
 }
 
@@ -153,24 +172,6 @@ double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double l
     }
   }
   return nearest <= limit ? nearest : kInfinity;
-}
-
-double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
-                       const Vec3& start, const Vec3& direction) {
-  // Moeller and Trumbore 1997; the determinant is minus `facing`.
-  const Vec3& a = mesh.vertices[at(triangle[0])];
-  const Vec3 ab = mesh.vertices[at(triangle[1])] - a;
-  const Vec3 ac = mesh.vertices[at(triangle[2])] - a;
-  const double facing = ab.cross(ac).dot(direction);
-  if (!(facing > 0.0)) return kInfinity;
-  const Vec3 p = direction.cross(ac);
-  const Vec3 s = start - a;
-  const double u = -s.dot(p) / facing;
-  const Vec3 q = s.cross(ab);
-  const double v = -direction.dot(q) / facing;
-  if (u < 0.0 || v < 0.0 || u + v > 1.0) return kInfinity;
-  const double distance = -ac.dot(q) / facing;
-  return distance > kOwnFace ? distance : kInfinity;
 }
 
 }  // namespace palpate::deform

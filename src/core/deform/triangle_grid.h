@@ -3,15 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/deform/geodesic.h"
+#include "core/contact/organ_surface.h"
 #include "palpate/mesh.h"
 
 namespace palpate::deform {
-
-/// [any] Distance [m] from a point along a unit direction to a triangle that faces that way; infinity when it
-/// is not hit.
-[[nodiscard]] double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
-                                     const Vec3& start, const Vec3& direction);
 
 /// Finds triangles near a point or along a ray without a pass over the whole mesh: a grid of cells about two
 /// edges wide, each with the triangles whose boxes touch it. The mesh may be open. It must outlive the grid.
@@ -20,9 +15,9 @@ class TriangleGrid final {
   /// [setup]
   explicit TriangleGrid(const geometry::TriangleMesh& mesh);
 
-  /// [any] The point of the surface nearest to p, with the normal of its triangle; of equally near triangles
+  /// [any] The point of the surface nearest to p; of equally near triangles
   /// the first. Triangle -1 for an empty mesh.
-  [[nodiscard]] SurfacePoint nearest(const Vec3& p) const;
+  [[nodiscard]] contact::SurfacePoint nearest(const Vec3& p) const;
 
   /// [any] Distance [m] from a point along a unit direction to the first triangle that faces that way (the
   /// far side of an organ), if it is nearer than `limit` [m]; infinity otherwise. Triangles through the start
@@ -33,7 +28,7 @@ class TriangleGrid final {
   using Cell = std::array<int, 3>;
   [[nodiscard]] Cell cell_of(const Vec3& p) const noexcept;  // clamped into the grid
   [[nodiscard]] std::size_t place(const Cell& c) const noexcept;
-  void nearest_in(const Cell& c, const Vec3& p, SurfacePoint& best, double& best_squared) const;
+  void nearest_in(const Cell& c, const Vec3& p, contact::SurfacePoint& best, double& best_squared) const;
 
   const geometry::TriangleMesh& mesh_;
   Vec3 low_ = Vec3::Zero();

@@ -1,17 +1,21 @@
-#include "core/deform/geodesic.h"
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "core/deform/geodesic_front.h"
+#include "core/deform/test/plain_surface.h"
+#include "core/deform/triangle_grid.h"
+#include "palpate/builtin.h"
 #include "palpate/mesh.h"
 
 namespace palpate::deform {
 namespace {
 
-constexpr double kFar = 1e9;
+constexpr float kFar = 1e9F;
+constexpr int kAll = std::numeric_limits<int>::max();
 
 // A flat square of side 2 about the origin, its vertices moved about so that many triangles are obtuse.
 geometry::TriangleMesh rough_plane(int divisions, double shake) {
@@ -34,38 +38,61 @@ geometry::TriangleMesh rough_plane(int divisions, double shake) {
   return mesh;
 }
 
+// A front from the surface's point nearest to p, as far as `limit` [m].
+class Front {
+ public:
+  Front(const geometry::TriangleMesh& mesh, const Vec3& p, float limit)
+      : mesh_(mesh), surface_(mesh), front_(surface_), source_(TriangleGrid(mesh).nearest(p)) {
+    front_.begin(mesh.triangles[static_cast<std::size_t>(source_.triangle)], source_.point.cast<float>());
+    front_.advance(limit, kAll);
+  }
+  [[nodiscard]] const GeodesicFront& operator*() const { return front_; }
+  [[nodiscard]] double straight(std::int32_t v) const { return (vertex(v) - source_.point).norm(); }
+  [[nodiscard]] const Vec3& vertex(std::int32_t v) const {
+    return mesh_.vertices[static_cast<std::size_t>(v)];
+  }
+  [[nodiscard]] double at(std::int32_t v) const { return static_cast<double>(front_.distance_of(v)); }
+
+ private:
+  geometry::TriangleMesh mesh_;
+  FrontSurface surface_;
+  GeodesicFront front_;
+  contact::SurfacePoint source_;
+};
+
 TEST(Geodesic, IsTheStraightDistanceOnAPlaneWithObtuseTriangles) {
   // No vertex leaves its cell, but the triangles have angles up to 170 degrees.
-  GeodesicDistance geodesic(rough_plane(20, 0.32));
-  const SurfacePoint source = geodesic.nearest(Vec3(0.13, -0.07, 0.2));
-  geodesic.compute(source, 0.8);  // ways within 0.8 do not meet the ragged border
-  EXPECT_GT(geodesic.reached().size(), 150U);
-  for (const std::int32_t v : geodesic.reached()) {
-    const double straight = (geodesic.mesh().vertices[static_cast<std::size_t>(v)] - source.point).norm();
-    EXPECT_NEAR(geodesic.at(v), straight, 1e-9);
+  const Front front(rough_plane(20, 0.32), Vec3(0.13, -0.07, 0.2), kFar);
+  std::size_t within = 0;
+  for (const std::int32_t v : (*front).settled()) {
+    if (front.straight(v) > 0.8) continue;  // nearer ways do not meet the ragged border
+    EXPECT_NEAR(front.at(v), front.straight(v), 1e-5);
+    ++within;
   }
+  EXPECT_GT(within, 150U);
 }
 
-TEST(Geodesic, ReachesEveryVertexNearerThanTheLimitAndNoOther) {
-  GeodesicDistance geodesic(rough_plane(20, 0.2));
-  const SurfacePoint source = geodesic.nearest(Vec3(0.1, 0.05, 0.0));
-  geodesic.compute(source, 0.5);
-  for (std::size_t v = 0; v < geodesic.mesh().vertices.size(); ++v) {
-    const bool near = (geodesic.mesh().vertices[v] - source.point).norm() < 0.5;
-    EXPECT_EQ(std::isfinite(geodesic.at(static_cast<std::int32_t>(v))), near) << v;
+TEST(Geodesic, SettlesEveryVertexNearerThanTheLimit) {
+  const geometry::TriangleMesh plane = rough_plane(20, 0.2);
+  const Front front(plane, Vec3(0.1, 0.05, 0.0), 0.5F);
+  std::vector<bool> is_settled(plane.vertices.size());
+  for (const std::int32_t v : (*front).settled()) is_settled[static_cast<std::size_t>(v)] = true;
+  for (std::size_t v = 0; v < plane.vertices.size(); ++v) {
+    const bool near = front.straight(static_cast<std::int32_t>(v)) < 0.5;
+    EXPECT_EQ(is_settled[v], near) << v;
   }
 }
 
 TEST(Geodesic, IsTheArcOnASphere) {
   const double radius = 0.018;
   for (const auto& [triangles, error] : {std::pair{1280, 0.022}, std::pair{20480, 0.007}}) {
-    GeodesicDistance geodesic(geometry::make_ball(radius, triangles));
+    const geometry::TriangleMesh ball = geometry::make_ball(radius, triangles);
     const Vec3 up = Vec3(0.2, -0.5, 0.9).normalized();
-    geodesic.compute(geodesic.nearest(radius * up), kFar);
+    const Front front(ball, radius * up, kFar);
     double worst = 0.0;
-    for (std::size_t v = 0; v < geodesic.mesh().vertices.size(); ++v) {
-      const double arc = radius * std::acos(geodesic.mesh().vertices[v].normalized().dot(up));
-      worst = std::max(worst, std::abs(geodesic.at(static_cast<std::int32_t>(v)) - arc));
+    for (std::size_t v = 0; v < ball.vertices.size(); ++v) {
+      const double arc = radius * std::acos(ball.vertices[v].normalized().dot(up));
+      worst = std::max(worst, std::abs(front.at(static_cast<std::int32_t>(v)) - arc));
     }
     // Half the circumference is pi R; edges alone would be wrong by 10 % of it however fine the mesh.
     EXPECT_LT(worst, error * 3.14159 * radius) << triangles;
@@ -73,41 +100,35 @@ TEST(Geodesic, IsTheArcOnASphere) {
 }
 
 TEST(Geodesic, GoesRoundTheEdgeOfABoxAndNotThroughIt) {
-  GeodesicDistance geodesic(geometry::make_box(Vec3(0.06, 0.06, 0.01), 0.002));
-  geodesic.compute(geodesic.nearest(Vec3(0.02, 0.0, 0.005)), kFar);
-  const SurfacePoint below = geodesic.nearest(Vec3(0.02, 0.0, -0.005));
+  const geometry::TriangleMesh box = geometry::make_box(Vec3(0.06, 0.06, 0.01), 0.002);
+  const Front front(box, Vec3(0.02, 0.0, 0.005), kFar);
+  const std::int32_t below = TriangleGrid(box).nearest(Vec3(0.02, 0.0, -0.005)).triangle;
   // Unfolded over the side x = 30 mm: 10 mm across the top, 10 mm down, 10 mm back.
-  for (const std::int32_t v : geodesic.mesh().triangles[static_cast<std::size_t>(below.triangle)]) {
-    const Vec3& p = geodesic.mesh().vertices[static_cast<std::size_t>(v)];
-    const double unfolded = std::hypot(0.01 + 0.01 + (0.03 - p.x()), p.y());
-    EXPECT_NEAR(geodesic.at(v), unfolded, 1e-9);
+  for (const std::int32_t v : box.triangles[static_cast<std::size_t>(below)]) {
+    const Vec3& p = front.vertex(v);
+    EXPECT_NEAR(front.at(v), std::hypot(0.01 + 0.01 + (0.03 - p.x()), p.y()), 1e-6);
   }
 }
 
-TEST(Geodesic, StartsExactlyAtAVertex) {
+TEST(Geodesic, StartsAtAVertex) {
   const geometry::TriangleMesh plane = rough_plane(10, 0.3);
-  GeodesicDistance geodesic(plane);
-  geodesic.compute(geodesic.nearest(plane.vertices[60]), 0.6);
-  EXPECT_NEAR(geodesic.at(60), 0.0, 1e-12);
-  for (const std::int32_t v : geodesic.reached())
-    EXPECT_NEAR(geodesic.at(v), (plane.vertices[static_cast<std::size_t>(v)] - plane.vertices[60]).norm(),
-                1e-9);
+  const Front front(plane, plane.vertices[60], 0.6F);
+  EXPECT_NEAR(front.at(60), 0.0, 1e-6);
+  for (const std::int32_t v : (*front).settled())
+    EXPECT_NEAR(front.at(v), (front.vertex(v) - plane.vertices[60]).norm(), 1e-5);
 }
 
-TEST(Geodesic, NearestPointCarriesTheInterpolatedNormal) {
-  const GeodesicDistance geodesic(geometry::make_ball(1.0, 5120));
-  const Vec3 up = Vec3(0.3, 0.4, 0.5).normalized();
-  const SurfacePoint near = geodesic.nearest(2.0 * up);
-  EXPECT_NEAR(near.point.norm(), 1.0, 2e-3);
-  EXPECT_GT(near.normal.dot(up), 0.9995);
-}
-
-TEST(Geodesic, AnEmptyMeshHasNoNearestPointAndReachesNothing) {
-  GeodesicDistance geodesic(geometry::TriangleMesh{});
-  const SurfacePoint none = geodesic.nearest(Vec3::Zero());
-  EXPECT_EQ(none.triangle, -1);
-  geodesic.compute(none, 1.0);
-  EXPECT_TRUE(geodesic.reached().empty());
+TEST(Geodesic, IsThePlainRulesToSinglePrecision) {
+  for (const char* const name : {"heart", "liver"}) {
+    const geometry::TriangleMesh organ = geometry::make_organ(name);
+    const Front front(organ, organ.vertices[10], kFar);
+    test::PlainGeodesic plain(organ);
+    plain.compute(plain.nearest(organ.vertices[10]), 1e9);
+    for (std::size_t v = 0; v < organ.vertices.size(); ++v) {
+      const auto vertex = static_cast<std::int32_t>(v);
+      ASSERT_NEAR(front.at(vertex), plain.at(vertex), 5e-6) << name << ", vertex " << v;
+    }
+  }
 }
 
 }  // namespace

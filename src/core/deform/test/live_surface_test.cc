@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/deform/test/plain_surface.h"
 #include "core/deform/test/reordered.h"
 #include "core/deform/triangle_grid.h"
 #include "io/mesh_io/repair/crossings.h"
@@ -29,10 +30,7 @@ Indentation top_press(double depth) { return press_at(Vec3::UnitZ(), depth); }
 
 // The plain form's answer.
 std::vector<Vec3> plain(const geometry::TriangleMesh& mesh, std::span<const Indentation> indentations) {
-  SurfaceDeformer deformer(mesh);
-  std::vector<Vec3> vertices;
-  deformer.deform({}, indentations, vertices, kRounding);
-  return vertices;
+  return test::PlainDeformer(mesh).deformed({}, indentations, kRounding);
 }
 
 double largest_difference(const LiveSurface& surface, const std::vector<Vec3>& expected) {
@@ -276,7 +274,7 @@ TEST(LiveSurface, AMeshWithoutTrianglesStaysAsItIs) {
 TEST(TriangleGrid, FindsWhatASearchOfAllTrianglesFinds) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 1280);
   const TriangleGrid grid(ball);
-  const GeodesicDistance all(ball);
+  const test::PlainGeodesic all(ball);
   for (int i = 0; i < 200; ++i) {
     const double a = 0.7 * i;
     const Vec3 p = (0.01 + 0.0005 * i) * Vec3(std::cos(a), std::sin(a), std::cos(2.3 * a));
