@@ -93,12 +93,6 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
     throw InputError(path.string() + ": no triangles" +
                      (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));
   }
-  for (std::size_t v = 0; v < imported.mesh.vertices.size(); ++v) {
-    // Parts within parts may have scaled it past what a file's own numbers can be.
-    if ((imported.mesh.vertices[v].array().abs() <= kLargestCoordinate).all()) continue;  // false of NaN
-    throw InputError(
-        fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)", path.string(), v + 1));
-  }
   const std::size_t vertices = imported.mesh.vertices.size();
   Merged merged = merge_equal_vertices(std::move(imported.mesh));
   say_merged(file, vertices, merged, imported.repairs);

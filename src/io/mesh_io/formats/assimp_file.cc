@@ -148,6 +148,10 @@ class SceneReader final {
       const Eigen::Vector4d homogeneous(static_cast<double>(p.x), static_cast<double>(p.y),
                                         static_cast<double>(p.z), 1.0);
       mesh.vertices.emplace_back((to_file * homogeneous).head<3>());
+      // Parts within parts may have scaled it past what a file's own numbers can be.
+      if ((mesh.vertices.back().array().abs() <= kLargestCoordinate).all()) continue;  // false of NaN
+      throw InputError(fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)",
+                                   file_.path.string(), mesh.vertices.size()));
     }
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];

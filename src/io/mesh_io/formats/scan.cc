@@ -289,7 +289,7 @@ void MeshScan::begin_numbers(std::size_t numbers, NumberType type, std::string_v
 }
 
 void MeshScan::skip_numbers(std::size_t numbers, NumberType type) {
-  require_room(numbers, least_bytes(type), fmt::format("numbers of {}", item()));
+  require_room(numbers, least_bytes(type), "numbers");
   if (is_binary()) return skip_bytes(numbers * size_of(type));
   for (std::size_t n = 0; n < numbers; ++n) (void)number_word();
 }

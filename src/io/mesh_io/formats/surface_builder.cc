@@ -9,6 +9,7 @@
 
 #include "core/base/text.h"
 #include "io/mesh_io/repair/repair_holes.h"
+#include "io/mesh_io/repair/repair_surface.h"
 
 namespace palpate::geometry {
 namespace {
@@ -205,6 +206,7 @@ ImportedMesh SurfaceBuilder::take() {
       mesh.triangles.insert(mesh.triangles.end(), patch.begin(), patch.end());
     }
   }
+  if (solids_ > 0) drop_unused_vertices(mesh);  // the inner ones
   say(strips_, "took ", "triangle strip", "triangle strips", " apart");
   say(cut_, "cut ", "polygon", "polygons", " into triangles");
   say(lines_, "dropped ", "line or point", "lines or points", "");
