@@ -46,7 +46,7 @@ bool move_part(const Pose& pose_S, double reference_radius, double period, PartS
   constexpr double kOutside = -1e-6;  // m: a part that just touches counts as outside
   std::array<Vec3, kContactsPerPart> contacts_S;
   std::size_t count = 0;
-  for (const Contact& contact : part.active()) contacts_S[count++] = contact.at.point;
+  for (const Proxy& contact : part.active()) contacts_S[count++] = contact.load().at.point;
   const bool moved =
       part.distances.move(pose_S, period, std::span(contacts_S).first(count), reference_radius);
   if (!moved) {
@@ -104,24 +104,25 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
                ToolResult& result) noexcept {
   double largest = -1.0;
   for (PartState& part : tool.parts) {
-    for (const Contact& contact : part.active()) {
-      const double counts = contact.share * part.press_level;
-      const Vec3 force = counts * (contact.normal_force * contact.normal + contact.friction);
-      sums.add(force, contact.touch, tool.pose_S.position);
-      sums.friction += counts * contact.friction;
-      if (counts <= 0.0 || contact.depth <= 0.0) continue;
+    for (const Proxy& contact : part.active()) {
+      const Load& load = contact.load();
+      const double counts = load.share * part.press_level;
+      const Vec3 force = counts * (contact.normal_force() * load.normal + contact.friction());
+      sums.add(force, contact.touch(), tool.pose_S.position);
+      sums.friction += counts * contact.friction();
+      if (counts <= 0.0 || contact.depth() <= 0.0) continue;
       result.phase = Phase::kPress;
-      add_view({contact.at.point, -contact.normal, contact.depth * contact.presence * part.press_level,
-                contact.patch.tip_radius, contact.patch.half_width, contact.at.triangle, false},
+      add_view({load.at.point, -load.normal, contact.depth() * load.fade_weight * part.press_level,
+                contact.patch().tip_radius, contact.patch().half_width, load.at.triangle, false},
                result);
-      if (counts * contact.normal_force <= largest) continue;
-      largest = counts * contact.normal_force;
-      const model::ContactResponse response = laws.press.force_at(contact.depth);
-      result.depth = contact.depth;
+      if (counts * contact.normal_force() <= largest) continue;
+      largest = counts * contact.normal_force();
+      const model::ContactResponse response = laws.press.force_at(contact.depth());
+      result.depth = contact.depth();
       result.cutoff_layer = response.cutoff_layer;
       result.saturated = response.saturated;
-      result.contact_W = organ_W * contact.at.point;
-      result.normal_W = organ_W.rotation * contact.normal;
+      result.contact_W = organ_W * load.at.point;
+      result.normal_W = organ_W.rotation * load.normal;
     }
   }
 }
@@ -242,7 +243,7 @@ void change_tissue(const World& world, State& state, const TissueLaws& laws) noe
   const model::Relaxation before = now.laws(world.data()).relaxation;
   for (ToolState& tool : now.tools) {
     for (PartState& part : tool.parts) {
-      for (Contact& contact : part.active()) laws.relaxation.take_over(contact.memory, before);
+      for (Proxy& contact : part.active()) laws.relaxation.take_over(contact.load().memory, before);
     }
     tool.grip.change_relaxation(laws.relaxation, before);
   }
@@ -255,12 +256,12 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   State::Data& now = state.data();
   const TissueLaws& laws = now.laws(data);
   std::array<std::uint32_t, kMaxTools> status{};
-  std::array<Contact*, kMostContacts> all;  // the first `count`
+  std::array<Load*, kMostContacts> all;  // the first `count`
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
     status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t]);
     for (PartState& part : now.tools[t].parts) {
-      for (Contact& contact : part.active()) all[count++] = &contact;
+      for (Proxy& contact : part.active()) all[count++] = &contact.load();
     }
   }
   share_tissue(data.tissue.contact.reference_radius, std::span(all).first(count));

@@ -5,12 +5,13 @@
 #include <cmath>
 
 #include "core/base/portable_math.h"
+#include "core/contact/state.h"
 
 namespace palpate::contact {
 namespace {
 
 /// c_ij: 1 for coincident contacts, 0 from R_ref on; r_ij is the arc that chord and normals span.
-double closeness(const Contact& a, const Contact& b, double reference_radius) noexcept {
+double closeness(const Load& a, const Load& b, double reference_radius) noexcept {
   const double chord_squared = (a.at.point - b.at.point).squaredNorm();
   if (chord_squared >= reference_radius * reference_radius) return 0.0;  // the arc is longer than its chord
   const double cosine = std::clamp(a.normal.dot(b.normal), -1.0, 1.0);
@@ -30,14 +31,14 @@ double eighth_power(double x) noexcept {
 /// 1 - C + C / (1 + crowd), C = max c_ij, crowd = sum over the others of c_ij (F_j/F_i)^8 where c_ij = C. One
 /// that is less close weighs as much as would alone, at C, lower the share by what it lowers it by alone
 /// where it is: then it weighs nothing as it comes within reach, however strong (docs/decisions/0010).
-double share_among(const Contact& one, std::span<Contact* const> contacts, double reference_radius,
-                   bool with_leaving) noexcept {
+double share_among(const Load& one, std::span<Load* const> contacts, double reference_radius,
+                   bool with_fading) noexcept {
   std::array<double, kMostContacts> closeness_of;  // of those that are within reach
   std::array<double, kMostContacts> crowd_of;      // each one's c_ij (F_j/F_i)^8
   std::size_t count = 0;
   double greatest = 0.0;
-  for (const Contact* const other : contacts) {
-    if (other == &one || (other->leaving() && !with_leaving)) continue;
+  for (const Load* const other : contacts) {
+    if (other == &one || (other->fading() && !with_fading)) continue;
     const double close = closeness(one, *other, reference_radius);
     if (close <= 0.0) continue;
     greatest = std::max(greatest, close);
@@ -59,23 +60,23 @@ double share_among(const Contact& one, std::span<Contact* const> contacts, doubl
 
 }  // namespace
 
-void share_tissue(double reference_radius, std::span<Contact* const> contacts) noexcept {
-  double presence = 0.0;  // of what is leaving
-  for (const Contact* const contact : contacts) {
-    if (contact->leaving()) presence = std::max(presence, contact->presence);
+void share_tissue(double reference_radius, std::span<Load* const> contacts) noexcept {
+  double fading = 0.0;  // the greatest weight of what fades
+  for (const Load* const contact : contacts) {
+    if (contact->fading()) fading = std::max(fading, contact->fade_weight);
   }
-  for (Contact* const one : contacts) {
+  for (Load* const one : contacts) {
     one->share = share_among(*one, contacts, reference_radius, true);
-    if (one->leaving()) {
-      one->share *= one->presence;
-    } else if (presence > 0.0) {  // from the shares beside it to those without it
+    if (one->fading()) {
+      one->share *= one->fade_weight;
+    } else if (fading > 0.0) {  // from the shares beside it to those without it
       one->share =
-          presence * one->share + (1.0 - presence) * share_among(*one, contacts, reference_radius, false);
+          fading * one->share + (1.0 - fading) * share_among(*one, contacts, reference_radius, false);
     }
   }
 }
 
-void share_memory(Contact& a, Contact& b) noexcept {
+void share_memory(Load& a, Load& b) noexcept {
   const double elastic = a.memory.elastic + b.memory.elastic;
   if (!(elastic > 0.0)) return;
   for (std::size_t i = 0; i < model::kMostRelaxationTerms; ++i) {

@@ -296,27 +296,27 @@ TEST(ToolPoints, OfADensePartAreThinnedOutAndStandOutAsFar) {
 
 TEST(Sharing, DoesNotJumpWhenOneOfTwoCoincidentContactsHasLeft) {
   // Two at one place, the second nearly gone, and a third 4 mm aside: as if the second were not there.
-  std::array<Contact, 3> contacts;
-  for (Contact& contact : contacts) contact.elastic_force = 0.1;
+  std::array<Load, 3> contacts;
+  for (Load& contact : contacts) contact.elastic_force = 0.1;
   contacts[2].at.point = Vec3(4e-3, 0, 0);
-  std::array<Contact*, 3> three{&contacts[0], &contacts[1], &contacts[2]};
-  contacts[1].presence = 1e-9;
+  std::array<Load*, 3> three{&contacts[0], &contacts[1], &contacts[2]};
+  contacts[1].fade_weight = 1e-9;
   share_tissue(kReference, three);
   const double with_first = contacts[0].share;
   const double with_third = contacts[2].share;
   EXPECT_NEAR(contacts[1].share, 0.0, 1e-8);
-  std::array<Contact*, 2> two{&contacts[0], &contacts[2]};
+  std::array<Load*, 2> two{&contacts[0], &contacts[2]};
   share_tissue(kReference, two);
   EXPECT_NEAR(contacts[0].share, with_first, 1e-8);
   EXPECT_NEAR(contacts[2].share, with_third, 1e-8);
 }
 
 TEST(Sharing, CoincidentContactsWeighAsOneWhileOneLeaves) {
-  std::array<Contact, 2> contacts;
-  for (Contact& contact : contacts) contact.elastic_force = 0.3;
-  std::array<Contact*, 2> both{&contacts[0], &contacts[1]};
+  std::array<Load, 2> contacts;
+  for (Load& contact : contacts) contact.elastic_force = 0.3;
+  std::array<Load*, 2> both{&contacts[0], &contacts[1]};
   for (const double presence : {1.0, 0.7, 0.3, 0.01}) {
-    contacts[1].presence = presence;
+    contacts[1].fade_weight = presence;
     share_tissue(kReference, both);
     EXPECT_NEAR(contacts[0].share + contacts[1].share, 1.0, 1e-12);
   }

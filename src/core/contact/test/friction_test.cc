@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/contact/press.h"
+#include "core/contact/proxy.h"
 #include "core/contact/test/rig.h"
 
 namespace palpate::contact::test {
@@ -13,18 +13,20 @@ namespace {
 
 /// A contact with a random slip, normal and normal force, and how the tool moves there in a tick.
 struct RandomSlip {
-  Contact contact;
+  Vec3 normal;
+  FrictionSpring spring;
+  double normal_force;
   Vec3 motion;
 
   explicit RandomSlip(std::mt19937& random) {
-    std::normal_distribution<double> normal;
+    std::normal_distribution<double> draw;
     const auto vector = [&](double size) -> Vec3 {
-      return size * Vec3(normal(random), normal(random), normal(random));
+      return size * Vec3(draw(random), draw(random), draw(random));
     };
-    contact.normal = vector(1.0).normalized();
-    contact.slip = vector(1e-3);
-    contact.slip -= contact.slip.dot(contact.normal) * contact.normal;
-    contact.normal_force = std::max(0.0, normal(random));
+    normal = vector(1.0).normalized();
+    const Vec3 slip = vector(1e-3);
+    spring = FrictionSpring(slip - slip.dot(normal) * normal);
+    normal_force = std::max(0.0, draw(random));
     motion = vector(0.1e-3);
   }
 };
@@ -45,16 +47,16 @@ TEST(Friction, WithoutDampingIsTheSpringTrimmedToTheConeBitForBit) {
   for (int i = 0; i < 2000; ++i) {
     const TissueLaws laws = random_laws(random, 0.0);
     RandomSlip trial(random);
-    Vec3 slip = trial.contact.slip + trial.motion;
-    slip -= slip.dot(trial.contact.normal) * trial.contact.normal;
-    const double longest = laws.friction * trial.contact.normal_force / laws.tangential_stiffness;
+    Vec3 slip = trial.spring.slip() + trial.motion;
+    slip -= slip.dot(trial.normal) * trial.normal;
+    const double longest = laws.friction * trial.normal_force / laws.tangential_stiffness;
     const double length = slip.norm();
     if (length > longest) slip *= longest / length;
     sliding += length > longest ? 1 : 0;
-    compute_friction(1e-3, laws, trial.motion, trial.contact);
+    const Vec3 friction = trial.spring.stretch(1e-3, laws, trial.motion, trial.normal, trial.normal_force);
     const Vec3 force = -laws.tangential_stiffness * slip;
-    ASSERT_EQ(std::memcmp(trial.contact.slip.data(), slip.data(), sizeof slip), 0) << i;
-    ASSERT_EQ(std::memcmp(trial.contact.friction.data(), force.data(), sizeof force), 0) << i;
+    ASSERT_EQ(std::memcmp(trial.spring.slip().data(), slip.data(), sizeof slip), 0) << i;
+    ASSERT_EQ(std::memcmp(friction.data(), force.data(), sizeof force), 0) << i;
   }
   EXPECT_GT(sliding, 200);
   EXPECT_LT(sliding, 1800);
@@ -67,16 +69,15 @@ TEST(Friction, WithDampingIsOnTheConeOrInsideAndTakesAtLeastWhatItsSpringGains) 
     const double damping = std::uniform_real_distribution<double>(0.01, 20.0)(random);
     const TissueLaws laws = random_laws(random, damping);
     RandomSlip trial(random);
-    const Vec3 before = trial.contact.slip;
-    compute_friction(1e-3, laws, trial.motion, trial.contact);
-    const Vec3 slip = trial.contact.slip;
-    const Vec3 force = -trial.contact.friction;
-    const double cone = laws.friction * trial.contact.normal_force;
+    const Vec3 before = trial.spring.slip();
+    const Vec3 force = -trial.spring.stretch(1e-3, laws, trial.motion, trial.normal, trial.normal_force);
+    const Vec3 slip = trial.spring.slip();
+    const double cone = laws.friction * trial.normal_force;
     const double gained = 0.5 * laws.tangential_stiffness * (slip.squaredNorm() - before.squaredNorm());
     const Vec3 rule = laws.tangential_stiffness * slip + damping * (slip - before) / 1e-3;
     ASSERT_LE(force.norm(), cone * (1.0 + 1e-12)) << i;
     ASSERT_NEAR((force - rule).norm(), 0.0, 1e-9) << i;
-    ASSERT_NEAR(force.dot(trial.contact.normal), 0.0, 1e-12) << i;
+    ASSERT_NEAR(force.dot(trial.normal), 0.0, 1e-12) << i;
     ASSERT_GE(force.dot(trial.motion) - gained, -1e-15) << i;
     sliding += force.norm() > cone * (1.0 - 1e-12) ? 1 : 0;
   }

@@ -12,39 +12,39 @@ namespace {
 
 constexpr double kSharedReference = 10e-3;
 
-Contact contact_at(const Vec3& point, double force, const Vec3& normal = Vec3::UnitZ()) {
-  Contact contact;
+Load contact_at(const Vec3& point, double force, const Vec3& normal = Vec3::UnitZ()) {
+  Load contact;
   contact.at.point = point;
   contact.normal = normal;
   contact.elastic_force = force;
   return contact;
 }
 
-double total(std::vector<Contact>& contacts) {
-  std::vector<Contact*> all;
-  for (Contact& contact : contacts) all.push_back(&contact);
+double total(std::vector<Load>& contacts) {
+  std::vector<Load*> all;
+  for (Load& contact : contacts) all.push_back(&contact);
   share_tissue(kSharedReference, all);
   double sum = 0.0;
-  for (const Contact& contact : contacts) sum += contact.share * contact.elastic_force;
+  for (const Load& contact : contacts) sum += contact.share * contact.elastic_force;
   return sum;
 }
 
 TEST(Sharing, CoincidentContactsWeighAsOne) {
   for (std::size_t n = 1; n <= 6; ++n) {
-    std::vector<Contact> contacts(n, contact_at(Vec3::Zero(), 0.7));
+    std::vector<Load> contacts(n, contact_at(Vec3::Zero(), 0.7));
     EXPECT_NEAR(total(contacts), 0.7, 1e-12) << n;
   }
 }
 
 TEST(Sharing, DistantContactsAdd) {
-  std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.7), contact_at(Vec3(kSharedReference, 0, 0), 0.4)};
+  std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.7), contact_at(Vec3(kSharedReference, 0, 0), 0.4)};
   EXPECT_DOUBLE_EQ(total(contacts), 1.1);
 }
 
 TEST(Sharing, AWeakContactNeverLowersAStrongOneByMoreThanOnePercent) {
   for (int step = 0; step <= 11; ++step) {
     const double weak = 0.05 * step;
-    std::vector<Contact> contacts{contact_at(Vec3::Zero(), 1.0), contact_at(Vec3::Zero(), weak)};
+    std::vector<Load> contacts{contact_at(Vec3::Zero(), 1.0), contact_at(Vec3::Zero(), weak)};
     total(contacts);
     EXPECT_GE(contacts[0].share, 0.99) << weak;
   }
@@ -52,15 +52,14 @@ TEST(Sharing, AWeakContactNeverLowersAStrongOneByMoreThanOnePercent) {
 
 TEST(Sharing, HalfWayIsTheFormulaWorkedByHand) {
   // r = 5 mm: c = 1 - 1/4 = 0.75 for both; equal forces: share = 0.25 + 0.75/(1 + 0.75) = 0.678571...
-  std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.5), contact_at(Vec3(5e-3, 0, 0), 0.5)};
+  std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.5), contact_at(Vec3(5e-3, 0, 0), 0.5)};
   EXPECT_NEAR(total(contacts), 0.6785714285714286, 1e-12);
 }
 
 TEST(Sharing, OverAnEdgeTheDistanceIsTheArc) {
   // Normals at 90 degrees, chord 5 mm: arc = 5 mm x (pi/4)/sin(pi/4) = 5.5536 mm; c = 1 - 0.308425 =
   // 0.691575.
-  std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.5),
-                                contact_at(Vec3(5e-3, 0, 0), 0.5, Vec3::UnitX())};
+  std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.5), contact_at(Vec3(5e-3, 0, 0), 0.5, Vec3::UnitX())};
   total(contacts);
   EXPECT_NEAR(contacts[0].share, 1.0 - 0.691575 + 0.691575 / 1.691575, 1e-5);
 }
@@ -69,7 +68,7 @@ TEST(Sharing, NothingJumpsAsTwoContactsPart) {
   double last = 0.5;
   for (int step = 0; step <= 1200; ++step) {
     const double r = 0.01e-3 * step;
-    std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.5), contact_at(Vec3(r, 0, 0), 0.5)};
+    std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.5), contact_at(Vec3(r, 0, 0), 0.5)};
     const double sum = total(contacts);
     EXPECT_GE(sum, last - 1e-12);
     EXPECT_LT(sum - last, 0.002);
@@ -82,8 +81,8 @@ TEST(Sharing, NothingJumpsAsAStrongContactLeavesOneThatHasACloseNeighbour) {
   double last = 0.0;
   for (int step = 0; step <= 2000; ++step) {
     const double r = 9e-3 + 1e-6 * step;
-    std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
-                                  contact_at(Vec3(r, 0, 0), 1.0)};
+    std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
+                               contact_at(Vec3(r, 0, 0), 1.0)};
     total(contacts);
     if (step > 0) {
       EXPECT_LT(std::fabs(contacts[0].share - last), 0.0004) << r;  // c falls by 0.0002 a step
@@ -98,8 +97,8 @@ TEST(Sharing, OneThatIsLessCloseWeighsByWhatItLowersAlone) {
   // c = 0.84 (4 mm) and 0.36 (8 mm), equal forces. The farther one alone: 0.36 x 0.36/1.36 = 0.0952941 less;
   // at 0.84 that takes a weight of 0.0952941/(0.84 - 0.0952941) = 0.127962. Share: 0.16 + 0.84/(1 + 0.84 +
   // 0.127962) = 0.586837.
-  std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
-                                contact_at(Vec3(8e-3, 0, 0), 0.1)};
+  std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
+                             contact_at(Vec3(8e-3, 0, 0), 0.1)};
   total(contacts);
   EXPECT_NEAR(contacts[0].share, 0.586837, 2e-6);
 }
@@ -107,23 +106,23 @@ TEST(Sharing, OneThatIsLessCloseWeighsByWhatItLowersAlone) {
 TEST(Sharing, ANeighbourAsCloseAsTheClosestCountsAsInTheFormula) {
   // c = 0.84 twice: 0.16 + 0.84/(1 + 1.68) = 0.473433; a hair farther must be nearly the same.
   for (const double r : {4e-3, 4e-3 + 1e-9}) {
-    std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
-                                  contact_at(Vec3(r, 0, 0), 0.1)};
+    std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
+                               contact_at(Vec3(r, 0, 0), 0.1)};
     total(contacts);
     EXPECT_NEAR(contacts[0].share, 0.473433, 2e-6);
   }
 }
 
 TEST(Sharing, WithoutForceThereIsNothingToShare) {
-  std::vector<Contact> contacts{contact_at(Vec3::Zero(), 0.0), contact_at(Vec3::Zero(), 0.0)};
+  std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.0), contact_at(Vec3::Zero(), 0.0)};
   EXPECT_EQ(total(contacts), 0.0);
   EXPECT_TRUE(std::isfinite(contacts[0].share));
 }
 
 TEST(Sharing, ContactsThatBecomeOneRememberTheMeanOfWhatTheyDid) {
-  Contact relaxed;
+  Load relaxed;
   relaxed.memory = {{0.2, 0.0, 0.0}, 1.0};  // of 1 N a term has kept 0.2 N
-  Contact fresh;
+  Load fresh;
   fresh.memory = {{1.0, 1.0, 0.0}, 1.0};
   const double before = relaxed.memory.kept[0] + fresh.memory.kept[0];
   share_memory(relaxed, fresh);
@@ -136,8 +135,8 @@ TEST(Sharing, ContactsThatBecomeOneRememberTheMeanOfWhatTheyDid) {
   EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.9);
   EXPECT_DOUBLE_EQ(fresh.memory.kept[0], 2.7);
 
-  Contact none;
-  Contact nothing;
+  Load none;
+  Load nothing;
   share_memory(none, nothing);
   EXPECT_EQ(none.memory.kept[0], 0.0);
 }

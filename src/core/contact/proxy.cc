@@ -1,0 +1,199 @@
+#include "core/contact/proxy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/portable_math.h"
+#include "core/contact/sharing.h"
+
+namespace palpate::contact {
+namespace {
+
+// The rules' own figures (model.md, section 4).
+constexpr double kWalkSpeed = 0.05;    // m/s, that c may gain on the tool
+constexpr double kTouchSpeed = 0.1;    // m/s, that the force's place may gain on the tool
+constexpr double kStillStep = 0.1e-6;  // m, where the walk stops
+constexpr int kWalkSteps = 3;          // a tick
+constexpr double kRestartShare = 8.0;  // of the motion since it stopped is a walk's next step
+constexpr double kLost = 0.1;     // of R_ref, that a contact is from its deepest place when it has lost it
+constexpr double kLetIn = 50e-3;  // s, over which depth that was kept back comes to count
+constexpr double kFade = 100e-3;  // s, in which a contact that has merged or is lost goes
+constexpr double kDampingDepth = 1e-3;  // m, where the damping counts in full
+
+/// Turns `normal` towards `goal` by at most `most` [rad]. @return the angle turned
+double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
+  const double cosine = std::clamp(normal.dot(goal), -1.0, 1.0);
+  const Vec3 across = goal - cosine * normal;
+  const double sine = across.norm();
+  // Near 0 the cosine has lost its digits, and the sine is the angle.
+  if (cosine > 0.0 && sine <= most) {
+    normal = goal;
+    return cosine > 0.99 ? sine : portable::acos(cosine);
+  }
+  // An acute angle is greater than its sine, from here on by more than acos rounds: no need to work it out.
+  constexpr double kClear = 1e-3;
+  if (!(cosine > 0.0 && sine > kClear)) {
+    const double angle = portable::acos(cosine);
+    if (angle <= most) {
+      normal = goal;
+      return cosine > 0.99 ? sine : angle;
+    }
+  }
+  if (sine < 1e-9) return 0.0;  // turned right round: no way is nearer
+  const auto [s, c] = portable::sin_cos(most);
+  normal = (c * normal + (s / sine) * across).normalized();
+  return most;
+}
+
+}  // namespace
+
+ContactPatch patch_in_S(const PartPoints& points, const RigidTransform& placed_S, const Vec3& point_S,
+                        const Vec3& normal_S, double reference_radius, std::uint32_t guess) noexcept {
+  ContactPatch patch = contact_patch_of(points, placed_S.bring_back(point_S), placed_S.turn_back(normal_S),
+                                        reference_radius, guess);
+  patch.centroid = placed_S * patch.centroid;
+  return patch;
+}
+
+Vec3 FrictionSpring::stretch(double period, const TissueLaws& laws, const Vec3& motion, const Vec3& normal,
+                             double normal_force) noexcept {
+  const double stiffness = laws.tangential_stiffness;
+  const double cone = laws.friction * normal_force;
+  slip_ += motion;
+  slip_ -= slip_.dot(normal) * normal;
+  if (laws.tangential_damping == 0.0) {
+    const double longest = cone / stiffness;
+    const double length = slip_.norm();
+    if (length > longest) slip_ *= longest / length;
+    return -stiffness * slip_;
+  }
+  const double damping = laws.tangential_damping / period;  // N/m
+  const Vec3 change = motion - motion.dot(normal) * normal;
+  const Vec3 before = slip_ - change;
+  Vec3 force = stiffness * slip_ + damping * change;
+  const double size = force.norm();
+  if (size > cone) {
+    force *= cone / size;
+    slip_ = (force + damping * before) / (stiffness + damping);
+  }
+  return -force;
+}
+
+Proxy::Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& patch) noexcept
+    : surface_normal_(normal), touch_(patch.centroid), patch_(patch) {
+  load_.at = at;
+  load_.normal = normal;
+}
+
+void Proxy::begin(double own_motion, double odometer, double period) noexcept {
+  step_ = own_motion;
+  walked_ = odometer;
+  hold_back(std::max(0.0, patch_.depth - own_motion), period);
+}
+
+/// From c to the centroid of the patch, along the tangent plane [m].
+Vec3 Proxy::aside() const noexcept {
+  const Vec3 away = patch_.centroid - load_.at.point;
+  return away - away.dot(load_.normal) * load_.normal;
+}
+
+void Proxy::walk(const OrganSurface& surface, const PartPoints& points, const DistanceCache& distances,
+                 double reference_radius, double period) noexcept {
+  const double own_motion = distances.motion_at(load_.at.point).norm();
+  const double limit = kWalkSpeed * period + own_motion;
+  double left = limit;
+  double turn_left = limit / reference_radius;
+  step_ = std::max(step_, (distances.odometer() - walked_) / kRestartShare);
+  const auto find_patch = [&] {
+    patch_ = patch_in_S(points, distances.placed_S(), load_.at.point, load_.normal, reference_radius,
+                        patch_.cluster);
+  };
+  find_patch();
+  for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
+    if (patch_.depth <= 0.0) break;
+    const Vec3 away = aside();
+    const double distance = away.norm();
+    if (distance < kStillStep) break;
+    const Vec3 direction = away / distance;
+    step_ *= direction.dot(last_direction_) < 0.0 ? 0.5 : 1.5;
+    step_ = std::min(step_, limit);
+    if (step_ < kStillStep) break;
+    const double length = std::min({step_, distance, left});
+    load_.at = surface.walk(load_.at, length * direction, load_.normal);
+    last_direction_ = direction;
+    walked_ = distances.odometer();
+    left -= length;
+    surface_normal_ = surface.normal_at(load_.at);
+    turn_left -= turn_towards(load_.normal, surface_normal_, turn_left);
+    find_patch();
+  }
+  const Vec3 before = load_.normal;
+  const double turned = turn_towards(load_.normal, surface_normal_, turn_left);
+  step_ = std::max(step_, turned * reference_radius / kRestartShare);
+  if (load_.normal != before) find_patch();
+}
+
+/// Keeps `excess` [m] >= 0 of the depth back this tick, and lets it in within kLetIn.
+void Proxy::hold_back(double excess, double period) noexcept {
+  offset_ = excess;
+  offset_step_ = excess * period / kLetIn;
+  offset_ += offset_step_;  // this tick takes it off again
+}
+
+void Proxy::fade(bool is_stale, double period) noexcept {
+  load_.fade_weight = std::min(1.0, load_.fade_weight + (is_stale ? -period : period) / kFade);
+  const double deeper = patch_.depth - depth_;
+  const double kept_back = std::max(0.0, offset_ - offset_step_);
+  if (is_stale && deeper > kept_back) hold_back(deeper, period);
+}
+
+bool Proxy::is_lost(double reference_radius, std::span<const Proxy> others) const noexcept {
+  const Vec3 away = aside();
+  const double farthest = kLost * reference_radius;
+  if (away.squaredNorm() <= farthest * farthest) return false;
+  return std::any_of(others.begin(), others.end(), [&](const Proxy& other) {
+    return !other.merged_ && other.patch_.depth > patch_.depth &&
+           (other.load_.at.point - load_.at.point).dot(away) > 0.0;
+  });
+}
+
+void Proxy::merge(Proxy& a, Proxy& b, double reference_radius) noexcept {
+  const double closest = reference_radius / 10.0;
+  if (a.merged_ || b.merged_) return;
+  if ((a.load_.at.point - b.load_.at.point).squaredNorm() >= closest * closest) return;
+  (a.depth_ >= b.depth_ ? b : a).merged_ = true;
+  share_memory(a.load_, b.load_);
+}
+
+/// The force applies at the centroid of the patch; from one deepest place to another it goes at a limited
+/// speed.
+void Proxy::follow_patch(const DistanceCache& distances, double period) noexcept {
+  const Vec3 way = patch_.centroid - touch_;
+  const double surely = kTouchSpeed * period;
+  const double squared = way.squaredNorm();
+  if (squared > surely * surely) {
+    const double share = (surely + distances.motion_at(touch_).norm()) / std::sqrt(squared);
+    if (share < 1.0) {
+      touch_ += share * way;
+      return;
+    }
+  }
+  touch_ = patch_.centroid;
+}
+
+void Proxy::press(const TissueLaws& laws, const DistanceCache& distances, double level,
+                  double period) noexcept {
+  follow_patch(distances, period);
+  offset_ = std::max(0.0, offset_ - offset_step_);
+  depth_ = std::max(0.0, patch_.depth - offset_);
+  const double elastic = laws.press.force_at(depth_).force;
+  const double relaxed = laws.relaxation.count() == 0 ? elastic : laws.relaxation.next(load_.memory, elastic);
+  // The depth's rate is taken where the tool touches: the same in the limit, without the steps of the walk.
+  const Vec3 motion = distances.motion_at(touch_);
+  const double speed = -motion.dot(load_.normal) / period;
+  normal_force_ = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth_ / kDampingDepth));
+  friction_ = spring_.stretch(period, laws, motion, load_.normal, normal_force_);
+  load_.elastic_force = elastic * level;  // jaws that hold press nothing, and take no share from others
+}
+
+}  // namespace palpate::contact
