@@ -14,9 +14,9 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
-#include "science/fit/crew.h"
 #include "science/fit/fit_many.h"
 #include "science/fit/sweep.h"
+#include "science/tasks/ranks.h"
 #include "view/report/fit_report.h"
 
 #include "app/commands.h"
@@ -97,10 +97,10 @@ void require_writable(const FitFlags& flags) {
 }
 
 /// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
-std::vector<fit::Specimen> read_for(fit::Crew& crew, const FitFlags& flags) {
+std::vector<fit::Specimen> read_for(tasks::Ranks& ranks, const FitFlags& flags) {
   std::vector<fit::Specimen> specimens;
   std::string trouble;
-  if (crew.rank() == 0) {
+  if (ranks.rank() == 0) {
     try {
       require_writable(flags);  // here: processors elsewhere need not have these folders
       specimens = read_all(flags.files, flags.relaxation);
@@ -108,7 +108,7 @@ std::vector<fit::Specimen> read_for(fit::Crew& crew, const FitFlags& flags) {
       trouble = error.what();
     }
   }
-  trouble = crew.from_first(std::move(trouble));
+  trouble = ranks.broadcast(std::move(trouble));
   if (!trouble.empty()) throw InputError(trouble);
   return specimens;
 }
@@ -144,21 +144,21 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   const std::string results =
       flags.out.empty() || !may_have_files_beside(flags.out) ? "" : flags.out + ".fits.jsonl";
   check_fit_outputs(flags, results);
-  const std::unique_ptr<fit::Crew> crew = fit::make_crew();
-  std::vector<fit::Specimen> specimens = read_for(*crew, flags);
+  const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
+  std::vector<fit::Specimen> specimens = read_for(*ranks, flags);
   fit::ManyFits many;
   {
     Progress bar("fit");
-    many = fit::fit_many(specimens, settings, *crew, results,
+    many = fit::fit_many(specimens, settings, *ranks, results,
                          [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
   fit::Sweeps sweeps;
   if (!requests.empty()) {
     Progress bar("sweep");
-    sweeps = fit::sweep_many(std::move(specimens), many, requests, settings, *crew, results,
+    sweeps = fit::sweep_many(std::move(specimens), many, requests, settings, *ranks, results,
                              [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
-  if (crew->rank() != 0) return;
+  if (ranks->rank() != 0) return;
   if (many.resumed > 0) {
     tell(fmt::format("{} of {} specimens were finished before: taken from {}", many.resumed,
                      many.specimens.size(), results));

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "palpate/version.h"
-#include "science/fit/crew.h"
+#include "science/tasks/ranks.h"
 
 #include "app/command_line.h"
 #include "app/commands.h"
@@ -16,7 +16,7 @@ namespace {
 
 /// Of several that mpirun started, the first speaks for all: they find the same errors.
 void tell_once(const std::string& error) {
-  if (palpate::fit::launch_of_environment().rank == 0) palpate::app::tell_error(error);
+  if (palpate::tasks::launch_of_environment().rank == 0) palpate::app::tell_error(error);
 }
 
 }  // namespace

@@ -1,17 +1,18 @@
-#include "science/fit/crew.h"
+#include "science/tasks/ranks.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
 #include <dlfcn.h>
 #include <fmt/core.h>
 
 #include "palpate/error.h"
 
-namespace palpate::fit {
+namespace palpate::tasks {
 namespace {
 
 constexpr const char* kLibrary = "palpate_mpi.so";
@@ -43,15 +44,6 @@ std::vector<std::filesystem::path> places() {
 
 }  // namespace
 
-std::vector<std::string> LocalCrew::share_out(std::size_t count, const Work& work, const Arrived& arrived) {
-  std::vector<std::string> results;
-  for (std::size_t i = 0; i < count; ++i) {
-    results.push_back(work(i));
-    if (arrived) arrived(i, results.back());
-  }
-  return results;
-}
-
 Launch launch_of_environment() {
   struct Launcher {
     const char* size;
@@ -67,24 +59,24 @@ Launch launch_of_environment() {
   return {};
 }
 
-std::unique_ptr<Crew> make_crew() {
+std::unique_ptr<Ranks> make_ranks() {
   const Launch launch = launch_of_environment();
-  if (launch.size == 1) return std::make_unique<LocalCrew>();
+  if (launch.size == 1) return std::make_unique<Ranks>();
   for (const std::filesystem::path& file : places()) {
     std::error_code failed;
     if (!std::filesystem::exists(file, failed)) continue;
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);  // Open MPI's own plug-ins need its names
     if (library == nullptr) fail(launch, file.string() + " cannot be loaded: " + dlerror());
-    using Make = Crew* (*)();
-    const auto make = reinterpret_cast<Make>(dlsym(library, "palpate_make_mpi_crew"));
+    using Make = Ranks* (*)();
+    const auto make = reinterpret_cast<Make>(dlsym(library, "palpate_make_mpi_ranks"));
     if (make == nullptr) fail(launch, file.string() + " is not of this program");
-    std::unique_ptr<Crew> crew(make());
-    if (crew->size() != launch.size) {
-      fail(launch, fmt::format("{} sees {}: it is of another MPI than mpirun", file.string(), crew->size()));
+    std::unique_ptr<Ranks> ranks(make());
+    if (ranks->size() != launch.size) {
+      fail(launch, fmt::format("{} sees {}: it is of another MPI than mpirun", file.string(), ranks->size()));
     }
-    return crew;
+    return ranks;
   }
   fail(launch, std::string(kLibrary) + " is not beside it");
 }
 
-}  // namespace palpate::fit
+}  // namespace palpate::tasks
