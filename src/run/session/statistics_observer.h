@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "palpate/scene.h"
+#include "palpate/session.h"
 #include "palpate/tick_observer.h"
-#include "run/session/statistics_observer.h"
 
 namespace palpate::session {
 

@@ -120,7 +120,7 @@ TEST(ForEachTask, GivesEveryRankTheSameOnAnyNumberOfRanks) {
     const auto each = on_ranks(count, [](Ranks& ranks) {
       const auto cube = [](std::size_t i) { return std::to_string(i * i * i); };
       std::string all;
-      for (const std::size_t tasks : {0, 1, 5, 0, 5}) {
+      for (const std::size_t tasks : {0U, 1U, 5U, 0U, 5U}) {
         all += joined(for_each_task(&ranks, {tasks, cube}).results) + '|';
       }
       return all;
