@@ -99,17 +99,10 @@ void require_writable(const FitFlags& flags) {
 /// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
 std::vector<fit::Specimen> read_for(tasks::Ranks& ranks, const FitFlags& flags) {
   std::vector<fit::Specimen> specimens;
-  std::string trouble;
-  if (ranks.rank() == 0) {
-    try {
-      require_writable(flags);  // here: processors elsewhere need not have these folders
-      specimens = read_all(flags.files, flags.relaxation);
-    } catch (const InputError& error) {
-      trouble = error.what();
-    }
-  }
-  trouble = ranks.broadcast(std::move(trouble));
-  if (!trouble.empty()) throw InputError(trouble);
+  tasks::on_first(ranks, [&] {
+    require_writable(flags);  // here: processors elsewhere need not have these folders
+    specimens = read_all(flags.files, flags.relaxation);
+  });
   return specimens;
 }
 

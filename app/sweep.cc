@@ -44,22 +44,12 @@ struct SweepFlags {
 /// The files of a sweep, in its folder.
 constexpr std::array kFiles = {"results.csv", "results.h5", "results.svg", "results.jsonl"};
 
-/// Rank 0 makes the folder; every rank gets the error when it cannot.
-void make_folder(const SweepFlags& flags, tasks::Ranks& ranks) {
-  std::string trouble;
-  if (ranks.rank() == 0) {
-    try {
-      require_writable_folder(flags.out, "--out");
-      std::vector<NamedFile> outputs;
-      for (const char* name : kFiles) outputs.push_back({"--out", fs::path(flags.out) / name});
-      refuse_overwriting(outputs, sources_of(scene::load(flags.request.scene)));
-      fs::create_directories(flags.out);
-    } catch (const std::exception& error) {
-      trouble = error.what();
-    }
-  }
-  trouble = ranks.broadcast(std::move(trouble));
-  if (!trouble.empty()) throw InputError(trouble);
+void make_folder(const SweepFlags& flags) {
+  require_writable_folder(flags.out, "--out");
+  std::vector<NamedFile> outputs;
+  for (const char* name : kFiles) outputs.push_back({"--out", fs::path(flags.out) / name});
+  refuse_overwriting(outputs, sources_of(scene::load(flags.request.scene)));
+  fs::create_directories(flags.out);
 }
 
 /// Least and largest value of a quantity over the runs that did not fail.
@@ -87,40 +77,22 @@ std::string sweep_text(const study::SweepResult& sweep, const std::string& out) 
   return text + "Table: " + (fs::path(out) / kFiles[0]).string() + " and " + kFiles[1] + '\n';
 }
 
-/// A value as JSON has it: a number, or a text.
-nlohmann::ordered_json value_json(const study::Axis& axis, const std::string& value) {
-  return axis.number ? nlohmann::ordered_json(palpate::parse_number(value).value())
-                     : nlohmann::ordered_json(value);
-}
-
 nlohmann::ordered_json sweep_json(const study::SweepResult& sweep, const std::string& out) {
   using Json = nlohmann::ordered_json;
-  Json axes = Json::object();
-  for (const study::Axis& axis : sweep.axes) {
-    for (const std::string& value : axis.values) axes[axis.key].push_back(value_json(axis, value));
-  }
-  Json rows = Json::array();
-  for (const study::SweepRow& row : sweep.rows) {
-    Json json{{"run", rows.size()}};
-    for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
-      json[sweep.axes[i].key] = value_json(sweep.axes[i], row.settings[i]);
+  Json rows(sweep.rows.size(), Json::object());
+  for (const study::Column& column : study::columns_of(sweep)) {
+    for (std::size_t run = 0; run < rows.size(); ++run) {
+      Json& value = rows[run][column.name];
+      if (!column.number) {
+        value = column.texts[run];
+      } else if (!column.texts[run].empty()) {
+        value = Json(palpate::parse_number(column.texts[run]).value());
+      }
     }
-    for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
-      json[kRunQuantities[i].name] = row.failed() ? Json(nullptr) : Json(row.quantities[i]);
-    }
-    json["missed_contact"] = row.missed_contact;
-    json["faults"] = row.faults;
-    json["fault"] = row.fault;
-    json["ended"] = row.ended;
-    rows.push_back(json);
   }
-  return {{"scene", sweep.scene},
-          {"out", out},
-          {"runs", sweep.rows.size()},
-          {"resumed", sweep.resumed},
-          {"failed", sweep.failed()},
-          {"missed_contact", sweep.missed()},
-          {"axes", axes},
+  return {{"scene", sweep.scene},     {"out", out},
+          {"resumed", sweep.resumed}, {"runs", sweep.rows.size()},
+          {"failed", sweep.failed()}, {"missed_contact", sweep.missed()},
           {"results", rows}};
 }
 
@@ -163,7 +135,7 @@ int sweep(SweepFlags& flags) {
   request.record = folder / kFiles[3];
   if (!flags.no_cache) scene::use_organ_cache(request.preparation, user_cache_folder());
   const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
-  make_folder(flags, *ranks);
+  tasks::on_first(*ranks, [&flags] { make_folder(flags); });
   study::SweepResult result;
   {
     Progress bar("sweep");

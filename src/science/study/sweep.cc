@@ -139,34 +139,14 @@ SweepRow run_one(const SweepRequest& request, std::size_t run) {
   return row;
 }
 
-/// What the ranks agree on before they begin.
-struct Agreement {
-  std::string fingerprint;
-  std::string scene;
-};
-
-/// Rank 0 loads the scene and looks at the record; every rank gets its findings, or its error.
-Agreement agree(const SweepRequest& request, tasks::Ranks& ranks) {
-  Agreement agreed;
-  std::string error;
-  if (ranks.rank() == 0) {
-    try {
-      agreed.fingerprint = fingerprint_of(request, agreed.scene);
-      for (const auto& [key, line] : tasks::read_record(request.record, [](const std::string&) {})) {
-        if (key.starts_with(agreed.fingerprint)) continue;
-        throw InputError(
-            request.record.string() +
-            ": holds runs of another sweep: the scene, a file that it names, a flag or the version "
-            "of palpate was another; give another --out, or delete this file to begin anew");
-      }
-    } catch (const std::exception& failure) {
-      error = failure.what();
-    }
+/// @throws InputError when the record has runs of another sweep
+void check_record(const std::filesystem::path& file, const std::string& fingerprint) {
+  for (const auto& [key, line] : tasks::read_record(file, [](const std::string&) {})) {
+    if (key.starts_with(fingerprint)) continue;
+    throw InputError(file.string() +
+                     ": holds runs of another sweep: the scene, a file that it names, a flag or the version "
+                     "of palpate was another; give another --out, or delete this file to begin anew");
   }
-  error = ranks.broadcast(std::move(error));
-  if (!error.empty()) throw InputError(error);
-  agreed.fingerprint = ranks.broadcast(std::move(agreed.fingerprint));
-  return agreed;
 }
 
 }  // namespace
@@ -188,8 +168,14 @@ std::size_t SweepResult::with_fault() const {
 
 SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks, const Progress& progress) {
   const std::size_t runs = count_of(request.axes);
-  const Agreement agreed = agree(request, ranks);
-  const auto key = [&](std::size_t run) { return agreed.fingerprint + '-' + std::to_string(run); };
+  SweepResult result{"", request.axes, {}, 0};
+  std::string fingerprint;
+  tasks::on_first(ranks, [&] {
+    fingerprint = fingerprint_of(request, result.scene);
+    check_record(request.record, fingerprint);
+  });
+  fingerprint = ranks.broadcast(std::move(fingerprint));
+  const auto key = [&](std::size_t run) { return fingerprint + '-' + std::to_string(run); };
   std::size_t done = 0;
   const auto arrived = [&](std::size_t) {
     ++done;
@@ -201,7 +187,6 @@ SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks, const Pr
   tasks::Record record(request.record, ranks, [&request](const std::string& line) {
     if (row_of(line, request.axes).failed()) throw InputError("is run again");
   });
-  SweepResult result{agreed.scene, request.axes, {}, 0};
   auto [lines, resumed] = tasks::for_each_task(&ranks, {runs, run, key, arrived}, &record);
   result.resumed = resumed;
   for (const std::string& line : lines) result.rows.push_back(row_of(line, request.axes));

@@ -70,7 +70,16 @@ using Progress = std::function<void(double, const std::string&)>;
 [[nodiscard]] SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks,
                                     const Progress& progress);
 
-/// [setup] The table as CSV: run, the axes, the quantities, missed_contact, faults, fault, ended.
+/// A column of the table: run, one an axis, one a quantity, missed_contact, faults, fault, ended.
+struct Column {
+  std::string name;
+  bool number = true;
+  std::vector<std::string> texts;  // of each run; empty: none
+};
+
+[[nodiscard]] std::vector<Column> columns_of(const SweepResult& sweep);
+
+/// [setup] The table as CSV.
 [[nodiscard]] std::string sweep_csv(const SweepResult& sweep);
 
 /// [setup] The same table in an HDF5 file, a dataset a column; the numbers of a run that failed are NaN. The

@@ -1,9 +1,5 @@
 #include <algorithm>
 #include <limits>
-#include <numeric>
-#include <string_view>
-
-#include <fmt/core.h>
 
 #include "core/base/text.h"
 #include "io/record/hdf5_handle.h"
@@ -24,95 +20,74 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-hdf5::Handle create_column(hid_t file, const std::string& name, hid_t type, std::size_t rows) {
-  const hsize_t size = rows;
-  const hdf5::Handle space(H5Screate_simple(1, &size, nullptr), name);
-  const hdf5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), name);
-  hdf5::check(H5Pset_obj_track_times(properties.id(), false), name);  // the same bytes at any time
-  return {H5Dcreate2(file, name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), name};
-}
-
-void write_numbers(hid_t file, const std::string& name, const std::vector<double>& values) {
-  const hdf5::Handle column = create_column(file, name, H5T_IEEE_F64LE, values.size());
-  hdf5::check(H5Dwrite(column.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
-}
-
-void write_texts(hid_t file, const std::string& name, const std::vector<std::string>& values) {
+/// Numbers, or texts that are filled up with zeros to the longest.
+void write_column(hid_t file, const Column& column) {
+  std::vector<double> numbers;
+  std::string texts;
   std::size_t longest = 1;
-  for (const std::string& value : values) longest = std::max(longest, value.size());
-  std::string padded;
-  for (std::string value : values) {
-    value.resize(longest);
-    padded += value;
+  for (const std::string& text : column.texts) longest = std::max(longest, text.size());
+  for (std::string text : column.texts) {
+    if (column.number)
+      numbers.push_back(parse_number(text).value_or(std::numeric_limits<double>::quiet_NaN()));
+    text.resize(longest);
+    texts += text;
   }
-  const hdf5::Handle type = hdf5::text_type(longest);
-  const hdf5::Handle column = create_column(file, name, type.id(), values.size());
-  hdf5::check(H5Dwrite(column.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()), name);
-}
-
-/// The values of a column, one a row.
-template <typename Value>
-auto column_of(const SweepResult& sweep, const Value& value) {
-  std::vector<std::decay_t<decltype(value(sweep.rows.front()))>> values;
-  for (const SweepRow& row : sweep.rows) values.push_back(value(row));
-  return values;
-}
-
-void write_columns(hid_t file, const SweepResult& sweep) {
-  hdf5::write_attribute(file, "scene", sweep.scene);
-  hdf5::write_attribute(file, "palpate_version", std::string(kVersion));
-  std::vector<double> runs(sweep.rows.size());
-  std::iota(runs.begin(), runs.end(), 0.0);
-  write_numbers(file, "run", runs);
-  for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
-    const Axis& axis = sweep.axes[i];
-    const auto texts = column_of(sweep, [i](const SweepRow& row) { return row.settings[i]; });
-    if (!axis.number) {
-      write_texts(file, axis.key, texts);
-      continue;
-    }
-    std::vector<double> values;
-    for (const std::string& text : texts) values.push_back(parse_number(text).value());
-    write_numbers(file, axis.key, values);
-  }
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
-    write_numbers(file, kRunQuantities[i].name, column_of(sweep, [i](const SweepRow& row) {
-                    return row.failed() ? kNone : row.quantities[i];
-                  }));
-  }
-  write_numbers(file, "missed_contact",
-                column_of(sweep, [](const SweepRow& row) { return row.missed_contact ? 1.0 : 0.0; }));
-  write_numbers(file, "faults",
-                column_of(sweep, [](const SweepRow& row) { return static_cast<double>(row.faults); }));
-  write_texts(file, "fault", column_of(sweep, [](const SweepRow& row) { return row.fault; }));
-  write_texts(file, "ended", column_of(sweep, [](const SweepRow& row) { return row.ended; }));
+  const hsize_t rows = column.texts.size();
+  const hdf5::Handle type =
+      column.number ? hdf5::Handle(H5Tcopy(H5T_NATIVE_DOUBLE), column.name) : hdf5::text_type(longest);
+  const hdf5::Handle space(H5Screate_simple(1, &rows, nullptr), column.name);
+  const hdf5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), column.name);
+  hdf5::check(H5Pset_obj_track_times(properties.id(), false), column.name);  // the same bytes at any time
+  const hdf5::Handle dataset(
+      H5Dcreate2(file, column.name.c_str(), type.id(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+      column.name);
+  const void* values = column.number ? static_cast<const void*>(numbers.data()) : texts.data();
+  hdf5::check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values), column.name);
 }
 
 }  // namespace
 
-std::string sweep_csv(const SweepResult& sweep) {
-  std::string text = "run";
-  for (const Axis& axis : sweep.axes) text += ',' + axis.key;
-  for (const session::RunQuantity& quantity : kRunQuantities) text += std::string(",") + quantity.name;
-  text += ",missed_contact,faults,fault,ended\n";
-  for (std::size_t run = 0; run < sweep.rows.size(); ++run) {
-    const SweepRow& row = sweep.rows[run];
-    text += std::to_string(run);
-    for (const std::string& value : row.settings) text += ',' + quoted(value);
-    for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
-      text += ',' + (row.failed() ? std::string() : shortest(row.quantities[i]));
-    }
-    text += fmt::format(",{:d},{},{},{}\n", row.missed_contact, row.faults, row.fault, quoted(row.ended));
+std::vector<Column> columns_of(const SweepResult& sweep) {
+  std::vector<Column> columns;
+  const auto add = [&](const std::string& name, bool number, const auto& text_of) {
+    Column& column = columns.emplace_back(Column{name, number, {}});
+    for (const SweepRow& row : sweep.rows) column.texts.push_back(text_of(row));
+  };
+  const auto run_of = [&sweep](const SweepRow& row) { return std::to_string(&row - sweep.rows.data()); };
+  add("run", true, run_of);
+  for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
+    add(sweep.axes[i].key, sweep.axes[i].number, [i](const SweepRow& row) { return row.settings[i]; });
   }
-  return text;
+  for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
+    add(kRunQuantities[i].name, true,
+        [i](const SweepRow& row) { return row.failed() ? std::string() : shortest(row.quantities[i]); });
+  }
+  add("missed_contact", true,
+      [](const SweepRow& row) { return std::string(row.missed_contact ? "1" : "0"); });
+  add("faults", true, [](const SweepRow& row) { return std::to_string(row.faults); });
+  add("fault", false, [](const SweepRow& row) { return row.fault; });
+  add("ended", false, [](const SweepRow& row) { return row.ended; });
+  return columns;
+}
+
+std::string sweep_csv(const SweepResult& sweep) {
+  const std::vector<Column> columns = columns_of(sweep);
+  std::string text;
+  for (const Column& column : columns) text += (text.empty() ? "" : ",") + column.name;
+  for (std::size_t run = 0; run < sweep.rows.size(); ++run) {
+    for (const Column& column : columns)
+      text += (&column == columns.data() ? '\n' : ',') + quoted(column.texts[run]);
+  }
+  return text + '\n';
 }
 
 void write_sweep_hdf5(const SweepResult& sweep, const std::filesystem::path& file) {
   const hdf5::Quiet quiet;
   try {
     hdf5::Handle opened(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), "the file");
-    write_columns(opened.id(), sweep);
+    hdf5::write_attribute(opened.id(), "scene", sweep.scene);
+    hdf5::write_attribute(opened.id(), "palpate_version", std::string(kVersion));
+    for (const Column& column : columns_of(sweep)) write_column(opened.id(), column);
     if (!opened.close()) throw hdf5::Error("the file");
   } catch (const hdf5::Error& error) {
     throw InputError(file.string() + ": cannot be written: " + error.what());

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <dlfcn.h>
@@ -43,6 +45,17 @@ std::vector<std::filesystem::path> places() {
 }
 
 }  // namespace
+
+void on_first(Ranks& ranks, const std::function<void()>& act) {
+  std::string error;
+  try {
+    if (ranks.rank() == 0) act();
+  } catch (const std::exception& thrown) {
+    error = thrown.what();
+  }
+  error = ranks.broadcast(std::move(error));
+  if (!error.empty()) throw InputError(error);
+}
 
 Launch launch_of_environment() {
   struct Launcher {

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +31,10 @@ class Ranks {
   /// Takes the next message. @param wait until there is one; else none when none has arrived
   virtual std::optional<Message> receive(bool /*wait*/) { return std::nullopt; }
 };
+
+/// [setup] Calls `act` on rank 0 alone. Every rank makes the same call.
+/// @throws InputError on every rank alike, with the message of what `act` threw
+void on_first(Ranks& ranks, const std::function<void()>& act);
 
 /// What a launcher such as mpirun tells this process in its environment.
 struct Launch {

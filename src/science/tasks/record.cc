@@ -31,21 +31,15 @@ std::map<std::string, std::string> read_record(const std::string& file, const Ch
 }
 
 Record::Record(std::string file, Ranks& ranks, const CheckLine& check) {
-  std::string error;
   std::string text;
-  if (ranks.rank() == 0 && !file.empty()) {
-    try {
-      lines_ = read_record(file, check);
-      out_.open(file, std::ios::binary | std::ios::app);
-      out_ << '\n' << std::flush;  // ends a line that was cut off
-      if (!out_) error = file + ": cannot be written";
-    } catch (const InputError& refused) {
-      error = refused.what();
-    }
+  on_first(ranks, [&] {
+    if (file.empty()) return;
+    lines_ = read_record(file, check);
+    out_.open(file, std::ios::binary | std::ios::app);
+    out_ << '\n' << std::flush;  // ends a line that was cut off
+    if (!out_) throw InputError(file + ": cannot be written");
     for (const auto& [key, line] : lines_) text += key + '\n' + line + '\n';
-  }
-  error = ranks.broadcast(std::move(error));
-  if (!error.empty()) throw InputError(error);
+  });
   std::istringstream in(ranks.broadcast(std::move(text)));
   for (std::string key, line; std::getline(in, key) && std::getline(in, line);) lines_[key] = line;
 }

@@ -216,6 +216,18 @@ TEST(Record, AFileThatCannotBeWrittenIsToldOnEveryRank) {
   EXPECT_THAT(each, testing::Each(testing::StrEq("/nowhere/record.jsonl: cannot be written")));
 }
 
+TEST(Ranks, WhatTheFirstThrowsIsThrownOnEveryRank) {
+  const auto each = on_ranks(3, [](Ranks& ranks) -> std::string {
+    try {
+      on_first(ranks, [&ranks] { throw std::runtime_error("rank " + std::to_string(ranks.rank())); });
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  });
+  EXPECT_THAT(each, testing::Each(testing::StrEq("rank 0")));
+}
+
 TEST(Ranks, ReadsTheLaunchersEnvironment) {
   EXPECT_EQ(launch_of_environment().size, 1);
   setenv("PMI_SIZE", "4", 1);
