@@ -14,9 +14,9 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
-#include "science/identify/crew.h"
 #include "science/identify/fit_many.h"
 #include "science/identify/sweep.h"
+#include "science/tasks/ranks.h"
 #include "view/report/fit_report.h"
 
 #include "app/commands.h"
@@ -97,19 +97,12 @@ void require_writable(const FitFlags& flags) {
 }
 
 /// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
-std::vector<identify::Specimen> read_for(identify::Crew& crew, const FitFlags& flags) {
+std::vector<identify::Specimen> read_for(tasks::Ranks& ranks, const FitFlags& flags) {
   std::vector<identify::Specimen> specimens;
-  std::string trouble;
-  if (crew.rank() == 0) {
-    try {
-      require_writable(flags);  // here: processors elsewhere need not have these folders
-      specimens = read_all(flags.files, flags.relaxation);
-    } catch (const InputError& error) {
-      trouble = error.what();
-    }
-  }
-  trouble = crew.from_first(std::move(trouble));
-  if (!trouble.empty()) throw InputError(trouble);
+  tasks::on_first(ranks, [&] {
+    require_writable(flags);  // here: processors elsewhere need not have these folders
+    specimens = read_all(flags.files, flags.relaxation);
+  });
   return specimens;
 }
 
@@ -145,21 +138,21 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   const std::string results =
       flags.out.empty() || !may_have_files_beside(flags.out) ? "" : flags.out + ".fits.jsonl";
   check_fit_outputs(flags, results);
-  const std::unique_ptr<identify::Crew> crew = identify::make_crew();
-  std::vector<identify::Specimen> specimens = read_for(*crew, flags);
+  const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
+  std::vector<identify::Specimen> specimens = read_for(*ranks, flags);
   identify::ManyFits many;
   {
     Progress bar("fit");
-    many = identify::fit_many(specimens, settings, *crew, results,
+    many = identify::fit_many(specimens, settings, *ranks, results,
                               [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
   identify::Sweeps sweeps;
   if (!requests.empty()) {
     Progress bar("sweep");
-    sweeps = identify::sweep_many(std::move(specimens), many, requests, settings, *crew, results,
+    sweeps = identify::sweep_many(std::move(specimens), many, requests, settings, *ranks, results,
                                   [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
-  if (crew->rank() != 0) return;
+  if (ranks->rank() != 0) return;
   if (many.resumed > 0) {
     tell(fmt::format("{} of {} specimens were finished before: taken from {}", many.resumed,
                      many.specimens.size(), results));

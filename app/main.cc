@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "palpate/version.h"
-#include "science/identify/crew.h"
+#include "science/tasks/ranks.h"
 
 #include "app/command_line.h"
 #include "app/commands.h"
@@ -16,7 +16,7 @@ namespace {
 
 /// Of several that mpirun started, the first speaks for all: they find the same errors.
 void tell_once(const std::string& error) {
-  if (palpate::identify::launch_of_environment().rank == 0) palpate::app::tell_error(error);
+  if (palpate::tasks::launch_of_environment().rank == 0) palpate::app::tell_error(error);
 }
 
 }  // namespace
@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
   add_serve(program, exit_code);
   add_devices(program, exit_code);
   add_fit(program, command_line, exit_code);
+  add_sweep(program, exit_code);
   add_validate(program, command_line, exit_code);
   add_bench(program);
   add_doctor(program, exit_code);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "run/session/run_quantities.h"
 
 namespace palpate::app {
 
@@ -160,38 +161,38 @@ nlohmann::ordered_json summary_json(const RunResult& run, const OutputFiles& fil
     phases.push_back(
         {{"hand", span.hand}, {"phase", phase_name(span.phase)}, {"from_s", span.from}, {"to_s", span.to}});
   }
-  return {{"scene", run.scene},
-          {"rate_Hz", run.rate_Hz},
-          {"seed", run.seed},
-          {"offline", run.offline},
-          {"ticks", run.loop.ticks},
-          {"duration_s", static_cast<double>(run.loop.ticks) / run.rate_Hz},
-          {"stopped_early", run.loop.stopped_early},
-          {"missed_deadlines", run.loop.missed_deadlines},
-          {"longest_gap_us", microseconds(run.loop.longest_gap_ns)},
-          {"late_us", histogram_json(run.loop.lateness)},
-          {"tick_us", histogram_json(run.loop.tick_time)},
-          {"realtime_priority", run.loop.realtime_priority},
-          {"memory_locked", run.loop.memory_locked},
-          {"polled", run.loop.polled},
-          {"peak_force_N", run.statistics.peak_force},
-          {"peak_tissue_force_N", run.statistics.peak_tissue},
-          {"peak_depth_mm", run.statistics.peak_depth * 1e3},
-          {"peak_depth_tick", run.statistics.deepest_tick},
-          {"contact_ticks", run.statistics.contact_ticks},
-          {"limited_ticks", run.statistics.limited_ticks},
-          {"phases", phases},
-          {"fault", haptics::name_of(run.loop.fault)},
-          {"faults", faults_json(run)},
-          {"further_faults", run.loop.further_faults},
-          {"watchdog_stops", run.loop.watchdog_stops},
-          {"igtl", igtl_json(igtl)},
-          {"recording", text_or_null(files.recording)},
-          {"recording_failure", text_or_null(run.recording_failure)},
-          {"report", text_or_null(files.report)},
-          {"screenshot", text_or_null(files.screenshot)},
-          {"fault_recording", text_or_null(run.fault_recording)},
-          {"remarks", remarks(run)}};
+  nlohmann::ordered_json json = {{"scene", run.scene},
+                                 {"rate_Hz", run.rate_Hz},
+                                 {"seed", run.seed},
+                                 {"offline", run.offline},
+                                 {"ticks", run.loop.ticks},
+                                 {"duration_s", static_cast<double>(run.loop.ticks) / run.rate_Hz},
+                                 {"stopped_early", run.loop.stopped_early},
+                                 {"missed_deadlines", run.loop.missed_deadlines},
+                                 {"longest_gap_us", microseconds(run.loop.longest_gap_ns)},
+                                 {"late_us", histogram_json(run.loop.lateness)},
+                                 {"tick_us", histogram_json(run.loop.tick_time)},
+                                 {"realtime_priority", run.loop.realtime_priority},
+                                 {"memory_locked", run.loop.memory_locked},
+                                 {"polled", run.loop.polled}};
+  for (const session::RunQuantity& quantity : session::kRunQuantities) json[quantity.name] = quantity.of(run);
+  json.update({{"missed_contact", run.statistics.contact_ticks == 0},
+               {"peak_depth_tick", run.statistics.deepest_tick},
+               {"contact_ticks", run.statistics.contact_ticks},
+               {"limited_ticks", run.statistics.limited_ticks},
+               {"phases", phases},
+               {"fault", haptics::name_of(run.loop.fault)},
+               {"faults", faults_json(run)},
+               {"further_faults", run.loop.further_faults},
+               {"watchdog_stops", run.loop.watchdog_stops},
+               {"igtl", igtl_json(igtl)},
+               {"recording", text_or_null(files.recording)},
+               {"recording_failure", text_or_null(run.recording_failure)},
+               {"report", text_or_null(files.report)},
+               {"screenshot", text_or_null(files.screenshot)},
+               {"fault_recording", text_or_null(run.fault_recording)},
+               {"remarks", remarks(run)}});
+  return json;
 }
 
 void print_summary(std::ostream& out, const RunResult& run, const OutputFiles& files) {

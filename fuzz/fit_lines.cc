@@ -1,14 +1,15 @@
 // The lines that a fit of many keeps beside its results; what is read must be written as what is read again.
 #include "science/identify/fit_record.h"
-#include "science/identify/sweep_piece.h"
+#include "science/tasks/record.h"
 
 #include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;
   static const fuzz::InputFile input(".lines");
-  for (const auto& [key, line] : identify::read_lines(input.hold({data, size}).string())) {  // never refuses
-    if (line.find("points_swept") != std::string::npos) continue;  // a sweep's: read_lines() has read it
+  for (const auto& [key, line] :
+       tasks::read_record(input.hold({data, size}).string(), identify::check_line)) {
+    if (line.find("points_swept") != std::string::npos) continue;  // a sweep's: check_line() has read it
     const identify::SpecimenFit fit = identify::fit_of(line);
     const identify::Curve& curve = fit.curve;
     fuzz::require(curve.low.size() == curve.fitted.size() && curve.high.size() == curve.fitted.size(),

@@ -1,4 +1,4 @@
-// `mpirun palpate fit`: the same bytes on any number of ranks, and what a lost rank loses.
+// `mpirun palpate fit` and `sweep`: the same bytes on any number of ranks, and what a lost rank loses.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -112,6 +112,27 @@ TEST(Mpi, ASweepGoesOnWhereItWasBrokenOff) {
   ASSERT_EQ(shell(folder, by_mpi(2, words + sweeps)), 0) << text_of(folder / "err");
   EXPECT_THAT(text_of(folder / "err"), testing::HasSubstr("2 pieces of sweeps were finished before"));
   EXPECT_EQ(text_of(folder / "out"), whole);
+}
+
+TEST(Mpi, ASweepOfASceneGivesTheSameTablesOnOneAndThreeRanks) {
+  const Folder folder;
+  std::ofstream(folder / "press.toml") << "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n";
+  const std::string words =
+      "sweep press.toml --duration-s 1.5 --set tissue.k1=10:40:4 --set organ.tissue=liver,heart --json "
+      "--out ";
+  ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words + "d"), 0)
+      << text_of(folder / "err");
+  const std::string alone = text_of(folder / "out");
+  const std::string csv = text_of(folder / "d/results.csv");
+  const std::string hdf5 = text_of(folder / "d/results.h5");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 4 * 2);
+  for (const int ranks : {1, 3}) {
+    fs::remove_all(folder / "d");
+    ASSERT_EQ(shell(folder, by_mpi(ranks, words + "d")), 0) << text_of(folder / "err");
+    EXPECT_EQ(text_of(folder / "out"), alone) << ranks << " ranks";
+    EXPECT_EQ(text_of(folder / "d/results.csv"), csv) << ranks << " ranks";
+    EXPECT_EQ(text_of(folder / "d/results.h5"), hdf5) << ranks << " ranks";
+  }
 }
 
 TEST(Mpi, ALostRankLosesOnlyWhatWasUnderWay) {

@@ -46,8 +46,9 @@ std::unique_ptr<haptics::Device> scripted_device(const scene::Setup& setup, std:
   if (device.kind == "replay") return devices::open_device(setup, hand);
   const bool has_path =
       !device.path.empty() && scene::find_device_kind(device.kind)->path == scene::DevicePath::kToolPath;
-  return std::make_unique<devices::ScriptedDevice>(
-      has_path ? scene::read_tool_path(device.path, device.interpolation) : scene::default_path(setup, hand));
+  const scene::ToolPath path =
+      has_path ? scene::read_tool_path(device.path, device.interpolation) : scene::default_path(setup, hand);
+  return std::make_unique<devices::ScriptedDevice>(path.faster(device.path_speed));
 }
 
 }  // namespace

@@ -10,6 +10,10 @@
 
 #include "palpate/tissue.h"
 
+namespace palpate::tasks {
+class Ranks;
+}
+
 namespace palpate::identify {
 
 /// One measured force over displacement, pressed or pulled; both count positive. SI.
@@ -127,8 +131,6 @@ struct ParameterLabel {
 /// [any] Labels in the order of values_of().
 [[nodiscard]] std::vector<ParameterLabel> labels(std::size_t terms);
 
-class Crew;
-
 struct Interval {
   double low = 0.0;
   double high = 0.0;
@@ -193,18 +195,18 @@ struct PooledFit {
 using Progress = std::function<void(double, const std::string&)>;
 
 /// [setup] Fits one specimen. @param job its number, for its own random numbers
-/// @param crew shares the bootstrap when there is one: then all its members make this call
+/// @param ranks share the bootstrap, all of them making this call; null: this process alone
 /// @throws InputError when relaxation is asked for without times, or the specimen has too few points.
 [[nodiscard]] SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
-                                       const Progress& progress, Crew* crew = nullptr);
+                                       const Progress& progress, tasks::Ranks* ranks = nullptr);
 
 /// [setup] Fits specimens together, from their own fits (one a specimen, as many relaxation terms as most of
 /// them have); each counts the same, however many points and newtons it has. The intervals are of the mean
 /// tissue: specimens are resampled, so they hold how much specimens differ, and besides every value that
 /// leaves the specimens as well fitted when the others are fitted again. One specimen: its own fit.
-/// @param crew shares the resamples when there is one: then all its members make this call
+/// @param ranks share the resamples, all of them making this call; null: this process alone
 [[nodiscard]] PooledFit fit_pooled(const std::vector<Specimen>& specimens,
                                    const std::vector<SpecimenFit>& fits, const Settings& settings,
-                                   const Progress& progress, Crew* crew = nullptr);
+                                   const Progress& progress, tasks::Ranks* ranks = nullptr);
 
 }  // namespace palpate::identify

@@ -117,6 +117,7 @@ struct DeviceSetup {
   haptics::DeviceAbilities abilities{};          // of the device that was opened
   double force_scale = 1.0;  // of the tissue's force on the hand; 1 unless `fit` lowered it
   PathInterpolation interpolation = PathInterpolation::kLinear;  // of a tool path's file
+  double path_speed = 1.0;  // > 0: tool paths, the default one too, take 1 / path_speed of their time
 };
 
 /// Limits of the gate; SI (slew per second). A scene may ask for at most 2.5 times the force of the strongest
@@ -167,6 +168,12 @@ struct SceneText {
   std::filesystem::path folder;  // that relative paths in it start from
 };
 
+/// A value that takes the place of one in the scene file, or of the tissue's: {"device.mass_kg", "0.25"}.
+struct Setting {
+  std::string key;    // as docs/file-formats.md lists them, "TABLE.KEY"; of a tissue's number "tissue.KEY"
+  std::string value;  // as a scene file has it; a text without its quotes
+};
+
 /// What a user asked for on the command line; what is set overrides the scene file.
 struct Request {
   std::optional<std::filesystem::path> scene;  // none: the gallbladder press (task pull: the heart)
@@ -181,6 +188,7 @@ struct Request {
   std::optional<std::string> device;  // KIND[:PATH]
   std::optional<double> rate_Hz;
   std::optional<std::uint64_t> seed;
+  std::vector<Setting> settings;  // of a scene that has a file or a text
   bool no_noise = false;
   bool fit_device = false;  // as `fit` of every device
   // The scene and every file that it names must lie below this folder, once links and `..` are resolved: for

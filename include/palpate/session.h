@@ -37,9 +37,13 @@ struct PhaseSpan {
 struct RunStatistics {
   static constexpr std::size_t kMaxSpans = 256;
 
-  double peak_force = 0.0;   // N, at the device
-  double peak_tissue = 0.0;  // N, before the gate
-  double peak_depth = 0.0;   // m
+  double peak_force = 0.0;     // N, at the device
+  double peak_tissue = 0.0;    // N, before the gate
+  double peak_depth = 0.0;     // m
+  double depth_at_peak = 0.0;  // m, when the tissue's force was at its peak
+  double fastest_rise = 0.0;   // N/s, of a hand's tissue force from one tick to the next
+  double loading_work = 0.0;   // J: the most that the hands had put into the device forces; without torques
+  double dissipated = 0.0;     // J: what they had not got back at the end
   std::uint64_t deepest_tick = 0;
   std::uint32_t deepest_hand = 0;
   std::uint64_t contact_ticks = 0;  // ticks with a hand pressing or pulling

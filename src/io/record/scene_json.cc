@@ -187,6 +187,7 @@ Json device_json(const scene::DeviceSetup& device) {
                {"force_scale", device.force_scale}};
   if (device.interpolation != scene::PathInterpolation::kLinear)
     json["interpolation"] = scene::to_string(device.interpolation);
+  if (device.path_speed != 1.0) json["path_speed"] = device.path_speed;
   if (device.kind == "emulated") json["emulated"] = emulated_json(device.emulated);
   return json;
 }
@@ -201,6 +202,7 @@ scene::DeviceSetup device_from(const Json& json) {
   const auto known = scene::interpolation_of(interpolation);
   if (!known) throw InputError("interpolation is " + interpolation + ", want linear or cubic");
   device.interpolation = *known;
+  device.path_speed = json.value("path_speed", 1.0);
   device.workspace_scale = json.at("workspace_scale").get<double>();
   device.base = pose_from(json.at("base"));
   device.dynamics.damping = optional_from(json.at("damping_N_s_per_m"));

@@ -3,17 +3,13 @@
 #include <string>
 
 #include "io/scene/names.h"
+#include "io/scene/scene_keys.h"
 #include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {
 
-constexpr double kMillisecond = 1e-3;                                   // s
-constexpr Range kMass{1e-3, 100.0};                                     // kg
-constexpr Range kGripStiffness{0.0, 1e5};                               // N/m
-constexpr Range kGripDamping{0.0, 1e3};                                 // N s/m
-constexpr Range kFaultTime{0.0, 1e6};                                   // s: eleven days
-constexpr Range kFaultAge{0.0, kLongestFaultAge / kMillisecond, true};  // ms
+constexpr double kMillisecond = 1e-3;  // s
 
 HandGrip read_grip(const TomlTable& device) {
   HandGrip grip = kFirmGrip;
@@ -25,13 +21,13 @@ HandGrip read_grip(const TomlTable& device) {
     if (*word != "light" && *word != "firm") device.fail("grip", "must be light or firm");
     return *word == "light" ? kLightGrip : kFirmGrip;
   }
-  grip.stiffness = device.number("grip_N_per_m", kGripStiffness).value_or(grip.stiffness);
-  grip.damping = device.number("grip_N_s_per_m", kGripDamping).value_or(grip.damping);
+  grip.stiffness = number_in(device, "grip_N_per_m").value_or(grip.stiffness);
+  grip.damping = number_in(device, "grip_N_s_per_m").value_or(grip.damping);
   return grip;
 }
 
 EmulatedFault read_fault(const TomlTable& table) {
-  table.allow_only({"kind", "time_s", "duration_s", "age_ms"});
+  table.allow_only(keys_in("device.fault"));
   std::vector<std::string> names;
   for (const EmulatedFaultName& known : emulated_fault_names()) names.emplace_back(known.name);
   const std::string want = "must be " + alternatives(names);
@@ -41,9 +37,9 @@ EmulatedFault read_fault(const TomlTable& table) {
   if (!kind) table.fail("kind", want);
   EmulatedFault fault;
   fault.kind = *kind;
-  fault.time = table.required_number("time_s", kFaultTime);
-  fault.duration = table.number("duration_s", kFaultTime).value_or(fault.duration);
-  if (const auto age = table.number("age_ms", kFaultAge)) {
+  fault.time = table.required_number("time_s", find_scene_key("", table.field("time_s")).range);
+  fault.duration = number_in(table, "duration_s").value_or(fault.duration);
+  if (const auto age = number_in(table, "age_ms")) {
     if (fault.kind != EmulatedFaultKind::kLate) table.fail("age_ms", "is only for kind = \"late\"");
     fault.age = *age * kMillisecond;
   }
@@ -60,7 +56,7 @@ EmulatedHand read_emulated_hand(const TomlTable& device, std::string_view kind) 
     }
     return hand;
   }
-  hand.mass = device.number("mass_kg", kMass).value_or(hand.mass);
+  hand.mass = number_in(device, "mass_kg").value_or(hand.mass);
   hand.grip = read_grip(device);
   for (const TomlTable& fault : device.tables("fault")) hand.faults.push_back(read_fault(fault));
   return hand;

@@ -12,6 +12,7 @@
 #include "io/scene/names.h"
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_file.h"
+#include "io/scene/scene_keys.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
@@ -145,10 +146,13 @@ SceneDescription describe(const Request& request) {
     if (request.scene && !request.files_below.empty()) {
       require_below(request.files_below, Stated{request.scene->string(), "scene", {}});
     }
-    scene = request.scene ? read_scene_file(*request.scene)
-                          : read_scene_text(request.scene_text->toml, request.scene_text->folder);
+    scene = request.scene
+                ? read_scene_file(*request.scene, request.settings)
+                : read_scene_text(request.scene_text->toml, request.scene_text->folder, request.settings);
     scene.task = task_of(request, scene.task);
   } else {
+    if (!request.settings.empty())
+      throw InputError("--set " + request.settings.front().key + ": needs a scene file");
     scene = default_scene(task_of(request, Task::kPress));
   }
   override_meshes(request, scene);
@@ -272,6 +276,7 @@ void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
     made.kind = kind.name;
     if (made.kind == "emulated") made.dynamics = with_emulated_defaults(made.dynamics);
     made.path = check_device_path(device, kind, scene.task);
+    made.path_speed = scene.path_speed;
     if (kind.path != DevicePath::kToolPath || made.path.empty())
       made.interpolation = PathInterpolation::kLinear;
   }
@@ -332,6 +337,7 @@ Setup load(const Request& request) {
   setup.safety = scene.safety;
   set_noise(scene, setup);
   setup.tissue = find_tissue(scene);
+  apply_to_tissue(request.settings, setup.tissue);
   MeshNotes notes;
   load_hands(scene, setup, notes);
   load_organ(scene, setup, notes);

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "io/scene/scene_keys.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -34,7 +35,7 @@ void read_direction(const TomlTable& table, const char* key, Vec3& direction) {
 }
 
 std::optional<OrganMotionParameters> read_one(const TomlTable& table) {
-  table.allow_only({"kind", "amplitude_mm", "direction", "rotation_deg", "axis", "period_s", "phase"});
+  table.allow_only(keys_in("organ.motion", {"direction", "axis"}));
   const std::optional<std::string> word = table.text("kind");
   if (!word) table.fail_missing("kind", kKindWanted);
   std::optional<OrganMotionKind> kind;

@@ -4,6 +4,7 @@
 
 #include "io/scene/emulated_reader.h"
 #include "io/scene/organ_motion_reader.h"
+#include "io/scene/scene_keys.h"
 #include "io/scene/toml_reader.h"
 #include "palpate/error.h"
 
@@ -14,12 +15,7 @@ constexpr double kMillisecondsPerSecond = 1000.0;  // slew is given a millisecon
 
 constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
 constexpr Range kRotation{-3600.0, 3600.0};  // deg: ten turns
-constexpr Range kOpening{-180.0, 180.0};     // deg
-constexpr Range kLoopRate{kSlowestRate, kFastestRate};
-constexpr Range kNoiseRate{1e-3, kFastestRate};
-constexpr Range kWorkspaceScale{0.0, 1000.0, true};
-constexpr std::uint64_t kLastButton = 31;       // of DeviceState::buttons
-constexpr Range kTipRadius{0.0, 1000.0, true};  // mm
+constexpr std::uint64_t kLastButton = 31;    // of DeviceState::buttons
 
 /// Reads one scene file; holds what every part of it needs.
 class SceneReader final {
@@ -30,11 +26,15 @@ class SceneReader final {
   SceneDescription read(const std::string& default_name) {
     SceneDescription scene;
     scene.name = default_name;
-    root_.allow_only({"scene", "organ", "tool", "device", "noise", "safety"});
+    root_.allow_only({"scene", "organ", "tool", "path", "device", "noise", "safety"});
     if (auto table = root_.table("scene")) read_scene(*table, scene);
     read_organ(scene);
     for (const TomlTable& table : root_.tables("tool")) scene.tools.push_back(read_tool(table));
     scene.tool_place = root_.place("tool") + ": tool.mesh";
+    if (auto table = root_.table("path")) {
+      table->allow_only(keys_in("path"));
+      scene.path_speed = number_in(*table, "speed").value_or(scene.path_speed);
+    }
     for (const TomlTable& table : root_.tables("device")) scene.devices.push_back(read_device(table));
     if (auto table = root_.table("noise")) read_noise(*table, scene);
     if (auto table = root_.table("safety")) scene.safety = read_safety(*table);
@@ -68,10 +68,10 @@ class SceneReader final {
   }
 
   void read_scene(const TomlTable& table, SceneDescription& scene) const {
-    table.allow_only({"name", "task", "rate_Hz", "seed"});
+    table.allow_only(keys_in("scene"));
     scene.name = table.text("name").value_or(scene.name);
     if (const auto task = stated(table, "task")) scene.task = parse_task(*task);
-    scene.rate_Hz = table.number("rate_Hz", kLoopRate).value_or(scene.rate_Hz);
+    scene.rate_Hz = number_in(table, "rate_Hz").value_or(scene.rate_Hz);
     scene.seed = table.whole_number("seed").value_or(scene.seed);
   }
 
@@ -79,7 +79,7 @@ class SceneReader final {
     scene.organ_place = root_.place("organ") + ": organ.mesh";
     const std::optional<TomlTable> table = root_.table("organ");
     if (!table) return;
-    table->allow_only({"mesh", "unit", "tissue", "pose", "motion"});
+    table->allow_only(keys_in("organ", {"pose", "motion"}));
     scene.organ = stated(*table, "mesh");
     scene.organ_unit = read_unit(*table);
     scene.tissue = stated(*table, "tissue");
@@ -90,7 +90,7 @@ class SceneReader final {
   JawDescription read_jaw(const TomlTable& table) const {
     constexpr double kDefaultOpening = 15.0;  // deg
     JawDescription jaw;
-    table.allow_only({"mesh", "pivot_mm", "axis", "open_deg"});
+    table.allow_only(keys_in("tool.jaw", {"pivot_mm", "axis"}));
     std::optional<Stated> mesh = stated(table, "mesh");
     if (!mesh) table.fail_missing("mesh", "a jaw needs its mesh, a file");
     jaw.mesh = *mesh;
@@ -99,18 +99,17 @@ class SceneReader final {
       if (axis->norm() < 1e-9) table.fail("axis", "must be a direction, not zero");
       jaw.axis = axis->normalized();
     }
-    jaw.open_angle = table.number("open_deg", kOpening).value_or(kDefaultOpening) * kRadiansPerDegree;
+    jaw.open_angle = number_in(table, "open_deg").value_or(kDefaultOpening) * kRadiansPerDegree;
     return jaw;
   }
 
   ToolDescription read_tool(const TomlTable& table) const {
     ToolDescription tool;
-    table.allow_only({"mesh", "unit", "mount", "tip_radius_mm", "jaw"});
+    table.allow_only(keys_in("tool", {"mount", "jaw"}));
     tool.mesh = stated(table, "mesh");
     tool.unit = read_unit(table);
     tool.mount = read_pose(table, "mount");
-    if (const auto radius = table.number("tip_radius_mm", kTipRadius))
-      tool.tip_radius = *radius * kMillimetre;
+    if (const auto radius = number_in(table, "tip_radius_mm")) tool.tip_radius = *radius * kMillimetre;
     for (const TomlTable& jaw : table.tables("jaw")) tool.jaws.push_back(read_jaw(jaw));
     if (!tool.mesh && tool.jaws.empty()) {
       table.fail_missing("mesh", "a tool needs a mesh (a built-in name, a file or sphere:R) or jaws");
@@ -120,19 +119,17 @@ class SceneReader final {
 
   DeviceDescription read_device(const TomlTable& table) const {
     DeviceDescription device;
-    table.allow_only({"kind", "path", "interpolation", "workspace_scale", "base", "damping_N_s_per_m",
-                      "friction_N", "resolution_mm", "clutch_button", "fit", "mass_kg", "grip",
-                      "grip_N_per_m", "grip_N_s_per_m", "fault"});
+    table.allow_only(keys_in("device", {"base", "fault"}));
     if (const auto kind = stated(table, "kind")) device.kind = *kind;
     if (device.kind.where.empty()) device.kind.where = table.place("kind") + ": " + table.field("kind");
     device.path = stated(table, "path");
     DeviceSetup& setup = device.setup;
     if (const auto name = stated(table, "interpolation")) setup.interpolation = parse_interpolation(*name);
-    setup.workspace_scale = table.number("workspace_scale", kWorkspaceScale).value_or(setup.workspace_scale);
+    setup.workspace_scale = number_in(table, "workspace_scale").value_or(setup.workspace_scale);
     setup.base = read_pose(table, "base");
-    setup.dynamics.damping = table.number("damping_N_s_per_m", kNotNegative);
-    setup.dynamics.friction = table.number("friction_N", kNotNegative);
-    if (const auto resolution = table.number("resolution_mm", kNotNegative)) {
+    setup.dynamics.damping = number_in(table, "damping_N_s_per_m");
+    setup.dynamics.friction = number_in(table, "friction_N");
+    if (const auto resolution = number_in(table, "resolution_mm")) {
       setup.dynamics.resolution = *resolution * kMillimetre;
     }
     setup.emulated = read_emulated_hand(table, device.kind.value);
@@ -161,13 +158,12 @@ class SceneReader final {
 
   static void read_noise(const TomlTable& table, SceneDescription& scene) {
     noise::NoiseSettings& settings = scene.noise;
-    table.allow_only(
-        {"enabled", "gain_N_m", "threshold_mm", "rate_Hz", "user_threshold_N", "share_of_threshold"});
+    table.allow_only(keys_in("noise"));
     settings.enabled = table.truth("enabled").value_or(settings.enabled);
-    if (const auto threshold = table.number("threshold_mm", kPositive)) {
+    if (const auto threshold = number_in(table, "threshold_mm")) {
       settings.threshold = *threshold * kMillimetre;
     }
-    if (const auto rate = table.number("rate_Hz", kNoiseRate)) {
+    if (const auto rate = number_in(table, "rate_Hz")) {
       settings.rate_Hz = *rate;
       scene.noise_rate_place = table.place("rate_Hz") + ": " + table.field("rate_Hz");
     }
@@ -181,15 +177,14 @@ class SceneReader final {
 
   static SafetySetup read_safety(const TomlTable& table) {
     SafetySetup safety;
-    table.allow_only({"max_force_N", "max_slew_N_per_ms", "max_torque_N_m", "max_slew_N_m_per_ms"});
-    const auto read = [&table](const char* key, double unit, double most, double& value) {
-      const auto given = table.number(key, {0.0, most / unit, true});
-      if (given) value = *given * unit;
+    table.allow_only(keys_in("safety"));
+    const auto read = [&table](const char* key, double unit, double& value) {
+      if (const auto given = number_in(table, key)) value = *given * unit;
     };
-    read("max_force_N", 1.0, SafetySetup::kMostForce, safety.max_force);
-    read("max_slew_N_per_ms", kMillisecondsPerSecond, SafetySetup::kMostSlew, safety.max_slew);
-    read("max_torque_N_m", 1.0, SafetySetup::kMostTorque, safety.max_torque);
-    read("max_slew_N_m_per_ms", kMillisecondsPerSecond, SafetySetup::kMostTorqueSlew, safety.max_torque_slew);
+    read("max_force_N", 1.0, safety.max_force);
+    read("max_slew_N_per_ms", kMillisecondsPerSecond, safety.max_slew);
+    read("max_torque_N_m", 1.0, safety.max_torque);
+    read("max_slew_N_m_per_ms", kMillisecondsPerSecond, safety.max_torque_slew);
     return safety;
   }
 
@@ -222,13 +217,16 @@ LengthUnit parse_unit(const Stated& stated) {
   stated.fail("must be mm, cm, m or in");
 }
 
-SceneDescription read_scene_file(const std::filesystem::path& file) {
-  const TomlFile toml = read_toml(file);
+SceneDescription read_scene_file(const std::filesystem::path& file, std::span<const Setting> settings) {
+  TomlFile toml = read_toml(file);
+  apply_to_scene(settings, toml.root);
   return SceneReader(TomlTable(toml), file.parent_path()).read(file.stem().string());
 }
 
-SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder) {
-  const TomlFile toml = parse_toml(text, "scene text");
+SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder,
+                                 std::span<const Setting> settings) {
+  TomlFile toml = parse_toml(text, "scene text");
+  apply_to_scene(settings, toml.root);
   return SceneReader(TomlTable(toml), folder).read("scene");
 }
 

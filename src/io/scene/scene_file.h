@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,7 @@ struct SceneDescription {
   Pose organ_pose;
   std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ lies still
   std::vector<ToolDescription> tools;
+  double path_speed = 1.0;  // of every tool path
   std::vector<DeviceDescription> devices;
   noise::NoiseSettings noise;    // its seed is not set yet
   std::string noise_rate_place;  // "FILE:LINE: noise.rate_Hz" when it stands there, else empty
@@ -69,11 +71,14 @@ struct SceneDescription {
 };
 
 /// [setup] Reads and checks a scene file. @throws InputError: one line, FILE:LINE: field = value: what would
-/// be right; unknown keys too, with the nearest known one.
-[[nodiscard]] SceneDescription read_scene_file(const std::filesystem::path& file);
+/// be right; unknown keys too, with the nearest known one. @param settings take
+/// the place of what the file has
+[[nodiscard]] SceneDescription read_scene_file(const std::filesystem::path& file,
+                                               std::span<const Setting> settings = {});
 
 /// [setup] The same from a text. @param folder that relative paths in it start from
-[[nodiscard]] SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder);
+[[nodiscard]] SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder,
+                                               std::span<const Setting> settings = {});
 
 /// [setup] "press" or "pull". @throws InputError through `stated`.
 [[nodiscard]] Task parse_task(const Stated& stated);

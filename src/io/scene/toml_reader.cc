@@ -72,7 +72,7 @@ std::string TomlTable::field(std::string_view key) const {
 std::string TomlTable::place(std::string_view key) const {
   const toml::node* node = table_->get(key);
   const auto line = node == nullptr ? static_cast<unsigned>(line_) : node->source().begin.line;
-  return fmt::format("{}:{}", file_, line);
+  return line > 0 ? fmt::format("{}:{}", file_, line) : file_ + " with --set";
 }
 
 void TomlTable::fail(std::string_view key, const std::string& want) const {
@@ -82,7 +82,7 @@ void TomlTable::fail(std::string_view key, const std::string& want) const {
 }
 
 void TomlTable::fail_missing(std::string_view key, const std::string& want) const {
-  throw InputError(fmt::format("{}:{}: {}: missing, {}", file_, line_, field(key), want));
+  throw InputError(fmt::format("{}: {}: missing, {}", place(key), field(key), want));
 }
 
 void TomlTable::fail(const ParameterError& error) const {

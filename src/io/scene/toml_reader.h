@@ -76,7 +76,8 @@ class TomlTable final {
   /// "FILE:LINE: field: missing; want", at the table's line.
   [[noreturn]] void fail_missing(std::string_view key, const std::string& want) const;
 
-  /// "FILE:LINE" of a key (of the table when the key is absent).
+  /// "FILE:LINE" of a key (of the table when the key is absent); "FILE with --set" of one that a Setting put
+  /// there.
   [[nodiscard]] std::string place(std::string_view key) const;
   /// "table.key".
   [[nodiscard]] std::string field(std::string_view key) const;

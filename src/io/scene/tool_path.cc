@@ -76,6 +76,14 @@ std::size_t ToolPath::row_before(double time) const noexcept {
   return static_cast<std::size_t>(after - rows_.begin()) - 1;
 }
 
+ToolPath ToolPath::faster(double factor) const {
+  ToolPath path = *this;
+  for (PathRow& row : path.rows_) row.time /= factor;
+  for (Vec3& slope : path.slopes_) slope *= factor;
+  path.rows_per_second_ *= factor;
+  return path;
+}
+
 PathRow ToolPath::at(double time) const noexcept {
   PathRow row;
   if (!(time > rows_.front().time)) {

@@ -19,7 +19,7 @@ inline constexpr InputKind kCsvInput{"a CSV file", std::uint64_t{1} << 30};
 inline constexpr InputKind kMeshInput{"a mesh file", std::uint64_t{512} << 20};
 inline constexpr InputKind kRecordingInput{"a palpate recording", std::uint64_t{1} << 40};
 inline constexpr InputKind kPictureInput{"a PNG or JPEG picture", std::uint64_t{256} << 20};
-inline constexpr InputKind kFitLinesInput{"the lines of a fit", std::uint64_t{1} << 30};
+inline constexpr InputKind kTaskRecordInput{"a record of finished tasks", std::uint64_t{1} << 30};
 inline constexpr InputKind kTokenInput{"a file with a token in its first line", std::uint64_t{4} << 10};
 inline constexpr InputKind kPageInput{"an HTML file", std::uint64_t{4} << 20};
 

@@ -35,22 +35,24 @@ scene::ToolPath path_from(const scene::DeviceSetup& device, scene::Task task) {
 
 std::unique_ptr<haptics::Device> open_scripted(const scene::Setup& setup, std::size_t hand) {
   const scene::DeviceSetup& device = setup.devices[hand];
-  if (device.path.empty()) return std::make_unique<ScriptedDevice>(scene::default_path(setup, hand));
-  return std::make_unique<ScriptedDevice>(path_from(device, setup.task));
+  const scene::ToolPath path =
+      device.path.empty() ? scene::default_path(setup, hand) : path_from(device, setup.task);
+  return std::make_unique<ScriptedDevice>(path.faster(device.path_speed));
 }
 
 /// The default path begun a second later: a held device gets no force before it has been still for a while.
 scene::ToolPath default_path_of_a_hand(const scene::Setup& setup, std::size_t hand) {
   constexpr double kSettle = 1.0;  // s: 0.25 s still and 0.5 s of ramp, and some more
-  std::vector<scene::PathRow> rows = scene::default_path(setup, hand).rows();
+  std::vector<scene::PathRow> rows =
+      scene::default_path(setup, hand).faster(setup.devices[hand].path_speed).rows();
   for (scene::PathRow& row : rows) row.time += kSettle;
   return scene::ToolPath(std::move(rows));
 }
 
 std::unique_ptr<haptics::Device> open_emulated(const scene::Setup& setup, std::size_t hand) {
   const scene::DeviceSetup& device = setup.devices[hand];
-  scene::ToolPath path =
-      device.path.empty() ? default_path_of_a_hand(setup, hand) : path_from(device, setup.task);
+  scene::ToolPath path = device.path.empty() ? default_path_of_a_hand(setup, hand)
+                                             : path_from(device, setup.task).faster(device.path_speed);
   return std::make_unique<EmulatedDevice>(std::move(path), device, setup.rate_Hz);
 }
 

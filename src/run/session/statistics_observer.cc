@@ -25,7 +25,8 @@ StatisticsObserver::StatisticsObserver(const scene::Setup& setup)
       last_contact_tick_(kNever),
       last_limited_tick_(kNever),
       open_span_(setup.tools.size(), -1),
-      last_phase_(setup.tools.size(), -1) {
+      last_phase_(setup.tools.size(), -1),
+      last_row_(setup.tools.size()) {
   statistics_.phases.reserve(RunStatistics::kMaxSpans);
 }
 
@@ -33,7 +34,10 @@ void StatisticsObserver::on_update(const haptics::LiveChange& /*update*/) noexce
 
 void StatisticsObserver::on_row(const haptics::TickRow& row) noexcept {
   statistics_.peak_force = std::max(statistics_.peak_force, norm(row.force));
-  statistics_.peak_tissue = std::max(statistics_.peak_tissue, row.tissue_force);
+  if (row.tissue_force > statistics_.peak_tissue) {
+    statistics_.peak_tissue = row.tissue_force;
+    statistics_.depth_at_peak = row.depth;
+  }
   if (row.depth > statistics_.peak_depth) {
     statistics_.peak_depth = row.depth;
     statistics_.deepest_tick = row.tick;
@@ -49,6 +53,20 @@ void StatisticsObserver::on_row(const haptics::TickRow& row) noexcept {
   }
   statistics_.status |= row.status;
   follow_phase(row);
+  follow_force(row);
+}
+
+void StatisticsObserver::follow_force(const haptics::TickRow& row) noexcept {
+  LastRow& last = last_row_[row.hand];
+  if (last.seen) {
+    statistics_.fastest_rise =
+        std::max(statistics_.fastest_rise, (row.tissue_force - last.tissue_force) / period_);
+    for (std::size_t i = 0; i < 3; ++i) {  // the force acts on the hand, so its work on the organ has minus
+      statistics_.dissipated -= 0.5 * (last.force[i] + row.force[i]) * (row.tool[i] - last.tool[i]);
+    }
+    statistics_.loading_work = std::max(statistics_.loading_work, statistics_.dissipated);
+  }
+  last = {true, row.tissue_force, row.force, row.tool};
 }
 
 void StatisticsObserver::follow_phase(const haptics::TickRow& row) noexcept {

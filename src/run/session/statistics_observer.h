@@ -1,10 +1,11 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "palpate/scene.h"
+#include "palpate/session.h"
 #include "palpate/tick_observer.h"
-#include "run/session/statistics_observer.h"
 
 namespace palpate::session {
 
@@ -22,12 +23,22 @@ class StatisticsObserver final : public haptics::TickObserver {
 
  private:
   void follow_phase(const haptics::TickRow& row) noexcept;
+  void follow_force(const haptics::TickRow& row) noexcept;
+
+  /// What a hand's last row had.
+  struct LastRow {
+    bool seen = false;
+    double tissue_force = 0.0;      // N
+    std::array<double, 3> force{};  // N
+    std::array<double, 3> tool{};   // m
+  };
 
   double period_;  // s
   std::uint64_t last_contact_tick_;
   std::uint64_t last_limited_tick_;
   std::vector<std::int64_t> open_span_;  // of each hand, index into phases; -1: none, or left out
   std::vector<std::int64_t> last_phase_;
+  std::vector<LastRow> last_row_;  // of each hand
   RunStatistics statistics_;
 };
 

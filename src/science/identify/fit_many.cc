@@ -4,9 +4,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "palpate/error.h"
 #include "science/identify/fit_record.h"
-#include "science/identify/result_lines.h"
+#include "science/tasks/for_each_task.h"
 
 namespace palpate::identify {
 namespace {
@@ -15,82 +14,67 @@ constexpr double kPooledShare = 0.15;  // of the specimens' time, for the progre
 
 class Fitting final {
  public:
-  Fitting(std::vector<Specimen> specimens, const Settings& settings, Crew& crew,
+  Fitting(std::vector<Specimen> specimens, const Settings& settings, tasks::Ranks& ranks,
           const std::string& results_file, const Progress& progress)
       : specimens_(std::move(specimens)),
         settings_(settings),
-        crew_(crew),
+        ranks_(ranks),
         progress_(progress),
-        lines_(
-            specimens_.size(),
-            [this](std::size_t i) { return key_of(specimens_[i], settings_, static_cast<std::uint32_t>(i)); },
-            results_file, crew) {}
+        record_(results_file, ranks, check_line) {}
 
-  /// Every member takes specimens, each fitted by one of them.
+  /// Every rank takes specimens, each fitted by one of them.
   void by_specimen() {
-    std::size_t done = lines_.resumed();
-    const bool alone = crew_.size() == 1;
-    const auto work = [&](std::size_t i) {
+    std::size_t done = 0;
+    const auto key = [&](std::size_t i) {
+      return key_of(specimens_[i], settings_, static_cast<std::uint32_t>(i));
+    };
+    const auto run = [&](std::size_t i) {
       const Progress within = [&](double share, const std::string& what) {
         tell((static_cast<double>(done) + share), specimens_[i].name + ": " + what);
       };
-      return fitted(i, alone ? within : Progress{}, nullptr);
+      return fitted(i, ranks_.size() == 1 ? within : Progress{}, nullptr);
     };
-    const auto arrived = [&](std::size_t i, const std::string& line) {
-      ++done;
-      keep(line);
-      tell(static_cast<double>(done), specimens_[i].name + ": done");
+    const auto arrived = [&](std::size_t i) {
+      tell(static_cast<double>(++done), specimens_[i].name + ": done");
     };
-    if (done < lines_.count()) tell(static_cast<double>(done), "fits");
-    lines_.compute(work, arrived);
+    if (ranks_.rank() == 0) tell(0.0, "fits");
+    auto [lines, resumed] = for_each_task(&ranks_, {specimens_.size(), run, key, arrived}, &record_);
+    lines_ = std::move(lines);
+    resumed_ = resumed;
   }
 
-  /// All members fit each specimen together: the search alike, the bootstrap shared out.
+  /// All ranks fit each specimen together: the search alike, the bootstrap shared out.
   void by_resample() {
-    for (std::size_t i = 0; i < lines_.count(); ++i) {
-      if (!lines_[i].empty()) continue;
+    for (std::size_t i = 0; i < specimens_.size(); ++i) {
       const Progress within = [&](double share, const std::string& what) {
-        if (crew_.rank() == 0) tell(static_cast<double>(i) + share, specimens_[i].name + ": " + what);
+        if (ranks_.rank() == 0) tell(static_cast<double>(i) + share, specimens_[i].name + ": " + what);
       };
-      lines_.set(i, fitted(i, within, &crew_));
-      keep(lines_[i]);
+      const std::string* line = record_.find(key_of(specimens_[i], settings_, static_cast<std::uint32_t>(i)));
+      lines_.push_back(line != nullptr ? *line : fitted(i, within, &ranks_));
+      if (line == nullptr) record_.add(lines_.back());
+      if (line != nullptr) ++resumed_;
     }
   }
 
   ManyFits finish() {
     ManyFits many;
-    many.resumed = lines_.resumed();
-    for (std::size_t i = 0; i < lines_.count(); ++i) {
-      const std::string& line = lines_[i];
-      if (line.front() == kFailed) throw InputError(line.substr(1));
-      many.specimens.push_back(fit_of(line));
-    }
-    const auto count = static_cast<double>(lines_.count());
+    many.resumed = resumed_;
+    for (const std::string& line : lines_) many.specimens.push_back(fit_of(line));
+    const auto count = static_cast<double>(specimens_.size());
     const Progress pooled = [&](double share, const std::string& what) {
-      if (crew_.rank() == 0) tell(count * (1.0 + kPooledShare * share), what);
+      if (ranks_.rank() == 0) tell(count * (1.0 + kPooledShare * share), what);
     };
-    many.pooled = fit_pooled(specimens_, many.specimens, settings_, pooled, &crew_);
+    many.pooled = fit_pooled(specimens_, many.specimens, settings_, pooled, &ranks_);
     return many;
   }
 
   [[nodiscard]] std::size_t count() const noexcept { return specimens_.size(); }
 
  private:
-  static constexpr char kFailed = '!';  // before a message; a line begins with {
-
-  std::string fitted(std::size_t i, const Progress& progress, Crew* crew) const {
+  std::string fitted(std::size_t i, const Progress& progress, tasks::Ranks* ranks) const {
     const auto job = static_cast<std::uint32_t>(i);
-    try {
-      return line_of(key_of(specimens_[i], settings_, job),
-                     fit_specimen(specimens_[i], settings_, job, progress, crew));
-    } catch (const InputError& error) {
-      return kFailed + std::string(error.what());
-    }
-  }
-
-  /// A specimen that could not be fitted is tried again by the next call.
-  void keep(const std::string& line) {
-    if (line.front() != kFailed) lines_.keep(line);
+    return line_of(key_of(specimens_[i], settings_, job),
+                   fit_specimen(specimens_[i], settings_, job, progress, ranks));
   }
 
   void tell(double done, const std::string& what) const {
@@ -100,21 +84,23 @@ class Fitting final {
 
   std::vector<Specimen> specimens_;
   const Settings& settings_;
-  Crew& crew_;
+  tasks::Ranks& ranks_;
   const Progress& progress_;
-  ResultLines lines_;
+  tasks::Record record_;
+  std::vector<std::string> lines_;  // of the specimens' fits, in their order
+  std::size_t resumed_ = 0;
 };
 
 }  // namespace
 
-ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings, Crew& crew,
+ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings, tasks::Ranks& ranks,
                   const std::string& results_file, const Progress& progress) {
-  if (crew.size() > 1) {
-    specimens = specimens_of(crew.from_first(crew.rank() == 0 ? bytes_of(specimens) : std::string()));
+  if (ranks.size() > 1) {
+    specimens = specimens_of(ranks.broadcast(ranks.rank() == 0 ? bytes_of(specimens) : std::string()));
   }
-  Fitting fitting(std::move(specimens), settings, crew, results_file, progress);
-  // fewer specimens than members, and some members would have nothing to do
-  if (crew.size() > 1 && fitting.count() < 2 * static_cast<std::size_t>(crew.size()) &&
+  Fitting fitting(std::move(specimens), settings, ranks, results_file, progress);
+  // fewer specimens than ranks, and some ranks would have nothing to do
+  if (ranks.size() > 1 && fitting.count() < 2 * static_cast<std::size_t>(ranks.size()) &&
       settings.bootstrap > 0) {
     fitting.by_resample();
   } else {

@@ -18,6 +18,7 @@
 #include "science/identify/random.h"
 #include "science/identify/valley.h"
 #include "science/identify/warnings.h"
+#include "science/tasks/for_each_task.h"
 
 namespace palpate::identify {
 namespace {
@@ -59,7 +60,8 @@ std::vector<Solution> own_starts(const Problem& problem, const std::vector<Speci
 }
 
 /// The shared parameters of tissues whose specimens were drawn again from the same ones.
-std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Progress& progress, Crew* crew) {
+std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Progress& progress,
+                             tasks::Ranks* ranks) {
   const Solution& best = minima.all.front();
   const std::size_t count = minima.problem.parts.size();
   const auto resample = [&](std::size_t b) {
@@ -82,13 +84,11 @@ std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Pro
     return bytes_of(std::span<const double>(point));
   };
   int done = 0;
-  const auto arrived = [&](std::size_t, const std::string&) {
+  const auto arrived = [&](std::size_t) {
     if (progress) progress(0.3 + 0.4 * ++done / kResamples, "pooled intervals");
   };
-  LocalCrew alone;
-  Crew& members = crew == nullptr ? alone : *crew;
   std::vector<Point> points;
-  for (const std::string& bytes : members.share_out(kResamples, resample, arrived)) {
+  for (const std::string& bytes : for_each_task(ranks, {kResamples, resample, {}, arrived}).results) {
     points.push_back(doubles_of(bytes));
   }
   return points;
@@ -114,7 +114,7 @@ PooledFit of_one(const SpecimenFit& fit, const Settings& settings) {
 /// For each parameter of the law the lowest and highest value [logarithms] to which it can go, all others
 /// fitted again, without the specimens telling it from the best: what drawing specimens again cannot show,
 /// because a fit that begins at the best stays where nothing pulls it away.
-std::vector<Interval> valleys(const Minima& minima, const Progress& progress, Crew* crew) {
+std::vector<Interval> valleys(const Minima& minima, const Progress& progress, tasks::Ranks* ranks) {
   const Problem& problem = minima.problem;
   const Solution& best = minima.all.front();
   const std::vector<double> costs = part_costs(problem, best);
@@ -128,12 +128,11 @@ std::vector<Interval> valleys(const Minima& minima, const Progress& progress, Cr
     return bytes_of(std::span<const double>(&end, 1));
   };
   int done = 0;
-  const auto arrived = [&](std::size_t, const std::string&) {
+  const auto arrived = [&](std::size_t) {
     if (progress) progress(0.7 + 0.3 * ++done / (2.0 * kLawParameters), "what the specimens leave open");
   };
-  LocalCrew alone;
-  Crew& members = crew == nullptr ? alone : *crew;
-  const std::vector<std::string> ends = members.share_out(2 * kLawParameters, end_of, arrived);
+  const std::vector<std::string> ends =
+      for_each_task(ranks, {2 * kLawParameters, end_of, {}, arrived}).results;
   std::vector<Interval> intervals;
   for (std::size_t i = 0; i < kLawParameters; ++i) {
     intervals.push_back({doubles_of(ends[2 * i]).front(), doubles_of(ends[2 * i + 1]).front()});
@@ -189,7 +188,7 @@ void add_errors(const Minima& minima, PooledFit& pooled) {
 }  // namespace
 
 PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
-                     const Settings& settings, const Progress& progress, Crew* crew) {
+                     const Settings& settings, const Progress& progress, tasks::Ranks* ranks) {
   if (specimens.empty() || specimens.size() != fits.size()) {
     throw InputError("pooled fit: needs at least one specimen, and a fit of each");
   }
@@ -201,11 +200,11 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
   const std::vector<Solution> from = own_starts(problem, fits);
   const Minima minima = find_minima(std::move(problem), from);
   const std::vector<Interval> intervals =
-      intervals_of(resampled(minima, settings.seed, progress, crew), {}, terms);
+      intervals_of(resampled(minima, settings.seed, progress, ranks), {}, terms);
   PooledFit pooled;
   pooled.terms = terms;
   pooled.specimens = specimens.size();
-  add_estimates(minima, intervals, valleys(minima, progress, crew), pooled);
+  add_estimates(minima, intervals, valleys(minima, progress, ranks), pooled);
   add_errors(minima, pooled);
   pooled.shared = minima.all.front().shared;
   pooled.own = minima.all.front().own;

@@ -4,16 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <filesystem>
 #include <limits>
-#include <sstream>
-#include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "core/base/content_hash.h"
-#include "io/system/input_file.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
@@ -205,26 +201,13 @@ SpecimenFit fit_of(const std::string& line) {
   }
 }
 
-std::map<std::string, std::string> read_lines(const std::string& file) {
-  std::map<std::string, std::string> lines;
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) return lines;
-  std::istringstream in(InputFile(file, kFitLinesInput).read_rest());
-  for (std::string line; std::getline(in, line);) {
-    try {
-      const Json json = Json::parse(line);
-      if (json.contains("points_swept")) {
-        Sweep sweep;
-        add_sweep_line(line, sweep);
-      } else {
-        (void)fit_of_json(json);
-      }
-      lines[json.at("key").get<std::string>()] = line;
-    } catch (const std::exception&) {
-      continue;  // cut off as it was written: its specimen is fitted again
-    }
+void check_line(const std::string& line) {
+  if (!Json::parse(line).contains("points_swept")) {
+    (void)fit_of(line);
+    return;
   }
-  return lines;
+  Sweep sweep;
+  add_sweep_line(line, sweep);
 }
 
 std::string bytes_of(std::span<const double> values) {

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,9 +23,9 @@ namespace palpate::identify {
 [[nodiscard]] std::string sweep_key_of(const std::string& request, std::size_t piece,
                                        const std::vector<Specimen>& specimens, const Settings& settings);
 
-/// [setup] The lines of a results file, of fits and of sweeps, by their keys; none of a file that is missing,
-/// and none of lines that are cut off or not such lines.
-[[nodiscard]] std::map<std::string, std::string> read_lines(const std::string& file);
+/// [setup] @throws InputError, or what the JSON library throws, unless the line is a whole one of a fit or of
+/// a sweep.
+void check_line(const std::string& line);
 
 /// [any] Numbers as bytes and back; for between ranks, not for files. @throws InputError when the bytes are
 /// not whole numbers.

@@ -163,7 +163,7 @@ void add_errors(const Minima& minima, SpecimenFit& fit) {
 }  // namespace
 
 SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
-                         const Progress& progress, Crew* crew) {
+                         const Progress& progress, tasks::Ranks* ranks) {
   check(specimen, settings);
   const auto told = [&progress](double from, double to, const char* what) {
     return [&progress, from, to, what](double share) {
@@ -193,7 +193,7 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   fit.layers_allowed = layers.allowed;
   fit.layers_reached = layers.reached;
   const std::vector<Point> resampled =
-      bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"), crew);
+      bootstrap(minima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"), ranks);
   add_estimates(minima, profiles, curvature, resampled, fit);
   const std::vector<Determined> determined = determined_of(minima, profiles);
   for (std::size_t i = 0; i < determined.size(); ++i) {

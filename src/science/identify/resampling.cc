@@ -7,6 +7,7 @@
 #include "science/identify/fit_record.h"
 #include "science/identify/forward.h"
 #include "science/identify/random.h"
+#include "science/tasks/for_each_task.h"
 
 namespace palpate::identify {
 namespace {
@@ -26,7 +27,7 @@ Solution best_from(const Problem& problem, const std::vector<Solution>& minima) 
 }  // namespace
 
 std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed, std::uint32_t job,
-                             const std::function<void(double)>& progress, Crew* crew) {
+                             const std::function<void(double)>& progress, tasks::Ranks* ranks) {
   const Part& part = minima.problem.parts.front();
   const Specimen& specimen = *part.specimen;
   const Solution& best = minima.all.front();
@@ -57,15 +58,12 @@ std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed
     return bytes_of(std::span<const double>(point));
   };
   int done = 0;
-  const auto arrived = [&](std::size_t, const std::string&) {
+  const auto arrived = [&](std::size_t) {
     if (progress) progress(static_cast<double>(++done) / count);
   };
-  LocalCrew alone;
-  Crew& members = crew == nullptr ? alone : *crew;
   std::vector<Point> points;
-  for (const std::string& bytes : members.share_out(static_cast<std::size_t>(count), resample, arrived)) {
-    points.push_back(doubles_of(bytes));
-  }
+  const tasks::Tasks tasks{static_cast<std::size_t>(count), resample, {}, arrived};
+  for (const std::string& bytes : for_each_task(ranks, tasks).results) points.push_back(doubles_of(bytes));
   return points;
 }
 

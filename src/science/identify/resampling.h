@@ -3,18 +3,18 @@
 #include <functional>
 #include <vector>
 
-#include "science/identify/crew.h"
 #include "science/identify/minima.h"
+#include "science/tasks/ranks.h"
 
 namespace palpate::identify {
 
 /// [setup] Fits to `count` resamples of a specimen: the fitted curve plus its residuals drawn again in blocks
 /// as long as neighbours follow each other [Kuensch 1989], each descended to from the best minima. One point
-/// a resample, shared parameters first. @param crew shares the resamples when there is one: then all its
-/// members make this call
+/// a resample, shared parameters first. @param ranks share the resamples, all of them making this call;
+/// null: this process alone
 [[nodiscard]] std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed,
                                            std::uint32_t job, const std::function<void(double)>& progress,
-                                           Crew* crew = nullptr);
+                                           tasks::Ranks* ranks = nullptr);
 
 /// [setup] RMS over the range of force of points that a fit had not seen: five folds, every fifth point of
 /// each left out in turn.

@@ -13,8 +13,8 @@
 #include "palpate/error.h"
 #include "science/identify/fit_record.h"
 #include "science/identify/least_squares.h"
-#include "science/identify/result_lines.h"
 #include "science/identify/sweep_piece.h"
+#include "science/tasks/for_each_task.h"
 
 namespace palpate::identify {
 namespace {
@@ -90,35 +90,28 @@ void check_ranges(const std::vector<SweepRequest>& requests, const std::vector<S
 class Sweeping final {
  public:
   Sweeping(std::vector<Specimen> specimens, const ManyFits& fits, const std::vector<SweepRequest>& requests,
-           const Settings& settings, Crew& crew, const std::string& results_file)
+           const Settings& settings)
       : specimens_(std::move(specimens)),
         fits_(fits),
         settings_(settings),
-        results_file_(results_file),
-        pieces_(pieces_of(requests, specimens_.size())),
-        lines_(
-            pieces_.size(), [this](std::size_t i) { return key_of_piece(i); }, results_file, crew) {}
+        pieces_(pieces_of(requests, specimens_.size())) {}
 
-  void compute(const Progress& progress) {
-    std::size_t done = lines_.resumed();
-    const auto tell = [&](const std::string& what) {
-      if (progress) progress(static_cast<double>(done) / static_cast<double>(lines_.count()), what);
+  [[nodiscard]] Sweeps compute(tasks::Ranks& ranks, const std::string& results_file,
+                               const Progress& progress) const {
+    std::size_t done = 0;
+    const auto key = [&](std::size_t i) { return key_of_piece(i); };
+    const auto run = [&](std::size_t i) {
+      return sweep_line(pieces_[i], key(i), specimens_, fits_, settings_);
     };
-    const auto work = [&](std::size_t i) {
-      return sweep_line(pieces_[i], key_of_piece(i), specimens_, fits_, settings_);
+    const auto arrived = [&](std::size_t i) {
+      if (!progress) return;
+      progress(static_cast<double>(++done) / static_cast<double>(pieces_.size()), name_of(pieces_[i]));
     };
-    const auto arrived = [&](std::size_t i, const std::string& line) {
-      ++done;
-      lines_.keep(line);
-      tell(name_of(pieces_[i]));
-    };
-    if (done < lines_.count()) tell("sweeps");
-    lines_.compute(work, arrived);
-  }
-
-  [[nodiscard]] Sweeps finish() const {
+    if (progress && ranks.rank() == 0) progress(0.0, "sweeps");
+    tasks::Record record(results_file, ranks, check_line);
+    const auto [lines, resumed] = for_each_task(&ranks, {pieces_.size(), run, key, arrived}, &record);
     Sweeps sweeps;
-    sweeps.resumed = lines_.resumed();
+    sweeps.resumed = resumed;
     for (std::size_t i = 0; i < pieces_.size(); i += 2) {
       const SweepPiece& piece = pieces_[i];
       const bool pooled = piece.target == specimens_.size();
@@ -128,12 +121,12 @@ class Sweeping final {
       sweep.terms = pooled ? fits_.pooled.terms : fits_.specimens[piece.target].terms;
       sweep.best =
           (pooled ? fits_.pooled.estimates : fits_.specimens[piece.target].estimates)[sweep.parameter].value;
-      add_sweep_line(lines_[i], sweep);
-      add_sweep_line(lines_[i + 1], sweep);
+      add_sweep_line(lines[i], sweep);
+      add_sweep_line(lines[i + 1], sweep);
       if (sweep.points.size() < piece.request.values) {
         throw InputError(fmt::format(
             "{}: the sweep of {} has {} points, must have {}: delete the file to repeat the sweep",
-            results_file_, name_of(piece), sweep.points.size(), piece.request.values));
+            results_file, name_of(piece), sweep.points.size(), piece.request.values));
       }
       std::stable_sort(sweep.points.begin(), sweep.points.end(),
                        [](const SweepPoint& a, const SweepPoint& b) { return a.value < b.value; });
@@ -159,9 +152,7 @@ class Sweeping final {
   std::vector<Specimen> specimens_;
   const ManyFits& fits_;
   const Settings& settings_;
-  std::string results_file_;
   std::vector<SweepPiece> pieces_;
-  ResultLines lines_;
 };
 
 }  // namespace
@@ -187,18 +178,16 @@ std::vector<SweepRequest> sweep_requests(const std::string& flag, const std::str
 }
 
 Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
-                  const std::vector<SweepRequest>& requests, const Settings& settings, Crew& crew,
+                  const std::vector<SweepRequest>& requests, const Settings& settings, tasks::Ranks& ranks,
                   const std::string& results_file, const Progress& progress) {
-  if (crew.size() > 1) {
-    specimens = specimens_of(crew.from_first(crew.rank() == 0 ? bytes_of(specimens) : std::string()));
+  if (ranks.size() > 1) {
+    specimens = specimens_of(ranks.broadcast(ranks.rank() == 0 ? bytes_of(specimens) : std::string()));
   }
   if (specimens.empty() || specimens.size() != fits.specimens.size()) {
     throw InputError("sweep: needs at least one specimen, and a fit of each");
   }
   check_ranges(requests, specimens, settings);
-  Sweeping sweeping(std::move(specimens), fits, requests, settings, crew, results_file);
-  sweeping.compute(progress);
-  return sweeping.finish();
+  return Sweeping(std::move(specimens), fits, requests, settings).compute(ranks, results_file, progress);
 }
 
 }  // namespace palpate::identify

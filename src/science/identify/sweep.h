@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "palpate/identify.h"
-#include "science/identify/crew.h"
 #include "science/identify/fit_many.h"
+#include "science/tasks/ranks.h"
 
 namespace palpate::identify {
 
@@ -56,13 +56,14 @@ struct Sweeps {
 [[nodiscard]] std::vector<SweepRequest> sweep_requests(const std::string& flag, const std::string& text);
 
 /// [setup] Sweeps every request for every specimen and, when there are several, for all together, the work
-/// shared out among a crew as fit_many() does: the same bits whatever the crew. Within a sweep the way goes
-/// from the best fit outwards, then back, so that each value knows what its neighbours found.
-/// @param specimens of rank 0; what others give does not count; @param fits of the same, on every member
+/// shared out among ranks as fit_many() does: the same bits on any number of them. Within a sweep the way
+/// goes from the best fit outwards, then back, so that each value knows what its neighbours found.
+/// @param specimens of rank 0; what others give does not count; @param fits of the same, on every rank
 /// @param results_file as fit_many()'s: finished pieces are added at once, and taken from there
-/// @throws InputError on every member alike when the file cannot be written.
+/// @throws InputError on every rank alike when the file cannot be written.
 [[nodiscard]] Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
                                 const std::vector<SweepRequest>& requests, const Settings& settings,
-                                Crew& crew, const std::string& results_file, const Progress& progress);
+                                tasks::Ranks& ranks, const std::string& results_file,
+                                const Progress& progress);
 
 }  // namespace palpate::identify

@@ -51,6 +51,7 @@ std::vector<double> numbers(const scene::Setup& s) {
   }
   for (const scene::DeviceSetup& device : s.devices) {
     out.push_back(device.interpolation == scene::PathInterpolation::kCubic ? 1.0 : 0.0);
+    out.push_back(device.path_speed);
     out.push_back(device.workspace_scale);
     out.push_back(device.dynamics.damping.value_or(-1));
     out.push_back(device.dynamics.friction.value_or(-1));

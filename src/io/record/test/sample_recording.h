@@ -66,6 +66,7 @@ inline scene::Setup sample_setup(std::size_t hands) {
     device.kind = "replay";
     device.path = "a/path.h5";
     device.interpolation = scene::PathInterpolation::kCubic;
+    device.path_speed = 1.5;
     device.workspace_scale = 2.5;
     device.base = {Quat(0.6, 0.8, 0, 0), Vec3(1, 2, 3.1)};
     device.dynamics.damping = 1.5;

@@ -260,5 +260,17 @@ TEST(ReadToolPath, RefusesGripperAndRotationOutOfRange) {
             "way.csv:2: qw,qx,qy,qz = 0,0,0,0: must be a rotation, not of length 0");
 }
 
+TEST(ToolPath, AFasterOneIsAtTheSamePlacesInLessTime) {
+  for (const PathInterpolation how : {PathInterpolation::kLinear, PathInterpolation::kCubic}) {
+    const ToolPath path({{0.0, {0, 0, 0}}, {1.0, {0, 0, 0.01}}, {3.0, {0.02, 0, 0.03}}}, true, how);
+    const ToolPath faster = path.faster(2.0);
+    EXPECT_EQ(faster.end_time(), 1.5);
+    for (const double time : {0.0, 0.3, 0.5, 1.1, 2.0}) {
+      EXPECT_LT((faster.at(time).position - path.at(2.0 * time).position).norm(), 1e-15) << time;
+      EXPECT_LT((faster.velocity_at(time) - 2.0 * path.velocity_at(2.0 * time)).norm(), 1e-15) << time;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate::scene

@@ -18,6 +18,7 @@
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "run/devices/test/emulated_scene.h"
+#include "run/session/statistics_observer.h"
 
 namespace palpate::session {
 namespace {
@@ -197,6 +198,28 @@ TEST(Session, StatisticsArePeaksAndPhasesOfTheRows) {
   ASSERT_EQ(seen.phases.size(), 2U);
   EXPECT_EQ(seen.phases[1].from, static_cast<double>(first) / 1000.0);
   EXPECT_NEAR(seen.phases[1].to, 0.3, 1e-12);
+}
+
+/// A spring of 100 N/m that is pressed 10 mm in 10 ticks and let go in 10 with half of its force.
+TEST(StatisticsObserver, LoadingWorkIsWhatWasPutInAndDissipatedWhatDidNotComeBack) {
+  StatisticsObserver observer(block());
+  haptics::TickRow row;
+  for (int i = 0; i <= 20; ++i) {
+    const double depth = 1e-3 * (i <= 10 ? i : 20 - i);
+    row.tick = static_cast<std::uint64_t>(i);
+    row.depth = depth;
+    row.tissue_force = i <= 10 ? 100.0 * depth : 50.0 * depth;
+    row.force = {0.0, 0.0, row.tissue_force};
+    row.tool = {0.0, 0.0, -depth};
+    observer.on_row(row);
+  }
+  const RunStatistics& seen = observer.statistics();
+  EXPECT_NEAR(seen.loading_work, 0.5 * 100.0 * 0.01 * 0.01, 1e-12);
+  // Back: half of it, but that the force falls in the first tick: half of what is between the two lines
+  // there.
+  EXPECT_NEAR(seen.dissipated, 0.25 * 100.0 * 0.01 * 0.01 - 0.5 * 0.5 * 1e-3, 1e-12);
+  EXPECT_NEAR(seen.fastest_rise, 100.0, 1e-9);  // 0.1 N in 1 ms
+  EXPECT_EQ(seen.depth_at_peak, 0.01);
 }
 
 TEST(Session, RefusesADurationThatIsNoneAndNamesIt) {

@@ -1,6 +1,5 @@
 #include "science/identify/fit_many.h"
 
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <regex>
@@ -143,13 +142,13 @@ TEST(FitMany, GoesOnWhereABrokenOffRunWas) {
   const std::vector<Specimen> specimens = {measured_curve(1), measured_curve(2)};
   Settings settings;
   settings.bootstrap = 2;
-  LocalCrew crew;
-  const ManyFits whole = fit_many(specimens, settings, crew, file, {});
+  tasks::Ranks alone;
+  const ManyFits whole = fit_many(specimens, settings, alone, file, {});
   EXPECT_EQ(whole.resumed, 0U);
   const std::vector<std::string> lines = lines_in(file);
   ASSERT_EQ(lines.size(), 2U);
   std::ofstream(file, std::ios::trunc) << lines[1] << '\n' << lines[0].substr(0, lines[0].size() / 3);
-  const ManyFits again = fit_many(specimens, settings, crew, file, {});
+  const ManyFits again = fit_many(specimens, settings, alone, file, {});
   EXPECT_EQ(again.resumed, 1U);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(line_of("", again.specimens[i]), line_of("", whole.specimens[i])) << i;
@@ -163,9 +162,9 @@ TEST(FitMany, NamesASpecimenThatCannotBeFitted) {
   Specimen few = measured_curve(1);
   few.force.resize(4);
   few.displacement.resize(4);
-  LocalCrew crew;
-  EXPECT_THROW((void)fit_many({few}, Settings{}, crew, "", {}), InputError);
-  EXPECT_THROW((void)fit_many({measured_curve(1)}, Settings{}, crew, "/nowhere/fits.jsonl", {}), InputError);
+  tasks::Ranks alone;
+  EXPECT_THROW((void)fit_many({few}, Settings{}, alone, "", {}), InputError);
+  EXPECT_THROW((void)fit_many({measured_curve(1)}, Settings{}, alone, "/nowhere/fits.jsonl", {}), InputError);
 }
 
 TEST(Random, SkipsAsManyAsWereAsked) {
@@ -174,19 +173,6 @@ TEST(Random, SkipsAsManyAsWereAsked) {
   Random skipped(3, 1, 2);
   skipped.skip(7);
   EXPECT_EQ(skipped.uniform(), drawn.uniform());
-}
-
-TEST(Crew, ReadsTheLaunchersEnvironment) {
-  EXPECT_EQ(launch_of_environment().size, 1);
-  setenv("PMI_SIZE", "4", 1);
-  setenv("PMI_RANK", "2", 1);
-  EXPECT_EQ(launch_of_environment().size, 4);
-  EXPECT_EQ(launch_of_environment().rank, 2);
-  EXPECT_THROW((void)make_crew(), InputError);  // palpate_mpi.so is not beside the tests
-  setenv("PMI_SIZE", "many", 1);
-  EXPECT_EQ(launch_of_environment().size, 1);
-  unsetenv("PMI_SIZE");
-  unsetenv("PMI_RANK");
 }
 
 }  // namespace

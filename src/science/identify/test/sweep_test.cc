@@ -24,13 +24,13 @@ constexpr std::size_t kLimit = 3;
 Specimen bent(std::uint32_t number) { return springs({}, number); }
 
 ManyFits fits_of(const std::vector<Specimen>& specimens) {
-  LocalCrew crew;
-  return fit_many(specimens, Settings{}, crew, "", {});
+  tasks::Ranks alone;
+  return fit_many(specimens, Settings{}, alone, "", {});
 }
 
 Sweeps sweeps_of(const std::vector<Specimen>& specimens, const ManyFits& fits, const std::string& request) {
-  LocalCrew crew;
-  return sweep_many(specimens, fits, sweep_requests("--sweep", request), Settings{}, crew, "", {});
+  tasks::Ranks alone;
+  return sweep_many(specimens, fits, sweep_requests("--sweep", request), Settings{}, alone, "", {});
 }
 
 /// What a line with `point` says when it is read, "" when it is taken.
@@ -201,8 +201,8 @@ TEST(Sweep, GoesOnWhereABrokenOffRunWas) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:5");
-  LocalCrew crew;
-  const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
+  tasks::Ranks alone;
+  const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   EXPECT_EQ(whole.resumed, 0U);
   std::string text;
   {
@@ -211,15 +211,15 @@ TEST(Sweep, GoesOnWhereABrokenOffRunWas) {
     std::getline(in, text);
   }
   std::ofstream(file, std::ios::trunc) << text << "\n{\"key\": \"cut o";
-  const Sweeps again = sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
+  const Sweeps again = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   EXPECT_EQ(again.resumed, 1U);
   ASSERT_EQ(again.all.front().points.size(), whole.all.front().points.size());
   for (std::size_t i = 0; i < whole.all.front().points.size(); ++i) {
     EXPECT_EQ(again.all.front().points[i].nrmse, whole.all.front().points[i].nrmse);
     EXPECT_EQ(again.all.front().points[i].others, whole.all.front().points[i].others);
   }
-  EXPECT_THROW((void)sweep_many(specimens, fits, requests, Settings{}, crew, "/nowhere/f", {}), InputError);
-  EXPECT_THROW((void)sweep_many({}, fits, requests, Settings{}, crew, "", {}), InputError);
+  EXPECT_THROW((void)sweep_many(specimens, fits, requests, Settings{}, alone, "/nowhere/f", {}), InputError);
+  EXPECT_THROW((void)sweep_many({}, fits, requests, Settings{}, alone, "", {}), InputError);
 }
 
 TEST(Sweep, OfFewValuesOverAWideRangeHasTheFitsOwnAndOneBesideItThatTheDataLeave) {
@@ -241,8 +241,8 @@ TEST(Sweep, ComputesAgainWhatALineOfTheResultsFileLacks) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:2:5");
-  LocalCrew crew;
-  const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
+  tasks::Ranks alone;
+  const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   std::string emptied;
   {
     std::ifstream in(file);
@@ -252,7 +252,7 @@ TEST(Sweep, ComputesAgainWhatALineOfTheResultsFileLacks) {
     }
   }
   std::ofstream(file, std::ios::trunc) << emptied;
-  const Sweeps again = sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
+  const Sweeps again = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   EXPECT_EQ(again.resumed, 0U);
   EXPECT_EQ(again.all.front().points.size(), whole.all.front().points.size());
 }
@@ -263,8 +263,8 @@ TEST(Sweep, RefusesLinesThatSayThemselvesThatTheyHaveNoValues) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:3");
-  LocalCrew crew;
-  (void)sweep_many(specimens, fits, requests, Settings{}, crew, file, {});
+  tasks::Ranks alone;
+  (void)sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   std::string emptied;
   {
     std::ifstream in(file);
@@ -275,7 +275,7 @@ TEST(Sweep, RefusesLinesThatSayThemselvesThatTheyHaveNoValues) {
   }
   std::ofstream(file, std::ios::trunc) << emptied;
   EXPECT_THAT(
-      [&] { (void)sweep_many(specimens, fits, requests, Settings{}, crew, file, {}); },
+      [&] { (void)sweep_many(specimens, fits, requests, Settings{}, alone, file, {}); },
       ::testing::ThrowsMessage<InputError>(
           file + ": the sweep of bent 1: q has 0 points, must have 3: delete the file to repeat the sweep"));
 }

@@ -1,17 +1,20 @@
-#include "science/identify/crew.h"
+#include "science/tasks/ranks.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <dlfcn.h>
 #include <fmt/core.h>
 
 #include "palpate/error.h"
 
-namespace palpate::identify {
+namespace palpate::tasks {
 namespace {
 
 constexpr const char* kLibrary = "palpate_mpi.so";
@@ -43,13 +46,15 @@ std::vector<std::filesystem::path> places() {
 
 }  // namespace
 
-std::vector<std::string> LocalCrew::share_out(std::size_t count, const Work& work, const Arrived& arrived) {
-  std::vector<std::string> results;
-  for (std::size_t i = 0; i < count; ++i) {
-    results.push_back(work(i));
-    if (arrived) arrived(i, results.back());
+void on_first(Ranks& ranks, const std::function<void()>& act) {
+  std::string error;
+  try {
+    if (ranks.rank() == 0) act();
+  } catch (const std::exception& thrown) {
+    error = thrown.what();
   }
-  return results;
+  error = ranks.broadcast(std::move(error));
+  if (!error.empty()) throw InputError(error);
 }
 
 Launch launch_of_environment() {
@@ -67,24 +72,24 @@ Launch launch_of_environment() {
   return {};
 }
 
-std::unique_ptr<Crew> make_crew() {
+std::unique_ptr<Ranks> make_ranks() {
   const Launch launch = launch_of_environment();
-  if (launch.size == 1) return std::make_unique<LocalCrew>();
+  if (launch.size == 1) return std::make_unique<Ranks>();
   for (const std::filesystem::path& file : places()) {
     std::error_code failed;
     if (!std::filesystem::exists(file, failed)) continue;
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);  // Open MPI's own plug-ins need its names
     if (library == nullptr) fail(launch, file.string() + " cannot be loaded: " + dlerror());
-    using Make = Crew* (*)();
-    const auto make = reinterpret_cast<Make>(dlsym(library, "palpate_make_mpi_crew"));
+    using Make = Ranks* (*)();
+    const auto make = reinterpret_cast<Make>(dlsym(library, "palpate_make_mpi_ranks"));
     if (make == nullptr) fail(launch, file.string() + " is not of this program");
-    std::unique_ptr<Crew> crew(make());
-    if (crew->size() != launch.size) {
-      fail(launch, fmt::format("{} sees {}: it is of another MPI than mpirun", file.string(), crew->size()));
+    std::unique_ptr<Ranks> ranks(make());
+    if (ranks->size() != launch.size) {
+      fail(launch, fmt::format("{} sees {}: it is of another MPI than mpirun", file.string(), ranks->size()));
     }
-    return crew;
+    return ranks;
   }
   fail(launch, std::string(kLibrary) + " is not beside it");
 }
 
-}  // namespace palpate::identify
+}  // namespace palpate::tasks

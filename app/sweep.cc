@@ -1,0 +1,191 @@
+// `palpate sweep`: a scene with one value after another.
+#include "science/study/sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/text.h"
+#include "io/scene/organ_cache.h"
+#include "io/system/cache_folder.h"
+#include "io/system/output_file.h"
+#include "palpate/error.h"
+#include "science/tasks/ranks.h"
+#include "view/report/study_figure.h"
+
+#include "app/commands.h"
+#include "app/messages.h"
+#include "app/progress.h"
+#include "app/scene_flags.h"
+#include "app/session.h"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+using session::kRunQuantities;
+
+struct SweepFlags {
+  study::SweepRequest request;
+  std::vector<std::string> settings;
+  std::string out;
+  bool no_cache = false;
+  bool as_json = false;
+};
+
+/// The files of a sweep, in its folder.
+constexpr std::array kFiles = {"results.csv", "results.h5", "results.svg", "results.jsonl"};
+
+void make_folder(const SweepFlags& flags) {
+  require_writable_folder(flags.out, "--out");
+  std::vector<NamedFile> outputs;
+  for (const char* name : kFiles) outputs.push_back({"--out", fs::path(flags.out) / name});
+  refuse_overwriting(outputs, sources_of(scene::load(flags.request.scene)));
+  fs::create_directories(flags.out);
+}
+
+/// Least and largest value of a quantity over the runs that did not fail.
+std::pair<double, double> span_of(const study::SweepResult& sweep, std::size_t quantity) {
+  std::vector<double> values;
+  for (const study::SweepRow& row : sweep.rows) {
+    if (!row.failed()) values.push_back(row.quantities[quantity]);
+  }
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  return {*least, *most};
+}
+
+std::string sweep_text(const study::SweepResult& sweep, const std::string& out) {
+  std::string text = fmt::format("{}: {}", sweep.scene, counted(sweep.rows.size(), "run", "runs"));
+  for (const study::Axis& axis : sweep.axes) {
+    text +=
+        fmt::format("{} {} ({} to {}, {})", &axis == sweep.axes.data() ? " over" : " and", axis.key,
+                    axis.values.front(), axis.values.back(), counted(axis.values.size(), "value", "values"));
+  }
+  text += '\n';
+  for (std::size_t i = 0; sweep.failed() < sweep.rows.size() && i < kRunQuantities.size(); ++i) {
+    const auto [least, most] = span_of(sweep, i);
+    text += fmt::format("  {:<34} {} to {}\n", kRunQuantities[i].label, brief(least), brief(most));
+  }
+  return text + "Table: " + (fs::path(out) / kFiles[0]).string() + " and " + kFiles[1] + '\n';
+}
+
+nlohmann::ordered_json sweep_json(const study::SweepResult& sweep, const std::string& out) {
+  using Json = nlohmann::ordered_json;
+  Json rows(sweep.rows.size(), Json::object());
+  for (const study::Column& column : study::columns_of(sweep)) {
+    for (std::size_t run = 0; run < rows.size(); ++run) {
+      Json& value = rows[run][column.name];
+      if (!column.number) {
+        value = column.texts[run];
+      } else if (!column.texts[run].empty()) {
+        value = Json(palpate::parse_number(column.texts[run]).value());
+      }
+    }
+  }
+  return {{"scene", sweep.scene},     {"out", out},
+          {"resumed", sweep.resumed}, {"runs", sweep.rows.size()},
+          {"failed", sweep.failed()}, {"missed_contact", sweep.missed()},
+          {"results", rows}};
+}
+
+/// What the user should know of the runs.
+void tell_findings(const study::SweepResult& sweep, const std::string& record) {
+  if (sweep.resumed > 0) {
+    tell(fmt::format("{} of {} runs were finished before: taken from {}", sweep.resumed, sweep.rows.size(),
+                     record));
+  }
+  const auto tell_first = [&sweep](std::size_t count, const char* what, auto which) {
+    if (count == 0) return;
+    const auto first = std::find_if(sweep.rows.begin(), sweep.rows.end(), which);
+    std::string values;
+    for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
+      values += (i == 0 ? "" : ", ") + sweep.axes[i].key + " = " + first->settings[i];
+    }
+    const std::string why = first->failed() ? first->ended.substr(first->ended.find(':')) : "";
+    tell(fmt::format("{} of {} {}, the first with {}{}", count, counted(sweep.rows.size(), "run", "runs"),
+                     what, values, why));
+  };
+  tell_first(sweep.failed(), "failed", [](const study::SweepRow& row) { return row.failed(); });
+  tell_first(sweep.with_fault(), "latched a fault",
+             [](const study::SweepRow& row) { return row.faults > 0; });
+  tell_first(sweep.missed(), "never touched the organ (missed_contact)",
+             [](const study::SweepRow& row) { return row.missed_contact; });
+}
+
+int sweep(SweepFlags& flags) {
+  study::SweepRequest& request = flags.request;
+  if (!request.scene.scene) throw InputError("SCENE: missing, must be a scene file (.toml)");
+  for (const std::string& text : flags.settings) {
+    request.axes.push_back(study::parse_axis("--set", text));
+    const std::string& key = request.axes.back().key;
+    const auto same = [&key](const study::Axis& axis) { return axis.key == key; };
+    if (std::count_if(request.axes.begin(), request.axes.end(), same) > 1) {
+      throw InputError("--set " + text + ": " + key + " is set twice");
+    }
+  }
+  const fs::path folder = flags.out;
+  request.record = folder / kFiles[3];
+  if (!flags.no_cache) scene::use_organ_cache(request.preparation, user_cache_folder());
+  const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
+  tasks::on_first(*ranks, [&flags] { make_folder(flags); });
+  study::SweepResult result;
+  {
+    Progress bar("sweep");
+    result = study::run_sweep(request, *ranks,
+                              [&bar](double share, const std::string& what) { bar.update(share, what); });
+  }
+  if (ranks->rank() == 0) {
+    write_output(folder / kFiles[0], study::sweep_csv(result), "--out");
+    study::write_sweep_hdf5(result, folder / kFiles[1]);
+    const std::string missing = report::draw_sweep(result, folder / kFiles[2]);
+    if (!missing.empty()) tell(std::string("there is no ") + kFiles[2] + ": " + missing);
+    tell_findings(result, request.record.string());
+    std::cout << (flags.as_json ? sweep_json(result, flags.out).dump(2) + '\n'
+                                : sweep_text(result, flags.out));
+  }
+  if (result.failed() > 0) return kBadInput;
+  return result.with_fault() > 0 ? kFault : kDone;
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& program, int& exit_code) {
+  auto flags = std::make_shared<SweepFlags>();
+  CLI::App* command =
+      program.add_subcommand("sweep", "A scene with one value after another, and a table of results");
+  add_scene_flags(*command, flags->request.scene);
+  command
+      ->add_option("--set", flags->settings,
+                   "KEY=LOW:HIGH:N (N values, evenly spaced; :log after it: evenly in the logarithm) or "
+                   "KEY=VALUE,VALUE,...; a key of the scene (path.speed, device.mass_kg) or of its tissue "
+                   "(tissue.k1); again for more: all combinations")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_option("--out", flags->out, "folder for results.csv, .h5, .svg and .jsonl")->required();
+  command->add_option("--duration-s", flags->request.duration_s,
+                      "of each run, exactly round(S x rate) ticks");
+  command->add_flag("--no-cache", flags->no_cache, "prepare organs anew, and do not keep them");
+  command->add_flag("--json", flags->as_json, "one JSON document");
+  command->footer(
+      "Examples:\n"
+      "  palpate sweep press.toml --set tissue.k1=10:40:7 --out stiffness\n"
+      "  palpate sweep press.toml --set tissue.k1=5:500:9:log --set path.speed=0.5,1,2 --out both --json\n"
+      "  mpirun -n 8 palpate sweep press.toml --set organ.tissue=liver,heart --set scene.seed=1:20:20 --out "
+      "noise\n"
+      "Runs are offline and give the same table on any number of processes. The same command goes on where "
+      "a\n"
+      "sweep was broken off, and tries runs that failed again. docs/sweeps.md has the columns.\n"
+      "Exit: 0 done, 2 bad input, or a run failed (its row says why), 3 a run latched a fault");
+  command->callback([flags, &exit_code] { exit_code = sweep(*flags); });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,196 @@
+#include "science/study/sweep.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/content_hash.h"
+#include "core/base/text.h"
+#include "io/record/scene_json.h"
+#include "io/scene/device_kinds.h"
+#include "io/scene/names.h"
+#include "io/system/input_file.h"
+#include "io/system/whole_json.h"
+#include "palpate/error.h"
+#include "palpate/session.h"
+#include "palpate/version.h"
+#include "science/tasks/for_each_task.h"
+
+namespace palpate::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using session::kRunQuantities;
+using session::RunQuantity;
+
+constexpr const char* kFailed = "failed: ";
+
+std::size_t count_of(const std::vector<Axis>& axes) {
+  std::size_t runs = 1;
+  for (const Axis& axis : axes) {
+    runs *= axis.values.size();
+    if (runs <= kMostRuns) continue;
+    throw InputError(fmt::format("--set: more than {} runs; give fewer values", kMostRuns));
+  }
+  return runs;
+}
+
+/// The values of a run, one an axis; the last axis varies fastest.
+std::vector<std::string> values_of(const std::vector<Axis>& axes, std::size_t run) {
+  std::vector<std::string> values(axes.size());
+  for (std::size_t i = axes.size(); i-- > 0;) {
+    values[i] = axes[i].values[run % axes[i].values.size()];
+    run /= axes[i].values.size();
+  }
+  return values;
+}
+
+/// @throws InputError for a device that moves by itself: a sweep runs as fast as possible.
+scene::Setup load_offline(const scene::Request& request) {
+  scene::Setup setup = scene::load(request);
+  for (const scene::DeviceSetup& device : setup.devices) {
+    if (device.kind == "scripted" || device.kind == "emulated" || device.kind == "replay") continue;
+    throw InputError("device " + device.kind + ": a sweep needs a scripted, emulated or replay device");
+  }
+  return setup;
+}
+
+void add(ContentHasher& hasher, const std::string& text) {
+  hasher.add(std::as_bytes(std::span<const char>(text)));
+}
+
+/// What all runs depend on: program, scene, the files that it names, and the axes with the files that these
+/// name. @param scene set to the scene's name
+std::string fingerprint_of(const SweepRequest& request, std::string& scene) {
+  const scene::Setup setup = load_offline(request.scene);
+  scene = setup.name;
+  ContentHasher hasher;
+  add(hasher, kVersion);
+  add(hasher, record::setup_to_json(setup));
+  hasher.add(request.duration_s.value_or(-1.0)).add(request.scene.fit_device ? 1 : 0);
+  const auto add_file = [&hasher](const std::filesystem::path& file) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(file, error)) {
+      add(hasher, InputFile(file, kRecordingInput).read_rest());
+    }
+  };
+  for (const scene::SourceFile& file : setup.files) add_file(file.path);
+  for (const Axis& axis : request.axes) {
+    add(hasher, axis.key);
+    for (const std::string& value : axis.values) {
+      add(hasher, value);
+      if (!axis.number && scene::means_file(value)) add_file(request.scene.scene->parent_path() / value);
+    }
+  }
+  return hasher.hash().hexadecimal();
+}
+
+std::string line_of(const std::string& key, const std::vector<Axis>& axes, const SweepRow& row) {
+  Json json = {{"key", key}};
+  for (std::size_t i = 0; i < axes.size(); ++i) json["set"][axes[i].key] = row.settings[i];
+  for (std::size_t i = 0; i < row.quantities.size(); ++i) json[kRunQuantities[i].name] = row.quantities[i];
+  json.update({{"missed_contact", row.missed_contact},
+               {"faults", row.faults},
+               {"fault", row.fault},
+               {"ended", row.ended}});
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// @throws InputError or Json::exception when the line is not one of these axes.
+SweepRow row_of(const std::string& line, const std::vector<Axis>& axes) {
+  const Json json = Json::parse(line);
+  SweepRow row;
+  for (const Axis& axis : axes) row.settings.push_back(json.at("set").at(axis.key).get<std::string>());
+  row.ended = json.at("ended").get<std::string>();
+  row.missed_contact = json.at("missed_contact").get<bool>();
+  row.faults = whole_number<std::uint64_t>(json, "faults");
+  row.fault = json.at("fault").get<std::string>();
+  if (row.ended.starts_with(kFailed)) return row;
+  for (const RunQuantity& quantity : kRunQuantities) {
+    row.quantities.push_back(json.at(quantity.name).get<double>());
+  }
+  return row;
+}
+
+SweepRow run_one(const SweepRequest& request, std::size_t run) {
+  SweepRow row;
+  row.settings = values_of(request.axes, run);
+  try {
+    scene::Request scene = request.scene;
+    for (std::size_t i = 0; i < request.axes.size(); ++i) {
+      scene.settings.push_back({request.axes[i].key, row.settings[i]});
+    }
+    session::Session session(load_offline(scene),
+                             {.duration_s = request.duration_s, .preparation = request.preparation});
+    const session::RunResult result = session.run({.offline = true, .keep_fault = false});
+    for (const RunQuantity& quantity : kRunQuantities) row.quantities.push_back(quantity.of(result));
+    row.missed_contact = result.statistics.contact_ticks == 0;
+    row.faults = result.loop.faults.size() + result.loop.further_faults;
+    row.fault = haptics::name_of(result.loop.fault);
+    row.ended = "done";
+  } catch (const std::exception& error) {
+    row.quantities.clear();
+    row.ended = kFailed + one_line(error.what());
+  }
+  return row;
+}
+
+/// @throws InputError when the record has runs of another sweep
+void check_record(const std::filesystem::path& file, const std::string& fingerprint) {
+  for (const auto& [key, line] : tasks::read_record(file, [](const std::string&) {})) {
+    if (key.starts_with(fingerprint)) continue;
+    throw InputError(file.string() +
+                     ": holds runs of another sweep: the scene, a file that it names, a flag or the version "
+                     "of palpate was another; give another --out, or delete this file to begin anew");
+  }
+}
+
+}  // namespace
+
+std::size_t SweepResult::failed() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const SweepRow& row) { return row.failed(); }));
+}
+
+std::size_t SweepResult::missed() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const SweepRow& row) { return row.missed_contact; }));
+}
+
+std::size_t SweepResult::with_fault() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const SweepRow& row) { return row.faults > 0; }));
+}
+
+SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks, const Progress& progress) {
+  const std::size_t runs = count_of(request.axes);
+  SweepResult result{"", request.axes, {}, 0};
+  std::string fingerprint;
+  tasks::on_first(ranks, [&] {
+    fingerprint = fingerprint_of(request, result.scene);
+    check_record(request.record, fingerprint);
+  });
+  fingerprint = ranks.broadcast(std::move(fingerprint));
+  const auto key = [&](std::size_t run) { return fingerprint + '-' + std::to_string(run); };
+  std::size_t done = 0;
+  const auto arrived = [&](std::size_t) {
+    ++done;
+    if (progress)
+      progress(static_cast<double>(done) / static_cast<double>(runs),
+               fmt::format("{} of {} runs", done, runs));
+  };
+  const auto run = [&](std::size_t i) { return line_of(key(i), request.axes, run_one(request, i)); };
+  tasks::Record record(request.record, ranks, [&request](const std::string& line) {
+    if (row_of(line, request.axes).failed()) throw InputError("is run again");
+  });
+  auto [lines, resumed] = tasks::for_each_task(&ranks, {runs, run, key, arrived}, &record);
+  result.resumed = resumed;
+  for (const std::string& line : lines) result.rows.push_back(row_of(line, request.axes));
+  return result;
+}
+
+}  // namespace palpate::study

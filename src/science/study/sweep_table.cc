@@ -1,0 +1,97 @@
+#include <algorithm>
+#include <limits>
+
+#include "core/base/text.h"
+#include "io/record/hdf5_handle.h"
+#include "palpate/error.h"
+#include "palpate/version.h"
+#include "science/study/sweep.h"
+
+namespace palpate::study {
+namespace {
+
+using session::kRunQuantities;
+namespace hdf5 = record::hdf5;
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char letter : text) out += letter == '"' ? std::string("\"\"") : std::string(1, letter);
+  return out + '"';
+}
+
+/// Numbers, or texts that are filled up with zeros to the longest.
+void write_column(hid_t file, const Column& column) {
+  std::vector<double> numbers;
+  std::string texts;
+  std::size_t longest = 1;
+  for (const std::string& text : column.texts) longest = std::max(longest, text.size());
+  for (std::string text : column.texts) {
+    if (column.number)
+      numbers.push_back(parse_number(text).value_or(std::numeric_limits<double>::quiet_NaN()));
+    text.resize(longest);
+    texts += text;
+  }
+  const hsize_t rows = column.texts.size();
+  const hdf5::Handle type =
+      column.number ? hdf5::Handle(H5Tcopy(H5T_NATIVE_DOUBLE), column.name) : hdf5::text_type(longest);
+  const hdf5::Handle space(H5Screate_simple(1, &rows, nullptr), column.name);
+  const hdf5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), column.name);
+  hdf5::check(H5Pset_obj_track_times(properties.id(), false), column.name);  // the same bytes at any time
+  const hdf5::Handle dataset(
+      H5Dcreate2(file, column.name.c_str(), type.id(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+      column.name);
+  const void* values = column.number ? static_cast<const void*>(numbers.data()) : texts.data();
+  hdf5::check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values), column.name);
+}
+
+}  // namespace
+
+std::vector<Column> columns_of(const SweepResult& sweep) {
+  std::vector<Column> columns;
+  const auto add = [&](const std::string& name, bool number, const auto& text_of) {
+    Column& column = columns.emplace_back(Column{name, number, {}});
+    for (const SweepRow& row : sweep.rows) column.texts.push_back(text_of(row));
+  };
+  const auto run_of = [&sweep](const SweepRow& row) { return std::to_string(&row - sweep.rows.data()); };
+  add("run", true, run_of);
+  for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
+    add(sweep.axes[i].key, sweep.axes[i].number, [i](const SweepRow& row) { return row.settings[i]; });
+  }
+  for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
+    add(kRunQuantities[i].name, true,
+        [i](const SweepRow& row) { return row.failed() ? std::string() : shortest(row.quantities[i]); });
+  }
+  add("missed_contact", true,
+      [](const SweepRow& row) { return std::string(row.missed_contact ? "1" : "0"); });
+  add("faults", true, [](const SweepRow& row) { return std::to_string(row.faults); });
+  add("fault", false, [](const SweepRow& row) { return row.fault; });
+  add("ended", false, [](const SweepRow& row) { return row.ended; });
+  return columns;
+}
+
+std::string sweep_csv(const SweepResult& sweep) {
+  const std::vector<Column> columns = columns_of(sweep);
+  std::string text;
+  for (const Column& column : columns) text += (text.empty() ? "" : ",") + column.name;
+  for (std::size_t run = 0; run < sweep.rows.size(); ++run) {
+    for (const Column& column : columns)
+      text += (&column == columns.data() ? '\n' : ',') + quoted(column.texts[run]);
+  }
+  return text + '\n';
+}
+
+void write_sweep_hdf5(const SweepResult& sweep, const std::filesystem::path& file) {
+  const hdf5::Quiet quiet;
+  try {
+    hdf5::Handle opened(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), "the file");
+    hdf5::write_attribute(opened.id(), "scene", sweep.scene);
+    hdf5::write_attribute(opened.id(), "palpate_version", std::string(kVersion));
+    for (const Column& column : columns_of(sweep)) write_column(opened.id(), column);
+    if (!opened.close()) throw hdf5::Error("the file");
+  } catch (const hdf5::Error& error) {
+    throw InputError(file.string() + ": cannot be written: " + error.what());
+  }
+}
+
+}  // namespace palpate::study

@@ -1,0 +1,56 @@
+#include "science/tasks/record.h"
+
+#include <exception>
+#include <filesystem>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "io/system/input_file.h"
+#include "palpate/error.h"
+
+namespace palpate::tasks {
+
+std::map<std::string, std::string> read_record(const std::string& file, const CheckLine& check) {
+  std::map<std::string, std::string> lines;
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return lines;
+  std::istringstream in(InputFile(file, kTaskRecordInput).read_rest());
+  for (std::string line; std::getline(in, line);) {
+    try {
+      std::string key = nlohmann::json::parse(line).at("key").get<std::string>();
+      check(line);
+      lines[std::move(key)] = line;
+    } catch (const std::exception&) {
+      continue;  // cut off as it was written: its task runs again
+    }
+  }
+  return lines;
+}
+
+Record::Record(std::string file, Ranks& ranks, const CheckLine& check) {
+  std::string text;
+  on_first(ranks, [&] {
+    if (file.empty()) return;
+    lines_ = read_record(file, check);
+    out_.open(file, std::ios::binary | std::ios::app);
+    out_ << '\n' << std::flush;  // ends a line that was cut off
+    if (!out_) throw InputError(file + ": cannot be written");
+    for (const auto& [key, line] : lines_) text += key + '\n' + line + '\n';
+  });
+  std::istringstream in(ranks.broadcast(std::move(text)));
+  for (std::string key, line; std::getline(in, key) && std::getline(in, line);) lines_[key] = line;
+}
+
+const std::string* Record::find(const std::string& key) const {
+  const auto found = lines_.find(key);
+  return found == lines_.end() ? nullptr : &found->second;
+}
+
+void Record::add(const std::string& line) {
+  if (out_.is_open()) out_ << line << std::endl;  // NOLINT(performance-avoid-endl): on disk before the next
+}
+
+}  // namespace palpate::tasks

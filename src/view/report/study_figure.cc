@@ -1,0 +1,182 @@
+#include "view/report/study_figure.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "view/report/gnuplot.h"
+
+namespace palpate::report {
+namespace {
+
+using session::kRunQuantities;
+
+constexpr std::array<std::string_view, 4> kShown = {"peak_tissue_force_N", "depth_at_peak_mm",
+                                                    "loading_work_mJ", "dissipated_energy_mJ"};
+constexpr std::size_t kMostTraces = 8;
+constexpr std::array<const char*, kMostTraces> kColours = {kBlue,     kOrange,   kGreen,    "#CC79A7",
+                                                           "#E69F00", "#56B4E9", "#000000", kGrey};
+constexpr std::size_t kNoAxis = static_cast<std::size_t>(-1);
+
+/// One value of the axis that has a trace a value.
+struct Trace {
+  std::string name;
+  PlotData touched;  // x, then the quantities of kShown
+  PlotData missed;
+};
+
+/// What the figure shows of a sweep.
+struct View {
+  std::size_t x_axis = 0;
+  std::size_t trace_axis = kNoAxis;
+  std::vector<std::string> trace_values = {""};  // at most kMostTraces of its axis, evenly chosen
+  std::string held;                              // the other axes with the values that they are shown at
+};
+
+View view_of(const study::SweepResult& sweep) {
+  View view;
+  std::vector<std::size_t> several;
+  for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
+    if (sweep.axes[i].values.size() > 1) several.push_back(i);
+  }
+  if (!several.empty()) view.x_axis = several[0];
+  if (several.size() > 1) {
+    view.trace_axis = several[1];
+    const std::vector<std::string>& values = sweep.axes[view.trace_axis].values;
+    const std::size_t shown = std::min(values.size(), kMostTraces);
+    view.trace_values.clear();
+    for (std::size_t k = 0; k < shown; ++k) {
+      view.trace_values.push_back(values[k * (values.size() - 1) / (shown - 1)]);
+    }
+  }
+  for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
+    if (i == view.x_axis || i == view.trace_axis) continue;
+    view.held +=
+        (view.held.empty() ? "at " : ", ") + sweep.axes[i].key + " = " + sweep.axes[i].values.front();
+  }
+  return view;
+}
+
+/// Where a value stands along x: itself, or, of a text, its number from 0.
+double place_of(const study::Axis& axis, const std::string& value) {
+  if (axis.number) return parse_number(value).value();
+  return static_cast<double>(std::find(axis.values.begin(), axis.values.end(), value) - axis.values.begin());
+}
+
+std::vector<double> points_of(const study::SweepRow& row, double x) {
+  std::vector<double> numbers = {x};
+  for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
+    if (std::find(kShown.begin(), kShown.end(), kRunQuantities[i].name) == kShown.end()) continue;
+    numbers.push_back(row.quantities[i]);
+  }
+  return numbers;
+}
+
+std::vector<Trace> traces_of(const study::SweepResult& sweep, const View& view) {
+  std::vector<Trace> traces;
+  for (std::size_t k = 0; k < view.trace_values.size(); ++k) {
+    const std::string number = std::to_string(k);
+    Trace trace{view.trace_values[k], {"touched" + number, {}}, {"missed" + number, {}}};
+    for (const study::SweepRow& row : sweep.rows) {
+      bool shown = !row.failed();
+      for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
+        const std::string& at = i == view.trace_axis ? view.trace_values[k] : sweep.axes[i].values.front();
+        shown = shown && (i == view.x_axis || row.settings[i] == at);
+      }
+      if (!shown) continue;
+      PlotData& data = row.missed_contact ? trace.missed : trace.touched;
+      data.rows.push_back(points_of(row, place_of(sweep.axes[view.x_axis], row.settings[view.x_axis])));
+    }
+    for (PlotData* data : {&trace.touched, &trace.missed}) std::sort(data->rows.begin(), data->rows.end());
+    traces.push_back(std::move(trace));
+  }
+  return traces;
+}
+
+/// A text in gnuplot's single quotes.
+std::string in_quotes(const std::string& text) {
+  std::string out = "'";
+  for (const char letter : text) out += letter == '\'' ? std::string("''") : std::string(1, letter);
+  return out + "'";
+}
+
+std::string x_axis_script(const study::Axis& axis) {
+  std::string script = "set xlabel " + in_quotes(axis.key) + "\nset format x '%g'\nset autoscale xfix\n";
+  std::string tics;
+  for (std::size_t i = 0; !axis.number && i < axis.values.size(); ++i) {
+    tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", in_quotes(axis.values[i]), i);
+  }
+  if (!axis.number)
+    script += fmt::format("set xtics ({})\nset xrange [-0.5:{}.5]\n", tics, axis.values.size() - 1);
+  // even steps of the logarithm, as :log makes them
+  if (axis.number && axis.values.size() > 2) {
+    const double first = *parse_number(axis.values[0]);
+    const double second = *parse_number(axis.values[1]);
+    const double third = *parse_number(axis.values[2]);
+    const bool logarithmic = first > 0.0 && second > 1.01 * first && third / second > 0.99 * second / first &&
+                             third / second < 1.01 * second / first;
+    if (logarithmic) script += "set logscale x\n";
+  }
+  return script;
+}
+
+/// One pane a quantity; the values of the traces stand on the right, what is held above.
+std::string script_of(const std::vector<Trace>& traces, const View& view, const study::SweepResult& sweep) {
+  const bool several = view.trace_axis != kNoAxis;
+  std::string script = preamble(several ? 1100 : 960, 760, "off") + x_axis_script(sweep.axes[view.x_axis]) +
+                       fmt::format(
+                           "set label 1 {} at screen 0.5,0.975 center\n"
+                           "set multiplot layout 2,2 margins 0.08,{},0.09,0.93 spacing 0.11,0.14\n",
+                           in_quotes(view.held), several ? 0.81 : 0.97);
+  for (std::size_t pane = 0; pane < kShown.size(); ++pane) {
+    const auto* quantity = std::find_if(kRunQuantities.begin(), kRunQuantities.end(),
+                                        [pane](const auto& one) { return one.name == kShown[pane]; });
+    script += fmt::format("set ylabel {}\nset yrange [0:*]\n", in_quotes(quantity->label));
+    if (several && pane == 0) {
+      script += fmt::format("set key at screen 0.985,0.93 right top vertical samplen 2 noopaque title {}\n",
+                            in_quotes(sweep.axes[view.trace_axis].key));
+    } else {
+      script += "set key off\n";
+    }
+    if (pane > 0) script += "unset label 1\n";
+    std::string plots;
+    for (std::size_t i = 0; i < traces.size(); ++i) {
+      const std::string title = traces[i].name.empty() ? "notitle" : "title " + in_quotes(traces[i].name);
+      const auto add = [&](const PlotData& data, const std::string& style) {
+        if (data.rows.empty()) return;
+        plots += fmt::format("{}'{}' using 1:{} {} lc rgb '{}'", plots.empty() ? "plot " : ", ", data.name,
+                             pane + 2, style, kColours[i]);
+      };
+      add(traces[i].touched, title + " with linespoints pt 7 ps 0.5 lw 2");
+      add(traces[i].missed, "notitle with points pt 2 ps 0.9 lw 2");
+    }
+    script += plots + '\n';
+  }
+  return script + "unset multiplot\n";
+}
+
+}  // namespace
+
+std::string draw_sweep(const study::SweepResult& sweep, const std::filesystem::path& file) {
+  const View view = view_of(sweep);
+  const std::vector<Trace> traces = traces_of(sweep, view);
+  std::vector<PlotData> data;
+  for (const Trace& trace : traces) {
+    for (const PlotData& one : {trace.touched, trace.missed}) {
+      if (!one.rows.empty()) data.push_back(one);
+    }
+  }
+  if (data.empty()) return "every run that it would show failed";
+  try {
+    run_gnuplot(script_of(traces, view, sweep), data, file);
+  } catch (const FigureError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace palpate::report
