@@ -50,8 +50,9 @@ class ToolPath final {
 
 /// [setup] The path that a scripted device without a file takes: tool +z down, from above the organ's middle
 /// with the tool's lowest point 10 mm clear, to 12 mm of depth (press) or, closed at touch, 12 mm of lift
-/// (pull), hold 1 s, back. Several hands stand side by side, 30 mm apart at most. In the device's frame (the
-/// mapping of `setup` is undone).
+/// (pull), hold 1 s, back. Where a single tool's press from there would slide off, or start inside, it goes
+/// along the normal to a flat place instead (docs/model.md, section 4). Several hands stand side by side,
+/// 30 mm apart at most. In the device's frame (the mapping of `setup` is undone).
 /// @throws InputError when the organ's mesh is not closed.
 [[nodiscard]] ToolPath default_path(const Setup& setup, std::size_t hand);
 

@@ -1,10 +1,19 @@
+#include "io/scene/default_path.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
+#include <fmt/core.h>
+
+#include "core/geometry/cell.h"
 #include "core/geometry/surface_distance.h"
+#include "io/scene/approach.h"
+#include "io/scene/device_kinds.h"
 #include "io/scene/minimum_jerk.h"
 #include "palpate/tool_path.h"
+#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {
@@ -75,9 +84,9 @@ Vec3 column_of(const geometry::Bounds& box, std::size_t hand, std::size_t hands)
 }
 
 /// The first point of the organ straight below; its highest vertex where there is none (a ring's middle).
-Vec3 surface_below(const Setup& setup, const geometry::Bounds& box, const Vec3& column) {
+Vec3 surface_below(const Setup& setup, const geometry::SurfaceDistance& surface, const geometry::Bounds& box,
+                   const Vec3& column) {
   constexpr double kMargin = 10e-3;  // m, beyond the box at both ends
-  const geometry::SurfaceDistance surface(setup.organ);
   const Pose to_organ = setup.organ_pose.inverse();
   const Vec3 top(column.x(), column.y(), box.high.z() + kMargin);
   const Vec3 bottom(column.x(), column.y(), box.low.z() - kMargin);
@@ -92,11 +101,87 @@ Vec3 surface_below(const Setup& setup, const geometry::Bounds& box, const Vec3& 
   return highest;
 }
 
-std::vector<Leg> legs_of(Task task) {
-  const double approach = kClearance + (task == Task::kPress ? kTravel : kTouchDepth);
+/// Points [m] all over a tool, about `tip`, when it hangs downwards, closed.
+std::vector<Vec3> hanging_points(const geometry::Tool& tool, const Vec3& tip) {
+  constexpr double kLongest = 5e-3;  // m, of an edge: a long shaft may have points at its ends alone
+  constexpr double kSpacing = 2e-3;  // m, about
+  std::vector<Vec3> points;
+  std::set<geometry::Cell> taken;
+  for (const geometry::ToolPart& part : tool.parts) {
+    const Pose pose = geometry::part_pose(part, 0.0);
+    for (const Vec3& vertex : geometry::refine(part.mesh, kLongest).vertices) {
+      const Vec3 point = downwards() * (pose * vertex) - tip;
+      if (taken.insert(geometry::cell_at(point, kSpacing)).second) points.push_back(point);
+    }
+  }
+  return points;
+}
+
+/// Where a hand comes down, in the world.
+struct Place {
+  Approach approach;
+  double depth = kTravel;  // m, of a press
+  std::string remark{};    // what is to be said of a press there; empty: it is as it should be
+};
+
+std::string told_thin(double thickness) {
+  return fmt::format(
+      "the organ is {:.2g} mm thick where the default path presses it {:.3g} mm deep, and thicker nowhere "
+      "that "
+      "the tool meets squarely",
+      thickness / kMillimetre, kTravel / kMillimetre);
+}
+
+std::string told_shallow(double depth) {
+  return fmt::format(
+      "the organ is too thin or too curved for a default path {:.3g} mm deep: the tool meets it squarely "
+      "nowhere; "
+      "the path presses {:.3g} mm deep",
+      kTravel / kMillimetre, depth / kMillimetre);
+}
+
+/// From above the organ's middle. A single tool whose press would slide off there, or start inside, gets the
+/// squarest approach that there is; where there is none for the whole travel, one that presses less deep.
+Place place_of(const Setup& setup, std::size_t hand, const Vec3& tip) {
+  constexpr int kDepths = 12;  // tried, 1 mm apart
+  const geometry::SurfaceDistance surface(setup.organ);
+  const geometry::Bounds box = world_bounds(setup);
+  const Vec3 touch = surface_below(setup, surface, box, column_of(box, hand, setup.tools.size()));
+  Place place{{touch, -Vec3::UnitZ()}};
+  if (setup.task != Task::kPress || setup.tools.size() > 1) return place;
+
+  const HangingTool tool{hanging_points(setup.tools[hand], tip), kClearance};
+  const ApproachFinder finder(setup.organ, surface, tool);
+  const Pose to_organ = setup.organ_pose.inverse();
+  const Approach above{to_organ * touch, to_organ.rotation * place.approach.direction};
+  for (int k = kDepths; k > 0; --k) {
+    const double depth = kTravel * k / kDepths;
+    const Judgement from_above = finder.judge(above, depth);
+    if (from_above.thick && k == kDepths) return place;
+    const auto [approach, judgement] = finder.best(-above.direction, depth);
+    const bool stay = from_above.square && !judgement.thick;
+    if (!stay && !judgement.square) continue;
+    if (!stay) {
+      place.approach = {setup.organ_pose * approach.touch, setup.organ_pose.rotation * approach.direction};
+    }
+    place.depth = depth;
+    const double thickness = stay ? from_above.thickness : judgement.thickness;
+    if (k < kDepths) {
+      place.remark = told_shallow(depth);
+    } else if (!judgement.thick) {
+      place.remark = told_thin(thickness);
+    }
+    return place;
+  }
+  place.remark =
+      "the tool meets the organ squarely nowhere: the default path comes from above and may slide off";
+  return place;
+}
+
+std::vector<Leg> legs_of(Task task, double depth) {
+  const double approach = kClearance + (task == Task::kPress ? depth : kTouchDepth);
   if (task == Task::kPress) {
-    return {
-        {-kTravel, 0.0, time_for(approach)}, {-kTravel, 0.0, kHold}, {kClearance, 0.0, time_for(approach)}};
+    return {{-depth, 0.0, time_for(approach)}, {-depth, 0.0, kHold}, {kClearance, 0.0, time_for(approach)}};
   }
   const double top = kTravel - kTouchDepth;
   return {{-kTouchDepth, 1.0, time_for(approach)}, {-kTouchDepth, 1.0, kPause},
@@ -108,23 +193,37 @@ std::vector<Leg> legs_of(Task task) {
 
 }  // namespace
 
+std::vector<std::string> default_path_remarks(const Setup& setup) {
+  std::vector<std::string> remarks;
+  for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
+    const DeviceKind* kind = find_device_kind(setup.devices[hand].kind);
+    if (kind == nullptr || kind->path != DevicePath::kToolPath || !setup.devices[hand].path.empty()) continue;
+    const std::string remark = place_of(setup, hand, lowest_point(setup.tools[hand])).remark;
+    if (!remark.empty()) remarks.push_back("device " + setup.devices[hand].kind + ": " + remark);
+  }
+  return remarks;
+}
+
 ToolPath default_path(const Setup& setup, std::size_t hand) {
-  const geometry::Bounds box = world_bounds(setup);
-  const Vec3 touch = surface_below(setup, box, column_of(box, hand, setup.tools.size()));
-  const Vec3 handle_at_touch = touch - lowest_point(setup.tools[hand]);
+  const Vec3 tip = lowest_point(setup.tools[hand]);
+  const Place place = place_of(setup, hand, tip);
+  const Vec3& direction = place.approach.direction;
+  const Quat turn = turn_from_down(direction);
+  const Vec3 handle_at_touch = place.approach.touch - turn * tip;
+  const Quat orientation = turn * downwards();
   const DeviceSetup& device = setup.devices[hand];
   const Pose to_device = device.base.inverse();
 
   std::vector<PathRow> rows;
   const auto add = [&](double time, double height, double gripper) {
-    const Vec3 handle_W = handle_at_touch + Vec3(0.0, 0.0, height);
+    const Vec3 handle_W = handle_at_touch - height * direction;
     rows.push_back(
-        {time, (to_device * handle_W) / device.workspace_scale, to_device.rotation * downwards(), gripper});
+        {time, (to_device * handle_W) / device.workspace_scale, to_device.rotation * orientation, gripper});
   };
   Leg from{kClearance, setup.task == Task::kPull ? 1.0 : 0.0, 0.0};
   double start = 0.0;
   add(start, from.height, from.gripper);
-  for (const Leg& leg : legs_of(setup.task)) {
+  for (const Leg& leg : legs_of(setup.task, place.depth)) {
     const int steps = std::max(1, static_cast<int>(std::ceil(leg.duration / kRowSpacing)));
     for (int i = 1; i <= steps; ++i) {
       const double u = static_cast<double>(i) / steps;

@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "io/record/flight_recorder.h"
 #include "io/record/recorder.h"
+#include "io/scene/default_path.h"
 #include "io/scene/make_world.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
@@ -87,6 +88,7 @@ std::unique_ptr<const haptics::SimulationWorld> Session::prepare(const contact::
     for (std::size_t hand = 0; hand < setup_.devices.size(); ++hand) {
       devices_.push_back(devices::open_device(setup_, hand));
     }
+    append(setup_.remarks, scene::default_path_remarks(setup_));
   }
   if (devices_.size() != hands()) throw std::invalid_argument("Session: there must be one device a hand");
   for (std::size_t hand = 0; hand < hands(); ++hand) {

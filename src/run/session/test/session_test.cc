@@ -131,6 +131,13 @@ TEST(Session, TheLimitsFollowADeviceThatBearsLessThanTheSceneAsksForAndTheUserHe
   EXPECT_EQ(record::replay(recording).first_difference, "");
 }
 
+TEST(Session, TheUserHearsThatAnOrganIsTooThinForTheDefaultPath) {
+  scene::Setup setup = block();
+  setup.organ = geometry::make_box({100e-3, 100e-3, 5e-3}, 10e-3);
+  const RunResult result = Session(setup).run({.offline = true});
+  EXPECT_THAT(result.scene_remarks, testing::Contains(testing::HasSubstr("the organ is 5 mm thick where")));
+}
+
 TEST(Session, AFittedDeviceFeelsTheTissueNoStifferThanItBears) {
   const test::TemporaryFolder folder;
   haptics::DeviceAbilities abilities = weak_abilities();

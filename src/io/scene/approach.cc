@@ -1,0 +1,189 @@
+#include "io/scene/approach.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/index.h"
+#include "core/base/portable_math.h"
+
+namespace palpate::scene {
+namespace {
+
+constexpr double kLeastRadius = 5e-3;  // m, of a place: half the usual reference radius
+constexpr double kGreatestRadius = 10e-3;
+constexpr double kDeepEnough = 0.95;    // of the depth asked for
+constexpr double kSure = 1.1;           // of the depth asked for: a tool is wider than its tip
+constexpr double kThickEnough = 1.25;   // of the depth asked for
+constexpr double kFacing = 0.35;        // cosine of about 70 degrees: a face turned more is another side
+constexpr double kFlat = 0.7;           // a ball of the place's radius has 0.78
+constexpr double kSteep = 0.36;         // tangent of 20 degrees, of what stands beside the tip
+constexpr double kBeside = 2e-3;        // m, above the touch: what is lower may press too
+constexpr double kFineTriangles = 2e4;  // of an organ that is looked at
+constexpr double kPlaces = 400.0;       // looked at
+constexpr double kFromAbove = 0.05;     // of a rank: what a way from above outweighs
+
+geometry::TriangleMesh fine_mesh(const geometry::TriangleMesh& organ) {
+  double area = 0.0;
+  for (const geometry::Triangle& t : organ.triangles)
+    area += 0.5 * geometry::area_vector_doubled(organ, t).norm();
+  // Splitting leaves triangles of about a quarter of the longest edge's square.
+  return geometry::refine(organ, std::max(kLeastRadius / 2.0, std::sqrt(4.0 * area / kFineTriangles)));
+}
+
+}  // namespace
+
+Quat turn_from_down(const Vec3& direction) noexcept {
+  const double half = 1.0 - direction.z();
+  if (half < 1e-9) return {0.0, 1.0, 0.0, 0.0};
+  return Quat(half, direction.y(), -direction.x(), 0.0).normalized();
+}
+
+ApproachFinder::ApproachFinder(const geometry::TriangleMesh& organ, const geometry::SurfaceDistance& surface,
+                               const HangingTool& tool)
+    : surface_(surface),
+      tool_(tool),
+      length_(geometry::bounds(organ).size().norm()),
+      fine_(fine_mesh(organ)),
+      neighbours_(geometry::edge_neighbours(fine_)) {
+  for (const geometry::Triangle& t : fine_.triangles) {
+    middles_.push_back((fine_.vertices[at(t[0])] + fine_.vertices[at(t[1])] + fine_.vertices[at(t[2])]) /
+                       3.0);
+    areas_.push_back(geometry::area_vector_doubled(fine_, t));
+  }
+}
+
+/// How near the tip, `depth` behind the touch, is to the surface that it met [m]. Contact follows that
+/// surface downhill, so only what hangs together with the touch and is no farther from the tip counts.
+double ApproachFinder::depth_reached(const Approach& approach, std::int32_t start, double depth) const {
+  constexpr double kBump = 0.2e-3;  // m, that is no hill
+  const Vec3 tip = approach.touch + depth * approach.direction;
+  const auto distance_of = [&](std::size_t t) {
+    const geometry::Triangle& corners = fine_.triangles[t];
+    const Vec3 point = geometry::nearest_on_triangle(
+        tip, fine_.vertices[at(corners[0])], fine_.vertices[at(corners[1])], fine_.vertices[at(corners[2])]);
+    return (point - tip).norm();
+  };
+  std::vector<std::int32_t> queue{start};
+  std::vector<bool> seen(middles_.size(), false);
+  seen[at(queue.front())] = true;
+  double nearest = depth;
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    const double distance = distance_of(at(queue[i]));
+    if (distance > depth + kBump && i > 0) continue;
+    nearest = std::min(nearest, distance);
+    for (const std::int32_t next : neighbours_[at(queue[i])]) {
+      if (next < 0 || seen[at(next)]) continue;
+      seen[at(next)] = true;
+      if (-areas_[at(next)].dot(approach.direction) > kFacing * areas_[at(next)].norm())
+        queue.push_back(next);
+    }
+  }
+  return nearest;
+}
+
+double ApproachFinder::thickness(const Approach& approach, double enough) const {
+  constexpr double kStep = 0.1e-3;  // m, at least
+  double behind = kStep;
+  while (behind < enough) {
+    const double distance = surface_.nearest(approach.touch + behind * approach.direction).distance;
+    if (distance >= 0.0 && behind > 5.0 * kStep) break;
+    behind += std::max(kStep, std::abs(distance));
+  }
+  return std::min(behind, enough);
+}
+
+bool ApproachFinder::is_free(const Approach& approach, double depth) const {
+  // The straight line from far outside meets the organ at the touch and not before: a shaft that is longer
+  // than its mesh has room too.
+  const double far_off = length_ + tool_.clearance;
+  const auto entry = surface_.first_entry(approach.touch - far_off * approach.direction,
+                                          approach.touch + kBeside * approach.direction);
+  if (entry && entry->fraction * (far_off + kBeside) < far_off - kBeside) return false;
+  const Quat turn = turn_from_down(approach.direction);
+  for (const double height : {tool_.clearance, 0.0, -depth}) {
+    const bool starts = height == tool_.clearance;
+    for (const Vec3& point : tool_.points) {
+      const double low = kBeside + kSteep * std::hypot(point.x(), point.y());
+      if (!starts && point.z() + height < low) continue;
+      const Vec3 placed = approach.touch + turn * point - height * approach.direction;
+      if (surface_.nearest(placed).distance <= (starts ? kBeside : 0.0)) return false;
+    }
+  }
+  return true;
+}
+
+ApproachFinder::Place ApproachFinder::place_at(const Vec3& point, const Vec3& outward, double depth) const {
+  const double radius = std::clamp(depth, kLeastRadius, kGreatestRadius);
+  Vec3 sum = Vec3::Zero();
+  Vec3 facing = Vec3::Zero();
+  double all = 0.0;
+  for (std::size_t t = 0; t < middles_.size(); ++t) {
+    const double share = 1.0 - (middles_[t] - point).squaredNorm() / (radius * radius);
+    if (share <= 0.0) continue;
+    const double area = areas_[t].norm();
+    const double along = areas_[t].dot(outward);
+    if (along < -kFacing * area) continue;
+    sum += share * areas_[t];
+    all += share * area;
+    if (along > kFacing * area) facing += share * areas_[t];
+  }
+  if (!(facing.norm() > 0.0)) return {outward, 0.0, 0.0};
+  const double disc = portable::kPi * radius * radius;  // of a plane: twice the area, half of it by the share
+  return {facing.normalized(), sum.norm() / all, std::min(1.0, facing.norm() / disc)};
+}
+
+Judgement ApproachFinder::judge_from(const Approach& approach, std::int32_t start, double depth) const {
+  const double enough = kThickEnough * depth;
+  Judgement result;
+  result.thickness = thickness(approach, enough);
+  result.square = depth_reached(approach, start, kSure * depth) >= kDeepEnough * kSure * depth &&
+                  is_free(approach, depth);
+  result.thick = result.square && result.thickness >= enough;
+  return result;
+}
+
+Judgement ApproachFinder::judge(const Approach& approach, double depth) const {
+  if (place_at(approach.touch, -approach.direction, depth).flatness < kFlat) return {};
+  const auto nearer = [&](const Vec3& a, const Vec3& b) {
+    return (a - approach.touch).squaredNorm() < (b - approach.touch).squaredNorm();
+  };
+  const auto start = std::min_element(middles_.begin(), middles_.end(), nearer) - middles_.begin();
+  return judge_from(approach, static_cast<std::int32_t>(start), depth);
+}
+
+JudgedApproach ApproachFinder::best(const Vec3& up, double depth) const {
+  struct Candidate {
+    Approach approach;
+    std::int32_t triangle = 0;
+    double rank = 0.0;
+  };
+  double whole = 0.0;
+  for (const Vec3& area : areas_) whole += area.norm();
+  std::vector<Candidate> candidates;
+  double passed = 0.0;
+  double next = 0.0;
+  for (std::size_t t = 0; t < middles_.size(); ++t) {
+    passed += areas_[t].norm();
+    if (passed < next) continue;
+    next += whole / kPlaces;
+    const Place place = place_at(middles_[t], areas_[t].normalized(), depth);
+    if (place.flatness < kFlat) continue;
+    candidates.push_back({{middles_[t], -place.normal},
+                          static_cast<std::int32_t>(t),
+                          place.flatness * place.breadth + kFromAbove * place.normal.dot(up)});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.rank > b.rank; });
+  JudgedApproach best;
+  for (const Candidate& candidate : candidates) {
+    const bool too_thin = thickness(candidate.approach, kThickEnough * depth) < kThickEnough * depth;
+    if (too_thin && best.judgement.square) continue;  // nothing to gain
+    const Judgement judgement = judge_from(candidate.approach, candidate.triangle, depth);
+    if (judgement.thick || (judgement.square && !best.judgement.square))
+      best = {candidate.approach, judgement};
+    if (judgement.thick) break;
+  }
+  return best;
+}
+
+}  // namespace palpate::scene
