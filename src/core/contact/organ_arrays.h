@@ -50,7 +50,7 @@ struct OrganArrays {
 /// [setup] Unit normals of all triangles' planes.
 [[nodiscard]] std::vector<Vec3> face_normals_of(const geometry::TriangleMesh& mesh);
 
-/// [setup] Refines `organ` until its edges are at most R_ref/5 (a very large organ less finely).
+/// [setup] Refines `organ` until its edges are at most R_ref/5 (one of over 0.15 m^2 less finely).
 [[nodiscard]] geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius);
 
 /// [setup] Works out all arrays for a mesh that is refined already. @param share told how far it is, 0..1

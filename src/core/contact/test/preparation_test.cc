@@ -289,6 +289,32 @@ TEST(Preparation, OfThisVersionGivesTheseBits) {
   EXPECT_EQ(prepared(test::block(Vec3(60e-3, 40e-3, 20e-3), 0.1)), "6f8411271de850e061a71785101e13ce");
 }
 
+double longest_edge(const geometry::TriangleMesh& mesh) {
+  double longest = 0.0;
+  for (const geometry::Triangle& t : mesh.triangles) {
+    for (std::size_t e = 0; e < 3; ++e) {
+      const Vec3& a = mesh.vertices[static_cast<std::size_t>(t[e])];
+      longest = std::max(longest, (mesh.vertices[static_cast<std::size_t>(t[(e + 1) % 3])] - a).norm());
+    }
+  }
+  return longest;
+}
+
+TEST(Preparation, RefinesALargeLiversAreaToAFifthOfTheReferenceRadius) {
+  const geometry::TriangleMesh organ = geometry::make_box(Vec3::Constant(150e-3), 50e-3);  // 0.135 m^2
+  EXPECT_LE(longest_edge(refined(organ, 10e-3)), 2e-3);
+}
+
+TEST(Preparation, MakesNoMoreTrianglesOfALargerMeshHoweverLargeAndOfHoweverSmallARadius) {
+  for (const double size : {0.3, 30.0}) {
+    for (const double radius : {10e-3, 1e-3}) {
+      const geometry::TriangleMesh mesh = refined(geometry::make_ball(0.5 * size, 1280), radius);
+      EXPECT_LE(mesh.triangles.size(), 250'000U) << size << " m, " << radius;
+      EXPECT_GE(mesh.triangles.size(), 100'000U) << size << " m, " << radius;
+    }
+  }
+}
+
 TEST(Preparation, TellsHowFarItIsInRisingSharesAndItsStages) {
   Preparation how;
   std::vector<double> shares;
