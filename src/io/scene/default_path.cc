@@ -207,9 +207,9 @@ std::vector<std::string> default_path_remarks(const Setup& setup) {
 ToolPath default_path(const Setup& setup, std::size_t hand) {
   const Vec3 tip = lowest_point(setup.tools[hand]);
   const Place place = place_of(setup, hand, tip);
-  const auto& [touch, direction] = place.approach;
+  const Vec3& direction = place.approach.direction;
   const Quat turn = turn_from_down(direction);
-  const Vec3 handle_at_touch = touch - turn * tip;
+  const Vec3 handle_at_touch = place.approach.touch - turn * tip;
   const Quat orientation = turn * downwards();
   const DeviceSetup& device = setup.devices[hand];
   const Pose to_device = device.base.inverse();
