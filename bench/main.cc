@@ -22,7 +22,6 @@
 #include "app/command_line.h"
 #include "app/commands.h"
 #include "app/messages.h"
-#include "app/numbers.h"
 #include "app/progress.h"
 #include "app/session.h"
 #include "bench/measure/account.h"
@@ -40,7 +39,7 @@ namespace {
 constexpr std::size_t kFine = 100'000;      // triangles
 constexpr std::size_t kFinest = 1'000'000;  // triangles
 constexpr double kLoopRate = 10'000.0;      // Hz
-constexpr std::uint64_t kMostHands = 100'000;
+constexpr std::size_t kMostHands = 100'000;
 
 /// What the user asked for.
 struct BenchFlags {
@@ -52,7 +51,7 @@ struct BenchFlags {
   bool peers = false;
   bool loop = false;
   bool pictures = false;
-  std::optional<std::string> hands;
+  std::optional<std::size_t> hands;
   bool poll = false;
   bool json = false;
   std::filesystem::path csv;
@@ -93,12 +92,7 @@ Plan plan_of(const BenchFlags& flags) {
   plan.parts = all || flags.parts;
   plan.peers = flags.peers || (all && !flags.quick);
   plan.most_hands = (all && !flags.quick) || flags.hands.has_value();
-  if (flags.hands) {
-    plan.hands = app::parse_whole("--hands", *flags.hands);
-    if (plan.hands < 1 || plan.hands > kMostHands) {
-      throw ParameterError("--hands", static_cast<double>(plan.hands), "1 to " + std::to_string(kMostHands));
-    }
-  }
+  plan.hands = flags.hands.value_or(0);
   plan.waiting = flags.poll ? haptics::Waiting::kPoll : haptics::Waiting::kSleep;
   plan.loop = flags.loop || (all && flags.full);
   if (flags.pictures || (all && flags.full))
@@ -259,6 +253,7 @@ void add_flags(CLI::App& command, BenchFlags& flags) {
           "--hands", flags.hands,
           "only hands: how many each core carries inside 80 % of a 1 ms period in 99.9 % of 10,000 "
           "periods, all cores at once (found by halving: a minute or two), and N of them on all cores")
+      ->check(CLI::Range(std::size_t{1}, kMostHands))
       ->type_name("N");
   command.add_flag(
       "--poll", flags.poll,
@@ -276,7 +271,7 @@ void add_flags(CLI::App& command, BenchFlags& flags) {
 }
 
 /// [setup] Measures what the flags ask for, writes the CSV file and prints the account.
-/// @throws InputError, ParameterError on a bad flag, before anything is measured.
+/// @throws InputError when the file cannot be written, before anything is measured.
 void run(const BenchFlags& flags, std::string command_line) {
   Plan plan = plan_of(flags);
   if (!flags.csv.empty()) app::require_writable_file(flags.csv, "--csv");
