@@ -1,10 +1,10 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <filesystem>
 
 #include "core/haptics/simulation.h"
 #include "io/record/recorder.h"
+#include "io/system/temporary.h"
 #include "palpate/scene.h"
 #include "palpate/tick_observer.h"
 
@@ -48,7 +48,7 @@ class ScratchRecorder final {
   void on_row(const haptics::TickRow& row) noexcept { recorder_.on_row(row); }
 
  private:
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   record::Recorder recorder_;
 };
 
