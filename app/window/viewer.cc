@@ -1,6 +1,7 @@
 #include "app/window/viewer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <utility>
@@ -52,7 +53,6 @@ Viewer::Viewer(std::unique_ptr<RecordedView> seen, const ViewerOptions& options)
 }
 
 Viewer::~Viewer() {
-  if (opener_.joinable()) opener_.join();
   ticks_.reset();
   if (!stage_.display().lost()) return;
   live_.abandon();
@@ -82,29 +82,22 @@ const render::Camera& Viewer::first_camera() const {
 }
 
 void Viewer::begin_to_open(const std::filesystem::path& file) {
-  if (opener_.joinable()) {
+  if (next_.valid()) {
     stage_.say("another recording is being opened already");
     return;
   }
   next_name_ = file.filename().string();
-  opened_.store(false);
-  opener_ = std::thread([this, file] {
-    try {
-      next_ = std::make_unique<OpenRecording>(file, options_.no_cache);
-    } catch (const std::exception& error) {
-      next_failure_ = error.what();
-    }
-    opened_.store(true, std::memory_order_release);
+  next_ = std::async(std::launch::async, [file, no_cache = options_.no_cache] {
+    return std::make_unique<OpenRecording>(file, no_cache);
   });
 }
 
 void Viewer::look_after_opening() {
-  if (!opener_.joinable() || !opened_.load(std::memory_order_acquire)) return;
-  opener_.join();
-  if (next_ != nullptr) {
-    show(std::move(next_));
-  } else {
-    stage_.say(std::exchange(next_failure_, {}));
+  if (!next_.valid() || next_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  try {
+    show(next_.get());
+  } catch (const std::exception& error) {
+    stage_.say(error.what());
   }
 }
 
@@ -219,7 +212,7 @@ std::string Viewer::banner_words() const {
 void Viewer::draw_overlay() {
   banner_ = banner_words();
   std::vector<Banner> banners = {{banner_, true}};
-  if (opener_.joinable()) banners.push_back({next_name_ + " is being opened ..."});
+  if (next_.valid()) banners.push_back({next_name_ + " is being opened ..."});
   const float y = stage_.draw_overlay(layout_.picture, banners,
                                       title_of(view().recording().setup) +
                                           formatted("   %.3f s", view().time_of(shown_.tick)) +

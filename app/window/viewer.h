@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -134,10 +134,7 @@ class Viewer final {
   render::Camera last_camera_;
 
   // A recording that is being opened:
-  std::thread opener_;
-  std::atomic<bool> opened_{false};
-  std::unique_ptr<OpenRecording> next_;
-  std::string next_failure_;
+  std::future<std::unique_ptr<OpenRecording>> next_;
   std::string next_name_;
 
   bool leaving_ = false;
