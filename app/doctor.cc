@@ -14,6 +14,7 @@
 #include "run/realtime/machine_checks.h"
 
 #include "app/commands.h"
+#include "app/summary.h"
 
 namespace palpate::app {
 namespace {
@@ -21,8 +22,6 @@ namespace {
 constexpr double kRate = 1000.0;         // Hz, of the measurement
 constexpr std::uint64_t kTicks = 1000;   // 1 s
 constexpr double kGoodLateness = 100e3;  // ns, p99.9: a tenth of a period at 1 kHz
-
-double wake_up_text(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
 
 /// How late ticks begin here, asleep and polling.
 struct Lateness {
@@ -43,7 +42,7 @@ haptics::MachineCheck judged(const Lateness& lateness) {
   check.advice = wake_ups.realtime_priority
                      ? "close other programs, use a kernel with PREEMPT_RT, and palpate run --core N; or "
                        "palpate run --poll (polling: 999 of 1000 at most " +
-                           brief(wake_up_text(lateness.polled.late.percentile(0.999)), 2) + " us late)"
+                           brief(microseconds(lateness.polled.late.percentile(0.999)), 2) + " us late)"
                      : "grant real-time priority (above), then measure again";
   return check;
 }
@@ -65,7 +64,7 @@ void print_histogram(std::ostream& out, const haptics::Histogram& late) {
   std::vector<std::uint64_t> octaves;
   for (const haptics::Histogram::Bucket& bucket : late.buckets()) {
     const auto octave =
-        static_cast<std::size_t>(std::max(0.0, std::floor(std::log2(wake_up_text(bucket.upper)))));
+        static_cast<std::size_t>(std::max(0.0, std::floor(std::log2(microseconds(bucket.upper)))));
     if (octaves.size() <= octave) octaves.resize(octave + 1, 0);
     octaves[octave] += bucket.count;
   }
@@ -80,9 +79,9 @@ void print_histogram(std::ostream& out, const haptics::Histogram& late) {
 }
 
 void print_percentiles(const haptics::Histogram& late) {
-  std::cout << " p50 " << wake_up_text(late.percentile(0.5)) << ", p99 "
-            << wake_up_text(late.percentile(0.99)) << ", p99.9 " << wake_up_text(late.percentile(0.999))
-            << ", max " << wake_up_text(late.max()) << '\n';
+  std::cout << " p50 " << microseconds(late.percentile(0.5)) << ", p99 "
+            << microseconds(late.percentile(0.99)) << ", p99.9 " << microseconds(late.percentile(0.999))
+            << ", max " << microseconds(late.max()) << '\n';
 }
 
 void print_words(const std::vector<haptics::MachineCheck>& checks, const Lateness& lateness) {
@@ -99,13 +98,6 @@ void print_words(const std::vector<haptics::MachineCheck>& checks, const Latenes
   print_histogram(std::cout, lateness.slept.late);
 }
 
-nlohmann::ordered_json percentiles_json(const haptics::Histogram& late) {
-  return {{"p50", wake_up_text(late.percentile(0.5))},
-          {"p99", wake_up_text(late.percentile(0.99))},
-          {"p999", wake_up_text(late.percentile(0.999))},
-          {"max", wake_up_text(late.max())}};
-}
-
 void print_json(const std::vector<haptics::MachineCheck>& checks, const Lateness& lateness) {
   const haptics::WakeUps& wake_ups = lateness.slept;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -118,7 +110,7 @@ void print_json(const std::vector<haptics::MachineCheck>& checks, const Lateness
   }
   nlohmann::ordered_json histogram = nlohmann::ordered_json::array();
   for (const haptics::Histogram::Bucket& bucket : wake_ups.late.buckets()) {
-    histogram.push_back({wake_up_text(bucket.upper), bucket.count});
+    histogram.push_back({microseconds(bucket.upper), bucket.count});
   }
   const nlohmann::ordered_json json{{"checks", list},
                                     {"wake_ups",
@@ -127,8 +119,8 @@ void print_json(const std::vector<haptics::MachineCheck>& checks, const Lateness
                                       {"realtime_priority", wake_ups.realtime_priority},
                                       {"memory_locked", wake_ups.memory_locked},
                                       {"missed_deadlines", wake_ups.missed},
-                                      {"late_us", percentiles_json(wake_ups.late)},
-                                      {"polled_late_us", percentiles_json(lateness.polled.late)},
+                                      {"late_us", to_json(wake_ups.late)},
+                                      {"polled_late_us", to_json(lateness.polled.late)},
                                       {"histogram_us", histogram}}}};
   std::cout << json.dump(2) << '\n';
 }

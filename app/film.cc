@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -29,32 +30,12 @@ std::pair<int, int> start_ffmpeg(const fs::path& file, int width, int height, do
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0)
     throw InputError(file.string() + ": no pipe to ffmpeg: " + std::strerror(errno));
-  const std::string size = fmt::format("{}x{}", width, height);
-  std::vector<std::string> words = {"ffmpeg",
-                                    "-nostdin",
-                                    "-loglevel",
-                                    "error",
-                                    "-y",
-                                    "-f",
-                                    "rawvideo",
-                                    "-pix_fmt",
-                                    "rgb24",
-                                    "-s",
-                                    size,
-                                    "-r",
-                                    shortest(frames_a_second),
-                                    "-i",
-                                    "pipe:0",
-                                    "-an",
-                                    "-c:v",
-                                    "libx264",
-                                    "-crf",
-                                    "18",
-                                    "-pix_fmt",
-                                    "yuv420p",
-                                    "-movflags",
-                                    "+faststart",
-                                    file.string()};
+  std::istringstream flags(fmt::format(
+      "ffmpeg -nostdin -loglevel error -y -f rawvideo -pix_fmt rgb24 -s {}x{} -r {} -i pipe:0 -an "
+      "-c:v libx264 -crf 18 -pix_fmt yuv420p -movflags +faststart",
+      width, height, shortest(frames_a_second)));
+  std::vector<std::string> words(std::istream_iterator<std::string>(flags), {});
+  words.push_back(file.string());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
-#include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
 #include "palpate/units.h"
 
 #include "app/commands.h"
+#include "app/law_flags.h"
 #include "app/numbers.h"
 
 namespace palpate::app {
@@ -22,10 +22,7 @@ namespace {
 using model::LayeredSpringLaw;
 
 struct ModelFlags {
-  std::string tissue;
-  std::string law;  // empty: the tissue's
-  std::string direction = "press";
-  std::string rate = "1000";
+  LawFlags law;
   std::string forces;
   std::string depths;
   bool as_json = false;
@@ -39,7 +36,7 @@ struct Answer {
 
 struct Account {
   model::TissueParameters tissue;
-  std::string direction;
+  std::string direction;  // as the flag says
   double rate_Hz = 0.0;
   bool by_force = false;
   int layers_allowed = 0;
@@ -58,27 +55,18 @@ void answer(const Law& law, const std::vector<double>& requested, Account& accou
 
 Account compute(const ModelFlags& flags) {
   Account account;
-  account.direction = flags.direction;
-  if (flags.direction != "press" && flags.direction != "pull") {
-    throw InputError("--direction " + flags.direction + ": must be press or pull");
-  }
-  account.rate_Hz = parse_positive("--rate-Hz", flags.rate);
-  const double period = 1.0 / account.rate_Hz;
-  if (period > 1e300) throw InputError("--rate-Hz " + flags.rate + ": must be > 1e-300");
+  account.direction = flags.law.direction == model::Direction::kPull ? "pull" : "press";
+  account.rate_Hz = flags.law.rate_Hz;
   account.by_force = !flags.forces.empty();
   const std::vector<double> requested = account.by_force
                                             ? parse_not_negative_list("--force-N", flags.forces)
                                             : parse_not_negative_list("--depth-mm", flags.depths);
-  if (!flags.law.empty() && flags.law != "layered" && flags.law != "smooth") {
-    throw InputError("--law " + flags.law + ": must be layered or smooth");
-  }
-  account.tissue = scene::load_tissue(flags.tissue);
-  if (!flags.law.empty()) account.tissue.law = model::parse_law(flags.law);
-  const auto direction = flags.direction == "pull" ? model::Direction::kPull : model::Direction::kPress;
+  account.tissue = flags.law.load();
+  const double period = 1.0 / account.rate_Hz;
   if (account.tissue.law == model::LawKind::kSmooth) {
-    answer(model::SmoothSpringLaw(account.tissue, direction, period), requested, account);
+    answer(model::SmoothSpringLaw(account.tissue, flags.law.direction, period), requested, account);
   } else {
-    answer(LayeredSpringLaw(account.tissue, direction, period), requested, account);
+    answer(LayeredSpringLaw(account.tissue, flags.law.direction, period), requested, account);
   }
   return account;
 }
@@ -146,16 +134,7 @@ void add_model(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<ModelFlags>();
   CLI::App* command =
       program.add_subcommand("model", "The force law of a tissue alone: force to depth or depth to force");
-  command
-      ->add_option("--tissue", flags->tissue,
-                   "a built-in tissue (gallbladder, heart, liver, kidney) or a tissue file")
-      ->required();
-  command->add_option(
-      "--law", flags->law,
-      "layered (the paper's) or smooth (no jumps in stiffness); default: what the tissue says");
-  command->add_option("--direction", flags->direction, "press or pull (default press)");
-  command->add_option("--rate-Hz", flags->rate,
-                      "loop rate, which decides how many layers move (default 1000)");
+  add_law_flags(*command, flags->law);
   CLI::Option_group* wanted = command->add_option_group("asked for", "exactly one of these");
   wanted->add_option("--force-N", flags->forces, "forces between commas, newtons");
   wanted->add_option("--depth-mm", flags->depths, "depths between commas, millimetres");

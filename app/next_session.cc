@@ -1,22 +1,21 @@
 #include "app/next_session.h"
 
+#include <chrono>
 #include <exception>
 #include <utility>
 
 namespace palpate::app {
 
-template <typename Work>
-void NextSession::work(State from_then_on, Work&& doing) {
-  if (thread_.joinable()) thread_.join();
-  thread_ = std::thread([this, from_then_on, doing = std::forward<Work>(doing)] {
-    try {
-      doing();
-      state_.store(from_then_on, std::memory_order_release);
-    } catch (const std::exception& error) {
-      failure_ = error.what();
-      state_.store(State::kFailed, std::memory_order_release);
-    }
-  });
+NextSession::State NextSession::state() {
+  if (!work_.valid() || work_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return state_;
+  try {
+    work_.get();
+    state_ = state_ == State::kReading ? State::kRead : State::kReady;
+  } catch (const std::exception& error) {
+    failure_ = error.what();
+    state_ = State::kFailed;
+  }
+  return state_;
 }
 
 NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::path recording, Check check)
@@ -24,7 +23,7 @@ NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::pat
       kept_(std::move(kept)),
       recording_(std::move(recording)),
       check_(std::move(check)) {
-  work(State::kRead, [this] {
+  work_ = std::async(std::launch::async, [this] {
     scene::Setup setup = scene::load(request_);
     if (kept_.tissue) setup.tissue = *kept_.tissue;
     if (kept_.noise) {
@@ -41,13 +40,9 @@ NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::pat
   });
 }
 
-NextSession::~NextSession() {
-  if (thread_.joinable()) thread_.join();
-}
-
 void NextSession::prepare_now(std::optional<double> duration_s, bool no_cache) {
-  state_.store(State::kPreparing, std::memory_order_release);
-  work(State::kReady, [this, duration_s, no_cache] {
+  state_ = State::kPreparing;
+  work_ = std::async(std::launch::async, [this, duration_s, no_cache] {
     session_ = prepare(std::move(*setup_), duration_s, no_cache, &broken_off_);
   });
 }

@@ -1,10 +1,10 @@
 #pragma once
 #include <atomic>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "app/session.h"
 
@@ -25,19 +25,14 @@ class NextSession final {
 
   /// Begins to read.
   NextSession(scene::Request request, Kept kept, std::filesystem::path recording, Check check = {});
-  ~NextSession();
-  NextSession(const NextSession&) = delete;
-  NextSession& operator=(const NextSession&) = delete;
 
-  [[nodiscard]] State state() const noexcept { return state_.load(std::memory_order_acquire); }
+  [[nodiscard]] State state();
   /// It is wanted no more: what its thread does ends after the file that is being read, or with the organ's
   /// next stage.
   void break_off() noexcept { broken_off_.store(true, std::memory_order_relaxed); }
   [[nodiscard]] bool is_broken_off() const noexcept { return broken_off_.load(std::memory_order_relaxed); }
   /// Whether its thread does nothing any more, so that destroying it does not wait.
-  [[nodiscard]] bool is_idle() const noexcept {
-    return state() != State::kReading && state() != State::kPreparing;
-  }
+  [[nodiscard]] bool is_idle() { return state() != State::kReading && state() != State::kPreparing; }
   /// In kRead, when no other session holds a device: goes on.
   void prepare_now(std::optional<double> duration_s, bool no_cache);
   /// In kReady: the session.
@@ -48,9 +43,6 @@ class NextSession final {
   [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
 
  private:
-  template <typename Work>
-  void work(State from_then_on, Work&& doing);
-
   scene::Request request_;
   Kept kept_;
   std::filesystem::path recording_;
@@ -59,8 +51,8 @@ class NextSession final {
   std::unique_ptr<Session> session_;
   std::string failure_;
   std::atomic<bool> broken_off_{false};
-  std::atomic<State> state_{State::kReading};
-  std::thread thread_;
+  State state_ = State::kReading;
+  std::future<void> work_;  // last: its thread uses all of the above, and ends with this
 };
 
 }  // namespace palpate::app

@@ -6,8 +6,6 @@
 
 #include <fmt/core.h>
 
-#include "palpate/error.h"
-
 namespace palpate::app {
 namespace {
 
@@ -22,30 +20,23 @@ bool read_all(const std::string& text, T& value) {
   return error == std::errc() && stop == end;
 }
 
-double parse_finite(const std::string& flag, const std::string& text, const std::string& want) {
-  double value = 0.0;
-  if (!read_all(text, value) || !std::isfinite(value)) refuse(flag, text, want);
-  return value;
-}
-
 }  // namespace
 
-double parse_number(const std::string& flag, const std::string& text) {
-  return parse_finite(flag, text, "a finite number");
-}
-
-double parse_not_negative(const std::string& flag, const std::string& text) {
-  const std::string want = "a finite number >= 0";
-  const double value = parse_finite(flag, text, want);
-  if (value < 0.0) refuse(flag, text, want);
+double parse_number(const std::string& flag, const std::string& text, Numbers numbers) {
+  double value = 0.0;
+  const bool finite = read_all(text, value) && std::isfinite(value);
+  if (!finite || (numbers == Numbers::kNotNegative && value < 0.0) ||
+      (numbers == Numbers::kPositive && value <= 0.0)) {
+    refuse(flag, text,
+           numbers == Numbers::kAny           ? "a finite number"
+           : numbers == Numbers::kNotNegative ? "a finite number >= 0"
+                                              : "a finite number > 0");
+  }
   return value;
 }
 
 double parse_positive(const std::string& flag, const std::string& text) {
-  const std::string want = "a finite number > 0";
-  const double value = parse_finite(flag, text, want);
-  if (value <= 0.0) refuse(flag, text, want);
-  return value;
+  return parse_number(flag, text, Numbers::kPositive);
 }
 
 std::vector<double> parse_not_negative_list(const std::string& flag, const std::string& text) {
@@ -70,6 +61,12 @@ std::uint64_t parse_whole(const std::string& flag, const std::string& text) {
   std::uint64_t value = 0;
   if (!read_all(text, value)) refuse(flag, text, "a whole number >= 0 and < 2^64");
   return value;
+}
+
+CLI::Option* add_whole(CLI::App& command, const std::string& flag, std::uint64_t& value,
+                       const std::string& help) {
+  return command.add_option_function<std::string>(
+      flag, [&value, flag](const std::string& text) { value = parse_whole(flag, text); }, help);
 }
 
 }  // namespace palpate::app

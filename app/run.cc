@@ -47,24 +47,6 @@ struct RunFlags {
   OutputFiles files;
 };
 
-/// A folder for a recording that is only needed to draw a picture from; gone at the end.
-class TemporaryFolder final {
- public:
-  TemporaryFolder() : path_(make_temporary_folder(fs::temp_directory_path() / "palpate-")) {
-    if (path_.empty()) throw InputError(fs::temp_directory_path().string() + ": no folder can be made in it");
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const noexcept { return path_; }
-
- private:
-  fs::path path_;
-};
-
 void check_outputs(const OutputFiles& files, const scene::Setup& setup) {
   if (!files.recording.empty()) require_regular_file(files.recording, "--record");
   if (!files.screenshot.empty()) require_writable_file(files.screenshot, "--screenshot");
@@ -112,8 +94,8 @@ struct Played {
   bool display_lost = false;
 };
 
-Played play_in_window(Session& session, const RunFlags& flags, const fs::path& recording,
-                      net::IgtlServer* igtl, const std::atomic<bool>& stop) {
+Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& flags,
+                      const fs::path& recording, net::IgtlServer* igtl, const std::atomic<bool>& stop) {
   WindowOptions options;
   options.recording = recording;
   options.thread = flags.thread;
@@ -135,22 +117,22 @@ Played play_in_window(Session& session, const RunFlags& flags, const fs::path& r
 }
 
 /// In a window where there can be one.
-Played play_as_asked(Session& session, const RunFlags& flags, const fs::path& recording, bool window,
-                     net::IgtlServer* igtl) {
+Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& flags,
+                     const fs::path& recording, bool window, net::IgtlServer* igtl) {
   const StopOnSignal signals;
   if (window) {
     try {
       return play_in_window(session, flags, recording, igtl, signals.flag());
     } catch (const NoWindow& error) {
       tell(std::string(error.what()) + "; the run has none");
-      require_window(session, flags, false);
+      require_window(*session, flags, false);
     }
   }
   PlayOptions how;
   how.run = {recording, flags.offline, flags.thread};
   how.igtl = igtl;
   how.stop = &signals.flag();
-  return {play(session, how), false, false};
+  return {play(*session, how), false, false};
 }
 
 int run(const RunFlags& flags, const std::string& command_line) {
@@ -159,22 +141,27 @@ int run(const RunFlags& flags, const std::string& command_line) {
   (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
   scene::Setup setup = scene::load(flags.request);
   check_outputs(flags.files, setup);
-  const std::unique_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
+  const std::shared_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);
   require_window(*session, flags, window);
   OutputFiles files = flags.files;
 
-  std::optional<TemporaryFolder> temporary;
+  std::optional<ScratchFolder> temporary;  // of a recording that is only needed to draw a picture from
   if (!files.report.empty()) {
     report::make_report_folder(files.report);
     if (files.recording.empty()) files.recording = files.report / "recording.h5";
   }
   fs::path recorded = files.recording;
-  if (recorded.empty() && !files.screenshot.empty()) recorded = temporary.emplace().path() / "run.h5";
+  if (recorded.empty() && !files.screenshot.empty()) {
+    const fs::path folder = temporary.emplace("palpate-").path();
+    if (folder.empty())
+      throw InputError(fs::temp_directory_path().string() + ": no folder can be made in it");
+    recorded = folder / "run.h5";
+  }
 
   const std::string title = title_of(session->setup());
   igtl.tell_where();
-  const Played played = play_as_asked(*session, flags, recorded, window, igtl.server());
+  const Played played = play_as_asked(session, flags, recorded, window, igtl.server());
   const std::optional<net::IgtlTally> tally = igtl.finish();
   const RunResult& result = played.result;
   bool draw = result.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());

@@ -75,7 +75,11 @@ fs::path ServedRuns::next_recording() const {
 }
 
 void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
-  run_ = std::make_unique<ServedRun>(std::move(session), ++runs_, std::move(recording), options_.thread);
+  ++runs_;
+  const std::size_t hands = session->hands();
+  run_ = std::make_unique<LiveRun<net::LiveTap>>(std::move(session), std::move(recording), options_.thread,
+                                                 nullptr, hands);
+  run_->start();
   accounted_ = false;
   surface_.reset();
   moved_ns_ = 0;
@@ -133,22 +137,19 @@ Json ServedRuns::about_run() {
   if (run_ == nullptr) return about;
   about["recording"] = run_->recording().empty() ? Json(nullptr) : Json(run_->recording().string());
   if (!accounted_) return about;
-  if (run_->run().result()) {
-    about["ticks"] = run_->run().result()->loop.ticks;
-    about["stopped_early"] = run_->run().result()->loop.stopped_early;
-    about["fault"] = haptics::name_of(run_->run().result()->loop.fault);
-    const std::string& failure = run_->run().result()->recording_failure;
-    if (!failure.empty()) about["failure"] = failure;
-  } else {
-    about["failure"] = run_->run().failure();
+  if (const std::optional<RunResult> result = run_->result()) {
+    about["ticks"] = result->loop.ticks;
+    about["stopped_early"] = result->loop.stopped_early;
+    about["fault"] = haptics::name_of(result->loop.fault);
   }
+  if (const std::string failure = run_->failure(); !failure.empty()) about["failure"] = failure;
   return about;
 }
 
 net::LiveState ServedRuns::newest() {
   net::LiveState state;
   if (run_ == nullptr) return state;
-  state.run = run_->number();
+  state.run = runs_;
   state.tick = run_->tap().newest();
   if (state.tick == nullptr) return state;
   const haptics::SimulationWorld& world = run_->session().world();
@@ -170,12 +171,14 @@ ServedRuns::Answer ServedRuns::surface(bool at_rest) {
     whole.update(surface_->at_rest());
     return Json{{"surface", whole}};
   }
-  const haptics::Snapshot* snapshot = run_ == nullptr ? nullptr : run_->snapshot();
-  if (snapshot == nullptr) throw LiveError("state", "surface: nothing has been played yet");
+  if (run_ != nullptr) (void)run_->snapshots().refresh();
+  if (run_ == nullptr || run_->snapshots().value().hands == 0)
+    throw LiveError("state", "surface: nothing has been played yet");
+  const haptics::Snapshot& snapshot = run_->snapshots().value();
   if (const std::int64_t now = monotonic_ns(); now >= moved_ns_) {
     moved_ns_ = now + kBetween;
-    moved_ = {{"run", runs_}, {"tick", snapshot->tick}};
-    moved_.update(surface_->moved(snapshot->reach, deform::indentations_of(snapshot->hand_results())));
+    moved_ = {{"run", runs_}, {"tick", snapshot.tick}};
+    moved_.update(surface_->moved(snapshot.reach, deform::indentations_of(snapshot.hand_results())));
   }
   return Json{{"surface", moved_}};
 }
@@ -266,7 +269,7 @@ ServedRuns::Answer ServedRuns::stop(const net::Asker& asker) {
   if (!running() && !loading) throw LiveError("state", "stop: nothing is running");
   break_off_loading("the load was broken off by stop");
   if (!running()) return Json{{"run", about_run()}};
-  run_->stop();
+  run_->session().control().stop();
   stop_askers_.push_back(asker);
   return std::nullopt;
 }
@@ -302,10 +305,11 @@ ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
 std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
   if (clients == 0 && had_clients_ && options_.stop_when_alone && running()) {
     tell("the last client has gone: the run ends (--stop-when-alone)");
-    run_->stop();
+    run_->session().control().stop();
   }
   had_clients_ = clients > 0;
-  if (stop_ != nullptr && stop_->load(std::memory_order_relaxed) && run_ != nullptr) run_->stop();
+  if (stop_ != nullptr && stop_->load(std::memory_order_relaxed) && run_ != nullptr)
+    run_->session().control().stop();
   if (running()) {
     const bool ended = run_->ended();  // first, so that no fault is told after the end
     tell_faults();
@@ -318,7 +322,7 @@ std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
 void ServedRuns::tell_faults() {
   while (const std::optional<net::FaultTurn> turn = run_->tap().take_fault()) {
     const std::string trouble = run_->session().devices()[turn->hand]->trouble();
-    Json fault{{"run", run_->number()},
+    Json fault{{"run", runs_},
                {"tick", turn->tick},
                {"time_s", static_cast<double>(turn->tick) / setup().rate_Hz},
                {"hand", turn->hand},
@@ -330,21 +334,22 @@ void ServedRuns::tell_faults() {
 }
 
 void ServedRuns::account_for_run() {
-  run_->release();
+  run_->stop();
+  run_->session().close_devices();
   accounted_ = true;
-  if (run_->run().result()) {
-    fault_ = fault_ || run_->run().result()->loop.fault != haptics::Fault::kNone;
-    failed_ = failed_ || !run_->run().result()->recording_failure.empty();
+  if (const std::optional<RunResult> result = run_->result()) {
+    fault_ = fault_ || result->loop.fault != haptics::Fault::kNone;
+    failed_ = failed_ || !result->recording_failure.empty();
     const OutputFiles files{run_->recording(), {}, {}};
     if (options_.json) {
-      std::cout << net::text_of({{"run", summary_json(*run_->run().result(), files)}}) << std::endl;
+      std::cout << net::text_of({{"run", summary_json(*result, files)}}) << std::endl;
     } else {
-      print_summary(std::cout, *run_->run().result(), files);
+      print_summary(std::cout, *result, files);
       std::cout << std::flush;
     }
   } else {
     failed_ = true;
-    tell_error(run_->run().failure());
+    tell_error(run_->failure());
   }
   say("run", {{"run", about_run()}});
   for (const net::Asker& asker : std::exchange(stop_askers_, {})) {
@@ -362,7 +367,7 @@ void ServedRuns::look_after_next() {
   if (next_ == nullptr || next_->is_broken_off()) return;
   switch (next_->state()) {
     case NextSession::State::kRead:
-      if (running()) return run_->stop();  // the force goes off first
+      if (running()) return run_->session().control().stop();  // the force goes off first
       if (first_ != nullptr) first_->close_devices();
       next_->prepare_now(options_.duration_s, options_.no_cache);
       break;
@@ -395,10 +400,7 @@ std::string ServedRuns::next_failure() const {
 
 void ServedRuns::finish() {
   if (next_ != nullptr) next_->break_off();
-  if (running()) {
-    run_->stop();
-    account_for_run();
-  }
+  if (running()) account_for_run();
   next_.reset();
 }
 

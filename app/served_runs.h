@@ -11,9 +11,10 @@
 
 #include "net/live_server.h"
 #include "net/live_surface.h"
+#include "net/live_tap.h"
 
+#include "app/live_run.h"
 #include "app/next_session.h"
-#include "app/served_run.h"
 #include "app/session.h"
 
 namespace palpate::app {
@@ -81,12 +82,12 @@ class ServedRuns final : public net::LiveHost {
   void say(const std::string& event, nlohmann::ordered_json members);
 
   ServedOptions options_;
-  std::unique_ptr<Session> first_;           // until one is played; without devices once another is to come
-  std::unique_ptr<ServedRun> run_;           // the newest, also after its end
-  bool accounted_ = false;                   // it has ended, and that was dealt with
-  std::optional<net::LiveSurface> surface_;  // of the newest run's organ, once it was asked for
-  std::int64_t moved_ns_ = 0;                // when the next moved_ may be made
-  nlohmann::ordered_json moved_;             // of surface_: where it has moved to
+  std::unique_ptr<Session> first_;  // until one is played; without devices once another is to come
+  std::unique_ptr<LiveRun<net::LiveTap>> run_;  // the newest, also after its end
+  bool accounted_ = false;                      // it has ended, and that was dealt with
+  std::optional<net::LiveSurface> surface_;     // of the newest run's organ, once it was asked for
+  std::int64_t moved_ns_ = 0;                   // when the next moved_ may be made
+  nlohmann::ordered_json moved_;                // of surface_: where it has moved to
   bool request_is_clients_ = false;  // options_.request is what a client loaded, not the command line's
   std::unique_ptr<NextSession> next_;
   bool next_is_clients_ = false;

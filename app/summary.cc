@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <ostream>
+#include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -29,8 +30,6 @@ const char* phase_name(std::uint32_t phase) {
   return "approach";
 }
 
-double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
-
 nlohmann::ordered_json igtl_json(const std::optional<net::IgtlTally>& tally) {
   if (!tally) return nullptr;
   return {{"clients", tally->clients},
@@ -38,13 +37,6 @@ nlohmann::ordered_json igtl_json(const std::optional<net::IgtlTally>& tally) {
           {"given_up", tally->given_up},
           {"frames", tally->frames},
           {"frames_left_out", tally->frames_left_out}};
-}
-
-nlohmann::ordered_json histogram_json(const haptics::Histogram& times) {
-  return {{"p50", microseconds(times.percentile(0.5))},
-          {"p99", microseconds(times.percentile(0.99))},
-          {"p999", microseconds(times.percentile(0.999))},
-          {"max", microseconds(times.max())}};
 }
 
 void print_times(std::ostream& out, const char* name, const haptics::Histogram& times) {
@@ -115,6 +107,13 @@ nlohmann::ordered_json faults_json(const RunResult& run) {
 
 }  // namespace
 
+nlohmann::ordered_json to_json(const haptics::Histogram& times) {
+  return {{"p50", microseconds(times.percentile(0.5))},
+          {"p99", microseconds(times.percentile(0.99))},
+          {"p999", microseconds(times.percentile(0.999))},
+          {"max", microseconds(times.max())}};
+}
+
 std::vector<std::string> remarks(const RunResult& run) {
   std::vector<std::string> all = run.scene_remarks;
   all.insert(all.end(), run.loop.remarks.begin(), run.loop.remarks.end());
@@ -122,21 +121,16 @@ std::vector<std::string> remarks(const RunResult& run) {
     all.emplace_back(fmt::format("tissue or noise was changed {}{} while the run went on",
                                  run.statistics.changes, run.statistics.changes == 1 ? " time" : " times"));
   }
-  const std::uint32_t status = run.statistics.status;
-  if ((status & contact::kStartedInside) != 0) {
-    all.emplace_back(
-        "a part of the tool was inside the organ at first: it gave no force until it had been outside");
-  }
-  if ((status & contact::kContactsFull) != 0) {
-    all.emplace_back(
-        fmt::format("a part wanted more than {} contacts at once: the further ones were left out",
-                    contact::kContactsPerPart));
-  }
-  if ((status & contact::kGripReleased) != 0) {
-    all.emplace_back("the grip's limit was passed: it let go (grip_limit_N of the tissue)");
-  }
-  if ((status & contact::kJump) != 0) {
-    all.emplace_back("the tool moved faster than any hand does: it was treated as placed anew");
+  const std::pair<std::uint32_t, std::string> words[] = {
+      {contact::kStartedInside,
+       "a part of the tool was inside the organ at first: it gave no force until it had been outside"},
+      {contact::kContactsFull,
+       fmt::format("a part wanted more than {} contacts at once: the further ones were left out",
+                   contact::kContactsPerPart)},
+      {contact::kGripReleased, "the grip's limit was passed: it let go (grip_limit_N of the tissue)"},
+      {contact::kJump, "the tool moved faster than any hand does: it was treated as placed anew"}};
+  for (const auto& [bit, text] : words) {
+    if ((run.statistics.status & bit) != 0) all.push_back(text);
   }
   if (run.statistics.limited_ticks > 0) {
     all.emplace_back(fmt::format("force or torque was held back by the limits under [safety] in {} ticks",
@@ -170,8 +164,8 @@ nlohmann::ordered_json summary_json(const RunResult& run, const OutputFiles& fil
                                  {"stopped_early", run.loop.stopped_early},
                                  {"missed_deadlines", run.loop.missed_deadlines},
                                  {"longest_gap_us", microseconds(run.loop.longest_gap_ns)},
-                                 {"late_us", histogram_json(run.loop.lateness)},
-                                 {"tick_us", histogram_json(run.loop.tick_time)},
+                                 {"late_us", to_json(run.loop.lateness)},
+                                 {"tick_us", to_json(run.loop.tick_time)},
                                  {"realtime_priority", run.loop.realtime_priority},
                                  {"memory_locked", run.loop.memory_locked},
                                  {"polled", run.loop.polled}};

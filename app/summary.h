@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <optional>
@@ -18,6 +19,11 @@ struct OutputFiles {
   std::filesystem::path report;
   std::filesystem::path screenshot;
 };
+
+[[nodiscard]] inline double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
+
+/// [setup] p50, p99, p999 and max of times [us].
+[[nodiscard]] nlohmann::ordered_json to_json(const haptics::Histogram& times);
 
 /// [setup] What is wrong or worth knowing, in words: the scene's repairs and remarks, the loop's, what the
 /// status bits say.

@@ -3,6 +3,7 @@
 
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "view/report/validation_report.h"
 
 #include "app/commands.h"
+#include "app/law_flags.h"
 #include "app/messages.h"
 #include "app/numbers.h"
 #include "app/session.h"
@@ -31,44 +33,24 @@ namespace {
 struct ValidateFlags {
   std::vector<std::string> files;     // force over displacement
   std::vector<std::string> profiles;  // u over r
-  std::string tissue;
-  std::string law;  // empty: the tissue's
-  std::string direction = "press";
-  std::string rate = "1000";
-  std::string zeros = "given";
-  std::string first_contact;  // empty: 0
-  std::string offset;
+  LawFlags law;
+  bool zeros_fitted = false;
+  std::optional<double> first_contact;  // m
+  std::optional<double> offset;         // N
   std::string depth;
   std::string force;
-  std::string tip_radius;
-  std::string max_nrmse;
-  std::string max_error_N;
-  std::string max_error_mm;
+  std::optional<double> tip_radius;  // m
+  std::optional<double> max_nrmse;
+  std::optional<double> max_error_N;
+  std::optional<double> max_error_mm;
   ImageFlags image;
   std::string against;
   bool fit_reach = false;
-  bool as_drawn = false;
-  std::string rest_radius;
+  validate::SurfaceRule rule;
   std::string out;
   std::string report;
   bool as_json = false;
 };
-
-validate::Law law_of(const ValidateFlags& flags) {
-  validate::Law law;
-  if (flags.direction != "press" && flags.direction != "pull") {
-    throw InputError("--direction " + flags.direction + ": must be press or pull");
-  }
-  law.direction = flags.direction == "pull" ? model::Direction::kPull : model::Direction::kPress;
-  law.period = 1.0 / parse_positive("--rate-Hz", flags.rate);
-  if (law.period > 1e300) throw InputError("--rate-Hz " + flags.rate + ": must be > 1e-300");
-  if (!flags.law.empty() && flags.law != "layered" && flags.law != "smooth") {
-    throw InputError("--law " + flags.law + ": must be layered or smooth");
-  }
-  law.tissue = scene::load_tissue(flags.tissue);
-  if (!flags.law.empty()) law.tissue.law = model::parse_law(flags.law);
-  return law;
-}
 
 /// The depth [m] that flags give each profile; 0 where the file's own counts.
 std::vector<double> depths_of(const ValidateFlags& flags, const validate::Law& law, std::size_t count) {
@@ -107,17 +89,16 @@ std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
 
 /// The tool's radius [m]: given, or the one that the tissue was fitted with.
 double tip_radius_of(const ValidateFlags& flags, const validate::Law& law) {
-  if (!flags.tip_radius.empty()) return parse_positive("--tip-radius-mm", flags.tip_radius) * kMillimetre;
+  if (flags.tip_radius) return *flags.tip_radius;
   if (law.tissue.source) return law.tissue.source->radius;
   throw InputError("--tip-radius-mm: missing, a profile needs the radius of the tool's tip");
 }
 
 /// Says in `missed` where an error of `name` is above the goal of `flag`, when there is one.
-void hold(const std::string& flag, const std::string& goal, double error, const std::string& name,
+void hold(const std::string& flag, std::optional<double> goal, double error, const std::string& name,
           std::vector<std::string>& missed) {
-  if (goal.empty()) return;
-  const double limit = parse_not_negative(flag, goal);
-  if (!(error <= limit)) missed.push_back(fmt::format("{}: {}, {} is {}", name, shortest(error), flag, goal));
+  if (!goal || error <= *goal) return;
+  missed.push_back(fmt::format("{}: {}, {} is {}", name, shortest(error), flag, shortest(*goal)));
 }
 
 /// The profiles beside the tissue's u(r); with --fit-reach its reach is fitted to them first.
@@ -125,11 +106,7 @@ void compare_profiles(const ValidateFlags& flags, const std::vector<validate::De
                       report::Validation& validation) {
   const double radius = tip_radius_of(flags, validation.law);
   const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
-  validate::SurfaceRule rule{flags.as_drawn, 0.0};
-  if (!flags.rest_radius.empty()) {
-    rule.rest_radius = parse_positive("--surface-radius-mm", flags.rest_radius) * kMillimetre;
-  }
-  validate::compare_profiles(profiles, depths, radius, flags.fit_reach, validation, rule);
+  validate::compare_profiles(profiles, depths, radius, flags.fit_reach, validation, flags.rule);
 }
 
 void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
@@ -145,59 +122,28 @@ void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
   }
 }
 
-/// The zeros that flags state.
-validate::Zeros given_zeros(const ValidateFlags& flags) {
-  validate::Zeros zeros;
-  if (!flags.first_contact.empty()) {
-    zeros.first_contact = parse_number("--first-contact-mm", flags.first_contact) * kMillimetre;
-  }
-  if (!flags.offset.empty()) zeros.force = parse_number("--offset-N", flags.offset);
-  return zeros;
-}
-
-/// Refuses flags about zeros that would do nothing or contradict each other.
-void check_zeros(const ValidateFlags& flags) {
-  if (flags.zeros != "given" && flags.zeros != "fitted") {
-    throw InputError("--zeros " + flags.zeros + ": must be given or fitted");
-  }
-  const bool stated = !(flags.first_contact.empty() && flags.offset.empty());
-  if (flags.zeros == "fitted" && stated) {
-    throw InputError(
-        "--zeros fitted: finds the zeros, --first-contact-mm and --offset-N give them: one of the two");
-  }
-  if (flags.files.empty() && (stated || flags.zeros == "fitted")) {
-    throw InputError("--zeros, --first-contact-mm and --offset-N: are of force curves, need DATA");
-  }
-}
-
-/// Refuses flags that would do nothing.
+/// Refuses flags that would do nothing, where no other flag is missing by name.
 void check_use(const ValidateFlags& flags) {
   const bool no_image = flags.image.files.empty();
   if (flags.files.empty() && flags.profiles.empty() && no_image) {
     throw InputError(
         "nothing to compare with: give force curves (DATA), --profile FILE or --image BEFORE AFTER");
   }
-  check_zeros(flags);
-  if (no_image && (flags.image.fixed_camera || !flags.image.scale.empty())) {
-    throw InputError("--scale-mm-per-px and --fixed-camera: are of photographs, need --image BEFORE AFTER");
+  if (flags.zeros_fitted && flags.files.empty())
+    throw InputError("--zeros fitted: is of force curves, needs DATA");
+  if (flags.zeros_fitted && (flags.first_contact || flags.offset)) {
+    throw InputError(
+        "--zeros fitted: finds the zeros, --first-contact-mm and --offset-N give them: one of the two");
   }
-  if (flags.fit_reach && flags.profiles.empty()) throw InputError("--fit-reach: needs --profile FILE");
-  if (flags.as_drawn && (flags.profiles.empty() || flags.direction == "pull")) {
-    throw InputError("--as-drawn: is of a ball pressed in, needs --profile FILE and --direction press");
-  }
-  if (!flags.rest_radius.empty() && !flags.as_drawn)
-    throw InputError("--surface-radius-mm: needs --as-drawn");
   if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
+  if (flags.rule.as_drawn && flags.law.direction == model::Direction::kPull) {
+    throw InputError("--as-drawn: is of a ball pressed in, needs --direction press");
+  }
   if (flags.profiles.empty() && no_image &&
-      !(flags.depth.empty() && flags.force.empty() && flags.tip_radius.empty())) {
+      !(flags.depth.empty() && flags.force.empty() && !flags.tip_radius)) {
     throw InputError(
         "--depth-mm, --force-N and --tip-radius-mm: are of profiles, need --profile FILE or --image BEFORE "
         "AFTER");
-  }
-  for (const auto& [flag, goal] :
-       {std::pair{"--max-nrmse", &flags.max_nrmse}, std::pair{"--max-error-N", &flags.max_error_N},
-        std::pair{"--max-error-mm", &flags.max_error_mm}}) {
-    if (!goal->empty()) (void)parse_not_negative(flag, *goal);
   }
 }
 
@@ -214,14 +160,14 @@ void add_image(const ValidateFlags& flags, report::Validation& validation) {
 report::Validation validation_of(const ValidateFlags& flags) {
   check_use(flags);
   report::Validation validation;
-  validation.law = law_of(flags);
-  const validate::Zeros zeros = given_zeros(flags);
+  const validate::Zeros zeros{flags.first_contact.value_or(0.0), flags.offset.value_or(0.0)};
+  validation.law = {flags.law.load(), flags.law.direction, 1.0 / flags.law.rate_Hz};
   const std::vector<validate::RivalKind> rivals = validate::parse_rivals(flags.against);
   const std::vector<identify::Specimen> specimens = read_forces(flags);
   const std::vector<validate::Deformation> profiles = read_profiles(flags);
   for (const identify::Specimen& specimen : specimens) {
     validation.forces.push_back(
-        validate::compare_forces(specimen, validation.law, zeros, flags.zeros == "fitted"));
+        validate::compare_forces(specimen, validation.law, zeros, flags.zeros_fitted));
   }
   if (!profiles.empty()) compare_profiles(flags, profiles, validation);
   if (!flags.image.files.empty()) add_image(flags, validation);
@@ -233,7 +179,7 @@ report::Validation validation_of(const ValidateFlags& flags) {
 void check_validate_outputs(const ValidateFlags& flags) {
   std::vector<NamedFile> outputs = {{"--out", flags.out}};
   if (!flags.report.empty()) outputs.push_back({"--report", flags.report + "/report.html"});
-  std::vector<NamedFile> inputs = {{"--tissue", flags.tissue}};
+  std::vector<NamedFile> inputs = {{"--tissue", flags.law.tissue}};
   for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
   for (const std::string& file : flags.profiles) inputs.push_back({"--profile", file});
   for (const std::string& file : flags.image.files) inputs.push_back({"--image", file});
@@ -248,10 +194,54 @@ void write_compared_tissue(const std::string& file, const model::TissueParameter
 }
 
 void add_goals(CLI::App& command, ValidateFlags& flags) {
-  command.add_option("--max-nrmse", flags.max_nrmse,
-                     "goal: RMS error over the force range or the depth, as a share (0.05 is 5 %)");
-  command.add_option("--max-error-N", flags.max_error_N, "goal: largest error of a force, newtons");
-  command.add_option("--max-error-mm", flags.max_error_mm, "goal: largest error of a profile, millimetres");
+  add_number(command, "--max-nrmse", flags.max_nrmse, Numbers::kNotNegative,
+             "goal: RMS error over the force range or the depth, as a share (0.05 is 5 %)");
+  add_number(command, "--max-error-N", flags.max_error_N, Numbers::kNotNegative,
+             "goal: largest error of a force, newtons");
+  add_number(command, "--max-error-mm", flags.max_error_mm, Numbers::kNotNegative,
+             "goal: largest error of a profile, millimetres");
+}
+
+void add_zeros(CLI::App& command, ValidateFlags& flags, CLI::Option* data) {
+  using Zeros = std::vector<std::pair<std::string, bool>>;
+  add_choice(command, "--zeros", flags.zeros_fitted, Zeros{{"given", false}, {"fitted", true}},
+             "given: first contact and the sensor's zero are as stated (default); fitted: as a fit "
+             "finds them. Both errors are told; this says which one is judged and drawn");
+  add_number(command, "--first-contact-mm", flags.first_contact, Numbers::kAny,
+             "displacement at which the tool touched (default 0)", kMillimetre)
+      ->needs(data);
+  add_number(command, "--offset-N", flags.offset, Numbers::kAny,
+             "what the sensor shows without load (default 0)")
+      ->needs(data);
+}
+
+void add_profile_flags(CLI::App& command, ValidateFlags& flags) {
+  CLI::Option* profile = command.add_option(
+      "--profile", flags.profiles,
+      "CSV files with columns r_mm,u_mm and, when there is, depth_mm: how far the surface moved "
+      "at a distance from the contact");
+  CLI::Option* depth = command.add_option(
+      "--depth-mm", flags.depth, "depth of the tool in the profiles: one, or one each between commas");
+  command.add_option("--force-N", flags.force, "instead: the load, from which the law gives the depth")
+      ->excludes(depth);
+  add_number(command, "--tip-radius-mm", flags.tip_radius, Numbers::kPositive,
+             "radius of the tool's tip in the profiles (default: the tissue's source)", kMillimetre);
+  command
+      .add_flag("--fit-reach", flags.fit_reach,
+                "fit how far the tissue is drawn along (reach) to all profiles together first")
+      ->needs(profile);
+  CLI::Option* drawn =
+      command
+          .add_flag(
+              "--as-drawn", flags.rule.as_drawn,
+              "compare (and fit) the surface as the picture shows it, nowhere above the ball, instead of "
+              "u(r) alone")
+          ->needs(profile);
+  add_number(command, "--surface-radius-mm", flags.rule.rest_radius, Numbers::kPositive,
+             "with --as-drawn: radius of a surface at rest that bulges towards the ball (default: flat)",
+             kMillimetre)
+      ->needs(drawn);
+  command.add_option("--out", flags.out, "with --fit-reach: tissue file to write, with the reach found");
 }
 
 }  // namespace
@@ -260,47 +250,16 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
   auto flags = std::make_shared<ValidateFlags>();
   CLI::App* command = program.add_subcommand(
       "validate", "How true a tissue is: its forces and its deformation against measurements");
-  command->add_option(
+  CLI::Option* data = command->add_option(
       "DATA", flags->files,
       "CSV files with columns displacement_mm,force_N and, when there are, time_s and specimen");
-  command->add_option(
-      "--profile", flags->profiles,
-      "CSV files with columns r_mm,u_mm and, when there is, depth_mm: how far the surface moved "
-      "at a distance from the contact");
-  command
-      ->add_option("--tissue", flags->tissue,
-                   "a built-in tissue (gallbladder, heart, liver, kidney) or a tissue file")
-      ->required();
-  command->add_option("--law", flags->law, "layered or smooth; default: what the tissue says");
-  command->add_option("--direction", flags->direction, "press or pull: which the data are (default press)");
-  command->add_option("--rate-Hz", flags->rate,
-                      "loop rate, which decides how many layers move (default 1000)");
-  command->add_option("--first-contact-mm", flags->first_contact,
-                      "displacement at which the tool touched (default 0)");
-  command->add_option("--offset-N", flags->offset, "what the sensor shows without load (default 0)");
-  command->add_option("--zeros", flags->zeros,
-                      "given: first contact and the sensor's zero are as stated (default); fitted: as a fit "
-                      "finds them. Both errors are told; this says which one is judged and drawn");
-  CLI::Option* depth = command->add_option(
-      "--depth-mm", flags->depth, "depth of the tool in the profiles: one, or one each between commas");
-  command->add_option("--force-N", flags->force, "instead: the load, from which the law gives the depth")
-      ->excludes(depth);
-  command->add_option("--tip-radius-mm", flags->tip_radius,
-                      "radius of the tool's tip in the profiles (default: the tissue's source)");
+  add_law_flags(*command, flags->law);
+  add_zeros(*command, *flags, data);
+  add_profile_flags(*command, *flags);
   add_image_flags(*command, flags->image);
   add_goals(*command, *flags);
   command->add_option("--against", flags->against,
                       "laws of others, fitted to the same data: hertz,linear,exponential,mass-spring");
-  command->add_flag("--fit-reach", flags->fit_reach,
-                    "fit how far the tissue is drawn along (reach) to all profiles together first");
-  command->add_flag(
-      "--as-drawn", flags->as_drawn,
-      "compare (and fit) the surface as the picture shows it, nowhere above the ball, instead of "
-      "u(r) alone");
-  command->add_option(
-      "--surface-radius-mm", flags->rest_radius,
-      "with --as-drawn: radius of a surface at rest that bulges towards the ball (default: flat)");
-  command->add_option("--out", flags->out, "with --fit-reach: tissue file to write, with the reach found");
   command->add_option("--report", flags->report, "folder for a page with a picture a data set");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(

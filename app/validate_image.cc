@@ -11,22 +11,27 @@
 namespace palpate::app {
 
 void add_image_flags(CLI::App& command, ImageFlags& flags) {
+  CLI::Option* image =
+      command
+          .add_option("--image", flags.files,
+                      "two photographs from the side (PNG or JPEG), before and under the press or pull: the "
+                      "tissue below, "
+                      "the tool from above")
+          ->expected(2);
+  add_number(command, "--scale-mm-per-px", flags.pixel, Numbers::kPositive,
+             "how many millimetres a pixel of the photographs is", kMillimetre)
+      ->needs(image);
   command
-      .add_option("--image", flags.files,
-                  "two photographs from the side (PNG or JPEG), before and under the press or pull: the "
-                  "tissue below, "
-                  "the tool from above")
-      ->expected(2);
-  command.add_option("--scale-mm-per-px", flags.scale, "how many millimetres a pixel of the photographs is");
-  command.add_flag("--fixed-camera", flags.fixed_camera,
-                   "the camera stood still between the two: no turn or shift is taken out");
+      .add_flag("--fixed-camera", flags.fixed_camera,
+                "the camera stood still between the two: no turn or shift is taken out")
+      ->needs(image);
 }
 
 report::ImageSet validate_image(const ImageFlags& flags, const validate::Law& law, double depth,
                                 double tip_radius) {
-  if (flags.scale.empty()) throw InputError("--scale-mm-per-px: missing, --image needs it");
+  if (flags.pixel == 0.0) throw InputError("--scale-mm-per-px: missing, --image needs it");
   imaging::ImageSettings settings;
-  settings.pixel = parse_positive("--scale-mm-per-px", flags.scale) * kMillimetre;
+  settings.pixel = flags.pixel;
   settings.direction = law.direction;
   settings.fixed_camera = flags.fixed_camera;
   return imaging::compare_photographs(flags.files[0], flags.files[1], settings, law, depth, tip_radius);

@@ -13,7 +13,7 @@ namespace palpate::app {
 /// The flags of `palpate validate` that are about photographs.
 struct ImageFlags {
   std::vector<std::string> files;  // before, after
-  std::string scale;
+  double pixel = 0.0;              // m; 0: not given
   bool fixed_camera = false;
 };
 

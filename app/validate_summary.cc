@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "core/model/tissue_fields.h"
 #include "palpate/units.h"
 
 #include "app/validate_image.h"
@@ -73,14 +74,22 @@ Json profile_json(const report::ProfileSet& set) {
   return json;
 }
 
+/// Calls `take(key, value)` for each number of a reach.
+template <typename Take>
+void for_each_number(const model::ReachParameters& reach, Take take) {
+  model::TissueNumbers numbers;
+  numbers.reach = reach;
+  for (const model::TissueField& field : model::kTissueFields) {
+    if (field.section == "reach") take(field.key, field.in_force(numbers));
+  }
+}
+
 Json reach_json(const validate::ReachFit& fit) {
-  return {{"contact_ratio", fit.reach.contact_ratio},
-          {"first_bar_ratio", fit.reach.first_bar_ratio},
-          {"bar_ratio", fit.reach.bar_ratio},
-          {"weight_ratio", fit.reach.weight_ratio},
-          {"depth_exponent", fit.reach.depth_exponent},
-          {"depth_exponent_kept", fit.exponent_kept},
-          {"at_limit", fit.at_limit}};
+  Json json;
+  for_each_number(fit.reach, [&json](const char* key, double value) { json[key] = value; });
+  json["depth_exponent_kept"] = fit.exponent_kept;
+  json["at_limit"] = fit.at_limit;
+  return json;
 }
 
 std::string rivals_text(double cost_ns, const std::vector<report::RivalResult>& rivals, double unit,
@@ -135,16 +144,13 @@ std::string profile_text(const report::ProfileSet& set) {
 }
 
 std::string reach_text(const validate::ReachFit& fit) {
-  const char* const names[] = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio",
-                               "depth_exponent"};
-  const double values[] = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
-                           fit.reach.weight_ratio, fit.reach.depth_exponent};
   std::string text = "reach fitted to all profiles together:\n";
-  for (std::size_t i = 0; i < fit.at_limit.size(); ++i) {
+  std::size_t i = 0;
+  for_each_number(fit.reach, [&](const char* key, double value) {
     text += fmt::format(
-        "  {} = {}{}", names[i], brief(values[i]),
-        fit.at_limit[i] ? "  ! at the limit of the search: these profiles do not determine it\n" : "\n");
-  }
+        "  {} = {}{}", key, brief(value),
+        fit.at_limit[i++] ? "  ! at the limit of the search: these profiles do not determine it\n" : "\n");
+  });
   if (fit.exponent_kept) {
     text.insert(text.size() - 1, ", as the tissue has it: it takes depths that differ more to determine it");
   }

@@ -5,12 +5,14 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/offscreen.h"
+#include "palpate/units.h"
 #include "view/render/map_legend.h"
 
 #include "app/commands.h"
@@ -32,28 +34,23 @@ struct ViewFlags {
   std::string file;
   std::string screenshot;
   std::string video;
-  std::optional<std::string> at_s;
-  std::optional<std::string> from_s;
-  std::optional<std::string> to_s;
-  std::string fps = "30";
-  std::string slow = "1";
-  std::optional<std::string> size;
-  std::optional<std::string> map_mm;
-  std::string quality;
+  std::optional<double> at, from, to;  // s
+  double fps = 30.0;
+  double slow = 1.0;
+  Display::Size size;      // width 0: the usual one
+  double map_range = 0.0;  // m; 0: no map
+  std::optional<render::Quality> quality;
   std::string ui_scale;
   bool close_up = false;
   bool no_cache = false;
-};
 
-struct Size {
-  int width = 0;
-  int height = 0;
+  [[nodiscard]] bool window() const { return screenshot.empty() && video.empty(); }
 };
 
 constexpr std::uint64_t kLargestSide = 8192;
 constexpr double kMostFrames = 1e6;
 
-Size parse_size(const std::string& text) {
+Display::Size parse_size(const std::string& text) {
   const std::size_t cross = text.find('x');
   if (cross == std::string::npos)
     throw InputError("--size " + text + ": want WIDTHxHEIGHT in pixels, e.g. 1280x720");
@@ -64,64 +61,36 @@ Size parse_size(const std::string& text) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-render::Quality parse_quality(const std::string& text, render::Quality otherwise) {
-  if (text.empty()) return otherwise;
-  if (text == "full") return render::Quality::kFull;
-  if (text == "balanced") return render::Quality::kBalanced;
-  if (text == "fast") return render::Quality::kFast;
-  throw InputError("--quality " + text + ": want full, balanced or fast");
-}
-
-// The flags as numbers; whatever needs no recording has been checked.
-struct Wanted {
-  Size size;
-  std::optional<double> at, from, to;  // s
-  double fps = 30.0;
-  double slow = 1.0;
-  double map_range = 0.0;  // m
-  render::Quality quality = render::Quality::kFull;
-  bool window = false;
-  std::optional<float> ui_scale;
-};
-
-Wanted checked(const ViewFlags& flags) {
-  Wanted wanted;
-  wanted.window = flags.screenshot.empty() && flags.video.empty();
-  if (wanted.window && !display_there())
+/// The flags with what is usual in place of what was not said; all that needs no recording is checked.
+ViewFlags checked(ViewFlags flags) {
+  if (flags.window() && !display_there())
     throw InputError(
         "view " + flags.file +
         ": there is no display for a window: want --screenshot FILE.png (one moment, --at-s T) or "
         "--video FILE.mp4 (--from-s, --to-s, --fps, --slow)");
-  const auto seconds = [](const char* flag, const std::optional<std::string>& text) {
-    return text ? std::optional(parse_not_negative(flag, *text)) : std::nullopt;
-  };
-  wanted.ui_scale = UiScale::asked(flags.ui_scale);
-  wanted.size = parse_size(flags.size.value_or(wanted.window ? "1440x900" : "1280x720"));
-  wanted.at = seconds("--at-s", flags.at_s);
-  wanted.from = seconds("--from-s", flags.from_s);
-  wanted.to = seconds("--to-s", flags.to_s);
-  wanted.fps = parse_positive("--fps", flags.fps);
-  wanted.slow = parse_positive("--slow", flags.slow);
-  if (flags.map_mm) wanted.map_range = 1e-3 * parse_positive("--map-mm", *flags.map_mm);
-  wanted.quality =
-      parse_quality(flags.quality, flags.video.empty() ? render::Quality::kFull : render::Quality::kBalanced);
-  if (!flags.video.empty() && (wanted.size.width % 2 != 0 || wanted.size.height % 2 != 0))
-    throw InputError("--size " + *flags.size + ": a film's width and height must be even");
+  (void)UiScale::asked(flags.ui_scale);  // refused before anything is read
+  if (flags.size.width == 0)
+    flags.size = flags.window() ? Display::Size{1440, 900} : Display::Size{1280, 720};
+  if (!flags.quality)
+    flags.quality = flags.video.empty() ? render::Quality::kFull : render::Quality::kBalanced;
+  if (!flags.video.empty() && (flags.size.width % 2 != 0 || flags.size.height % 2 != 0))
+    throw InputError(fmt::format("--size {}x{}: a film's width and height must be even", flags.size.width,
+                                 flags.size.height));
   if (!flags.screenshot.empty()) require_writable_file(flags.screenshot, "--screenshot");
   if (!flags.video.empty()) require_regular_file(flags.video, "--video");
   refuse_overwriting(std::vector<NamedFile>{{"--screenshot", flags.screenshot}, {"--video", flags.video}},
                      std::vector<NamedFile>{{"the recording", flags.file}});
-  return wanted;
+  return flags;
 }
 
 // One recording, drawn for files.
 class FilePictures final {
  public:
-  FilePictures(RecordedView& seen, const Wanted& wanted, bool close_up)
+  FilePictures(RecordedView& seen, const ViewFlags& flags)
       : seen_(seen),
-        map_range_(wanted.map_range),
-        camera_(seen.camera(0, close_up)),
-        renderer_(seen.subject(), wanted.size.width, wanted.size.height, wanted.quality) {
+        map_range_(flags.map_range),
+        camera_(seen.camera(0, flags.close_up)),
+        renderer_(seen.subject(), flags.size.width, flags.size.height, *flags.quality) {
     renderer_.set_map_range(map_range_);
   }
 
@@ -144,22 +113,21 @@ void require_within(const char* flag, double time, const RecordedView& seen) {
                                  shortest(seen.duration_s())));
 }
 
-void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags& flags, const Wanted& wanted,
-               Progress& bar) {
-  const double from = wanted.from.value_or(0.0);
-  const double to = wanted.to.value_or(seen.duration_s());
+void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags& flags, Progress& bar) {
+  const double from = flags.from.value_or(0.0);
+  const double to = flags.to.value_or(seen.duration_s());
   require_within("--from-s", from, seen);
   require_within("--to-s", to, seen);
   if (from > to)
     throw InputError(fmt::format("--from-s {}: later than --to-s {}", shortest(from), shortest(to)));
-  const double count = std::floor((to - from) * wanted.slow * wanted.fps) + 1.0;
+  const double count = std::floor((to - from) * flags.slow * flags.fps) + 1.0;
   if (!(count <= kMostFrames))
     throw InputError(
         fmt::format("--video {}: {} pictures; want at most a million: shorten it, or lower --fps or --slow",
                     flags.video, shortest(count)));
-  Film film(flags.video, wanted.size.width, wanted.size.height, wanted.fps);
+  Film film(flags.video, flags.size.width, flags.size.height, flags.fps);
   for (int i = 0; i < static_cast<int>(count); ++i) {
-    film.add(pictures.at(from + i / (wanted.fps * wanted.slow)));
+    film.add(pictures.at(from + i / (flags.fps * flags.slow)));
     bar.update(i / count, "drawing " + flags.video);
   }
   const std::string made = film.finish();
@@ -167,14 +135,14 @@ void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags
   tell(made);
 }
 
-int view_in_window(std::unique_ptr<RecordedView> seen, const ViewFlags& flags, const Wanted& wanted) {
+int view_in_window(std::unique_ptr<RecordedView> seen, const ViewFlags& flags) {
   ViewerOptions options;
-  options.at_s = wanted.at;
-  options.map_range = wanted.map_range;
+  options.at_s = flags.at;
+  options.map_range = flags.map_range;
   options.close_up = flags.close_up;
   options.no_cache = flags.no_cache;
-  options.size = {wanted.size.width, wanted.size.height};
-  options.scale = wanted.ui_scale;
+  options.size = flags.size;
+  options.scale = UiScale::asked(flags.ui_scale);
   const StopOnSignal signals;
   options.stop = &signals.flag();
   try {
@@ -186,44 +154,52 @@ int view_in_window(std::unique_ptr<RecordedView> seen, const ViewFlags& flags, c
   return kDone;
 }
 
-int view(const ViewFlags& flags) {
-  const Wanted wanted = checked(flags);
+int view(const ViewFlags& asked) {
+  const ViewFlags flags = checked(asked);
   Progress bar("view");
   auto seen = std::make_unique<RecordedView>(
       flags.file, flags.no_cache, [&](double share) { bar.update(0.1 * share, "reading " + flags.file); });
-  if (wanted.at) require_within("--at-s", *wanted.at, *seen);
-  if (wanted.window) {
+  if (flags.at) require_within("--at-s", *flags.at, *seen);
+  if (flags.window()) {
     bar.clear();
-    return view_in_window(std::move(seen), flags, wanted);
+    return view_in_window(std::move(seen), flags);
   }
-  FilePictures pictures(*seen, wanted, flags.close_up);
+  FilePictures pictures(*seen, flags);
   if (!flags.screenshot.empty()) {
-    const double time = wanted.at.value_or(seen->time_of(seen->frames().deepest()));
+    const double time = flags.at.value_or(seen->time_of(seen->frames().deepest()));
     render::write_png(pictures.at(time), flags.screenshot);
     bar.clear();
     tell(fmt::format("{} shows {} s{}", flags.screenshot, shortest(time),
-                     wanted.at ? "" : ", where the contact is deepest"));
+                     flags.at ? "" : ", where the contact is deepest"));
   }
-  if (!flags.video.empty()) make_film(pictures, *seen, flags, wanted, bar);
+  if (!flags.video.empty()) make_film(pictures, *seen, flags, bar);
   return kDone;
 }
 
 void add_flags(CLI::App& command, ViewFlags& flags) {
   command.add_option("recording", flags.file, "The recording (.h5)")->required();
   command.add_option("--screenshot", flags.screenshot, "One picture, to this PNG file");
-  command.add_option("--at-s", flags.at_s, "Of this moment (default: where the contact is deepest)");
+  add_number(command, "--at-s", flags.at, Numbers::kNotNegative,
+             "Of this moment (default: where the contact is deepest)");
   command.add_option("--video", flags.video, "A film, to this file; without ffmpeg PNG files in FILE-frames");
-  command.add_option("--from-s", flags.from_s, "Where the film begins (default: 0)");
-  command.add_option("--to-s", flags.to_s, "Where it ends (default: with the recording)");
-  command.add_option("--fps", flags.fps, "Its pictures a second")->capture_default_str();
-  command.add_option("--slow", flags.slow, "How many times slower than it was")->capture_default_str();
-  command.add_option("--size", flags.size,
-                     "Pixels, WIDTHxHEIGHT (default: 1280x720); of the window: its size (default: 1440x900)");
+  add_number(command, "--from-s", flags.from, Numbers::kNotNegative, "Where the film begins (default: 0)");
+  add_number(command, "--to-s", flags.to, Numbers::kNotNegative,
+             "Where it ends (default: with the recording)");
+  add_number(command, "--fps", flags.fps, Numbers::kPositive, "Its pictures a second")->default_str("30");
+  add_number(command, "--slow", flags.slow, Numbers::kPositive, "How many times slower than it was")
+      ->default_str("1");
+  command.add_option_function<std::string>(
+      "--size", [&flags](const std::string& text) { flags.size = parse_size(text); },
+      "Pixels, WIDTHxHEIGHT (default: 1280x720); of the window: its size (default: 1440x900)");
   command.add_flag("--close-up", flags.close_up, "The contact fills the picture, instead of the organ");
-  command.add_option("--map-mm", flags.map_mm,
-                     "Colour the organ by its displacement, up to this many mm, with a legend");
-  command.add_option("--quality", flags.quality,
-                     "full, balanced or fast (default: full for a picture, balanced for a film)");
+  add_number(command, "--map-mm", flags.map_range, Numbers::kPositive,
+             "Colour the organ by its displacement, up to this many mm, with a legend", kMillimetre);
+  using Qualities = std::vector<std::pair<std::string, render::Quality>>;
+  add_choice(command, "--quality", flags.quality,
+             Qualities{{"full", render::Quality::kFull},
+                       {"balanced", render::Quality::kBalanced},
+                       {"fast", render::Quality::kFast}},
+             "full, balanced or fast (default: full for a picture, balanced for a film)");
   command.add_option("--ui-scale", flags.ui_scale,
                      "The window's letters and panels, 0.5 to 4 (default: as the display says)");
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -14,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include "io/record/machine.h"
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
@@ -22,7 +22,6 @@
 #include "app/command_line.h"
 #include "app/commands.h"
 #include "app/messages.h"
-#include "app/numbers.h"
 #include "app/progress.h"
 #include "app/session.h"
 #include "bench/measure/account.h"
@@ -39,26 +38,34 @@ namespace {
 
 constexpr std::size_t kFine = 100'000;      // triangles
 constexpr std::size_t kFinest = 1'000'000;  // triangles
-constexpr double kLoopRate = 10'000.0;      // Hz
-constexpr std::uint64_t kMostHands = 100'000;
+constexpr double kPeerSeconds = 4.0;
+constexpr double kLoopRate = 10'000.0;  // Hz
+constexpr std::size_t kMostHands = 100'000;
 
-/// What the user asked for.
-struct BenchFlags {
+/// What is measured, as the flags choose: none of them, all.
+struct Plan {
   bool quick = false;
   bool full = false;
   bool ticks = false;
   bool parts = false;
   bool preparation = false;
   bool peers = false;
+  bool most_hands = false;
+  std::size_t hands = 0;
   bool loop = false;
   bool pictures = false;
-  std::optional<std::string> hands;
-  bool poll = false;
+  haptics::Waiting waiting = haptics::Waiting::kSleep;  // of hands and loop
   bool json = false;
   std::filesystem::path csv;
 
-  [[nodiscard]] bool chosen() const {
-    return ticks || parts || preparation || peers || loop || pictures || hands.has_value();
+  void complete() {
+    most_hands = most_hands || hands > 0;
+    if (!(ticks || parts || preparation || peers || most_hands || loop || pictures)) {
+      ticks = parts = preparation = true;
+      peers = most_hands = !quick;
+      loop = pictures = full;
+    }
+    ticks = ticks || peers;
   }
 };
 
@@ -69,64 +76,33 @@ struct Subject {
   std::size_t tool_triangles = 0;
 };
 
-/// What is measured, in order.
-struct Plan {
+std::vector<Subject> subjects_of(const Plan& plan) {
+  if (!plan.ticks && !plan.preparation) return {};
   std::vector<Subject> subjects;
-  bool preparation = false;
-  bool ticks = false;
-  bool peers = false;
-  bool parts = false;
-  bool most_hands = false;
-  std::size_t hands = 0;
-  bool loop = false;
-  haptics::Waiting waiting = haptics::Waiting::kSleep;  // of hands and loop
-  std::vector<Subject> pictures;                        // drawn
-  int passes = 5;
-  double peer_seconds = 4.0;
-};
+  for (const std::size_t organ : {std::size_t{0}, kFine, kFinest}) {
+    if ((organ > 0 && plan.quick) || (organ == kFinest && !plan.full)) continue;
+    for (const char* task : {"press", "pull"}) subjects.push_back({task, organ, 0});
+  }
+  if (plan.ticks && !plan.quick) subjects.push_back({"press", 0, kFine});
+  return subjects;
+}
 
-Plan plan_of(const BenchFlags& flags) {
-  Plan plan;
-  const bool all = !flags.chosen();
-  plan.ticks = all || flags.ticks || flags.peers;
-  plan.preparation = all || flags.preparation;
-  plan.parts = all || flags.parts;
-  plan.peers = flags.peers || (all && !flags.quick);
-  plan.most_hands = (all && !flags.quick) || flags.hands.has_value();
-  if (flags.hands) {
-    plan.hands = app::parse_whole("--hands", *flags.hands);
-    if (plan.hands < 1 || plan.hands > kMostHands) {
-      throw ParameterError("--hands", static_cast<double>(plan.hands), "1 to " + std::to_string(kMostHands));
-    }
-  }
-  plan.waiting = flags.poll ? haptics::Waiting::kPoll : haptics::Waiting::kSleep;
-  plan.loop = flags.loop || (all && flags.full);
-  if (flags.pictures || (all && flags.full))
-    plan.pictures = {{"press", 0, 0}, {"pull", 0, 0}, {"press", kFine, 0}, {"press", kFinest, 0}};
-  plan.passes = flags.quick ? 3 : 5;
-  if (!plan.ticks && !plan.preparation) return plan;
-  plan.subjects = {{"press", 0, 0}, {"pull", 0, 0}};
-  if (flags.quick) return plan;
-  plan.subjects.push_back({"press", kFine, 0});
-  plan.subjects.push_back({"pull", kFine, 0});
-  if (flags.full) {
-    plan.subjects.push_back({"press", kFinest, 0});
-    plan.subjects.push_back({"pull", kFinest, 0});
-  }
-  if (plan.ticks) plan.subjects.push_back({"press", 0, kFine});
-  return plan;
+std::vector<Subject> pictures_of(const Plan& plan) {
+  if (!plan.pictures) return {};
+  return {{"press", 0, 0}, {"pull", 0, 0}, {"press", kFine, 0}, {"press", kFinest, 0}};
 }
 
 /// Takes the measurements of a plan one after the other.
 class Bench final {
  public:
-  Bench(Plan plan, std::string command_line) : plan_(std::move(plan)) {
+  Bench(Plan plan, std::string command_line)
+      : plan_(std::move(plan)), subjects_(subjects_of(plan_)), pictures_(pictures_of(plan_)) {
     account_.machine = record::machine_description();
     account_.build = "palpate " + record::palpate_version() + ", " + record::compiler_version();
     account_.command = std::move(command_line);
     account_.polled = plan_.waiting == haptics::Waiting::kPoll;
-    steps_ = static_cast<double>(plan_.subjects.size()) + (plan_.most_hands ? 2.0 : 0.0) +
-             (plan_.loop ? 2.0 : 0.0) + static_cast<double>(plan_.pictures.size()) + 1.0;
+    steps_ = static_cast<double>(subjects_.size()) + (plan_.most_hands ? 2.0 : 0.0) +
+             (plan_.loop ? 2.0 : 0.0) + static_cast<double>(pictures_.size()) + 1.0;
   }
 
   Account run() {
@@ -135,13 +111,13 @@ class Bench final {
       peers_.emplace(peers_library());
       account_.remarks = peers_->missing();
     }
-    for (const Subject& subject : plan_.subjects) measure(subject);
+    for (const Subject& subject : subjects_) measure(subject);
     if (plan_.parts) measure_parts();
     if (plan_.most_hands) measure_hands();
     if (plan_.loop) {
       for (const char* task : {"press", "pull"}) measure_loop(task);
     }
-    for (const Subject& subject : plan_.pictures) measure_pictures(subject);
+    for (const Subject& subject : pictures_) measure_pictures(subject);
     return std::move(account_);
   }
 
@@ -158,7 +134,7 @@ class Bench final {
     if (plan_.ticks) {
       const scene::ToolPath path = hand_path(setup);
       show(0.3, "ticks of " + name);
-      account_.ticks.push_back(time_ticks(setup, prepared.world, path, plan_.passes));
+      account_.ticks.push_back(time_ticks(setup, prepared.world, path, plan_.quick ? 3 : 5));
       if (subject.tool_triangles == 0) {
         const std::vector<WayPoint> way = walk(setup, prepared.world, path);
         account_.nearest.push_back(time_nearest(setup, way));
@@ -174,7 +150,7 @@ class Bench final {
     const double nearest_us = account_.nearest.back().times.p50_us;
     for (const PalpatePeer& peer : peers_->all()) {
       show(0.6, std::string(peer.name) + " on " + name);
-      PeerAccount theirs = ask_peer(peer, {setup, way, plan_.peer_seconds});
+      PeerAccount theirs = ask_peer(peer, {setup, way, kPeerSeconds});
       const bool point = peer.one_point != 0;
       theirs.ratio = ratio(theirs.contact.p50_us, point ? nearest_us : tick.contact.p50_us);
       theirs.approach_ratio = ratio(theirs.approach.p50_us, point ? nearest_us : tick.approach.p50_us);
@@ -233,6 +209,8 @@ class Bench final {
   }
 
   Plan plan_;
+  std::vector<Subject> subjects_;
+  std::vector<Subject> pictures_;
   Account account_;
   std::optional<Peers> peers_;
   app::Progress bar_{"bench"};
@@ -240,14 +218,7 @@ class Bench final {
   double done_ = 0.0;
 };
 
-void write_csv(const Account& account, const std::filesystem::path& file) {
-  std::ofstream out(file, std::ios::binary);
-  out << to_csv(account);
-  out.close();
-  if (!out) throw InputError("--csv " + file.string() + ": cannot be written");
-}
-
-void add_flags(CLI::App& command, BenchFlags& flags) {
+void add_flags(CLI::App& command, Plan& flags) {
   auto* quick = command.add_flag("--quick", flags.quick, "the built-in scenes and the parts only: seconds");
   command.add_flag("--full", flags.full, "also organs of a million triangles and the 10 kHz loop: minutes")
       ->excludes(quick);
@@ -259,9 +230,10 @@ void add_flags(CLI::App& command, BenchFlags& flags) {
           "--hands", flags.hands,
           "only hands: how many each core carries inside 80 % of a 1 ms period in 99.9 % of 10,000 "
           "periods, all cores at once (found by halving: a minute or two), and N of them on all cores")
+      ->check(CLI::Range(std::size_t{1}, kMostHands))
       ->type_name("N");
-  command.add_flag(
-      "--poll", flags.poll,
+  command.add_flag_callback(
+      "--poll", [&flags] { flags.waiting = haptics::Waiting::kPoll; },
       "with hands and the 10 kHz loop: their threads keep asking for the time between periods, as "
       "`palpate run --poll`; else they sleep");
   command.add_flag("--peers", flags.peers, "only ticks beside other libraries: Bullet, FCL, Embree");
@@ -276,13 +248,13 @@ void add_flags(CLI::App& command, BenchFlags& flags) {
 }
 
 /// [setup] Measures what the flags ask for, writes the CSV file and prints the account.
-/// @throws InputError, ParameterError on a bad flag, before anything is measured.
-void run(const BenchFlags& flags, std::string command_line) {
-  Plan plan = plan_of(flags);
-  if (!flags.csv.empty()) app::require_writable_file(flags.csv, "--csv");
-  const Account account = Bench(std::move(plan), std::move(command_line)).run();
-  if (!flags.csv.empty()) write_csv(account, flags.csv);
-  std::cout << (flags.json ? to_json(account) : to_text(account));
+/// @throws InputError when the file cannot be written, before anything is measured.
+void run(Plan plan, std::string command_line) {
+  plan.complete();
+  if (!plan.csv.empty()) app::require_writable_file(plan.csv, "--csv");
+  const Account account = Bench(plan, std::move(command_line)).run();
+  if (!plan.csv.empty()) write_output(plan.csv, to_csv(account), "--csv");
+  std::cout << (plan.json ? to_json(account) : to_text(account));
 }
 
 }  // namespace
@@ -292,7 +264,7 @@ int main(int argc, char** argv) {
   namespace app = palpate::app;
   CLI::App program{"How fast a tick, its parts, many hands and preparation are here, beside other libraries"};
   program.name("palpate bench");
-  palpate::bench::BenchFlags flags;
+  palpate::bench::Plan flags;
   palpate::bench::add_flags(program, flags);
   try {
     program.parse(argc, argv);

@@ -184,6 +184,7 @@ TEST(Serve, ASceneThatIsLoadedFollowsTheOneBeforeAndOneThatCannotBeLeavesIt) {
   json run = client.ask(R"({"do": "state"})")["run"];
   EXPECT_EQ(run["number"], 1) << "the first run goes on";
   EXPECT_EQ(run["state"], "running");
+  await_tick(client, 1);  // from there on it has a recording
   const json loaded = client.ask(R"({"do": "load", "scene": "heart.toml", "device": "emulated"})");
   EXPECT_EQ(loaded["run"]["number"], 2) << loaded;
   EXPECT_EQ(loaded["run"]["scene"], "a heart");

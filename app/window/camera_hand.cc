@@ -13,6 +13,12 @@ constexpr double kNearer = 0.88;   // a notch
 
 }  // namespace
 
+void CameraHand::button(const SDL_MouseButtonEvent& button, bool left_turns) noexcept {
+  const bool down = button.type == SDL_MOUSEBUTTONDOWN;
+  if (button.button == SDL_BUTTON_RIGHT || (button.button == SDL_BUTTON_LEFT && left_turns)) turns_ = down;
+  if (button.button == SDL_BUTTON_MIDDLE) moves_ = down;
+}
+
 bool CameraHand::mouse_moved(std::pair<int, int> way, double picture_height) {
   const auto [right, down] = way;
   const double height = std::max(1.0, picture_height);

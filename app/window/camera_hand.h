@@ -12,9 +12,9 @@ class CameraHand final {
  public:
   explicit CameraHand(OrbitCamera& camera) : camera_(camera) {}
 
-  /// Whether the mouse's way turns the view, or moves it in its plane.
-  void turn(bool on) noexcept { turns_ = on; }
-  void move(bool on) noexcept { moves_ = on; }
+  /// A button pressed over the picture, or released anywhere: with the right one, and the left one where
+  /// `left_turns`, the mouse turns the view, with the middle one it moves it in its plane.
+  void button(const SDL_MouseButtonEvent& button, bool left_turns) noexcept;
   [[nodiscard]] bool busy() const noexcept { return turns_ || moves_; }
   /// A way of the mouse over a picture so high [window units both]. @return whether it was the view's
   bool mouse_moved(std::pair<int, int> way, double picture_height);

@@ -41,7 +41,7 @@ void choose_device(const Shown& shown, Wishes& wishes) {
 
 void hand_rows(const Shown& shown, std::size_t hand, Wishes& wishes) {
   const HandWords& words = shown.hands[hand];
-  const RowSample& newest = shown.traces.newest(static_cast<std::uint32_t>(hand));
+  const haptics::TickRow& newest = shown.traces.newest(static_cast<std::uint32_t>(hand));
   {
     const Rows rows("hand", 0.30F);
     if (shown.hands.size() > 1) {
@@ -52,7 +52,7 @@ void hand_rows(const Shown& shown, std::size_t hand, Wishes& wishes) {
     }
     rows.words("State", words.state);
     rows.name("Force", "what goes to the hand, after the gate");
-    force_bar(newest.force, shown.setup.safety.max_force);
+    force_bar(device_force(newest), shown.setup.safety.max_force);
     if (words.engagement < 1.0) {
       rows.words(
           "Let through", formatted("%.0f %%", 100.0 * words.engagement),

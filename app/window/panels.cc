@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <fmt/core.h>
 #include <imgui.h>
 
 #include "app/window/look.h"
@@ -33,6 +34,15 @@ void begin_column(const char* name, const Rectangle& place) {
   ImGui::Begin(name, nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoBackground);
+}
+
+std::string moment_words(const haptics::TickRow& row, int decimals) {
+  const auto mm = [decimals](double metres) { return fmt::format("{:.{}f} mm", 1e3 * metres, decimals); };
+  if (row.phase == static_cast<std::uint32_t>(contact::Phase::kPress))
+    return "pressing, " + mm(row.depth) + " deep";
+  if (row.phase == static_cast<std::uint32_t>(contact::Phase::kPull))
+    return "pulling, stretched " + mm(row.depth);
+  return mm(row.distance) + " from the tissue";
 }
 
 Layout lay_out(float width, float height, float scale, const PanelState& state) {

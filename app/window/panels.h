@@ -100,8 +100,8 @@ struct Layout {
 /// What the plots show of a run.
 struct Plotted {
   struct Hand {
-    const std::deque<RowSample>& rows;  // of the time shown
-    RowSample now;                      // the newest, or where the cursor is
+    const std::deque<haptics::TickRow>& rows;  // of the time shown
+    haptics::TickRow now;                      // the newest, or where the cursor is
   };
   const model::TissueParameters& tissue;  // whose law is drawn
   model::Direction direction = model::Direction::kPress;
@@ -119,6 +119,9 @@ void draw_right(const Rectangle& place, const Shown& shown, PanelState& state, W
 void draw_plots(const Rectangle& place, const Plotted& plotted);
 void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
 [[nodiscard]] Plotted plotted(const Shown& shown);
+
+/// [any] The words for a moment of one hand, with so many decimals: "pressing, 4.2 mm deep".
+[[nodiscard]] std::string moment_words(const haptics::TickRow& row, int decimals);
 
 /// A key and what it does.
 struct KeyLine {

@@ -17,15 +17,15 @@
 namespace palpate::app {
 namespace {
 
-using Quantity = std::function<double(const RowSample&)>;
+using Quantity = std::function<double(const haptics::TickRow&)>;
 
 /// The rows of the time shown, a column each `width` [s]; every column reaches to where the one before ended,
 /// so that they make one line.
-std::vector<PlotColumn> in_columns(const std::deque<RowSample>& rows, const Quantity& quantity, double from,
-                                   double width) {
+std::vector<PlotColumn> in_columns(const std::deque<haptics::TickRow>& rows, const Quantity& quantity,
+                                   double from, double width) {
   std::vector<PlotColumn> columns;
   double last = 0.0;
-  for (const RowSample& row : rows) {
+  for (const haptics::TickRow& row : rows) {
     if (row.time < from) continue;
     const double value = quantity(row);
     const double x = from + width * std::floor((row.time - from) / width);
@@ -40,9 +40,9 @@ std::vector<PlotColumn> in_columns(const std::deque<RowSample>& rows, const Quan
   return columns;
 }
 
-double largest(const std::deque<RowSample>& rows, const Quantity& quantity) {
+double largest(const std::deque<haptics::TickRow>& rows, const Quantity& quantity) {
   double most = 0.0;
-  for (const RowSample& row : rows) most = std::max(most, std::abs(quantity(row)));
+  for (const haptics::TickRow& row : rows) most = std::max(most, std::abs(quantity(row)));
   return most;
 }
 
@@ -56,11 +56,12 @@ struct Strip {
 
 void strips(const ImVec2& low, const ImVec2& high, const Plotted& shown) {
   static const std::vector<Strip> kStrips = {
-      {"Force to the hand [N]", colour::kForce, [](const RowSample& row) { return row.force; }, 0.5, false},
-      {"Depth, or stretch [mm]", colour::kDepth, [](const RowSample& row) { return 1e3 * row.depth; }, 2.0,
-       false},
-      {"Touch noise [mN]", colour::kNoise, [](const RowSample& row) { return 1e3 * row.noise_force; }, 10.0,
-       true}};
+      {"Force to the hand [N]", colour::kForce, [](const haptics::TickRow& row) { return device_force(row); },
+       0.5, false},
+      {"Depth, or stretch [mm]", colour::kDepth, [](const haptics::TickRow& row) { return 1e3 * row.depth; },
+       2.0, false},
+      {"Touch noise [mN]", colour::kNoise, [](const haptics::TickRow& row) { return 1e3 * row.noise_force; },
+       10.0, true}};
   const double from = shown.from;
   const double to = shown.to;
   const float text = ImGui::GetFontSize();
@@ -92,31 +93,22 @@ void strips(const ImVec2& low, const ImVec2& high, const Plotted& shown) {
 /// The law as felt, in N over mm.
 std::vector<PlotPoint> law_curve(const Plotted& shown, double deepest_mm) {
   constexpr int kPoints = 120;
-  const double period = 1.0 / shown.rate_Hz;
-  std::function<double(double)> force;
-  if (shown.tissue.law == model::LawKind::kSmooth) {
-    force = [law = model::SmoothSpringLaw(shown.tissue, shown.direction, period)](double depth) {
-      return law.force_at(depth).force;
-    };
-  } else {
-    force = [law = model::LayeredSpringLaw(shown.tissue, shown.direction, period)](double depth) {
-      return law.force_at(depth).force;
-    };
-  }
+  const model::SpringLaw law(shown.tissue, shown.direction, 1.0 / shown.rate_Hz);
   std::vector<PlotPoint> points;
   for (int i = 0; i <= kPoints; ++i) {
     const double depth_mm = deepest_mm * i / kPoints;
-    points.push_back({depth_mm, force(1e-3 * depth_mm)});
+    points.push_back({depth_mm, law.force_at(1e-3 * depth_mm).force});
   }
   return points;
 }
 
 /// What was felt, as a line: 200 points a second, of the rows before a time or from it on.
-std::vector<PlotPoint> felt(const std::deque<RowSample>& rows, double rate_Hz, double from, double to) {
+std::vector<PlotPoint> felt(const std::deque<haptics::TickRow>& rows, double rate_Hz, double from,
+                            double to) {
   std::vector<PlotPoint> path;
   std::uint64_t next = 0;
   const auto every = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / 200.0));
-  for (const RowSample& row : rows) {
+  for (const haptics::TickRow& row : rows) {
     if (row.tick < next || row.phase == 0 || row.time < from || row.time > to) continue;
     path.push_back({1e3 * row.depth, row.tissue_force});
     next = row.tick + every;
@@ -128,7 +120,7 @@ void force_over_depth(const ImVec2& low, const ImVec2& high, const Plotted& show
   double deepest = 2.0;
   double strongest = 0.5;
   for (const Plotted::Hand& hand : shown.hands) {
-    for (const RowSample& row : hand.rows) {
+    for (const haptics::TickRow& row : hand.rows) {
       deepest = std::max(deepest, 1e3 * row.depth);
       strongest = std::max(strongest, row.tissue_force);
     }
@@ -142,12 +134,12 @@ void force_over_depth(const ImVec2& low, const ImVec2& high, const Plotted& show
   const double now = shown.cursor.value_or(shown.to);
   for (std::size_t hand = 0; hand < shown.hands.size(); ++hand) {
     const float strength = hand == shown.strong ? 0.9F : 0.5F;
-    const std::deque<RowSample>& rows = shown.hands[hand].rows;
+    const std::deque<haptics::TickRow>& rows = shown.hands[hand].rows;
     if (shown.cursor) {
       plot.line(felt(rows, shown.rate_Hz, now, shown.to), packed(colour::kForce, 0.35F * strength), 1.2F);
     }
     plot.line(felt(rows, shown.rate_Hz, shown.from, now), packed(colour::kForce, strength), 1.2F);
-    const RowSample& at = shown.hands[hand].now;
+    const haptics::TickRow& at = shown.hands[hand].now;
     if (at.phase != 0) plot.dot({1e3 * at.depth, at.tissue_force}, packed(colour::kText), 4.0F);
   }
   plot.note("wide: the law; fine: felt", packed(colour::kFaint));
@@ -161,7 +153,7 @@ Plotted plotted(const Shown& shown) {
   for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
     all.hands.push_back({shown.traces.of_hand(hand), shown.traces.newest(hand)});
   }
-  const std::deque<RowSample>& first = shown.traces.of_hand(0);
+  const std::deque<haptics::TickRow>& first = shown.traces.of_hand(0);
   all.to = std::max(first.empty() ? 0.0 : first.back().time, Traces::kKept);
   all.from = all.to - Traces::kKept;
   return all;

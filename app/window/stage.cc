@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
-#include <vector>
+#include <utility>
 
 #include <backends/imgui_impl_opengl3.h>
 #include <backends/imgui_impl_sdl.h>
@@ -13,7 +13,9 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
+#include "io/system/clock.h"
 #include "palpate/error.h"
+#include "view/render/painter.h"
 
 #include "app/numbers.h"
 #include "app/window/look.h"
@@ -26,6 +28,33 @@ int imgui_button(Uint8 button) {
   if (button == SDL_BUTTON_LEFT) return 0;
   if (button == SDL_BUTTON_RIGHT) return 1;
   return button == SDL_BUTTON_MIDDLE ? 2 : -1;
+}
+
+float strip_height(float width, const std::string& words) {
+  const float margin = 0.7F * ImGui::GetFontSize();
+  return ImGui::CalcTextSize(words.c_str(), nullptr, false, width - 2.0F * margin).y + margin;
+}
+
+float draw_strip(float x, float y, float width, const std::string& words, bool fault) {
+  const float margin = 0.7F * ImGui::GetFontSize();
+  const float height = strip_height(width, words);
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled(ImVec2(x, y), ImVec2(x + width, y + height),
+                     packed(fault ? colour::kFault : colour::kNews, 0.94F));
+  list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), words.c_str(),
+               nullptr, width - 2.0F * margin);
+  return height;
+}
+
+void draw_title(const Rectangle& picture, float y, const std::string& title) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float margin = 0.7F * ImGui::GetFontSize();
+  list.AddText(ImVec2(picture.x + margin, y + 0.5F * margin), packed(colour::kText, 0.9F), title.c_str());
+  const char* help = "F1: keys";
+  const float wide = ImGui::CalcTextSize(help).x;
+  if (picture.width <= ImGui::CalcTextSize(title.c_str()).x + wide + 4.0F * margin) return;
+  list.AddText(ImVec2(picture.x + picture.width - wide - margin, y + 0.5F * margin),
+               packed(colour::kText, 0.7F), help);
 }
 
 }  // namespace
@@ -167,18 +196,8 @@ void Stage::draw_panels() { ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData(
 
 render::Image Stage::picture() const {
   const Display::Size size = display_.pixels();
-  render::Image image{size.width, size.height, {}};
-  const std::size_t row = static_cast<std::size_t>(size.width) * 3;
-  std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(size.height));
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, size.width, size.height, GL_RGB, GL_UNSIGNED_BYTE, bottom_up.data());
-  image.rgb.reserve(bottom_up.size());
-  for (std::size_t line = static_cast<std::size_t>(size.height); line-- > 0;) {
-    const auto from = bottom_up.begin() + static_cast<std::ptrdiff_t>(line * row);
-    image.rgb.insert(image.rgb.end(), from, from + static_cast<std::ptrdiff_t>(row));
-  }
-  return image;
+  return render::read_pixels(size.width, size.height);
 }
 
 bool Stage::graphics_lost() const {
@@ -198,31 +217,36 @@ bool Stage::out_of_memory() {
   return ran_out;
 }
 
-float strip_height(float width, const std::string& words) {
-  const float margin = 0.7F * ImGui::GetFontSize();
-  return ImGui::CalcTextSize(words.c_str(), nullptr, false, width - 2.0F * margin).y + margin;
+void Stage::say(std::string message) {
+  constexpr std::int64_t kShown_ns = 8'000'000'000;
+  message_ = std::move(message);
+  message_until_ns_ = monotonic_ns() + kShown_ns;
 }
 
-float draw_strip(float x, float y, float width, const std::string& words, bool fault) {
-  const float margin = 0.7F * ImGui::GetFontSize();
-  const float height = strip_height(width, words);
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  list.AddRectFilled(ImVec2(x, y), ImVec2(x + width, y + height),
-                     packed(fault ? colour::kFault : colour::kNews, 0.94F));
-  list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), words.c_str(),
-               nullptr, width - 2.0F * margin);
-  return height;
+void Stage::save(const render::Image& image) {
+  const std::filesystem::path file = named_by_time(".png");
+  try {
+    render::write_png(image, file);
+    say("the picture is in " + file.string());
+  } catch (const InputError& error) {
+    say(error.what());
+  }
 }
 
-void draw_title(const Rectangle& picture, float y, const std::string& title) {
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const float margin = 0.7F * ImGui::GetFontSize();
-  list.AddText(ImVec2(picture.x + margin, y + 0.5F * margin), packed(colour::kText, 0.9F), title.c_str());
-  const char* help = "F1: keys";
-  const float wide = ImGui::CalcTextSize(help).x;
-  if (picture.width <= ImGui::CalcTextSize(title.c_str()).x + wide + 4.0F * margin) return;
-  list.AddText(ImVec2(picture.x + picture.width - wide - margin, y + 0.5F * margin),
-               packed(colour::kText, 0.7F), help);
+float Stage::draw_overlay(const Rectangle& picture, const std::vector<Banner>& banners,
+                          const std::string& title) {
+  const float text = ImGui::GetFontSize();
+  float y = picture.y;
+  if (monotonic_ns() > message_until_ns_) message_.clear();
+  if (picture.width < 12.0F * text || picture.height < 5.0F * text) return y;
+  for (const Banner& banner : banners) {
+    if (!banner.words.empty()) y += draw_strip(picture.x, y, picture.width, banner.words, banner.fault);
+  }
+  draw_title(picture, y, title);
+  if (message_.empty()) return y;
+  const float top = picture.y + picture.height - strip_height(picture.width, message_);
+  draw_strip(picture.x, top, picture.width, message_, false);
+  return y;
 }
 
 std::filesystem::path named_by_time(const std::string& ending) {

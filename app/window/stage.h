@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <SDL.h>
 
@@ -20,6 +21,12 @@ struct Rectangle {
   float y = 0.0F;
   float width = 0.0F;
   float height = 0.0F;
+};
+
+/// Words across the picture.
+struct Banner {
+  std::string words;
+  bool fault = false;
 };
 
 /// How large letters and panels are asked to be; nothing: as the display's dots an inch say.
@@ -64,6 +71,17 @@ class Stage final {
   static void draw_panels();
   /// Shows the frame.
   void show() { display_.swap(); }
+
+  /// Words at the picture's lower edge for some seconds.
+  void say(std::string message);
+  /// What is said now; empty: nothing.
+  [[nodiscard]] const std::string& message() const noexcept { return message_; }
+  /// Saves a picture in the working folder under the time, and says where, or why not.
+  void save(const render::Image& image);
+  /// Over the picture, if there is room: strips of words from its top down, a title and how to get help, and
+  /// what is said. @return y below the strips
+  float draw_overlay(const Rectangle& picture, const std::vector<Banner>& banners, const std::string& title);
+
   /// All of the window, as last drawn.
   [[nodiscard]] render::Image picture() const;
   /// Whether the graphics card has lost what was on it: nothing can be drawn any more.
@@ -81,20 +99,14 @@ class Stage final {
   std::optional<float> asked_;
   float scale_ = 1.0F;
   double pixels_a_unit_ = 1.0;
+  std::string message_;
+  std::int64_t message_until_ns_ = 0;
   bool scale_may_differ_ = false;
   bool keys_in_panels_ = false;  // arrows, Space and Enter go there
   std::pair<int, int> mouse_at_{-1, -1};
   std::uint32_t mouse_down_ = 0;     // ImGui's buttons, a bit each
   std::uint32_t mouse_pressed_ = 0;  // in this frame: a click within a frame counts
 };
-
-/// [setup] A strip of words over the picture, wrapped within `width`. @return its height
-float draw_strip(float x, float y, float width, const std::string& words, bool fault);
-/// [setup] The height that draw_strip() would need.
-[[nodiscard]] float strip_height(float width, const std::string& words);
-
-/// [setup] What a picture shows, at its upper left from y on, and how to get help, if there is room.
-void draw_title(const Rectangle& picture, float y, const std::string& title);
 
 /// [setup] "palpate-DATE-TIME.ENDING" in the working folder.
 [[nodiscard]] std::filesystem::path named_by_time(const std::string& ending);

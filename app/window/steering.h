@@ -34,8 +34,6 @@ class Steering final {
 
   [[nodiscard]] bool mouse_steers() const noexcept { return !mice_.empty(); }
   [[nodiscard]] bool gamepad_steers() const noexcept { return !pads_.empty(); }
-  /// How many gamepads are connected.
-  [[nodiscard]] int gamepads_there() const noexcept { return static_cast<int>(controllers_.size()); }
 
   /// The mouse has moved over the picture, by shares of the picture's height.
   void mouse_moved(double right, double up, const OrbitCamera& camera, bool fine);

@@ -6,7 +6,7 @@
 namespace palpate::app {
 
 void Traces::take(RowTap& tap, bool keep) {
-  RowSample sample;
+  haptics::TickRow sample;
   while (tap.take(sample)) {
     if (sample.hand >= kept_.size()) continue;
     newest_[sample.hand] = sample;
@@ -20,7 +20,7 @@ void Traces::take(RowTap& tap, bool keep) {
     largest_tissue_ = std::max(largest_tissue_, sample.tissue_force);
     ++felt_rows_;
     if (!keep) continue;
-    std::deque<RowSample>& rows = kept_[sample.hand];
+    std::deque<haptics::TickRow>& rows = kept_[sample.hand];
     rows.push_back(sample);
     while (rows.front().time < sample.time - kKept) rows.pop_front();
   }

@@ -23,8 +23,8 @@ class Traces final {
   void take(RowTap& tap, bool keep);
 
   /// The last seconds of one hand, oldest first.
-  [[nodiscard]] const std::deque<RowSample>& of_hand(std::uint32_t hand) const { return kept_[hand]; }
-  [[nodiscard]] const RowSample& newest(std::uint32_t hand) const { return newest_[hand]; }
+  [[nodiscard]] const std::deque<haptics::TickRow>& of_hand(std::uint32_t hand) const { return kept_[hand]; }
+  [[nodiscard]] const haptics::TickRow& newest(std::uint32_t hand) const { return newest_[hand]; }
   [[nodiscard]] double newest_time() const noexcept { return newest_time_; }
   /// Sums since the last call: root mean square of the noise [N] and the largest tissue force [N].
   struct Felt {
@@ -39,8 +39,8 @@ class Traces final {
 
  private:
   double period_ns_;
-  std::array<std::deque<RowSample>, haptics::Snapshot::kMaxHands> kept_;
-  std::array<RowSample, haptics::Snapshot::kMaxHands> newest_{};
+  std::array<std::deque<haptics::TickRow>, haptics::Snapshot::kMaxHands> kept_;
+  std::array<haptics::TickRow, haptics::Snapshot::kMaxHands> newest_{};
   double newest_time_ = 0.0;
   haptics::Histogram tick_time_;
   haptics::Histogram lateness_;

@@ -1,6 +1,7 @@
 #include "app/window/viewer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <utility>
@@ -22,7 +23,6 @@ namespace palpate::app {
 namespace {
 
 constexpr std::int64_t kViewerFrameNs = 16'000'000;  // no more than 62 frames a second
-constexpr std::int64_t kViewerMessageNs = 8'000'000'000;
 constexpr std::int64_t kStillAfterNs =
     250'000'000;                       // without movement: then the picture is drawn as a file's
 constexpr double kLongestFrame = 0.1;  // s that playback goes on in a frame, at most
@@ -53,7 +53,6 @@ Viewer::Viewer(std::unique_ptr<RecordedView> seen, const ViewerOptions& options)
 }
 
 Viewer::~Viewer() {
-  if (opener_.joinable()) opener_.join();
   ticks_.reset();
   if (!stage_.display().lost()) return;
   live_.abandon();
@@ -83,35 +82,23 @@ const render::Camera& Viewer::first_camera() const {
 }
 
 void Viewer::begin_to_open(const std::filesystem::path& file) {
-  if (opener_.joinable()) {
-    say("another recording is being opened already");
+  if (next_.valid()) {
+    stage_.say("another recording is being opened already");
     return;
   }
   next_name_ = file.filename().string();
-  opened_.store(false);
-  opener_ = std::thread([this, file] {
-    try {
-      next_ = std::make_unique<OpenRecording>(file, options_.no_cache);
-    } catch (const std::exception& error) {
-      next_failure_ = error.what();
-    }
-    opened_.store(true, std::memory_order_release);
+  next_ = std::async(std::launch::async, [file, no_cache = options_.no_cache] {
+    return std::make_unique<OpenRecording>(file, no_cache);
   });
 }
 
 void Viewer::look_after_opening() {
-  if (!opener_.joinable() || !opened_.load(std::memory_order_acquire)) return;
-  opener_.join();
-  if (next_ != nullptr) {
-    show(std::move(next_));
-  } else {
-    say(std::exchange(next_failure_, {}));
+  if (!next_.valid() || next_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  try {
+    show(next_.get());
+  } catch (const std::exception& error) {
+    stage_.say(error.what());
   }
-}
-
-void Viewer::say(std::string message) {
-  message_ = std::move(message);
-  message_until_ns_ = monotonic_ns() + kViewerMessageNs;
 }
 
 bool Viewer::frame() {
@@ -119,7 +106,6 @@ bool Viewer::frame() {
   frame_began_ns_ = monotonic_ns();
   take_events();
   look_after_opening();
-  if (frame_began_ns_ > message_until_ns_) message_.clear();
   if (leaving_) return false;
   // Playback waits for what it has asked for, so that nothing is left out on a slow machine.
   const double passed = before == 0 ? 0.0 : 1e-9 * static_cast<double>(frame_began_ns_ - before);
@@ -129,7 +115,7 @@ bool Viewer::frame() {
   compose();
   draw_picture();
   Stage::draw_panels();
-  if (wishes_.save_window) save(stage_.picture());
+  if (wishes_.save_window) stage_.save(stage_.picture());
   glFinish();
   if (Stage::out_of_memory()) save_memory();
   if (stage_.graphics_lost()) stage_.display().give_up();
@@ -145,9 +131,9 @@ void Viewer::save_memory() {
   if (still_ != nullptr) {
     still_.reset();
     stills_fit_ = false;
-    say("the graphics card's memory ran out: pictures at rest are as when they move");
+    stage_.say("the graphics card's memory ran out: pictures at rest are as when they move");
   } else if (live_.shrink()) {
-    say("the graphics card's memory ran out: the picture is coarser");
+    stage_.say("the graphics card's memory ran out: the picture is coarser");
   }
 }
 
@@ -172,7 +158,7 @@ void Viewer::gather_rows() {
   for (std::uint32_t hand = 0; hand < view().hands(); ++hand) {
     rows_[hand].clear();
     for (std::uint64_t tick = wanted.first; tick <= wanted.second; ++tick) {
-      rows_[hand].push_back(sample_of_row(view().row(tick, hand)));
+      rows_[hand].push_back(view().row(tick, hand));
     }
   }
 }
@@ -195,7 +181,7 @@ void Viewer::compose() {
       Plotted plots{in_force_.tissue, pull ? model::Direction::kPull : model::Direction::kPress,
                     setup.rate_Hz};
       for (std::uint32_t hand = 0; hand < view().hands(); ++hand) {
-        plots.hands.push_back({rows_[hand], sample_of_row(view().row(shown_.tick, hand))});
+        plots.hands.push_back({rows_[hand], view().row(shown_.tick, hand)});
       }
       plots.strong = state_.hand;
       plots.from = from;
@@ -225,21 +211,13 @@ std::string Viewer::banner_words() const {
 /// Title, banner, scale of the map and message over the picture.
 void Viewer::draw_overlay() {
   banner_ = banner_words();
-  const Rectangle& place = layout_.picture;
-  const float text = ImGui::GetFontSize();
-  if (place.width < 12.0F * text || place.height < 5.0F * text) return;
-  float y = place.y;
-  if (!banner_.empty()) y += draw_strip(place.x, y, place.width, banner_, true);
-  if (opener_.joinable())
-    y += draw_strip(place.x, y, place.width, next_name_ + " is being opened ...", false);
-  const std::string title = title_of(view().recording().setup) +
-                            formatted("   %.3f s", view().time_of(shown_.tick)) +
-                            formatted(" of %.3f s", view().duration_s());
-  draw_title(place, y, title);
-  if (state_.map) draw_map_scale(place, y + 1.2F * text, state_.map_range);
-  if (message_.empty()) return;
-  draw_strip(place.x, place.y + place.height - strip_height(place.width, message_), place.width, message_,
-             false);
+  std::vector<Banner> banners = {{banner_, true}};
+  if (next_.valid()) banners.push_back({next_name_ + " is being opened ..."});
+  const float y = stage_.draw_overlay(layout_.picture, banners,
+                                      title_of(view().recording().setup) +
+                                          formatted("   %.3f s", view().time_of(shown_.tick)) +
+                                          formatted(" of %.3f s", view().duration_s()));
+  if (state_.map) draw_map_scale(layout_.picture, y + 1.2F * ImGui::GetFontSize(), state_.map_range);
 }
 
 void Viewer::draw_picture() {
@@ -297,16 +275,6 @@ render::Image Viewer::still_picture() {
   render::Image image = still_->kept();
   render::draw_map_legend(image, still_map_);
   return image;
-}
-
-void Viewer::save(const render::Image& image) {
-  const std::filesystem::path file = named_by_time(".png");
-  try {
-    render::write_png(image, file);
-    say("the picture is in " + file.string());
-  } catch (const InputError& error) {
-    say(error.what());
-  }
 }
 
 void view_in_window(std::unique_ptr<RecordedView> seen, const ViewerOptions& options) {

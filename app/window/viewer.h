@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -72,7 +72,7 @@ class Viewer final {
   [[nodiscard]] ViewerState& state() noexcept { return state_; }
   [[nodiscard]] Stage& stage() noexcept { return stage_; }
   [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
-  [[nodiscard]] const std::string& message() const noexcept { return message_; }
+  [[nodiscard]] const std::string& message() const noexcept { return stage_.message(); }
   /// Whether the picture shows where playback is.
   [[nodiscard]] bool there() const noexcept { return there_; }
   /// Whether the picture is of full quality, as a file's.
@@ -100,8 +100,6 @@ class Viewer final {
   void draw_overlay();
   void draw_picture();
   void draw_still(const PixelRectangle& place, const render::Camera& camera);
-  void save(const render::Image& image);
-  void say(std::string message);
   [[nodiscard]] const render::Camera& first_camera() const;
   [[nodiscard]] std::string banner_words() const;
 
@@ -116,7 +114,7 @@ class Viewer final {
   bool snapshot_there_ = false;
   bool there_ = false;
   InForce in_force_;
-  std::vector<std::deque<RowSample>> rows_;                      // of the time plotted, a hand each
+  std::vector<std::deque<haptics::TickRow>> rows_;               // of the time plotted, a hand each
   std::pair<std::uint64_t, std::uint64_t> ticks_plotted_{1, 0};  // first and last of rows_
   OrbitCamera camera_;
   CameraHand view_hand_{camera_};
@@ -136,16 +134,11 @@ class Viewer final {
   render::Camera last_camera_;
 
   // A recording that is being opened:
-  std::thread opener_;
-  std::atomic<bool> opened_{false};
-  std::unique_ptr<OpenRecording> next_;
-  std::string next_failure_;
+  std::future<std::unique_ptr<OpenRecording>> next_;
   std::string next_name_;
 
   bool leaving_ = false;
   std::string banner_;
-  std::string message_;
-  std::int64_t message_until_ns_ = 0;
   std::int64_t frame_began_ns_ = 0;
 };
 

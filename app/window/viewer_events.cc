@@ -39,8 +39,8 @@ void Viewer::take_event(const SDL_Event& event, std::pair<int, int> way) {
       if (use_of_file(file) == FileUse::kRecording) {
         wishes_.open = file.string();
       } else {
-        say(file.filename().string() +
-            ": a recording (.h5) can be looked at here; palpate run takes other files");
+        stage_.say(file.filename().string() +
+                   ": a recording (.h5) can be looked at here; palpate run takes other files");
       }
       break;
     }
@@ -50,17 +50,10 @@ void Viewer::take_event(const SDL_Event& event, std::pair<int, int> way) {
 }
 
 void Viewer::mouse_button(const SDL_MouseButtonEvent& button) {
-  const bool turns = button.button == SDL_BUTTON_LEFT || button.button == SDL_BUTTON_RIGHT;
-  const bool moves = button.button == SDL_BUTTON_MIDDLE;
-  if (button.type == SDL_MOUSEBUTTONUP) {
-    if (turns) view_hand_.turn(false);
-    if (moves) view_hand_.move(false);
-    return;
-  }
-  if (!Stage::over(layout_.picture, button.x, button.y)) return;
-  ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
-  if (turns) view_hand_.turn(true);
-  if (moves) view_hand_.move(true);
+  const bool down = button.type == SDL_MOUSEBUTTONDOWN;
+  if (down && !Stage::over(layout_.picture, button.x, button.y)) return;
+  if (down) ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
+  view_hand_.button(button, true);
 }
 
 void Viewer::key_down(const SDL_KeyboardEvent& key) {
@@ -123,10 +116,10 @@ void Viewer::time_key(const SDL_KeyboardEvent& key) {
 void Viewer::letter_key(SDL_Keycode which) {
   const HandOverview& hand = overview().hands[state_.hand];
   if (which == SDLK_c && !hand.contacts.empty()) wishes_.go_to = hand.contacts.front().first;
-  if (which == SDLK_c && hand.contacts.empty()) say("this hand never touches the tissue");
+  if (which == SDLK_c && hand.contacts.empty()) stage_.say("this hand never touches the tissue");
   if (which == SDLK_d) wishes_.go_to = hand.deepest;
   if (which == SDLK_f && !hand.faults.empty()) wishes_.go_to = next_fault(hand, shown_.tick);
-  if (which == SDLK_f && hand.faults.empty()) say("no fault was latched on this hand");
+  if (which == SDLK_f && hand.faults.empty()) stage_.say("no fault was latched on this hand");
   if (which == SDLK_m) state_.map = !state_.map;
   if (which == SDLK_p) wishes_.save_window = true;
   if (which == SDLK_v) wishes_.home = true;
@@ -151,7 +144,7 @@ void Viewer::grant(const ViewerWishes& wishes) {
   if (wishes.full_screen) stage_.display().toggle_full_screen();
   if (wishes.save_picture) {
     if (there_) {
-      save(still_picture());
+      stage_.save(still_picture());
     } else {
       wishes_.save_picture = true;  // of the moment that was asked for: when it is there
     }

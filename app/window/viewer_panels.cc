@@ -73,8 +73,7 @@ void choose_hand(const Seen& seen, const ViewerState& state, ViewerWishes& wishe
 }
 
 void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
-  const RowSample row = sample_of_row(seen.view.row(seen.tick, state.hand));
-  const haptics::TickRow& whole = seen.view.row(seen.tick, state.hand);
+  const haptics::TickRow& row = seen.view.row(seen.tick, state.hand);
   const scene::Setup& setup = seen.view.recording().setup;
   const Rows rows("moment", 0.30F);
   if (seen.view.hands() > 1) {
@@ -83,17 +82,17 @@ void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishe
   }
   rows.words("Device", setup.devices[state.hand].kind);
   rows.words("Time", formatted("%.3f s, ", row.time) + formatted("tick %.0f", static_cast<double>(row.tick)));
-  rows.words("State", moment_words(row));
-  rows.words("Force", formatted("%.3f N", row.force), "what went to the hand, after the gate");
+  rows.words("State", moment_words(row, 2));
+  rows.words("Force", formatted("%.3f N", device_force(row)), "what went to the hand, after the gate");
   rows.words("Tissue", formatted("%.3f N", row.tissue_force), "before the gate");
   rows.words("Noise", formatted("%+.1f mN", 1e3 * row.noise_force), "along the normal");
-  if (whole.cutoff_layer > 0)
-    rows.words("Layer", formatted("%.0f", whole.cutoff_layer), "the cut-off layer, the last that gives way");
+  if (row.cutoff_layer > 0)
+    rows.words("Layer", formatted("%.0f", row.cutoff_layer), "the cut-off layer, the last that gives way");
   rows.words("Felt as", seen.in_force.tissue.name + formatted(", k\u2081 %.2f N/m", seen.in_force.tissue.k1),
              "the tissue in force at this moment");
-  if (whole.fault != 0) {
+  if (row.fault != 0) {
     rows.name("Fault");
-    ImGui::TextColored(colour::kWarning, "%s", haptics::words_of(static_cast<haptics::Fault>(whole.fault)));
+    ImGui::TextColored(colour::kWarning, "%s", haptics::words_of(static_cast<haptics::Fault>(row.fault)));
   }
 }
 
@@ -128,18 +127,6 @@ void picture_rows(const Seen& seen, ViewerState& state, ViewerWishes& wishes) {
 }
 
 }  // namespace
-
-std::string moment_words(const RowSample& row) {
-  switch (static_cast<contact::Phase>(row.phase)) {
-    case contact::Phase::kPress:
-      return formatted("pressing, %.2f mm deep", 1e3 * row.depth);
-    case contact::Phase::kPull:
-      return formatted("pulling, stretched %.2f mm", 1e3 * row.depth);
-    case contact::Phase::kApproach:
-      break;
-  }
-  return formatted("%.2f mm from the tissue", 1e3 * row.distance);
-}
 
 ViewerLayout lay_out(float width, float height, float scale, const ViewerState& state) {
   ViewerLayout all;

@@ -38,8 +38,8 @@ struct Seen {
   const Playback& playback;
   std::uint64_t tick = 0;  // of the picture and of all numbers
   const InForce& in_force;
-  const std::vector<std::deque<RowSample>>& rows;  // a hand each, of the time plotted
-  double from = 0.0;                               // s, of the time plotted
+  const std::vector<std::deque<haptics::TickRow>>& rows;  // a hand each, of the time plotted
+  double from = 0.0;                                      // s, of the time plotted
   double to = 8.0;
   bool there = true;   // the picture shows where playback is
   bool still = false;  // it is of full quality, as a file's
@@ -79,8 +79,5 @@ void draw_timeline(const Rectangle& place, const Seen& seen, const ViewerState& 
 void draw_viewer_help(ViewerState& state);
 /// The colours of the displacement map, at the picture's upper right corner below `top`.
 void draw_map_scale(const Rectangle& picture, float top, double range);
-
-/// [any] The words for a moment of one hand: "pressing, 4.2 mm deep".
-[[nodiscard]] std::string moment_words(const RowSample& row);
 
 }  // namespace palpate::app

@@ -20,7 +20,6 @@ namespace palpate::app {
 namespace {
 
 constexpr std::int64_t kFrameNs = 16'000'000;  // no more than 62 frames a second
-constexpr std::int64_t kMessageNs = 8'000'000'000;
 constexpr std::int64_t kAgesKeptNs = 3'000'000'000;
 constexpr std::int64_t kSettlingNs = 1'000'000'000;  // at most, before a run begins
 
@@ -42,27 +41,15 @@ std::string advice_on(haptics::Fault fault) {
   return {};
 }
 
-std::string state_words(const RowSample& row, const contact::ToolResult& result) {
-  switch (result.phase) {
-    case contact::Phase::kPress:
-      return formatted("pressing, %.1f mm deep", 1e3 * row.depth);
-    case contact::Phase::kPull:
-      return formatted("pulling, stretched %.1f mm", 1e3 * row.depth);
-    case contact::Phase::kApproach:
-      break;
-  }
-  return formatted("%.1f mm from the tissue", 1e3 * row.distance);
-}
-
 }  // namespace
 
-Window::Window(Session& first, scene::Request request, WindowOptions options)
+Window::Window(std::shared_ptr<Session> first, scene::Request request, WindowOptions options)
     : request_(std::move(request)),
       options_(std::move(options)),
       stage_("Palpate", options_.size, options_.scale) {
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there are no gamepads, no more
   SDL_PumpEvents();
-  take(std::make_unique<LiveRun>(first, options_.recording, options_.thread, options_.igtl));
+  take(std::move(first), options_.recording);
 }
 
 Window::~Window() {
@@ -75,18 +62,12 @@ Window::~Window() {
   SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
 }
 
-void Window::say(std::string message) {
-  message_ = std::move(message);
-  message_until_ns_ = monotonic_ns() + kMessageNs;
-}
-
 bool Window::frame() {
   frame_began_ns_ = monotonic_ns();
   take_events();
   look_after_runs();
   if (!run_->started()) begin();
-  traces_->take(run_->rows(), !paused_);
-  if (frame_began_ns_ > message_until_ns_) message_.clear();
+  traces_->take(run_->tap(), !paused_);
   if (leaving_) return false;
   steering_.say(camera_);
   const Traces::Felt felt = traces_->take_felt();
@@ -107,7 +88,7 @@ void Window::draw_frame() {
   take_newest();
   draw_picture();
   Stage::draw_panels();
-  if (std::exchange(wishes_.screenshot, false)) save_picture();
+  if (std::exchange(wishes_.screenshot, false)) stage_.save(picture());
   glFinish();
   mind_graphics();
   frame_time_ = 1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_);
@@ -151,7 +132,8 @@ void Window::take_newest() {
 void Window::mind_graphics() {
   if (Stage::out_of_memory()) {
     const bool smaller = live_.shrink();
-    say(std::string("the graphics card's memory ran out") + (smaller ? ": the picture is coarser" : ""));
+    stage_.say(std::string("the graphics card's memory ran out") +
+               (smaller ? ": the picture is coarser" : ""));
   }
   if (stage_.graphics_lost()) stage_.display().give_up();
 }
@@ -176,10 +158,10 @@ std::vector<HandWords> Window::hand_words() const {
   std::vector<HandWords> all(session.setup().devices.size());
   for (std::size_t hand = 0; hand < all.size(); ++hand) {
     const scene::DeviceSetup& device = session.setup().devices[hand];
-    const RowSample& newest = traces_->newest(static_cast<std::uint32_t>(hand));
+    const haptics::TickRow& newest = traces_->newest(static_cast<std::uint32_t>(hand));
     HandWords& words = all[hand];
     words.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
-    words.state = run_->ended() ? "the run has ended" : state_words(newest, shown_.results[hand]);
+    words.state = run_->ended() ? "the run has ended" : moment_words(newest, 1);
     words.engagement = newest.engagement;
     words.limited = (newest.status & (haptics::kForceClamped | haptics::kForceSlewed |
                                       haptics::kTorqueClamped | haptics::kTorqueSlewed)) != 0;
@@ -220,13 +202,13 @@ Shown Window::shown() const {
   shown.ended = run_->ended();
   shown.paused = paused_;
   shown.pausing = run_->pausing();
-  shown.may_pause = run_->may_pause();
+  shown.may_pause = run_->session().may_pause();
   shown.preparing = next_ != nullptr;
   shown.frames_a_second = frames_a_second_;
   shown.frame_time = frame_time_;
   shown.age = age_;
   for (const auto& [when, age] : ages_) shown.largest_age = std::max(shown.largest_age, age);
-  shown.rows_left_out = run_->rows().left_out();
+  shown.rows_left_out = run_->tap().left_out();
   shown.tissue_note = tissue_note_;
   return shown;
 }
@@ -247,29 +229,10 @@ void Window::compose() {
 
 /// Title, banner and message over the picture.
 void Window::draw_overlay() {
-  const Rectangle& place = layout_.picture;
-  const float text = ImGui::GetFontSize();
   bool fault = false;
   banner_ = banner_words(fault);
-  if (place.width < 12.0F * text || place.height < 5.0F * text) return;
-  float y = place.y;
-  if (!banner_.empty()) y += draw_strip(place.x, y, place.width, banner_, fault);
-  const std::string title =
-      title_of(run_->session().setup()) + formatted("   %.1f s", traces_->newest_time());
-  draw_title(place, y, title);
-  if (message_.empty()) return;
-  const float top = place.y + place.height - strip_height(place.width, message_);
-  draw_strip(place.x, top, place.width, message_, false);
-}
-
-void Window::save_picture() {
-  const std::filesystem::path file = named_by_time(".png");
-  try {
-    render::write_png(picture(), file);
-    say("the picture is in " + file.string());
-  } catch (const InputError& error) {
-    say(error.what());
-  }
+  stage_.draw_overlay(layout_.picture, {{banner_, fault}},
+                      title_of(run_->session().setup()) + formatted("   %.1f s", traces_->newest_time()));
 }
 
 WindowOutcome Window::finish() {
@@ -294,8 +257,9 @@ WindowOutcome Window::finish() {
   return outcome;
 }
 
-WindowOutcome run_in_window(Session& first, const scene::Request& request, const WindowOptions& options) {
-  Window window(first, request, options);
+WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Request& request,
+                            const WindowOptions& options) {
+  Window window(std::move(first), request, options);
   try {
     while (window.frame()) {
     }

@@ -13,12 +13,12 @@
 
 #include "palpate/offscreen.h"
 
+#include "app/live_run.h"
 #include "app/next_session.h"
 #include "app/session.h"
 #include "app/window/camera_hand.h"
 #include "app/window/display.h"
 #include "app/window/live_picture.h"
-#include "app/window/live_run.h"
 #include "app/window/onlookers.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
@@ -57,9 +57,9 @@ struct WindowOutcome {
 /// threads of its own. All members: [setup], one thread, the one that made it.
 class Window final {
  public:
-  /// Opens the window; the first frame begins to play. @param first outlives this; @param request what it was
-  /// made from @throws NoWindow
-  Window(Session& first, scene::Request request, WindowOptions options);
+  /// Opens the window; the first frame begins to play. @param request what `first` was made from
+  /// @throws NoWindow
+  Window(std::shared_ptr<Session> first, scene::Request request, WindowOptions options);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -79,13 +79,13 @@ class Window final {
   /// The words across the top of the picture; empty: none.
   [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
   /// The words at its lower edge; empty: none.
-  [[nodiscard]] const std::string& message() const noexcept { return message_; }
+  [[nodiscard]] const std::string& message() const noexcept { return stage_.message(); }
   [[nodiscard]] const haptics::Snapshot& snapshot() const noexcept { return shown_; }
   [[nodiscard]] const Traces& traces() const noexcept { return *traces_; }
   [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return stage_.mouse_at(); }
   [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
   [[nodiscard]] PanelState& panels() noexcept { return panels_; }
-  [[nodiscard]] const LiveRun& run() const noexcept { return *run_; }
+  [[nodiscard]] const LiveRun<RowTap>& run() const noexcept { return *run_; }
   [[nodiscard]] bool preparing() const noexcept { return next_ != nullptr; }
   [[nodiscard]] double age() const noexcept { return age_; }
   [[nodiscard]] double frame_time() const noexcept { return frame_time_; }
@@ -105,7 +105,7 @@ class Window final {
   [[nodiscard]] bool over_picture(int x, int y) const { return Stage::over(layout_.picture, x, y); }
 
   // window_runs.cc
-  void take(std::unique_ptr<LiveRun> run);
+  void take(std::shared_ptr<Session> session, std::filesystem::path recording);
   void begin();
   void look_after_runs();
   void look_after_next();
@@ -128,9 +128,7 @@ class Window final {
   void compose();
   void draw_overlay();
   void draw_picture();
-  void save_picture();
   void mind_graphics();
-  void say(std::string message);
   [[nodiscard]] Shown shown() const;
   [[nodiscard]] std::vector<HandWords> hand_words() const;
   [[nodiscard]] std::string banner_words(bool& fault) const;
@@ -147,7 +145,7 @@ class Window final {
   bool camera_set_ = false;
   Steering steering_;
   std::unique_ptr<Traces> traces_;
-  std::unique_ptr<LiveRun> run_;
+  std::unique_ptr<LiveRun<RowTap>> run_;
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
@@ -163,8 +161,6 @@ class Window final {
   bool leaving_ = false;
   bool mouse_over_ = false;  // the picture, at its last motion
   std::string banner_;
-  std::string message_;
-  std::int64_t message_until_ns_ = 0;
   std::int64_t frame_began_ns_ = 0;
   double frame_time_ = 0.0;
   double frames_a_second_ = 0.0;
@@ -180,7 +176,7 @@ class Window final {
 
 /// [setup] Opens a window, plays the session in it and whatever the user begins there, until the user leaves.
 /// @throws as Window and finish().
-[[nodiscard]] WindowOutcome run_in_window(Session& first, const scene::Request& request,
+[[nodiscard]] WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Request& request,
                                           const WindowOptions& options);
 
 }  // namespace palpate::app

@@ -49,20 +49,10 @@ void Window::take_event(const SDL_Event& event, std::pair<int, int> way) {
 
 void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   const bool down = button.type == SDL_MOUSEBUTTONDOWN;
-  const bool left_grips = steering_.mouse_steers();
-  const bool turns = button.button == SDL_BUTTON_RIGHT || (button.button == SDL_BUTTON_LEFT && !left_grips);
-  const bool moves = button.button == SDL_BUTTON_MIDDLE;
-  if (!down) {
-    if (button.button == SDL_BUTTON_LEFT) steering_.grip(false);
-    if (turns) view_hand_.turn(false);
-    if (moves) view_hand_.move(false);
-    return;
-  }
-  if (!over_picture(button.x, button.y)) return;
-  ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
-  if (button.button == SDL_BUTTON_LEFT && left_grips) steering_.grip(true);
-  if (turns) view_hand_.turn(true);
-  if (moves) view_hand_.move(true);
+  if (down && !over_picture(button.x, button.y)) return;
+  if (down) ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
+  if (button.button == SDL_BUTTON_LEFT) steering_.grip(down);
+  view_hand_.button(button, !steering_.mouse_steers());
 }
 
 void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way) {
@@ -151,8 +141,8 @@ void Window::file_dropped(const std::filesystem::path& file) {
   if (use == FileUse::kRecording) {
     look_at(file);
   } else if (!use) {
-    say(file.filename().string() +
-        ": palpate reads meshes, scenes and tissues (.toml), tool paths (.csv) and recordings (.h5)");
+    stage_.say(file.filename().string() +
+               ": palpate reads meshes, scenes and tissues (.toml), tool paths (.csv) and recordings (.h5)");
   } else if (*use == FileUse::kOrgan) {
     panels_.files.open(*use, file);  // its unit is to be asked for
   } else {

@@ -10,15 +10,12 @@
 #include "app/window/window.h"
 
 namespace palpate::app {
-namespace {
-
 namespace fs = std::filesystem;
 
-}  // namespace
-
 /// The window is for this run from here on; it begins with the next frame.
-void Window::take(std::unique_ptr<LiveRun> run) {
-  run_ = std::move(run);
+void Window::take(std::shared_ptr<Session> session, fs::path recording) {
+  run_ = std::make_unique<LiveRun<RowTap>>(std::move(session), std::move(recording), options_.thread,
+                                           options_.igtl);
   ++runs_begun_;
   if (!run_->recording().empty()) last_recording_ = run_->recording();
   const scene::Setup& setup = run_->session().setup();
@@ -56,7 +53,7 @@ render::Subject Window::subject() const {
 /// Zero force, recording closed, devices free for the next session.
 void Window::end_run() {
   run_->stop();
-  traces_->take(run_->rows(), !paused_);
+  traces_->take(run_->tap(), !paused_);
   steering_.drop();
   run_->session().close_devices();
   const bool fault = run_->result() && run_->result()->loop.fault != haptics::Fault::kNone;
@@ -86,12 +83,12 @@ void Window::look_after_next() {
       const std::unique_ptr<NextSession> next = std::move(next_);
       request_ = next->request();
       const std::string organ_before = run_->session().setup().organ_name;
-      take(std::make_unique<LiveRun>(next->take(), next->recording(), options_.thread, options_.igtl));
+      take(next->take(), next->recording());
       camera_set_ = camera_set_ && organ_before == run_->session().setup().organ_name;
       break;
     }
     case NextSession::State::kFailed:
-      say(next_->failure());
+      stage_.say(next_->failure());
       next_.reset();
       break;
     case NextSession::State::kReading:
@@ -102,7 +99,7 @@ void Window::look_after_next() {
 
 void Window::restart(scene::Request request, bool keep_edits, fs::path recording) {
   if (next_ != nullptr) {
-    say("the next session is being prepared already");
+    stage_.say("the next session is being prepared already");
     return;
   }
   NextSession::Kept kept;
@@ -118,9 +115,9 @@ void Window::restart(scene::Request request, bool keep_edits, fs::path recording
 void Window::look_at(const fs::path& recording) {
   try {
     onlookers_.open(options_.viewer, recording);
-    say(recording.filename().string() + " opens in a window of its own");
+    stage_.say(recording.filename().string() + " opens in a window of its own");
   } catch (const InputError& error) {
-    say(error.what());
+    stage_.say(error.what());
   }
 }
 
@@ -157,18 +154,18 @@ void Window::apply_noise(const noise::NoiseSettings& noise) {
     }
     noise_ = noise;
   } catch (const InputError& error) {
-    say(error.what());
+    stage_.say(error.what());
   }
 }
 
 /// A loop that is paused takes no changes: they wait here, the newest of each kind.
 void Window::pause_run() {
-  if (!run_->may_pause()) {
-    say("a hand holds the device: its run is never paused; Space holds the picture");
+  if (!run_->session().may_pause()) {
+    stage_.say("a hand holds the device: its run is never paused; Space holds the picture");
     return;
   }
   if (run_->ended()) return;
-  run_->pause(!run_->pausing());
+  run_->session().control().pause(!run_->pausing());
   if (run_->pausing()) return;
   if (std::exchange(tissue_waits_, false)) apply_tissue(tissue_);
   if (std::exchange(noise_waits_, false)) apply_noise(noise_);
@@ -198,7 +195,7 @@ void Window::take_file(const ChosenFile& file) {
       try {
         apply_tissue(scene::read_tissue_file(file.path));
       } catch (const InputError& error) {
-        say(error.what());
+        stage_.say(error.what());
       }
       return;
     case FileUse::kRecording:
@@ -207,7 +204,7 @@ void Window::take_file(const ChosenFile& file) {
     case FileUse::kSaveTissue: {
       std::ofstream out(file.path);
       out << scene::to_toml(tissue_) << std::flush;
-      say(out ? "the tissue is in " + file.path.string() : file.path.string() + ": cannot be written");
+      stage_.say(out ? "the tissue is in " + file.path.string() : file.path.string() + ": cannot be written");
       return;
     }
   }
@@ -225,7 +222,7 @@ void Window::grant(const Wishes& wishes) {
   if (wishes.full_screen) stage_.display().toggle_full_screen();
   if (wishes.look) {
     if (last_recording_.empty()) {
-      say("nothing is recorded yet: Ctrl + R records");
+      stage_.say("nothing is recorded yet: Ctrl + R records");
     } else {
       look_at(last_recording_);
     }

@@ -21,13 +21,12 @@ struct TickAccount {
   std::size_t tool_triangles = 0;
   TimeFigures contact;
   TimeFigures approach;  // within 20 mm
-  // The way is gone `repeats` times and every tick is the same each time. Its least time is its own; what
-  // single times have more, the machine adds: interrupts, and caches and tables to fill again afterwards.
+  // The path is followed `repeats` times and every tick is the same each time. Its least time is its own;
+  // what single times have more, the machine adds: interrupts, and caches and tables to fill again
+  // afterwards.
   int repeats = 0;
   TimeFigures contact_least;
   TimeFigures approach_least;
-  TimeFigures plain;  // plain arithmetic as long as a median tick in contact, in turns with the ticks
-  TimeFigures plain_least;
 };
 
 /// One exact nearest point of the organ, asked along the way of the tool's tip.
@@ -122,10 +121,29 @@ struct Account {
 /// [setup] The document of `palpate bench --json` (docs/file-formats.md), indented.
 [[nodiscard]] std::string to_json(const Account& account);
 
+/// One row of figures, of the CSV file and of the text.
+struct FigureRow {
+  std::string section;
+  std::string name;
+  std::string scene{};
+  std::string phase{};
+  std::size_t organ_triangles = 0;
+  std::size_t tool_triangles = 0;
+  TimeFigures times{};     // without samples: `value` instead
+  TimeFigures least = {};  // of each time over `repeats`; without samples: not taken
+  std::string note = {};   // of the text alone
+  double value = 0.0;
+  std::string unit = "us";
+  int repeats = 0;
+};
+
+/// [setup] Every figure of an account, section by section.
+[[nodiscard]] std::vector<FigureRow> rows_of(const Account& account);
+
 /// [setup] One line a figure, with what made them as comment lines (docs/file-formats.md).
 [[nodiscard]] std::string to_csv(const Account& account);
 
-/// [setup] Tables for people.
+/// [setup] The same figures as tables for people.
 [[nodiscard]] std::string to_text(const Account& account);
 
 }  // namespace palpate::bench

@@ -1,7 +1,6 @@
 #include "bench/measure/hands.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -18,6 +17,7 @@
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
 
+#include "bench/measure/one_hand.h"
 #include "bench/measure/preparation.h"
 #include "bench/measure/ticks.h"
 
@@ -52,60 +52,41 @@ Window contact_window(const std::vector<WayPoint>& way) {
   return {static_cast<std::uint64_t>(first - way.begin()), static_cast<std::uint64_t>(end - way.begin()) - 1};
 }
 
-/// What goes into a tick and comes out of it: the hands of a thread take turns with one.
-struct Exchange {
-  std::array<haptics::DeviceState, 1> samples{};
-  std::array<haptics::ForceCommand, 1> commands{};
-  std::array<haptics::TickRow, 1> rows{};
-};
-
-/// One of many: its own state, somewhere on the way.
+/// One of many, somewhere on the path.
 class Hand final {
  public:
-  Hand(const haptics::SimulationWorld& world, const Window& window)
-      : world_(&world), window_(window), state_(world) {}
-
-  /// Follows the way from its begin to where contact does. [setup]
-  void approach(haptics::Device& device, Exchange& exchange) {
-    while (number_ < window_.first) tick(device, number_, exchange);
+  /// [setup] Follows the path from its begin to where contact does.
+  Hand(const haptics::SimulationWorld& world, const Window& window, haptics::Device& device)
+      : window_(window), hand_(world) {
+    for (std::uint64_t number = 0; number < window.first; ++number) hand_.tick(device, number);
   }
 
-  /// Goes there and back to the window's step `offset` and stays a hand that starts there. [setup]
-  void go_to(haptics::Device& device, std::uint64_t offset, Exchange& exchange) {
-    while (offset_ < offset) tick(device, window_.at(offset_++), exchange);
+  /// [setup] Goes there and back to the window's step `offset` and stays a hand that starts there.
+  void go_to(haptics::Device& device, std::uint64_t offset) {
+    while (offset_ < offset) hand_.tick(device, window_.at(offset_++));
   }
 
   /// [rt]
-  const haptics::TickRow& go_on(haptics::Device& device, std::uint64_t step, Exchange& exchange) noexcept {
-    return tick(device, window_.at(offset_ + step), exchange);
+  const haptics::TickRow& go_on(haptics::Device& device, std::uint64_t step) noexcept {
+    return hand_.tick(device, window_.at(offset_ + step));
   }
 
  private:
-  const haptics::TickRow& tick(haptics::Device& device, std::uint64_t way, Exchange& exchange) noexcept {
-    exchange.samples[0] = device.read(way, static_cast<double>(way) / world_->rate_Hz);
-    haptics::tick(*world_, state_, number_++, exchange.samples, exchange.commands, exchange.rows);
-    return exchange.rows[0];
-  }
-
-  const haptics::SimulationWorld* world_;
   Window window_;
   std::uint64_t offset_ = 0;
-  std::uint64_t number_ = 0;
-  haptics::SimulationState state_;
+  OneHand hand_;
 };
 
 /// Hands spread evenly over the window, there and back: one walks, and leaves a copy at each place.
 std::vector<Hand> make_hands(const haptics::SimulationWorld& world, const Window& window,
                              const scene::ToolPath& path, std::size_t count) {
   devices::ScriptedDevice device(path);
-  Exchange exchange;
-  Hand walker(world, window);
-  walker.approach(device, exchange);
+  Hand walker(world, window, device);
   std::vector<Hand> hands;
   hands.reserve(count);
   const std::uint64_t length = 2 * (window.last - window.first);
   for (std::size_t i = 0; i < count; ++i) {
-    walker.go_to(device, i * length / count, exchange);
+    walker.go_to(device, i * length / count);
     hands.push_back(walker);
   }
   return hands;
@@ -184,7 +165,6 @@ class Crowd final {
   Rounds go(int core, std::size_t count, std::uint64_t periods, bool give_up) {
     std::vector<Hand> hands = make_hands(world_, window_, path_, count);
     devices::ScriptedDevice device(path_);
-    Exchange exchange;
     RowTaker taker(hands.size());  // first: it shall have neither this thread's priority nor its core
     (void)haptics::pin_to_core(core);
     (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
@@ -199,7 +179,7 @@ class Crowd final {
       const std::int64_t woken = monotonic_ns();
       const bool missed = schedule.begin(woken).missed;
       const std::int64_t begun = thread_cpu_ns();
-      for (Hand& hand : hands) taker.put(hand.go_on(device, step, exchange));
+      for (Hand& hand : hands) taker.put(hand.go_on(device, step));
       const std::int64_t spent = thread_cpu_ns() - begun;
       if (step < kWarmUp) continue;
       rounds.times_us.push_back(static_cast<double>(spent) / kNanosecondsPerMicrosecond);

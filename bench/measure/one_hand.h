@@ -1,11 +1,12 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <filesystem>
 
 #include "core/haptics/simulation.h"
 #include "io/record/recorder.h"
+#include "io/system/temporary.h"
 #include "palpate/scene.h"
+#include "palpate/tick_observer.h"
 
 namespace palpate::bench {
 
@@ -22,7 +23,7 @@ class OneHand final {
     return rows_[0];
   }
 
-  [[nodiscard]] const haptics::SimulationState& state() const noexcept { return state_; }
+  [[nodiscard]] haptics::TickState tick_state() const noexcept { return {state_, commands_, number_ - 1}; }
   [[nodiscard]] const haptics::DeviceState& sample() const noexcept { return samples_[0]; }
 
  private:
@@ -47,7 +48,7 @@ class ScratchRecorder final {
   void on_row(const haptics::TickRow& row) noexcept { recorder_.on_row(row); }
 
  private:
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   record::Recorder recorder_;
 };
 

@@ -36,15 +36,8 @@ std::vector<haptics::Snapshot> moments_of(const scene::Setup& setup) {
   const std::uint64_t last = device.last_tick(prepared.world.rate_Hz);
   for (std::uint64_t number = 0; number < last && moments.size() < kMostFrames; ++number) {
     hand.tick(device, number);
-    const haptics::SimulationState& state = hand.state();
-    if (number % kTicksAFrame != 0 || state.results[0].view_count == 0) continue;
-    haptics::Snapshot moment;
-    moment.tick = number;
-    moment.organ_W = state.organ_W;
-    moment.hands = 1;
-    moment.tools[0] = state.inputs[0];
-    moment.results[0] = state.results[0];
-    moments.push_back(moment);
+    if (number % kTicksAFrame != 0 || hand.tick_state().state.results[0].view_count == 0) continue;
+    haptics::make_snapshot(hand.tick_state(), moments.emplace_back());
   }
   return moments;
 }

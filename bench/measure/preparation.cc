@@ -1,10 +1,6 @@
 #include "bench/measure/preparation.h"
 
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,33 +10,9 @@
 #include "io/system/clock.h"
 
 namespace palpate::bench {
-namespace {
-
-/// The size that malloc_info() says behind `tag`, the last one: the sum over all arenas.
-std::size_t size_of(const std::string& account, const std::string& tag) {
-  const std::size_t at = account.rfind(tag);
-  if (at == std::string::npos) return 0;
-  constexpr const char* kSize = "size=\"";
-  const std::size_t size = account.find(kSize, at);
-  return size == std::string::npos ? 0 : std::strtoull(account.c_str() + size + 6, nullptr, 10);
-}
-
-}  // namespace
-
 std::size_t bytes_in_use() {
-  char* text = nullptr;
-  std::size_t length = 0;
-  std::FILE* memory = open_memstream(&text, &length);
-  if (memory == nullptr) return 0;
-  const int refused = malloc_info(0, memory);
-  std::fclose(memory);
-  const std::string account(text, length);
-  std::free(text);
-  if (refused != 0) return 0;
-  const std::size_t held = size_of(account, "<system type=\"current\"");
-  const std::size_t free_again =
-      size_of(account, "<total type=\"fast\"") + size_of(account, "<total type=\"rest\"");
-  return held - std::min(held, free_again) + size_of(account, "<total type=\"mmap\"");
+  const struct mallinfo2 held = mallinfo2();
+  return held.uordblks + held.hblkhd;
 }
 
 Prepared prepare(const scene::Setup& setup) {

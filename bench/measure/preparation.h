@@ -8,8 +8,7 @@
 
 namespace palpate::bench {
 
-/// [setup] Bytes that the program has asked the C library for and not given back, in all threads; 0 where
-/// the C library cannot say.
+/// [setup] Bytes that the program has asked the C library for and not given back, in all threads.
 [[nodiscard]] std::size_t bytes_in_use();
 
 /// A scene's organ and tools, ready for the first tick, and what that took.

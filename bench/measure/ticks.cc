@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -39,7 +38,6 @@ class RepeatedTimes final {
     ++next_;
   }
 
-  [[nodiscard]] std::size_t in_this_pass() const { return next_; }
   [[nodiscard]] TimeFigures all() const { return figures_of(all_us_); }
   [[nodiscard]] TimeFigures least() const { return figures_of(least_us_); }
 
@@ -49,13 +47,6 @@ class RepeatedTimes final {
   std::size_t next_ = 0;
 };
 
-template <typename Work>
-double time_us(Work work) {
-  const std::int64_t begun = thread_cpu_ns();
-  work();
-  return static_cast<double>(thread_cpu_ns() - begun) / kNanosecondsPerMicrosecond;
-}
-
 /// Goes the way again and again.
 class Passes final {
  public:
@@ -63,10 +54,8 @@ class Passes final {
       : world_(world), device_(path), recorder_(setup) {}
 
   void run(int passes) {
-    for (int pass = 0; pass < passes; ++pass) {
+    for (int pass = 0; pass < passes; ++pass)
       go(kTicksAtOnce * static_cast<std::uint64_t>(pass) / static_cast<std::uint64_t>(passes));
-      if (pass == 0) arithmetic_.emplace(contact_.all().p50_us);
-    }
   }
 
   void report(TickAccount& account) const {
@@ -74,8 +63,6 @@ class Passes final {
     account.approach = approach_.all();
     account.contact_least = contact_.least();
     account.approach_least = approach_.least();
-    account.plain = plain_.all();
-    account.plain_least = plain_.least();
   }
 
  private:
@@ -83,45 +70,27 @@ class Passes final {
   void go(std::uint64_t shift) {
     contact_.begin();
     approach_.begin();
-    plain_.begin();
     OneHand hand(world_);
     const std::uint64_t last = device_.last_tick(world_.rate_Hz);
     for (std::uint64_t number = 0; number < last; ++number) {
-      if ((number + shift) % kTicksAtOnce == 0) pause();
-      const haptics::TickRow* row = nullptr;
-      const double spent = time_us([&] {
-        row = &hand.tick(device_, number);
-        recorder_.on_row(*row);
-      });
-      if (!approaching(*row)) {
+      if ((number + shift) % kTicksAtOnce == 0) std::this_thread::sleep_for(kWriterTakes);
+      const std::int64_t begun = thread_cpu_ns();
+      const haptics::TickRow& row = hand.tick(device_, number);
+      recorder_.on_row(row);
+      const double spent = static_cast<double>(thread_cpu_ns() - begun) / kNanosecondsPerMicrosecond;
+      if (!approaching(row)) {
         contact_.add(spent);
-      } else if (row->distance <= kNear) {
+      } else if (row.distance <= kNear) {
         approach_.add(spent);
       }
-    }
-    time_plain();
-  }
-
-  void pause() {
-    time_plain();
-    std::this_thread::sleep_for(kWriterTakes);
-  }
-
-  /// Plain arithmetic, as often as there were ticks in contact since the last time.
-  void time_plain() {
-    if (!arithmetic_) return;
-    while (plain_.in_this_pass() < contact_.in_this_pass()) {
-      plain_.add(time_us([this] { arithmetic_->run(); }));
     }
   }
 
   const haptics::SimulationWorld& world_;
   devices::ScriptedDevice device_;
   ScratchRecorder recorder_;
-  std::optional<PlainArithmetic> arithmetic_;
   RepeatedTimes contact_;
   RepeatedTimes approach_;
-  RepeatedTimes plain_;
 };
 
 }  // namespace

@@ -27,8 +27,7 @@ struct WayPoint {
                                          const scene::ToolPath& path);
 
 /// [setup] Processor time of whole ticks along the way, `passes` times from a fresh state: device sample,
-/// tick, gate, and the row into the ring of a recorder that writes a file meanwhile. From the second time on
-/// plain arithmetic takes turns with them.
+/// tick, gate, and the row into the ring of a recorder that writes a file meanwhile.
 /// @throws std::runtime_error when the way never came into contact, InputError when no temporary file can be
 /// made.
 [[nodiscard]] TickAccount time_ticks(const scene::Setup& setup, const haptics::SimulationWorld& world,

@@ -23,19 +23,6 @@ struct TimeFigures {
 /// [setup] Figures of times [us] in any order.
 [[nodiscard]] TimeFigures figures_of(std::vector<double> times_us);
 
-/// Additions, one waiting for the other, for about as long as wanted: what an interrupt or another program
-/// adds to them is the machine's own doing, for they need no memory.
-class PlainArithmetic final {
- public:
-  /// [setup] @param length_us of one run [us]
-  explicit PlainArithmetic(double length_us);
-  /// [any]
-  void run() const noexcept;
-
- private:
-  std::uint64_t additions_;
-};
-
 /// [setup] Median over batches of the processor time of one call [ns]. @param call call(i), i = 0 .. calls-1,
 /// gives a number, which is kept so that no call can be left out
 template <typename Call>

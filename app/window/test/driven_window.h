@@ -189,7 +189,7 @@ class DrivenWindow final : public Driven {
  public:
   explicit DrivenWindow(const scene::Request& request, WindowOptions options = {})
       : session_(prepare(scene::load(request), options.duration_s, true)),
-        window_(*session_, request, std::move(options)) {}
+        window_(session_, request, std::move(options)) {}
 
   [[nodiscard]] Window& window() noexcept { return window_; }
   [[nodiscard]] Session& session() noexcept { return *session_; }
@@ -199,7 +199,7 @@ class DrivenWindow final : public Driven {
  private:
   bool frame() override { return window_.frame(); }
 
-  std::unique_ptr<Session> session_;
+  std::shared_ptr<Session> session_;
   Window window_;
 };
 

@@ -116,7 +116,7 @@ TEST_F(PanelsTest, RecordsTakesAPictureRunsAgainAndOpensTheViewer) {
   ASSERT_TRUE(driven.press({"left", "Look at it"}));
   ASSERT_TRUE(driven.until([&] { return std::filesystem::exists(file("looked")); }))
       << driven.window().message();
-  const LiveRun* recorded = &driven.window().run();
+  const LiveRun<RowTap>* recorded = &driven.window().run();
   ASSERT_TRUE(driven.press({"left", "End recording"}));
   ASSERT_TRUE(
       driven.until([&] { return &driven.window().run() != recorded && !driven.window().preparing(); }));
@@ -125,7 +125,7 @@ TEST_F(PanelsTest, RecordsTakesAPictureRunsAgainAndOpensTheViewer) {
   EXPECT_EQ(record::replay(read).rows_different, 0U);
   ASSERT_TRUE(driven.press({"left", "Picture"}));
   EXPECT_FALSE(wait_for_file(driven, ".png").empty());
-  const LiveRun* before = &driven.window().run();
+  const LiveRun<RowTap>* before = &driven.window().run();
   ASSERT_TRUE(driven.press({"left", "Run again"}));
   ASSERT_TRUE(driven.until([&] { return &driven.window().run() != before && !driven.window().preparing(); }));
   std::string words;
@@ -174,7 +174,7 @@ TEST_F(PanelsTest, ALostDeviceIsSaidInWordsAndResetByAClick) {
   EXPECT_THAT(driven.window().banner(), HasSubstr("Zero force: the device"));
   EXPECT_EQ(driven.window().snapshot().commands[0].gripper_force, 0.0);
   ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.8; }));
-  EXPECT_EQ(driven.window().traces().newest(0).force, 0.0) << "latched";
+  EXPECT_EQ(device_force(driven.window().traces().newest(0)), 0.0) << "latched";
   // The rows above the button come and go with the hand's state: as a user would, it is clicked until it was
   // hit.
   for (int attempt = 0; attempt < 5 && !driven.window().banner().empty(); ++attempt) {

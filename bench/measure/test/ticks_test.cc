@@ -48,8 +48,6 @@ TEST(Ticks, EveryTickOfTheWayIsContactOrApproachOrFar) {
   EXPECT_EQ(account.repeats, 2);
   EXPECT_EQ(account.contact_least.samples, contact);
   EXPECT_EQ(account.approach_least.samples, approach);
-  EXPECT_EQ(account.plain.samples, contact);  // not yet in the first pass
-  EXPECT_EQ(account.plain_least.samples, contact);
   EXPECT_EQ(account.phase, "press");
   EXPECT_EQ(account.organ_triangles, ticks_setup().organ.triangles.size());
   EXPECT_EQ(account.tool_triangles, triangle_count(ticks_setup().tools[0]));
@@ -60,7 +58,6 @@ TEST(Ticks, ATicksLeastTimeIsNoGreaterThanItsTimes) {
   EXPECT_LE(account.contact_least.p50_us, account.contact.p50_us);
   EXPECT_LE(account.contact_least.p999_us, account.contact.p999_us);
   EXPECT_LE(account.contact_least.max_us, account.contact.max_us);
-  EXPECT_LE(account.plain_least.p999_us, account.plain.p999_us);
   EXPECT_GT(account.contact_least.p50_us, 0.0);
 }
 

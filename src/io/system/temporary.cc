@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <string_view>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/random.h>
@@ -40,6 +41,17 @@ int open_temporary_file(std::string& path, mode_t mode) {
 std::filesystem::path make_temporary_folder(const std::filesystem::path& path) {
   std::string name = path.string() + std::string(kLetters, 'X');  // POSIX puts letters in their place
   return mkdtemp(name.data()) == nullptr ? std::filesystem::path() : std::filesystem::path(name);
+}
+
+ScratchFolder::ScratchFolder(const std::string& name) {
+  std::error_code error;
+  const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+  path_ = make_temporary_folder((error ? "/tmp" : parent) / name);
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace palpate

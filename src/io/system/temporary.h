@@ -16,4 +16,20 @@ namespace palpate {
 /// @return its whole name; empty when it cannot be made
 [[nodiscard]] std::filesystem::path make_temporary_folder(const std::filesystem::path& path);
 
+/// A folder below the system's temporary folder, removed with everything in it at the end.
+class ScratchFolder {
+ public:
+  /// [setup] @param name how its name begins
+  explicit ScratchFolder(const std::string& name);
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  /// [any] Empty when it could not be made.
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 }  // namespace palpate

@@ -84,12 +84,10 @@ std::unique_ptr<haptics::Device> open_haply(const scene::Setup& setup, std::size
   return std::make_unique<HaplyDevice>(address, place);
 }
 
-std::unique_ptr<haptics::Device> open_mouse(const scene::Setup& setup, std::size_t hand) {
-  return std::make_unique<MouseDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
-}
-
-std::unique_ptr<haptics::Device> open_gamepad(const scene::Setup& setup, std::size_t hand) {
-  return std::make_unique<GamepadDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
+/// One that the window of a run feeds.
+template <typename WindowDevice>
+std::unique_ptr<haptics::Device> open_in_window(const scene::Setup& setup, std::size_t hand) {
+  return std::make_unique<WindowDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
 }
 
 Probe probe_mouse(const Machine& machine) {
@@ -185,8 +183,8 @@ constexpr Kind kKinds[] = {
     {"scripted", open_scripted, probe_scripted, nullptr},
     {"replay", open_replay, probe_replay, nullptr},
     {"emulated", open_emulated, probe_emulated, nullptr},
-    {"mouse", open_mouse, probe_mouse, nullptr},
-    {"gamepad", open_gamepad, probe_gamepad, nullptr},
+    {"mouse", open_in_window<MouseDevice>, probe_mouse, nullptr},
+    {"gamepad", open_in_window<GamepadDevice>, probe_gamepad, nullptr},
     {"forcedimension", open_forcedimension, probe_connected_forcedimension, connect_forcedimension},
     {"haply", open_haply, probe_local_haply, connect_haply},
     {"touch", open_touch, probe_installed_touch, connect_touch},

@@ -361,9 +361,8 @@ void Painter::draw(const Camera& camera, const LitRegion& region) {
   }
 }
 
-Image Painter::read() const {
-  resolved_.bind();
-  Image image{width_, height_, {}};
+Image read_pixels(int width, int height) {
+  Image image{width, height, {}};
   const std::size_t row = static_cast<std::size_t>(image.width) * 3;
   std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(image.height));
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -372,6 +371,11 @@ Image Painter::read() const {
   for (auto line = bottom_up.end(); line != bottom_up.begin(); line -= static_cast<std::ptrdiff_t>(row))
     image.rgb.insert(image.rgb.end(), line - static_cast<std::ptrdiff_t>(row), line);
   return image;
+}
+
+Image Painter::read() const {
+  resolved_.bind();
+  return read_pixels(width_, height_);
 }
 
 Image Painter::paint(const Camera& camera, const LitRegion& region) {

@@ -22,6 +22,9 @@ struct Solid {
   Pose place_W;
 };
 
+/// [setup] The framebuffer that is bound, from its upper left corner.
+[[nodiscard]] Image read_pixels(int width, int height);
+
 /// Draws tissue and steel in a studio's light. All members: [setup], with the context current.
 class Painter final {
  public:

@@ -12,7 +12,6 @@
 #include "io/scene/make_world.h"
 #include "palpate/mesh.h"
 #include "science/identify/distributions.h"
-#include "view/report/gnuplot.h"
 #include "view/report/text_format.h"
 
 namespace palpate::report {
@@ -26,16 +25,6 @@ constexpr std::size_t kShortestSegment = 64;
 constexpr const char* kKey = "top right Left reverse samplen 2 spacing 1.15 noopaque";
 
 std::string quoted(const std::string& colour) { return "rgb '" + colour + "'"; }
-
-/// Draws; a failure of gnuplot becomes words in the figure.
-Figure drawn(Figure figure, const std::string& script, const std::vector<PlotData>& data) {
-  try {
-    run_gnuplot(script, data, figure.file);
-  } catch (const FigureError& error) {
-    figure.missing = error.what();
-  }
-  return figure;
-}
 
 std::size_t stride_for(std::size_t count, std::size_t most) {
   return std::max<std::size_t>(1, (count + most - 1) / most);
@@ -158,10 +147,8 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
       "lines lw 2 lc {} title 'tissue'\n"
       "unset multiplot\n",
       quoted(kGrey), quoted(kOrange));
-  Figure figure;
-  figure.file = file;
-  figure.alternative = moving ? "Depth, the organ's way and force over time in seconds"
-                              : "Depth in millimetres and force in newtons over time in seconds";
+  Figure figure{file, moving ? "Depth, the organ's way and force over time in seconds"
+                             : "Depth in millimetres and force in newtons over time in seconds"};
   figure.caption =
       moving ? "Depth of the contact with the largest force (above), how far the organ's middle is from its "
                "place at rest (middle) and force (below) over time. Dashed: first contact and deepest tick."
@@ -204,9 +191,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
     script += ", 'out.dat' using 1:2 with points pt 6 ps 0.6 lc " + quoted(kOrange) + " title 'coming out'";
   }
   script += "\n";
-  Figure figure;
-  figure.file = file;
-  figure.alternative = "Measured force over depth beside the law of the model";
+  Figure figure{file, "Measured force over depth beside the law of the model"};
   figure.caption = fmt::format(
       "Force along the contact normal over depth, one tick in {}, on the law of one contact. Several "
       "contacts on one organ share the tissue and lie above that line; damping and the fades at the start "
@@ -221,9 +206,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
 
 Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
                            const std::filesystem::path& file) {
-  Figure figure;
-  figure.file = file;
-  figure.alternative = "Power spectral density of the touch noise over frequency";
+  Figure figure{file, "Power spectral density of the touch noise over frequency"};
   const bool contact = hand.contact_noise.size() >= 4 * kShortestSegment;
   const std::vector<double>& samples = contact ? hand.contact_noise : hand.unit_noise;
   std::size_t segment = kLongestSegment;
@@ -266,9 +249,7 @@ Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
 }
 
 Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::path& file) {
-  Figure figure;
-  figure.file = file;
-  figure.alternative = "Histogram of the touch noise with the normal curve";
+  Figure figure{file, "Histogram of the touch noise with the normal curve"};
   if (hand.unit_noise.empty()) {
     figure.missing = "The noise was off.";
     return figure;
@@ -298,10 +279,8 @@ Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::pat
 Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantity quantity,
                            const std::filesystem::path& file) {
   const bool computing = quantity == TickQuantity::kComputing;
-  Figure figure;
-  figure.file = file;
-  figure.alternative =
-      computing ? "Histogram of the computing time of a tick" : "Histogram of how late a tick began";
+  Figure figure{
+      file, computing ? "Histogram of the computing time of a tick" : "Histogram of how late a tick began"};
   const TimeAnalysis& time = computing ? analysis.tick_time : analysis.lateness;
   std::vector<double> values;
   std::vector<std::uint64_t> counts;

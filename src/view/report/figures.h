@@ -5,16 +5,9 @@
 
 #include "palpate/recording.h"
 #include "view/report/analysis.h"
+#include "view/report/gnuplot.h"
 
 namespace palpate::report {
-
-/// One figure or picture of the report.
-struct Figure {
-  std::filesystem::path file;  // in the report's folder
-  std::string alternative;     // what it shows, for who cannot see it
-  std::string caption;
-  std::string missing;  // why there is none, in words; empty: it is there
-};
 
 /// [setup] Each draws one figure with gnuplot to `file` (SVG). When gnuplot is missing or fails, the figure
 /// says so in `missing`. @throws InputError when `file` cannot be written.

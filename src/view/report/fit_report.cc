@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
 #include "palpate/units.h"
-#include "view/report/figures.h"
 #include "view/report/gnuplot.h"
 #include "view/report/page.h"
 #include "view/report/sweep_section.h"
@@ -18,72 +16,38 @@
 namespace palpate::report {
 namespace {
 
-/// Two panes over one axis: force, then what is left of it. Columns: x, measured, fitted, low, high.
+/// Force, then what is left of it. Columns: x, measured, fitted, low, high.
 std::string script(bool over_time, double largest_residual) {
-  return fmt::format(
-      "{}set lmargin 11\n"
-      "set multiplot\n"
-      "set origin 0,0.36\n"
-      "set size 1,0.64\n"
-      "set bmargin 0.6\n"
-      "set format x ''\n"
-      "set ylabel 'force, N'\n"
-      "set yrange [*<0:*]\n"
-      "set autoscale yfixmin\n"
-      "plot 'curve.dat' using 1:4:5 with filledcurves lc rgb '#c9dfee' title '95 % band of the curve', "
-      "'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '{}' title 'measured', 'curve.dat' using 1:3 "
-      "with lines lw 2 lc rgb '{}' title 'fitted'\n"
-      "set yrange [*:*]\n"
-      "set autoscale y\n"
-      "set origin 0,0\n"
-      "set size 1,0.36\n"
-      "set tmargin 0.8\n"
-      "set bmargin 3.4\n"
-      "set format x '%g'\n"
-      "set nokey\n"
-      "set xlabel '{}'\n"
-      "set ylabel 'fitted - measured, N'\n"
-      "set ytics {}\n"
-      "plot 'curve.dat' using 1:($3-$2) with impulses lw 1 lc rgb '{}', 0 with lines lw 1 lc rgb '#555555'\n"
-      "unset multiplot\n",
-      preamble(760, 620, "top left Left reverse samplen 2 spacing 1.15 noopaque"), kOrange, kBlue,
-      std::string(over_time ? "time, s" : "displacement, mm"), shortest(tic_step(largest_residual)), kOrange);
-}
-
-std::vector<std::vector<double>> curve_rows(const identify::Curve& curve, bool over_time) {
-  std::vector<std::size_t> order(curve.measured.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  if (!over_time) {
-    std::stable_sort(order.begin(), order.end(), [&curve](std::size_t a, std::size_t b) {
-      return curve.displacement[a] < curve.displacement[b];
-    });
-  }
-  std::vector<std::vector<double>> rows;
-  for (const std::size_t i : order) {
-    const double x = over_time ? curve.time[i] : curve.displacement[i] / kMillimetre;
-    rows.push_back({x, curve.measured[i], curve.fitted[i], curve.low[i], curve.high[i]});
-  }
-  return rows;
+  const std::string upper = fmt::format(
+      R"(set ylabel 'force, N'; set yrange [*<0:*]; set autoscale yfixmin
+plot 'curve.dat' using 1:4:5 with filledcurves lc rgb '#c9dfee' title '95 % band of the curve', \
+  '' using 1:2 with points pt 7 ps 0.45 lc rgb '{}' title 'measured', \
+  '' using 1:3 with lines lw 2 lc rgb '{}' title 'fitted'
+set yrange [*:*]; set autoscale y)",
+      kOrange, kBlue);
+  const std::string lower = fmt::format(
+      R"(set nokey; set xlabel '{}'; set ylabel 'fitted - measured, N'; set ytics {}
+plot 'curve.dat' using 1:($3-$2) with impulses lw 1 lc rgb '{}', 0 with lines lw 1 lc rgb '#555555')",
+      over_time ? "time, s" : "displacement, mm", shortest(tic_step(largest_residual)), kOrange);
+  return two_panes(620, kKeyLeft, 0.36, upper, lower);
 }
 
 Figure draw_curve(const identify::SpecimenFit& fit, const std::filesystem::path& file) {
   const bool over_time = fit.terms > 0;
-  Figure figure;
-  figure.file = file;
-  figure.alternative = "Measured and fitted force of " + fit.name + ", and what is left";
-  figure.caption =
-      "Measured force, the fitted curve with the band of curves that the data allow at 95 %, and the "
-      "residuals.";
+  const identify::Curve& curve = fit.curve;
+  std::vector<std::vector<double>> rows;
   double largest = 0.0;
-  for (std::size_t i = 0; i < fit.curve.fitted.size(); ++i) {
-    largest = std::max(largest, std::abs(fit.curve.fitted[i] - fit.curve.measured[i]));
+  for (std::size_t i = 0; i < curve.measured.size(); ++i) {
+    const double x = over_time ? curve.time[i] : curve.displacement[i] / kMillimetre;
+    rows.push_back({x, curve.measured[i], curve.fitted[i], curve.low[i], curve.high[i]});
+    largest = std::max(largest, std::abs(curve.fitted[i] - curve.measured[i]));
   }
-  try {
-    run_gnuplot(script(over_time, largest), {{"curve.dat", curve_rows(fit.curve, over_time)}}, file);
-  } catch (const FigureError& error) {
-    figure.missing = error.what();
-  }
-  return figure;
+  if (!over_time) sort_by_x(rows);
+  return drawn(
+      {file, "Measured and fitted force of " + fit.name + ", and what is left",
+       "Measured force, the fitted curve with the band of curves that the data allow at 95 %, and the "
+       "residuals."},
+      script(over_time, largest), {{"curve.dat", rows}});
 }
 
 std::string range_text(const identify::Interval& interval, double unit) {
@@ -112,17 +76,10 @@ TableRows estimate_table(const std::vector<identify::Estimate>& estimates, std::
   return rows;
 }
 
-void write_warnings(Page& page, const std::vector<std::string>& warnings) {
-  if (warnings.empty()) return;
-  std::vector<std::string> items;
-  for (const std::string& warning : warnings) items.push_back(escaped(warning));
-  page.list(items);
-}
-
 void write_summary(Page& page, const std::vector<identify::SpecimenFit>& fits,
                    const identify::PooledFit& pooled, const identify::Settings& settings,
                    const std::string& command) {
-  page.open_section("summary", "What came out");
+  page.section("summary", "What came out");
   page.code(command);
   page.facts({{"law", model::to_string(settings.law)},
               {"direction", settings.direction == model::Direction::kPull ? "pull" : "press"},
@@ -143,19 +100,15 @@ void write_summary(Page& page, const std::vector<identify::SpecimenFit>& fits,
         "One set of parameters for all, each specimen with its own first contact and sensor offset: error " +
         percent(pooled.nrmse) + ". The intervals come from drawing the specimens again.");
     page.table(estimate_table(pooled.estimates, pooled.terms));
-    write_warnings(page, pooled.warnings);
+    page.list(pooled.warnings);
   }
-  page.close_section();
 }
 
 void write_specimen(Page& page, const identify::SpecimenFit& fit, const Figure& figure, std::size_t number) {
-  page.open_section("experiment-" + std::to_string(number), fit.name);
-  page.open_grid("one");
-  page.figure(figure);
-  page.close_grid();
+  page.section("experiment-" + std::to_string(number), fit.name);
+  page.figures("one", {figure});
   page.table(estimate_table(fit.estimates, fit.terms));
-  write_warnings(page, fit.warnings);
-  page.close_section();
+  page.list(fit.warnings);
 }
 
 }  // namespace

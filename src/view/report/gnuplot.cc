@@ -1,5 +1,6 @@
 #include "view/report/gnuplot.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <fstream>
@@ -93,22 +94,36 @@ set key {}
   return fmt::format(kScript, width, height, key);
 }
 
-TemporaryFolder::TemporaryFolder() {
-  std::error_code error;
-  std::filesystem::path parent = std::filesystem::temp_directory_path(error);
-  if (error) parent = "/tmp";
-  path_ = make_temporary_folder(parent / "palpate-figure-");
-  if (path_.empty()) throw FigureError("figure: cannot make a temporary folder in " + parent.string());
+std::string two_panes(int height, const std::string& key, double lower_share, const std::string& upper,
+                      const std::string& lower) {
+  constexpr const char* kScript = R"({}set lmargin 11
+set multiplot
+set origin 0,{}
+set size 1,{}
+set bmargin 0.6
+set format x ''
+{}
+set origin 0,0
+set size 1,{}
+set tmargin 0.8
+set bmargin 3.4
+set format x '%g'
+{}
+unset multiplot
+)";
+  constexpr int kWidth = 760;
+  return fmt::format(kScript, preamble(kWidth, height, key), lower_share, 1.0 - lower_share, upper,
+                     lower_share, lower);
 }
 
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
+void sort_by_x(std::vector<std::vector<double>>& rows) {
+  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
 }
 
 void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
                  const std::filesystem::path& file, const std::string& program) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder("palpate-figure-");
+  if (folder.path().empty()) throw FigureError("figure: no temporary folder can be made");
   for (const PlotData& table : data) write_text(folder.path() / table.name, table_text(table));
   write_text(folder.path() / "figure.gp", script);
   const int status = run_in(folder.path(), program);
@@ -120,6 +135,15 @@ void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
   std::error_code error;
   std::filesystem::copy_file(drawn, file, std::filesystem::copy_options::overwrite_existing, error);
   if (error) throw InputError(file.string() + ": cannot be written: " + error.message());
+}
+
+Figure drawn(Figure figure, const std::string& script, const std::vector<PlotData>& data) {
+  try {
+    run_gnuplot(script, data, figure.file);
+  } catch (const FigureError& error) {
+    figure.missing = error.what();
+  }
+  return figure;
 }
 
 }  // namespace palpate::report

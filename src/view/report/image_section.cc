@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -15,7 +14,6 @@
 #include "core/base/text.h"
 #include "palpate/offscreen.h"
 #include "palpate/units.h"
-#include "view/report/figures.h"
 #include "view/report/gnuplot.h"
 #include "view/report/text_format.h"
 
@@ -29,11 +27,7 @@ constexpr Colour kLineAfter = {213.0, 94.0, 0.0};    // as kOrange
 constexpr Colour kWhite = {255.0, 255.0, 255.0};
 constexpr int kWidest = 1200;  // pixels of a figure
 
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string digits(double value) { return brief(value, 3); }
 
 /// Every so many-th pixel of the photograph both ways, so that it is a figure, and how many.
 render::Image as_figure(const imaging::Picture& picture, int& factor) {
@@ -104,15 +98,13 @@ Figure photograph(const ImageSet& set, bool second, const std::filesystem::path&
   }
   draw_line(image, seen(line, factor), second ? kLineAfter : kLineBefore, 0);
   render::write_png(image, file);
-  Figure figure;
-  figure.file = file;
-  figure.alternative = second ? "The second photograph with the line that was found and the undisturbed one"
-                              : "The first photograph with the line that was found";
-  figure.caption =
-      second ? "Pressed or pulled: the line found (orange) and where it would be had it not moved "
-               "(blue, dashed). Where nothing is drawn the edge cannot be trusted."
-             : "Undisturbed: the line found (blue). Where nothing is drawn the edge cannot be trusted.";
-  return figure;
+  if (!second) {
+    return {file, "The first photograph with the line that was found",
+            "Undisturbed: the line found (blue). Where nothing is drawn the edge cannot be trusted."};
+  }
+  return {file, "The second photograph with the line that was found and the undisturbed one",
+          "Pressed or pulled: the line found (orange) and where it would be had it not moved (blue, dashed). "
+          "Where nothing is drawn the edge cannot be trusted."};
 }
 
 /// r, u, uncertainty, computed; r < 0 left of the centre [mm].
@@ -126,7 +118,7 @@ std::vector<std::vector<double>> rows_of(const ImageSet& set) {
     rows.push_back({side * points[i].r / kMillimetre, points[i].u / kMillimetre,
                     points[i].uncertainty / kMillimetre, set.comparison.computed[i] / kMillimetre});
   }
-  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
+  sort_by_x(rows);
   // a row without numbers ends a line where a stretch is hidden
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const double gap = 8.0 * set.settings.pixel / kMillimetre;
@@ -139,31 +131,22 @@ std::vector<std::vector<double>> rows_of(const ImageSet& set) {
 }
 
 Figure draw_profile(const ImageSet& set, const std::filesystem::path& file) {
-  Figure figure;
-  figure.file = file;
-  figure.alternative = "Displacement measured in the photographs, its uncertainty, and the computed one";
-  figure.caption = "Measured along the line with its 95 % uncertainty, computed by the model at " +
-                   digits(set.comparison.depth / kMillimetre) + " mm, and the difference.";
-  const std::string script =
-      preamble(760, 620, "top left Left reverse samplen 2 spacing 1.15 noopaque") +
-      "set lmargin 11\n"
-      "set multiplot\nset origin 0,0.36\nset size 1,0.64\nset bmargin 0.6\nset format x ''\n"
-      "set ylabel 'displacement, mm'\nset yrange [] reverse\nset key bottom left\n"
-      "plot 'profile.dat' using 1:($2-$3):($2+$3) with filledcurves lc rgb '#f6d9c4' title '95 % uncertain', "
-      "'profile.dat' using 1:2 with points pt 7 ps 0.35 lc rgb '#D55E00' title 'measured', "
-      "'profile.dat' using 1:4 with lines lw 2 lc rgb '#0072B2' title 'computed'\n"
-      "set origin 0,0\nset size 1,0.36\nset tmargin 0.8\nset bmargin 3.4\nset format x '%g'\nset nokey\n"
-      "set yrange [*:*] noreverse\nset xlabel 'distance from the contact along the surface, mm'\n"
-      "set ylabel 'computed - measured, mm'\n"
-      "plot 'profile.dat' using 1:(-$3):3 with filledcurves lc rgb '#f6d9c4', "
-      "'profile.dat' using 1:($4-$2) with points pt 7 ps 0.35 lc rgb '#D55E00', 0 with lines lw 1 lc rgb "
-      "'#555555'\nunset multiplot\n";
-  try {
-    run_gnuplot(script, {{"profile.dat", rows_of(set)}}, file);
-  } catch (const FigureError& error) {
-    figure.missing = error.what();
-  }
-  return figure;
+  const std::string upper = fmt::format(
+      R"(set ylabel 'displacement, mm'; set yrange [] reverse; set key bottom left
+plot 'profile.dat' using 1:($2-$3):($2+$3) with filledcurves lc rgb '#f6d9c4' title '95 % uncertain', \
+  '' using 1:2 with points pt 7 ps 0.35 lc rgb '{}' title 'measured', \
+  '' using 1:4 with lines lw 2 lc rgb '{}' title 'computed')",
+      kOrange, kBlue);
+  const std::string lower = fmt::format(
+      R"(set nokey; set yrange [*:*] noreverse
+set xlabel 'distance from the contact along the surface, mm'; set ylabel 'computed - measured, mm'
+plot 'profile.dat' using 1:(-$3):3 with filledcurves lc rgb '#f6d9c4', \
+  '' using 1:($4-$2) with points pt 7 ps 0.35 lc rgb '{}', 0 with lines lw 1 lc rgb '#555555')",
+      kOrange);
+  return drawn({file, "Displacement measured in the photographs, its uncertainty, and the computed one",
+                "Measured along the line with its 95 % uncertainty, computed by the model at " +
+                    digits(set.comparison.depth / kMillimetre) + " mm, and the difference."},
+               two_panes(620, kKeyLeft, 0.36, upper, lower), {{"profile.dat", rows_of(set)}});
 }
 
 }  // namespace
@@ -183,12 +166,10 @@ std::string image_text(const ImageSet& set) {
 
 void write_image_section(Page& page, const ImageSet& set, const std::filesystem::path& folder) {
   const imaging::ImageMeasurement& measured = set.measured;
-  page.open_section("pictures", "Measured in photographs");
-  page.open_grid("one");
-  page.figure(photograph(set, false, folder / "image-before.png"));
-  page.figure(photograph(set, true, folder / "image-after.png"));
-  page.figure(draw_profile(set, folder / "image-profile.svg"));
-  page.close_grid();
+  page.section("pictures", "Measured in photographs");
+  page.figures("one", {photograph(set, false, folder / "image-before.png"),
+                       photograph(set, true, folder / "image-after.png"),
+                       draw_profile(set, folder / "image-profile.svg")});
   constexpr double kDegree = 0.017453292519943295;
   page.facts(
       {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_words))},
@@ -206,7 +187,6 @@ void write_image_section(Page& page, const ImageSet& set, const std::filesystem:
         digits(set.comparison.depth / kMillimetre) + " mm" +
             (set.depth_fitted ? ", the one that suits the line best: the tool hides the deepest place" : "")},
        {"model within the uncertainty at", percent(set.within_uncertainty, 1) + " of the places"}});
-  page.close_section();
 }
 
 }  // namespace palpate::report

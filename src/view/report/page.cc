@@ -76,13 +76,13 @@ Page::Page(const std::string& title, const std::string& subtitle) : title_(title
   body_ = fmt::format("<header>\n<h1>{}</h1>\n<p>{}</p>\n</header>\n", escaped(title), escaped(subtitle));
 }
 
-void Page::open_section(const std::string& id, const std::string& heading) {
+void Page::section(const std::string& id, const std::string& heading) {
+  if (in_section_) body_ += "</section>\n";
+  in_section_ = true;
   const bool experiment = id.starts_with("experiment");
   body_ += fmt::format("<section id=\"{}\"{}>\n<h2>{}</h2>\n", escaped(id),
                        experiment ? " class=\"experiment\"" : "", escaped(heading));
 }
-
-void Page::close_section() { body_ += "</section>\n"; }
 
 void Page::heading(const std::string& text) { body_ += "<h3>" + escaped(text) + "</h3>\n"; }
 
@@ -90,8 +90,15 @@ void Page::paragraph(const std::string& html) { body_ += "<p>" + html + "</p>\n"
 
 void Page::code(const std::string& text) { body_ += "<pre><code>" + escaped(text) + "</code></pre>\n"; }
 
-void Page::list(const std::vector<std::string>& html_items, const std::string& css_class) {
-  body_ += css_class.empty() ? "<ul>\n" : "<ul class=\"" + css_class + "\">\n";
+void Page::list(const std::vector<std::string>& items) {
+  if (items.empty()) return;
+  body_ += "<ul>\n";
+  for (const std::string& item : items) body_ += "<li>" + escaped(item) + "</li>\n";
+  body_ += "</ul>\n";
+}
+
+void Page::html_list(const std::vector<std::string>& html_items, const std::string& css_class) {
+  body_ += "<ul class=\"" + css_class + "\">\n";
   for (const std::string& item : html_items) body_ += "<li>" + item + "</li>\n";
   body_ += "</ul>\n";
 }
@@ -122,6 +129,12 @@ void Page::open_grid(const std::string& css_class) { body_ += "<div class=\"" + 
 
 void Page::close_grid() { body_ += "</div>\n"; }
 
+void Page::figures(const std::string& css_class, const std::vector<Figure>& figures) {
+  open_grid(css_class);
+  for (const Figure& each : figures) figure(each);
+  close_grid();
+}
+
 void Page::figure(const Figure& figure) {
   body_ += "<figure>\n";
   if (figure.missing.empty()) {
@@ -146,10 +159,10 @@ std::string Page::html() const {
 <style>{}</style>
 </head>
 <body>
-{}</body>
+{}{}</body>
 </html>
 )";
-  return fmt::format(kPage, escaped(title_), kStyle, body_);
+  return fmt::format(kPage, escaped(title_), kStyle, body_, in_section_ ? "</section>\n" : "");
 }
 
 std::filesystem::path Page::write(const std::filesystem::path& folder) const {

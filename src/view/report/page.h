@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "view/report/figures.h"
+#include "view/report/gnuplot.h"
 
 namespace palpate::report {
 
@@ -21,21 +21,23 @@ class Page final {
   /// [setup] @param title of the page and its first heading
   Page(const std::string& title, const std::string& subtitle);
 
-  void open_section(const std::string& id, const std::string& heading);
-  void close_section();
+  /// Begins a section, which goes on to the next one.
+  void section(const std::string& id, const std::string& heading);
   void heading(const std::string& text);
   void paragraph(const std::string& html);
   void code(const std::string& text);
-  void list(const std::vector<std::string>& html_items, const std::string& css_class = "");
+  /// Nothing for no items.
+  void list(const std::vector<std::string>& items);
+  void html_list(const std::vector<std::string>& html_items, const std::string& css_class);
   /// Two columns: name and value.
   void facts(const std::vector<std::pair<std::string, std::string>>& rows);
   /// First row is the head; the first column names the rows.
   void table(const TableRows& html_rows);
   void open_grid(const std::string& css_class);
   void close_grid();
-  /// The picture goes into the page; a missing one leaves its reason in words. @throws InputError when the
-  /// file cannot be read.
-  void figure(const Figure& figure);
+  /// The pictures go into the page, in a grid; a missing one leaves its reason in words. @throws InputError
+  /// when a file cannot be read.
+  void figures(const std::string& css_class, const std::vector<Figure>& figures);
 
   /// The whole page.
   [[nodiscard]] std::string html() const;
@@ -43,6 +45,9 @@ class Page final {
   [[nodiscard]] std::filesystem::path write(const std::filesystem::path& folder) const;
 
  private:
+  void figure(const Figure& figure);
+
+  bool in_section_ = false;
   std::string title_;
   std::string body_;
 };

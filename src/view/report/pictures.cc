@@ -86,11 +86,19 @@ render::Camera with_room(render::Camera camera, const render::Subject& subject,
   return camera;
 }
 
-Figure written(const render::Image& image, const std::filesystem::path& file, const std::string& what) {
-  render::write_png(image, file);
-  Figure figure;
-  figure.file = file;
-  figure.alternative = what;
+/// @param organ_moved m, of the organ's middle from its place at rest
+std::string caption_of(std::string text, const haptics::TickRow& row, double organ_moved) {
+  text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  text += ": " + fixed(row.time, 3) + " s";
+  constexpr double kMoved = 0.05e-3;  // m: what is told to a tenth of a millimetre
+  if (organ_moved > kMoved) text += ", organ " + fixed(organ_moved * kMilli, 1) + " mm from rest";
+  if (row.phase == 0) return fmt::format("{}, {} mm away", text, fixed(row.distance * kMilli, 1));
+  return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(row.depth * kMilli, 2),
+                     fixed(row.tissue_force, 3));
+}
+
+Figure written(const render::Image& image, Figure figure) {
+  render::write_png(image, figure.file);
   return figure;
 }
 
@@ -119,15 +127,14 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
   std::size_t i = 0;
   for (const NamedMoment& moment : named(hand.moments)) {
     const std::string what = setup.organ_name + " and tool " + moment.name;
-    MomentPictures pictures;
-    pictures.name = moment.name;
-    pictures.row = hand.rows[moment.row];
-    pictures.organ_moved = (snapshots[i].organ_W * middle - setup.organ_pose * middle).norm();
-    pictures.overview = written(halved(renderer.draw(snapshots[i], wide)),
-                                folder / (prefix + moment.file + ".png"), what + ", overview");
-    pictures.close_up = written(renderer.draw(snapshots[i], near),
-                                folder / (prefix + moment.file + "-close.png"), what + ", close-up");
-    set.moments.push_back(std::move(pictures));
+    const double moved = (snapshots[i].organ_W * middle - setup.organ_pose * middle).norm();
+    const auto file = [&](const char* end) { return folder / (prefix + moment.file + end); };
+    set.overviews.push_back(
+        written(halved(renderer.draw(snapshots[i], wide)),
+                {file(".png"), what + ", overview", std::string("Overview, ") + moment.name}));
+    set.close_ups.push_back(written(
+        renderer.draw(snapshots[i], near),
+        {file("-close.png"), what + ", close-up", caption_of(moment.name, hand.rows[moment.row], moved)}));
     ++i;
   }
   set.draw_ms = median_draw_ms(renderer, deepest, wide);

@@ -11,18 +11,10 @@
 
 namespace palpate::report {
 
-/// Organ and tool at one moment of a run.
-struct MomentPictures {
-  std::string name;  // "before contact", "at contact", "at depth", "after"
-  haptics::TickRow row;
-  double organ_moved = 0.0;  // m, of the organ's middle from its place at rest
-  Figure overview;
-  Figure close_up;
-};
-
 /// The pictures of one experiment.
 struct PictureSet {
-  std::vector<MomentPictures> moments;
+  std::vector<Figure> overviews;  // before contact, at contact, at depth, after
+  std::vector<Figure> close_ups;
   std::string driver;         // OpenGL's name of what drew them
   double draw_ms = 0.0;       // median time of one picture
   int width = 0;              // pixels
@@ -33,9 +25,8 @@ struct PictureSet {
 
 /// [setup] Runs the recording again and draws organ and tool at rest, at contact, at depth and at the end,
 /// each as overview and close-up, all from the same two places, into PNG files in `folder` that begin with
-/// `prefix`. Overviews are halved, which smooths
-/// them. Without OpenGL there is no picture and `missing` says why. @throws InputError when a file cannot
-/// be written.
+/// `prefix`. Overviews are halved, which smooths them. Without OpenGL there is no picture and `missing` says
+/// why. @throws InputError when a file cannot be written.
 [[nodiscard]] PictureSet draw_pictures(const record::Recording& recording, const HandAnalysis& hand,
                                        const std::filesystem::path& folder, const std::string& prefix,
                                        const ReportOptions& options);

@@ -118,39 +118,14 @@ std::vector<std::string> marks_of(const WorkedExperiment& worked) {
   return marks;
 }
 
-std::string moment_caption(const MomentPictures& moment) {
-  std::string text = moment.name;
-  text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  text += ": " + fixed(moment.row.time, 3) + " s";
-  constexpr double kMoved = 0.05e-3;  // m: what is told to a tenth of a millimetre
-  if (moment.organ_moved > kMoved)
-    text += ", organ " + fixed(moment.organ_moved * kMilli, 1) + " mm from rest";
-  if (moment.row.phase == 0)
-    return fmt::format("{}, {} mm away", text, fixed(moment.row.distance * kMilli, 1));
-  return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(moment.row.depth * kMilli, 2),
-                     fixed(moment.row.tissue_force, 3));
-}
-
 void write_pictures(Page& page, const PictureSet& pictures) {
   page.heading("Organ and tool");
   if (!pictures.missing.empty()) {
     page.paragraph("There are no pictures of organ and tool: " + escaped(pictures.missing));
     return;
   }
-  page.open_grid("two");
-  for (const MomentPictures& moment : pictures.moments) {
-    Figure figure = moment.close_up;
-    figure.caption = moment_caption(moment);
-    page.figure(figure);
-  }
-  page.close_grid();
-  page.open_grid("four");
-  for (const MomentPictures& moment : pictures.moments) {
-    Figure figure = moment.overview;
-    figure.caption = "Overview, " + moment.name;
-    page.figure(figure);
-  }
-  page.close_grid();
+  page.figures("two", pictures.close_ups);
+  page.figures("four", pictures.overviews);
   page.paragraph(
       escaped(fmt::format("Drawn by {}, {} × {} pixels, {} ms a picture (median, deformation included). All "
                           "from the same two places. Contacts of this tool at its deepest tick: {}.",
@@ -161,32 +136,22 @@ void write_pictures(Page& page, const PictureSet& pictures) {
 void write_hand(Page& page, const HandAnalysis& hand, const HandFigures& figures, std::size_t hands) {
   const std::string suffix = hands > 1 ? ", hand " + std::to_string(hand.hand + 1) : "";
   page.heading("Force and depth over time" + suffix);
-  page.open_grid("one");
-  page.figure(figures.over_time);
-  page.close_grid();
+  page.figures("one", {figures.over_time});
   page.facts({{"largest depth", fixed(hand.peak_depth * kMilli, 3) + " mm"},
               {"largest tissue force", fixed(hand.peak_tissue_force, 4) + " N"},
               {"largest force to the hand", fixed(hand.peak_device_force, 4) + " N, with noise"},
               {"largest step of force", fixed(hand.largest_step, 4) + " N between two ticks, with noise"}});
   page.heading("Force over depth, on the law" + suffix);
-  page.open_grid("one");
-  page.figure(figures.law);
-  page.close_grid();
+  page.figures("one", {figures.law});
   page.heading("Touch noise" + suffix);
-  page.open_grid("two");
-  page.figure(figures.noise_spectrum);
-  page.figure(figures.noise_histogram);
-  page.close_grid();
+  page.figures("two", {figures.noise_spectrum, figures.noise_histogram});
 }
 
 void write_timing(Page& page, const WorkedExperiment& worked) {
   const Analysis& analysis = worked.analysis;
   const bool offline = worked.experiment->recording->facts.offline;
   page.heading("Timing");
-  page.open_grid("two");
-  page.figure(worked.tick_time);
-  page.figure(worked.lateness);
-  page.close_grid();
+  page.figures("two", {worked.tick_time, worked.lateness});
   const auto row = [](const std::string& name, const Percentiles& p) {
     return std::vector<std::string>{name, microseconds(p.p50), microseconds(p.p99), microseconds(p.p999),
                                     microseconds(p.max)};
@@ -254,7 +219,7 @@ TableRows comparison(const WorkedExperiment& worked) {
 }  // namespace
 
 void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
-  page.open_section("summary", "What came out");
+  page.section("summary", "What came out");
   TableRows rows{{"experiment", "largest depth", "largest tissue force", "tick p50 / p99",
                   "lateness p50 / p99", "missed deadlines"}};
   std::size_t number = 0;
@@ -276,29 +241,26 @@ void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
   page.table(rows);
   for (const WorkedExperiment& worked : all) {
     if (all.size() > 1) page.heading(worked.experiment->title);
-    page.list(marks_of(worked), "marks");
+    page.html_list(marks_of(worked), "marks");
   }
-  page.close_section();
 }
 
 void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t number) {
-  page.open_section(anchor(number), worked.experiment->title);
+  page.section(anchor(number), worked.experiment->title);
   write_what_was_run(page, worked);
   write_pictures(page, worked.pictures);
   for (std::size_t i = 0; i < worked.hands.size(); ++i) {
     write_hand(page, worked.analysis.hands[i], worked.hands[i], worked.hands.size());
   }
   write_timing(page, worked);
-  page.close_section();
 }
 
 void write_comparison(Page& page, const std::vector<WorkedExperiment>& all) {
-  page.open_section("paper", "Beside the paper");
+  page.section("paper", "Beside the paper");
   page.paragraph(
       "X. Zhang, W. Sun, A. Song, J. Li, J. Liu: Enhanced haptic model for real-time "
       "human-computer interaction, 2011. Its figures are of its own machine of that time.");
   for (const WorkedExperiment& worked : all) page.table(comparison(worked));
-  page.close_section();
 }
 
 }  // namespace palpate::report

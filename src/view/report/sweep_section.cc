@@ -8,7 +8,6 @@
 
 #include "core/base/text.h"
 #include "palpate/units.h"
-#include "view/report/figures.h"
 #include "view/report/gnuplot.h"
 #include "view/report/text_format.h"
 
@@ -48,29 +47,28 @@ std::string where(const identify::Sweep& sweep) {
   return sweep.specimen.empty() ? std::string("all together") : sweep.specimen;
 }
 
-/// Two panes over the value that was held: error, then the other parameters as factors of the fit's own.
-/// Columns: value, error in percent, the same where the data leave it, four factors.
+/// Over the value that was held: error, then the other parameters as factors of the fit's own. Columns:
+/// value, error in percent, the same where the data leave it, four factors.
 std::string script(const identify::Sweep& sweep, double most, double lowest, double highest) {
   const double unit = identify::labels(0)[sweep.parameter].unit;
-  constexpr const char* kScript = R"({}set lmargin 11; set rmargin 3
-{}set multiplot; set origin 0,0.49; set size 1,0.51; set bmargin 0.6; set format x ''
-set yrange [0:{}]; set ylabel 'error, % of force range'
+  const std::string upper = fmt::format(
+      R"(set rmargin 3
+{}set yrange [0:{}]; set ylabel 'error, % of force range'
 plot 'sweep.dat' using 1:3 with filledcurves y1=0 lc rgb '#c9dfee' title 'left by the data', \
-  '' using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '#0072B2' title 'error', \
+  '' using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '{}' title 'error', \
   'best.dat' using 1:2 with points pt 9 ps 1.1 lc rgb '#555555' title 'the fit'
-set origin 0,0; set size 1,0.49; set key outside top center; set tmargin 2; set bmargin 3.4; set format x '%g'
+set key outside top center)",
+      axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit), shortest(most), kBlue);
+  std::string lower = fmt::format(R"(set tmargin 2
 {}set xlabel '{}'; set ylabel 'others / their best'
-plot 1 with lines lw 1 lc rgb '#555555' notitle)";
-  std::string text =
-      fmt::format(kScript, preamble(760, 560, "top center horizontal samplen 2 noopaque"),
-                  axis("x", sweep.points.front().value / unit, sweep.points.back().value / unit),
-                  shortest(most), axis("y", lowest, highest), axis_name(sweep.parameter));
+plot 1 with lines lw 1 lc rgb '#555555' notitle)",
+                                  axis("y", lowest, highest), axis_name(sweep.parameter));
   for (std::size_t i = 0; i < identify::kLawParameters; ++i) {
     if (i == sweep.parameter) continue;
-    text += fmt::format(", 'sweep.dat' using 1:{} with lines lw 2 lc rgb '{}' title '{}'", 4 + i,
-                        kLines[i].colour, kLines[i].title);
+    lower += fmt::format(", 'sweep.dat' using 1:{} with lines lw 2 lc rgb '{}' title '{}'", 4 + i,
+                         kLines[i].colour, kLines[i].title);
   }
-  return text + "\nunset multiplot\n";
+  return two_panes(560, "top center horizontal samplen 2 noopaque", 0.49, upper, lower);
 }
 
 /// The fitted parameters nearest to the fit's own value, which the others are told against.
@@ -83,13 +81,6 @@ const identify::SweepPoint& nearest(const identify::Sweep& sweep) {
 
 Figure draw(const identify::Sweep& sweep, const std::filesystem::path& file) {
   const identify::ParameterLabel label = identify::labels(0)[sweep.parameter];
-  Figure figure;
-  figure.file = file;
-  figure.alternative = fmt::format("Error over {} of {}, and the other parameters", label.name, where(sweep));
-  figure.caption = fmt::format(
-      "{}: {} held at each value and the others fitted again. Shaded: values that the data leave at 95 %. "
-      "Below: where the others go.",
-      where(sweep), label.name);
   const identify::SweepPoint& centre = nearest(sweep);
   constexpr double kRoom = 1.15;  // factor beside the lines
   std::vector<std::vector<double>> rows;
@@ -108,14 +99,12 @@ Figure draw(const identify::Sweep& sweep, const std::filesystem::path& file) {
     }
     rows.push_back(std::move(row));
   }
-  try {
-    run_gnuplot(script(sweep, 1.25 * most, lowest / kRoom, highest * kRoom * kRoom),
-                {{"sweep.dat", rows}, {"best.dat", {{sweep.best / label.unit, 100.0 * sweep.best_nrmse}}}},
-                file);
-  } catch (const FigureError& error) {
-    figure.missing = error.what();
-  }
-  return figure;
+  return drawn({file, fmt::format("Error over {} of {}, and the other parameters", label.name, where(sweep)),
+                fmt::format("{}: {} held at each value and the others fitted again. Shaded: values that the "
+                            "data leave at 95 %. Below: where the others go.",
+                            where(sweep), label.name)},
+               script(sweep, 1.25 * most, lowest / kRoom, highest * kRoom * kRoom),
+               {{"sweep.dat", rows}, {"best.dat", {{sweep.best / label.unit, 100.0 * sweep.best_nrmse}}}});
 }
 
 std::string verdict(const identify::Sweep& sweep) {
@@ -132,7 +121,7 @@ std::string verdict(const identify::Sweep& sweep) {
 void write_sweeps(Page& page, const std::vector<identify::Sweep>& sweeps,
                   const std::filesystem::path& folder) {
   if (sweeps.empty()) return;
-  page.open_section("sweeps", "Sweeps");
+  page.section("sweeps", "Sweeps");
   page.paragraph(
       "A parameter is held at value after value, each time with all others fitted again. A flat line says "
       "that the "
@@ -143,12 +132,10 @@ void write_sweeps(Page& page, const std::vector<identify::Sweep>& sweeps,
         {escaped(identify::labels(0)[sweep.parameter].name), escaped(where(sweep)), verdict(sweep)});
   }
   page.table(rows);
-  page.open_grid("one");
-  for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    page.figure(draw(sweeps[i], folder / fmt::format("sweep-{}.svg", i + 1)));
-  }
-  page.close_grid();
-  page.close_section();
+  std::vector<Figure> figures;
+  for (const identify::Sweep& sweep : sweeps)
+    figures.push_back(draw(sweep, folder / fmt::format("sweep-{}.svg", figures.size() + 1)));
+  page.figures("one", figures);
 }
 
 }  // namespace palpate::report

@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <ctime>
+
+#include <fmt/chrono.h>
 
 namespace palpate::report {
 
-std::string fixed(double value, int digits) {
-  std::array<char, 400> buffer{};
-  const auto result =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, digits);
-  return {buffer.data(), result.ptr};
-}
+std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
 
 std::string grouped(std::uint64_t value) {
   const std::string digits = std::to_string(value);
@@ -25,28 +21,13 @@ std::string grouped(std::uint64_t value) {
 }
 
 std::string escaped(std::string_view text) {
+  static constexpr std::string_view kMarkup = "&<>\"'";
+  static constexpr std::array<const char*, kMarkup.size()> kEntities = {"&amp;", "&lt;", "&gt;", "&quot;",
+                                                                        "&#39;"};
   std::string result;
-  result.reserve(text.size());
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        result += c;
-    }
+    const std::size_t which = kMarkup.find(c);
+    result += which < kEntities.size() ? kEntities[which] : std::string(1, c);
   }
   return result;
 }
@@ -70,12 +51,8 @@ std::string base64(std::string_view bytes) {
 }
 
 std::string utc_time(std::int64_t unix_ns) {
-  const std::time_t seconds = static_cast<std::time_t>(unix_ns / 1'000'000'000);
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  std::array<char, 40> buffer{};
-  const std::size_t length = std::strftime(buffer.data(), buffer.size(), "%Y-%m-%d %H:%M:%S UTC", &parts);
-  return {buffer.data(), length};
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC",
+                     fmt::gmtime(static_cast<std::time_t>(unix_ns / 1'000'000'000)));
 }
 
 }  // namespace palpate::report

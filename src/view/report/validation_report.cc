@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
 #include "palpate/units.h"
-#include "view/report/figures.h"
 #include "view/report/gnuplot.h"
 #include "view/report/page.h"
 #include "view/report/text_format.h"
@@ -25,62 +23,52 @@ struct Axes {
   std::string key;  // where the legend has room: left or right
 };
 
-/// Two panes over one axis: the two curves, then their absolute error with 7 % of the measured value drawn
-/// in. Columns: x, measured, computed.
+/// The two curves, then their absolute error with 7 % of the measured value drawn in. Columns: x, measured,
+/// computed.
 std::string script(const Axes& axes, double largest_error) {
-  constexpr const char* kScript = R"({}set lmargin 11
-set multiplot; set origin 0,0.40; set size 1,0.60; set bmargin 0.6; set format x ''
-set ylabel '{y}, {unit}'; set yrange [*:*<1e9]; set offsets 0,0,graph 0.12,0
-plot 'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '#D55E00' title 'measured', \
-  '' using 1:3 with lines lw 2 lc rgb '#0072B2' title 'computed'
-set origin 0,0; set size 1,0.40; set tmargin 0.8; set bmargin 3.4; set format x '%g'
-set xlabel '{x}'; set ylabel 'absolute error, {unit}'
-set yrange [0:*]; set offsets 0,0,graph 0.35,0; set ytics {step}
-plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '#D55E00' title 'absolute error', \
-  '' using 1:({jnd}*abs($2)) with lines lw 1.5 dt 2 lc rgb '#555555' title '{jnd_title}'
-unset multiplot
-)";
-  return fmt::format(kScript,
-                     preamble(760, 620, "top " + axes.key + " Left reverse samplen 2 spacing 1.15 noopaque"),
-                     fmt::arg("x", axes.x), fmt::arg("y", axes.y), fmt::arg("unit", axes.unit),
-                     fmt::arg("step", shortest(tic_step(largest_error))),
-                     fmt::arg("jnd", shortest(validate::kForceJnd)), fmt::arg("jnd_title", axes.jnd));
+  const std::string upper =
+      fmt::format(R"(set ylabel '{}, {}'; set yrange [*:*<1e9]; set offsets 0,0,graph 0.12,0
+plot 'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '{}' title 'measured', \
+  '' using 1:3 with lines lw 2 lc rgb '{}' title 'computed')",
+                  axes.y, axes.unit, kOrange, kBlue);
+  const std::string lower = fmt::format(R"(set xlabel '{}'; set ylabel 'absolute error, {}'
+set yrange [0:*]; set offsets 0,0,graph 0.35,0; set ytics {}
+plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '{}' title 'absolute error', \
+  '' using 1:({}*abs($2)) with lines lw 1.5 dt 2 lc rgb '#555555' title '{}')",
+                                        axes.x, axes.unit, shortest(tic_step(largest_error)), kOrange,
+                                        shortest(validate::kForceJnd), axes.jnd);
+  return two_panes(620, "top " + axes.key + " Left reverse samplen 2 spacing 1.15 noopaque", 0.4, upper,
+                   lower);
 }
 
-std::vector<std::vector<double>> rows_of(const std::vector<double>& x, double unit_x,
-                                         const std::vector<double>& measured,
-                                         const std::vector<double>& computed, double unit, bool sorted) {
-  std::vector<std::size_t> order(x.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  if (sorted) {
-    std::stable_sort(order.begin(), order.end(), [&x](std::size_t a, std::size_t b) { return x[a] < x[b]; });
-  }
-  std::vector<std::vector<double>> rows;
+/// What one figure shows.
+struct Curves {
+  const std::string& name;
+  const std::vector<double>& x;
+  double x_unit;
+  const std::vector<double>& measured;
+  const std::vector<double>& computed;
+  double unit;
+};
+
+Figure draw(const Curves& curves, bool sorted, const std::string& caption, const Axes& axes,
+            const std::filesystem::path& file) {
   constexpr std::size_t kMostRows = 2000;  // more would only make the picture large
-  const std::size_t every = order.size() / kMostRows + 1;
-  for (std::size_t n = 0; n < order.size(); n += every) {
-    const std::size_t i = order[n];
-    rows.push_back({x[i] / unit_x, measured[i] / unit, computed[i] / unit});
+  std::vector<std::vector<double>> all;
+  for (std::size_t i = 0; i < curves.x.size(); ++i) {
+    all.push_back(
+        {curves.x[i] / curves.x_unit, curves.measured[i] / curves.unit, curves.computed[i] / curves.unit});
   }
-  return rows;
-}
-
-Figure draw(const std::string& name, const std::string& caption, const Axes& axes,
-            const std::vector<std::vector<double>>& rows, const std::filesystem::path& file) {
-  Figure figure;
-  figure.file = file;
-  figure.alternative = "Measured and computed curve of " + name + ", and their absolute error";
-  figure.caption = caption;
+  if (sorted) sort_by_x(all);
+  std::vector<std::vector<double>> rows;
   double largest = 0.0;  // in the lower pane
-  for (const std::vector<double>& row : rows) {
-    largest = std::max({largest, std::abs(row[2] - row[1]), validate::kForceJnd * std::abs(row[1])});
+  for (std::size_t i = 0; i < all.size(); i += all.size() / kMostRows + 1) {
+    rows.push_back(all[i]);
+    largest = std::max({largest, std::abs(all[i][2] - all[i][1]), validate::kForceJnd * std::abs(all[i][1])});
   }
-  try {
-    run_gnuplot(script(axes, largest), {{"curve.dat", rows}}, file);
-  } catch (const FigureError& error) {
-    figure.missing = error.what();
-  }
-  return figure;
+  return drawn(
+      {file, "Measured and computed curve of " + curves.name + ", and their absolute error", caption},
+      script(axes, largest), {{"curve.dat", rows}});
 }
 
 Figure draw_force(const ForceSet& set, bool relaxes, const std::filesystem::path& file) {
@@ -88,10 +76,9 @@ Figure draw_force(const ForceSet& set, bool relaxes, const std::filesystem::path
   const bool over_time = relaxes && !ours.measured.time.empty();
   const Axes axes{over_time ? "time, s" : "displacement, mm", "force", "N",
                   "7 % of the force: what a hand notices", over_time ? "right" : "left"};
-  return draw(ours.measured.name, "Measured and computed force, and the absolute error.", axes,
-              rows_of(over_time ? ours.measured.time : ours.measured.displacement,
-                      over_time ? 1.0 : kMillimetre, ours.measured.force, ours.computed, 1.0, !over_time),
-              file);
+  return draw({ours.measured.name, over_time ? ours.measured.time : ours.measured.displacement,
+               over_time ? 1.0 : kMillimetre, ours.measured.force, ours.computed, 1.0},
+              !over_time, "Measured and computed force, and the absolute error.", axes, file);
 }
 
 Figure draw_profile(const ProfileSet& set, const std::filesystem::path& file) {
@@ -99,13 +86,12 @@ Figure draw_profile(const ProfileSet& set, const std::filesystem::path& file) {
   const Axes axes{"distance from the contact along the surface, mm", "displacement", "mm",
                   "7 % of the displacement (a hand notices 7 % of a force)", "right"};
   return draw(
-      ours.measured.name,
+      {ours.measured.name, ours.measured.distance, kMillimetre, ours.measured.displacement, ours.computed,
+       kMillimetre},
+      true,
       "Measured and computed deformation around the contact, and the absolute error, as in figure 7 of "
       "the paper.",
-      axes,
-      rows_of(ours.measured.distance, kMillimetre, ours.measured.displacement, ours.computed, kMillimetre,
-              true),
-      file);
+      axes, file);
 }
 
 std::string zeros_of(const validate::ZeroedErrors& with) {
@@ -131,7 +117,7 @@ TableRows error_table(const validate::Errors& ours, double cost_ns, const std::s
 
 void write_summary(Page& page, const Validation& validation, const std::string& command) {
   const validate::Law& law = validation.law;
-  page.open_section("summary", "What came out");
+  page.section("summary", "What came out");
   page.code(command);
   page.facts({{"tissue", law.tissue.name},
               {"law", model::to_string(law.tissue.law)},
@@ -158,23 +144,19 @@ void write_summary(Page& page, const Validation& validation, const std::string& 
                     validation.reach->exponent_kept ? " (as the tissue has it)." : "."));
   }
   std::vector<std::string> missed;
-  for (const std::string& goal : validation.missed) missed.push_back("missed: " + escaped(goal));
-  if (!missed.empty()) page.list(missed);
-  page.close_section();
+  for (const std::string& goal : validation.missed) missed.push_back("missed: " + goal);
+  page.list(missed);
 }
 
 void write_set(Page& page, const std::string& name, std::size_t number, const Figure& figure,
                const TableRows& table, bool rivals, const std::string& note) {
-  page.open_section("set-" + std::to_string(number), name);
-  page.open_grid("one");
-  page.figure(figure);
-  page.close_grid();
+  page.section("set-" + std::to_string(number), name);
+  page.figures("one", {figure});
   page.table(table);
   if (rivals) {
     page.paragraph("The other laws were each fitted to these very data; ours is the tissue as it was given.");
   }
   if (!note.empty()) page.paragraph(note);
-  page.close_section();
 }
 
 void write_sets(Page& page, const Validation& validation, const std::filesystem::path& folder) {

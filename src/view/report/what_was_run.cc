@@ -175,23 +175,18 @@ void write_what_was_run(Page& page, const WorkedExperiment& worked) {
   page.facts(other_facts(recording.setup));
   page.close_grid();
   page.close_grid();
-  std::vector<std::string> repairs;
-  for (const std::string& repair : recording.setup.repairs) repairs.push_back(escaped(repair));
-  if (!repairs.empty()) {
-    page.paragraph("<strong>Meshes: what was repaired</strong>");
-    page.list(repairs);
-  }
-  std::vector<std::string> remarks;
-  for (const std::string& remark : recording.setup.remarks) remarks.push_back(escaped(remark));
-  for (const std::string& remark : recording.facts.remarks) remarks.push_back(escaped(remark));
-  for (const std::string& words : changes_in_words(recording)) remarks.push_back(escaped(words));
-  for (const HandAnalysis& hand : worked.analysis.hands) {
-    for (const std::string& words : status_in_words(hand.rows)) remarks.push_back(escaped(words));
-  }
-  if (!remarks.empty()) {
-    page.paragraph("<strong>Remarks</strong>");
-    page.list(remarks);
-  }
+  const std::vector<std::string>& repairs = recording.setup.repairs;
+  if (!repairs.empty()) page.paragraph("<strong>Meshes: what was repaired</strong>");
+  page.list(repairs);
+  std::vector<std::string> remarks = recording.setup.remarks;
+  const auto add = [&remarks](const std::vector<std::string>& more) {
+    remarks.insert(remarks.end(), more.begin(), more.end());
+  };
+  add(recording.facts.remarks);
+  add(changes_in_words(recording));
+  for (const HandAnalysis& hand : worked.analysis.hands) add(status_in_words(hand.rows));
+  if (!remarks.empty()) page.paragraph("<strong>Remarks</strong>");
+  page.list(remarks);
 }
 
 }  // namespace palpate::report

@@ -58,5 +58,16 @@ TEST(TemporaryFolder, IsANewOneOfThatName) {
   EXPECT_EQ(make_temporary_folder("/nowhere/a-"), std::filesystem::path());
 }
 
+TEST(ScratchFolder, LeavesNothingBehind) {
+  std::filesystem::path path;
+  {
+    const ScratchFolder folder("palpate-test-");
+    path = folder.path();
+    std::ofstream(path / "a") << "b";
+    EXPECT_TRUE(std::filesystem::is_directory(path));
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
 }  // namespace
 }  // namespace palpate

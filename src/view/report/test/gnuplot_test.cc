@@ -6,11 +6,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 
 namespace palpate::report {
 namespace {
 
+using palpate::test::TemporaryFolder;
 using ::testing::HasSubstr;
 
 std::string read_script(const std::filesystem::path& file) {
@@ -54,17 +56,6 @@ TEST(Gnuplot, RefusesAFileThatCannotBeWritten) {
   const TemporaryFolder folder;
   EXPECT_THROW(run_gnuplot(kScript, {{"points.dat", {{0.0, 1.0}}}}, folder.path() / "none" / "a.svg"),
                InputError);
-}
-
-TEST(TemporaryFolder, LeavesNothingBehind) {
-  std::filesystem::path path;
-  {
-    const TemporaryFolder folder;
-    path = folder.path();
-    std::ofstream(path / "a") << "b";
-    EXPECT_TRUE(std::filesystem::is_directory(path));
-  }
-  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 }  // namespace

@@ -8,13 +8,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
-#include "view/report/gnuplot.h"
 #include "view/report/test/synthetic_recording.h"
 
 namespace palpate::report {
 namespace {
 
+using palpate::test::TemporaryFolder;
 using test::SyntheticRecording;
 using ::testing::HasSubstr;
 using ::testing::Not;
