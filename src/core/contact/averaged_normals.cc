@@ -13,14 +13,18 @@ namespace palpate::contact {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kQuick = 1e7;            // triangles looked at in all: a few tenths of a second
-constexpr double kGroupsInRadius = 10.0;  // a group's size is this part of the radius
+constexpr double kQuick = 1e7;           // triangles looked at in all: a few tenths of a second
+constexpr double kGroupsInRadius = 4.0;  // a group's size is this part of the radius
 
 /// Sums over the triangles that the surface leads to within reach of a point; one a thread.
 class Flood final {
  public:
   Flood(const SurfaceView& surface, const TriangleGroups& groups, double radius)
-      : surface_(surface), groups_(groups), radius_(radius), seen_by_(groups.size(), -1) {}
+      : surface_(surface),
+        groups_(groups),
+        radius_(radius),
+        inverse_(1.0 / (radius * radius)),
+        seen_by_(groups.size(), -1) {}
 
   /// The normal of a side. @param first_corner of that side alone
   NormalAndSlope average(std::int32_t first_corner) {
@@ -47,24 +51,57 @@ class Flood final {
 
   /// Adds a group's triangles. @return whether any of them is in reach
   bool add(std::int32_t group) {
-    const std::span<const std::int32_t> triangles = groups_.triangles(group);
-    if (triangles.size() > 1) {
-      const GroupMoments& moments = groups_.moments(group);
-      const Vec3 u = centre_ - moments.centre;
-      const double apart = u.norm();
-      if (apart - moments.reach >= radius_) return false;
-      const double cosine = fan_.reference().dot(moments.axis);
-      if (apart + moments.reach < radius_) {
-        if (cosine + moments.spread <= kSharpCosine) return true;  // counts for nothing
-        if (cosine - moments.spread >= kFullCosine) {
-          moments.add_to(sum_, u, radius_);
-          return true;
-        }
-      }
-    }
+    if (!groups_.are_larger()) return add_triangle(group);
+    const Met met = add_whole(groups_.moments(group));
+    if (met != Met::kPartly) return met == Met::kInReach;
     bool any = false;
-    for (const std::int32_t face : triangles) any = add_triangle(face) || any;
+    for (const GroupMoments& part : groups_.parts(group)) {
+      const Met part_met = add_whole(part);
+      any = any || part_met == Met::kInReach;
+      if (part_met != Met::kPartly) continue;
+      for (const Piece& piece : groups_.pieces(part)) any = add_piece(piece, any) || any;
+    }
     return any;
+  }
+
+  enum class Met { kOut, kInReach, kPartly };
+
+  /// Adds triangles by their moments, unless only some may be in reach or count in full.
+  Met add_whole(const GroupMoments& moments) {
+    const Vec3 u = centre_ - moments.centre;
+    const double squared = u.squaredNorm();
+    const double outer = radius_ + moments.reach;
+    const double inner = radius_ - moments.reach;
+    if (squared >= outer * outer) return Met::kOut;
+    if (inner <= 0.0 || squared >= inner * inner) return Met::kPartly;
+    const double cosine = fan_.reference().dot(moments.axis);
+    if (cosine + moments.spread <= kSharpCosine) return Met::kInReach;  // counts for nothing
+    if (cosine - moments.spread < kFullCosine) return Met::kPartly;
+    moments.add_to(sum_, u, radius_);
+    return Met::kInReach;
+  }
+
+  /// @param any whether it does not matter that only a corner is in reach
+  /// @return whether a corner is in reach
+  bool add_piece(const Piece& piece, bool any) {
+    const Vec3 u = centre_ - piece.centre;
+    const double squared = u.squaredNorm();
+    const double outer = radius_ + (any ? 1.0 : 2.0) * piece.middles;
+    const double inner = radius_ - piece.middles;
+    if (squared >= outer * outer) return false;
+    const double turned = turn_of(piece.normal);
+    if (any && turned <= 0.0) return true;
+    // With all middles in reach one corner is too: corners are at most twice as far from `centre`.
+    if (squared >= inner * inner || 3.0 * piece.middles >= radius_) return add_triangle(piece.triangle);
+    const Vec3 area = turned * piece.area;
+    sum_.sum += (3.0 - inverse_ * (3.0 * squared + piece.squares)) * area;
+    sum_.slope -= area * (6.0 * inverse_ * u).transpose();
+    return true;
+  }
+
+  [[nodiscard]] double turn_of(const Vec3& normal) const {
+    const double cosine = fan_.reference().dot(normal);
+    return std::clamp((cosine - kSharpCosine) / (kFullCosine - kSharpCosine), 0.0, 1.0);
   }
 
   /// @return whether a corner is in reach
@@ -77,8 +114,7 @@ class Flood final {
         radius_squared) {
       return false;
     }
-    const double cosine = fan_.reference().dot(surface_.face_normals[at(face)]);
-    const double turned = std::clamp((cosine - kSharpCosine) / (kFullCosine - kSharpCosine), 0.0, 1.0);
+    const double turned = turn_of(surface_.face_normals[at(face)]);
     // The middles of the edges integrate a quadratic weight exactly.
     double weight = 0.0;
     Vec3 rise = Vec3::Zero();  // of the weight with the centre's place
@@ -97,6 +133,7 @@ class Flood final {
   const SurfaceView& surface_;
   const TriangleGroups& groups_;
   double radius_;
+  double inverse_;  // 1/radius^2
   SideFan fan_;
   Vec3 centre_ = Vec3::Zero();
   NormalSum sum_;
@@ -180,8 +217,8 @@ double group_size_for(const SurfaceView& surface, const Sides& sides, double rad
 
 std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides, double radius,
                                              double group_size, const Share& share) {
-  constexpr std::size_t kBatch = 4096;  // groups between two words on how far it is
-  constexpr std::size_t kGrain = 128;
+  constexpr std::size_t kBatch = 256;  // groups between two words on how far it is
+  constexpr std::size_t kGrain = 16;
   const TriangleGroups groups(surface, group_size);
   std::vector<NormalAndSlope> normals(sides.first_corner.size());
   std::mutex mutex;

@@ -10,6 +10,7 @@
 namespace palpate::contact {
 namespace {
 
+constexpr std::size_t kPart = 8;       // triangles of a part
 constexpr double kAlikeCosine = 0.97;  // of 14 degrees: no triangle of a group is turned more from its first
 
 std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t triangle) {
@@ -17,32 +18,59 @@ std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t 
   return {mesh.vertices[at(corners[0])], mesh.vertices[at(corners[1])], mesh.vertices[at(corners[2])]};
 }
 
-GroupMoments moments_of(const SurfaceView& surface, std::span<const std::int32_t> triangles) {
-  GroupMoments moments;
-  const auto count = static_cast<double>(triangles.size());
-  for (const std::int32_t triangle : triangles) {
-    for (const Vec3& corner : corners_of(surface.mesh, triangle)) moments.centre += corner / (3.0 * count);
-    moments.axis += surface.face_normals[at(triangle)] / count;
+Piece piece_of(const SurfaceView& surface, std::int32_t triangle) {
+  const std::array<Vec3, 3> corner = corners_of(surface.mesh, triangle);
+  Piece piece;
+  piece.triangle = triangle;
+  piece.centre = (corner[0] + corner[1] + corner[2]) / 3.0;
+  piece.normal = surface.face_normals[at(triangle)];
+  piece.area = geometry::area_vector_doubled(surface.mesh, surface.mesh.triangles[at(triangle)]);
+  for (const Vec3& one : corner) {  // the middle across from it is half as far, on the other side
+    piece.squares += 0.25 * (one - piece.centre).squaredNorm();
+    piece.middles = std::max(piece.middles, 0.5 * (one - piece.centre).norm());
   }
-  for (const std::int32_t triangle : triangles) {
-    const std::array<Vec3, 3> corner = corners_of(surface.mesh, triangle);
-    const Vec3 area = geometry::area_vector_doubled(surface.mesh, surface.mesh.triangles[at(triangle)]);
-    Vec3 middles = Vec3::Zero();
-    double squares = 0.0;
-    for (std::size_t e = 0; e < 3; ++e) {
-      const Vec3 middle = 0.5 * (corner[e] + corner[(e + 1) % 3]) - moments.centre;
-      middles += middle;
-      squares += middle.squaredNorm();
-      moments.reach = std::max(moments.reach, (corner[e] - moments.centre).norm());
-    }
-    moments.sum_A += area;
-    moments.sum_Am += area * middles.transpose();
-    moments.sum_Aq += squares * area;
-    if (area.squaredNorm() > 0.0) {
-      moments.spread = std::max(moments.spread, (surface.face_normals[at(triangle)] - moments.axis).norm());
+  return piece;
+}
+
+GroupMoments moments_of(std::span<const Piece> all, std::size_t first, std::size_t number) {
+  const std::span<const Piece> pieces = all.subspan(first, number);
+  GroupMoments moments;
+  moments.first = first;
+  moments.count = number;
+  const auto count = static_cast<double>(pieces.size());
+  for (const Piece& piece : pieces) {
+    moments.centre += piece.centre / count;
+    moments.axis += piece.normal / count;
+  }
+  for (const Piece& piece : pieces) {
+    const Vec3 apart = piece.centre - moments.centre;
+    moments.sum_A += piece.area;
+    moments.sum_Am += 3.0 * piece.area * apart.transpose();
+    moments.sum_Aq += (3.0 * apart.squaredNorm() + piece.squares) * piece.area;
+    moments.reach = std::max(moments.reach, apart.norm() + 2.0 * piece.middles);
+    if (piece.area.squaredNorm() > 0.0) {
+      moments.spread = std::max(moments.spread, (piece.normal - moments.axis).norm());
     }
   }
   return moments;
+}
+
+/// Orders pieces so that each run of kPart of them, from the first, lies together.
+void gather(std::span<Piece> pieces) {
+  if (pieces.size() <= kPart) return;
+  Vec3 low = pieces[0].centre;
+  Vec3 high = low;
+  for (const Piece& piece : pieces) {
+    low = low.cwiseMin(piece.centre);
+    high = high.cwiseMax(piece.centre);
+  }
+  Eigen::Index longest = 0;
+  (high - low).maxCoeff(&longest);
+  const std::size_t half = (pieces.size() / kPart + 1) / 2 * kPart;
+  std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
+                   [&](const Piece& a, const Piece& b) { return a.centre[longest] < b.centre[longest]; });
+  gather(pieces.first(half));
+  gather(pieces.subspan(half));
 }
 
 }  // namespace
@@ -57,11 +85,24 @@ TriangleGroups::TriangleGroups(const SurfaceView& surface, double size)
     : group_of_(surface.mesh.triangles.size(), -1) {
   grow(surface, size);
   link(surface);
+  if (!(size > 0.0)) return;
+  pieces_.resize(triangles_.size());
   moments_.resize(this->size());
+  for (std::size_t i = 0; i < moments_.size(); ++i) {
+    first_part_.push_back(static_cast<std::int32_t>(parts_.size()));
+    parts_.resize(parts_.size() + (triangles(static_cast<std::int32_t>(i)).size() + kPart - 1) / kPart);
+  }
+  first_part_.push_back(static_cast<std::int32_t>(parts_.size()));
   for_ranges(moments_.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::span<const std::int32_t> own = triangles(static_cast<std::int32_t>(i));
-      if (own.size() > 1) moments_[i] = moments_of(surface, own);
+      const std::size_t first = at(start_[i]);
+      const std::size_t last = at(start_[i + 1]);
+      for (std::size_t k = first; k < last; ++k) pieces_[k] = piece_of(surface, triangles_[k]);
+      gather(std::span(pieces_).subspan(first, last - first));
+      moments_[i] = moments_of(pieces_, first, last - first);
+      for (std::size_t k = first; k < last; k += kPart) {
+        parts_[at(first_part_[i]) + (k - first) / kPart] = moments_of(pieces_, k, std::min(kPart, last - k));
+      }
     }
   });
 }

@@ -14,6 +14,16 @@ struct NormalSum {
   Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
 };
 
+/// What an averaged normal needs of one triangle.
+struct Piece {
+  std::int32_t triangle = 0;
+  Vec3 centre = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();  // unit
+  Vec3 area = Vec3::Zero();    // twice the area vector
+  double squares = 0.0;        // sum of the squared distances of its edges' middles from `centre`
+  double middles = 0.0;        // no middle is farther from `centre` [m]; no corner is twice as far
+};
+
 /// What a group's triangles add to the sum at a point, where all of them are within the radius h of the mean
 /// and count in full. With u from `centre` to the point, A_f twice a triangle's area vector and m the middles
 /// of its three edges from `centre`:
@@ -27,6 +37,8 @@ struct GroupMoments {
   Vec3 sum_A = Vec3::Zero();
   Eigen::Matrix3d sum_Am = Eigen::Matrix3d::Zero();  // M
   Vec3 sum_Aq = Vec3::Zero();
+  std::size_t first = 0;  // of its triangles, in the order of groups
+  std::size_t count = 0;
 
   /// [setup] Adds all triangles at the point `centre + u`.
   void add_to(NormalSum& sum, const Vec3& u, double radius) const noexcept;
@@ -51,15 +63,24 @@ class TriangleGroups final {
   [[nodiscard]] std::int32_t group_of(std::int32_t triangle) const noexcept {
     return group_of_[static_cast<std::size_t>(triangle)];
   }
-  /// Of groups with more than one triangle.
+  /// Whether the size is not 0: only then there are moments, parts and pieces.
+  [[nodiscard]] bool are_larger() const noexcept { return !moments_.empty(); }
   [[nodiscard]] const GroupMoments& moments(std::int32_t group) const noexcept {
     return moments_[static_cast<std::size_t>(group)];
   }
+  /// Few triangles each that lie together; all those of a group.
+  [[nodiscard]] std::span<const GroupMoments> parts(std::int32_t group) const noexcept {
+    return part(parts_, first_part_, group);
+  }
+  [[nodiscard]] std::span<const Piece> pieces(const GroupMoments& of) const noexcept {
+    return std::span(pieces_).subspan(of.first, of.count);
+  }
 
  private:
-  [[nodiscard]] static std::span<const std::int32_t> part(const std::vector<std::int32_t>& list,
-                                                          const std::vector<std::int32_t>& start,
-                                                          std::int32_t i) noexcept {
+  template <typename T>
+  [[nodiscard]] static std::span<const T> part(const std::vector<T>& list,
+                                               const std::vector<std::int32_t>& start,
+                                               std::int32_t i) noexcept {
     const auto first = static_cast<std::size_t>(start[static_cast<std::size_t>(i)]);
     return std::span(list).subspan(first,
                                    static_cast<std::size_t>(start[static_cast<std::size_t>(i) + 1]) - first);
@@ -72,7 +93,10 @@ class TriangleGroups final {
   std::vector<std::int32_t> group_of_;   // of each triangle
   std::vector<std::int32_t> neighbours_;
   std::vector<std::int32_t> first_neighbour_;  // of each group, and the end, in neighbours_
+  std::vector<Piece> pieces_;                  // of triangles_
   std::vector<GroupMoments> moments_;
+  std::vector<GroupMoments> parts_;
+  std::vector<std::int32_t> first_part_;  // of each group, and the end, in parts_
 };
 
 }  // namespace palpate::contact
