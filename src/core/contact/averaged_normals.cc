@@ -1,6 +1,7 @@
 #include "core/contact/averaged_normals.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -20,11 +21,7 @@ constexpr double kGroupsInRadius = 4.0;  // a group's size is this part of the r
 class Flood final {
  public:
   Flood(const SurfaceView& surface, const TriangleGroups& groups, double radius)
-      : surface_(surface),
-        groups_(groups),
-        radius_(radius),
-        inverse_(1.0 / (radius * radius)),
-        seen_by_(groups.size(), -1) {}
+      : surface_(surface), groups_(groups), radius_(radius), seen_by_(groups.size(), -1) {}
 
   /// The normal of a side. @param first_corner of that side alone
   NormalAndSlope average(std::int32_t first_corner) {
@@ -52,14 +49,15 @@ class Flood final {
   /// Adds a group's triangles. @return whether any of them is in reach
   bool add(std::int32_t group) {
     if (!groups_.are_larger()) return add_triangle(group);
-    const Met met = add_whole(groups_.moments(group));
-    if (met != Met::kPartly) return met == Met::kInReach;
+    const std::vector<GroupMoments>& nodes = groups_.nodes(group);
     bool any = false;
-    for (const GroupMoments& part : groups_.parts(group)) {
-      const Met part_met = add_whole(part);
-      any = any || part_met == Met::kInReach;
-      if (part_met != Met::kPartly) continue;
-      for (const Piece& piece : groups_.pieces(part)) any = add_piece(piece, any) || any;
+    for (std::size_t i = 0; i < nodes.size();) {
+      const Met met = add_whole(nodes[i], any);
+      any = any || met == Met::kInReach;
+      if (met == Met::kPartly && nodes[i].after == i + 1) {  // not divided further
+        for (const Piece& piece : groups_.pieces(nodes[i])) any = add_piece(piece, any) || any;
+      }
+      i = met == Met::kPartly ? i + 1 : nodes[i].after;
     }
     return any;
   }
@@ -67,16 +65,18 @@ class Flood final {
   enum class Met { kOut, kInReach, kPartly };
 
   /// Adds triangles by their moments, unless only some may be in reach or count in full.
-  Met add_whole(const GroupMoments& moments) {
+  /// @param any whether it does not matter that some are in reach which count for nothing
+  Met add_whole(const GroupMoments& moments, bool any) {
     const Vec3 u = centre_ - moments.centre;
     const double squared = u.squaredNorm();
     const double outer = radius_ + moments.reach;
     const double inner = radius_ - moments.reach;
     if (squared >= outer * outer) return Met::kOut;
-    if (inner <= 0.0 || squared >= inner * inner) return Met::kPartly;
+    const bool in_reach = inner > 0.0 && squared < inner * inner;
+    if (!in_reach && !any) return Met::kPartly;
     const double cosine = fan_.reference().dot(moments.axis);
     if (cosine + moments.spread <= kSharpCosine) return Met::kInReach;  // counts for nothing
-    if (cosine - moments.spread < kFullCosine) return Met::kPartly;
+    if (!in_reach || cosine - moments.spread < kFullCosine) return Met::kPartly;
     moments.add_to(sum_, u, radius_);
     return Met::kInReach;
   }
@@ -91,11 +91,16 @@ class Flood final {
     if (squared >= outer * outer) return false;
     const double turned = turn_of(piece.normal);
     if (any && turned <= 0.0) return true;
+    const std::array<Vec3, 3>& m = piece.middle;
     // With all middles in reach one corner is too: corners are at most twice as far from `centre`.
-    if (squared >= inner * inner || 3.0 * piece.middles >= radius_) return add_triangle(piece.triangle);
+    if (squared >= inner * inner || 3.0 * piece.middles >= radius_) {
+      return weigh({-2.0 * m[0] - u, -2.0 * m[1] - u, -2.0 * m[2] - u}, {m[0] - u, m[1] - u, m[2] - u},
+                   turned, piece.area);
+    }
+    const double inverse = 1.0 / (radius_ * radius_);
     const Vec3 area = turned * piece.area;
-    sum_.sum += (3.0 - inverse_ * (3.0 * squared + piece.squares)) * area;
-    sum_.slope -= area * (6.0 * inverse_ * u).transpose();
+    sum_.sum += (3.0 - inverse * (3.0 * squared + piece.squares)) * area;
+    sum_.slope -= area * (6.0 * inverse * u).transpose();
     return true;
   }
 
@@ -106,25 +111,32 @@ class Flood final {
 
   /// @return whether a corner is in reach
   bool add_triangle(std::int32_t face) {
-    const double radius_squared = radius_ * radius_;
     const Vec3& a = corner(face, 0);
     const Vec3& b = corner(face, 1);
     const Vec3& c = corner(face, 2);
-    if (std::min({(a - centre_).squaredNorm(), (b - centre_).squaredNorm(), (c - centre_).squaredNorm()}) >=
+    return weigh({a - centre_, b - centre_, c - centre_},
+                 {0.5 * (a + b) - centre_, 0.5 * (b + c) - centre_, 0.5 * (c + a) - centre_},
+                 turn_of(surface_.face_normals[at(face)]),
+                 geometry::area_vector_doubled(surface_.mesh, surface_.mesh.triangles[at(face)]));
+  }
+
+  /// Adds a triangle with its corners and its edges' middles as seen from the centre.
+  bool weigh(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>& middles, double turned,
+             const Vec3& area) {
+    const double radius_squared = radius_ * radius_;
+    if (std::min({corners[0].squaredNorm(), corners[1].squaredNorm(), corners[2].squaredNorm()}) >=
         radius_squared) {
       return false;
     }
-    const double turned = turn_of(surface_.face_normals[at(face)]);
     // The middles of the edges integrate a quadratic weight exactly.
     double weight = 0.0;
     Vec3 rise = Vec3::Zero();  // of the weight with the centre's place
-    for (const Vec3& middle : {Vec3(0.5 * (a + b)), Vec3(0.5 * (b + c)), Vec3(0.5 * (c + a))}) {
-      const double share = 1.0 - (middle - centre_).squaredNorm() / radius_squared;
+    for (const Vec3& middle : middles) {
+      const double share = 1.0 - middle.squaredNorm() / radius_squared;
       if (share <= 0.0) continue;
       weight += share;
-      rise += (2.0 / radius_squared) * (middle - centre_);
+      rise += (2.0 / radius_squared) * middle;
     }
-    const Vec3 area = geometry::area_vector_doubled(surface_.mesh, surface_.mesh.triangles[at(face)]);
     sum_.sum += weight * turned * area;
     sum_.slope += turned * area * rise.transpose();
     return true;
@@ -133,7 +145,6 @@ class Flood final {
   const SurfaceView& surface_;
   const TriangleGroups& groups_;
   double radius_;
-  double inverse_;  // 1/radius^2
   SideFan fan_;
   Vec3 centre_ = Vec3::Zero();
   NormalSum sum_;

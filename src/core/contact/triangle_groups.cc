@@ -10,7 +10,7 @@
 namespace palpate::contact {
 namespace {
 
-constexpr std::size_t kPart = 8;       // triangles of a part
+constexpr std::size_t kFew = 8;        // triangles that are not divided further
 constexpr double kAlikeCosine = 0.97;  // of 14 degrees: no triangle of a group is turned more from its first
 
 std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t triangle) {
@@ -21,13 +21,13 @@ std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t 
 Piece piece_of(const SurfaceView& surface, std::int32_t triangle) {
   const std::array<Vec3, 3> corner = corners_of(surface.mesh, triangle);
   Piece piece;
-  piece.triangle = triangle;
   piece.centre = (corner[0] + corner[1] + corner[2]) / 3.0;
   piece.normal = surface.face_normals[at(triangle)];
   piece.area = geometry::area_vector_doubled(surface.mesh, surface.mesh.triangles[at(triangle)]);
-  for (const Vec3& one : corner) {  // the middle across from it is half as far, on the other side
-    piece.squares += 0.25 * (one - piece.centre).squaredNorm();
-    piece.middles = std::max(piece.middles, 0.5 * (one - piece.centre).norm());
+  for (std::size_t i = 0; i < 3; ++i) {
+    piece.middle[i] = -0.5 * (corner[i] - piece.centre);
+    piece.squares += piece.middle[i].squaredNorm();
+    piece.middles = std::max(piece.middles, piece.middle[i].norm());
   }
   return piece;
 }
@@ -55,22 +55,27 @@ GroupMoments moments_of(std::span<const Piece> all, std::size_t first, std::size
   return moments;
 }
 
-/// Orders pieces so that each run of kPart of them, from the first, lies together.
-void gather(std::span<Piece> pieces) {
-  if (pieces.size() <= kPart) return;
-  Vec3 low = pieces[0].centre;
-  Vec3 high = low;
-  for (const Piece& piece : pieces) {
-    low = low.cwiseMin(piece.centre);
-    high = high.cwiseMax(piece.centre);
+/// Lists the moments of pieces, then those of either half, and so on. Orders the pieces so.
+void divide(std::span<Piece> all, std::size_t first, std::size_t count, std::vector<GroupMoments>& nodes) {
+  const std::size_t node = nodes.size();
+  nodes.push_back(moments_of(all, first, count));
+  if (count > kFew) {
+    const std::span<Piece> pieces = all.subspan(first, count);
+    Vec3 low = pieces[0].centre;
+    Vec3 high = low;
+    for (const Piece& piece : pieces) {
+      low = low.cwiseMin(piece.centre);
+      high = high.cwiseMax(piece.centre);
+    }
+    Eigen::Index longest = 0;
+    (high - low).maxCoeff(&longest);
+    const std::size_t half = count / 2;
+    std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
+                     [&](const Piece& a, const Piece& b) { return a.centre[longest] < b.centre[longest]; });
+    divide(all, first, half, nodes);
+    divide(all, first + half, count - half, nodes);
   }
-  Eigen::Index longest = 0;
-  (high - low).maxCoeff(&longest);
-  const std::size_t half = (pieces.size() / kPart + 1) / 2 * kPart;
-  std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
-                   [&](const Piece& a, const Piece& b) { return a.centre[longest] < b.centre[longest]; });
-  gather(pieces.first(half));
-  gather(pieces.subspan(half));
+  nodes[node].after = nodes.size();
 }
 
 }  // namespace
@@ -87,22 +92,13 @@ TriangleGroups::TriangleGroups(const SurfaceView& surface, double size)
   link(surface);
   if (!(size > 0.0)) return;
   pieces_.resize(triangles_.size());
-  moments_.resize(this->size());
-  for (std::size_t i = 0; i < moments_.size(); ++i) {
-    first_part_.push_back(static_cast<std::int32_t>(parts_.size()));
-    parts_.resize(parts_.size() + (triangles(static_cast<std::int32_t>(i)).size() + kPart - 1) / kPart);
-  }
-  first_part_.push_back(static_cast<std::int32_t>(parts_.size()));
-  for_ranges(moments_.size(), 256, [&](std::size_t begin, std::size_t end) {
+  nodes_.resize(this->size());
+  for_ranges(nodes_.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t first = at(start_[i]);
       const std::size_t last = at(start_[i + 1]);
       for (std::size_t k = first; k < last; ++k) pieces_[k] = piece_of(surface, triangles_[k]);
-      gather(std::span(pieces_).subspan(first, last - first));
-      moments_[i] = moments_of(pieces_, first, last - first);
-      for (std::size_t k = first; k < last; k += kPart) {
-        parts_[at(first_part_[i]) + (k - first) / kPart] = moments_of(pieces_, k, std::min(kPart, last - k));
-      }
+      divide(pieces_, first, last - first, nodes_[i]);
     }
   });
 }

@@ -1,5 +1,6 @@
 #pragma once
 // Groups of neighbouring triangles, each with what its triangles add to an averaged normal; set-up only.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,12 +17,12 @@ struct NormalSum {
 
 /// What an averaged normal needs of one triangle.
 struct Piece {
-  std::int32_t triangle = 0;
   Vec3 centre = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // unit
   Vec3 area = Vec3::Zero();    // twice the area vector
-  double squares = 0.0;        // sum of the squared distances of its edges' middles from `centre`
-  double middles = 0.0;        // no middle is farther from `centre` [m]; no corner is twice as far
+  std::array<Vec3, 3> middle;  // of its edges, from `centre`; the corner across from one is twice as far
+  double squares = 0.0;        // sum of their squared distances
+  double middles = 0.0;        // no middle is farther [m]
 };
 
 /// What a group's triangles add to the sum at a point, where all of them are within the radius h of the mean
@@ -39,6 +40,7 @@ struct GroupMoments {
   Vec3 sum_Aq = Vec3::Zero();
   std::size_t first = 0;  // of its triangles, in the order of groups
   std::size_t count = 0;
+  std::size_t after = 0;  // the node that follows when this is not looked into
 
   /// [setup] Adds all triangles at the point `centre + u`.
   void add_to(NormalSum& sum, const Vec3& u, double radius) const noexcept;
@@ -63,24 +65,20 @@ class TriangleGroups final {
   [[nodiscard]] std::int32_t group_of(std::int32_t triangle) const noexcept {
     return group_of_[static_cast<std::size_t>(triangle)];
   }
-  /// Whether the size is not 0: only then there are moments, parts and pieces.
-  [[nodiscard]] bool are_larger() const noexcept { return !moments_.empty(); }
-  [[nodiscard]] const GroupMoments& moments(std::int32_t group) const noexcept {
-    return moments_[static_cast<std::size_t>(group)];
-  }
-  /// Few triangles each that lie together; all those of a group.
-  [[nodiscard]] std::span<const GroupMoments> parts(std::int32_t group) const noexcept {
-    return part(parts_, first_part_, group);
+  /// Whether the size is not 0: only then there are nodes and pieces.
+  [[nodiscard]] bool are_larger() const noexcept { return !nodes_.empty(); }
+  /// The group, then its first half with all halves of that, then its second half in the same way.
+  [[nodiscard]] const std::vector<GroupMoments>& nodes(std::int32_t group) const noexcept {
+    return nodes_[static_cast<std::size_t>(group)];
   }
   [[nodiscard]] std::span<const Piece> pieces(const GroupMoments& of) const noexcept {
     return std::span(pieces_).subspan(of.first, of.count);
   }
 
  private:
-  template <typename T>
-  [[nodiscard]] static std::span<const T> part(const std::vector<T>& list,
-                                               const std::vector<std::int32_t>& start,
-                                               std::int32_t i) noexcept {
+  [[nodiscard]] static std::span<const std::int32_t> part(const std::vector<std::int32_t>& list,
+                                                          const std::vector<std::int32_t>& start,
+                                                          std::int32_t i) noexcept {
     const auto first = static_cast<std::size_t>(start[static_cast<std::size_t>(i)]);
     return std::span(list).subspan(first,
                                    static_cast<std::size_t>(start[static_cast<std::size_t>(i) + 1]) - first);
@@ -92,11 +90,9 @@ class TriangleGroups final {
   std::vector<std::int32_t> start_;      // of each group, and the end, in triangles_
   std::vector<std::int32_t> group_of_;   // of each triangle
   std::vector<std::int32_t> neighbours_;
-  std::vector<std::int32_t> first_neighbour_;  // of each group, and the end, in neighbours_
-  std::vector<Piece> pieces_;                  // of triangles_
-  std::vector<GroupMoments> moments_;
-  std::vector<GroupMoments> parts_;
-  std::vector<std::int32_t> first_part_;  // of each group, and the end, in parts_
+  std::vector<std::int32_t> first_neighbour_;     // of each group, and the end, in neighbours_
+  std::vector<Piece> pieces_;                     // of triangles_
+  std::vector<std::vector<GroupMoments>> nodes_;  // of each group
 };
 
 }  // namespace palpate::contact
