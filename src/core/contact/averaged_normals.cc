@@ -1,6 +1,7 @@
 #include "core/contact/averaged_normals.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -13,8 +14,8 @@ namespace palpate::contact {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kQuick = 1e7;            // triangles looked at in all: a few tenths of a second
-constexpr double kGroupsInRadius = 10.0;  // a group's size is this part of the radius
+constexpr double kQuick = 1e7;           // triangles looked at in all: a few tenths of a second
+constexpr double kGroupsInRadius = 4.0;  // a group's size is this part of the radius
 
 /// Sums over the triangles that the surface leads to within reach of a point; one a thread.
 class Flood final {
@@ -47,48 +48,95 @@ class Flood final {
 
   /// Adds a group's triangles. @return whether any of them is in reach
   bool add(std::int32_t group) {
-    const std::span<const std::int32_t> triangles = groups_.triangles(group);
-    if (triangles.size() > 1) {
-      const GroupMoments& moments = groups_.moments(group);
-      const Vec3 u = centre_ - moments.centre;
-      const double apart = u.norm();
-      if (apart - moments.reach >= radius_) return false;
-      const double cosine = fan_.reference().dot(moments.axis);
-      if (apart + moments.reach < radius_) {
-        if (cosine + moments.spread <= kSharpCosine) return true;  // counts for nothing
-        if (cosine - moments.spread >= kFullCosine) {
-          moments.add_to(sum_, u, radius_);
-          return true;
-        }
-      }
-    }
+    if (!groups_.are_larger()) return add_triangle(group);
+    const std::vector<GroupMoments>& nodes = groups_.nodes(group);
     bool any = false;
-    for (const std::int32_t face : triangles) any = add_triangle(face) || any;
+    for (std::size_t i = 0; i < nodes.size();) {
+      const Met met = add_whole(nodes[i], any);
+      any = any || met == Met::kInReach;
+      if (met == Met::kPartly && nodes[i].after == i + 1) {  // not divided further
+        for (const Piece& piece : groups_.pieces(nodes[i])) any = add_piece(piece, any) || any;
+      }
+      i = met == Met::kPartly ? i + 1 : nodes[i].after;
+    }
     return any;
+  }
+
+  enum class Met { kOut, kInReach, kPartly };
+
+  /// Adds triangles by their moments, unless only some may be in reach or count in full.
+  /// @param any whether it does not matter that some are in reach which count for nothing
+  Met add_whole(const GroupMoments& moments, bool any) {
+    const Vec3 u = centre_ - moments.centre;
+    const double squared = u.squaredNorm();
+    const double outer = radius_ + moments.reach;
+    const double inner = radius_ - moments.reach;
+    if (squared >= outer * outer) return Met::kOut;
+    const bool in_reach = inner > 0.0 && squared < inner * inner;
+    if (!in_reach && !any) return Met::kPartly;
+    const double cosine = fan_.reference().dot(moments.axis);
+    if (cosine + moments.spread <= kSharpCosine) return Met::kInReach;  // counts for nothing
+    if (!in_reach || cosine - moments.spread < kFullCosine) return Met::kPartly;
+    moments.add_to(sum_, u, radius_);
+    return Met::kInReach;
+  }
+
+  /// @param any whether it does not matter that only a corner is in reach
+  /// @return whether a corner is in reach
+  bool add_piece(const Piece& piece, bool any) {
+    const Vec3 u = centre_ - piece.centre;
+    const double squared = u.squaredNorm();
+    const double outer = radius_ + (any ? 1.0 : 2.0) * piece.middles;
+    const double inner = radius_ - piece.middles;
+    if (squared >= outer * outer) return false;
+    const double turned = turn_of(piece.normal);
+    if (any && turned <= 0.0) return true;
+    const std::array<Vec3, 3>& m = piece.middle;
+    // With all middles in reach one corner is too: corners are at most twice as far from `centre`.
+    if (squared >= inner * inner || 3.0 * piece.middles >= radius_) {
+      return weigh({-2.0 * m[0] - u, -2.0 * m[1] - u, -2.0 * m[2] - u}, {m[0] - u, m[1] - u, m[2] - u},
+                   turned, piece.area);
+    }
+    const double inverse = 1.0 / (radius_ * radius_);
+    const Vec3 area = turned * piece.area;
+    sum_.sum += (3.0 - inverse * (3.0 * squared + piece.squares)) * area;
+    sum_.slope -= area * (6.0 * inverse * u).transpose();
+    return true;
+  }
+
+  [[nodiscard]] double turn_of(const Vec3& normal) const {
+    const double cosine = fan_.reference().dot(normal);
+    return std::clamp((cosine - kSharpCosine) / (kFullCosine - kSharpCosine), 0.0, 1.0);
   }
 
   /// @return whether a corner is in reach
   bool add_triangle(std::int32_t face) {
-    const double radius_squared = radius_ * radius_;
     const Vec3& a = corner(face, 0);
     const Vec3& b = corner(face, 1);
     const Vec3& c = corner(face, 2);
-    if (std::min({(a - centre_).squaredNorm(), (b - centre_).squaredNorm(), (c - centre_).squaredNorm()}) >=
+    return weigh({a - centre_, b - centre_, c - centre_},
+                 {0.5 * (a + b) - centre_, 0.5 * (b + c) - centre_, 0.5 * (c + a) - centre_},
+                 turn_of(surface_.face_normals[at(face)]),
+                 geometry::area_vector_doubled(surface_.mesh, surface_.mesh.triangles[at(face)]));
+  }
+
+  /// Adds a triangle with its corners and its edges' middles as seen from the centre.
+  bool weigh(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>& middles, double turned,
+             const Vec3& area) {
+    const double radius_squared = radius_ * radius_;
+    if (std::min({corners[0].squaredNorm(), corners[1].squaredNorm(), corners[2].squaredNorm()}) >=
         radius_squared) {
       return false;
     }
-    const double cosine = fan_.reference().dot(surface_.face_normals[at(face)]);
-    const double turned = std::clamp((cosine - kSharpCosine) / (kFullCosine - kSharpCosine), 0.0, 1.0);
     // The middles of the edges integrate a quadratic weight exactly.
     double weight = 0.0;
     Vec3 rise = Vec3::Zero();  // of the weight with the centre's place
-    for (const Vec3& middle : {Vec3(0.5 * (a + b)), Vec3(0.5 * (b + c)), Vec3(0.5 * (c + a))}) {
-      const double share = 1.0 - (middle - centre_).squaredNorm() / radius_squared;
+    for (const Vec3& middle : middles) {
+      const double share = 1.0 - middle.squaredNorm() / radius_squared;
       if (share <= 0.0) continue;
       weight += share;
-      rise += (2.0 / radius_squared) * (middle - centre_);
+      rise += (2.0 / radius_squared) * middle;
     }
-    const Vec3 area = geometry::area_vector_doubled(surface_.mesh, surface_.mesh.triangles[at(face)]);
     sum_.sum += weight * turned * area;
     sum_.slope += turned * area * rise.transpose();
     return true;
@@ -180,8 +228,8 @@ double group_size_for(const SurfaceView& surface, const Sides& sides, double rad
 
 std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides, double radius,
                                              double group_size, const Share& share) {
-  constexpr std::size_t kBatch = 4096;  // groups between two words on how far it is
-  constexpr std::size_t kGrain = 128;
+  constexpr std::size_t kBatch = 256;  // groups between two words on how far it is
+  constexpr std::size_t kGrain = 16;
   const TriangleGroups groups(surface, group_size);
   std::vector<NormalAndSlope> normals(sides.first_corner.size());
   std::mutex mutex;

@@ -66,9 +66,9 @@ struct NormalAndSlope {
 
 /// [setup] The unit normal of every side: the area-weighted mean of the face normals within `radius` [m]
 /// along the surface, weight 1 - (r/radius)^2 at the middles of the edges, without faces turned more than 60
-/// degrees; and its slope while the same middles are in reach. Groups of neighbouring triangles that lie in
-/// reach and are turned less than 49 degrees are added whole, by their moments, which is exact but for
-/// rounding (docs/decisions/0022).
+/// degrees; and its slope while the same middles are in reach. Groups of neighbouring triangles, or halves of
+/// them and so on, that lie in reach and are turned less than 49 degrees are added whole, by their moments,
+/// which is exact but for rounding (docs/decisions/0022).
 /// @param group_size no corner of a group's triangles is farther from its first triangle [m]; 0: no groups
 [[nodiscard]] std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides,
                                                            double radius, double group_size,

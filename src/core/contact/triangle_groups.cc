@@ -10,6 +10,7 @@
 namespace palpate::contact {
 namespace {
 
+constexpr std::size_t kFew = 8;        // triangles that are not divided further
 constexpr double kAlikeCosine = 0.97;  // of 14 degrees: no triangle of a group is turned more from its first
 
 std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t triangle) {
@@ -17,32 +18,64 @@ std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t 
   return {mesh.vertices[at(corners[0])], mesh.vertices[at(corners[1])], mesh.vertices[at(corners[2])]};
 }
 
-GroupMoments moments_of(const SurfaceView& surface, std::span<const std::int32_t> triangles) {
-  GroupMoments moments;
-  const auto count = static_cast<double>(triangles.size());
-  for (const std::int32_t triangle : triangles) {
-    for (const Vec3& corner : corners_of(surface.mesh, triangle)) moments.centre += corner / (3.0 * count);
-    moments.axis += surface.face_normals[at(triangle)] / count;
+Piece piece_of(const SurfaceView& surface, std::int32_t triangle) {
+  const std::array<Vec3, 3> corner = corners_of(surface.mesh, triangle);
+  Piece piece;
+  piece.centre = (corner[0] + corner[1] + corner[2]) / 3.0;
+  piece.normal = surface.face_normals[at(triangle)];
+  piece.area = geometry::area_vector_doubled(surface.mesh, surface.mesh.triangles[at(triangle)]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    piece.middle[i] = -0.5 * (corner[i] - piece.centre);
+    piece.squares += piece.middle[i].squaredNorm();
+    piece.middles = std::max(piece.middles, piece.middle[i].norm());
   }
-  for (const std::int32_t triangle : triangles) {
-    const std::array<Vec3, 3> corner = corners_of(surface.mesh, triangle);
-    const Vec3 area = geometry::area_vector_doubled(surface.mesh, surface.mesh.triangles[at(triangle)]);
-    Vec3 middles = Vec3::Zero();
-    double squares = 0.0;
-    for (std::size_t e = 0; e < 3; ++e) {
-      const Vec3 middle = 0.5 * (corner[e] + corner[(e + 1) % 3]) - moments.centre;
-      middles += middle;
-      squares += middle.squaredNorm();
-      moments.reach = std::max(moments.reach, (corner[e] - moments.centre).norm());
-    }
-    moments.sum_A += area;
-    moments.sum_Am += area * middles.transpose();
-    moments.sum_Aq += squares * area;
-    if (area.squaredNorm() > 0.0) {
-      moments.spread = std::max(moments.spread, (surface.face_normals[at(triangle)] - moments.axis).norm());
+  return piece;
+}
+
+GroupMoments moments_of(std::span<const Piece> all, std::size_t first, std::size_t number) {
+  const std::span<const Piece> pieces = all.subspan(first, number);
+  GroupMoments moments;
+  moments.first = first;
+  moments.count = number;
+  const auto count = static_cast<double>(pieces.size());
+  for (const Piece& piece : pieces) {
+    moments.centre += piece.centre / count;
+    moments.axis += piece.normal / count;
+  }
+  for (const Piece& piece : pieces) {
+    const Vec3 apart = piece.centre - moments.centre;
+    moments.sum_A += piece.area;
+    moments.sum_Am += 3.0 * piece.area * apart.transpose();
+    moments.sum_Aq += (3.0 * apart.squaredNorm() + piece.squares) * piece.area;
+    moments.reach = std::max(moments.reach, apart.norm() + 2.0 * piece.middles);
+    if (piece.area.squaredNorm() > 0.0) {
+      moments.spread = std::max(moments.spread, (piece.normal - moments.axis).norm());
     }
   }
   return moments;
+}
+
+/// Lists the moments of pieces, then those of either half, and so on. Orders the pieces so.
+void divide(std::span<Piece> all, std::size_t first, std::size_t count, std::vector<GroupMoments>& nodes) {
+  const std::size_t node = nodes.size();
+  nodes.push_back(moments_of(all, first, count));
+  if (count > kFew) {
+    const std::span<Piece> pieces = all.subspan(first, count);
+    Vec3 low = pieces[0].centre;
+    Vec3 high = low;
+    for (const Piece& piece : pieces) {
+      low = low.cwiseMin(piece.centre);
+      high = high.cwiseMax(piece.centre);
+    }
+    Eigen::Index longest = 0;
+    (high - low).maxCoeff(&longest);
+    const std::size_t half = count / 2;
+    std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
+                     [&](const Piece& a, const Piece& b) { return a.centre[longest] < b.centre[longest]; });
+    divide(all, first, half, nodes);
+    divide(all, first + half, count - half, nodes);
+  }
+  nodes[node].after = nodes.size();
 }
 
 }  // namespace
@@ -57,11 +90,15 @@ TriangleGroups::TriangleGroups(const SurfaceView& surface, double size)
     : group_of_(surface.mesh.triangles.size(), -1) {
   grow(surface, size);
   link(surface);
-  moments_.resize(this->size());
-  for_ranges(moments_.size(), 256, [&](std::size_t begin, std::size_t end) {
+  if (!(size > 0.0)) return;
+  pieces_.resize(triangles_.size());
+  nodes_.resize(this->size());
+  for_ranges(nodes_.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::span<const std::int32_t> own = triangles(static_cast<std::int32_t>(i));
-      if (own.size() > 1) moments_[i] = moments_of(surface, own);
+      const std::size_t first = at(start_[i]);
+      const std::size_t last = at(start_[i + 1]);
+      for (std::size_t k = first; k < last; ++k) pieces_[k] = piece_of(surface, triangles_[k]);
+      divide(pieces_, first, last - first, nodes_[i]);
     }
   });
 }

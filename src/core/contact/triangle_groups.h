@@ -1,5 +1,6 @@
 #pragma once
 // Groups of neighbouring triangles, each with what its triangles add to an averaged normal; set-up only.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,6 +13,16 @@ namespace palpate::contact {
 struct NormalSum {
   Vec3 sum = Vec3::Zero();
   Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
+};
+
+/// What an averaged normal needs of one triangle.
+struct Piece {
+  Vec3 centre = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();  // unit
+  Vec3 area = Vec3::Zero();    // twice the area vector
+  std::array<Vec3, 3> middle;  // of its edges, from `centre`; the corner across from one is twice as far
+  double squares = 0.0;        // sum of their squared distances
+  double middles = 0.0;        // no middle is farther [m]
 };
 
 /// What a group's triangles add to the sum at a point, where all of them are within the radius h of the mean
@@ -27,6 +38,9 @@ struct GroupMoments {
   Vec3 sum_A = Vec3::Zero();
   Eigen::Matrix3d sum_Am = Eigen::Matrix3d::Zero();  // M
   Vec3 sum_Aq = Vec3::Zero();
+  std::size_t first = 0;  // of its triangles, in the order of groups
+  std::size_t count = 0;
+  std::size_t after = 0;  // the node that follows when this is not looked into
 
   /// [setup] Adds all triangles at the point `centre + u`.
   void add_to(NormalSum& sum, const Vec3& u, double radius) const noexcept;
@@ -51,9 +65,14 @@ class TriangleGroups final {
   [[nodiscard]] std::int32_t group_of(std::int32_t triangle) const noexcept {
     return group_of_[static_cast<std::size_t>(triangle)];
   }
-  /// Of groups with more than one triangle.
-  [[nodiscard]] const GroupMoments& moments(std::int32_t group) const noexcept {
-    return moments_[static_cast<std::size_t>(group)];
+  /// Whether the size is not 0: only then there are nodes and pieces.
+  [[nodiscard]] bool are_larger() const noexcept { return !nodes_.empty(); }
+  /// The group, then its first half with all halves of that, then its second half in the same way.
+  [[nodiscard]] const std::vector<GroupMoments>& nodes(std::int32_t group) const noexcept {
+    return nodes_[static_cast<std::size_t>(group)];
+  }
+  [[nodiscard]] std::span<const Piece> pieces(const GroupMoments& of) const noexcept {
+    return std::span(pieces_).subspan(of.first, of.count);
   }
 
  private:
@@ -71,8 +90,9 @@ class TriangleGroups final {
   std::vector<std::int32_t> start_;      // of each group, and the end, in triangles_
   std::vector<std::int32_t> group_of_;   // of each triangle
   std::vector<std::int32_t> neighbours_;
-  std::vector<std::int32_t> first_neighbour_;  // of each group, and the end, in neighbours_
-  std::vector<GroupMoments> moments_;
+  std::vector<std::int32_t> first_neighbour_;     // of each group, and the end, in neighbours_
+  std::vector<Piece> pieces_;                     // of triangles_
+  std::vector<std::vector<GroupMoments>> nodes_;  // of each group
 };
 
 }  // namespace palpate::contact
