@@ -119,7 +119,7 @@ TEST(FitCommand, PrintsTheFieldsWritesTheTissueAndTheReport) {
 TEST(FitCommand, SweepsAParameterIntoJsonCsvAndReport) {
   const Folder folder;
   write_curve(folder, "a.csv");
-  const Outcome outcome = run(folder, {"fit", "a.csv", "--sweep", "limit_mm=4:6:5", "--sweep-csv", "s.csv",
+  const Outcome outcome = run(folder, {"fit", "a.csv", "--sweep", "limit_mm=4:8:5", "--sweep-csv", "s.csv",
                                        "--report", "page", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json sweep = json::parse(outcome.out)["sweeps"][0];
@@ -132,11 +132,11 @@ TEST(FitCommand, SweepsAParameterIntoJsonCsvAndReport) {
   for (const json& point : sweep["points"]) values.push_back(point["value"].get<double>());
   EXPECT_TRUE(std::is_sorted(values.begin(), values.end()));
   for (int i = 0; i < 5; ++i)
-    EXPECT_THAT(values, Contains(DoubleNear(4.0 * std::pow(1.5, 0.25 * i), 1e-9))) << "asked for";
+    EXPECT_THAT(values, Contains(DoubleNear(4.0 * std::pow(2.0, 0.25 * i), 1e-9))) << "asked for";
   EXPECT_THAT(values, Contains(DoubleNear(sweep["best"].get<double>(), 1e-9))) << "the fit's own";
   const json& last = sweep["points"].back();
-  EXPECT_NEAR(last["value"], 6.0, 1e-9);
-  EXPECT_NEAR(last["parameters"]["limit_mm"], 6.0, 1e-9);
+  EXPECT_NEAR(last["value"], 8.0, 1e-9);
+  EXPECT_NEAR(last["parameters"]["limit_mm"], 8.0, 1e-9);
   EXPECT_GT(last["nrmse"], sweep["best_nrmse"]);
   EXPECT_FALSE(last["within_95"]);
   EXPECT_GT(last["deviance"], 0.0);
