@@ -21,7 +21,7 @@ void remove_contact(PartState& part, int index) noexcept {
 }
 
 /// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves. So does one that is lost,
-/// unless it finds a deepest place on the way out. All within kLeave, so that what they and their neighbours
+/// unless it finds a deepest place on the way out. All within kFade, so that what they and their neighbours
 /// share does not jump.
 void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
   for (int i = 0; i < part.contact_count; ++i) {

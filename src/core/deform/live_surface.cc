@@ -215,14 +215,13 @@ void LiveSurface::prepare(Contact& contact, const Indentation& indentation,
 
 int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
   const geometry::Triangle& corners = rest_.triangles[at(contact.place.triangle)];
-  const bool off_source = contact.way() > (settle ? 0.0F : kNewFront);
-  if (!contact.begun || (settle && off_source)) {
+  if (!contact.begun || settle) {
     contact.front.begin(corners, contact.field.point);
     contact.field.own_excess = 0.0F;
     contact.begun = true;
     contact.is_anew = true;
     contact.next_runs = false;
-  } else if (off_source && !contact.next_runs) {
+  } else if (contact.way() > kNewFront && !contact.next_runs) {
     contact.next.begin(corners, contact.field.point);
     contact.next_runs = true;
   }

@@ -1,16 +1,16 @@
 #include "palpate/read_mesh.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
 #include "core/base/index.h"
 #include "core/base/text.h"
-#include "core/geometry/cell.h"
 #include "io/mesh_io/mesh_file.h"
 #include "io/mesh_io/repair/repair_surface.h"
 #include "palpate/error.h"
@@ -27,23 +27,32 @@ struct Merged {
   std::size_t distinct = 0;   // places that had a vertex, used or not
 };
 
+/// For each vertex the first one in its place. Sorted: a file can make any hash of coordinates collide.
+std::vector<std::int32_t> first_in_place(const std::vector<Vec3>& vertices, std::size_t& places) {
+  std::vector<std::pair<std::array<double, 3>, std::int32_t>> sorted;
+  sorted.reserve(vertices.size());
+  for (const Vec3& vertex : vertices) {
+    const Vec3 p = vertex + Vec3::Zero();  // -0 is 0
+    sorted.emplace_back(std::array{p.x(), p.y(), p.z()}, static_cast<std::int32_t>(sorted.size()));
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::int32_t> first(vertices.size());
+  for (std::size_t n = 0; n < sorted.size(); ++n) {
+    const bool is_new = n == 0 || sorted[n].first != sorted[n - 1].first;
+    places += is_new ? 1 : 0;
+    first[at(sorted[n].second)] = is_new ? sorted[n].second : first[at(sorted[n - 1].second)];
+  }
+  return first;
+}
+
 /// One vertex for each place that a triangle uses, in the order of the input; only exactly equal places are
 /// one.
 Merged merge_equal_vertices(TriangleMesh mesh) {
-  std::unordered_map<std::array<double, 3>, std::int32_t, ThreeWordsHash> first_at;
-  first_at.reserve(mesh.vertices.size());
-  std::vector<std::int32_t> name;
-  name.reserve(mesh.vertices.size());
-  for (const Vec3& vertex : mesh.vertices) {
-    const Vec3 p = vertex + Vec3::Zero();  // -0 is 0
-    const auto own = static_cast<std::int32_t>(name.size());
-    name.push_back(first_at.try_emplace({p.x(), p.y(), p.z()}, own).first->second);
-  }
+  Merged merged;
+  const std::vector<std::int32_t> name = first_in_place(mesh.vertices, merged.distinct);
   for (Triangle& triangle : mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[at(v)];
   }
-  Merged merged;
-  merged.distinct = first_at.size();
   merged.collapsed = std::erase_if(
       mesh.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
   drop_unused_vertices(mesh);

@@ -203,6 +203,9 @@ scene::DeviceSetup device_from(const Json& json) {
   if (!known) throw InputError("interpolation is " + interpolation + ", want linear or cubic");
   device.interpolation = *known;
   device.path_speed = json.value("path_speed", 1.0);
+  if (!(device.path_speed >= 0.01 && device.path_speed <= 100.0)) {
+    throw InputError("path_speed is " + shortest(device.path_speed) + ", want >= 0.01 and <= 100");
+  }
   device.workspace_scale = json.at("workspace_scale").get<double>();
   device.base = pose_from(json.at("base"));
   device.dynamics.damping = optional_from(json.at("damping_N_s_per_m"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/index.h"
 #include "core/base/portable_math.h"
@@ -49,11 +50,15 @@ ApproachFinder::ApproachFinder(const geometry::TriangleMesh& organ, const geomet
     middles_.push_back((fine_.vertices[at(t[0])] + fine_.vertices[at(t[1])] + fine_.vertices[at(t[2])]) /
                        3.0);
     areas_.push_back(geometry::area_vector_doubled(fine_, t));
+    cells_.emplace_back(geometry::cell_at(middles_.back(), kLeastRadius),
+                        static_cast<std::int32_t>(cells_.size()));
   }
+  std::sort(cells_.begin(), cells_.end());
 }
 
 /// How near the tip, `depth` behind the touch, is to the surface that it met [m]. Contact follows that
-/// surface downhill, so only what hangs together with the touch and is no farther from the tip counts.
+/// surface downhill, so only what hangs together with the touch and is no farther from the tip counts. Not
+/// looked into further where it is not deep enough.
 double ApproachFinder::depth_reached(const Approach& approach, std::int32_t start, double depth) const {
   constexpr double kBump = 0.2e-3;  // m, that is no hill
   const Vec3 tip = approach.touch + depth * approach.direction;
@@ -71,10 +76,11 @@ double ApproachFinder::depth_reached(const Approach& approach, std::int32_t star
     const double distance = distance_of(at(queue[i]));
     if (distance > depth + kBump && i > 0) continue;
     nearest = std::min(nearest, distance);
+    if (nearest < kDeepEnough * depth) break;
     for (const std::int32_t next : neighbours_[at(queue[i])]) {
       if (next < 0 || seen[at(next)]) continue;
       seen[at(next)] = true;
-      if (-areas_[at(next)].dot(approach.direction) > kFacing * areas_[at(next)].norm())
+      if (-areas_[at(next)].dot(approach.direction) >= kFacing * areas_[at(next)].norm())
         queue.push_back(next);
     }
   }
@@ -117,15 +123,24 @@ ApproachFinder::Place ApproachFinder::place_at(const Vec3& point, const Vec3& ou
   Vec3 sum = Vec3::Zero();
   Vec3 facing = Vec3::Zero();
   double all = 0.0;
-  for (std::size_t t = 0; t < middles_.size(); ++t) {
+  const auto add = [&](std::size_t t) {
     const double share = 1.0 - (middles_[t] - point).squaredNorm() / (radius * radius);
-    if (share <= 0.0) continue;
+    if (share <= 0.0) return;
     const double area = areas_[t].norm();
     const double along = areas_[t].dot(outward);
-    if (along < -kFacing * area) continue;
+    if (along < -kFacing * area) return;
     sum += share * areas_[t];
     all += share * area;
     if (along > kFacing * area) facing += share * areas_[t];
+  };
+  const geometry::Cell low = geometry::cell_at(point.array() - radius, kLeastRadius);
+  const geometry::Cell high = geometry::cell_at(point.array() + radius, kLeastRadius);
+  for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+    for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+      const geometry::Cell last{x, y, high[2]};
+      auto cell = std::lower_bound(cells_.begin(), cells_.end(), std::pair{geometry::Cell{x, y, low[2]}, 0});
+      for (; cell != cells_.end() && cell->first <= last; ++cell) add(at(cell->second));
+    }
   }
   if (!(facing.norm() > 0.0)) return {outward, 0.0, 0.0};
   const double disc = portable::kPi * radius * radius;  // of a plane: twice the area, half of it by the share

@@ -2,8 +2,10 @@
 // Where a tool can press an organ squarely: for the default path.
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "core/geometry/cell.h"
 #include "core/geometry/surface_distance.h"
 #include "palpate/mesh.h"
 
@@ -69,6 +71,7 @@ class ApproachFinder final {
   std::vector<std::array<std::int32_t, 3>> neighbours_;
   std::vector<Vec3> middles_;  // of its triangles
   std::vector<Vec3> areas_;    // twice their areas, along the outward normals
+  std::vector<std::pair<geometry::Cell, std::int32_t>> cells_;  // sorted: where each middle is
 };
 
 /// [any] The shortest turn of -z towards `direction` (unit).

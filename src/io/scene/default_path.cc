@@ -157,19 +157,20 @@ Place place_of(const Setup& setup, std::size_t hand, const Vec3& tip) {
   for (int k = kDepths; k > 0; --k) {
     const double depth = kTravel * k / kDepths;
     const Judgement from_above = finder.judge(above, depth);
-    if (from_above.thick && k == kDepths) return place;
-    const auto [approach, judgement] = finder.best(-above.direction, depth);
-    const bool stay = from_above.square && !judgement.thick;
-    if (!stay && !judgement.square) continue;
-    if (!stay) {
-      place.approach = {setup.organ_pose * approach.touch, setup.organ_pose.rotation * approach.direction};
+    Judgement taken = from_above;
+    if (!from_above.thick) {
+      const auto [approach, judgement] = finder.best(-above.direction, depth);
+      if (judgement.thick || !from_above.square) {
+        if (!judgement.square) continue;
+        taken = judgement;
+        place.approach = {setup.organ_pose * approach.touch, setup.organ_pose.rotation * approach.direction};
+      }
     }
     place.depth = depth;
-    const double thickness = stay ? from_above.thickness : judgement.thickness;
     if (k < kDepths) {
       place.remark = told_shallow(depth);
-    } else if (!judgement.thick) {
-      place.remark = told_thin(thickness);
+    } else if (!taken.thick) {
+      place.remark = told_thin(taken.thickness);
     }
     return place;
   }

@@ -198,19 +198,21 @@ void apply_to_scene(std::span<const Setting> settings, toml::table& root) {
 }
 
 void apply_to_tissue(std::span<const Setting> settings, model::TissueParameters& tissue) {
+  const std::string* law = nullptr;
   for (const Setting& setting : settings) {
     if (!is_of_tissue(setting)) continue;
     const SceneKey& key = find_scene_key(kFlag, setting.key);
     key.check(kFlag, setting.value);
     if (key.tissue == nullptr) {
-      tissue.law = model::parse_law(setting.value);
+      law = &setting.value;
     } else {
       key.tissue->at.set(tissue, *parse_number(setting.value) * key.tissue->unit.si);
     }
   }
   try {
+    if (law != nullptr) tissue.law = model::parse_law(*law);
     model::validate(tissue);
-  } catch (const ParameterError& error) {
+  } catch (const InputError& error) {
     throw InputError(fmt::format("{} {}{}", kFlag, kTissue, error.what()));
   }
 }

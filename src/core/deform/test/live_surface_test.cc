@@ -263,6 +263,23 @@ TEST(LiveSurface, LeavesTheFarSideOfAThinOrganStill) {
     EXPECT_GT(surface.vertices()[static_cast<std::size_t>(v)].position.z(), -0.0029F);
 }
 
+// A front that went on to farther vertices knows shorter ways past them to near ones behind obtuse triangles.
+TEST(LiveSurface, SettlesAfterADeeperPressToWhatAShallowOneComesToAlone) {
+  geometry::TriangleMesh mesh = geometry::make_box(Vec3(0.12, 0.12, 0.03), 0.004);
+  for (Vec3& vertex : mesh.vertices) vertex.x() += 3.0 * vertex.y();  // sheared: all obtuse
+  const auto press = [](double depth) {
+    return std::vector{Indentation{Vec3(0.001, 0.0005, 0.015), -Vec3::UnitZ(), depth, 0.003, 0.0}};
+  };
+  LiveSurface alone(mesh, {}, kRounding);
+  alone.update(press(0.002), LiveSurface::kSettle);
+  LiveSurface after(mesh, {}, kRounding);
+  after.update(press(0.009), LiveSurface::kSettle);
+  after.update(press(0.002), LiveSurface::kSettle);
+  ASSERT_GT(alone.moved().size(), 50U);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    ASSERT_EQ(after.vertices()[v].position, alone.vertices()[v].position) << v;
+}
+
 TEST(LiveSurface, AMeshWithoutTrianglesStaysAsItIs) {
   LiveSurface surface(geometry::TriangleMesh{}, {}, kRounding);
   surface.update(std::vector{top_press(0.01)}, LiveSurface::kSettle);

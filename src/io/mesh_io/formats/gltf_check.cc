@@ -24,6 +24,7 @@ using nlohmann::json;
 constexpr int kDeepestJson = 100;
 constexpr int kDeepestGltfNode = 200;
 constexpr std::size_t kMostNodes = 100'000;
+constexpr std::size_t kMostValues = 4'000'000;            // of the JSON text, about 0.5 GB
 constexpr std::uint64_t kMostElements = 20'000'000;       // indices and vertices of all parts
 constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // numbers that only a count stands for
 
@@ -61,7 +62,7 @@ class GltfCheck final {
   }
 
   void parse() {
-    check_nesting();
+    check_size();
     root_ = json::parse(text_.begin(), text_.end(), nullptr, /*allow_exceptions=*/false);
     if (!root_.is_object()) refuse("not a JSON document");
   }
@@ -84,8 +85,9 @@ class GltfCheck final {
     throw InputError(file_.path.string() + ": " + words);
   }
 
-  void check_nesting() const {
+  void check_size() const {
     int depth = 0;
+    std::size_t values = 0;
     bool in_string = false;
     for (std::size_t i = 0; i < text_.size(); ++i) {
       const char c = text_[i];
@@ -99,6 +101,8 @@ class GltfCheck final {
       } else if (c == ']' || c == '}') {
         --depth;
       }
+      if (!in_string && (c == ',' || c == '[' || c == '{') && ++values > kMostValues)
+        refuse(fmt::format("its JSON has more than {} values", kMostValues));
     }
   }
 
@@ -113,20 +117,20 @@ class GltfCheck final {
   void check_nodes() const {
     const json& nodes = list(root_, "nodes");
     std::vector<std::pair<std::size_t, int>> open;  // node, depth
+    std::size_t used = 0;
     const auto add = [&](const json& indices, int depth) {
       for (const json& index : indices) {
+        if (++used > kMostNodes) refuse(fmt::format("its nodes are used more than {} times", kMostNodes));
         if (!index.is_number_unsigned()) continue;  // the importer says so
         if (index.get<std::uint64_t>() < nodes.size()) open.emplace_back(index.get<std::size_t>(), depth);
       }
     };
     for (const json& scene : list(root_, "scenes")) add(list(scene, "nodes"), 1);
-    std::size_t visited = 0;
     while (!open.empty()) {
       const auto [node, depth] = open.back();
       open.pop_back();
       if (depth > kDeepestGltfNode)
         refuse(fmt::format("its nodes are nested more than {} deep", kDeepestGltfNode));
-      if (++visited > kMostNodes) refuse(fmt::format("its nodes are used more than {} times", kMostNodes));
       add(list(nodes[node], "children"), depth + 1);
     }
   }

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -16,6 +16,7 @@ namespace palpate::geometry {
 namespace {
 
 constexpr NumberType kInt = NumberType::kInt32;
+constexpr std::size_t kLongestName = 64;  // of a section
 
 /// Gmsh reference manual, "MSH file format" and "Legacy formats".
 class MshReader final {
@@ -27,14 +28,21 @@ class MshReader final {
     bool has_elements = false;
     for (std::string_view section = scan_.word(); !section.empty(); section = scan_.word()) {
       if (!section.starts_with('$')) scan_.refuse("must be a section here, such as $Nodes");
+      if (section.size() > kLongestName) {
+        scan_.refuse(fmt::format("section \"{}\": its name must have at most {} bytes", excerpt(section, 40),
+                                 kLongestName));
+      }
       const std::string end = "$End" + std::string(section.substr(1));
       if (section == "$Nodes") {
+        if (!vertex_of_.empty()) scan_.refuse("$Nodes come twice");
+        const std::size_t place = scan_.place();
         begin_section();
         if (is_version_4()) {
           read_node_blocks();
         } else {
           read_nodes();
         }
+        sort_tags(place);
         scan_.expect(end);
       } else if (section == "$Elements") {
         if (surface_.vertices.empty()) scan_.refuse("$Elements come before $Nodes");
@@ -121,7 +129,7 @@ class MshReader final {
 
   void begin_nodes(std::size_t nodes) {
     scan_.require_room(nodes, scan_.least_bytes(kInt) + 3 * scan_.least_bytes(NumberType::kDouble), "nodes");
-    surface_.vertices.reserve(nodes);
+    surface_.expect_vertices(nodes);
     vertex_of_.reserve(nodes);
   }
 
@@ -132,7 +140,7 @@ class MshReader final {
     for (std::size_t n = 1; n <= nodes; ++n) {
       scan_.reading("node", n, nodes);
       add_tag(scan_.whole(kInt));
-      surface_.vertices.push_back(scan_.point(NumberType::kDouble, n, nodes));
+      surface_.add_vertex(scan_.point(NumberType::kDouble, n, nodes));
     }
   }
 
@@ -154,7 +162,7 @@ class MshReader final {
       }
       for (std::size_t n = 0; n < here; ++n) {
         if (!is_version_41()) add_tag(scan_.whole(kInt));
-        surface_.vertices.push_back(scan_.point(NumberType::kDouble, surface_.vertices.size() + 1, nodes));
+        surface_.add_vertex(scan_.point(NumberType::kDouble, surface_.vertices.size() + 1, nodes));
         for (std::int64_t k = 0; k < parameters; ++k) (void)scan_.real(NumberType::kDouble);
       }
       left -= here;
@@ -164,9 +172,15 @@ class MshReader final {
 
   /// The tag of the next vertex that has none.
   void add_tag(std::int64_t tag) {
-    if (!vertex_of_.try_emplace(tag, static_cast<std::int32_t>(vertex_of_.size())).second) {
-      scan_.refuse(fmt::format("node {} comes twice", tag));
-    }
+    vertex_of_.emplace_back(tag, static_cast<std::int32_t>(vertex_of_.size()));
+  }
+
+  /// @param place of $Nodes
+  void sort_tags(std::size_t place) {
+    std::sort(vertex_of_.begin(), vertex_of_.end());
+    const auto twin = std::adjacent_find(vertex_of_.begin(), vertex_of_.end(),
+                                         [](const auto& a, const auto& b) { return a.first == b.first; });
+    if (twin != vertex_of_.end()) scan_.refuse_at(place, fmt::format("node {} comes twice", twin->first));
   }
 
   void read_elements() {
@@ -221,8 +235,9 @@ class MshReader final {
     nodes_.clear();
     for (std::size_t k = 0; k < kind.nodes; ++k) {
       const std::int64_t tag = scan_.whole(tag_type());
-      const auto vertex = vertex_of_.find(tag);
-      if (vertex == vertex_of_.end()) scan_.refuse(fmt::format("node {} is not in $Nodes", tag));
+      const auto vertex = std::lower_bound(vertex_of_.begin(), vertex_of_.end(), std::pair{tag, 0});
+      if (vertex == vertex_of_.end() || vertex->first != tag)
+        scan_.refuse(fmt::format("node {} is not in $Nodes", tag));
       nodes_.push_back(vertex->second);
     }
     surface_.add_cell(kind, nodes_);
@@ -230,8 +245,8 @@ class MshReader final {
 
   MeshScan scan_;
   SurfaceBuilder surface_{scan_};
-  std::unordered_map<std::int64_t, std::int32_t> vertex_of_;  // by tag
-  std::vector<std::int32_t> nodes_;                           // of one element
+  std::vector<std::pair<std::int64_t, std::int32_t>> vertex_of_;  // tag and vertex; sorted after $Nodes
+  std::vector<std::int32_t> nodes_;                               // of one element
   double version_ = 0.0;
 };
 

@@ -18,7 +18,7 @@ class ObjReader final {
     while (scan_.next_line()) {
       const std::string_view word = scan_.word();
       if (word == "v") {
-        surface_.vertices.push_back(scan_.point(NumberType::kFloat, surface_.vertices.size() + 1));
+        surface_.add_vertex(scan_.point(NumberType::kFloat, surface_.vertices.size() + 1));
       } else if (word == "f") {
         read_face();
       } else if (word == "l" || word == "p" || word == "curv") {

@@ -20,9 +20,10 @@ class OffReader final {
     constexpr std::size_t kLeast = 4;  // bytes of the shortest vertex or face
     scan_.require_room(vertices, kLeast, "vertices");
     scan_.require_room(faces, kLeast, "faces");
+    surface_.expect_vertices(vertices);
     for (std::size_t v = 1; v <= vertices; ++v) {
       next_content();
-      surface_.vertices.push_back(scan_.point(NumberType::kFloat, v, vertices));
+      surface_.add_vertex(scan_.point(NumberType::kFloat, v, vertices));
     }
     for (std::size_t f = 1; f <= faces; ++f) {
       next_content();

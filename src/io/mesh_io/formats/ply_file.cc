@@ -69,6 +69,10 @@ class PlyReader final {
   }
 
   void add_element() {
+    constexpr std::size_t kMost = 100;
+    if (elements_.size() == kMost) {
+      scan_.refuse(fmt::format("the header declares more than {} elements", kMost));
+    }
     Element element;
     element.name = scan_.word();
     for (const Element& other : elements_) {
@@ -91,7 +95,12 @@ class PlyReader final {
     if (property.name.empty()) {
       scan_.refuse("a property of element " + elements_.back().name + " has no name");
     }
-    elements_.back().properties.push_back(std::move(property));
+    std::vector<Property>& properties = elements_.back().properties;
+    constexpr std::size_t kMost = 1000;
+    if (properties.size() == kMost) {
+      scan_.refuse(fmt::format("element {} has more than {} properties", elements_.back().name, kMost));
+    }
+    properties.push_back(std::move(property));
   }
 
   void check(const Element& element) {
@@ -105,6 +114,7 @@ class PlyReader final {
       least += scan_.least_bytes(property.count_type.value_or(property.type));
     if (least == 0) scan_.refuse("element " + element.name + " has no properties");
     scan_.require_room(element.count, least, "x " + element.name);
+    if (element.name == "vertex") surface_.expect_vertices(element.count);
   }
 
   void read(const Element& element, std::size_t n) {
@@ -122,7 +132,7 @@ class PlyReader final {
     }
     if (!is_vertex) return;
     scan_.require_finite(point);
-    surface_.vertices.push_back(point);
+    surface_.add_vertex(point);
   }
 
   void read_list(const Element& element, const Property& property) {

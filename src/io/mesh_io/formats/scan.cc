@@ -119,7 +119,7 @@ bool MeshScan::next_line() {
     limit_ = line_end(next_);
     next_ = behind_line_end(limit_);
   }
-  limit_ = std::min(limit_, bytes_.find('#', at_));
+  limit_ = std::min(limit_, bytes_.substr(0, limit_).find('#', at_));
   return true;
 }
 
@@ -134,11 +134,12 @@ void MeshScan::leave_lines() {
 }
 
 std::string_view MeshScan::word() {
+  const std::string_view within = bytes_.substr(0, limit_);
   while (true) {
-    at_ = std::min(limit_, bytes_.find_first_not_of(kBlank, at_));
+    at_ = std::min(limit_, within.find_first_not_of(kBlank, at_));
     last_ = at_;
-    const std::size_t end = std::min(limit_, bytes_.find_first_of(kBlank, at_));
-    std::string_view word = bytes_.substr(at_, end - at_);
+    const std::size_t end = std::min(limit_, within.find_first_of(kBlank, at_));
+    std::string_view word = within.substr(at_, end - at_);
     at_ = end;
     const bool is_joined = lines_ == Lines::kCommented && word.ends_with('\\') && end < limit_ &&
                            (bytes_[end] == '\r' || bytes_[end] == '\n');

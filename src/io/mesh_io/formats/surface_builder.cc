@@ -14,6 +14,7 @@
 namespace palpate::geometry {
 namespace {
 
+constexpr std::size_t kMostVertices = 32'000'000;  // 0.8 GB
 constexpr std::size_t kMostFaces = 20'000'000;     // of solid cells, 0.8 GB
 constexpr std::size_t kMostCorners = 512;          // of a polygon
 constexpr std::uint64_t kMostSteps = 120'000'000;  // to cut all polygons, about 4 s
@@ -78,6 +79,16 @@ const CellKind* kind_of(std::int64_t number, int CellKind::*numbered) {
 
 const CellKind* vtk_kind(std::int64_t number) { return kind_of(number, &CellKind::vtk); }
 const CellKind* gmsh_kind(std::int64_t number) { return kind_of(number, &CellKind::gmsh); }
+
+void SurfaceBuilder::expect_vertices(std::size_t count) {
+  if (count > kMostVertices) scan_.refuse(fmt::format("more than {} vertices", kMostVertices));
+  vertices.reserve(count);
+}
+
+void SurfaceBuilder::add_vertex(const Vec3& vertex) {
+  if (vertices.size() == kMostVertices) scan_.refuse(fmt::format("more than {} vertices", kMostVertices));
+  vertices.push_back(vertex);
+}
 
 void SurfaceBuilder::add_polygon(std::span<const std::int32_t> corners) {
   const std::size_t count = corners.size();

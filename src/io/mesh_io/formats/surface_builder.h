@@ -47,6 +47,10 @@ class SurfaceBuilder final {
   /// Vertices may follow the polygons that name them.
   std::vector<Vec3> vertices;
 
+  /// Before so many that the file is known to have room for. @throws InputError for more than 32 million
+  void expect_vertices(std::size_t count);
+  /// @throws InputError for more than 32 million
+  void add_vertex(const Vec3& vertex);
   /// @throws InputError, at the scan's place, for a polygon that would take too long to cut, and more than 20
   /// million triangles
   void add_polygon(std::span<const std::int32_t> corners);

@@ -129,8 +129,8 @@ class VtkReader final {
       scan_.refuse("POINTS must be float or double");
     }
     scan_.begin_numbers(3 * count, type, "POINTS");
-    surface_.vertices.reserve(count);
-    for (std::size_t n = 1; n <= count; ++n) surface_.vertices.push_back(scan_.point(type, n, count));
+    surface_.expect_vertices(count);
+    for (std::size_t n = 1; n <= count; ++n) surface_.add_vertex(scan_.point(type, n, count));
   }
 
   /// Passes over the rest of this line and all up to an empty one.

@@ -292,8 +292,11 @@ TEST(Msh, SaysLineFieldAndValueOfWhatItRefuses) {
   expect_msh_refused(head + "$Nodes\nx\n", "line 5", "\"x\" is not a number of nodes");
   expect_msh_refused(head + "$Nodes\n999999999999\n", "line 5", "declares 999999999999 nodes, more than");
   expect_msh_refused(head + "$Nodes\n20\n1 0 0 0\n", "line 5", "20 nodes do not fit in the");
+  expect_msh_refused(nodes + nodes.substr(head.size()), "line 10", "$Nodes come twice");
+  expect_msh_refused(head + "$" + std::string(64, 'a') + "\n", "line 4",
+                     "section \"$" + std::string(39, 'a') + "...\": its name must have at most 64 bytes");
   expect_msh_refused(head + "$Nodes\n1\n1 0 nan 0\n", "line 6", "vertex 1 is not finite");
-  expect_msh_refused(head + "$Nodes\n2\n1 0 0 0\n1 0 0 0\n", "line 7", "node 1 comes twice");
+  expect_msh_refused(head + "$Nodes\n2\n1 0 0 0\n1 0 0 0\n", "line 4", "node 1 comes twice");
   expect_msh_refused(nodes + "$Elements\n1\n1 2 0 1 2 4\n$EndElements\n", "line 12",
                      "node 4 is not in $Nodes");
   expect_msh_refused(nodes + "$Elements\n1\n1 92 0 1 2 3\n", "line 12", "elements of type 92 are not read");
@@ -301,6 +304,22 @@ TEST(Msh, SaysLineFieldAndValueOfWhatItRefuses) {
                      "\"$EndElements\" is not a whole number");
   expect_msh_refused(nodes + "$Elements\n1\n1 2 0 1 2 3\n1 2 0 1 2 3\n", "line 13",
                      "must be $EndElements here");
+}
+
+// Tags that are the same modulo the size of a table of so many: it would take minutes to search.
+TEST(Msh, IsReadWhateverTheTagsOfItsNodesHaveInCommon) {
+  constexpr std::int64_t kNodes = 500'000;
+  constexpr std::int64_t kTableSize = 520'241;
+  std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 500000 1 1\n2 1 0 500000\n";
+  for (std::int64_t n = 0; n < kNodes; ++n) text += std::to_string(1 + n * kTableSize) + "\n";
+  for (std::int64_t n = 0; n < kNodes; ++n) text += std::to_string(n) + " " + std::to_string(n % 7) + " 0\n";
+  text += "$EndNodes\n$Elements\n1 1 1 1\n2 1 2 1\n1 1 " + std::to_string(1 + kTableSize) + " " +
+          std::to_string(1 + 499'999 * kTableSize) + "\n$EndElements\n";
+  const palpate::test::TemporaryFolder folder;
+  const TriangleMesh mesh = read_mesh(folder.write("a.msh", text), LengthUnit::kMetre).mesh;
+  ASSERT_EQ(mesh.vertices.size(), 3U);
+  EXPECT_EQ(mesh.vertices[1], Vec3(1, 1, 0));
+  EXPECT_EQ(mesh.vertices[2], Vec3(499'999, 499'999 % 7, 0));
 }
 
 TEST(Msh, RefusesBlocksThatDoNotAddUpToWhatIsDeclared) {

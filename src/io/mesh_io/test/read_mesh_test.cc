@@ -398,6 +398,14 @@ TEST_F(ReadMesh, RefusesPolygonsThatWouldTakeTooLong) {
   expect_refused("b.obj", many, "line 9: face 6: too many polygons as large as this one of 512 corners");
 }
 
+TEST_F(ReadMesh, RefusesMoreThan32MillionVertices) {
+  expect_refused("a.ply",
+                 "ply\nformat binary_little_endian 1.0\nelement vertex 32000001\nproperty uchar x\n"
+                 "end_header\n" +
+                     std::string(32'000'001, '\0'),
+                 "more than 32000000 vertices");
+}
+
 TEST_F(ReadMesh, RefusesBadPlyHeaders) {
   expect_refused("a.ply", "plx\n", "must start with \"ply\"");
   expect_refused("b.ply", "ply\nformat binary 1.0\nend_header\n", "must be ascii, binary_little_endian");
@@ -410,6 +418,12 @@ TEST_F(ReadMesh, RefusesBadPlyHeaders) {
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nelement vertex 1\nproperty float x\n"
       "end_header\n0\n0\n",
       "the header declares element vertex twice");
+  std::string many = "ply\nformat ascii 1.0\n";
+  for (int n = 0; n < 101; ++n) many += "element e" + std::to_string(n) + " 0\n";
+  expect_refused("many.ply", many, "line 103: the header declares more than 100 elements");
+  many = "ply\nformat ascii 1.0\nelement vertex 1\n";
+  for (int n = 0; n < 1001; ++n) many += "property float x\n";
+  expect_refused("wide.ply", many, "line 1004: element vertex has more than 1000 properties");
   expect_refused("noname.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float\nend_header\n0\n",
                  "a property of element vertex has no name");
   expect_refused("nolist.ply",
@@ -471,6 +485,47 @@ TEST_F(ReadMesh, RefusesGltfBuffersOutsideItsFolder) {
   }
 }
 
+// Each would take minutes, and the last 4 GB, if what a line or a node costs grew with the file.
+TEST_F(ReadMesh, TakesTimeAndMemoryThatGrowWithTheFileAlone) {
+  std::string lines;
+  for (int n = 0; n < 600'000; ++n) lines += "v 0 0 0\n";
+  expect_tetrahedron(read("hash.obj", kObj + lines));
+  expect_tetrahedron(read("blank.obj", kObj + std::string(2'000'000, '\n')));
+  std::string off = kOff;
+  expect_tetrahedron(read("blank.off", off.insert(4, std::string(2'000'000, '\n'))));
+  std::string same = R"([{"mesh":0,"children":[0)";
+  for (int n = 0; n < 1'000'000; ++n) same += ",0";
+  expect_refused("same.gltf", gltf_json(same + "]}]", R"({"byteLength":72})"), "used more than 100000 times");
+  std::string none = R"([{"mesh":0,"children":[1)";
+  for (int n = 0; n < 90'000; ++n) none += ",1";
+  none += R"(]},{"children":[9)";
+  for (int n = 0; n < 900'000; ++n) none += ",9";
+  expect_refused("none.gltf", gltf_json(none + "]}]", R"({"byteLength":72})"), "used more than 100000 times");
+}
+
+// Places that a hash of multiplications would take minutes to tell apart: its last step back from one value.
+TEST_F(ReadMesh, MergesPlacesWhateverTheirBitsHaveInCommon) {
+  constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15U;
+  constexpr int kPlaces = 500'000;
+  std::string vertices;
+  int count = 0;
+  for (std::uint64_t n = 0; count < kPlaces; ++n) {
+    const std::uint64_t x = 0x3ff0000000000000U;  // 1
+    const std::uint64_t y = x + n;
+    const std::uint64_t z = ((x * kFactor) ^ y) * kFactor;
+    const std::uint64_t exponent = z >> 52U & 0x7ffU;
+    if (exponent < 1 || exponent > 1023 + 126) continue;  // not finite, or past what a mesh may have
+    vertices += bytes_of(x) + bytes_of(y) + bytes_of(z);
+    ++count;
+  }
+  const std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 500000\nproperty double x\nproperty double y\n"
+      "property double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+      vertices + '\3' + bytes_of(0) + bytes_of(1) + bytes_of(2);
+  EXPECT_THAT(read("a.ply", bytes).findings.repairs,
+              ElementsAre("dropped 499997 vertices that no triangle uses"));
+}
+
 TEST_F(ReadMesh, SaysControlCharactersOfAFileAsBlanks) {
   expect_refused("a.vtk", "# vtk DataFile Version 3\1\1.0\na\nASCII\n", "version \"3  .0\"");
 }
@@ -488,6 +543,9 @@ TEST_F(ReadMesh, RefusesGltfThatWouldTakeTheStackOrTheMemory) {
   expect_refused("d.gltf", sparse, "without a buffer");
   std::string repeated = gltf_json(R"([{"mesh":0}])", R"({"byteLength":72})");
   repeated.replace(repeated.find(R"("count":12)"), 10, R"("count":19999999)");
+  std::string values = "[0";
+  for (int n = 0; n < 4'000'000; ++n) values += ",0";
+  expect_refused("f.gltf", values + "]", "its JSON has more than 4000000 values");
   expect_refused("e.gltf", repeated, "declare more than 20000000 indices and vertices");
 }
 

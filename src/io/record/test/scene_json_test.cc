@@ -52,6 +52,15 @@ TEST(SceneJson, EveryWordThatIsNotKnownIsRefusedInTheSceneWithWhatWouldBeRight) 
               AllOf(StartsWith("scene: fault"), HasSubstr("found")));
 }
 
+TEST(SceneJson, APathsSpeedIsInTheRangeOfTheScenesKey) {
+  const std::string speed = R"("path_speed": 1.5)";
+  for (const std::string least_or_most : {"0.01", "100.0"})
+    EXPECT_EQ(refusal(changed(speed, R"("path_speed": )" + least_or_most)), "no refusal");
+  for (const std::string beyond : {"0.0", "0.0099", "100.1", "-1.0"}) {
+    EXPECT_THAT(refusal(changed(speed, R"("path_speed": )" + beyond)), HasSubstr("want >= 0.01 and <= 100"));
+  }
+}
+
 TEST(SceneJson, AKeyThatIsMissingAndTextThatIsNoJsonAreRefusedInTheScene) {
   EXPECT_THAT(refusal(changed(R"("beta":)", R"("beat":)")), AllOf(StartsWith("scene: "), HasSubstr("beta")));
   EXPECT_THAT(refusal("{"), StartsWith("scene: "));

@@ -357,6 +357,39 @@ TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsSaid) {
       testing::ElementsAre(testing::HasSubstr("the path presses " + brief(depth * 1e3, 3) + " mm deep")));
 }
 
+TEST(DefaultPath, AnOrganThatIsPressedLessDeepIsPressedFromAboveItsMiddleWhereThatIsGood) {
+  const scene::Setup setup = press_of(geometry::make_ball(12e-3, 5120));
+  const ToolPath path = default_path(setup, 0);
+  EXPECT_THAT(default_path_remarks(setup), testing::ElementsAre(testing::HasSubstr("mm deep")));
+  for (const PathRow& row : {path.rows().front(), path.at(0.5 * path.end_time())})
+    EXPECT_LT((row.orientation * Vec3::UnitZ() + Vec3::UnitZ()).norm(), 1e-9);
+}
+
+/// Each triangle with six of no area around it.
+geometry::TriangleMesh with_flat_triangles(const geometry::TriangleMesh& mesh) {
+  geometry::TriangleMesh result{mesh.vertices, {}};
+  for (const geometry::Triangle& t : mesh.triangles) {
+    const auto inner = static_cast<std::int32_t>(result.vertices.size());
+    for (const std::int32_t v : t) result.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+    result.triangles.push_back({inner, inner + 1, inner + 2});
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      const std::int32_t a = t[static_cast<std::size_t>(k)];
+      const std::int32_t b = t[static_cast<std::size_t>(next)];
+      result.triangles.push_back({a, b, inner + next});
+      result.triangles.push_back({a, inner + next, inner + k});
+    }
+  }
+  return result;
+}
+
+TEST(DefaultPath, TrianglesWithoutAreaHideNothingOfTheSurfaceBeyondThem) {
+  const geometry::TriangleMesh ball = geometry::make_ball(12e-3, 1280);
+  const std::vector<std::string> plain = default_path_remarks(press_of(ball));
+  ASSERT_EQ(plain.size(), 1U);
+  EXPECT_EQ(default_path_remarks(press_of(with_flat_triangles(ball))), plain);
+}
+
 TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsSaid) {
   const scene::Setup setup = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
   EXPECT_THAT(default_path_remarks(setup),

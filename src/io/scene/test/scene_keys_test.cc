@@ -52,6 +52,10 @@ TEST(SceneKeys, AValueThatDoesNotSuitTheOthersIsToldWithItsKey) {
               }),
               HasSubstr("--set tissue.min_length_mm = 99: must be finite, >= 0 and < rest_length_mm"));
   EXPECT_EQ(error_of([&] {
+              (void)loaded(folder, {{"tissue.law", "linear"}});
+            }),
+            "--set tissue.law = \"linear\": must be layered or smooth");
+  EXPECT_EQ(error_of([&] {
               (void)loaded(folder, {{"device.mass_kg", "1000"}});
             }),
             "--set device.mass_kg = 1000: must be a number >= 0.001 and <= 100");
