@@ -47,14 +47,16 @@ std::vector<std::string> spaced(const std::vector<std::string>& parts) {
 
 }  // namespace
 
+bool Axis::number() const noexcept {
+  return type == scene::KeyType::kNumber || type == scene::KeyType::kWhole;
+}
+
 Axis parse_axis(const std::string& flag, const std::string& text) {
   const std::size_t equals = text.find('=');
   const scene::SceneKey& key = scene::find_scene_key(flag, text.substr(0, equals));
   const std::string right = equals == std::string::npos ? "" : text.substr(equals + 1);
-  Axis axis;
-  axis.key = key.path;
-  axis.number = key.type == scene::KeyType::kNumber || key.type == scene::KeyType::kWhole;
-  const bool range = axis.number && right.find(':') != std::string::npos;
+  Axis axis{key.path, key.type, {}};
+  const bool range = axis.number() && right.find(':') != std::string::npos;
   axis.values = range ? spaced(split(right, ':')) : split(right, ',');
   if (right.empty() || axis.values.empty()) {
     throw InputError(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -63,15 +64,19 @@ View view_of(const study::SweepResult& sweep) {
 
 /// Where a value stands along x: itself, or, of a text, its number from 0.
 double place_of(const study::Axis& axis, const std::string& value) {
-  if (axis.number) return parse_number(value).value();
+  if (axis.number()) return parse_number(value).value();
   return static_cast<double>(std::find(axis.values.begin(), axis.values.end(), value) - axis.values.begin());
+}
+
+const session::RunQuantity& quantity_of(std::string_view name) {
+  return *std::find_if(kRunQuantities.begin(), kRunQuantities.end(),
+                       [name](const auto& one) { return one.name == name; });
 }
 
 std::vector<double> points_of(const study::SweepRow& row, double x) {
   std::vector<double> numbers = {x};
-  for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
-    if (std::find(kShown.begin(), kShown.end(), kRunQuantities[i].name) == kShown.end()) continue;
-    numbers.push_back(row.quantities[i]);
+  for (const std::string_view name : kShown) {
+    numbers.push_back(row.quantities[static_cast<std::size_t>(&quantity_of(name) - kRunQuantities.data())]);
   }
   return numbers;
 }
@@ -107,18 +112,17 @@ std::string in_quotes(const std::string& text) {
 std::string x_axis_script(const study::Axis& axis) {
   std::string script = "set xlabel " + in_quotes(axis.key) + "\nset format x '%g'\nset autoscale xfix\n";
   std::string tics;
-  for (std::size_t i = 0; !axis.number && i < axis.values.size(); ++i) {
+  for (std::size_t i = 0; !axis.number() && i < axis.values.size(); ++i) {
     tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", in_quotes(axis.values[i]), i);
   }
-  if (!axis.number)
+  if (!axis.number())
     script += fmt::format("set xtics ({})\nset xrange [-0.5:{}.5]\n", tics, axis.values.size() - 1);
   // even steps of the logarithm, as :log makes them
-  if (axis.number && axis.values.size() > 2) {
+  if (axis.number() && axis.values.size() > 2) {
     const double first = *parse_number(axis.values[0]);
-    const double second = *parse_number(axis.values[1]);
-    const double third = *parse_number(axis.values[2]);
-    const bool logarithmic = first > 0.0 && second > 1.01 * first && third / second > 0.99 * second / first &&
-                             third / second < 1.01 * second / first;
+    const double ratio = *parse_number(axis.values[1]) / first;
+    const bool logarithmic = first > 0.0 && ratio > 1.01 &&
+                             std::abs(*parse_number(axis.values[2]) / (first * ratio * ratio) - 1.0) < 0.01;
     if (logarithmic) script += "set logscale x\n";
   }
   return script;
@@ -133,9 +137,7 @@ std::string script_of(const std::vector<Trace>& traces, const View& view, const 
                            "set multiplot layout 2,2 margins 0.08,{},0.09,0.93 spacing 0.11,0.14\n",
                            in_quotes(view.held), several ? 0.81 : 0.97);
   for (std::size_t pane = 0; pane < kShown.size(); ++pane) {
-    const auto* quantity = std::find_if(kRunQuantities.begin(), kRunQuantities.end(),
-                                        [pane](const auto& one) { return one.name == kShown[pane]; });
-    script += fmt::format("set ylabel {}\nset yrange [0:*]\n", in_quotes(quantity->label));
+    script += fmt::format("set ylabel {}\nset yrange [*<0:*]\n", in_quotes(quantity_of(kShown[pane]).label));
     if (several && pane == 0) {
       script += fmt::format("set key at screen 0.985,0.93 right top vertical samplen 2 noopaque title {}\n",
                             in_quotes(sweep.axes[view.trace_axis].key));
@@ -174,7 +176,7 @@ std::string draw_sweep(const study::SweepResult& sweep, const std::filesystem::p
   try {
     run_gnuplot(script_of(traces, view, sweep), data, file);
   } catch (const FigureError& error) {
-    return error.what();
+    return one_line(error.what());
   }
   return {};
 }
