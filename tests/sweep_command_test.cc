@@ -143,9 +143,9 @@ TEST(SweepCommand, ReportsARecordThatCannotBeWrittenAnyMore) {
   const Folder folder;
   write_scene(folder);
   // 1024 bytes: a run or two of the record
-  const std::string command = "cd '" + folder.path().string() + "' && trap '' XFSZ && ulimit -f 2 && '" +
-                              PALPATE_PROGRAM +
-                              "' sweep press.toml --duration-s 0.1 --set tissue.k1=10:20:5 --out d 2> err > out";
+  const std::string command =
+      "cd '" + folder.path().string() + "' && trap '' XFSZ && ulimit -f 2 && '" + PALPATE_PROGRAM +
+      "' sweep press.toml --duration-s 0.1 --set tissue.k1=10:20:5 --out d 2> err > out";
   EXPECT_NE(std::system(command.c_str()), 0);
   EXPECT_THAT(text_of(folder / "err"),
               HasSubstr("results.jsonl: cannot be written any more: File too large"));

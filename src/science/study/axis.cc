@@ -40,7 +40,9 @@ std::vector<std::string> spaced(const std::vector<std::string>& parts) {
     const double value =
         logarithmic ? portable::exp((1.0 - share) * portable::log(*low) + share * portable::log(*high))
                     : *low + share * (*high - *low);
-    values.push_back(shortest(*parse_number(fmt::format("{:.12g}", value))));
+    const double rounded = *parse_number(fmt::format("{:.12g}", value));
+    const bool whole = rounded == std::floor(rounded) && std::abs(rounded) < 1e15;
+    values.push_back(whole ? fmt::format("{:.0f}", rounded) : shortest(rounded));
   }
   return values;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -22,13 +23,6 @@ constexpr std::size_t kMostTraces = 8;
 constexpr std::array<const char*, kMostTraces> kColours = {kBlue,     kOrange,   kGreen,    "#CC79A7",
                                                            "#E69F00", "#56B4E9", "#000000", kGrey};
 constexpr std::size_t kNoAxis = static_cast<std::size_t>(-1);
-
-/// One value of the axis that has a trace a value.
-struct Trace {
-  std::string name;
-  PlotData touched;  // x, then the quantities of kShown
-  PlotData missed;
-};
 
 /// What the figure shows of a sweep.
 struct View {
@@ -81,25 +75,29 @@ std::vector<double> points_of(const study::SweepRow& row, double x) {
   return numbers;
 }
 
-std::vector<Trace> traces_of(const study::SweepResult& sweep, const View& view) {
-  std::vector<Trace> traces;
-  for (std::size_t k = 0; k < view.trace_values.size(); ++k) {
-    const std::string number = std::to_string(k);
-    Trace trace{view.trace_values[k], {"touched" + number, {}}, {"missed" + number, {}}};
+/// Two tables for each value that has a trace: of the runs with contact, and of those that missed the organ.
+/// Columns: x, then the quantities of kShown.
+std::vector<PlotData> tables_of(const study::SweepResult& sweep, const View& view) {
+  std::vector<PlotData> tables;
+  for (const std::string& value : view.trace_values) {
+    PlotData touched{"touched" + std::to_string(tables.size()), {}};
+    PlotData missed{"missed" + std::to_string(tables.size()), {}};
     for (const study::SweepRow& row : sweep.rows) {
       bool shown = !row.failed();
       for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
-        const std::string& at = i == view.trace_axis ? view.trace_values[k] : sweep.axes[i].values.front();
+        const std::string& at = i == view.trace_axis ? value : sweep.axes[i].values.front();
         shown = shown && (i == view.x_axis || row.settings[i] == at);
       }
       if (!shown) continue;
-      PlotData& data = row.missed_contact ? trace.missed : trace.touched;
-      data.rows.push_back(points_of(row, place_of(sweep.axes[view.x_axis], row.settings[view.x_axis])));
+      (row.missed_contact ? missed : touched)
+          .rows.push_back(points_of(row, place_of(sweep.axes[view.x_axis], row.settings[view.x_axis])));
     }
-    for (PlotData* data : {&trace.touched, &trace.missed}) std::sort(data->rows.begin(), data->rows.end());
-    traces.push_back(std::move(trace));
+    for (PlotData* table : {&touched, &missed}) {
+      std::sort(table->rows.begin(), table->rows.end());
+      tables.push_back(std::move(*table));
+    }
   }
-  return traces;
+  return tables;
 }
 
 /// A text in gnuplot's single quotes.
@@ -129,7 +127,8 @@ std::string x_axis_script(const study::Axis& axis) {
 }
 
 /// One pane a quantity; the values of the traces stand on the right, what is held above.
-std::string script_of(const std::vector<Trace>& traces, const View& view, const study::SweepResult& sweep) {
+std::string script_of(const std::vector<PlotData>& tables, const View& view,
+                      const study::SweepResult& sweep) {
   const bool several = view.trace_axis != kNoAxis;
   std::string script = preamble(several ? 1100 : 960, 760, "off") + x_axis_script(sweep.axes[view.x_axis]) +
                        fmt::format(
@@ -146,15 +145,14 @@ std::string script_of(const std::vector<Trace>& traces, const View& view, const 
     }
     if (pane > 0) script += "unset label 1\n";
     std::string plots;
-    for (std::size_t i = 0; i < traces.size(); ++i) {
-      const std::string title = traces[i].name.empty() ? "notitle" : "title " + in_quotes(traces[i].name);
-      const auto add = [&](const PlotData& data, const std::string& style) {
-        if (data.rows.empty()) return;
-        plots += fmt::format("{}'{}' using 1:{} {} lc rgb '{}'", plots.empty() ? "plot " : ", ", data.name,
-                             pane + 2, style, kColours[i]);
-      };
-      add(traces[i].touched, title + " with linespoints pt 7 ps 0.5 lw 2");
-      add(traces[i].missed, "notitle with points pt 2 ps 0.9 lw 2");
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      if (tables[i].rows.empty()) continue;
+      const bool missed = i % 2 == 1;
+      const std::string& value = view.trace_values[i / 2];
+      plots += fmt::format(
+          "{}'{}' using 1:{} {} {} lc rgb '{}'", plots.empty() ? "plot " : ", ", tables[i].name, pane + 2,
+          missed || value.empty() ? "notitle" : "title " + in_quotes(value),
+          missed ? "with points pt 2 ps 0.9 lw 2" : "with linespoints pt 7 ps 0.5 lw 2", kColours[i / 2]);
     }
     script += plots + '\n';
   }
@@ -165,16 +163,13 @@ std::string script_of(const std::vector<Trace>& traces, const View& view, const 
 
 std::string draw_sweep(const study::SweepResult& sweep, const std::filesystem::path& file) {
   const View view = view_of(sweep);
-  const std::vector<Trace> traces = traces_of(sweep, view);
+  const std::vector<PlotData> tables = tables_of(sweep, view);
   std::vector<PlotData> data;
-  for (const Trace& trace : traces) {
-    for (const PlotData& one : {trace.touched, trace.missed}) {
-      if (!one.rows.empty()) data.push_back(one);
-    }
-  }
+  std::copy_if(tables.begin(), tables.end(), std::back_inserter(data),
+               [](const PlotData& table) { return !table.rows.empty(); });
   if (data.empty()) return "every run that it would show failed";
   try {
-    run_gnuplot(script_of(traces, view, sweep), data, file);
+    run_gnuplot(script_of(tables, view, sweep), data, file);
   } catch (const FigureError& error) {
     return one_line(error.what());
   }

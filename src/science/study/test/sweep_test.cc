@@ -99,6 +99,7 @@ TEST(Axis, HasValuesEvenlySpacedFromEndToEnd) {
   EXPECT_THAT(parse_axis("--set", "device.mass_kg=0.1:0.7:7").values,
               ElementsAre("0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"));
   EXPECT_THAT(parse_axis("--set", "scene.seed=1:3:3").values, ElementsAre("1", "2", "3"));
+  EXPECT_THAT(parse_axis("--set", "scene.seed=0:1000000:3").values, ElementsAre("0", "500000", "1000000"));
 }
 
 TEST(Axis, IsSpacedInTheLogarithmWhenAsked) {
