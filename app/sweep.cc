@@ -7,7 +7,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -15,6 +15,7 @@
 
 #include "core/base/text.h"
 #include "io/scene/organ_cache.h"
+#include "io/scene/scene_keys.h"
 #include "io/system/cache_folder.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
@@ -44,12 +45,48 @@ struct SweepFlags {
 /// The files of a sweep, in its folder.
 constexpr std::array kFiles = {"results.csv", "results.h5", "results.svg", "results.jsonl"};
 
-void make_folder(const SweepFlags& flags) {
+/// Flags and what the keys that they override begin with.
+constexpr std::pair<const char*, const char*> kOverrides[] = {{"--task", "scene.task"},
+                                                              {"--organ", "organ.mesh"},
+                                                              {"--organ", "organ.unit"},
+                                                              {"--organ-unit", "organ.unit"},
+                                                              {"--organ-motion", "organ.motion."},
+                                                              {"--tissue", "organ.tissue"},
+                                                              {"--tool", "tool."},
+                                                              {"--tool-unit", "tool.unit"},
+                                                              {"--device", "device.kind"},
+                                                              {"--device", "device.path"},
+                                                              {"--rate-Hz", "scene.rate_Hz"},
+                                                              {"--seed", "scene.seed"},
+                                                              {"--no-noise", "noise."},
+                                                              {"--fit-device", "device.fit"}};
+
+/// @throws InputError for an axis whose values a flag would replace
+void refuse_overridden(const std::vector<study::Axis>& axes, const CLI::App& command) {
+  for (const study::Axis& axis : axes) {
+    for (const auto& [flag, key] : kOverrides) {
+      if (!axis.key.starts_with(key) || command.count(flag) == 0) continue;
+      throw InputError(
+          fmt::format("--set {}: {} sets it in every run; leave one of them out", axis.key, flag));
+    }
+  }
+}
+
+void check_files_and_duration(const SweepFlags& flags) {
+  const study::SweepRequest& request = flags.request;
   require_writable_folder(flags.out, "--out");
+  const scene::Setup setup = scene::load(request.scene);
+  if (request.duration_s) (void)session::ticks_in(*request.duration_s, setup.rate_Hz, "--duration-s");
   std::vector<NamedFile> outputs;
   for (const char* name : kFiles) outputs.push_back({"--out", fs::path(flags.out) / name});
-  refuse_overwriting(outputs, sources_of(scene::load(flags.request.scene)));
-  fs::create_directories(flags.out);
+  std::vector<NamedFile> inputs = sources_of(setup);
+  for (const study::Axis& axis : request.axes) {
+    for (const std::string& value : axis.values) {
+      for (const fs::path& file : study::files_of(request, axis, value))
+        inputs.push_back({"--set " + axis.key, file});
+    }
+  }
+  refuse_overwriting(outputs, inputs);
 }
 
 /// Least and largest value of a quantity over the runs that did not fail.
@@ -77,18 +114,27 @@ std::string sweep_text(const study::SweepResult& sweep, const std::string& out) 
   return text + "Table: " + (fs::path(out) / kFiles[0]).string() + " and " + kFiles[1] + '\n';
 }
 
+nlohmann::ordered_json json_of(const study::Column& column, const std::string& text) {
+  if (text.empty()) return nullptr;
+  switch (column.type) {
+    case scene::KeyType::kNumber:
+      return palpate::parse_number(text).value();
+    case scene::KeyType::kWhole:
+      return std::stoull(text);
+    case scene::KeyType::kTruth:
+      return study::is_true(text);
+    case scene::KeyType::kText:
+      break;
+  }
+  return text;
+}
+
 nlohmann::ordered_json sweep_json(const study::SweepResult& sweep, const std::string& out) {
   using Json = nlohmann::ordered_json;
   Json rows(sweep.rows.size(), Json::object());
   for (const study::Column& column : study::columns_of(sweep)) {
-    for (std::size_t run = 0; run < rows.size(); ++run) {
-      Json& value = rows[run][column.name];
-      if (!column.number) {
-        value = column.texts[run];
-      } else if (!column.texts[run].empty()) {
-        value = Json(palpate::parse_number(column.texts[run]).value());
-      }
-    }
+    for (std::size_t run = 0; run < rows.size(); ++run)
+      rows[run][column.name] = json_of(column, column.texts[run]);
   }
   return {{"scene", sweep.scene},     {"out", out},
           {"resumed", sweep.resumed}, {"runs", sweep.rows.size()},
@@ -120,7 +166,7 @@ void tell_findings(const study::SweepResult& sweep, const std::string& record) {
              [](const study::SweepRow& row) { return row.missed_contact; });
 }
 
-int sweep(SweepFlags& flags) {
+int sweep(SweepFlags& flags, const CLI::App& command) {
   study::SweepRequest& request = flags.request;
   if (!request.scene.scene) throw InputError("SCENE: missing, must be a scene file (.toml)");
   for (const std::string& text : flags.settings) {
@@ -131,11 +177,12 @@ int sweep(SweepFlags& flags) {
       throw InputError("--set " + text + ": " + key + " is set twice");
     }
   }
+  refuse_overridden(request.axes, command);
   const fs::path folder = flags.out;
   request.record = folder / kFiles[3];
   if (!flags.no_cache) scene::use_organ_cache(request.preparation, user_cache_folder());
   const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
-  tasks::on_first(*ranks, [&flags] { make_folder(flags); });
+  tasks::on_first(*ranks, [&flags] { check_files_and_duration(flags); });
   study::SweepResult result;
   {
     Progress bar("sweep");
@@ -143,6 +190,7 @@ int sweep(SweepFlags& flags) {
                               [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
   if (ranks->rank() == 0) {
+    if (!result.record_failure.empty()) tell_error(result.record_failure);
     write_output(folder / kFiles[0], study::sweep_csv(result), "--out");
     study::write_sweep_hdf5(result, folder / kFiles[1]);
     const std::string missing = report::draw_sweep(result, folder / kFiles[2]);
@@ -151,7 +199,7 @@ int sweep(SweepFlags& flags) {
     std::cout << (flags.as_json ? sweep_json(result, flags.out).dump(2) + '\n'
                                 : sweep_text(result, flags.out));
   }
-  if (result.failed() > 0) return kBadInput;
+  if (result.failed() > 0 || !result.record_failure.empty()) return kBadInput;
   return result.with_fault() > 0 ? kFault : kDone;
 }
 
@@ -184,8 +232,9 @@ void add_sweep(CLI::App& program, int& exit_code) {
       "Runs are offline and give the same table on any number of processes. The same command goes on where "
       "a\n"
       "sweep was broken off, and tries runs that failed again. docs/sweeps.md has the columns.\n"
-      "Exit: 0 done, 2 bad input, or a run failed (its row says why), 3 a run latched a fault");
-  command->callback([flags, &exit_code] { exit_code = sweep(*flags); });
+      "Exit: 0 done, 2 bad input, a run failed (its row says why) or the record is not whole, 3 a run "
+      "latched a fault");
+  command->callback([flags, command, &exit_code] { exit_code = sweep(*flags, *command); });
 }
 
 }  // namespace palpate::app

@@ -21,7 +21,9 @@ void write_scene(const Folder& folder, const std::string& more = "") {
 }
 
 Outcome sweep(const Folder& folder, std::vector<std::string> words) {
-  words.insert(words.begin(), {"sweep", "press.toml", "--duration-s", "1.5", "--out", "d"});
+  words.insert(words.begin(), {"sweep", "press.toml", "--out", "d"});
+  if (std::find(words.begin(), words.end(), "--duration-s") == words.end())
+    words.insert(words.end(), {"--duration-s", "1.5"});
   return run(folder, words);
 }
 
@@ -69,13 +71,84 @@ TEST(SweepCommand, RefusesBadInputInOneLineAndWritesNothing) {
            {{"--set", "path.speed=1", "--set", "path.speed=2"},
             "--set path.speed=2: path.speed is set twice"},
            {{"--set", "path.speed=0:1:3"}, "--set path.speed = 0: must be a number >= 0.01 and <= 100"},
-           {{"--set", "path.speed=1", "--organ", "lost.stl", "--organ-unit", "mm"}, "lost.stl"}}) {
+           {{"--set", "path.speed=1", "--organ", "lost.stl", "--organ-unit", "mm"}, "lost.stl"},
+           {{"--set", "path.speed=1", "--duration-s", "-1"}, "--duration-s = -1: must be > 0"},
+           {{"--set", "path.speed=1", "--device", "mouse"}, "device mouse: a sweep needs"},
+           {{"--set", "path.speed=0.1:1:1000", "--set", "tissue.k1=1:2:1000"},
+            "--set: more than 100000 runs"}}) {
     const Outcome outcome = sweep(folder, words);
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.err, HasSubstr(want));
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
   EXPECT_FALSE(fs::exists(folder / "d"));
+}
+
+TEST(SweepCommand, AFlagMayNotReplaceASweptKey) {
+  const Folder folder;
+  write_scene(folder);
+  std::ofstream(folder / "up.csv") << "time_s,x_m,y_m,z_m\n0,0,0,0.1\n1,0,0,0.1\n";
+  for (const auto& [setting, flag] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"scene.task=press", {"--task", "press"}},
+           {"organ.mesh=box", {"--organ", "box"}},
+           {"organ.unit=mm", {"--organ", "box"}},
+           {"organ.unit=mm", {"--organ-unit", "mm"}},
+           {"organ.motion.phase=0,0.5", {"--organ-motion", "breathing"}},
+           {"organ.tissue=liver,heart", {"--tissue", "liver"}},
+           {"tool.tip_radius=1,2", {"--tool", "sphere:3"}},
+           {"tool.unit=mm", {"--tool-unit", "mm"}},
+           {"device.kind=scripted", {"--device", "emulated"}},
+           {"device.path=up.csv", {"--device", "scripted"}},
+           {"scene.rate_Hz=1000,2000", {"--rate-Hz", "1000"}},
+           {"scene.seed=1,2", {"--seed", "1"}},
+           {"noise.gain=0.1,0.2", {"--no-noise"}},
+           {"device.fit=true,false", {"--fit-device"}}}) {
+    std::vector<std::string> words = {"--set", setting};
+    words.insert(words.end(), flag.begin(), flag.end());
+    const Outcome outcome = sweep(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2) << setting;
+    EXPECT_THAT(outcome.err, HasSubstr(": " + flag.front() + " sets it in every run")) << setting;
+    EXPECT_THAT(outcome.err, HasSubstr("--set " + setting.substr(0, setting.find_first_of("=")))) << setting;
+  }
+  EXPECT_EQ(sweep(folder, {"--set", "tissue.k1=10,20", "--tissue", "liver"}).exit_code, 0);
+}
+
+TEST(SweepCommand, DoesNotOverwriteAFileThatItSweepsOver) {
+  const Folder folder;
+  write_scene(folder);
+  const std::string path = "time_s,x_m,y_m,z_m\n0,0,0,0.1\n1,0,0,0.1\n";
+  fs::create_directory(folder / "d");
+  std::ofstream(folder / "up.csv") << path;
+  std::ofstream(folder / "d/results.csv") << path;
+  const Outcome outcome = sweep(folder, {"--set", "device.path=up.csv,d/results.csv"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--set device.path"));
+  EXPECT_EQ(text_of(folder / "d/results.csv"), path);
+}
+
+TEST(SweepCommand, ItsJsonHasWholeNumbersTruthsAndNulls) {
+  const Folder folder;
+  write_scene(folder);
+  const Outcome outcome =
+      sweep(folder, {"--set", "scene.seed=9007199254740993", "--set", "noise.enabled=false", "--set",
+                     "organ.tissue=liver,lost.toml", "--json"});
+  for (const char* text : {"\"run\": 0,", "\"scene.seed\": 9007199254740993,", "\"noise.enabled\": false,",
+                           "\"missed_contact\": false,", "\"faults\": 0,", "\"missed_contact\": null,",
+                           "\"faults\": null,", "\"fault\": null,"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(text));
+  }
+}
+
+TEST(SweepCommand, ReportsARecordThatCannotBeWrittenAnyMore) {
+  const Folder folder;
+  write_scene(folder);
+  // 1024 bytes: a run or two of the record
+  const std::string command =
+      "cd '" + folder.path().string() + "' && trap '' XFSZ && ulimit -f 2 && '" + PALPATE_PROGRAM +
+      "' sweep press.toml --duration-s 0.1 --set tissue.k1=10:20:5 --out d 2> err > out";
+  EXPECT_NE(std::system(command.c_str()), 0);
+  EXPECT_THAT(text_of(folder / "err"),
+              HasSubstr("results.jsonl: cannot be written any more: File too large"));
 }
 
 }  // namespace

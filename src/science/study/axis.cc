@@ -40,21 +40,25 @@ std::vector<std::string> spaced(const std::vector<std::string>& parts) {
     const double value =
         logarithmic ? portable::exp((1.0 - share) * portable::log(*low) + share * portable::log(*high))
                     : *low + share * (*high - *low);
-    values.push_back(shortest(*parse_number(fmt::format("{:.12g}", value))));
+    const double rounded = *parse_number(fmt::format("{:.12g}", value));
+    const bool whole = rounded == std::floor(rounded) && std::abs(rounded) < 1e15;
+    values.push_back(whole ? fmt::format("{:.0f}", rounded) : shortest(rounded));
   }
   return values;
 }
 
 }  // namespace
 
+bool Axis::number() const noexcept {
+  return type == scene::KeyType::kNumber || type == scene::KeyType::kWhole;
+}
+
 Axis parse_axis(const std::string& flag, const std::string& text) {
   const std::size_t equals = text.find('=');
   const scene::SceneKey& key = scene::find_scene_key(flag, text.substr(0, equals));
   const std::string right = equals == std::string::npos ? "" : text.substr(equals + 1);
-  Axis axis;
-  axis.key = key.path;
-  axis.number = key.type == scene::KeyType::kNumber || key.type == scene::KeyType::kWhole;
-  const bool range = axis.number && right.find(':') != std::string::npos;
+  Axis axis{key.path, key.type, {}};
+  const bool range = axis.number() && right.find(':') != std::string::npos;
   axis.values = range ? spaced(split(right, ':')) : split(right, ',');
   if (right.empty() || axis.values.empty()) {
     throw InputError(

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <span>
+#include <sstream>
 #include <utility>
 
 #include <fmt/core.h>
@@ -10,9 +12,9 @@
 
 #include "core/base/content_hash.h"
 #include "core/base/text.h"
+#include "io/mesh_io/formats/gltf_check.h"
 #include "io/record/scene_json.h"
-#include "io/scene/device_kinds.h"
-#include "io/scene/names.h"
+#include "io/scene/scene_keys.h"
 #include "io/system/input_file.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
@@ -63,8 +65,14 @@ void add(ContentHasher& hasher, const std::string& text) {
   hasher.add(std::as_bytes(std::span<const char>(text)));
 }
 
-/// What all runs depend on: program, scene, the files that it names, and the axes with the files that these
-/// name. @param scene set to the scene's name
+void add_file(ContentHasher& hasher, const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(file, error))
+    add(hasher, InputFile(file, kRecordingInput).read_rest());
+}
+
+/// What all runs depend on: program, scene, the files that it names, and the axes.
+/// @param scene set to the scene's name
 std::string fingerprint_of(const SweepRequest& request, std::string& scene) {
   const scene::Setup setup = load_offline(request.scene);
   scene = setup.name;
@@ -72,21 +80,35 @@ std::string fingerprint_of(const SweepRequest& request, std::string& scene) {
   add(hasher, kVersion);
   add(hasher, record::setup_to_json(setup));
   hasher.add(request.duration_s.value_or(-1.0)).add(request.scene.fit_device ? 1 : 0);
-  const auto add_file = [&hasher](const std::filesystem::path& file) {
-    std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) {
-      add(hasher, InputFile(file, kRecordingInput).read_rest());
-    }
-  };
-  for (const scene::SourceFile& file : setup.files) add_file(file.path);
+  for (const scene::SourceFile& file : setup.files) add_file(hasher, file.path);
   for (const Axis& axis : request.axes) {
     add(hasher, axis.key);
-    for (const std::string& value : axis.values) {
-      add(hasher, value);
-      if (!axis.number && scene::means_file(value)) add_file(request.scene.scene->parent_path() / value);
-    }
+    for (const std::string& value : axis.values) add(hasher, value);
   }
   return hasher.hash().hexadecimal();
+}
+
+/// One line per run with its key: the sweep's fingerprint, the run's number, and hashes of the files that its
+/// own values name, so that a run is made again when one of them changes or appears.
+std::string keys_of(const SweepRequest& request, const std::string& fingerprint) {
+  std::map<std::string, std::string> contents;  // hash of the files of a value
+  for (const Axis& axis : request.axes) {
+    for (const std::string& value : axis.values) {
+      const std::vector<std::filesystem::path> files = files_of(request, axis, value);
+      ContentHasher hasher;
+      for (const std::filesystem::path& file : files) add_file(hasher, file);
+      if (!files.empty()) contents[value] = '-' + hasher.hash().hexadecimal();
+    }
+  }
+  std::string keys;
+  for (std::size_t run = 0; run < count_of(request.axes); ++run) {
+    keys += fmt::format("{}-{}", fingerprint, run);
+    for (const std::string& value : values_of(request.axes, run)) {
+      if (const auto found = contents.find(value); found != contents.end()) keys += found->second;
+    }
+    keys += '\n';
+  }
+  return keys;
 }
 
 std::string line_of(const std::string& key, const std::vector<Axis>& axes, const SweepRow& row) {
@@ -166,16 +188,33 @@ std::size_t SweepResult::with_fault() const {
       std::count_if(rows.begin(), rows.end(), [](const SweepRow& row) { return row.faults > 0; }));
 }
 
+std::vector<std::filesystem::path> files_of(const SweepRequest& request, const Axis& axis,
+                                            const std::string& value) {
+  const std::filesystem::path file = request.scene.scene->parent_path() / value;
+  std::error_code error;
+  if (axis.type != scene::KeyType::kText || !std::filesystem::is_regular_file(file, error)) return {};
+  std::vector<std::filesystem::path> files = {file};
+  try {
+    for (const std::filesystem::path& buffer : geometry::gltf_buffer_files(file)) files.push_back(buffer);
+  } catch (const InputError&) {  // the run reports it
+  }
+  return files;
+}
+
 SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks, const Progress& progress) {
   const std::size_t runs = count_of(request.axes);
-  SweepResult result{"", request.axes, {}, 0};
-  std::string fingerprint;
+  SweepResult result{"", request.axes, {}, 0, {}};
+  std::string lines_of_keys;
   tasks::on_first(ranks, [&] {
-    fingerprint = fingerprint_of(request, result.scene);
+    const std::string fingerprint = fingerprint_of(request, result.scene);
     check_record(request.record, fingerprint);
+    lines_of_keys = keys_of(request, fingerprint);
+    std::filesystem::create_directories(request.record.parent_path());
   });
-  fingerprint = ranks.broadcast(std::move(fingerprint));
-  const auto key = [&](std::size_t run) { return fingerprint + '-' + std::to_string(run); };
+  std::istringstream in(ranks.broadcast(std::move(lines_of_keys)));
+  std::vector<std::string> keys(runs);
+  for (std::string& line : keys) std::getline(in, line);
+  const auto key = [&keys](std::size_t run) { return keys[run]; };
   std::size_t done = 0;
   const auto arrived = [&](std::size_t) {
     ++done;
@@ -189,6 +228,7 @@ SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks, const Pr
   });
   auto [lines, resumed] = tasks::for_each_task(&ranks, {runs, run, key, arrived}, &record);
   result.resumed = resumed;
+  result.record_failure = record.failure();
   for (const std::string& line : lines) result.rows.push_back(row_of(line, request.axes));
   return result;
 }

@@ -12,15 +12,21 @@
 #include "run/session/run_quantities.h"
 #include "science/tasks/ranks.h"
 
+namespace palpate::scene {
+enum class KeyType;  // scene_keys.h
+}
+
 namespace palpate::study {
 
 inline constexpr std::size_t kMostRuns = 100'000;
 
 /// A key of the scene that a sweep varies.
 struct Axis {
-  std::string key;                  // a SceneKey's path
-  bool number = false;              // its values are numbers
+  std::string key;  // a SceneKey's path
+  scene::KeyType type;
   std::vector<std::string> values;  // as a scene file would have them, at least one
+
+  [[nodiscard]] bool number() const noexcept;
 };
 
 /// [setup] "tissue.k1=10:40:7", "device.mass_kg=0.1:1:5:log" or "organ.tissue=liver,heart". @param flag for
@@ -33,8 +39,12 @@ struct SweepRequest {
   std::optional<double> duration_s;  // as SessionOptions
   std::vector<Axis> axes;
   contact::Preparation preparation;  // called on any thread
-  std::filesystem::path record;      // of the finished runs, to go on from
+  std::filesystem::path record;      // of the finished runs, to go on from; its folder is made
 };
+
+/// [setup] The file that a value of an axis names, if it exists, and the buffers that a glTF file names.
+[[nodiscard]] std::vector<std::filesystem::path> files_of(const SweepRequest& request, const Axis& axis,
+                                                          const std::string& value);
 
 /// One run, a row of the table.
 struct SweepRow {
@@ -53,6 +63,7 @@ struct SweepResult {
   std::vector<Axis> axes;
   std::vector<SweepRow> rows;  // all combinations; the last axis varies fastest
   std::size_t resumed = 0;     // taken from the record
+  std::string record_failure;  // on rank 0: why runs were not recorded; empty: all were
 
   [[nodiscard]] std::size_t failed() const;
   [[nodiscard]] std::size_t missed() const;
@@ -73,17 +84,21 @@ using Progress = std::function<void(double, const std::string&)>;
 /// A column of the table: run, one an axis, one a quantity, missed_contact, faults, fault, ended.
 struct Column {
   std::string name;
-  bool number = true;
-  std::vector<std::string> texts;  // of each run; empty: none
+  scene::KeyType type;
+  std::vector<std::string> texts;  // of each run; empty: it failed before it had one
 };
+
+/// [any] Of a column of truths: "true" of a key, "1" of a result.
+[[nodiscard]] bool is_true(const std::string& text);
 
 [[nodiscard]] std::vector<Column> columns_of(const SweepResult& sweep);
 
 /// [setup] The table as CSV.
 [[nodiscard]] std::string sweep_csv(const SweepResult& sweep);
 
-/// [setup] The same table in an HDF5 file, a dataset a column; the numbers of a run that failed are NaN. The
-/// same table gives the same bytes. @throws InputError when the file cannot be written
+/// [setup] The same table in an HDF5 file, a dataset a column. Where a run failed, a number is NaN, a count
+/// or a truth the largest value of its unsigned type. The same table gives the same bytes. @throws InputError
+/// when the file cannot be written
 void write_sweep_hdf5(const SweepResult& sweep, const std::filesystem::path& file);
 
 }  // namespace palpate::study

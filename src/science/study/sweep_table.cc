@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 
 #include "core/base/text.h"
 #include "io/record/hdf5_handle.h"
+#include "io/scene/scene_keys.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
 #include "science/study/sweep.h"
@@ -10,6 +12,7 @@
 namespace palpate::study {
 namespace {
 
+using scene::KeyType;
 using session::kRunQuantities;
 namespace hdf5 = record::hdf5;
 
@@ -20,53 +23,79 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-/// Numbers, or texts that are filled up with zeros to the longest.
-void write_column(hid_t file, const Column& column) {
-  std::vector<double> numbers;
-  std::string texts;
-  std::size_t longest = 1;
-  for (const std::string& text : column.texts) longest = std::max(longest, text.size());
-  for (std::string text : column.texts) {
-    if (column.number)
-      numbers.push_back(parse_number(text).value_or(std::numeric_limits<double>::quiet_NaN()));
-    text.resize(longest);
-    texts += text;
-  }
+void write_dataset(hid_t file, const Column& column, hid_t type, const void* values) {
   const hsize_t rows = column.texts.size();
-  const hdf5::Handle type =
-      column.number ? hdf5::Handle(H5Tcopy(H5T_NATIVE_DOUBLE), column.name) : hdf5::text_type(longest);
   const hdf5::Handle space(H5Screate_simple(1, &rows, nullptr), column.name);
   const hdf5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), column.name);
   hdf5::check(H5Pset_obj_track_times(properties.id(), false), column.name);  // the same bytes at any time
   const hdf5::Handle dataset(
-      H5Dcreate2(file, column.name.c_str(), type.id(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+      H5Dcreate2(file, column.name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
       column.name);
-  const void* values = column.number ? static_cast<const void*>(numbers.data()) : texts.data();
-  hdf5::check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values), column.name);
+  hdf5::check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), column.name);
+}
+
+template <typename T, typename Read>
+void write_values(hid_t file, const Column& column, hid_t type, T none, const Read& read) {
+  std::vector<T> values;
+  for (const std::string& text : column.texts)
+    values.push_back(text.empty() ? none : static_cast<T>(read(text)));
+  write_dataset(file, column, type, values.data());
+}
+
+/// Texts that are filled up with zeros to the longest.
+void write_texts(hid_t file, const Column& column) {
+  std::string texts;
+  std::size_t longest = 1;
+  for (const std::string& text : column.texts) longest = std::max(longest, text.size());
+  for (std::string text : column.texts) {
+    text.resize(longest);
+    texts += text;
+  }
+  write_dataset(file, column, hdf5::text_type(longest).id(), texts.data());
+}
+
+void write_column(hid_t file, const Column& column) {
+  switch (column.type) {
+    case KeyType::kNumber:
+      return write_values(file, column, H5T_NATIVE_DOUBLE, std::numeric_limits<double>::quiet_NaN(),
+                          [](const std::string& text) { return parse_number(text).value(); });
+    case KeyType::kWhole:
+      return write_values(file, column, H5T_NATIVE_UINT64, std::numeric_limits<std::uint64_t>::max(),
+                          [](const std::string& text) { return std::stoull(text); });
+    case KeyType::kTruth:
+      return write_values(file, column, H5T_NATIVE_UINT8, std::numeric_limits<std::uint8_t>::max(), is_true);
+    case KeyType::kText:
+      return write_texts(file, column);
+  }
 }
 
 }  // namespace
 
+bool is_true(const std::string& text) { return text == "true" || text == "1"; }
+
 std::vector<Column> columns_of(const SweepResult& sweep) {
   std::vector<Column> columns;
-  const auto add = [&](const std::string& name, bool number, const auto& text_of) {
-    Column& column = columns.emplace_back(Column{name, number, {}});
+  const auto add = [&](const std::string& name, KeyType type, const auto& text_of) {
+    Column& column = columns.emplace_back(Column{name, type, {}});
     for (const SweepRow& row : sweep.rows) column.texts.push_back(text_of(row));
   };
-  const auto run_of = [&sweep](const SweepRow& row) { return std::to_string(&row - sweep.rows.data()); };
-  add("run", true, run_of);
+  const auto add_result = [&](const std::string& name, KeyType type, const auto& text_of) {
+    add(name, type, [&](const SweepRow& row) { return row.failed() ? std::string() : text_of(row); });
+  };
+  add("run", KeyType::kWhole,
+      [&sweep](const SweepRow& row) { return std::to_string(&row - sweep.rows.data()); });
   for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
-    add(sweep.axes[i].key, sweep.axes[i].number, [i](const SweepRow& row) { return row.settings[i]; });
+    add(sweep.axes[i].key, sweep.axes[i].type, [i](const SweepRow& row) { return row.settings[i]; });
   }
   for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
-    add(kRunQuantities[i].name, true,
-        [i](const SweepRow& row) { return row.failed() ? std::string() : shortest(row.quantities[i]); });
+    add_result(kRunQuantities[i].name, KeyType::kNumber,
+               [i](const SweepRow& row) { return shortest(row.quantities[i]); });
   }
-  add("missed_contact", true,
-      [](const SweepRow& row) { return std::string(row.missed_contact ? "1" : "0"); });
-  add("faults", true, [](const SweepRow& row) { return std::to_string(row.faults); });
-  add("fault", false, [](const SweepRow& row) { return row.fault; });
-  add("ended", false, [](const SweepRow& row) { return row.ended; });
+  add_result("missed_contact", KeyType::kTruth,
+             [](const SweepRow& row) { return std::string(row.missed_contact ? "1" : "0"); });
+  add_result("faults", KeyType::kWhole, [](const SweepRow& row) { return std::to_string(row.faults); });
+  add_result("fault", KeyType::kText, [](const SweepRow& row) { return row.fault; });
+  add("ended", KeyType::kText, [](const SweepRow& row) { return row.ended; });
   return columns;
 }
 

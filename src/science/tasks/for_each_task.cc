@@ -155,8 +155,9 @@ TaskResults for_each_task(Ranks* ranks, const Tasks& tasks, Record* record) {
     if (tasks.done) tasks.done(task);
   };
   std::vector<Outcome> outcomes = run_all(all, tasks, missing, arrived);
+  const std::string unkept = record == nullptr || record->failure().empty() ? "" : "; " + record->failure();
   for (std::size_t i = 0; i < missing.size(); ++i) {
-    if (outcomes[i].failed) throw InputError(outcomes[i].text);
+    if (outcomes[i].failed) throw InputError(outcomes[i].text + unkept);
     found.results[missing[i]] = std::move(outcomes[i].text);
   }
   return found;

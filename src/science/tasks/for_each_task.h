@@ -30,7 +30,7 @@ struct TaskResults {
 /// results to every rank: the same bytes on any number of ranks. Every rank makes the same call.
 /// @param ranks null: this process alone @param record null: nothing is kept; needs tasks.key
 /// @throws InputError on every rank alike, when all tasks are done, with the message of the first task that
-/// threw; its result is not recorded.
+/// threw, on rank 0 with record's failure() after it; its result is not recorded.
 TaskResults for_each_task(Ranks* ranks, const Tasks& tasks, Record* record = nullptr);
 
 }  // namespace palpate::tasks

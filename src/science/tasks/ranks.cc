@@ -39,8 +39,8 @@ std::vector<std::filesystem::path> places() {
 
 [[noreturn]] void fail(const Launch& launch, const std::string& why) {
   throw InputError(
-      fmt::format("mpirun started {} of this program, but {}; build it with libopenmpi-dev installed, or "
-                  "start one without mpirun",
+      fmt::format("mpirun started {} of this program, but {}; install palpate-mpi, build it with "
+                  "libopenmpi-dev installed, or start one without mpirun",
                   launch.size, why));
 }
 

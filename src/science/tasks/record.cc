@@ -1,5 +1,7 @@
 #include "science/tasks/record.h"
 
+#include <cerrno>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <sstream>
@@ -30,14 +32,14 @@ std::map<std::string, std::string> read_record(const std::string& file, const Ch
   return lines;
 }
 
-Record::Record(std::string file, Ranks& ranks, const CheckLine& check) {
+Record::Record(std::string file, Ranks& ranks, const CheckLine& check) : file_(std::move(file)) {
   std::string text;
   on_first(ranks, [&] {
-    if (file.empty()) return;
-    lines_ = read_record(file, check);
-    out_.open(file, std::ios::binary | std::ios::app);
+    if (file_.empty()) return;
+    lines_ = read_record(file_, check);
+    out_.open(file_, std::ios::binary | std::ios::app);
     out_ << '\n' << std::flush;  // ends a line that was cut off
-    if (!out_) throw InputError(file + ": cannot be written");
+    if (!out_) throw InputError(file_ + ": cannot be written");
     for (const auto& [key, line] : lines_) text += key + '\n' + line + '\n';
   });
   std::istringstream in(ranks.broadcast(std::move(text)));
@@ -50,7 +52,12 @@ const std::string* Record::find(const std::string& key) const {
 }
 
 void Record::add(const std::string& line) {
-  if (out_.is_open()) out_ << line << std::endl;  // NOLINT(performance-avoid-endl): on disk before the next
+  if (!out_.is_open() || !failure_.empty()) return;
+  errno = 0;
+  out_ << line << std::endl;  // NOLINT(performance-avoid-endl): on disk before the next
+  if (out_) return;
+  const std::string why = errno == 0 ? "" : std::string(": ") + std::strerror(errno);
+  failure_ = file_ + ": cannot be written any more" + why + "; what was finished since is not in it";
 }
 
 }  // namespace palpate::tasks

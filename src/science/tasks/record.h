@@ -28,10 +28,14 @@ class Record final {
   [[nodiscard]] const std::string* find(const std::string& key) const;
   /// [setup] Appends a line to the file, and to the disk, at once. Does nothing on other ranks than rank 0.
   void add(const std::string& line);
+  /// [any] Why lines that were added are not in the file; empty: all are.
+  [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
 
  private:
   std::map<std::string, std::string> lines_;
+  std::string file_;
   std::ofstream out_;
+  std::string failure_;
 };
 
 }  // namespace palpate::tasks

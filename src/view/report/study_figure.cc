@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -21,13 +23,6 @@ constexpr std::size_t kMostTraces = 8;
 constexpr std::array<const char*, kMostTraces> kColours = {kBlue,     kOrange,   kGreen,    "#CC79A7",
                                                            "#E69F00", "#56B4E9", "#000000", kGrey};
 constexpr std::size_t kNoAxis = static_cast<std::size_t>(-1);
-
-/// One value of the axis that has a trace a value.
-struct Trace {
-  std::string name;
-  PlotData touched;  // x, then the quantities of kShown
-  PlotData missed;
-};
 
 /// What the figure shows of a sweep.
 struct View {
@@ -63,38 +58,46 @@ View view_of(const study::SweepResult& sweep) {
 
 /// Where a value stands along x: itself, or, of a text, its number from 0.
 double place_of(const study::Axis& axis, const std::string& value) {
-  if (axis.number) return parse_number(value).value();
+  if (axis.number()) return parse_number(value).value();
   return static_cast<double>(std::find(axis.values.begin(), axis.values.end(), value) - axis.values.begin());
+}
+
+const session::RunQuantity& quantity_of(std::string_view name) {
+  return *std::find_if(kRunQuantities.begin(), kRunQuantities.end(),
+                       [name](const auto& one) { return one.name == name; });
 }
 
 std::vector<double> points_of(const study::SweepRow& row, double x) {
   std::vector<double> numbers = {x};
-  for (std::size_t i = 0; i < kRunQuantities.size(); ++i) {
-    if (std::find(kShown.begin(), kShown.end(), kRunQuantities[i].name) == kShown.end()) continue;
-    numbers.push_back(row.quantities[i]);
+  for (const std::string_view name : kShown) {
+    numbers.push_back(row.quantities[static_cast<std::size_t>(&quantity_of(name) - kRunQuantities.data())]);
   }
   return numbers;
 }
 
-std::vector<Trace> traces_of(const study::SweepResult& sweep, const View& view) {
-  std::vector<Trace> traces;
-  for (std::size_t k = 0; k < view.trace_values.size(); ++k) {
-    const std::string number = std::to_string(k);
-    Trace trace{view.trace_values[k], {"touched" + number, {}}, {"missed" + number, {}}};
+/// Two tables for each value that has a trace: of the runs with contact, and of those that missed the organ.
+/// Columns: x, then the quantities of kShown.
+std::vector<PlotData> tables_of(const study::SweepResult& sweep, const View& view) {
+  std::vector<PlotData> tables;
+  for (const std::string& value : view.trace_values) {
+    PlotData touched{"touched" + std::to_string(tables.size()), {}};
+    PlotData missed{"missed" + std::to_string(tables.size()), {}};
     for (const study::SweepRow& row : sweep.rows) {
       bool shown = !row.failed();
       for (std::size_t i = 0; i < sweep.axes.size(); ++i) {
-        const std::string& at = i == view.trace_axis ? view.trace_values[k] : sweep.axes[i].values.front();
+        const std::string& at = i == view.trace_axis ? value : sweep.axes[i].values.front();
         shown = shown && (i == view.x_axis || row.settings[i] == at);
       }
       if (!shown) continue;
-      PlotData& data = row.missed_contact ? trace.missed : trace.touched;
-      data.rows.push_back(points_of(row, place_of(sweep.axes[view.x_axis], row.settings[view.x_axis])));
+      (row.missed_contact ? missed : touched)
+          .rows.push_back(points_of(row, place_of(sweep.axes[view.x_axis], row.settings[view.x_axis])));
     }
-    for (PlotData* data : {&trace.touched, &trace.missed}) std::sort(data->rows.begin(), data->rows.end());
-    traces.push_back(std::move(trace));
+    for (PlotData* table : {&touched, &missed}) {
+      std::sort(table->rows.begin(), table->rows.end());
+      tables.push_back(std::move(*table));
+    }
   }
-  return traces;
+  return tables;
 }
 
 /// A text in gnuplot's single quotes.
@@ -107,25 +110,25 @@ std::string in_quotes(const std::string& text) {
 std::string x_axis_script(const study::Axis& axis) {
   std::string script = "set xlabel " + in_quotes(axis.key) + "\nset format x '%g'\nset autoscale xfix\n";
   std::string tics;
-  for (std::size_t i = 0; !axis.number && i < axis.values.size(); ++i) {
+  for (std::size_t i = 0; !axis.number() && i < axis.values.size(); ++i) {
     tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", in_quotes(axis.values[i]), i);
   }
-  if (!axis.number)
+  if (!axis.number())
     script += fmt::format("set xtics ({})\nset xrange [-0.5:{}.5]\n", tics, axis.values.size() - 1);
   // even steps of the logarithm, as :log makes them
-  if (axis.number && axis.values.size() > 2) {
+  if (axis.number() && axis.values.size() > 2) {
     const double first = *parse_number(axis.values[0]);
-    const double second = *parse_number(axis.values[1]);
-    const double third = *parse_number(axis.values[2]);
-    const bool logarithmic = first > 0.0 && second > 1.01 * first && third / second > 0.99 * second / first &&
-                             third / second < 1.01 * second / first;
+    const double ratio = *parse_number(axis.values[1]) / first;
+    const bool logarithmic = first > 0.0 && ratio > 1.01 &&
+                             std::abs(*parse_number(axis.values[2]) / (first * ratio * ratio) - 1.0) < 0.01;
     if (logarithmic) script += "set logscale x\n";
   }
   return script;
 }
 
 /// One pane a quantity; the values of the traces stand on the right, what is held above.
-std::string script_of(const std::vector<Trace>& traces, const View& view, const study::SweepResult& sweep) {
+std::string script_of(const std::vector<PlotData>& tables, const View& view,
+                      const study::SweepResult& sweep) {
   const bool several = view.trace_axis != kNoAxis;
   std::string script = preamble(several ? 1100 : 960, 760, "off") + x_axis_script(sweep.axes[view.x_axis]) +
                        fmt::format(
@@ -133,9 +136,7 @@ std::string script_of(const std::vector<Trace>& traces, const View& view, const 
                            "set multiplot layout 2,2 margins 0.08,{},0.09,0.93 spacing 0.11,0.14\n",
                            in_quotes(view.held), several ? 0.81 : 0.97);
   for (std::size_t pane = 0; pane < kShown.size(); ++pane) {
-    const auto* quantity = std::find_if(kRunQuantities.begin(), kRunQuantities.end(),
-                                        [pane](const auto& one) { return one.name == kShown[pane]; });
-    script += fmt::format("set ylabel {}\nset yrange [0:*]\n", in_quotes(quantity->label));
+    script += fmt::format("set ylabel {}\nset yrange [*<0:*]\n", in_quotes(quantity_of(kShown[pane]).label));
     if (several && pane == 0) {
       script += fmt::format("set key at screen 0.985,0.93 right top vertical samplen 2 noopaque title {}\n",
                             in_quotes(sweep.axes[view.trace_axis].key));
@@ -144,15 +145,14 @@ std::string script_of(const std::vector<Trace>& traces, const View& view, const 
     }
     if (pane > 0) script += "unset label 1\n";
     std::string plots;
-    for (std::size_t i = 0; i < traces.size(); ++i) {
-      const std::string title = traces[i].name.empty() ? "notitle" : "title " + in_quotes(traces[i].name);
-      const auto add = [&](const PlotData& data, const std::string& style) {
-        if (data.rows.empty()) return;
-        plots += fmt::format("{}'{}' using 1:{} {} lc rgb '{}'", plots.empty() ? "plot " : ", ", data.name,
-                             pane + 2, style, kColours[i]);
-      };
-      add(traces[i].touched, title + " with linespoints pt 7 ps 0.5 lw 2");
-      add(traces[i].missed, "notitle with points pt 2 ps 0.9 lw 2");
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      if (tables[i].rows.empty()) continue;
+      const bool missed = i % 2 == 1;
+      const std::string& value = view.trace_values[i / 2];
+      plots += fmt::format(
+          "{}'{}' using 1:{} {} {} lc rgb '{}'", plots.empty() ? "plot " : ", ", tables[i].name, pane + 2,
+          missed || value.empty() ? "notitle" : "title " + in_quotes(value),
+          missed ? "with points pt 2 ps 0.9 lw 2" : "with linespoints pt 7 ps 0.5 lw 2", kColours[i / 2]);
     }
     script += plots + '\n';
   }
@@ -163,18 +163,15 @@ std::string script_of(const std::vector<Trace>& traces, const View& view, const 
 
 std::string draw_sweep(const study::SweepResult& sweep, const std::filesystem::path& file) {
   const View view = view_of(sweep);
-  const std::vector<Trace> traces = traces_of(sweep, view);
+  const std::vector<PlotData> tables = tables_of(sweep, view);
   std::vector<PlotData> data;
-  for (const Trace& trace : traces) {
-    for (const PlotData& one : {trace.touched, trace.missed}) {
-      if (!one.rows.empty()) data.push_back(one);
-    }
-  }
+  std::copy_if(tables.begin(), tables.end(), std::back_inserter(data),
+               [](const PlotData& table) { return !table.rows.empty(); });
   if (data.empty()) return "every run that it would show failed";
   try {
-    run_gnuplot(script_of(traces, view, sweep), data, file);
+    run_gnuplot(script_of(tables, view, sweep), data, file);
   } catch (const FigureError& error) {
-    return error.what();
+    return one_line(error.what());
   }
   return {};
 }

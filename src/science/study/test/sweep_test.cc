@@ -99,6 +99,7 @@ TEST(Axis, HasValuesEvenlySpacedFromEndToEnd) {
   EXPECT_THAT(parse_axis("--set", "device.mass_kg=0.1:0.7:7").values,
               ElementsAre("0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"));
   EXPECT_THAT(parse_axis("--set", "scene.seed=1:3:3").values, ElementsAre("1", "2", "3"));
+  EXPECT_THAT(parse_axis("--set", "scene.seed=0:1000000:3").values, ElementsAre("0", "500000", "1000000"));
 }
 
 TEST(Axis, IsSpacedInTheLogarithmWhenAsked) {
@@ -113,7 +114,7 @@ TEST(Axis, TakesAListOfNumbersTruthsOrTexts) {
   EXPECT_THAT(parse_axis("--set", "noise.enabled=true,false").values, ElementsAre("true", "false"));
   const Axis tissue = parse_axis("--set", "organ.tissue=liver,heart");
   EXPECT_THAT(tissue.values, ElementsAre("liver", "heart"));
-  EXPECT_FALSE(tissue.number);
+  EXPECT_FALSE(tissue.number());
 }
 
 TEST(Axis, TakesAKeyWithoutItsUnit) {
@@ -204,7 +205,7 @@ TEST(Sweep, ARunThatFailsKeepsItsRowWithTheReasonAndTheSweepGoesOn) {
   EXPECT_EQ(result.rows[2].ended, "done");
   const std::string csv = sweep_csv(result);
   EXPECT_THAT(csv, StartsWith("run,organ.tissue,peak_force_N,"));
-  EXPECT_THAT(csv, HasSubstr("\n1,lost.toml,,,,,,,,,0,0,,failed: "));
+  EXPECT_THAT(csv, HasSubstr("\n1,lost.toml,,,,,,,,,,,,failed: "));
 }
 
 TEST(Sweep, ABrokenOffSweepGoesOnToTheSameBytes) {
@@ -237,6 +238,42 @@ TEST(Sweep, ARunThatFailedIsTriedAgain) {
   EXPECT_EQ(again.resumed, 1U);
 }
 
+TEST(Sweep, ARunThatFailedOnAFileSucceedsOnceTheFileIsThere) {
+  const Bench bench;
+  const SweepRequest request = bench.request({"organ.tissue=liver,late.toml"});
+  EXPECT_EQ(swept(request).failed(), 1U);
+  std::filesystem::copy(bench.folder() / "soft.toml", bench.folder() / "late.toml");
+  const SweepResult again = swept(request);
+  EXPECT_EQ(again.failed(), 0U);
+  EXPECT_EQ(again.resumed, 1U);
+}
+
+TEST(Sweep, ARunIsMadeAgainWhenItsFileChanged) {
+  const Bench bench;
+  bench.write("other.toml", text_of(bench.folder() / "soft.toml"));
+  const SweepRequest request = bench.request({"organ.tissue=liver,other.toml"});
+  const SweepResult before = swept(request);
+  bench.write("other.toml", text_of(bench.folder() / "soft.toml").replace(8 + 13, 4, "40.0"));
+  const SweepResult after = swept(request);
+  EXPECT_EQ(after.resumed, 1U);
+  EXPECT_NEAR(quantity(after.rows[1], "peak_tissue_force_N"),
+              2.0 * quantity(before.rows[1], "peak_tissue_force_N"), 1e-9);
+}
+
+TEST(Sweep, TheFilesOfAValueAreThoseThatExistAndABufferOfAMesh) {
+  const Bench bench;
+  const SweepRequest request = bench.request({"tool.mesh=sphere:3,a.gltf,lost.stl", "path.speed=1"});
+  bench.write("a.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin", "byteLength": 3}]})");
+  bench.write("1", "a file of the number's name");
+  const auto files = [&request](std::size_t axis, std::size_t value) {
+    return files_of(request, request.axes[axis], request.axes[axis].values[value]);
+  };
+  EXPECT_THAT(files(0, 0), testing::IsEmpty());
+  EXPECT_THAT(files(0, 1), ElementsAre(bench.folder() / "a.gltf", bench.folder() / "a.bin"));
+  EXPECT_THAT(files(0, 2), testing::IsEmpty());
+  EXPECT_THAT(files(1, 0), testing::IsEmpty());
+}
+
 TEST(Sweep, ARecordOfAnotherSceneIsRefusedInWords) {
   const Bench bench;
   const SweepRequest request = bench.request({"tissue.k1=10,20"});
@@ -265,6 +302,20 @@ TEST(Sweep, RefusesMoreRunsThanItsLimit) {
       testing::ThrowsMessage<InputError>("--set: more than 100000 runs; give fewer values"));
 }
 
+TEST(Sweep, ALargeWholeNumberIsExactInTheHdf5File) {
+  const Bench bench;
+  const SweepResult result = swept(bench.request({"scene.seed=9007199254740993"}));
+  const std::string file = bench.folder() / "results.h5";
+  write_sweep_hdf5(result, file);
+  const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t seeds = H5Dopen2(opened, "scene.seed", H5P_DEFAULT);
+  std::uint64_t seed = 0;
+  EXPECT_GE(H5Dread(seeds, H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &seed), 0);
+  EXPECT_EQ(seed, 9007199254740993U);  // no double is that
+  H5Dclose(seeds);
+  H5Fclose(opened);
+}
+
 TEST(Sweep, ItsHdf5FileHasAColumnADataset) {
   const Bench bench;
   const SweepResult result = swept(bench.request({"tissue.k1=10,20", "organ.tissue=soft.toml,lost.toml"}));
@@ -281,6 +332,12 @@ TEST(Sweep, ItsHdf5FileHasAColumnADataset) {
   EXPECT_THAT(numbers("tissue.k1_N_per_m"), ElementsAre(10, 10, 20, 20));
   EXPECT_EQ(numbers("peak_force_N")[2], quantity(result.rows[2], "peak_force_N"));
   EXPECT_TRUE(std::isnan(numbers("peak_force_N")[3]));
+  std::vector<std::uint64_t> counts(4);
+  const hid_t faults = H5Dopen2(opened, "faults", H5P_DEFAULT);
+  EXPECT_GE(H5Dread(faults, H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, counts.data()), 0);
+  H5Dclose(faults);
+  EXPECT_THAT(counts, ElementsAre(0, 18446744073709551615U, 0, 18446744073709551615U));
+  EXPECT_THAT(numbers("missed_contact"), ElementsAre(0, 255, 0, 255));
   EXPECT_GT(H5Lexists(opened, "organ.tissue", H5P_DEFAULT), 0);
   EXPECT_GT(H5Lexists(opened, "ended", H5P_DEFAULT), 0);
   H5Fclose(opened);

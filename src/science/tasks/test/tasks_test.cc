@@ -1,5 +1,6 @@
 #include <atomic>
 #include <condition_variable>
+#include <csignal>
 #include <cstdlib>
 #include <deque>
 #include <fstream>
@@ -10,6 +11,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
@@ -214,6 +216,40 @@ TEST(Record, AFileThatCannotBeWrittenIsToldOnEveryRank) {
     return "no error";
   });
   EXPECT_THAT(each, testing::Each(testing::StrEq("/nowhere/record.jsonl: cannot be written")));
+}
+
+/// While it lives, no file of this process grows beyond some bytes.
+class SmallFiles final {
+ public:
+  explicit SmallFiles(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+  }
+  ~SmallFiles() { setrlimit(RLIMIT_FSIZE, &before_); }
+  SmallFiles(const SmallFiles&) = delete;
+  SmallFiles& operator=(const SmallFiles&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Record, ALineThatCannotBeAppendedIsRemembered) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "record.jsonl").string();
+  Ranks alone;
+  Record record(file, alone, [](const std::string&) {});
+  record.add(line_of(0));
+  EXPECT_EQ(record.failure(), "");
+  const SmallFiles full(8);
+  record.add(line_of(1));
+  EXPECT_EQ(record.failure(),
+            file + ": cannot be written any more: File too large; what was finished since is not in it");
+  const Tasks tasks{1, [](std::size_t) -> std::string { throw InputError("no"); },
+                    [](std::size_t) { return std::string("other"); }};
+  EXPECT_THAT([&] { (void)for_each_task(&alone, tasks, &record); },
+              testing::ThrowsMessage<InputError>("no; " + record.failure()));
 }
 
 TEST(Ranks, WhatTheFirstThrowsIsThrownOnEveryRank) {
