@@ -15,7 +15,7 @@ struct NormalSum {
   Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
 };
 
-/// What an averaged normal needs of one triangle.
+/// Moments of one triangle for averaged normals.
 struct Piece {
   Vec3 centre = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // unit

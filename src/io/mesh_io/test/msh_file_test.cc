@@ -306,7 +306,7 @@ TEST(Msh, SaysLineFieldAndValueOfWhatItRefuses) {
                      "must be $EndElements here");
 }
 
-// Tags that are the same modulo the size of a table of so many: it would take minutes to search.
+// Tags that are equal modulo the size of a hash table: a search would take minutes.
 TEST(Msh, IsReadWhateverTheTagsOfItsNodesHaveInCommon) {
   constexpr std::int64_t kNodes = 500'000;
   constexpr std::int64_t kTableSize = 520'241;
