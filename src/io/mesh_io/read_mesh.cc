@@ -27,7 +27,8 @@ struct Merged {
   std::size_t distinct = 0;   // places that had a vertex, used or not
 };
 
-/// For each vertex the first one with equal coordinates. Sorted: a file can make any hash of coordinates collide.
+/// For each vertex the first one with equal coordinates. Sorted: a file can make any hash of coordinates
+/// collide.
 std::vector<std::int32_t> first_in_place(const std::vector<Vec3>& vertices, std::size_t& places) {
   std::vector<std::pair<std::array<double, 3>, std::int32_t>> sorted;
   sorted.reserve(vertices.size());
