@@ -157,6 +157,7 @@ Place place_of(const Setup& setup, std::size_t hand, const Vec3& tip) {
   for (int k = kDepths; k > 0; --k) {
     const double depth = kTravel * k / kDepths;
     const Judgement from_above = finder.judge(above, depth);
+    if (from_above.thick && k == kDepths) return place;
     Judgement taken = from_above;
     if (!from_above.thick) {
       const auto [approach, judgement] = finder.best(-above.direction, depth);
