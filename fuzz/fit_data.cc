@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::read_or_refuse(file.string(), [&] {
     for (const identify::Specimen& specimen : identify::read_specimens(file)) {
       fuzz::require(specimen.size() >= identify::kFewestPoints, "a specimen has enough points");
-      const identify::Specimen few = validate::thinned(specimen, 7);
+      const identify::Specimen few = identify::thinned(specimen, 7);
       fuzz::require(few.size() <= 7, "a thinned specimen has no more points than asked for");
       for (const double value : few.force) fuzz::require(std::isfinite(value), "forces are finite");
       const identify::Ranges ranges = identify::ranges_of(specimen);

@@ -24,8 +24,10 @@ geometry::TriangleMesh rough_plane(int divisions, double shake) {
   std::uniform_real_distribution<double> move(-shake, shake);
   const double step = 2.0 / divisions;
   for (int j = 0; j <= divisions; ++j) {
-    for (int i = 0; i <= divisions; ++i)
-      mesh.vertices.emplace_back(-1.0 + step * (i + move(random)), -1.0 + step * (j + move(random)), 0.0);
+    for (int i = 0; i <= divisions; ++i) {
+      const double x = -1.0 + step * (i + move(random));  // one after the other: arguments have no order
+      mesh.vertices.emplace_back(x, -1.0 + step * (j + move(random)), 0.0);
+    }
   }
   const int row = divisions + 1;
   for (int j = 0; j < divisions; ++j) {
@@ -112,10 +114,12 @@ TEST(Geodesic, GoesRoundTheEdgeOfABoxAndNotThroughIt) {
 
 TEST(Geodesic, StartsAtAVertex) {
   const geometry::TriangleMesh plane = rough_plane(10, 0.3);
-  const Front front(plane, plane.vertices[60], 0.6F);
+  const Front front(plane, plane.vertices[60], kFar);  // up to a limit, distances just below it may be long
   EXPECT_NEAR(front.at(60), 0.0, 1e-6);
-  for (const std::int32_t v : (*front).settled())
-    EXPECT_NEAR(front.at(v), (front.vertex(v) - plane.vertices[60]).norm(), 1e-5);
+  for (const std::int32_t v : (*front).settled()) {
+    const double straight = (front.vertex(v) - plane.vertices[60]).norm();
+    if (straight < 0.6) EXPECT_NEAR(front.at(v), straight, 1e-5);
+  }
 }
 
 TEST(Geodesic, IsThePlainRulesToSinglePrecision) {
