@@ -3,16 +3,30 @@
 #include <atomic>
 #include <cstring>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/contact/organ_arrays.h"
 #include "core/haptics/simulation.h"
 #include "palpate/mesh.h"
+#include "palpate/preparation.h"
 #include "palpate/tick_observer.h"
 
 namespace palpate::haptics::test {
 
 inline constexpr double kBallRadius = 3e-3;  // m
+
+/// Prepares the block below once for all tests of a program, which make it with one tissue alone.
+inline contact::Preparation prepared_once() {
+  static std::optional<contact::OrganArrays> kept;
+  contact::Preparation how;
+  how.load = [](const geometry::TriangleMesh&, double) { return kept; };
+  how.store = [](const geometry::TriangleMesh&, double, const contact::OrganArrays& arrays) {
+    kept = arrays;
+  };
+  return how;
+}
 
 /// A 60 x 60 x 40 mm block whose top lies at z = 0, touched by a 3 mm ball in each hand.
 inline SimulationWorld block_and_balls(std::size_t hands, double rate_Hz, noise::NoiseSettings noise = {}) {
@@ -20,7 +34,8 @@ inline SimulationWorld block_and_balls(std::size_t hands, double rate_Hz, noise:
   const geometry::TriangleMesh block = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
   const std::vector<geometry::Tool> tools(hands, ball);
   SimulationWorld world{
-      .contact = contact::World(block, tools, model::tissue_preset("gallbladder"), 1.0 / rate_Hz),
+      .contact =
+          contact::World(block, tools, model::tissue_preset("gallbladder"), 1.0 / rate_Hz, prepared_once()),
       .noise = noise::TouchNoise(noise, rate_Hz),
       .limits = {20.0, 5000.0 / rate_Hz, 0.2, 50.0 / rate_Hz, 1.0 / rate_Hz},
       .mappings = std::vector<WorkspaceMapping>(hands),
