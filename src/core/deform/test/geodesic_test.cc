@@ -118,7 +118,8 @@ TEST(Geodesic, StartsAtAVertex) {
   EXPECT_NEAR(front.at(60), 0.0, 1e-6);
   for (const std::int32_t v : (*front).settled()) {
     const double straight = (front.vertex(v) - plane.vertices[60]).norm();
-    if (straight < 0.6) EXPECT_NEAR(front.at(v), straight, 1e-5);
+    if (straight > 0.6) continue;  // nearer ways do not meet the ragged border
+    EXPECT_NEAR(front.at(v), straight, 1e-5);
   }
 }
 
