@@ -128,7 +128,7 @@ std::vector<std::string> remarks(const RunResult& run) {
        fmt::format("a part wanted more than {} contacts at once: the further ones were left out",
                    contact::kContactsPerPart)},
       {contact::kGripReleased, "the grip's limit was passed: it let go (grip_limit_N of the tissue)"},
-      {contact::kJump, "the tool moved faster than any hand does: it was treated as placed anew"}};
+      {contact::kJump, "the tool moved faster than a hand can: its contacts were reset"}};
   for (const auto& [bit, text] : words) {
     if ((run.statistics.status & bit) != 0) all.push_back(text);
   }

@@ -221,7 +221,7 @@ void add_sweep(CLI::App& program, int& exit_code) {
   command->add_option("--out", flags->out, "folder for results.csv, .h5, .svg and .jsonl")->required();
   command->add_option("--duration-s", flags->request.duration_s,
                       "of each run, exactly round(S x rate) ticks");
-  command->add_flag("--no-cache", flags->no_cache, "prepare organs anew, and do not keep them");
+  command->add_flag("--no-cache", flags->no_cache, "prepare organs again and cache nothing");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"

@@ -206,7 +206,7 @@ void add_zeros(CLI::App& command, ValidateFlags& flags, CLI::Option* data) {
   using Zeros = std::vector<std::pair<std::string, bool>>;
   add_choice(command, "--zeros", flags.zeros_fitted, Zeros{{"given", false}, {"fitted", true}},
              "given: first contact and the sensor's zero are as stated (default); fitted: as a fit "
-             "finds them. Both errors are told; this says which one is judged and drawn");
+             "finds them. Both errors are reported; this selects which one is judged and drawn");
   add_number(command, "--first-contact-mm", flags.first_contact, Numbers::kAny,
              "displacement at which the tool touched (default 0)", kMillimetre)
       ->needs(data);
