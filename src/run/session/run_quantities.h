@@ -5,10 +5,10 @@
 
 namespace palpate::session {
 
-/// A number that tells how a run went. `palpate run --json` and the table of a sweep iterate over them.
+/// A scalar result of a run. `palpate run --json` and the table of a sweep iterate over these.
 struct RunQuantity {
   const char* name;   // with its unit
-  const char* label;  // for people
+  const char* label;  // in reports, with its unit
   double (*of)(const RunResult&) noexcept;
 };
 

@@ -35,7 +35,7 @@ RunResult result_of(const scene::Setup& setup, bool offline) {
   return result;
 }
 
-/// That the file cannot be written is a remark, not a failure.
+/// Writes the ticks before a fault to a file. A file that cannot be written is a remark, not an error.
 void keep_flight(const record::FlightRecorder& flight, RunResult& result) {
   try {
     result.fault_recording = record::keep_flight(flight, result.loop);
@@ -44,7 +44,8 @@ void keep_flight(const record::FlightRecorder& flight, RunResult& result) {
   }
 }
 
-/// A failure after which the user was warned is part of the result.
+/// Closes the recording. If the user was warned during the run, a failure is part of the result; else it is
+/// thrown.
 void close_recording(record::Recorder& recorder, const RunOptions& options, RunResult& result) try {
   recorder.finish(result.loop);
 } catch (const InputError& failure) {
@@ -81,7 +82,8 @@ Session::~Session() = default;
 
 bool Session::may_pause() const noexcept { return haptics::stall_limit_ns(*world_) == 0; }
 
-/// The organ first, which may take a while; then the devices, and what follows from them.
+/// Prepares the organ, which may take seconds, then opens the devices and adapts the scene to their
+/// abilities.
 std::unique_ptr<const haptics::SimulationWorld> Session::prepare(const contact::Preparation& how) {
   auto world = std::make_unique<haptics::SimulationWorld>(scene::make_world(setup_, how));
   if (devices_.empty()) {

@@ -61,7 +61,7 @@ void StatisticsObserver::follow_force(const haptics::TickRow& row) noexcept {
   if (last.seen) {
     statistics_.fastest_rise =
         std::max(statistics_.fastest_rise, (row.tissue_force - last.tissue_force) / period_);
-    for (std::size_t i = 0; i < 3; ++i) {  // the force acts on the hand, so its work on the organ has minus
+    for (std::size_t i = 0; i < 3; ++i) {  // force on the hand; the work on the organ has the opposite sign
       statistics_.dissipated -= 0.5 * (last.force[i] + row.force[i]) * (row.tool[i] - last.tool[i]);
     }
     statistics_.loading_work = std::max(statistics_.loading_work, statistics_.dissipated);
@@ -75,7 +75,7 @@ void StatisticsObserver::follow_phase(const haptics::TickRow& row) noexcept {
     open_span_[row.hand] = -1;
     if (statistics_.phases.size() < RunStatistics::kMaxSpans) {
       open_span_[row.hand] = static_cast<std::int64_t>(statistics_.phases.size());
-      statistics_.phases.push_back({row.hand, row.phase, row.time, row.time});  // within what was reserved
+      statistics_.phases.push_back({row.hand, row.phase, row.time, row.time});  // capacity is reserved
     } else {
       ++statistics_.phases_left_out;
     }

@@ -25,7 +25,7 @@ class StatisticsObserver final : public haptics::TickObserver {
   void follow_phase(const haptics::TickRow& row) noexcept;
   void follow_force(const haptics::TickRow& row) noexcept;
 
-  /// What a hand's last row had.
+  /// Values of a hand's previous row, for differences.
   struct LastRow {
     bool seen = false;
     double tissue_force = 0.0;      // N
@@ -36,9 +36,9 @@ class StatisticsObserver final : public haptics::TickObserver {
   double period_;  // s
   std::uint64_t last_contact_tick_;
   std::uint64_t last_limited_tick_;
-  std::vector<std::int64_t> open_span_;  // of each hand, index into phases; -1: none, or left out
+  std::vector<std::int64_t> open_span_;  // per hand: index into phases; -1: none, or kMaxSpans is reached
   std::vector<std::int64_t> last_phase_;
-  std::vector<LastRow> last_row_;  // of each hand
+  std::vector<LastRow> last_row_;  // per hand
   RunStatistics statistics_;
 };
 
