@@ -10,27 +10,29 @@
 
 namespace palpate::devices {
 
-/// [setup] Opens the device of one hand: "scripted" or "emulated" (with or without a path), "replay" (a
-/// recording; its samples of that hand), "mouse" and "gamepad" (a window feeds them), "forcedimension" (the
-/// vendor's library; the first such hand has the first device connected, the next the second), "haply"
-/// (hands with one address take its arms in order) or "touch" (a name of Touch_Setup's). Reads its files and
-/// connects now. @throws InputError naming the kind, the file or address and what is wrong (a replayed
-/// recording's rate must be the scene's).
+/// [setup] Opens the device of one hand, reads its files and connects to it. Kinds:
+/// - "scripted", "emulated": follow a path, or the default path;
+/// - "replay": the samples of that hand in a recording, whose rate must be the scene's;
+/// - "mouse", "gamepad": get their input from the window;
+/// - "forcedimension": the connected devices in order, one per hand;
+/// - "haply": hands with one address use its arms in order;
+/// - "touch": the device with that name in Touch_Setup.
+/// @throws InputError naming the kind, the file or address and the cause.
 [[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand);
 
-/// [setup] What is there of every kind of device and why something is not, in the order of
-/// scene::device_kinds(). Opens no device. @param machine looked at for reasons
+/// [setup] Which devices of each kind are available, and why others are not, in the order of
+/// scene::device_kinds(). Opens no device. @param machine searched for the reasons
 [[nodiscard]] std::vector<Probe> probe_devices(const Machine& machine = {});
 
-/// A device opened to be looked at.
+/// A device that was opened outside a scene.
 struct Opened {
   std::unique_ptr<haptics::Device> device;
-  std::string name;  // its maker's, with what it was opened by
+  std::string name;  // the vendor's name of the device, and how it was opened
 };
 
-/// [setup] Opens one device that is connected to this computer, outside any scene.
-/// @param what KIND or KIND:PATH as on the command line @throws InputError as open_device(), and when KIND is
-/// none that can be connected.
+/// [setup] Opens one device that is connected to this computer, outside a scene.
+/// @param what KIND or KIND:PATH as on the command line
+/// @throws InputError as open_device(), and when a device of this KIND cannot be connected.
 [[nodiscard]] Opened open_connected(const std::string& what);
 
 }  // namespace palpate::devices

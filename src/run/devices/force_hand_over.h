@@ -7,15 +7,16 @@
 
 namespace palpate::devices {
 
-/// The loop's newest force on its way to the thread that gives it to a device; neither waits for the other.
+/// Passes the newest force from the loop to a device's thread. Neither waits for the other.
 class ForceHandOver final {
  public:
-  /// [rt] The loop's. @return false, and zero is left, when the force [N] is not finite
+  /// [rt] Called by the loop. @return false when the force [N] is not finite; zero is then passed
   bool write(const Vec3& force_D) noexcept;
   /// [any] Zero until the next write().
   void stop() noexcept;
-  /// [rt] The other thread's: the force [N] at a monotonic time [ns]. Zero before the first write(), after
-  /// stop(), and when the last write() is older than `no_write_ns`: the loop is dead.
+  /// [rt] Called by the device's thread: the force [N] at a monotonic time [ns]. Zero before the first
+  /// write(), after stop(), and when the last write() is older than `no_write_ns`, because the loop then
+  /// hangs.
   [[nodiscard]] Vec3 wanted(std::int64_t now_ns, std::int64_t no_write_ns) noexcept;
 
  private:
@@ -25,7 +26,7 @@ class ForceHandOver final {
   };
 
   SnapshotCell<Command> commands_;
-  std::atomic<std::int64_t> stopped_ns_{0};  // no command written before counts
+  std::atomic<std::int64_t> stopped_ns_{0};  // commands written before this time are void
 };
 
 }  // namespace palpate::devices

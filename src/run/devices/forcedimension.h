@@ -14,29 +14,29 @@ namespace palpate::devices {
 /// library.
 ///
 /// The device's frame D is the vendor's own base frame: x towards the user, y to the user's right, z up [m];
-/// a scene's `base` places it. The force is on from the opening on, at zero, and with the first write the
-/// firmware's own watchdog is armed where there is one, so that a program that hangs lets the force go.
-/// A time-guarded sample (the vendor's limit of how often it asks the device) is the last one again: its age
-/// grows. A saturated motor is no error: the device gives what it can.
+/// a scene's `base` places it. Opening enables the force, at zero. The first write arms the firmware's
+/// watchdog, if there is one, so that the force goes to zero when the program hangs. The vendor's library
+/// limits how often it asks the device; between two queries it repeats the last sample ("time-guarded"),
+/// whose age then grows. A saturated motor is not an error.
 class ForceDimensionDevice final : public haptics::Device {
  public:
-  /// Gripper angle [rad] that counts as open; 0 is closed. The sign is that of left- or right-handed devices.
+  /// Gripper angle [rad] of open jaws; 0 is closed. Its sign differs between left- and right-handed devices.
   static constexpr double kOpenAngle = 0.5;
-  /// How often the device's status is asked for [s]: it is a message of its own to the device.
+  /// Period of the status queries [s]; each is a separate message to the device.
   static constexpr double kStatusEvery = 2e-3;
 
-  /// [setup] Opens the device number `ordinal` (0 is the first) of those connected, switches its force on at
-  /// zero force and waits until it can be read, 0.2 s at most.
-  /// @param library path of the vendor's library; empty: where the system has it
-  /// @throws InputError in one line: the library (see DhdLibrary), no such device, it cannot be opened or
-  /// read, it is not calibrated, its force cannot be switched on.
+  /// [setup] Opens the connected device number `ordinal` (0 is the first), enables its force at zero and
+  /// waits at most 0.2 s for a sample.
+  /// @param library path of the vendor's library; empty: the installed one
+  /// @throws InputError when the library cannot be loaded (see DhdLibrary), the device does not exist, cannot
+  /// be opened or read, is not calibrated, or its force cannot be enabled.
   ForceDimensionDevice(const std::string& library, std::size_t ordinal);
   ~ForceDimensionDevice() override;
   ForceDimensionDevice(const ForceDimensionDevice&) = delete;
   ForceDimensionDevice& operator=(const ForceDimensionDevice&) = delete;
 
-  /// [rt] Calls the vendor's library and nothing else. Fault::kDevice: position, velocity or status could not
-  /// be read; Fault::kForceOff: the device switched its force off, as long as it stays off.
+  /// [rt] Calls only the vendor's library. Fault::kDevice: position, velocity or status cannot be read.
+  /// Fault::kForceOff: the device has switched its force off.
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
   /// [rt]
   bool write(const haptics::ForceCommand& command_D) noexcept override;
@@ -45,7 +45,7 @@ class ForceDimensionDevice final : public haptics::Device {
   /// [any]
   [[nodiscard]] std::string trouble() const override;
 
-  /// [setup] By the vendor's name of the device.
+  /// [setup] Looked up by the vendor's name of the device.
   [[nodiscard]] haptics::DeviceAbilities abilities() const override;
 
   /// [setup] The vendor's name of the device, and the library's version: "omega.7 (libdhd.so.3, 3.17.1.0)".
@@ -66,20 +66,21 @@ class ForceDimensionDevice final : public haptics::Device {
   void note(std::uint32_t what, int code) noexcept;
 
   DhdLibrary library_;
-  std::string place_;  // in front of messages
+  std::string place_;  // prefix of messages
   char id_ = -1;
   bool falcon_ = false;
   bool has_wrist_ = true;
   bool has_gripper_ = false;
   bool watchdog_armed_ = false;
   bool force_off_ = false;
-  double gripper_ = 0.0;                   // the last one that was read
+  double gripper_ = 0.0;                   // last reading, 0..1
   double sampled_ = 0.0;                   // time of the last new sample [s]
   double next_status_ = 0.0;               // [s]
-  std::atomic<std::uint32_t> trouble_{0};  // what << 16 | code, 0: nothing yet
+  std::atomic<std::uint32_t> trouble_{0};  // what << 16 | code; 0: none
 };
 
-/// [setup] Whether the library is there and how many devices it sees; opens none. @param library as above
+/// [setup] Whether the library is installed and how many devices it finds. Opens none. @param library as in
+/// ForceDimensionDevice's constructor
 [[nodiscard]] Probe probe_forcedimension(const std::string& library);
 
 }  // namespace palpate::devices

@@ -5,18 +5,18 @@
 
 namespace palpate::devices {
 
-// What the vendor documents of the interface's numbers; the names are ours.
-inline constexpr int kDhdTimeGuarded = 1;  // returned instead of 0: the sample is the last one again
-inline constexpr int kDhdStatusSize = 32;  // 16 entries are documented; the rest is room for later ones
+// Constants of the vendor's interface, from its documentation; the names are Palpate's.
+inline constexpr int kDhdTimeGuarded = 1;  // returned instead of 0: the last sample is repeated
+inline constexpr int kDhdStatusSize = 32;  // 16 entries are documented; the others are spare
 inline constexpr int kDhdStatusPower = 0;
-inline constexpr int kDhdStatusReset = 3;  // it waits to be calibrated
+inline constexpr int kDhdStatusReset = 3;  // not calibrated
 inline constexpr int kDhdStatusForce = 5;
 inline constexpr int kDhdStatusForceOffCause = 14;
 inline constexpr int kDhdButtons = 16;
 inline constexpr int kDhdFalcon = 60;  // the type of a Novint Falcon
 
 /// Force Dimension's library, loaded at run time by its documented C interface; the functions' names are the
-/// vendor's without "dhd". Every device is told by its identity, the last argument.
+/// vendor's without "dhd". The last argument identifies the device.
 struct DhdFunctions {
   // Required.
   int (*GetDeviceCount)();
@@ -49,13 +49,13 @@ struct DhdFunctions {
   int (*SetWatchdog)(unsigned char steps, char id);
 };
 
-/// The library, open as long as this lives. Several of the same file share one in memory; the last closes it.
+/// Force Dimension's library, loaded while this object exists. Objects of one file use one loaded copy.
 class DhdLibrary final {
  public:
   /// [setup] @param path the library's file, absolute; empty: libdhd.so.3, else libdhd.so, in the user's
-  /// configuration folder (user_config_folder()) or where the system's loader finds it. Its code runs with
-  /// the user's rights, so that no file of the current folder is ever taken. @throws InputError in one line:
-  /// a relative path, not installed, no library, a function missing, a wrong version.
+  /// configuration folder (user_config_folder()) or where the system's loader finds it. The current folder is
+  /// never searched, because the library's code runs with the user's rights. @throws InputError when the path
+  /// is relative, the library is not installed or not a library, lacks a function, or has a wrong version.
   explicit DhdLibrary(const std::string& path);
   ~DhdLibrary();
   DhdLibrary(const DhdLibrary&) = delete;
@@ -63,11 +63,11 @@ class DhdLibrary final {
 
   /// [any]
   [[nodiscard]] const DhdFunctions& call() const noexcept { return functions_; }
-  /// [setup] As the library tells it: "3.17.1.0".
+  /// [setup] As the library reports it: "3.17.1.0".
   [[nodiscard]] std::string version() const;
-  /// [setup] As the user named it, or the name it was found by.
+  /// [setup] The path that the user gave, or the name under which it was found.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  /// [setup] What the calling thread's last failed call says was wrong.
+  /// [setup] The vendor's message for the last failed call of this thread.
   [[nodiscard]] std::string last_error() const;
 
  private:
