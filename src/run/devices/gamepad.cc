@@ -7,7 +7,7 @@ haptics::DeviceState GamepadDevice::read(std::uint64_t /*tick*/, double /*time*/
   if (input.connected && input.velocity_D.allFinite()) {
     led_to_ = hand_.within_reach(led_to_ + period_ * input.velocity_D);
   }
-  // Unplugged, the tool stays where it is: a trigger that is let go by a cable must not pull it out.
+  // When unplugged, the tool keeps its position: a lost trigger signal must not pull it out.
   hand_.advance(input.connected ? Vec3(led_to_ + input.advance_D) : hand_.position(), input.gripper);
   return sample(input.connected);
 }

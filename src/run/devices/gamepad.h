@@ -6,17 +6,17 @@
 
 namespace palpate::devices {
 
-/// What the window says of its gamepad, in the device's frame.
+/// State of the gamepad that the window reads, in the device's frame.
 struct GamepadInput {
-  Vec3 velocity_D = Vec3::Zero();  // m/s, what the sticks ask for
-  Vec3 advance_D = Vec3::Zero();   // m, how far the trigger presses beyond where the sticks have led
+  Vec3 velocity_D = Vec3::Zero();  // m/s, commanded by the sticks
+  Vec3 advance_D = Vec3::Zero();   // m, offset that the trigger adds to the position of the sticks
   double gripper = 0.0;            // 0 closed .. 1 open
-  std::uint32_t buttons = 0;       // a bit a button
-  bool connected = true;           // false: it was unplugged, or the window is gone
+  std::uint32_t buttons = 0;       // one bit per button
+  bool connected = true;           // false: unplugged, or the window is closed
 };
 
-/// A tool that a gamepad moves in the window of a run: the sticks give a speed, the trigger a depth. The
-/// window makes the pad rumble by what the newest snapshot says.
+/// A tool that a gamepad moves in the window of a run: the sticks command a velocity, the trigger a depth.
+/// The window drives the rumble motors from the newest snapshot.
 class GamepadDevice final : public WindowDevice<GamepadInput> {
  public:
   /// [setup] @param start in the device's frame
@@ -30,7 +30,7 @@ class GamepadDevice final : public WindowDevice<GamepadInput> {
 
  private:
   double period_;
-  Vec3 led_to_;  // where the sticks have led
+  Vec3 led_to_;  // position integrated from the sticks [m]
 };
 
 }  // namespace palpate::devices

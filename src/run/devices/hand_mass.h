@@ -3,21 +3,21 @@
 
 namespace palpate::devices {
 
-/// What moves and what holds it.
+/// Dynamics of a device and the hand that holds it.
 struct HandMassParameters {
-  double mass = 0.25;           // kg, of device and hand
-  double damping = 1.5;         // N s/m, of the device, against its base
-  double friction = 0.05;       // N, Coulomb, of the device; static and sliding alike
-  double grip_stiffness = 0.0;  // N/m, from the hand's target
+  double mass = 0.25;           // kg, device and hand
+  double damping = 1.5;         // N s/m, device against its base
+  double friction = 0.05;       // N, Coulomb friction of the device, static and kinetic
+  double grip_stiffness = 0.0;  // N/m, towards the hand's target
   double grip_damping = 0.0;    // N s/m
 };
 
-/// A point mass that a spring and damper pull along a target, against viscous damping and Coulomb friction,
-/// and that the device's force moves. Its steps are implicit, so that no stiffness, damping or friction makes
-/// them unstable by itself: v' = (m/h v + F + K (x_t' - x) + B v_t) / (m/h + b + B + K h), its norm shortened
-/// by the friction's share; where friction is at least the whole of that force the mass sticks: v' = 0,
-/// exactly. Own arithmetic and square roots only, so the bits are the same everywhere. What the implicit step
-/// damps beyond B and b is K h / 2: 0.013 N s/m with a firm grip.
+/// A point mass under the device's force F. A spring and damper (grip K, B) pull it towards a target; viscous
+/// damping b and Coulomb friction resist. Implicit Euler steps h are stable for any stiffness, damping and
+/// friction: v' = (m/h v + F + K (x_t' - x) + B v_t) / (m/h + b + B + K h). Friction shortens the norm of v'.
+/// If friction is at least the net force, the mass sticks: v' = 0 exactly. Only basic arithmetic and square
+/// roots are used, so results are bit-identical on all processors. The implicit step adds the damping K h /
+/// 2: 0.013 N s/m with a firm grip.
 class HandMass final {
  public:
   static constexpr double kLongestStep = 50e-6;  // s
@@ -27,13 +27,13 @@ class HandMass final {
       : parameters_(parameters), position_(start) {}
 
   /// [rt] One period [s] in equal steps of at most kLongestStep under a constant force [N], while the target
-  /// goes straight `from` .. `to` [m].
+  /// moves linearly `from` .. `to` [m].
   void advance(const Vec3& from, const Vec3& to, const Vec3& force, double period) noexcept;
 
   [[nodiscard]] const Vec3& position() const noexcept { return position_; }
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
-  /// [rt] Integral of the device's force along the hand's true way [J]: what the device has given to the
-  /// hand, less what it took.
+  /// [rt] Integral of the device's force along the exact path of the hand [J]: the net energy from device to
+  /// hand.
   [[nodiscard]] double work_of_force() const noexcept { return work_; }
 
  private:

@@ -20,32 +20,32 @@ struct HaplyTimes {
   std::int64_t opening =
       HaplyLink::kOpeningLimit;        // for connection and handshake; then for the first message
   std::int64_t period = 500'000;       // between two commands, when replies come at once
-  std::int64_t reply = 1'000'000'000;  // without a reply for so long: the connection is given up
+  std::int64_t reply = 1'000'000'000;  // longest wait for a reply before the connection is closed
   std::int64_t retry = 1'000'000'000;  // from the end of a connection to the next attempt
-  std::int64_t no_write = 20'000'000;  // without a write() for so long: the loop is dead, zero force
+  std::int64_t no_write = 20'000'000;  // longest gap between write() calls before the force is zero
 };
 
 /// A Haply Inverse3 behind Haply's Inverse Service: JSON over a WebSocket, one state message a command.
 ///
-/// A thread of the device's own sends the newest force and receives the newest state; the tick exchanges both
-/// with it without waiting. Zero force goes out at once, without waiting for the reply to the last command.
-/// Torques and gripper forces are ignored: an Inverse3 has none.
+/// The device's own thread sends the newest force and receives the newest state. The tick exchanges both with
+/// it without waiting. Zero force is sent at once, without waiting for the reply to the last command. Torques
+/// and gripper forces are ignored: an Inverse3 has no actuators for them.
 class HaplyDevice final : public haptics::Device {
  public:
   /// [setup] Connects, and takes the service's arm number `place` (from 0) and grip number `place`, if there
   /// is one. @param address ws://HOST:PORT; empty: ws://localhost:10001
-  /// @throws InputError that says what is wrong: address, no service, no such arm, a message of no use.
+  /// @throws InputError when the address is invalid, no service answers, the arm is missing or a message is
+  /// invalid.
   HaplyDevice(const std::string& address, std::size_t place, const HaplyTimes& times = {});
   /// [setup] Sends zero force, closes the connection and joins the thread; about half a second at most.
   ~HaplyDevice() override;
   HaplyDevice(const HaplyDevice&) = delete;
   HaplyDevice& operator=(const HaplyDevice&) = delete;
 
-  /// [rt] The newest sample; its age is the time since it was received. Fault kDevice while there is no
-  /// connection, or when the newest message was of no use; kForceOff when the arm says that it gives no
-  /// force.
+  /// [rt] The newest sample; its age is the time since it was received. Fault::kDevice: no connection, or the
+  /// newest message is invalid. Fault::kForceOff: the arm reports that its force is off.
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
-  /// [rt] Leaves the force for the thread. @return false, and zero force is sent, when it is not finite.
+  /// [rt] Passes the force to the thread. @return false when it is not finite; zero force is then sent.
   bool write(const haptics::ForceCommand& command_D) noexcept override;
   /// [any] Zero force until the next write().
   void stop() noexcept override;
@@ -61,7 +61,7 @@ class HaplyDevice final : public haptics::Device {
     haptics::DeviceState state;
     std::int64_t received_ns = 0;
   };
-  /// Where the exchange of messages stands, on the thread.
+  /// State of the message exchange, owned by the thread.
   struct Exchange {
     std::int64_t next_send_ns = 0;
     std::int64_t waiting_since_ns = 0;  // for a reply, while awaited > 0
@@ -89,7 +89,7 @@ class HaplyDevice final : public haptics::Device {
   mutable std::mutex mutex_;      // of trouble_
   std::string trouble_;
 
-  // The thread's alone, once it runs:
+  // Used only by the thread once it runs:
   HaplyLink link_;
   std::string arm_;   // device_id, from the first connection on
   std::string grip_;  // empty: none
@@ -99,8 +99,8 @@ class HaplyDevice final : public haptics::Device {
   std::thread thread_;
 };
 
-/// [setup] Whether the service is there, and which devices it has; else why not. Takes as long as HaplyLink's
-/// opening at most. Never throws InputError: a wrong address is told in words.
+/// [setup] Whether the service answers and which devices it has, or why not. Takes at most
+/// HaplyLink::kOpeningLimit. Never throws InputError: an invalid address is reported in the result.
 [[nodiscard]] Probe probe_haply(const std::string& address);
 
 }  // namespace palpate::devices

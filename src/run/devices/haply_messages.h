@@ -7,8 +7,7 @@
 
 namespace palpate::devices {
 
-/// Under which name a force command carries its vector: the service up to 3.4 documents "values", 3.5
-/// "vector".
+/// The key of the vector in a force command: "values" up to service version 3.4, "vector" from 3.5.
 enum class HaplyForceField { kValues, kVector };
 
 /// What the service's first message lists.
@@ -18,15 +17,15 @@ struct HaplyInventory {
   HaplyForceField force_field = HaplyForceField::kValues;
 };
 
-/// One arm's part of a state message, with its grip's.
+/// The state of one arm and its grip in a state message.
 struct HaplySample {
   haptics::DeviceState state;  // fault: kNone or kForceOff
-  std::string off;             // why its force is off, in words; empty: it is on
+  std::string off;             // why its force is off; empty: it is on
 };
 
-/// [setup] Reads which devices the service has; fields that it does not know are passed over.
-/// @throws InputError of one line that names the field, its value and what would be right, or the line and
-/// column at which the text is no JSON.
+/// [setup] Reads which devices the service has; unknown fields are ignored.
+/// @throws InputError naming the field, its value and the valid values, or the line and column at which the
+/// text is not JSON.
 [[nodiscard]] HaplyInventory read_haply_inventory(std::string_view text);
 
 /// [any] Reads the state of the arm with that device_id from a state message, and of the grip (empty: none is

@@ -5,9 +5,9 @@
 
 namespace palpate::devices {
 
-/// [setup] What the devices of a model bear, by the name that the device or its library gives, "omega.7" or
-/// "Geomagic Touch X": that of the first line of the table (docs/devices.md) whose name is a part of it,
-/// whatever the case. Of an unknown model only `model` is set.
+/// [setup] Limits of a device model. @param name as the device or its library reports it, "omega.7" or
+/// "Geomagic Touch X"; the first line of the table (docs/devices.md) whose name it contains counts, in any
+/// case of letters. For an unknown model only `model` is set.
 [[nodiscard]] haptics::DeviceAbilities abilities_of_model(std::string_view name);
 
 }  // namespace palpate::devices

@@ -6,12 +6,12 @@
 
 namespace palpate::devices {
 
-/// What the window says of its mouse: where the tool is to go, in the device's frame.
+/// State of the mouse that the window reads: the target of the tool, in the device's frame.
 struct MouseInput {
   Vec3 target_D = Vec3::Zero();  // m
   double gripper = 0.0;          // 0 closed .. 1 open
-  std::uint32_t buttons = 0;     // a bit a button
-  bool present = true;           // false: the window is gone
+  std::uint32_t buttons = 0;     // one bit per button
+  bool present = true;           // false: the window is closed
 };
 
 /// A tool that a mouse moves in the window of a run.

@@ -9,7 +9,7 @@
 
 namespace palpate::devices {
 
-/// How a machine is looked at. Tests give a folder that stands for / and answers of their own.
+/// Access to the machine. Tests replace / by a folder and the functions by their own.
 struct Machine {
   std::filesystem::path root = "/";
   /// An environment variable; empty: not set.
@@ -23,11 +23,10 @@ struct Machine {
 
 inline constexpr std::size_t kMostReasons = 3;
 
-/// [setup] What on this machine keeps a kind of device from being used, the likeliest first, at most
-/// kMostReasons. A reason that the machine refutes is left out: rights only for a device that is on USB,
-/// another program only where it has the device open. Files that cannot be read refute nothing and prove
-/// nothing.
-/// @param library whether the system's loader finds the maker's library
+/// [setup] Why a kind of device cannot be used on this machine, the most likely reason first, at most
+/// kMostReasons. Missing rights are a reason only for a device on USB, another program only if it has the
+/// device open. Unreadable files neither add nor remove a reason.
+/// @param library whether the system's loader finds the vendor's library
 [[nodiscard]] std::vector<Reason> forcedimension_reasons(const Machine& machine, bool library);
 [[nodiscard]] std::vector<Reason> touch_reasons(const Machine& machine, bool library);
 [[nodiscard]] std::vector<Reason> haply_reasons(const Machine& machine);

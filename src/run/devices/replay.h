@@ -7,7 +7,8 @@
 
 namespace palpate::devices {
 
-/// A hand that gives a recording's samples again, tick by tick; the last one holds. Forces go nowhere.
+/// A device that repeats the samples of a recording tick by tick, then holds the last one. Forces are
+/// ignored.
 class ReplayDevice final : public haptics::Device {
  public:
   /// [setup] The samples of one hand, tick 0 first. @throws InputError when there is none.
@@ -15,7 +16,7 @@ class ReplayDevice final : public haptics::Device {
 
   /// [rt]
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
-  /// [rt] Accepts every command; no hand is there to feel it.
+  /// [rt] Accepts and ignores every command.
   bool write(const haptics::ForceCommand& /*command*/) noexcept override { return true; }
   /// [any]
   void stop() noexcept override {}

@@ -5,23 +5,24 @@
 
 namespace palpate::devices {
 
-/// Turns where a pointer jumps to into the way of a calm hand: a critically damped second-order follower
-/// whose speed is limited, so that the rules of contact, which hold for hands, hold for a mouse. Own
-/// arithmetic and square roots only. The orientation stays that of the start.
+/// Filters the jumps of a pointer into smooth hand motion: a critically damped second-order filter with a
+/// speed limit, so that a mouse moves no faster than the contact model assumes of hands. Only basic
+/// arithmetic and square roots are used, so results are bit-identical on all processors. The orientation
+/// stays constant.
 class SteadyHand final {
  public:
-  static constexpr double kSwiftness = 40.0;      // 1/s: a step is all but done after 0.15 s
-  static constexpr double kFastest = 0.1;         // m/s
+  static constexpr double kSwiftness = 40.0;  // 1/s, natural frequency: a step settles within about 0.15 s
+  static constexpr double kFastest = 0.1;     // m/s
   static constexpr double kFastestGripper = 4.0;  // 1/s: from open to closed in 0.25 s
-  static constexpr double kReach = 0.15;          // m, from the start: targets beyond are drawn in to it
+  static constexpr double kReach = 0.15;          // m, largest distance of a target from the start
 
   /// [setup] At rest. @param period s
   SteadyHand(const scene::PathRow& start, double period) noexcept;
 
-  /// [rt] The nearest place to `position` within reach of the start.
+  /// [rt] The point nearest to `position` within kReach of the start.
   [[nodiscard]] Vec3 within_reach(const Vec3& position) const noexcept;
-  /// [rt] One period towards a target [m] and an opening (0 closed .. 1 open). A target that is not finite is
-  /// left out.
+  /// [rt] Advances one period towards a target [m] and a gripper opening (0 closed .. 1 open). Ignores a
+  /// target that is not finite.
   void advance(const Vec3& target, double gripper) noexcept;
 
   /// [rt] Pose, velocity and gripper as a device gives them; no buttons, no fault.

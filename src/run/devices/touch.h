@@ -11,29 +11,31 @@ namespace palpate::devices {
 
 /// A 3D Systems Touch, Touch X, Phantom Omni or Phantom through OpenHaptics' HD library.
 ///
-/// The vendor gives state and takes force within its own scheduler's callback alone; the tick exchanges both
-/// with it without waiting (TouchScheduler). Frame D: x to the right, y forward, away from the user, z up
-/// [m]. Button 1 of the stylus closes the jaws. Torques and gripper forces are ignored: these arms have none.
-/// Without a write for 20 ms the callback gives zero force.
+/// The vendor's library reads state and writes force only in the callback of its scheduler. The tick
+/// exchanges both with that thread without waiting (TouchScheduler). Frame D: x to the right, y forward, away
+/// from the user, z up [m]. Button 1 of the stylus closes the jaws. Torques and gripper forces are ignored:
+/// these arms have none. Without a write for 20 ms the callback gives zero force.
 class TouchDevice final : public haptics::Device {
  public:
   static constexpr double kJawSpeed = 4.0;  // 1/s: from open to closed in 0.25 s
 
-  /// [setup] Opens the arm, calibrates it where it needs no hand, and waits for its first sample, 2 s at
-  /// most.
+  /// [setup] Opens the arm, calibrates it unless that needs the user's hand, and waits at most 2 s for a
+  /// sample.
   /// @param name as Touch_Setup has it; empty: the default device
   /// @param library as HdLibrary takes it
-  /// @throws InputError in one line: the name, the library, the arm, its calibration, a silent scheduler.
+  /// @throws InputError when the library cannot be loaded, the arm cannot be opened or calibrated, or the
+  /// scheduler gives no sample.
   explicit TouchDevice(const std::string& name, const std::string& library = HdLibrary::kName);
   /// [setup] Zero force, force output off, the arm closed; 50 ms at most.
   ~TouchDevice() override;
   TouchDevice(const TouchDevice&) = delete;
   TouchDevice& operator=(const TouchDevice&) = delete;
 
-  /// [rt] The newest sample; its age is the time since the vendor's scheduler took it. kForceOff: in the
-  /// inkwell, let go, or the arm took its force away; kDevice: another error of the vendor's library.
+  /// [rt] The newest sample; its age is the time since the vendor's scheduler took it. Fault::kForceOff: the
+  /// stylus is in the inkwell or not held, or the arm switched its force off. Fault::kDevice: another error
+  /// of the vendor's library.
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
-  /// [rt] Leaves the force for the callback. @return false, and zero force is given, when it is not finite.
+  /// [rt] Passes the force to the callback. @return false when it is not finite; zero force is then applied.
   bool write(const haptics::ForceCommand& command_D) noexcept override;
   /// [any] Zero force until the next write().
   void stop() noexcept override;
@@ -42,7 +44,7 @@ class TouchDevice final : public haptics::Device {
 
   /// [setup] "Touch (serial number 123, driver 4.0), at most 3.3 N".
   [[nodiscard]] std::string description() const;
-  /// [setup] Of its model, and what the arm itself says.
+  /// [setup] From the table of models and from what the arm reports.
   [[nodiscard]] haptics::DeviceAbilities abilities() const override { return arm_.abilities; }
 
  private:
@@ -54,7 +56,7 @@ class TouchDevice final : public haptics::Device {
   double read_time_ = 0.0;  // of the last read [s]
 };
 
-/// [setup] Whether the vendor's library is there; opens no arm. @param library as HdLibrary takes it
+/// [setup] Whether the vendor's library is installed. Opens no arm. @param library as HdLibrary takes it
 [[nodiscard]] Probe probe_touch(const std::string& library = HdLibrary::kName);
 
 }  // namespace palpate::devices

@@ -3,8 +3,7 @@
 
 namespace palpate::devices {
 
-// The numbers of OpenHaptics' HD interface that Palpate uses, as its users' programs show them; names are
-// ours.
+// Constants of OpenHaptics' HD interface, from its programming examples; the names are Palpate's.
 inline constexpr unsigned kHdSuccess = 0;
 inline constexpr unsigned kHdInvalidHandle = 0xFFFFFFFFU;
 inline constexpr unsigned kHdCallbackContinue = 1;
@@ -19,10 +18,10 @@ inline constexpr unsigned kHdTransform = 0x2052;      // 16 doubles, by columns
 inline constexpr unsigned kHdModel = 0x2501;
 inline constexpr unsigned kHdDriverVersion = 0x2502;
 inline constexpr unsigned kHdSerialNumber = 0x2504;
-inline constexpr unsigned kHdCalibrationStyle = 0x2555;    // a bit a style
+inline constexpr unsigned kHdCalibrationStyle = 0x2555;    // one bit per style
 inline constexpr unsigned kHdMaxForce = 0x2603;            // N
 inline constexpr unsigned kHdMaxContinuousForce = 0x2604;  // N
-inline constexpr unsigned kHdMotorTemperature = 0x2605;    // a double a motor, 0 cold, 1 too warm
+inline constexpr unsigned kHdMotorTemperature = 0x2605;    // one double per motor, 0 cold, 1 too warm
 inline constexpr unsigned kHdForce = 0x2700;               // 3 doubles, N
 inline constexpr unsigned kHdForceOutput = 0x4000;
 
@@ -40,11 +39,11 @@ struct HdErrorInfo {
   unsigned device;
 };
 
-/// What the vendor's scheduler calls on its own thread, once a frame. @return whether to go on
+/// Called by the vendor's scheduler on its own thread once per frame. @return whether to continue
 using HdCallback = unsigned (*)(void* data);
 
-/// OpenHaptics' HD library, loaded at run time; the functions' names are the vendor's without "hd". State and
-/// force may be asked for within a callback alone, between BeginFrame and EndFrame.
+/// OpenHaptics' HD library, loaded at run time; the functions' names are the vendor's without "hd". State is
+/// read and force written only in a callback, between BeginFrame and EndFrame.
 struct HdFunctions {
   // Required.
   unsigned (*InitDevice)(const char* name);  // null: the default device
@@ -52,7 +51,7 @@ struct HdFunctions {
   void (*MakeCurrentDevice)(unsigned device);
   void (*BeginFrame)(unsigned device);
   void (*EndFrame)(unsigned device);
-  HdErrorInfo (*GetError)();  // the newest, and forgets it
+  HdErrorInfo (*GetError)();  // returns and clears the newest
   void (*Enable)(unsigned what);
   void (*Disable)(unsigned what);
   unsigned char (*IsEnabled)(unsigned what);
@@ -72,21 +71,20 @@ struct HdFunctions {
   const char* (*GetErrorString)(unsigned code);
 };
 
-/// The library. Once loaded it stays in memory to the end of the process: its scheduler may leave threads in
-/// it.
+/// OpenHaptics' HD library. It stays loaded until the process ends, because its scheduler's threads may go
+/// on.
 class HdLibrary final {
  public:
-  /// Its name, which the system's loader looks for; a name without a folder is never looked for in the
-  /// current one.
+  /// Name that the system's loader searches for; it does not search the current folder.
   static constexpr const char* kName = "libHD.so";
 
-  /// [setup] @param file kName, or a file of a test's. @throws InputError in one line: not installed, no
-  /// library, a function missing.
+  /// [setup] @param file kName, or a file in tests. @throws InputError when it is not installed, not a
+  /// library or lacks a function.
   explicit HdLibrary(const std::string& file);
 
   /// [any]
   [[nodiscard]] const HdFunctions& call() const noexcept { return functions_; }
-  /// [any] The newest error, the older ones forgotten; code kHdSuccess: none.
+  /// [any] The newest error; clears all errors. Code kHdSuccess: none.
   HdErrorInfo take_error() const noexcept;
 
  private:

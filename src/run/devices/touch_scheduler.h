@@ -13,58 +13,58 @@
 
 namespace palpate::devices {
 
-/// What one frame of the vendor's scheduler read of an arm.
+/// State of an arm, read in one frame of the vendor's scheduler.
 struct TouchSample {
-  haptics::DeviceState state;  // frame D; gripper and age are the reader's
+  haptics::DeviceState state;  // frame D; the reader sets gripper and age
   std::int64_t taken_ns = 0;   // monotonic; 0: no frame yet
-  unsigned calibration = 0;    // kHdCalibrated ..., asked for while the arm is being opened
+  unsigned calibration = 0;    // kHdCalibrated ..., queried while the arm is being opened
 };
 
-/// Why an arm is in a fault, beside errors of the vendor's library.
+/// Causes of an arm's fault; kError: an error of the vendor's library.
 enum class TouchTrouble : std::uint32_t { kNone, kError, kInkwell, kNotHeld, kForceDisabled, kSlow };
 
-/// One arm: what the loop and the vendor's thread exchange about it without waiting for each other.
+/// One arm: data that the loop and the vendor's thread exchange without waiting for each other.
 struct TouchArm {
   std::string name;      // as Touch_Setup has it; empty: the default device
   std::string model;     // as the arm reports it
-  double max_force = 0;  // N, the arm's own nominal one
+  double max_force = 0;  // N, nominal, as the arm reports it
   haptics::DeviceAbilities abilities;
   int calibration_style = 0;
   unsigned handle = kHdInvalidHandle;
 
   SnapshotCell<TouchSample> samples;      // vendor's thread to loop
   ForceHandOver forces;                   // loop to vendor's thread
-  std::atomic<bool> opening{true};        // its calibration is looked after
-  std::atomic<std::uint32_t> trouble{0};  // TouchTrouble << 16 | code, what was last wrong
+  std::atomic<bool> opening{true};        // calibration is monitored
+  std::atomic<std::uint32_t> trouble{0};  // TouchTrouble << 16 | code of the last error
 
-  /// [rt] Keeps what is wrong for TouchDevice::trouble().
+  /// [rt] Stores the error for TouchDevice::trouble().
   void note(TouchTrouble what, unsigned code = 0) noexcept {
     trouble.store(static_cast<std::uint32_t>(what) << 16U | (code & 0xFFFFU), std::memory_order_relaxed);
   }
 
-  // The vendor's thread's alone while the scheduler runs:
-  bool was_held = false;  // its safety switch was closed once: there is one
+  // Used only by the vendor's thread while the scheduler runs:
+  bool was_held = false;  // its safety switch was closed once, so it has one
   unsigned error = kHdSuccess;
   std::int64_t error_ns = 0;
   bool warm = false;                // one of its motors is above TouchScheduler::kWarm
-  std::int64_t temperature_ns = 0;  // when their temperature was last asked for
+  std::int64_t temperature_ns = 0;  // of the last query of the temperatures
 };
 
-/// The vendor's scheduler, of which a process has one, with all open arms: one callback at 1 kHz reads each
-/// arm's state and sets its force. Arms come and go only while the scheduler stands.
+/// The vendor's scheduler, one per process, with all open arms. One callback at 1 kHz reads each arm's state
+/// and sets its force. Arms are added and removed only while the scheduler is stopped.
 ///
 /// The vendor's frame is x right, y up, z towards the user, in mm; the device's frame D is x right, y
 /// forward, z up, in m.
 class TouchScheduler final {
  public:
-  /// Without a write for so long the loop is dead: zero force [ns].
+  /// Longest gap between writes before the force is zero, because the loop then hangs [ns].
   static constexpr std::int64_t kNoWrite = 20'000'000;
-  /// An error of the vendor's library is shown for so long, so that every tick sees it [ns].
+  /// How long an error of the vendor's library stays in the samples, so that every tick sees it [ns].
   static constexpr std::int64_t kErrorShown = 20'000'000;
-  /// The motors' temperature is asked for so often [ns].
+  /// Period of the queries of the motor temperatures [ns].
   static constexpr std::int64_t kTemperatureEvery = 100'000'000;
-  /// From here on a motor is warm: 0 is room temperature, 1 where the arm takes its force away (0x0200). The
-  /// vendor's own example lowers the force from here on.
+  /// A motor above this is warm. 0 is room temperature; at 1 the arm switches its force off (0x0200). The
+  /// vendor's example lowers the force above this value.
   static constexpr double kWarm = 0.7;
 
   /// [setup] The process's scheduler; its library is loaded with the first arm. @throws InputError as
@@ -74,10 +74,10 @@ class TouchScheduler final {
   /// [setup] @param library as HdLibrary takes it
   explicit TouchScheduler(const std::string& library) : library_(library) {}
 
-  /// [setup] Opens the arm `arm.name` at zero force. @throws InputError in one line: no such arm, open
-  /// already, each error of the vendor's library
+  /// [setup] Opens the arm `arm.name` at zero force. @throws InputError in one line: no such arm, arm
+  /// already open, errors of the vendor's library
   void add(TouchArm& arm);
-  /// [setup] Zero force, force output off, closed. The other arms go on.
+  /// [setup] Zero force, force output off, arm closed. The other arms continue.
   void remove(TouchArm& arm) noexcept;
 
  private:
@@ -96,11 +96,11 @@ class TouchScheduler final {
 
   HdLibrary library_;
   std::mutex mutex_;             // of add() and remove()
-  std::vector<TouchArm*> arms_;  // changes only while the scheduler stands
+  std::vector<TouchArm*> arms_;  // changes only while the scheduler is stopped
   bool runs_ = false;
   unsigned long callback_ = 0;
   std::atomic<bool> quiet_{false};              // zero force to all arms
-  std::atomic<std::uint32_t> quiet_frames_{0};  // that have given it
+  std::atomic<std::uint32_t> quiet_frames_{0};  // frames with zero force to all arms
 };
 
 }  // namespace palpate::devices

@@ -3,8 +3,8 @@
 
 namespace palpate::devices {
 
-/// Looks up functions of a vendor's library that dlopen has opened, and remembers the first required one that
-/// is missing.
+/// Looks up functions of a vendor's library opened by dlopen, and stores the name of the first missing
+/// required function.
 class VendorFunctions final {
  public:
   explicit VendorFunctions(void* handle) : handle_(handle) {}
@@ -30,7 +30,7 @@ class VendorFunctions final {
   std::string missing_;
 };
 
-/// [setup] What the system's loader says of its last failure, on one line.
+/// [setup] The last error message of the system's loader, on one line.
 [[nodiscard]] std::string loader_words();
 
 }  // namespace palpate::devices

@@ -8,18 +8,18 @@
 
 namespace palpate::devices {
 
-/// A tool that something in the window of a run moves. The window writes an Input into input(); the tick
-/// follows it as a calm hand would (SteadyHand). Forces go nowhere, so it is not a held device. It starts
-/// where the scripted device starts and keeps that orientation.
+/// A tool that the window of a run moves. The window writes an Input into input(); the tick filters it to
+/// hand motion (SteadyHand). Forces are ignored, so it is not a held device. It starts at the pose of the
+/// scripted device and keeps that orientation.
 template <typename Input>
 class WindowDevice : public haptics::Device {
  public:
-  /// [any] One thread, the window's, writes.
+  /// [any] Only the window's thread writes.
   [[nodiscard]] SnapshotCell<Input>& input() noexcept { return input_; }
   /// [any] The tool's orientation.
   [[nodiscard]] const Quat& orientation() const noexcept { return hand_.orientation(); }
 
-  /// [rt] Accepts every command: no hand feels it.
+  /// [rt] Accepts and ignores every command.
   bool write(const haptics::ForceCommand& /*command*/) noexcept override { return true; }
   /// [any]
   void stop() noexcept override {}
@@ -34,7 +34,7 @@ class WindowDevice : public haptics::Device {
     if (input_.refresh()) wanted_ = input_.value();
     return wanted_;
   }
-  /// [rt] Where the hand is now. @param there whether the window and what it reads are
+  /// [rt] The current sample. @param there whether the window and its input device are present
   haptics::DeviceState sample(bool there) noexcept {
     haptics::DeviceState state = hand_.state();
     state.buttons = wanted_.buttons;
@@ -45,7 +45,7 @@ class WindowDevice : public haptics::Device {
   [[nodiscard]] bool gone() const noexcept { return gone_.load(std::memory_order_relaxed); }
 
   SteadyHand hand_;
-  Input wanted_;  // the tick's
+  Input wanted_;  // used by the tick only
 
  private:
   SnapshotCell<Input> input_;
