@@ -11,16 +11,16 @@
 
 namespace palpate::net {
 
-/// Where a server listens.
+/// Address at which a server listens.
 struct IgtlAddress {
-  std::string host = "127.0.0.1";  // IPv4 in numbers, one of this machine's; 0.0.0.0: all of them
-  int port = 0;                    // 0: any that is free
+  std::string host = "127.0.0.1";  // numeric IPv4 address of this machine; 0.0.0.0: all addresses
+  int port = 0;                    // 0: any free port
 };
 
-/// [setup] Takes "PORT" or "ADDRESS:PORT" apart. @throws InputError naming --igtl and what would be right.
+/// [setup] Parses "PORT" or "ADDRESS:PORT". @throws InputError naming --igtl and the required form.
 [[nodiscard]] IgtlAddress parse_igtl_address(const std::string& text);
 
-/// A file descriptor that is closed with it.
+/// Owns a file descriptor and closes it.
 class Descriptor final {
  public:
   explicit Descriptor(int number) noexcept : number_(number) {}
@@ -38,74 +38,73 @@ class Descriptor final {
   int number_;
 };
 
-/// The newest of one kind of thing that is sent. Its number rises with each; a client gets each at most once.
+/// The newest data of one kind. Its number rises with each update; a client gets each number at most once.
 struct IgtlChannel {
-  Bytes bytes;               // whole messages; empty: none
-  std::uint64_t number = 0;  // 0: there was none yet
+  Bytes bytes;               // complete messages; empty: none
+  std::uint64_t number = 0;  // 0: no data yet
 };
 
 inline constexpr std::size_t kIgtlChannels = 4;
-inline constexpr std::size_t kPoseChannel = 0;    // its frames are counted when they are left out
+inline constexpr std::size_t kPoseChannel = 0;    // dropped frames of this channel are counted
 inline constexpr std::size_t kSensorChannel = 1;  // 3D Slicer does not get it
 inline constexpr std::size_t kWordsChannel = 2;
 inline constexpr std::size_t kSurfaceChannel = 3;
 using IgtlChannels = std::array<IgtlChannel, kIgtlChannels>;
 
-/// How serving went.
+/// Statistics of a server.
 struct IgtlTally {
-  std::uint64_t clients = 0;          // that were let in
-  std::uint64_t refused = 0;          // that found all places taken
-  std::uint64_t given_up = 0;         // that took nothing for so long that they were let go
-  std::uint64_t frames = 0;           // of the poses, sent, over all clients
-  std::uint64_t frames_left_out = 0;  // that a client was too slow for
-  std::string failure;                // why serving ended early, in words; empty: it did not
+  std::uint64_t clients = 0;          // accepted
+  std::uint64_t refused = 0;          // rejected, because the limit of clients was reached
+  std::uint64_t given_up = 0;         // disconnected, because they read nothing for Limits::patience_ns
+  std::uint64_t frames = 0;           // pose frames sent, over all clients
+  std::uint64_t frames_left_out = 0;  // pose frames dropped, because a client was too slow
+  std::string failure;                // why the server ended early; empty: it did not
 };
 
-/// The clients of a server, all on one thread. No call waits for a client: what one cannot take at once is
-/// sent on when it can, and meanwhile it is offered nothing new. So a slow client gets the newest of each
-/// channel, fewer times. What clients send is read, so that it does not pile up, and thrown away, but for
-/// this: a client whose first message is a STATUS without a name is 3D Slicer's connector (or another of
-/// OpenIGTLinkIO), which knows no SENSOR and would log an error for each, so it gets none.
-/// All members: [setup], one thread.
+/// The clients of a server, on one thread. No call waits for a client. A client that is still receiving gets
+/// nothing new, so a slow client gets the newest data of each channel at a lower rate. Data from clients is
+/// read and discarded. One exception: if the first message is a STATUS without a name, the client is 3D
+/// Slicer's connector (or another of OpenIGTLinkIO). It gets no SENSOR messages, because it logs an error for
+/// each. All members: [setup], one thread.
 class IgtlClients final {
  public:
   struct Limits {
     std::size_t most_clients = 16;
-    std::int64_t patience_ns = 5'000'000'000;  // a client that takes nothing for so long is let go
+    std::int64_t patience_ns = 5'000'000'000;  // a client that reads nothing for so long is disconnected
   };
 
-  /// Listens. @throws InputError in words when the port is taken, not allowed, or the address not this
+  /// Listens. @throws InputError when the port is in use or not permitted, or the address is not this
   /// machine's.
   IgtlClients(const IgtlAddress& address, const Limits& limits);
 
   [[nodiscard]] int port() const noexcept { return port_; }
   [[nodiscard]] bool none() const noexcept { return clients_.empty(); }
-  /// Whether one has not taken yet what it was offered.
+  /// Whether a client has not yet received all that was offered.
   [[nodiscard]] bool busy() const noexcept;
   [[nodiscard]] const IgtlTally& tally() const noexcept { return tally_; }
 
-  /// Lets in who waits, reads and forgets what clients sent, lets those go that are gone or stand still.
+  /// Accepts new clients, discards what clients sent, removes closed and stalled clients.
   void look_after();
-  /// Begins to send every client that is not busy what it has not had yet.
+  /// Starts to send new channel data to every client that is not busy.
   void offer(const IgtlChannels& channels);
-  /// Sends on until that monotonic time [ns], or until `wake` can be read.
+  /// Continues sending until that monotonic time [ns], or until the descriptor `wake` is readable.
   void send_until(std::int64_t deadline_ns, int wake);
-  /// Ends every connection, and listens no more.
+  /// Closes all connections and stops listening.
   void close_all();
 
  private:
-  static constexpr std::size_t kHeadBytes = 34;  // of a message: version 2, type 12, name 20
+  static constexpr std::size_t kHeadBytes = 34;  // start of a message header: version 2, type 12, name 20
 
   struct Client {
     explicit Client(Descriptor connection) noexcept : socket(std::move(connection)) {}
     Descriptor socket;
-    std::array<std::uint64_t, kIgtlChannels> had{};  // the last number of each channel
+    std::array<std::uint64_t, kIgtlChannels> had{};  // last number sent of each channel
     Bytes pending;
     std::size_t sent = 0;                          // of pending
-    std::int64_t last_progress_ns = 0;             // when it last took something, or had taken all
-    std::array<unsigned char, kHeadBytes> head{};  // what it sent first
+    std::int64_t last_progress_ns = 0;             // when it last received data, or had received all
+    std::array<unsigned char, kHeadBytes> head{};  // first bytes that the client sent
     std::size_t head_bytes = 0;
-    bool talks = true;  // may still send something
+    bool talks = true;  // false: the client has closed its sending side
     bool is_slicer = false;
     bool gone = false;
     [[nodiscard]] bool busy() const noexcept { return sent < pending.size(); }

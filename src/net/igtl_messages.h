@@ -12,10 +12,10 @@ namespace palpate::net {
 
 using Bytes = std::vector<unsigned char>;
 
-/// What the values of a SENSOR message are.
+/// Unit of the values of a SENSOR message.
 enum class SensorUnit { kNewton, kNewtonMetre, kMillimetre, kSecond };
 
-/// Code of a STATUS message; the protocol's own numbers.
+/// Code of a STATUS message, as the protocol defines it.
 enum class StatusCode : std::uint16_t {
   kOk = 1,
   kUnknownError = 2,
@@ -26,23 +26,23 @@ enum class StatusCode : std::uint16_t {
   kShutDown = 19,
 };
 
-/// OpenIGTLink messages of one moment, packed one after the other (protocol version 1, which every client
-/// reads). Lengths come in metres and go out in mm; the frame is the world's, sent as RAS. All members:
-/// [setup], one thread.
+/// Packs OpenIGTLink messages with one time stamp (protocol version 1, which every client reads). Lengths are
+/// given in metres and sent in mm; the world frame is sent as RAS. All members: [setup], one thread.
 class IgtlMessages final {
  public:
   /// @param unix_ns time stamp of every message, since 1970
   explicit IgtlMessages(std::int64_t unix_ns) : unix_ns_(unix_ns) {}
 
-  /// TRANSFORM: from the inner frame to the world. @param name of at most 20 letters, as for all others
+  /// TRANSFORM: from the inner frame to the world. @param name at most 20 characters, as in all other
+  /// messages
   void add_transform(const std::string& name, const Pose& pose_W);
-  /// POINT: a list of one. @param label of at most 64 letters @param shown sent as the colour's opacity
+  /// POINT: a list of one point. @param label at most 64 characters @param shown sent as the colour's opacity
   void add_point(const std::string& name, const std::string& label, const Vec3& place_W, bool shown);
   /// SENSOR. @param values at most 255, in `unit`
   void add_sensor(const std::string& name, std::span<const double> values, SensorUnit unit);
   /// STRING, US-ASCII.
   void add_string(const std::string& name, const std::string& text);
-  /// STATUS. @param number what the code does not say @param error of at most 20 letters
+  /// STATUS. @param number subcode @param error its name, at most 20 characters
   void add_status(const std::string& name, StatusCode code, std::int64_t number, const std::string& error,
                   const std::string& words);
 
@@ -56,7 +56,7 @@ class IgtlMessages final {
   Bytes bytes_;
 };
 
-/// One surface as a POLYDATA message; its triangles stay, its vertices move. All members: [setup], one
+/// A surface of constant triangles and moving vertices as POLYDATA messages. All members: [setup], one
 /// thread.
 class IgtlSurface final {
  public:

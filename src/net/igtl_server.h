@@ -12,15 +12,15 @@
 
 namespace palpate::net {
 
-/// Shows a run to OpenIGTLink clients, from a thread of its own. It observes the loop, which knows nothing of
-/// clients; nobody waits for one. Without clients nothing is packed.
+/// Sends a run to OpenIGTLink clients from its own thread. It observes the loop; neither the loop nor the
+/// server waits for a client. Without clients it packs no messages.
 class IgtlServer final : public haptics::TickObserver {
  public:
   static constexpr double kStateRate = 50.0;    // Hz, at most: poses and sensors
-  static constexpr double kWordsRate = 5.0;     // Hz; a new fault is told with the next state
-  static constexpr double kSurfaceRate = 10.0;  // Hz, at most; a large organ's is lower
+  static constexpr double kWordsRate = 5.0;     // Hz; a new fault is sent with the next state
+  static constexpr double kSurfaceRate = 10.0;  // Hz, at most; lower for a large organ
 
-  /// [setup] Listens from here on. @throws InputError as IgtlClients
+  /// [setup] Starts to listen. @throws InputError as IgtlClients
   explicit IgtlServer(const IgtlAddress& address, const IgtlClients::Limits& limits = {});
   ~IgtlServer() override;
   IgtlServer(const IgtlServer&) = delete;
@@ -28,24 +28,26 @@ class IgtlServer final : public haptics::TickObserver {
 
   [[nodiscard]] int port() const noexcept { return clients_.port(); }
 
-  /// [setup] What is sent from here on; before the loop begins. One run after the other.
+  /// [setup] Starts the stream of a run; call before the loop begins. One run at a time.
   void begin(std::unique_ptr<IgtlStream> stream);
-  /// [setup] After the loop has ended: its last state still goes to every client that can take it.
+  /// [setup] Ends the stream of a run; call after the loop has ended. Clients that are not busy get the last
+  /// state.
   void end();
-  /// [rt] The loop hands its state over.
+  /// [rt] Publishes the state of the loop.
   void on_tick(const haptics::TickState& now) noexcept override { published_.on_tick(now); }
-  /// [rt] The same with a snapshot that is made already.
+  /// [rt] Publishes a snapshot.
   void publish(const haptics::Snapshot& snapshot) noexcept {
     published_.cell().writable() = snapshot;
     published_.cell().publish();
   }
 
-  /// [setup] Says good-bye to all clients and ends. Once. @return how it went
+  /// [setup] Tells all clients that the server ends, and ends it. Call once. @return its statistics
   [[nodiscard]] IgtlTally finish();
 
  private:
   enum class Ask { kNothing, kBegin, kEnd, kFinish };
-  static constexpr std::int64_t kFarewell = 1'000'000'000;  // ns, for clients to take what was sent last
+  static constexpr std::int64_t kFarewell =
+      1'000'000'000;  // ns, time for clients to receive the last messages
 
   void ask(Ask what, std::unique_ptr<IgtlStream> stream);
   void answer();
@@ -65,15 +67,15 @@ class IgtlServer final : public haptics::TickObserver {
   haptics::SnapshotPublisher published_;
   std::mutex mutex_;
   std::condition_variable answered_;
-  Ask asked_ = Ask::kNothing;         // guarded by mutex_, as the next two
+  Ask asked_ = Ask::kNothing;         // this and the next two: guarded by mutex_
   std::unique_ptr<IgtlStream> next_;  // with kBegin
   bool serving_ = true;
-  // The thread's own:
+  // Used only by the thread:
   std::unique_ptr<IgtlStream> stream_;  // null: no run
   IgtlChannels channels_;
-  bool seen_ = false;           // a state of this run
-  bool state_stale_ = false;    // a newer one has come than was packed
-  bool surface_stale_ = false;  // likewise
+  bool seen_ = false;           // a state of this run was received
+  bool state_stale_ = false;    // a newer state than the packed one was received
+  bool surface_stale_ = false;  // a newer state than the packed surface was received
   std::array<haptics::Fault, haptics::Snapshot::kMaxHands> faults_told_{};
   std::int64_t words_due_ = 0;
   std::int64_t surface_due_ = 0;
@@ -81,10 +83,10 @@ class IgtlServer final : public haptics::TickObserver {
   std::thread thread_;  // last: it uses all of the above
 };
 
-/// A run as a server shows it: from before the loop begins until after it has ended. [setup]
+/// [setup] Calls begin() and end() of a server around a run.
 class IgtlRun final {
  public:
-  /// @param server null: nothing is shown
+  /// @param server null: nothing is sent
   IgtlRun(IgtlServer* server, const scene::Setup& setup);
   ~IgtlRun();
   IgtlRun(const IgtlRun&) = delete;

@@ -11,14 +11,14 @@
 
 namespace palpate::net {
 
-/// [any] The name under which something of a hand is sent: "PalpateTool" of hand 0, "PalpateTool2" of hand 1.
+/// [any] Message name with the number of a hand: "PalpateTool" for hand 0, "PalpateTool2" for hand 1.
 [[nodiscard]] std::string name_for_hand(const std::string& name, std::size_t hand);
 
-/// What is sent of one run, as messages (docs/openigtlink.md). All members: [setup], one thread.
+/// The messages of one run (docs/openigtlink.md). All members: [setup], one thread.
 class IgtlStream final {
  public:
-  /// The surface that is sent has more triangles than this: the organ's are divided, each into four, until it
-  /// has. Vertices of the organ keep their numbers.
+  /// The organ's triangles are divided into four until the surface has more triangles than this. The organ's
+  /// vertices keep their indices.
   static constexpr std::size_t kFewestTriangles = 6000;
 
   /// @param setup not kept
@@ -26,11 +26,11 @@ class IgtlStream final {
 
   /// Pose and contact of every hand.
   [[nodiscard]] static Bytes poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns);
-  /// The run's time, and force, torque and depth of every hand.
+  /// Time of the run; force, torque and depth of every hand.
   [[nodiscard]] Bytes sensors(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const;
-  /// The same for people, and whether a hand has a fault.
+  /// STRING with these values as text, and STATUS with the fault of every hand.
   [[nodiscard]] Bytes words(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const;
-  /// The deformed organ; empty when it lies as it did the last time.
+  /// The deformed organ; empty when it has not changed since the last call.
   [[nodiscard]] Bytes surface(const haptics::Snapshot& snapshot, std::int64_t unix_ns);
 
  private:
@@ -45,7 +45,7 @@ class IgtlStream final {
   deform::SurfaceDeformer deformer_;
   IgtlSurface surface_;
   std::vector<Vec3> vertices_;
-  std::unique_ptr<Shape> last_;  // null: none was sent
+  std::unique_ptr<Shape> last_;  // null: nothing sent yet
 };
 
 /// [setup] The STATUS of hand 0 between runs, or when the program ends.

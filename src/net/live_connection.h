@@ -1,5 +1,5 @@
 #pragma once
-// One client's connection: only the .cc files of this module and its tests include it.
+// Only the .cc files of this module and its tests include this file.
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -24,24 +24,23 @@ class LiveConnection;
 using HttpRequest = boost::beast::http::request<boost::beast::http::string_body>;
 using HttpResponse = boost::beast::http::response<boost::beast::http::string_body>;
 
-/// What connections ask of the server that they belong to. One thread, the server's.
+/// Callbacks of a connection to its server, on the server's thread.
 class LiveDesk {
  public:
   virtual ~LiveDesk() = default;
-  /// Whether a WebSocket may be opened: nothing, or the answer that refuses it (also a page that was asked
-  /// for).
+  /// Nothing if the request may open a WebSocket, else the HTTP answer: an error, or the requested page.
   virtual std::optional<HttpResponse> refusal(const LiveConnection& from, const HttpRequest& request) = 0;
-  /// A message has come. @param excess it is one too many
+  /// A message was received. @param excess it exceeds the rate limit
   virtual void received(LiveConnection& from, std::string_view message, bool text, bool excess) = 0;
-  /// The next frame of the client's stream; empty: there is nothing new.
+  /// The next frame of the client's stream; empty: no new tick.
   virtual std::string next_frame(LiveConnection& to) = 0;
   /// The WebSocket has been opened; the connection has ended.
   virtual void opened(LiveConnection& connection) = 0;
   virtual void ended(LiveConnection& connection) = 0;
 };
 
-/// Counts what a connection has read from the network. The WebSocket library passes over empty fragments
-/// without a word, so that only these bytes show a message that never ends.
+/// Counts the bytes that a connection has read from the network. The WebSocket library silently skips empty
+/// fragments, so that only this count shows a message that never ends.
 class ReadCount {
  public:
   std::uint64_t bytes = 0;
@@ -56,9 +55,10 @@ class ReadCount {
   static void on_timer() noexcept {}
 };
 
-/// One connection: a HTTP request, and if it is let in a WebSocket. What is sent waits in a queue with an
-/// end; a stream's frames do not wait at all: when the client has not taken the last one, the next is left
-/// out and counted. Every operation has a time limit. One thread, the one that runs the context.
+/// One connection: an HTTP request, then, if accepted, a WebSocket. Answers and events wait in a bounded
+/// queue. Frames of a stream do not wait: if the client has not received the last frame, the next one is
+/// dropped and counted. Every operation has a time limit. All members are called on the thread that runs the
+/// context.
 class LiveConnection final {
  public:
   using tcp = boost::asio::ip::tcp;
@@ -66,50 +66,49 @@ class LiveConnection final {
 
   static constexpr double kMessagesPerSecond = 100.0;
   static constexpr double kMessagesAtOnce = 200.0;
-  static constexpr int kMostExcess = 100;           // messages beyond these in a row end the connection
+  static constexpr int kMostExcess =
+      100;  // more consecutive messages above the rate limit end the connection
   static constexpr std::size_t kMostWaiting = 256;  // answers and events; more end the connection
-  static constexpr std::size_t kReadOnBelow = 32;   // answers waiting: with more nothing is read
-  // Bytes of the network that one message may take: the largest message in fragments of one byte takes
-  // 114,688.
+  static constexpr std::size_t kReadOnBelow = 32;   // nothing is read while more answers wait
+  // Network bytes of one message, at most. The largest message in fragments of one byte takes 114,688.
   static constexpr std::uint64_t kMostOfMessage = 131'072;
   static constexpr std::chrono::seconds kOpening{5};   // for the request, and for the handshakes
-  static constexpr std::chrono::seconds kSilence{30};  // without a sign of the client, pings counted in
+  static constexpr std::chrono::seconds kSilence{30};  // without data from the client, pings included
   static constexpr int kSendBuffer = 65536;            // bytes that the system keeps for a slow client
 
   LiveConnection(std::uint64_t number, tcp::socket socket, LiveDesk& desk);
   LiveConnection(const LiveConnection&) = delete;
   LiveConnection& operator=(const LiveConnection&) = delete;
 
-  /// Reads the request and goes on from there.
+  /// Reads the request and answers it.
   void begin();
-  /// Sends a message after those that wait; nothing when the connection is ending.
+  /// Queues a message; ignored when the connection is ending.
   void send(std::string text);
-  /// Ends the connection once what waits is sent. @param why at most 123 bytes, for the client
+  /// Ends the connection after the queued messages are sent. @param why for the client, at most 123 bytes
   void close(boost::beast::websocket::close_code code, const std::string& why);
-  /// Ends it at once without a word.
+  /// Ends the connection at once, without the closing handshake.
   void drop() noexcept;
-  /// Sends a frame so often from now on [Hz]; 0: no more.
+  /// Sets the rate of the stream [Hz]; 0: ends it.
   void stream(double rate_Hz);
 
   [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
   [[nodiscard]] bool is_open() const noexcept { return open_ && !closing_ && !ended_; }
-  /// Whether nothing of it is under way any more, so that it can be destroyed.
+  /// Whether no operation is pending, so that the object can be destroyed.
   [[nodiscard]] bool is_over() const noexcept { return ended_ && under_way_ == 0; }
-  /// Where the connection came in, and from whom.
+  /// Local endpoint and address of the client.
   [[nodiscard]] const tcp::endpoint& local() const noexcept { return local_; }
   [[nodiscard]] const boost::asio::ip::address& peer() const noexcept { return peer_; }
-  /// When it was accepted, and when it began to close (0: it has not).
+  /// When the connection was accepted, and when it began to close (0: open).
   [[nodiscard]] std::int64_t begun_ns() const noexcept { return begun_ns_; }
   [[nodiscard]] std::int64_t closing_ns() const noexcept { return closing_ns_; }
-  /// Whether the message that is coming has taken more of the network than any may, as empty fragments
-  /// without end do.
+  /// Whether the current message exceeds kMostOfMessage network bytes, as endless empty fragments do.
   [[nodiscard]] bool is_endless() const noexcept {
     return open_ && boost::beast::get_lowest_layer(socket_).rate_policy().bytes > kMostOfMessage;
   }
-  /// Frames of the stream that were due and not sent, because the client had not taken the one before.
+  /// Dropped frames of the stream, because the client had not received the one before.
   [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
 
-  // The server's own notes:
+  // Used only by the server:
   bool greeted = false;
   std::pair<std::uint64_t, std::uint64_t> last_frame{0, 0};  // run and tick
 
@@ -144,12 +143,12 @@ class LiveConnection final {
   std::optional<boost::beast::websocket::close_reason> closing_;
   std::chrono::nanoseconds period_{0};  // of the stream; 0: none
   std::chrono::steady_clock::time_point due_;
-  std::uint64_t streams_ = 0;  // asked for so far, so that an alarm of an earlier one is known
+  std::uint64_t streams_ = 0;  // streams requested so far, to recognize the timer of an earlier one
   std::uint64_t left_out_ = 0;
   std::int64_t begun_ns_ = 0;
   std::int64_t closing_ns_ = 0;
-  int under_way_ = 0;  // operations
-  int excess_ = 0;     // messages in a row
+  int under_way_ = 0;  // pending operations
+  int excess_ = 0;     // consecutive messages above the rate limit
   bool reading_ = false;
   bool writing_ = false;
   bool close_begun_ = false;

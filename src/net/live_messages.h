@@ -11,10 +11,10 @@
 #include "palpate/scene.h"
 #include "palpate/tissue.h"
 
-// What the live interface says (docs/live-interface.md). All [any], not for the tick.
+// Messages that the live interface sends (docs/live-interface.md). All [any], not for the tick.
 namespace palpate::net {
 
-/// A tick as a client sees it.
+/// One tick of a run, as sent to clients.
 struct LiveState {
   std::uint64_t run = 0;  // number of the run, from 1 on
   Pose organ_W;           // at that tick
@@ -25,25 +25,25 @@ struct LiveState {
 [[nodiscard]] nlohmann::ordered_json tissue_json(const model::TissueParameters& tissue);
 [[nodiscard]] nlohmann::ordered_json noise_json(const haptics::LiveNoise& noise);
 
-/// What a scene is, without its meshes.
+/// A scene without its meshes.
 [[nodiscard]] nlohmann::ordered_json scene_json(const scene::Setup& setup);
 
 /// One tick: SI, world frame.
 [[nodiscard]] nlohmann::ordered_json state_json(const LiveState& state);
 
-/// {"answer": COMMAND, "id": ..., and what `members` has}.
+/// {"answer": COMMAND, "id": ..., members}.
 [[nodiscard]] std::string answer_text(const LiveReference& reference, const nlohmann::ordered_json& members);
 
 /// {"error": {"code": ..., "field": ..., "words": ...}, "answer": ..., "id": ...}.
 [[nodiscard]] std::string error_text(const LiveReference& reference, const InputError& error);
 
-/// {"event": NAME, and what `members` has}.
+/// {"event": NAME, members}.
 [[nodiscard]] std::string event_text(const std::string& name, const nlohmann::ordered_json& members);
 
-/// {"left_out": ..., "state": ...}. @param state as text @param left_out frames that the client has not got
+/// {"left_out": ..., "state": ...}. @param state as text @param left_out dropped frames of the client
 [[nodiscard]] std::string frame_text(const std::string& state, std::uint64_t left_out);
 
-/// The text of a JSON document on one line; bytes that are no UTF-8 are replaced.
+/// The text of a JSON document on one line; bytes that are not UTF-8 are replaced.
 [[nodiscard]] std::string text_of(const nlohmann::ordered_json& json);
 
 }  // namespace palpate::net

@@ -12,16 +12,16 @@
 #include "palpate/live_changes.h"
 #include "palpate/tissue.h"
 
-// What a client of the live interface may ask (docs/live-interface.md): one JSON object a message.
+// Commands of clients of the live interface (docs/live-interface.md): one JSON object per message.
 namespace palpate::net {
 
-/// The protocol's version. It is another one when a client of the one before would no longer be understood.
+/// Version of the protocol. It changes when clients of the previous version no longer work.
 inline constexpr const char* kLiveProtocol = "1";
 
 inline constexpr std::size_t kLargestRequest = 16384;  // bytes
 inline constexpr double kFastestStream = 1000.0;       // Hz
 
-/// Why a message was not done: a code for programs, words for people, and the field where one is at fault.
+/// Why a command failed: a code for programs, a message for users, and the invalid field if there is one.
 class LiveError final : public InputError {
  public:
   LiveError(std::string code, const std::string& words, std::string field = "")
@@ -35,26 +35,25 @@ class LiveError final : public InputError {
   std::string field_;
 };
 
-/// A tissue as an edit of another: what is not named stays.
+/// Changes to a tissue; values that are not set stay.
 struct TissueEdit {
-  std::optional<std::string> preset;  // taken first
+  std::optional<std::string> preset;  // applied first
   std::optional<std::string> name;
   std::optional<model::LawKind> law;
-  std::optional<model::RelaxationTerms> relaxation;  // all terms; SI
-  std::vector<std::pair<const model::TissueField*, std::optional<double>>>
-      numbers;  // SI; none: as if not given
+  std::optional<model::RelaxationTerms> relaxation;                                  // all terms; SI
+  std::vector<std::pair<const model::TissueField*, std::optional<double>>> numbers;  // SI; none: the default
 };
 
-/// Noise as an edit of another.
+/// Changes to the touch noise; values that are not set stay.
 struct NoiseEdit {
   std::optional<bool> enabled;
   std::optional<double> gain;            // K [N m]
   std::optional<double> threshold;       // d0 [m]
-  std::optional<double> user_threshold;  // N, with the share in place of a gain
+  std::optional<double> user_threshold;  // N; with `share` it replaces the gain
   std::optional<double> share;
 };
 
-// The commands. Texts as they came; SI.
+// The commands: texts unchanged, numbers in SI.
 struct Hello {
   std::string token;
 };
@@ -62,10 +61,10 @@ struct AskVersion {};
 struct AskState {};
 struct AskScene {};
 struct AskSurface {
-  bool at_rest = false;  // the whole organ at rest; else what has moved
+  bool at_rest = false;  // the organ at rest; else only the moved vertices
 };
 struct Stream {
-  double rate_Hz = 0.0;  // 0: no more
+  double rate_Hz = 0.0;  // 0: ends the stream
 };
 struct Load {
   std::optional<std::string> scene;  // a file below the server's folder; none: the built-in press or pull
@@ -93,9 +92,9 @@ struct ResetFaults {};
 using LiveCommand = std::variant<Hello, AskVersion, AskState, AskScene, AskSurface, Stream, Load, Start, Stop,
                                  SetTissue, SetNoise, ResetFaults>;
 
-/// To which message an answer belongs.
+/// The message that an answer belongs to.
 struct LiveReference {
-  std::string command;  // as "do" said it; empty: not known
+  std::string command;  // value of "do"; empty: unknown
   std::string id;       // as JSON; empty: none was given
 };
 
@@ -104,15 +103,15 @@ struct LiveRequest {
   LiveCommand command;
 };
 
-/// [any] Not for the tick. Reads a message. @param reference what is known of it, also when it is refused
-/// @throws LiveError: one line that names the field, its value and what would be right.
+/// [any] Reads a message; not for the tick. @param reference command and id, set also when the message is
+/// invalid
+/// @throws LiveError naming the field, its value and the valid values.
 [[nodiscard]] LiveCommand read_live_message(std::string_view text, LiveReference& reference);
 
-/// [setup] The tissue that an edit makes of another; not checked by model::validate(). @throws InputError for
-/// a preset that is none.
+/// [setup] Applies changes to a tissue, without model::validate(). @throws InputError for an unknown preset.
 [[nodiscard]] model::TissueParameters edited(model::TissueParameters tissue, const TissueEdit& edit);
 
-/// [setup] The same of noise. @throws ParameterError for a threshold or share that are none.
+/// [setup] Applies changes to the touch noise. @throws ParameterError for an invalid threshold or share.
 [[nodiscard]] haptics::LiveNoise edited(haptics::LiveNoise noise, const NoiseEdit& edit);
 
 }  // namespace palpate::net

@@ -8,11 +8,11 @@
 
 namespace palpate::net {
 
-/// An organ's surface as clients of the live interface get it (docs/live-interface.md): organ frame,
-/// millimetres to a thousandth. All members: [setup], one thread, never the loop's.
+/// An organ's surface for clients of the live interface (docs/live-interface.md): organ frame, in mm, rounded
+/// to 0.001 mm. All members: [setup], one thread, never the loop's.
 class LiveSurface final {
  public:
-  /// An answer with more would take a client, and the server's thread, too long.
+  /// Limit of triangles, because larger answers take clients and the server's thread too long.
   static constexpr std::size_t kMostTriangles = 20'000;
 
   /// @throws LiveError when the organ has more triangles than kMostTriangles.
@@ -20,7 +20,7 @@ class LiveSurface final {
 
   /// {"vertices_mm": [x, y, z, ...], "triangles": [a, b, c, ...]}, at rest.
   [[nodiscard]] nlohmann::ordered_json at_rest() const;
-  /// {"moved": [vertex, ...], "vertices_mm": [x, y, z, ...]}: the vertices that are not where they rest.
+  /// {"moved": [vertex, ...], "vertices_mm": [x, y, z, ...]}: the vertices that are displaced.
   [[nodiscard]] nlohmann::ordered_json moved(const model::ReachParameters& reach,
                                              const std::vector<deform::Indentation>& indentations);
 

@@ -9,23 +9,23 @@
 
 namespace palpate::net {
 
-/// All rows of one tick: plain data, handed over whole.
+/// All rows of one tick, published together.
 struct LiveTick {
   std::uint64_t tick = 0;
-  std::uint64_t change = 0;  // number of the last live change in force; 0: none
+  std::uint64_t change = 0;  // number of the newest parameter update in effect; 0: none
   std::uint32_t hands = 0;
   std::array<haptics::TickRow, haptics::Snapshot::kMaxHands> rows{};
 };
 
-/// A hand's latched fault as it comes and goes.
+/// A hand's fault was latched or reset.
 struct FaultTurn {
   std::uint64_t tick = 0;
   std::uint32_t hand = 0;
-  haptics::Fault fault = haptics::Fault::kNone;  // kNone: it was reset
+  haptics::Fault fault = haptics::Fault::kNone;  // kNone: reset
 };
 
-/// Sees the rows of a running loop for who streams them: the newest tick, and every change of a fault. The
-/// loop never waits.
+/// Observes the rows of a run for a stream: the newest tick, and every latched or reset fault. The loop never
+/// waits.
 class LiveTap final : public haptics::TickObserver {
  public:
   /// [setup] @param hands of the scene
@@ -33,20 +33,20 @@ class LiveTap final : public haptics::TickObserver {
   void on_update(const haptics::LiveChange& change) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
-  /// [any] One thread. The newest tick; null before the first.
+  /// [any] The newest tick; null before the first. Call from one thread.
   [[nodiscard]] const LiveTick* newest() noexcept;
-  /// [any] The same thread. The oldest turn not yet taken.
+  /// [any] The oldest fault change not yet taken. Call from the thread of newest().
   [[nodiscard]] std::optional<FaultTurn> take_fault() noexcept;
 
  private:
-  static constexpr std::size_t kTurnsKept = 256;  // more between two looks are left out
+  static constexpr std::size_t kTurnsKept = 256;  // more between two calls are dropped
 
   std::uint32_t hands_;
   std::uint64_t change_ = 0;
   std::array<std::uint32_t, haptics::Snapshot::kMaxHands> faults_{};
   SnapshotCell<LiveTick> ticks_;
   Ring<FaultTurn> turns_{kTurnsKept};
-  bool seen_ = false;  // of the reader
+  bool seen_ = false;  // a tick was read
 };
 
 }  // namespace palpate::net

@@ -4,14 +4,14 @@
 
 namespace palpate::net {
 
-/// How often something may happen: so many times a second in the long run, and so many at once. [any]
+/// [any] Token bucket: limits the long-term rate of events per second and the size of a burst.
 class RateLimit final {
  public:
   RateLimit(double per_second, double at_once) noexcept
       : per_ns_(per_second / 1e9), most_(at_once), left_(at_once) {}
 
-  /// Counts one more. @param now_ns monotonic time @return whether it is within the limit; it does not count
-  /// against it otherwise.
+  /// Whether one more event is within the limit; an event beyond it is not counted. @param now_ns monotonic
+  /// time
   [[nodiscard]] bool allows(std::int64_t now_ns) noexcept {
     if (last_ns_ != 0) left_ = std::min(most_, left_ + per_ns_ * static_cast<double>(now_ns - last_ns_));
     last_ns_ = now_ns;
