@@ -42,6 +42,10 @@ inline constexpr FieldRange kAtMostOne{.high = 1.0, .high_allowed = true};
 /// Far above any lubricated organ; beyond them no device that Palpate knows holds a hand still.
 inline constexpr FieldRange kFrictionRange{.low_allowed = true, .high = 10.0, .high_allowed = true};
 inline constexpr FieldRange kTangentialRange{.high = 1e5, .high_allowed = true};
+/// Stiffer than any tissue or bone; beyond them a product of allowed numbers could overflow to an infinite
+/// force.
+inline constexpr FieldRange kStiffnessRange{.high = 1e9, .high_allowed = true};
+inline constexpr FieldRange kDampingRange{.low_allowed = true, .high = 1e6, .high_allowed = true};
 inline constexpr FieldRange kAboveRest{.order = LengthOrder::kAboveRest};
 inline constexpr FieldRange kBelowRest{.low_allowed = true, .order = LengthOrder::kBelowRest};
 
@@ -140,7 +144,7 @@ inline constexpr auto kTissueFields = [] {
   using C = ContactParameters;
   return std::to_array<TissueField>({
     {"", "k1_N_per_m", "k1", kNewtonPerMetre, kAt<&T::k1>,
-     "Stiffness k\u2081", "stiffness of the first layer's spring", {0.1, 0.1, 2000, 2}},
+     "Stiffness k\u2081", "stiffness of the first layer's spring", {0.1, 0.1, 2000, 2}, kStiffnessRange},
     {"", "beta", "beta", kNoUnit, kAt<&T::beta>,
      "Stiffening \u03b2", "layer i is exp((i-1)/\u03b2) times as stiff", {0.01, 0.2, 20, 3}},
     {"", "q", "q", kNoUnit, kAt<&T::q>,
@@ -175,9 +179,9 @@ inline constexpr auto kTissueFields = [] {
      [](const T& tissue) noexcept { return tissue.tangential_stiffness(); }, "10 k\u2081"},
     {"contact", "tangential_damping_N_s_per_m", "tangential_damping", kNewtonSecondPerMetre,
      kAtContact<&C::tangential_damping>,
-     "Tangential damping", "c_t, beside the friction spring", {0.01, 0, 20, 2}, kNotNegative, nullptr, true},
+     "Tangential damping", "c_t, beside the friction spring", {0.01, 0, 20, 2}, kDampingRange, nullptr, true},
     {"contact", "damping_N_s_per_m", "damping", kNewtonSecondPerMetre, kAtContact<&C::damping>,
-     "Normal damping", "b, along the normal", {0.01, 0, 20, 2}, kNotNegative},
+     "Normal damping", "b, along the normal", {0.01, 0, 20, 2}, kDampingRange},
     {"contact", "reference_radius_mm", "reference_radius", kInMillimetres, kAtContact<&C::reference_radius>,
      "Reference radius", "R_ref, the size of the area that one contact stands for", kNoSlider,
      kPositive, "reference_radius_m"},

@@ -29,13 +29,14 @@ inline contact::Preparation prepared_once() {
 }
 
 /// A 60 x 60 x 40 mm block whose top lies at z = 0, touched by a 3 mm ball in each hand.
-inline SimulationWorld block_and_balls(std::size_t hands, double rate_Hz, noise::NoiseSettings noise = {}) {
+inline SimulationWorld block_and_balls(
+    std::size_t hands, double rate_Hz, noise::NoiseSettings noise = {},
+    const model::TissueParameters& tissue = model::tissue_preset("gallbladder")) {
   geometry::Tool ball{"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius};
   const geometry::TriangleMesh block = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
   const std::vector<geometry::Tool> tools(hands, ball);
   SimulationWorld world{
-      .contact =
-          contact::World(block, tools, model::tissue_preset("gallbladder"), 1.0 / rate_Hz, prepared_once()),
+      .contact = contact::World(block, tools, tissue, 1.0 / rate_Hz, prepared_once()),
       .noise = noise::TouchNoise(noise, rate_Hz),
       .limits = {20.0, 5000.0 / rate_Hz, 0.2, 50.0 / rate_Hz, 1.0 / rate_Hz},
       .mappings = std::vector<WorkspaceMapping>(hands),
