@@ -3,7 +3,7 @@
 
 namespace palpate::record {
 
-/// [setup] Version of palpate, e.g. "0.1.0".
+/// [setup] Version of palpate, e.g. "0.2.0".
 [[nodiscard]] std::string palpate_version();
 
 /// [setup] The compiler that built it, e.g. "g++ 12.2.0".
