@@ -25,7 +25,7 @@ struct SurfaceView {
 /// those of all vertices.
 struct Sides {
   std::vector<std::int32_t> first_corner;  // per side: 3 x triangle + corner; -1: no triangle has this vertex
-  std::vector<std::int32_t> of_corner;  // side of each triangle corner, three per triangle
+  std::vector<std::int32_t> of_corner;     // side of each triangle corner, three per triangle
 };
 
 /// [setup] Finds all sides, in the order of the triangles.

@@ -105,10 +105,10 @@ class DepthSearch final {
   }
 
   const PartPoints& part_;
-  Vec3 point_;  // of the tangent plane
-  Vec3 normal_;  // of the tangent plane
+  Vec3 point_;      // of the tangent plane
+  Vec3 normal_;     // of the tangent plane
   Vec3 steepness_;  // absolute values of normal_
-  double height_;  // of the plane above the origin plus kBoundSlack [m]
+  double height_;   // of the plane above the origin plus kBoundSlack [m]
   double radius_;   // R_ref [m]
   double deepest_ = 0.0;
   double least_ = 0.0;  // points must be deeper than this to count [m]

@@ -10,11 +10,11 @@ inline constexpr double kPatchBand = 0.2e-3;
 
 /// The part's points that carry a contact, in the frame of the query.
 struct ContactPatch {
-  double depth = 0.0;  // D [m]; 0: no point is behind the tangent plane
+  double depth = 0.0;            // D [m]; 0: no point is behind the tangent plane
   Vec3 centroid = Vec3::Zero();  // p*
-  double tip_radius = 0.0;  // R, weighted mean over the patch [m]
-  double half_width = 0.0;  // of the part, weighted mean over the patch [m]
-  std::uint32_t cluster = 0;  // of the part: that of the deepest point
+  double tip_radius = 0.0;       // R, weighted mean over the patch [m]
+  double half_width = 0.0;       // of the part, weighted mean over the patch [m]
+  std::uint32_t cluster = 0;     // of the part: that of the deepest point
 };
 
 /// [rt] The contact patch at a proxy. `point` and the unit outward `normal` are in the part's frame P. D is

@@ -40,6 +40,7 @@ struct EntryEvent {
 /// Cached signed distances from a rigid part's points to the organ, by conservative advancement [Mirtich
 /// 1996]. A distance changes by no more than the part moves. So a point is queried again only when the motion
 /// since its last query could change its side. Results are those of querying every point in every tick.
+///
 /// Invariants. The odometer is the sum of the largest motions of any point relative to the organ. Since its
 /// last query a point has moved by at most odometer_ - `odometer`. `distance` is the signed distance at that
 /// query, or for an outside point a positive lower bound. After move(), `inside_` is right for every point
@@ -112,7 +113,7 @@ class DistanceCache final {
   /// Bounds of a cluster's points, as odometer values.
   struct ClusterBound {
     double crossing = 0.0;  // no point can have crossed the surface before this
-    double least = 0.0;  // minus the odometer: lower bound of the points' distances [m]
+    double least = 0.0;     // minus the odometer: lower bound of the points' distances [m]
     bool deferred = false;  // points may have crossed in an earlier tick
   };
 
@@ -138,7 +139,7 @@ class DistanceCache final {
   RigidTransform previous_S_;  // in the last tick
   bool placed_ = false;
   double odometer_ = 0.0;
-  double motion_ = 0.0;  // added to the odometer in this tick
+  double motion_ = 0.0;         // added to the odometer in this tick
   double next_crossing_ = 0.0;  // smallest `crossing` of all clusters
   std::uint32_t inside_count_ = 0;
   std::uint32_t nearest_point_ = 0;

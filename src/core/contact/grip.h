@@ -14,6 +14,7 @@ struct ToolPoints;
 
 /// The jaws' grasp of the tissue (docs/model.md, section 4, "Pull"): closing, stretch and force, release. All
 /// parts of a tool without jaws grasp. Organ frame S.
+///
 /// Invariants. While it holds, the force is that of the stretch from the anchor. After release, stretch and
 /// force fade to zero within 25 ms. Otherwise both are zero. A grasp that tore off takes hold again only
 /// after the jaws have opened.
@@ -51,19 +52,19 @@ class Grip final {
   [[nodiscard]] bool pull(const TissueLaws& laws, const Pose& tool_S) noexcept;
   void let_go() noexcept;
 
-  bool open_ = false;  // state of the gripper, with hysteresis
+  bool open_ = false;     // state of the gripper, with hysteresis
   bool closing_ = false;  // the gripper has passed kClosedBelow and is still closing
   double last_gripper_ = 0.0;
   bool held_ = false;
-  bool torn_off_ = false;  // above the grip limit; until the jaws open
-  SurfacePoint anchor_;  // on the rest surface
-  Vec3 normal_ = Vec3::UnitZ();  // of the surface at the anchor
+  bool torn_off_ = false;         // above the grip limit; until the jaws open
+  SurfacePoint anchor_;           // on the rest surface
+  Vec3 normal_ = Vec3::UnitZ();   // of the surface at the anchor
   Vec3 anchor_T_ = Vec3::Zero();  // in the handle's frame at closing
   double tip_radius_ = 0.0;
   std::array<model::RelaxationState, 3> memory_{};  // per force component
   Vec3 stretch_ = Vec3::Zero();                     // s [m]
   Vec3 force_ = Vec3::Zero();                       // [N]
-  Vec3 released_force_ = Vec3::Zero();  // at the moment of release [N]
+  Vec3 released_force_ = Vec3::Zero();              // at the moment of release [N]
   Vec3 released_stretch_ = Vec3::Zero();
   double fade_ = 0.0;  // 1 to 0 after release
   int cutoff_layer_ = 0;

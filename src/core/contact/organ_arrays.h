@@ -33,15 +33,14 @@ struct OrganArrays {
   geometry::TriangleMesh mesh;
   std::vector<std::array<std::int32_t, 3>> neighbours;  // geometry::edge_neighbours
   std::vector<Vec3> face_normals;                       // unit
-  std::vector<Vec3> normals;  // averaged: first sides of all vertices, then further sides
+  std::vector<Vec3> normals;       // averaged: first sides of all vertices, then further sides
   std::vector<NormalBends> bends;  // per triangle
   std::vector<std::int32_t>
       row_of;  // per triangle: row in side_rows; -1: the corners have their vertices' normals
-  std::vector<std::array<std::int32_t, 3>>
-      side_rows;  // sides of the three corners, of triangles with a row
+  std::vector<std::array<std::int32_t, 3>> side_rows;  // sides of the three corners, of triangles with a row
   std::vector<SharpEdge> sharp_edges;
   std::vector<std::int32_t> sharp_start;  // per triangle, and the end: start in sharp_near
-  std::vector<std::int32_t> sharp_near;  // sharp edges within kBlendWidth of the triangle
+  std::vector<std::int32_t> sharp_near;   // sharp edges within kBlendWidth of the triangle
 };
 
 /// [setup] Hash of everything that the arrays depend on: the mesh's bits, the radius [m] and kArraysVersion.

@@ -32,11 +32,11 @@ class FrictionSpring final {
 
 /// Input and result of load sharing for one contact (sharing.h). Organ frame.
 struct Load {
-  SurfacePoint at;  // the proxy's position
-  Vec3 normal = Vec3::UnitZ();  // unit normal at the proxy
-  double elastic_force = 0.0;  // F(D) before relaxation [N]
-  double fade_weight = 1.0;  // 1 in contact, falls to 0 while the proxy is stale
-  double share = 1.0;  // of the tissue, including the fade weight
+  SurfacePoint at;                  // the proxy's position
+  Vec3 normal = Vec3::UnitZ();      // unit normal at the proxy
+  double elastic_force = 0.0;       // F(D) before relaxation [N]
+  double fade_weight = 1.0;         // 1 in contact, falls to 0 while the proxy is stale
+  double share = 1.0;               // of the tissue, including the fade weight
   model::RelaxationState memory{};  // history variables of the force
 
   [[nodiscard]] bool fading() const noexcept { return fade_weight < 1.0; }
@@ -44,7 +44,9 @@ struct Load {
 
 /// The proxy (god-object) of one press contact [Zilles and Salisbury 1995; Ruspini 1997]. It is a point c on
 /// the rest surface that walks towards the patch centroid, with a normal that turns at a limited rate, and
-/// the contact force (docs/model.md, section 4). Organ frame S. Invariants. After walk() the patch is that of
+/// the contact force (docs/model.md, section 4). Organ frame S.
+///
+/// Invariants. After walk() the patch is that of
 /// c and the normal; walk and turn of a tick are within their limits. Held-back depth is never negative and
 /// is admitted within 50 ms. The fade weight is in 0..1. A merged proxy never comes back.
 class Proxy final {
@@ -92,10 +94,10 @@ class Proxy final {
   Load load_;
   Vec3 surface_normal_ = Vec3::UnitZ();  // at c; load_.normal turns towards it at a limited rate
   double step_ = 0.0;                    // length of the next step of the walk [m]
-  Vec3 last_direction_ = Vec3::Zero();  // of the last step
-  double walked_ = 0.0;  // odometer at the last step of the walk
-  double offset_ = 0.0;  // held-back depth [m]
-  double offset_step_ = 0.0;  // admitted per tick [m]
+  Vec3 last_direction_ = Vec3::Zero();   // of the last step
+  double walked_ = 0.0;                  // odometer at the last step of the walk
+  double offset_ = 0.0;                  // held-back depth [m]
+  double offset_step_ = 0.0;             // admitted per tick [m]
   double depth_ = 0.0;
   FrictionSpring spring_;
   Vec3 touch_ = Vec3::Zero();

@@ -36,7 +36,7 @@ double eighth_power(double x) noexcept {
 double share_among(const Load& one, std::span<Load* const> contacts, double reference_radius,
                    bool with_fading) noexcept {
   std::array<double, kMostContacts> closeness_of;  // of contacts within R_ref
-  std::array<double, kMostContacts> crowd_of;  // c_ij (F_j/F_i)^8
+  std::array<double, kMostContacts> crowd_of;      // c_ij (F_j/F_i)^8
   std::size_t count = 0;
   double greatest = 0.0;
   for (const Load* const other : contacts) {

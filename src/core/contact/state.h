@@ -39,12 +39,12 @@ struct PartState {
   PartState(const OrganSurface& surface, const PartPoints& points) : distances(surface, points) {}
 
   DistanceCache distances;
-  double gripper = -1.0;  // gripper value of `joint_T`
-  Pose joint_T;  // the part's frame in the handle's
+  double gripper = -1.0;     // gripper value of `joint_T`
+  Pose joint_T;              // the part's frame in the handle's
   double press_level = 1.0;  // 0 while the jaws hold tissue
   int contact_count = 0;
   std::uint32_t cursor = 0;  // the next inside point to try for a new contact
-  bool armed = false;  // has been outside since its last jump
+  bool armed = false;        // has been outside since its last jump
   std::array<Proxy, kContactsPerPart> contacts{};
 
   [[nodiscard]] std::span<Proxy> active() noexcept {

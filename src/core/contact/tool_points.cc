@@ -12,16 +12,16 @@
 namespace palpate::contact {
 namespace {
 
-constexpr double kSpacing = 2e-3;  // m (docs/model.md, section 4)
+constexpr double kSpacing = 2e-3;        // m (docs/model.md, section 4)
 constexpr double kSmallestArea = 1e-12;  // m^2; a point on a degenerate triangle keeps a weight
 constexpr std::uint32_t kClusterSize = PartPoints::kClusterSize;
 constexpr std::size_t kMostPoints = PartPoints::kMostPoints;
-constexpr double kNormalWeight = 2e-3;  // m; normals that differ by 1 count as this distance
+constexpr double kNormalWeight = 2e-3;      // m; normals that differ by 1 count as this distance
 constexpr double kCurvatureReach = 2.5e-3;  // m, radius of the neighbourhood that the curvature is fitted to
-constexpr double kWidthReach = 8e-3;  // m, radius of the neighbourhood of the half-width
-constexpr double kWidthDepth = 5e-3;  // m, depth within which the half-width is measured
+constexpr double kWidthReach = 8e-3;        // m, radius of the neighbourhood of the half-width
+constexpr double kWidthDepth = 5e-3;        // m, depth within which the half-width is measured
 constexpr double kSmallestRadius = 0.5e-3;  // m; to soft tissue an edge is not sharper
-constexpr double kLargestRadius = 50e-3;  // m; flat
+constexpr double kLargestRadius = 50e-3;    // m; flat
 
 struct Sample {
   Vec3 point = Vec3::Zero();

@@ -21,7 +21,7 @@ struct PartPoints {
   struct Cluster {
     Vec3 centre = Vec3::Zero();
     Vec3 half_size = Vec3::Zero();  // of the box [m]
-    double radius = 0.0;  // of the sphere [m]
+    double radius = 0.0;            // of the sphere [m]
     std::uint32_t begin = 0;
     std::uint32_t end = 0;
   };
@@ -29,14 +29,14 @@ struct PartPoints {
   static_assert(kMostPoints <= std::size_t{64} * kClusterSize);  // DepthSearch has one bit per cluster
 
   std::vector<double> x, y, z;     // m
-  std::vector<double> area;  // m^2, > 0, of the surface that the point represents
+  std::vector<double> area;        // m^2, > 0, of the surface that the point represents
   std::vector<double> tip_radius;  // R, radius of curvature there [m]
   std::vector<double> half_width;  // of the part there [m]
   std::vector<Cluster> clusters;
   std::vector<double> offset;  // distance of each point from its cluster's centre [m]
   Vec3 box_middle = Vec3::Zero();
   Vec3 box_reach = Vec3::Zero();  // half the box's size [m]
-  geometry::ToolPart joint;  // is_jaw, pivot, axis, open_angle; without mesh
+  geometry::ToolPart joint;       // is_jaw, pivot, axis, open_angle; without mesh
 
   [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
   [[nodiscard]] Vec3 point(std::size_t i) const noexcept { return {x[i], y[i], z[i]}; }

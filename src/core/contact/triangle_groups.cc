@@ -10,7 +10,7 @@
 namespace palpate::contact {
 namespace {
 
-constexpr std::size_t kFew = 8;  // a node with no more triangles is a leaf
+constexpr std::size_t kFew = 8;        // a node with no more triangles is a leaf
 constexpr double kAlikeCosine = 0.97;  // cos 14 degrees: largest turn of a triangle from its group's first
 
 std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t triangle) {

@@ -19,10 +19,10 @@ struct NormalSum {
 struct Piece {
   Vec3 centre = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // unit
-  Vec3 area = Vec3::Zero();  // twice the area vector
+  Vec3 area = Vec3::Zero();    // twice the area vector
   std::array<Vec3, 3> middle;  // edge midpoints relative to `centre`; the opposite corner is twice as far
-  double squares = 0.0;  // sum of the midpoints' squared distances
-  double middles = 0.0;  // largest distance of a midpoint [m]
+  double squares = 0.0;        // sum of the midpoints' squared distances
+  double middles = 0.0;        // largest distance of a midpoint [m]
 };
 
 /// Sum of a group's triangles, for a centre from which all of them are within the radius h and count in full.
@@ -31,9 +31,9 @@ struct Piece {
 /// exactly, with sum_A = sum A_f, M = sum A_f (sum m)^T, sum_q = sum A_f sum |m|^2.
 struct GroupMoments {
   Vec3 centre = Vec3::Zero();
-  double reach = 0.0;  // largest distance of a corner from `centre` [m]
+  double reach = 0.0;        // largest distance of a corner from `centre` [m]
   Vec3 axis = Vec3::Zero();  // mean of the unit normals
-  double spread = 0.0;  // largest distance of a unit normal from `axis`
+  double spread = 0.0;       // largest distance of a unit normal from `axis`
   Vec3 sum_A = Vec3::Zero();
   Eigen::Matrix3d sum_Am = Eigen::Matrix3d::Zero();  // M
   Vec3 sum_Aq = Vec3::Zero();
@@ -85,11 +85,11 @@ class TriangleGroups final {
   void link(const SurfaceView& surface);
 
   std::vector<std::int32_t> triangles_;  // by group
-  std::vector<std::int32_t> start_;  // per group, and the end: start in triangles_
-  std::vector<std::int32_t> group_of_;  // per triangle
+  std::vector<std::int32_t> start_;      // per group, and the end: start in triangles_
+  std::vector<std::int32_t> group_of_;   // per triangle
   std::vector<std::int32_t> neighbours_;
-  std::vector<std::int32_t> first_neighbour_;  // per group, and the end: start in neighbours_
-  std::vector<Piece> pieces_;  // parallel to triangles_
+  std::vector<std::int32_t> first_neighbour_;     // per group, and the end: start in neighbours_
+  std::vector<Piece> pieces_;                     // parallel to triangles_
   std::vector<std::vector<GroupMoments>> nodes_;  // per group
 };
 

@@ -1,4 +1,4 @@
-// edge_neighbours(): which triangles share an edge.
+// edge_neighbours(): the triangles that share edges.
 #include <algorithm>
 #include <string>
 

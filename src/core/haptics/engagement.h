@@ -8,21 +8,21 @@ namespace palpate::haptics {
 /// The force ramp (soft start) of a held device. The force ramps up only after the device was still outside
 /// the tissue, so nobody takes hold of a device that already pushes.
 struct Engagement {
-  double share = 0.0;  // gain of force and noise, 0 to 1
-  bool ready = false;  // it has been still outside: the gain rises
+  double share = 0.0;             // gain of force and noise, 0 to 1
+  bool ready = false;             // it has been still outside: the gain rises
   std::uint64_t still_ticks = 0;  // ticks it has been still outside
   Vec3 still_at_D = Vec3::Zero();
 };
 
 inline constexpr double kStillWithin = 1e-3;  // m; a resting hand trembles by some tenths of a millimetre
 inline constexpr double kStillFor = 0.25;     // s
-inline constexpr double kRampTime = 0.5;  // s, from 0 to full force
-inline constexpr double kLetGoTime = 0.05;  // s, from full force to 0 while the clutch is held
+inline constexpr double kRampTime = 0.5;      // s, from 0 to full force
+inline constexpr double kLetGoTime = 0.05;    // s, from full force to 0 while the clutch is held
 
 /// A hand's input to the force ramp in one tick.
 struct HandSituation {
   Vec3 position_D = Vec3::Zero();
-  bool usable = true;  // the sample is valid and no fault is latched
+  bool usable = true;   // the sample is valid and no fault is latched
   bool outside = true;  // the tool is not in contact and not inside the organ
   bool clutched = false;
 };

@@ -30,11 +30,11 @@ inline constexpr double kDutyBegin = 0.9;
 
 /// Limits per tick, as Euclidean norms of vectors.
 struct GateLimits {
-  double max_force = 20.0;                              // N
-  double force_step = 5.0;  // N per tick
-  double max_torque = 0.2;                              // N m
+  double max_force = 20.0;    // N
+  double force_step = 5.0;    // N per tick
+  double max_torque = 0.2;    // N m
   double torque_step = 0.05;  // N m per tick
-  double period = 1e-3;                                 // s
+  double period = 1e-3;       // s
   // N, RMS force that the device can hold without a time limit
   double continuous_force = DeviceAbilities::kUnknown;
 
@@ -51,8 +51,8 @@ struct GateState {
   Vec3 noise = Vec3::Zero();  // the noise in `force`
   EnergyAccount energy;
   double square_short = 0.0;  // N^2, mean square of the written force over kDutyShort
-  double square_long = 0.0;  // N^2, over kDutyLong; raised while the motors are warm
-  ForceCommand fault_step;  // change per tick while a fault ramps the force to zero
+  double square_long = 0.0;   // N^2, over kDutyLong; raised while the motors are warm
+  ForceCommand fault_step;    // change per tick while a fault ramps the force to zero
   int fault_ticks_left = 0;
   Fault fault = Fault::kNone;  // latched until reset
 };
@@ -61,11 +61,11 @@ struct GateState {
 struct GateInput {
   ForceCommand tissue{};       // from contact
   Vec3 noise = Vec3::Zero();   // N
-  DeviceMotion motion{};  // of the device since the last tick
-  DeviceMotion organ{};  // motion of the organ itself at the handle, in the device's lengths
-  bool outside = false;  // the tool is not in contact
-  bool warm = false;  // the device reports warm motors: lower the force
-  bool controlled = false;  // the passivity controller acts; otherwise energy is only observed
+  DeviceMotion motion{};       // of the device since the last tick
+  DeviceMotion organ{};        // motion of the organ itself at the handle, in the device's lengths
+  bool outside = false;        // the tool is not in contact
+  bool warm = false;           // the device reports warm motors: lower the force
+  bool controlled = false;     // the passivity controller acts; otherwise energy is only observed
   Fault fault = Fault::kNone;  // detected in this tick outside the gate
 };
 

@@ -10,7 +10,7 @@ namespace palpate::haptics {
 struct EnergyAccount {
   // J, net energy that the hand and the organ's own motion have put into the tissue's force and torque
   double tissue = 0.0;
-  double noise = 0.0;  // J given to the hand by the touch noise, an open-loop source
+  double noise = 0.0;         // J given to the hand by the touch noise, an open-loop source
   double noise_excess = 0.0;  // J given beyond kNoisePower
 };
 

@@ -6,8 +6,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kQuaternionSlack =
-    0.05;  // tolerance of a unit quaternion's norm, for rounding in files
+constexpr double kQuaternionSlack = 0.05;  // tolerance of a unit quaternion's norm, for rounding in files
 
 /// The fault of a sample, or kNone.
 Fault judge(const DeviceState& sample) noexcept {

@@ -31,8 +31,8 @@ struct SimulationWorld {
 
 /// Noise crossfade: the touch noise on its way to new parameters.
 struct NoiseGlide {
-  double gain = 0.0;  // K at the end [N m]
-  double threshold = 0.0;  // d_0 at the end [m]
+  double gain = 0.0;             // K at the end [N m]
+  double threshold = 0.0;        // d_0 at the end [m]
   std::uint32_t ticks_left = 0;  // 0: finished
 };
 
@@ -46,16 +46,16 @@ struct SimulationState {
   std::vector<GateState> gates;
   std::vector<DeviceTrack> tracks;
   std::vector<Engagement> engagements;       // of held devices
-  std::vector<DeviceMotion> motions;  // of the devices, since the last tick
-  std::vector<contact::ToolInput> inputs;  // last valid pose and gripper value of each hand
+  std::vector<DeviceMotion> motions;         // of the devices, since the last tick
+  std::vector<contact::ToolInput> inputs;    // last valid pose and gripper value of each hand
   std::vector<contact::ToolResult> results;  // of the last tick, for pictures
-  Pose organ_W;  // in the last tick
+  Pose organ_W;                              // in the last tick
   bool noise_enabled = true;
   // Values that parameter updates (live_changes.h) have changed:
   noise::TouchNoise touch_noise;  // in force
   NoiseGlide noise_glide;
   model::ReachParameters reach;  // for pictures
-  std::uint64_t change = 0;  // number of the last parameter update; 0: none
+  std::uint64_t change = 0;      // number of the last parameter update; 0: none
 };
 
 /// [any] The device sample of a row, bit for bit.
@@ -63,6 +63,7 @@ struct SimulationState {
 
 /// [rt] One haptic tick (docs/model.md, section 4): samples in, rows and commands out. A pure function of its
 /// arguments; it reads no clock, so tick_ns and late_ns stay 0.
+///
 /// An invalid sample latches a fault on its hand. A sample is invalid when it reports a fault, is not finite,
 /// is older than kStaleAfter, is farther out than kFarthest or has no unit quaternion. Contact then uses the
 /// hand's last valid pose. All values of a row are finite, except `device`, `device_q`, `device_velocity` and

@@ -21,7 +21,7 @@ struct StabilityCheck {
   double damping_needed = 0.0;   // K T / 2 + |B| [N s/m]  [Colgate, Schenkel 1997]
   double stiffness_allowed =
       0.0;                      // 2 f_c / Delta [N/m]; infinite with perfect sensors  [Abbott, Okamura 2005]
-  bool damping_short = false;  // b < damping_needed
+  bool damping_short = false;   // b < damping_needed
   bool friction_short = false;  // K > stiffness_allowed
   [[nodiscard]] bool warns() const noexcept { return damping_short || friction_short; }
 };

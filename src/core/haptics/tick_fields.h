@@ -43,10 +43,10 @@ auto with_number(const Row& row, ColumnType type, std::size_t offset, Use use) {
 struct TickField {
   std::array<const char*, 4> columns;  // names in recordings and export, one per number; unused ones null
   ColumnType type;
-  std::size_t offset;  // in a TickRow [bytes]; the numbers are contiguous
-  const char* live;  // name in a message of the live interface; null: not sent
+  std::size_t offset;     // in a TickRow [bytes]; the numbers are contiguous
+  const char* live;       // name in a message of the live interface; null: not sent
   const char* attribute;  // name in Python's HandState; null: absent, or bound by hand
-  const char* meaning;  // one line for users
+  const char* meaning;    // one line for users
 
   /// [any] Number of components.
   [[nodiscard]] constexpr std::size_t size() const noexcept {

@@ -11,8 +11,8 @@ struct WorkspaceMapping {
   double scale = 1.0;
   Pose base;
   std::uint32_t clutch = 0;  // mask of the buttons that hold the clutch; 0: no clutch
-  bool held = false;  // a hand, or an emulated one, holds the device and moves under its force
-  bool torque = true;  // the device can display torque
+  bool held = false;         // a hand, or an emulated one, holds the device and moves under its force
+  bool torque = true;        // the device can display torque
   double force_scale = 1.0;  // gain of the tissue's force and torque
 
   /// [rt] Pose of the handle in the world. @param index the clutch's offset, in scaled device lengths
@@ -25,7 +25,7 @@ struct WorkspaceMapping {
 /// Motion of a device between two samples: in the device's lengths, along the world's axes.
 struct DeviceMotion {
   Vec3 translation = Vec3::Zero();  // m
-  Vec3 rotation = Vec3::Zero();  // rotation vector [rad], exact for the small angles of a tick
+  Vec3 rotation = Vec3::Zero();     // rotation vector [rad], exact for the small angles of a tick
 };
 
 /// The last sample of a device, one per hand.
@@ -33,8 +33,8 @@ struct DeviceTrack {
   Vec3 position_D = Vec3::Zero();  // of the last valid sample
   Quat orientation_D = Quat::Identity();
   Vec3 index_D = Vec3::Zero();  // m, the clutch's offset
-  bool known = false;  // a valid sample was received
-  bool clutched = false;  // the clutch was held in that sample
+  bool known = false;           // a valid sample was received
+  bool clutched = false;        // the clutch was held in that sample
 };
 
 /// A device faster than this [m/s] has jumped: its motion counts as zero and does no work.

@@ -51,7 +51,7 @@ TEST(Passivity, WithinTheLeewayNothingIsDone) {
 
 TEST(Passivity, ADeficitTakesWhatGivesMoreAndDampsInTheNextTick) {
   const double deficit = 1e-4;  // J
-  const double way = 2e-4;  // m per tick: 0.2 m/s
+  const double way = 2e-4;      // m per tick: 0.2 m/s
   ForceCommand tissue = {Vec3(3.0, 1.0, 0.0), Vec3::Zero(), 0.0};
   EXPECT_TRUE(damp_deficit({-deficit, 0.0, 0.0}, moved(way), kPassivityPeriod, tissue));
   EXPECT_NEAR(tissue.force.x(), -deficit / way, 1e-12) << "over the same way again it takes the deficit";
@@ -133,7 +133,7 @@ struct Bounce {
   double mass = 0.0;       // kg
 
   struct Result {
-    double given = 0.0;  // J, largest net energy that the mass received
+    double given = 0.0;         // J, largest net energy that the mass received
     double largest_tick = 0.0;  // J, largest energy exchanged in one tick
     double speed_at_end = 0.0;  // m/s, largest speed in the last quarter
   };

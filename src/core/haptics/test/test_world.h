@@ -78,7 +78,7 @@ class FakeDevice final : public Device {
   std::function<void(const ForceCommand&)> heard;  // called with each command
   std::uint64_t writes = 0;
   std::uint64_t refuse_write = 0;  // number of the write that fails; 0: none
-  std::atomic<int> stops{0};  // calls of stop(), from any thread
+  std::atomic<int> stops{0};       // calls of stop(), from any thread
 
  private:
   std::function<DeviceState(std::uint64_t, double)> sample_;
