@@ -46,15 +46,15 @@ struct Load {
 /// the rest surface that walks towards the patch centroid, with a normal that turns at a limited rate, and
 /// the contact force (docs/model.md, section 4). Organ frame S.
 ///
-/// Invariants. After walk() the patch is that of
-/// c and the normal; walk and turn of a tick are within their limits. Held-back depth is never negative and
-/// is admitted within 50 ms. The fade weight is in 0..1. A merged proxy never comes back.
+/// Invariants. After walk() the patch is that of c and the normal; walk and turn of a tick are within their
+/// limits. Held-back depth is never negative and is admitted within 50 ms. The fade weight is in 0..1. A
+/// merged proxy never comes back.
 class Proxy final {
  public:
   Proxy() = default;
-  /// [rt] Starts a contact. @param own_motion of the tool there in this tick [m]; depth beyond it is admitted
-  /// gradually
   Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& patch) noexcept;
+  /// [rt] Starts the contact. @param own_motion of the tool there in this tick [m]; depth beyond it is
+  /// admitted gradually
   void begin(double own_motion, double odometer, double period) noexcept;
 
   /// [rt] Up to three steps along the surface towards the patch centroid. The normal turns along, so that the

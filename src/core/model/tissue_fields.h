@@ -10,27 +10,27 @@
 #include "palpate/units.h"
 
 // The table of a tissue's numbers. Validation, tissue files, recordings, the live interface, the window,
-// Python, the report and docs/file-formats.md iterate over it, so one row makes a number known to all of
-// them.
+// Python, the report and docs/file-formats.md iterate over it, so one row adds a number to all of them.
 namespace palpate::model {
 
-/// How a length of the first layer's spring compares with its rest length.
+/// Order of a length of the first layer's spring relative to its rest length.
 enum class LengthOrder { kNone, kAboveRest, kBelowRest };
 
-/// The values that a number may have; all are finite. The ends are equal in SI and in the unit of a tissue
-/// file.
+/// The allowed values of a number; all are finite. The ends are the same numbers in SI and in
+/// the unit of a tissue file.
 struct FieldRange {
   double low = 0.0;
   bool low_allowed = false;
   double high = std::numeric_limits<double>::infinity();
   bool high_allowed = false;
-  LengthOrder order = LengthOrder::kNone;  // checked as well
+  LengthOrder order = LengthOrder::kNone;  // checked in addition
 
-  /// [any] Whether a value lies between the ends.
+  /// [any] Whether a value is within the range.
   [[nodiscard]] constexpr bool contains(double value) const noexcept {
     return (low_allowed ? value >= low : value > low) && (high_allowed ? value <= high : value < high);
   }
-  /// [setup] "finite and > 0" or "> 0 and <= 1", for messages. @param rest_length as the message names it
+  /// [setup] The range as text for messages, such as "finite and > 0" or "> 0 and <= 1". @param rest_length
+  /// name of the rest length in the message
   [[nodiscard]] std::string in_words(const std::string& rest_length = "`rest_length_mm`") const;
 };
 
@@ -39,7 +39,7 @@ inline constexpr FieldRange kNotNegative{.low_allowed = true};
 inline constexpr FieldRange kAboveOne{.low = 1.0};
 inline constexpr FieldRange kBelowOne{.high = 1.0};
 inline constexpr FieldRange kAtMostOne{.high = 1.0, .high_allowed = true};
-/// Far above any lubricated organ; beyond them no device that Palpate knows holds a hand still.
+/// Far above any lubricated organ. Above this no supported device is stable.
 inline constexpr FieldRange kFrictionRange{.low_allowed = true, .high = 10.0, .high_allowed = true};
 inline constexpr FieldRange kTangentialRange{.high = 1e5, .high_allowed = true};
 inline constexpr FieldRange kAboveRest{.order = LengthOrder::kAboveRest};
@@ -58,13 +58,14 @@ inline constexpr FieldUnit kNewtonSecondPerMetre{"N s/m", "N s/m", 1.0};
 inline constexpr FieldUnit kInMillimetres{"mm", "m", kMillimetre};
 inline constexpr FieldUnit kInMicroseconds{"\u00b5s", "s", kMicrosecond};
 
-/// Reads and writes one number of a tissue, SI. An optional number that is not given is none.
+/// Reads and writes one number of a tissue, in SI units. An optional number that is not given is nullopt.
 struct FieldAccess {
   std::optional<double> (*get)(const TissueNumbers&) noexcept;
-  void (*set)(TissueNumbers&, std::optional<double>) noexcept;  // none leaves a number that is not optional
+  // nullopt leaves a number that is not optional
+  void (*set)(TissueNumbers&, std::optional<double>) noexcept;
 };
 
-/// The number that these members lead to, each a member of the one before.
+/// Access to the number at the end of a chain of members.
 template <auto... kMembers>
 inline constexpr FieldAccess kAt{
     [](const TissueNumbers& tissue) noexcept -> std::optional<double> { return (tissue.*....*kMembers); },
@@ -81,58 +82,59 @@ inline constexpr FieldAccess kAtReach = kAt<&TissueNumbers::reach, kMember>;
 template <auto kMember>
 inline constexpr FieldAccess kAtContact = kAt<&TissueNumbers::contact, kMember>;
 
-/// The slider of a number in the window, in the field's unit; a file may have values beyond its ends.
+/// The slider of a number in the window, in the field's unit. Files may have values outside.
 struct FieldSlider {
   double step;
   double low;
   double high;
   int decimals;
 };
-/// Of a number that the organ is prepared for, which cannot change during a run.
+/// For a number that the organ is prepared for; it cannot change during a run.
 inline constexpr FieldSlider kNoSlider{};
 
 /// One number of a tissue.
 struct TissueField {
-  std::string_view section;  // in a tissue file: empty is [tissue] itself, else one of kTissueSections
+  std::string_view section;  // table in a tissue file: empty is [tissue] itself, else one of kTissueSections
   const char* key;           // in tissue files, messages and the live interface
   const char* name;          // in C++ and Python
   FieldUnit unit;            // of `key`
   FieldAccess at;
-  const char* label;    // for people
-  const char* meaning;  // for people, one line
+  const char* label;    // for users
+  const char* meaning;  // one line for users
   FieldSlider slider;
   FieldRange range = kPositive;
-  const char* si_key = nullptr;                                // in recordings; null: `key`
-  bool added_later = false;                                    // an old recording without it has the default
-  double (*derived)(const TissueNumbers&) noexcept = nullptr;  // its value when it is not given; null: none
-  const char* derived_text = nullptr;                          // the rule of `derived`, for people
+  const char* si_key = nullptr;  // in recordings; null: `key`
+  bool added_later = false;      // a recording without it uses the default
+  // its value when it is not given; null: not optional
+  double (*derived)(const TissueNumbers&) noexcept = nullptr;
+  const char* derived_text = nullptr;  // the rule of `derived`, for users
 
   /// [any] Its name in recordings.
   [[nodiscard]] constexpr const char* column() const noexcept { return si_key != nullptr ? si_key : key; }
-  /// [any] Whether a tissue file must have it; the others have the default of their C++ member.
+  /// [any] Whether a tissue file must have it. The others default to the value of their C++ member.
   [[nodiscard]] constexpr bool required() const noexcept { return section.empty(); }
-  /// [any] Whether it may be none, and then follows from other numbers.
+  /// [any] Whether it may be omitted; it then follows from other numbers.
   [[nodiscard]] constexpr bool optional() const noexcept { return derived != nullptr; }
-  /// [any] The value in force, SI.
+  /// [any] The value used, given or derived, SI.
   [[nodiscard]] double in_force(const TissueNumbers& tissue) const noexcept {
     const std::optional<double> given = at.get(tissue);
     return given ? *given : derived(tissue);
   }
-  /// [setup] "contact.friction", as error messages name it.
+  /// [setup] The name in error messages, such as "contact.friction".
   [[nodiscard]] std::string path() const;
-  /// [setup] @throws ParameterError naming path(), when the tissue's number is out of range.
+  /// [setup] @throws ParameterError naming path() when the tissue's number is out of range.
   void check(const TissueNumbers& tissue) const;
 };
 
-/// A table of a tissue file below [tissue].
+/// A subtable of [tissue] in a tissue file.
 struct TissueSection {
   std::string_view key;
-  const char* title;  // for people
+  const char* title;  // for users
 };
 inline constexpr std::array kTissueSections{TissueSection{"reach", "Reach of the dent"},
                                             TissueSection{"contact", "Contact"}};
 
-/// Every number of a tissue, in the order of its files. CONTRIBUTING.md describes how to add one.
+/// Every number of a tissue, in the order of tissue files. CONTRIBUTING.md describes how to add one.
 // clang-format off
 inline constexpr auto kTissueFields = [] {
   using T = TissueNumbers;
@@ -164,7 +166,7 @@ inline constexpr auto kTissueFields = [] {
      "Bar ratio s", "ratio of each bar to the one above", {0.005, 1.01, 5, 3}, kAboveOne},
     {"reach", "weight_ratio", "weight_ratio", kNoUnit, kAtReach<&R::weight_ratio>,
      "Weight ratio g", "weight of each layer to the one above", {0.002, 0.01, 0.99, 3}, kBelowOne},
-    // Above 1 a dent, whose slope is about D/R_1, would be steeper the shallower it is.
+    // Above 1 an indentation, whose slope is about D/R_1, would be steeper the shallower it is.
     {"reach", "depth_exponent", "depth_exponent", kNoUnit, kAtReach<&R::depth_exponent>,
      "Depth exponent p", "how R_1 grows with the depth; 1/2 as the square root", {0.002, 0.01, 1, 3},
      kAtMostOne, nullptr, true},
