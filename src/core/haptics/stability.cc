@@ -61,7 +61,7 @@ std::vector<std::string> stability_warnings(const StabilityCheck& check, const D
   std::vector<std::string> warnings;
   if (check.damping_short) {
     warnings.push_back("the device may tremble: its damping, " + rounded(device.damping) +
-                       " N s/m, is less than this tissue asks for at this rate, " +
+                       " N s/m, is less than this tissue needs at this rate, " +
                        rounded(check.damping_needed) +
                        " N s/m (K T/2 + B with K = " + rounded(check.stiffness) +
                        " N/m); a faster loop, a softer tissue, less contact damping or "
@@ -69,7 +69,7 @@ std::vector<std::string> stability_warnings(const StabilityCheck& check, const D
   }
   if (check.friction_short) {
     warnings.push_back("the device may buzz: the tissue's stiffness, " + rounded(check.stiffness) +
-                       " N/m, is more than its friction and sensors can hold still, " +
+                       " N/m, is more than its friction and sensors allow, " +
                        rounded(check.stiffness_allowed) +
                        " N/m (2 f_c / resolution); a softer tissue or a smaller workspace_scale help");
   }

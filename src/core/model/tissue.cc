@@ -86,7 +86,7 @@ void validate_relaxation(std::span<const RelaxationTerm> terms) {
   }
   if (!(sum < 1.0)) {
     throw ParameterError("relaxation.share", sum,
-                         "< 1 in sum, so that some force stays however long one holds");
+                         "< 1 in sum, so that some force remains after full relaxation");
   }
 }
 

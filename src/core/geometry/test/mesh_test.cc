@@ -135,7 +135,7 @@ TEST(Mesh, EdgeNeighboursRefuseThreeTrianglesAtAnEdge) {
 TEST(Mesh, EdgeNeighboursRefuseATriangleTurnedOver) {
   TriangleMesh mesh = tetrahedron();
   std::swap(mesh.triangles[2][0], mesh.triangles[2][1]);
-  EXPECT_THAT([&] { (void)edge_neighbours(mesh); }, ThrowsMessage<InputError>(HasSubstr("turned over")));
+  EXPECT_THAT([&] { (void)edge_neighbours(mesh); }, ThrowsMessage<InputError>(HasSubstr("inverted")));
 }
 
 TEST(Mesh, EdgeNeighboursRefuseAnIndexOutOfRange) {

@@ -307,7 +307,7 @@ TEST(SurfaceDistance, RefusesAnOpenMesh) {
 TEST(SurfaceDistance, RefusesATriangleTurnedOver) {
   TriangleMesh mesh = make_ball(0.03, 80);
   std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
-  EXPECT_THAT([&] { SurfaceDistance{mesh}; }, ThrowsMessage<InputError>(HasSubstr("turned over")));
+  EXPECT_THAT([&] { SurfaceDistance{mesh}; }, ThrowsMessage<InputError>(HasSubstr("inverted")));
 }
 
 TEST(FirstEntry, NeverMissesFromOutsideToInside) {

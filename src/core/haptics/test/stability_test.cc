@@ -135,9 +135,9 @@ TEST(Stability, WarningsSayTheFiguresAndWhatHelps) {
   const std::vector<std::string> warnings = stability_warnings(check, weak);
   ASSERT_EQ(warnings.size(), 2U);
   EXPECT_THAT(warnings[0],
-              HasSubstr("damping, 0.1 N s/m, is less than this tissue asks for at this rate, 0.9 N s/m"));
+              HasSubstr("damping, 0.1 N s/m, is less than this tissue needs at this rate, 0.9 N s/m"));
   EXPECT_THAT(warnings[0], HasSubstr("smaller workspace_scale"));
-  EXPECT_THAT(warnings[1], HasSubstr("800 N/m, is more than its friction and sensors can hold still, 0 N/m"));
+  EXPECT_THAT(warnings[1], HasSubstr("800 N/m, is more than its friction and sensors allow, 0 N/m"));
   EXPECT_TRUE(stability_warnings(StabilityCheck{}, weak).empty());
 }
 
