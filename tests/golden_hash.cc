@@ -1,9 +1,9 @@
-// Runs built-in experiments offline and prints a hash of all their rows, to be compared between builds and
+// Runs built-in experiments offline and prints a hash of all rows of each, for comparison between builds and
 // processors (docs/decisions/0001-determinism.md).
-//
-// Usage: palpate_golden_hash [EXPECTED]   exit 1 when a hash differs from its line in the file EXPECTED
-// The last line is of the C library's own exp, log, sin and cos: it may differ from processor to processor,
-// and shows that the comparison would notice (no tick uses them).
+// Usage: palpate_golden_hash [EXPECTED]
+// Exits with 1 when a hash differs from its line in the file EXPECTED. The last line is a hash of the C
+// library's own exp, log, sin and cos. It may differ between processors, which shows that the comparison
+// detects such differences; ticks do not use these functions.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint64_t kMostTicks = 4000;
 
-/// Two instruments on an organ that breathes and beats at once.
+/// Two instruments on an organ with breathing and heartbeat.
 Rig two_hands() {
   scene::Request request;
   request.task = "press";

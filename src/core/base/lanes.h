@@ -10,9 +10,9 @@
 #include <emmintrin.h>
 #endif
 
-// Several numbers at once (SIMD), by the compiler's vector types. Single precision sorts out quickly what
-// cannot count; what counts is computed again in double precision, so that no force depends on it. Pictures
-// are drawn from single precision. Double precision gives the same bits as one number after the other.
+// SIMD vectors by the compiler's vector types. Single precision only excludes candidates; the rest is
+// computed in double precision, so no force depends on it. Pictures use single precision. Double precision
+// gives the same bits as scalar code.
 namespace palpate {
 
 using Float4 = float __attribute__((vector_size(16)));
@@ -20,7 +20,7 @@ using Double2 = double __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Long2 = std::int64_t __attribute__((vector_size(16)));
 
-/// The outcome of a comparison: all bits of a lane are set, or none.
+/// Result of a comparison: all bits of a lane are set, or none.
 template <typename T>
 struct SimdMask {
   using Value = std::conditional_t<sizeof(T) == 4, Int4, Long2>;
@@ -28,7 +28,7 @@ struct SimdMask {
 
   SimdMask() = default;
   SimdMask(Value value) noexcept
-      : v(value) {}  // NOLINT(google-explicit-constructor): what a comparison gives
+      : v(value) {}  // NOLINT(google-explicit-constructor): the result of a comparison
   explicit SimdMask(bool all) noexcept : v(Value{} - (all ? 1 : 0)) {}
 
   friend SimdMask operator!(const SimdMask& a) noexcept { return {~a.v}; }
@@ -36,7 +36,7 @@ struct SimdMask {
   friend SimdMask operator&&(const SimdMask& a, const SimdMask& b) noexcept { return {a.v & b.v}; }
   friend SimdMask operator|(const SimdMask& a, const SimdMask& b) noexcept { return {a.v | b.v}; }
 
-  /// [any] One bit a lane, the first lowest.
+  /// [any] One bit per lane, the first lane in the lowest bit.
   friend std::uint32_t lanes_of(const SimdMask& a) noexcept {
 #if defined(__SSE2__)
     if constexpr (sizeof(T) == 4) {
@@ -55,7 +55,7 @@ struct SimdMask {
   friend bool all(const SimdMask& a) noexcept { return lanes_of(!a) == 0; }
 };
 
-/// 16 bytes of numbers.
+/// A vector of 16 bytes.
 template <typename T>
 struct Simd {
   using Value = std::conditional_t<sizeof(T) == 4, Float4, Double2>;
@@ -92,7 +92,7 @@ struct Simd {
     return Simd(reinterpret_cast<Value>((mask.v & reinterpret_cast<typename Mask::Value>(a.v)) |
                                         (~mask.v & reinterpret_cast<typename Mask::Value>(b.v))));
   }
-  /// [any] The second number where one is no number.
+  /// [any] The second value where one of them is NaN.
   friend Simd min(const Simd& a, const Simd& b) noexcept { return Simd(a.v < b.v ? a.v : b.v); }
   friend Simd max(const Simd& a, const Simd& b) noexcept { return Simd(a.v > b.v ? a.v : b.v); }
   friend Simd abs(const Simd& a) noexcept {
@@ -127,12 +127,12 @@ inline constexpr std::size_t kPair = Pair::kSize;
   return Pair(Pair::Value{first, second});
 }
 
-/// [any] The lesser of two numbers.
+/// [any] The smaller of two numbers.
 [[nodiscard]] inline double least_of(const Pair& pair) noexcept {
   return pair.get(0) < pair.get(1) ? pair.get(0) : pair.get(1);
 }
 
-/// [any] The greater of two numbers.
+/// [any] The larger of two numbers.
 [[nodiscard]] inline double largest_of(const Pair& pair) noexcept {
   return pair.get(0) < pair.get(1) ? pair.get(1) : pair.get(0);
 }

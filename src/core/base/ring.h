@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Bounded queue from one producer thread to one consumer thread; neither ever waits, nothing is allocated
-/// after construction.
+/// Lock-free queue of fixed capacity from one producer thread to one consumer thread (SPSC queue). Neither
+/// waits. Allocates in the constructor only.
 template <typename T>
 class Ring final {
  public:
@@ -16,7 +16,7 @@ class Ring final {
 
   [[nodiscard]] std::size_t capacity() const noexcept { return items_.size(); }
 
-  /// [rt] Producer: appends a copy. @return false, and nothing changed, when full.
+  /// [rt] Producer: appends a copy. @return false, without any change, when full.
   bool push(const T& item) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == items_.size()) return false;
@@ -25,7 +25,7 @@ class Ring final {
     return true;
   }
 
-  /// [rt] Consumer: takes the oldest item. @return false when empty.
+  /// [rt] Consumer: removes the oldest item. @return false when empty.
   bool pop(T& item) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return false;

@@ -40,10 +40,10 @@ std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
   return sampled;
 }
 
-/// @return false when the part was placed anew: no contact of before is valid, and it is off until it has
-/// been outside
+/// Moves one part. @return false when the part jumped (DistanceCache::move): its contacts are dropped, and it
+/// starts none until it has been outside the organ
 bool move_part(const Pose& pose_S, double reference_radius, double period, PartState& part) noexcept {
-  constexpr double kOutside = -1e-6;  // m: a part that just touches counts as outside
+  constexpr double kOutside = -1e-6;  // m; a part that only touches counts as outside
   std::array<Vec3, kContactsPerPart> contacts_S;
   std::size_t count = 0;
   for (const Proxy& contact : part.active()) contacts_S[count++] = contact.load().at.point;
@@ -60,7 +60,7 @@ bool move_part(const Pose& pose_S, double reference_radius, double period, PartS
   return moved;
 }
 
-/// Brings all parts of a tool to where they are now and works out its contacts; shares come later.
+/// Moves all parts of a tool and updates their contacts. Load sharing follows in advance().
 std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
                           const TissueLaws& laws, const ToolInput& input, ToolState& tool) noexcept {
   std::uint32_t status = 0;
@@ -146,9 +146,9 @@ void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult
   result.normal_W = organ_W.rotation * grip.normal();
 }
 
-/// Exact distance of the whole tool, and the way from the tissue to it.
+/// Exact distance of the whole tool, and the unit direction from the tissue to it.
 void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexcept {
-  // The part that was nearest last time first: with its distance known, the others are seldom asked.
+  // Begin with the part that was nearest in the last tick: its distance bounds the search in the others.
   const std::size_t first = tool.nearest_part;
   tool.parts[first].distances.find_nearest();
   for (std::size_t i = 0; i < tool.parts.size(); ++i) {
@@ -163,7 +163,7 @@ void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexc
   result.nearest_W = organ_W * nearest.point;
   const Vec3 to_tool = distances.point_S(distances.nearest_point()) - nearest.point;
   constexpr double kTouching =
-      1e-9;  // m: nearer than this the line has no direction, the surface's normal serves
+      1e-9;  // m; below this the direction is rounding noise, so the surface normal is used
   Vec3 away = nearest.normal;
   if (nearest.distance > kTouching) away = to_tool.normalized();
   result.away_W = organ_W.rotation * away;
@@ -171,7 +171,8 @@ void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexc
   result.normal_W = result.away_W;
 }
 
-/// Makes a result as a new one, but for the views, which nobody reads past view_count: they are most of it.
+/// Resets a result, except for the views: they are most of its memory, and only the first view_count are
+/// read.
 void clear(ToolResult& result) noexcept {
   result.phase = Phase::kApproach;
   result.friction = 0.0;
@@ -192,7 +193,7 @@ void summarize(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, std
   add_pull(organ_W, tool, sums, result);
   if (result.phase == Phase::kApproach) {
     add_nearest(organ_W, tool, result);
-  } else {  // in contact the depth says where the tool is
+  } else {  // in contact, distance = -depth
     result.distance = result.phase == Phase::kPress ? -result.depth : 0.0;
     result.nearest_W = result.contact_W;
     result.away_W = result.normal_W;
@@ -256,7 +257,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   State::Data& now = state.data();
   const TissueLaws& laws = now.laws(data);
   std::array<std::uint32_t, kMaxTools> status{};
-  std::array<Load*, kMostContacts> all;  // the first `count`
+  std::array<Load*, kMostContacts> all;  // the first `count` are used
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
     status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t]);

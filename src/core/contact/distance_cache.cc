@@ -8,10 +8,10 @@
 namespace palpate::contact {
 namespace {
 
-// With more points of a cluster in question than this, its centre is asked first.
+// When more points of a cluster than this need a query, the cluster's centre is queried first.
 constexpr std::size_t kFewPoints = 4;
 
-constexpr double kContactDrift = 0.1;  // m/s: twice what a contact may gain on the tool
+constexpr double kContactDrift = 0.1;  // m/s; twice the speed at which a proxy may move relative to the tool
 
 }  // namespace
 
@@ -22,8 +22,8 @@ DistanceCache::DistanceCache(const OrganSurface& surface, const PartPoints& poin
       cached_(points.size()),
       inside_(points.size(), 0) {}
 
-/// No point of the part has moved more since the last tick: the motion of the middle of its box, and what
-/// turning adds on the way to a corner.
+/// Upper bound of any point's motion since the last tick: motion of the box's middle plus, per axis, half the
+/// size times the change of direction.
 double DistanceCache::greatest_motion() const noexcept {
   const Mat3 turned = placed_S_.rotation - previous_S_.rotation;
   const Vec3 moved = placed_S_.position - previous_S_.position;
@@ -47,7 +47,7 @@ bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3
     motion_ = 0.0;
     reset();
   } else {
-    // A contact walks no farther in a tick than the tool moves there and a little.
+    // In one tick a proxy moves by at most the tool's motion there plus the drift.
     find_crossings(contacts_S, reference_radius - 3.0 * motion_ - kContactDrift * period);
   }
   return !placed_anew;
@@ -59,14 +59,14 @@ void DistanceCache::set_inside(std::size_t point, double distance) noexcept {
   inside_[point] = now ? 1 : 0;
 }
 
-/// A point differs from another place's distance by no more than the way there. Its side is that of the
-/// place, or in question.
+/// Caches the distance of another point `way` [m] away. The true distance differs by at most `way`; the side
+/// is that point's, or may_have_crossed() is true.
 void DistanceCache::take(std::size_t point, const geometry::NearestPoint& nearest, double way) noexcept {
   set_inside(point, nearest.distance);
   cached_[point] = {nearest.distance, odometer_ - way - kBoundSlack, nearest.triangle};
 }
 
-/// Finds the sides of a cluster's points whatever they were before.
+/// Finds the sides of a cluster's points without using cached distances.
 void DistanceCache::resolve(std::size_t c) noexcept {
   const PartPoints::Cluster& cluster = points_->clusters[c];
   const geometry::NearestPoint centre =
@@ -86,7 +86,7 @@ void DistanceCache::reset() noexcept {
   nearest_point_ = 0;
   for (std::size_t c = 0; c < bounds_.size(); ++c) resolve(c);
   for (std::uint32_t i = 0; i < cached_.size(); ++i) {
-    if (least(i) < least(nearest_point_)) nearest_point_ = i;  // the one to ask first
+    if (least(i) < least(nearest_point_)) nearest_point_ = i;  // query this one first
   }
   next_crossing_ = odometer_;
 }
@@ -111,8 +111,8 @@ geometry::NearestPoint DistanceCache::ask(std::size_t point) noexcept {
   return found;
 }
 
-/// One question for all points of a cluster. It serves the points that it shows to be on their side still,
-/// and farther from the surface than the part has moved in this tick.
+/// Queries the cluster's centre. The result replaces a point's cached distance where it proves that the point
+/// is on the same side and farther from the surface than this tick's motion.
 void DistanceCache::ask_centre(std::size_t c) noexcept {
   const PartPoints::Cluster& cluster = points_->clusters[c];
   const geometry::NearestPoint centre =
@@ -127,8 +127,8 @@ void DistanceCache::ask_centre(std::size_t c) noexcept {
   }
 }
 
-/// Whether a bound of its distance shows that a point was outside when last asked and has stayed there: the
-/// balls without surface about it, then and now, meet, and this one holds the tick's way. Keeps the bound.
+/// Whether a clearance proves that a point has stayed outside since its last query: the clearance spheres of
+/// then and now overlap, and the new one contains this tick's motion. If so, caches the new clearance.
 bool DistanceCache::stays_outside(std::size_t i) noexcept {
   Cached& cached = cached_[i];
   if (cached.distance <= 0.0) return false;
@@ -141,18 +141,19 @@ bool DistanceCache::stays_outside(std::size_t i) noexcept {
   return true;
 }
 
-/// Asks a point that may have crossed the surface, and notes an entry when it went in, or in and out again,
+/// Queries a point that may have crossed the surface. Records an entry when it went in, or in and out again,
 /// during this tick.
 void DistanceCache::ask_crossed(std::size_t i) noexcept {
   if (stays_outside(i)) return;
   const bool was_inside = is_inside(i);
-  const double before = least(i) + motion_;  // at least this far outside a tick ago
+  const double before = least(i) + motion_;  // lower bound of its distance a tick ago
   const geometry::NearestPoint now = ask(i);
   if (was_inside || entry_count_ == kMostEntries) return;
   const bool went_in = now.distance < kInside;
   const Vec3 end = point_S(i);
   const Vec3 start = previous_S_ * points_->point(i);
-  // Out and out again: in between it was in only if the way is long enough.
+  // Outside before and after: it can have been inside only if the path is long enough to reach the surface
+  // and return.
   const double way_in = std::max(0.0, before - kInside) + now.distance - kInside;
   if (!went_in && way_in > (end - start).norm()) return;
   if (const auto entry = surface_->first_entry(start, end)) {
@@ -162,7 +163,7 @@ void DistanceCache::ask_crossed(std::size_t i) noexcept {
   }
 }
 
-/// Asks the points of a cluster that may have crossed the surface.
+/// Queries the points of a cluster that may have crossed the surface.
 void DistanceCache::ask_cluster(std::size_t c) noexcept {
   std::array<std::uint32_t, PartPoints::kClusterSize> crossed;
   std::size_t count = 0;
@@ -200,7 +201,7 @@ void DistanceCache::find_crossings(std::span<const Vec3> contacts_S, double reac
       continue;
     }
     if (bound.deferred) {
-      resolve(c);  // what crossed meanwhile starts nothing by it
+      resolve(c);  // crossings while it was deferred start no contact
     } else {
       ask_cluster(c);
     }

@@ -7,19 +7,19 @@
 namespace palpate::contact {
 namespace {
 
-constexpr double kClosedBelow = 0.3;  // gripper
-constexpr double kOpenAbove = 0.5;    // gripper
-constexpr double kGraspReach = 1e-3;  // m, from a jaw to the organ
+constexpr double kClosedBelow = 0.3;  // gripper value, 0 closed to 1 open
+constexpr double kOpenAbove = 0.5;    // gripper value
+constexpr double kGraspReach = 1e-3;  // m, largest distance of a jaw from the organ at which it grasps
 constexpr double kPressFade = 20e-3;  // s
 constexpr double kLetGoFade = 25e-3;  // s
 
-/// Whether a part takes hold: a jaw, or any part of a tool without jaws.
+/// Whether a part grasps: a jaw, or any part of a tool without jaws.
 bool holds(const ToolPoints& points, std::size_t part) noexcept {
   return !points.has_jaws || points.parts[part].joint.is_jaw;
 }
 
-/// Where a jaw meets the tissue: the mean of its points as near as the nearest, weighted as in a contact
-/// patch, so that neither the mesh nor rounding decides between points that are equally near.
+/// Where a jaw meets the tissue: mean of its nearest points, weighted as in a contact patch, so that neither
+/// mesh nor rounding decides between equally near points.
 Vec3 meeting_point(const PartPoints& points, DistanceCache& distances) noexcept {
   distances.find_nearest();
   const double nearest = distances.nearest().distance;
@@ -37,7 +37,7 @@ Vec3 meeting_point(const PartPoints& points, DistanceCache& distances) noexcept 
 
 }  // namespace
 
-/// @return true in the ticks in which the jaws close on
+/// @return true in the ticks in which the jaws close past kClosedBelow
 bool Grip::follow(double gripper) noexcept {
   if (gripper > kOpenAbove) {
     open_ = true;
@@ -53,7 +53,8 @@ bool Grip::follow(double gripper) noexcept {
   return closing_;
 }
 
-/// Takes hold of the rest point nearest to the middle of the jaws, if a jaw that has been outside is near.
+/// Grasps at the rest surface point nearest to the middle of the jaws, if a jaw that has been outside is near
+/// enough.
 void Grip::take_hold(const World::Data& world, const ToolPoints& points, const Pose& tool_S,
                      std::span<PartState> parts) noexcept {
   Vec3 middle = Vec3::Zero();
@@ -80,15 +81,15 @@ void Grip::take_hold(const World::Data& world, const ToolPoints& points, const P
   memory_ = {};
 }
 
-/// The stretch and its force. @return false when it is past what the grip can hold
+/// Updates stretch and force. @return false when the force is above the grip limit
 bool Grip::pull(const TissueLaws& laws, const Pose& tool_S) noexcept {
   stretch_ = tool_S * anchor_T_ - anchor_.point;
   const double length = stretch_.norm();
   const model::ContactResponse response = laws.pull.force_at(length);
   Vec3 force = length > 0.0 ? Vec3(-(response.force / length) * stretch_) : Vec3(Vec3::Zero());
   if (laws.relaxation.count() > 0) {
-    // By components: relaxation is linear in the force, and of a force that is the slope of a convex energy
-    // over the stretch it stays passive (relaxation.h).
+    // Relax each component. Relaxation is linear in the force, and it stays passive for a force that is the
+    // gradient of a convex energy of the stretch (relaxation.h).
     for (int k = 0; k < 3; ++k) {
       force[k] = laws.relaxation.next(memory_[static_cast<std::size_t>(k)], force[k]);
     }

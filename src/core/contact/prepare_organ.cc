@@ -1,4 +1,4 @@
-// How an organ's surface is prepared: computed on all processors, or loaded.
+// Preparation of an organ's surface: computed on all processors, or loaded from the cache.
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,7 +9,7 @@
 namespace palpate::contact {
 namespace {
 
-/// Part of the whole time at which each stage begins, for a fine mesh.
+/// Fraction of the whole time at which each stage begins, for a fine mesh.
 constexpr double kDistanceFrom = 0.02;
 constexpr double kArraysFrom = 0.25;
 constexpr double kStoreFrom = 0.98;
@@ -33,7 +33,7 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
   tell(0.0, "refinement");
   geometry::TriangleMesh mesh = refined(organ, reference_radius);
   tell(kDistanceFrom, "distances");
-  geometry::SurfaceDistance distance(mesh);  // refuses what is no closed surface
+  geometry::SurfaceDistance distance(mesh);  // throws if the mesh is not closed
   OrganArrays arrays =
       organ_arrays(std::move(mesh), reference_radius, [&](double share, const std::string& what) {
         tell(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);

@@ -5,12 +5,13 @@
 namespace palpate::contact {
 namespace {
 
-// The rules' own figures (model.md, section 4).
-constexpr double kShallow = 0.5e-3;         // m, an inside point this deep may start a contact
-constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
-constexpr double kDeepInside = -1e-3;       // m, a part that loses its last contact here is off until outside
-constexpr int kMostEvaluations = 8;         // patches looked at for starts, a tick and part
-constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
+// Constants of the press rules (docs/model.md, section 4).
+constexpr double kShallow = 0.5e-3;      // m, an inside point up to this deep may start a contact
+constexpr double kDeepestSecond = 1e-3;  // m, largest D of a second contact of a part at its start
+// m, a part that loses its last contact below this distance starts none until it has been outside
+constexpr double kDeepInside = -1e-3;
+constexpr int kMostEvaluations = 8;         // patches evaluated for new contacts per tick and part
+constexpr std::uint32_t kPointsTried = 32;  // inside points tried in turn per tick and part
 
 void remove_contact(PartState& part, int index) noexcept {
   for (int i = index; i + 1 < part.contact_count; ++i) {
@@ -20,9 +21,8 @@ void remove_contact(PartState& part, int index) noexcept {
   --part.contact_count;
 }
 
-/// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves. So does one that is lost,
-/// unless it finds a deepest place on the way out. All within kFade, so that what they and their neighbours
-/// share does not jump.
+/// Of two proxies closer than R_ref/10 the weaker becomes stale. A proxy that is_lost() is stale too while it
+/// lasts. Stale proxies fade out within kFade, so that the shares of their neighbours do not jump.
 void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
   for (int i = 0; i < part.contact_count; ++i) {
     for (int j = i + 1; j < part.contact_count; ++j) {
@@ -61,7 +61,7 @@ std::size_t point_nearest_to(const PartPoints& points, const Vec3& wanted) noexc
   return best;
 }
 
-/// Starting contacts of one part, with a bound on the patches looked at.
+/// Starts contacts of one part, with a limit on the patches evaluated per tick.
 class Starter final {
  public:
   Starter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
@@ -71,7 +71,7 @@ class Starter final {
     for (const EntryEvent& entry : part_.distances.entries()) try_at(entry.point, entry.at, 2);
   }
 
-  /// Points that are inside but not deep, a few a tick, in turn.
+  /// Tries shallow inside points, kPointsTried per tick, in turn.
   void try_shallow_points() noexcept {
     const auto count = static_cast<std::uint32_t>(points_.size());
     std::uint32_t left = std::min(kPointsTried, count);
@@ -98,7 +98,8 @@ class Starter final {
     try_at(i, {nearest.point, nearest.triangle}, 0);
   }
 
-  /// Starts a contact at `at` if the point is the deepest of its own patch; else looks where that is.
+  /// Starts a contact at `at` if the point is near the centroid of its own patch; otherwise tries the point
+  /// at that centroid.
   void try_at(std::size_t point, const SurfacePoint& at, int redirections) noexcept {
     if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMostEvaluations) return;
     if (part_.contact_count == kContactsPerPart) {

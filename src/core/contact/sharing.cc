@@ -10,7 +10,8 @@
 namespace palpate::contact {
 namespace {
 
-/// c_ij: 1 for coincident contacts, 0 from R_ref on; r_ij is the arc that chord and normals span.
+/// Overlap weight c_ij = max(0, 1 - (r_ij/R_ref)^2): 1 for coincident contacts, 0 from R_ref. r_ij is the
+/// length of the arc given by the chord and the two normals.
 double closeness(const Load& a, const Load& b, double reference_radius) noexcept {
   const double chord_squared = (a.at.point - b.at.point).squaredNorm();
   if (chord_squared >= reference_radius * reference_radius) return 0.0;  // the arc is longer than its chord
@@ -28,13 +29,14 @@ double eighth_power(double x) noexcept {
   return x4 * x4;
 }
 
-/// 1 - C + C / (1 + crowd), C = max c_ij, crowd = sum over the others of c_ij (F_j/F_i)^8 where c_ij = C. One
-/// that is less close weighs as much as would alone, at C, lower the share by what it lowers it by alone
-/// where it is: then it weighs nothing as it comes within reach, however strong (docs/decisions/0010).
+/// Share of contact i: 1 - C + C / (1 + S), with C = max c_ij. S is the sum of c_ij (F_j/F_i)^8 over the
+/// other contacts where c_ij = C. A contact with a smaller c_ij enters S with the weight that would, at C,
+/// lower the share by as much as that contact lowers it alone. So its weight starts at 0 when it comes within
+/// R_ref, however strong it is (docs/decisions/0010).
 double share_among(const Load& one, std::span<Load* const> contacts, double reference_radius,
                    bool with_fading) noexcept {
-  std::array<double, kMostContacts> closeness_of;  // of those that are within reach
-  std::array<double, kMostContacts> crowd_of;      // each one's c_ij (F_j/F_i)^8
+  std::array<double, kMostContacts> closeness_of;  // of contacts within R_ref
+  std::array<double, kMostContacts> crowd_of;      // c_ij (F_j/F_i)^8
   std::size_t count = 0;
   double greatest = 0.0;
   for (const Load* const other : contacts) {
@@ -61,7 +63,7 @@ double share_among(const Load& one, std::span<Load* const> contacts, double refe
 }  // namespace
 
 void share_tissue(double reference_radius, std::span<Load* const> contacts) noexcept {
-  double fading = 0.0;  // the greatest weight of what fades
+  double fading = 0.0;  // largest fade weight of a fading contact
   for (const Load* const contact : contacts) {
     if (contact->fading()) fading = std::max(fading, contact->fade_weight);
   }
@@ -69,7 +71,7 @@ void share_tissue(double reference_radius, std::span<Load* const> contacts) noex
     one->share = share_among(*one, contacts, reference_radius, true);
     if (one->fading()) {
       one->share *= one->fade_weight;
-    } else if (fading > 0.0) {  // from the shares beside it to those without it
+    } else if (fading > 0.0) {  // blend between the share with and without the fading contacts
       one->share =
           fading * one->share + (1.0 - fading) * share_among(*one, contacts, reference_radius, false);
     }

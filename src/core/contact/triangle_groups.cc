@@ -10,8 +10,8 @@
 namespace palpate::contact {
 namespace {
 
-constexpr std::size_t kFew = 8;        // triangles that are not divided further
-constexpr double kAlikeCosine = 0.97;  // of 14 degrees: no triangle of a group is turned more from its first
+constexpr std::size_t kFew = 8;        // a node with no more triangles is a leaf
+constexpr double kAlikeCosine = 0.97;  // cos 14 degrees: largest turn of a triangle from its group's first
 
 std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t triangle) {
   const geometry::Triangle& corners = mesh.triangles[at(triangle)];
@@ -55,7 +55,7 @@ GroupMoments moments_of(std::span<const Piece> all, std::size_t first, std::size
   return moments;
 }
 
-/// Lists the moments of pieces, then those of either half, and so on. Orders the pieces so.
+/// Writes the moments of `all`, then those of each half, recursively. Sorts the pieces in that order.
 void divide(std::span<Piece> all, std::size_t first, std::size_t count, std::vector<GroupMoments>& nodes) {
   const std::size_t node = nodes.size();
   nodes.push_back(moments_of(all, first, count));
@@ -133,7 +133,7 @@ void TriangleGroups::grow(const SurfaceView& surface, double size) {
 }
 
 void TriangleGroups::link(const SurfaceView& surface) {
-  std::vector<std::int32_t> linked_to(size(), -1);  // the last group that each is a neighbour of
+  std::vector<std::int32_t> linked_to(size(), -1);  // per group: the last group that lists it as a neighbour
   for (std::int32_t group = 0; at(group) < size(); ++group) {
     first_neighbour_.push_back(static_cast<std::int32_t>(neighbours_.size()));
     linked_to[at(group)] = group;

@@ -10,12 +10,14 @@
 namespace palpate::deform {
 namespace {
 
-constexpr double kSmallestRadius = 1e-6;  // m: R_1 of an ideal point
-constexpr double kFreeShare = 0.7;        // of the thickness: up to here a press is drawn as it is
-constexpr double kLargestShare = 0.9;     // of the thickness: never deeper than this
-constexpr double kOpposed = -0.3;         // cosine between two directions from which they share room in full
+constexpr double kSmallestRadius = 1e-6;  // m; smallest R_1, of a point contact
+constexpr double kFreeShare = 0.7;        // of the thickness: shallower presses are not limited
+constexpr double kLargestShare = 0.9;     // of the thickness: bound of the limited depth
+// cosine between two directions below which opposed indentations are limited in full
+constexpr double kOpposed = -0.3;
 
-// R_1 [m] without its bound: c R (D/R)^p = c sqrt(R D) (D/R)^(p - 1/2), so that p = 1/2 is the root alone.
+// R_1 [m] before its bound: c R (D/R)^p = c sqrt(R D) (D/R)^(p - 1/2), so that p = 1/2 needs the square root
+// only.
 double contact_radius(const model::ReachParameters& reach, double depth, double tip_radius) noexcept {
   constexpr double kRoot = 0.5;
   const double root = reach.contact_ratio * std::sqrt(tip_radius * depth);
@@ -53,7 +55,7 @@ std::vector<double> shares_of_room(std::span<const Indentation> indentations) {
 }
 
 double mean_direction_gain(double squared) noexcept {
-  // The inverse root, and below kAlike its tangent there.
+  // The inverse square root; below kAlike its tangent at kAlike.
   if (squared >= kAlike) return 1.0 / std::sqrt(squared);
   return (1.5 - 0.5 * squared / kAlike) / std::sqrt(kAlike);
 }
@@ -91,7 +93,7 @@ double SurfaceProfile::at(double r) const noexcept {
 
 double SurfaceProfile::rounded_at(double r, double share) const noexcept {
   if (r <= 0.0 || share <= 0.0) return at(r);
-  // Integral of max(0, 1 - x^2) from 0.
+  // Integral of max(0, 1 - t^2) from 0 to x.
   const auto integral = [](double x) {
     const double inside = std::min(x, 1.0);
     return inside - inside * inside * inside / 3.0;
@@ -100,7 +102,7 @@ double SurfaceProfile::rounded_at(double r, double share) const noexcept {
   for (std::size_t i = 0; i < kLayers; ++i) {
     const double x = r / radius_[i];
     if (x < 1e-4) {
-      u += weight_[i];  // where the quotient below would lose digits
+      u += weight_[i];  // the quotient below would lose digits
     } else if (x * (1.0 - share) < 1.0) {
       u += weight_[i] * (integral(x * (1.0 + share)) - integral(x * (1.0 - share))) / (2.0 * share * x);
     }
@@ -109,7 +111,7 @@ double SurfaceProfile::rounded_at(double r, double share) const noexcept {
 }
 
 double SurfaceProfile::steepest() const noexcept {
-  // Between the R_i the slope grows with r, so it is largest just inside one of them.
+  // Between the R_i the slope grows with r, so its maximum is just inside one of them.
   double steepest = 0.0;
   for (std::size_t k = 0; k < kLayers; ++k) {
     double slope = 0.0;

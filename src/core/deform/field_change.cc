@@ -9,16 +9,16 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr float kBlendGrowth = 2.06F;     // see most_moved
-constexpr float kAlikeDirections = 0.5F;  // between the ends of unit vectors
-constexpr float kMeanGain = 1.07F;        // 1 / the least length of the mean of such directions
-constexpr float kArc = 1.05F;             // an arc is no longer than this by its chord, below a chord of 1
-// What the tables miss between their entries: the profile's curvature over a 128th of its reach.
+constexpr float kAlikeDirections = 0.5F;  // largest distance between the ends of the unit vectors
+constexpr float kMeanGain = 1.07F;        // 1 / the smallest length of the mean of such directions
+constexpr float kArc = 1.05F;             // an arc is at most this times its chord, for chords below 1
+// Margin for the profile between table entries: its curvature over 1/128 of the reach.
 constexpr float kBetweenEntries = 1.05F;
 
-// What a contact does at a distance.
+// A contact's effect at one distance.
 struct Moving {
   Vector3f displacement = Vector3f::Zero();  // [m]
-  float slope = 0.0F;                        // its change a metre of distance, at most
+  float slope = 0.0F;                        // largest derivative with respect to the distance
 };
 
 struct Share {
@@ -98,9 +98,9 @@ float most_moved(std::span<const NearChange> changes) noexcept {
   if (changes.size() == 1) return changes.front().change->at(changes.front().distance).way;
   float ways = 0.0F;
   float length = 0.0F;   // the largest of the contacts'
-  float turned = 0.0F;   // by how much a direction's turn moves, the largest
+  float turned = 0.0F;   // largest motion by a direction's turn
   float turn = 0.0F;     // [rad], the largest
-  float between = 0.0F;  // squared, of directions
+  float between = 0.0F;  // largest squared difference of directions
   bool straight = true;
   for (const NearChange& one : changes) {
     const FieldChange::Bound& bound = one.change->at(one.distance);

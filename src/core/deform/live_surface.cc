@@ -14,14 +14,17 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
-constexpr float kSameContact = 8e-3F;      // m: a contact this near to one of a frame ago is that one
-constexpr float kNewFront = 1.5e-3F;       // m: moved farther than this from where its front began
-constexpr float kMostOff = 0.045e-3F;      // m: see LiveSurface; leaves room for rounding
-constexpr float kAlwaysWithin = 8e-3F;     // m of a contact
-constexpr float kEarliestEnd = 0.9F;       // u/D where a front has not come farther: the profile ends there
-constexpr double kImprintReach = 20e-3;    // m: fronts under a press go at least as far, for near()
-constexpr std::size_t kMostContacts = 24;  // kept, with their fronts
-constexpr double kFreeShareOfThickness = 0.7;  // as held_back
+// m; a contact within this of one of the last frame is the same contact
+constexpr float kSameContact = 8e-3F;
+// m; a new front starts when the contact is farther than this from its front's source
+constexpr float kNewFront = 1.5e-3F;
+// m; largest error of a vertex that is not computed again, with a margin for rounding to the stated 0.05 mm
+constexpr float kMostOff = 0.045e-3F;
+constexpr float kAlwaysWithin = 8e-3F;         // m from a contact; nearer vertices are always computed again
+constexpr float kEarliestEnd = 0.9F;           // u/D; the profile is cut off at most at this value
+constexpr double kImprintReach = 20e-3;        // m; fronts under a press go at least this far, for is_near()
+constexpr std::size_t kMostContacts = 24;      // kept with their fronts
+constexpr double kFreeShareOfThickness = 0.7;  // as in held_back()
 
 std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
@@ -41,7 +44,7 @@ std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh)
   return normals;
 }
 
-// A run that follows on the last one lengthens it.
+// Appends a range; merges it with the last one if they touch.
 void append(std::vector<LiveSurface::Range>& ranges, LiveSurface::Range range) {
   if (!ranges.empty() && ranges.back().first + ranges.back().count == range.first) {
     ranges.back().count += range.count;
@@ -52,7 +55,7 @@ void append(std::vector<LiveSurface::Range>& ranges, LiveSurface::Range range) {
 
 }  // namespace
 
-// One contact, kept as long as it is near where it was, with what it knows of distances.
+// One contact with its geodesic front. It is kept while the contact stays near.
 struct LiveSurface::Contact {
   explicit Contact(const FrontSurface& surface) : front(surface), next(surface) {}
 
@@ -61,26 +64,25 @@ struct LiveSurface::Contact {
   bool begun = false;
   bool next_runs = false;
   bool used = false;
-  bool was_used = false;  // a picture ago
+  bool was_used = false;  // in the last frame
   std::uint64_t last_used = 0;
   contact::SurfacePoint place;
   ContactField field;
-  float wanted = 0.0F;  // how far the front must come [m]
+  float wanted = 0.0F;  // distance that the front must reach [m]
 
-  // Of what is drawn from the front, a run of vertices each: the least distance from the front's beginning,
-  // infinite where it has not come.
+  // Per block: smallest geodesic distance from the front's source; infinity where the front has not come.
   std::vector<float> least;
-  std::size_t noted = 0;  // settled vertices that these know
-  float noted_to = 0.0F;  // all nearer ones had settled then [m]
-  ContactField before;    // the field a picture ago
+  std::size_t noted = 0;  // settled vertices that `least` includes
+  float noted_to = 0.0F;  // front radius at that time [m]
+  ContactField before;    // the field of the last frame
   float slack_before = 0.0F;
   FieldChange change;
-  float slack = 0.0F;    // by how much a vertex may be nearer now, or a picture ago, than `least` says [m]
-  bool is_anew = false;  // what was drawn follows from another front
+  float slack = 0.0F;    // a vertex may be nearer than `least` by this much, now or in the last frame [m]
+  bool is_anew = false;  // the drawn vertices belong to another front
 
-  // How far [m] the contact is from where its front began.
+  // Distance [m] of the contact from the front's source.
   [[nodiscard]] float way() const { return (field.point - front.source()).norm(); }
-  // By how much a vertex may be nearer to the contact than to where its front began [m].
+  // A vertex may be nearer to the contact than to the front's source by this much [m].
   [[nodiscard]] float nearer() const { return way() + std::max(0.0F, field.own_excess); }
 };
 
@@ -247,7 +249,7 @@ void LiveSurface::lower_to_front(Contact& contact) {
   for (const std::int32_t v : rest_.triangles[at(contact.place.triangle)])
     least = std::min(least, field.excess[at(v)]);
   field.own_excess = std::isfinite(least) ? least : 0.0F;
-  // Where the front ends the displacement must have ended, too.
+  // The displacement must end where the front ends.
   const float end = contact.front.radius() - contact.nearer();
   const auto lowered = [this, end](float reach) {
     return std::clamp(profile_.at(std::max(0.0F, end) / reach).u, least_share_, kEarliestEnd);
@@ -262,8 +264,8 @@ void LiveSurface::note_settled(Contact& contact) {
     contact.noted = 0;
     contact.noted_to = 0.0F;
   }
-  // Where the front ended the profile had ended, too, so that what has settled since does not move yet; but
-  // not at a front's first steps, nor behind obtuse triangles, which settle late.
+  // The profile ended where the front ended, so vertices settled since then do not move yet. That does not
+  // hold in a front's first steps and behind obtuse triangles, where vertices settle late.
   const bool had_ended = std::max(contact.before.lowered, contact.before.lowered_side) < kEarliestEnd;
   const float ended_at = had_ended ? contact.noted_to : kInfinityF;
   const std::span<const std::int32_t> settled = contact.front.settled();

@@ -16,70 +16,68 @@
 
 namespace palpate::deform {
 
-/// The moving surface: SurfaceDeformer's rules, at a cost that grows with the vertices in reach and
-/// not with the mesh. Vertices and normals are kept from frame to frame, and only those in reach of a
-/// contact, now or a frame ago, are computed again, in runs of 64. A run stays as it was drawn while what all
-/// changes since then may have moved a vertex of it is bounded (FieldChange, from the least distance of its
-/// vertices along the surface) by 0.045 mm, or by nothing at all within 8 mm of a contact: no vertex is then
-/// off by more than 0.05 mm from where it would be computed. Not so when asked to settle: then all are
-/// computed.
+/// The displaced surface, by the rules of SurfaceDeformer, at a cost that grows with the vertices in reach
+/// and not with the mesh. Positions and normals are kept between frames. Only vertices in reach of a contact,
+/// now or in the last frame, are computed again, in blocks of 64. A block is skipped while FieldChange bounds
+/// the motion of its vertices by 0.045 mm, or by zero within 8 mm of a contact. So no vertex is off by more
+/// than 0.05 mm. With kSettle all blocks are computed.
 ///
-/// Distances along the surface are found by a front that runs on from frame to frame. While a contact moves,
-/// a vertex's distance is its straight distance from the contact as it is now, and what the way along the
-/// surface was longer than that from where the front began; a new front runs behind. Where a front has not
-/// come yet nothing moves, and the profile is lowered so that it ends there; likewise where it has fallen to
-/// `least_share` of the depth: kLeastShare, as pictures have it, halves the vertices in reach. At the contact
-/// the depth stays D. Normals follow from the displacement's derivative, not from triangles.
+/// Geodesic distances come from a front that continues between frames. While a contact moves, a vertex's
+/// distance is its straight distance from the contact plus the geodesic excess from the front's source; a new
+/// front runs in the background. The profile is lowered so that it ends where the front ends, or at
+/// `least_share` of the depth: kLeastShare, used for pictures, halves the vertices in reach. At the contact
+/// the displacement stays D. Normals follow from the displacement's derivative, not from triangles.
 class LiveSurface final {
  public:
   static constexpr float kLeastShare = 0.015F;
   static constexpr int kSettle = std::numeric_limits<int>::max();
 
-  /// [setup] @param rest kept; may be open @param rounding as of SurfaceProfile::rounded_at
-  /// @param least_share of the depth, at which the profile ends; below 0.9
+  /// [setup] @param rest is kept; may be open @param rounding as in SurfaceProfile::rounded_at
+  /// @param least_share fraction of the depth at which the profile ends; below 0.9
   LiveSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding,
               float least_share = kLeastShare);
   ~LiveSurface();
   LiveSurface(const LiveSurface&) = delete;
   LiveSurface& operator=(const LiveSurface&) = delete;
 
-  /// [setup] Moves the surface under these indentations and none else. For the picture's thread.
-  /// @param steps that fronts may take now; kSettle: all they need, so that the result does not depend on
-  /// what was before
+  /// [setup] Displaces the surface by these indentations only. For the rendering thread.
+  /// @param steps largest number of vertices that fronts settle in this call; kSettle: no limit, so the
+  /// result does not depend on earlier calls
   void update(std::span<const Indentation> indentations, int steps);
 
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return rest_; }
-  /// [any] Its vertices in single precision.
+  /// [any] The rest vertices in single precision.
   [[nodiscard]] std::span<const Eigen::Vector3f> rest_vertices() const noexcept { return surface_.vertices; }
   [[nodiscard]] std::span<const Eigen::Vector3f> rest_normals() const noexcept { return rest_normals_; }
   [[nodiscard]] std::span<const LiveVertex> vertices() const noexcept { return vertices_; }
-  /// [setup] Vertices that are not at rest.
+  /// [setup] Vertices that are displaced.
   [[nodiscard]] std::vector<std::int32_t> moved() const;
-  /// [any] Whether fronts are still on their way.
+  /// [any] Whether fronts still have to advance.
   [[nodiscard]] bool growing() const noexcept { return growing_; }
 
-  /// A run of vertices.
+  /// A range of vertices.
   struct Range {
     std::size_t first = 0;
     std::size_t count = 0;
   };
-  /// [setup] Runs that cover every vertex that changed since the last call.
+  /// [setup] Ranges with every vertex that changed since the last call.
   [[nodiscard]] const std::vector<Range>& take_changes();
 
-  /// [setup] Runs that hold every vertex within `radius` [m] of the last update's indentation i.
+  /// [setup] Ranges with every vertex within `radius` [m] of the last update's indentation i.
   [[nodiscard]] const std::vector<Range>& near(std::size_t i, double radius);
-  /// [any] Whether one is, along the surface, as far as is known.
+  /// [any] Whether a vertex is, along the surface, as far as the front has come.
   [[nodiscard]] bool is_near(std::size_t i, std::int32_t vertex, double radius) const noexcept;
-  /// [any] A vertex to be moved further; counts as moved until the next update.
+  /// [any] Gives access to a vertex for a further displacement. Its block is computed again in the next
+  /// update.
   LiveVertex& move(std::int32_t vertex);
 
  private:
   struct Contact;
   struct BlockState {
     bool moved = false;
-    bool lowered = false;  // moved further, by move()
+    bool lowered = false;  // displaced further by move()
     bool changed = true;   // since the last take_changes()
-    float off = 0.0F;      // how far a vertex may be from where it should be, at most [m]
+    float off = 0.0F;      // largest error of a vertex [m]
   };
   void begin_frame();
   Contact& contact_for(const contact::SurfacePoint& place);
@@ -99,16 +97,16 @@ class LiveSurface final {
   model::ReachParameters reach_;
   ProfileTable profile_;
   float least_share_;  // u/D
-  float end_;          // r/R_6 where the profile ends
+  float end_;          // r/R_6 at which the profile ends
   std::vector<Eigen::Vector3f> rest_normals_;
   SurfaceBlocks blocks_;
   std::vector<LiveVertex> vertices_;
   std::vector<std::unique_ptr<Contact>> contacts_;
-  std::vector<Contact*> now_;  // one an indentation; null: without depth
+  std::vector<Contact*> now_;  // one per indentation; null: no depth
   std::uint64_t frame_ = 0;
   bool growing_ = false;
   std::vector<BlockState> state_;
-  std::vector<Contact*> changing_;  // contacts that are there, or were a picture ago
+  std::vector<Contact*> changing_;  // contacts of this or the last frame
   std::vector<NearChange> near_changes_;
   std::vector<Range> changes_;
   std::vector<Range> near_;

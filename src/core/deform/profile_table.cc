@@ -9,7 +9,7 @@
 namespace palpate::deform {
 namespace {
 
-constexpr std::size_t kTableSize = 1024;  // entries a R_6
+constexpr std::size_t kTableSize = 1024;  // entries per R_6
 
 }  // namespace
 

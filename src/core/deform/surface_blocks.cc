@@ -28,7 +28,7 @@ Lanes3 cross(const Lanes3& a, const Lanes3& b) {
 Lanes3 select(const LaneMask& mask, const Lanes3& a, const Lanes3& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
-// Of length 1; a vector of no length stays so.
+// Normalizes; a zero vector stays zero.
 Lanes3 unit(const Lanes3& a) { return (Lanes(1.0F) / sqrt(max(dot(a, a), Lanes(1e-30F)))) * a; }
 
 // Four vertices at rest.
@@ -36,12 +36,12 @@ struct Rest {
   Lanes3 place, normal;
 };
 
-// What one contact does to four vertices.
+// One contact's effect on four vertices.
 struct Effect {
   LaneMask moves;
-  Lanes3 displacement;  // [m]; zero where it does not move
-  Lanes3 derived;       // of the displacement along `along`
-  Lanes3 along;         // unit, in the surface, away from the contact
+  Lanes3 displacement;  // [m]; zero out of reach
+  Lanes3 derived;       // derivative of the displacement along `along`
+  Lanes3 along;         // unit, tangent to the surface, away from the contact
 };
 
 [[gnu::always_inline]] inline Effect effect_of(const ContactField& contact, const ProfileTable& profile,
@@ -50,7 +50,7 @@ struct Effect {
   const Lanes3 offset = rest.place - lanes_of(contact.point);
   const Lanes r = sqrt(dot(offset, offset)) + max(excess - Lanes(contact.own_excess), zero);
   Effect effect;
-  // The share of D, and its derivative.
+  // Adds one part of the displacement and its derivative.
   const auto add = [&](const Vector3f& part, float reach, float lowered) {
     const ProfileTable::LaneValue value = profile.at(r * Lanes(1.0F / reach));
     const Lanes left = Lanes(1.0F / (1.0F - lowered));
@@ -75,7 +75,7 @@ struct Effect {
   return effect;
 }
 
-// Where four vertices are.
+// Four displaced vertices.
 struct Moved {
   LaneMask moves;
   Lanes3 displacement, normal;
@@ -89,12 +89,12 @@ Moved under_one(const ContactField& contact, const ProfileTable& profile, const 
   return {effect.moves, effect.displacement, unit(normal)};
 }
 
-// The vectors v that are added up for a mean, and how their sum changes along each axis.
+// A sum of vectors, with its derivatives along the axes.
 struct Sum3 {
   Lanes3 value;
   std::array<Lanes3, 3> derivative;
 
-  // `change`: of the value along `along`.
+  // @param change derivative of v along `along`
   void add(const Lanes3& v, const Lanes3& change, const Lanes3& along) {
     value = value + v;
     derivative[0] = derivative[0] + along.x * change;
@@ -113,13 +113,14 @@ struct Sum {
   }
 };
 
-// Of the contacts that move four vertices; lengths in mm, so that their eighth powers are no extreme numbers.
+// Blend of the contacts that move four vertices. Lengths are in mm, so that their eighth powers stay in
+// range.
 struct Blend {
   LaneMask moves = LaneMask(false);
-  Sum weights;      // eighth powers of the lengths u
-  Sum lengths;      // u by those weights
-  Sum squares;      // u^2
-  Sum3 directions;  // by those
+  Sum weights;      // sum of u^8
+  Sum lengths;      // sum of u^9
+  Sum squares;      // sum of u^2
+  Sum3 directions;  // directions weighted by u^2
 
   Blend() {
     const Lanes zero(0.0F);
@@ -153,7 +154,7 @@ void Blend::add(const Effect& effect) {
 Moved Blend::result(const Rest& rest) const {
   const Lanes zero(0.0F);
   const Lanes metre(1e-3F);
-  // The mean length m and the mean direction v, with their derivatives.
+  // Mean length m and mean direction v, with derivatives.
   const Lanes share = Lanes(1.0F) / max(weights.value, Lanes(1e-30F));
   const Lanes m = share * lengths.value;
   const Lanes3 m_slope = share * (lengths.derivative - m * weights.derivative);
@@ -161,13 +162,13 @@ Moved Blend::result(const Rest& rest) const {
   const Lanes3 v = square_share * directions.value;
   const std::array<Lanes, 3> square_slope = {squares.derivative.x, squares.derivative.y,
                                              squares.derivative.z};
-  // As mean_direction_gain.
+  // as mean_direction_gain()
   const Lanes q = dot(v, v);
   const Lanes bounded = max(q, Lanes(kAlikeSquared));
   const Lanes root = Lanes(1.0F) / sqrt(bounded);
   const LaneMask alike = q >= Lanes(kAlikeSquared);
   const Lanes gain = select(alike, root, root * (Lanes(1.5F) - Lanes(0.5F / kAlikeSquared) * q));
-  const Lanes gain_slope = Lanes(-0.5F) * root / bounded;  // over q
+  const Lanes gain_slope = Lanes(-0.5F) * root / bounded;  // derivative with respect to q
   const std::array<Lanes, 3> m_slopes = {m_slope.x, m_slope.y, m_slope.z};
   std::array<Lanes3, 3> derivative;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -178,14 +179,14 @@ Moved Blend::result(const Rest& rest) const {
   derivative[0].x += Lanes(1.0F);
   derivative[1].y += Lanes(1.0F);
   derivative[2].z += Lanes(1.0F);
-  // The adjugate's transpose of I + J carries normals.
+  // The transposed adjugate of I + J transforms normals.
   const Lanes3 normal = rest.normal.x * cross(derivative[1], derivative[2]) +
                         rest.normal.y * cross(derivative[2], derivative[0]) +
                         rest.normal.z * cross(derivative[0], derivative[1]);
   return {moves, (metre * m * gain) * v, select(dot(normal, normal) > zero, unit(normal), rest.normal)};
 }
 
-// excess_of(contact): of these vertices.
+// @param excess_of(contact) geodesic excess of these vertices
 template <typename ExcessOf>
 Moved under(std::span<const ContactField* const> contacts, const ProfileTable& profile,
             const ExcessOf& excess_of, const Rest& rest) {
@@ -199,7 +200,7 @@ Moved under(std::span<const ContactField* const> contacts, const ProfileTable& p
   return blend.result(rest);
 }
 
-// The first `count` of four vertices, as the picture takes them.
+// Writes the first `count` of four vertices.
 void write(const Rest& rest, const Moved& moved, std::size_t count, LiveVertex* out) {
   const Lanes zero(0.0F);
   const Lanes3 displacement = select(moved.moves, moved.displacement, {zero, zero, zero});

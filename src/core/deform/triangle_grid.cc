@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kEdgesACell = 2.0;
 constexpr double kMostCells = 4e6;
-constexpr double kOwnFace = 1e-6;  // m: a hit nearer than this is the start's own triangle
+constexpr double kOwnFace = 1e-6;  // m; a nearer hit is the start's own triangle
 
 double mean_edge(const geometry::TriangleMesh& mesh) {
   double sum = 0.0;
@@ -31,8 +31,8 @@ geometry::Bounds box_of(const geometry::TriangleMesh& mesh, const geometry::Tria
   return box;
 }
 
-// Distance [m] from a point along a unit direction to a triangle that faces that way; infinity when it is not
-// hit.
+// Distance [m] from a point along a unit direction to a triangle that faces in that direction; infinity when
+// it misses.
 double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
                        const Vec3& start, const Vec3& direction) {
   // Moeller and Trumbore 1997; the determinant is minus `facing`.
@@ -121,8 +121,8 @@ contact::SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
   double best_squared = kInfinity;
   const Cell middle = cell_of(p);
   const int most = std::max({count_[0], count_[1], count_[2]});
-  // Shells of cells around the one of p (or the nearest to p, when p lies outside the grid), until no cell
-  // farther out can hold anything nearer.
+  // Searches shells of cells around p's cell (or the nearest cell when p is outside the grid), until no
+  // farther cell can hold anything nearer.
   Vec3 held = p;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<Eigen::Index>(k);
@@ -152,7 +152,7 @@ contact::SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
 
 double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double limit) const {
   double nearest = kInfinity;
-  // Half a cell at a time, and the cells around: no cell that the ray touches is left out.
+  // In steps of half a cell, with the neighbouring cells, so that no cell on the ray is missed.
   std::size_t last = static_cast<std::size_t>(-1);
   for (int step = 0; 0.5 * width_ * step <= limit + width_; ++step) {
     const double way = 0.5 * width_ * step;

@@ -5,11 +5,12 @@
 #include "core/base/lanes.h"
 #include "core/geometry/disc_tree.h"
 
-// The two walks through a DiscTree, four discs at a time in single precision. They only leave out what cannot
-// count; what counts is worked out in double precision by the caller, so that no answer depends on them.
+// Nearest-point and segment traversal of DiscTree, four discs at a time in single precision. Traversal only
+// excludes triangles; the caller computes the rest in double precision, so no result depends on single
+// precision.
 namespace palpate::geometry {
 
-/// A query point relative to the tree's origin, and what single precision may have lost of it.
+/// A query point relative to the tree's origin, and the rounding error of single precision.
 struct DiscQuery {
   static constexpr float kRounding = 32.0F * std::numeric_limits<float>::epsilon();
   Lanes x, y, z, slack;
@@ -19,7 +20,7 @@ struct DiscQuery {
         z(static_cast<float>(relative.z())),
         slack(kRounding * static_cast<float>(relative.cwiseAbs().maxCoeff() + extent)) {}
 
-  /// Squared lower bounds of the distances to the four discs.
+  /// Lower bounds of the squared distances to four discs.
   [[nodiscard]] Lanes squared_distances(const DiscNode& node) const noexcept {
     const Lanes dx = x - Lanes::load_aligned(node.centre_x.data());
     const Lanes dy = y - Lanes::load_aligned(node.centre_y.data());
@@ -35,11 +36,11 @@ struct DiscQuery {
     return beside * beside + above * above;
   }
 
-  /// Squared lower bounds of the distances to the four triangles; not a number where rounding cannot tell.
+  /// Lower bounds of the squared distances to four triangles; NaN where rounding leaves them undecided.
   [[nodiscard]] Lanes squared_distances(const TriangleNode& node) const noexcept;
 };
 
-/// Vectors, four at once.
+/// Four vectors.
 struct LaneVector {
   Lanes x, y, z;
   [[nodiscard]] LaneVector operator-(const LaneVector& b) const noexcept {
@@ -49,9 +50,9 @@ struct LaneVector {
   [[nodiscard]] LaneVector cross(const LaneVector& b) const noexcept {
     return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
   }
-  /// Squared distance of the vector's end to the segment from the origin to `edge`.
+  /// Squared distance of the vector's end from the segment from the origin to `edge`.
   [[nodiscard]] Lanes squared_to_edge(const LaneVector& edge) const noexcept {
-    const Lanes length = edge.dot(edge) + Lanes(std::numeric_limits<float>::min());  // a point is an edge too
+    const Lanes length = edge.dot(edge) + Lanes(std::numeric_limits<float>::min());  // an edge may be a point
     const Lanes along = min(Lanes(1.0F), max(Lanes(0.0F), dot(edge) / length));
     const LaneVector off{x - along * edge.x, y - along * edge.y, z - along * edge.z};
     return off.dot(off);
@@ -68,7 +69,8 @@ inline Lanes DiscQuery::squared_distances(const TriangleNode& node) const noexce
   const LaneVector normal = ab.cross(ac);
   const Lanes zero(0.0F);
   const Lanes height = ap.dot(normal);
-  // Over the face when inside of all three edges; what a face's rounding says wrongly, an edge is as near.
+  // The face counts when the point is inside all three edges. If rounding decides that wrongly, an edge is
+  // equally near.
   const auto inside = normal.dot(ab.cross(ap)) >= zero && normal.dot(bc.cross(bp)) >= zero &&
                       normal.dot(ap.cross(ac)) >= zero;
   const Lanes to_plane = height * height / normal.dot(normal);
@@ -86,7 +88,8 @@ void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexce
     int level;
   };
   const DiscQuery query(p - origin_, extent_);
-  // Up, so that rounding never leaves out what is as near; finite, so that an empty lane is out of reach.
+  // Rounded up, so that rounding excludes nothing equally near; finite, so that empty lanes stay out of
+  // reach.
   constexpr double kMost = 0.25 * std::numeric_limits<float>::max();
   const auto limit = [&reach] {
     const double squared = reach();
@@ -102,7 +105,7 @@ void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexce
     const Lanes bounds = leaf ? query.squared_distances(leaves_[here.index])
                               : query.squared_distances(node_at(here.level, here.index));
     bounds.store_unaligned(squared.data());
-    // The lanes in reach, the nearest of them on top.
+    // The lanes in reach, the nearest on top.
     const std::size_t below = count;
     for (std::uint32_t lanes = lanes_of(!(bounds > Lanes(within))); lanes != 0; lanes &= lanes - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
@@ -125,8 +128,8 @@ void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexce
   }
 }
 
-/// A segment against four discs: apart when a disc's ball is farther away than the slack, or the segment is
-/// on one side of its slab.
+/// A segment against four discs. A disc is excluded when its bounding sphere is farther away than the slack,
+/// or the segment is on one side of its slab.
 struct DiscSegment {
   DiscQuery start;
   Lanes x, y, z;  // from start to end
@@ -141,7 +144,7 @@ struct DiscSegment {
         inverse_squared_length(static_cast<float>(1.0 / (b - a).squaredNorm())),
         slack(start.slack + Lanes(static_cast<float>(2.0 * given_slack))) {}
 
-  /// One bit a lane: may be within the slack.
+  /// One bit per lane: may be within the slack.
   [[nodiscard]] std::uint32_t near(const DiscNode& node) const noexcept {
     const Lanes dx = Lanes::load_aligned(node.centre_x.data()) - start.x;
     const Lanes dy = Lanes::load_aligned(node.centre_y.data()) - start.y;
@@ -159,7 +162,8 @@ struct DiscSegment {
     const Lanes axis_x = Lanes::load_aligned(node.axis_x.data());
     const Lanes axis_y = Lanes::load_aligned(node.axis_y.data());
     const Lanes axis_z = Lanes::load_aligned(node.axis_z.data());
-    const Lanes from = dx * axis_x + dy * axis_y + dz * axis_z;  // the centre above the start
+    // the disc's centre relative to the start, along the axis
+    const Lanes from = dx * axis_x + dy * axis_y + dz * axis_z;
     const Lanes to = from - (x * axis_x + y * axis_y + z * axis_z);
     const auto in_slab = min(from, to) <= height + slack && max(from, to) >= -(height + slack);
     return lanes_of(in_ball && in_slab && radius >= zero);

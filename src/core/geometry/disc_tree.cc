@@ -13,15 +13,15 @@ namespace {
 
 constexpr std::int32_t kChildren = 4;
 constexpr float kNothing = -1e30F;  // radius of an empty lane: its squared distance is infinite
-constexpr double kNowhere = 1e30;   // m: the same of an empty lane's triangle
+constexpr double kNowhere = 1e30;   // m; coordinate of an empty lane's triangle, with the same effect
 
-/// The next float that is not smaller, and then some.
+/// A float that is not smaller, with a margin.
 float rounded_up(double value) noexcept {
   constexpr double kMore = 1.0 + 4.0 * std::numeric_limits<float>::epsilon();
   return std::nextafter(static_cast<float>(value * kMore), std::numeric_limits<float>::infinity());
 }
 
-/// A disc as a node keeps it.
+/// One disc of a node.
 struct Disc {
   std::array<float, 3> centre{};
   std::array<float, 3> axis{0.0F, 0.0F, 1.0F};
@@ -29,7 +29,7 @@ struct Disc {
   float height = 0.0F;
 };
 
-/// The disc around a run of triangles: its axis along their summed normals.
+/// The disc around a run of triangles; its axis is along the sum of their normals.
 Disc disc_around(const TriangleMesh& mesh, std::span<const std::int32_t> run, const Vec3& origin) {
   Vec3 axis = Vec3::Zero();
   for (const std::int32_t t : run) axis += area_vector_doubled(mesh, mesh.triangles[at(t)]);
@@ -37,7 +37,7 @@ Disc disc_around(const TriangleMesh& mesh, std::span<const std::int32_t> run, co
   axis = length > 0.0 ? Vec3(axis / length) : Vec3(Vec3::UnitZ());
   Disc disc;
   disc.axis = {static_cast<float>(axis.x()), static_cast<float>(axis.y()), static_cast<float>(axis.z())};
-  axis = Vec3(disc.axis[0], disc.axis[1], disc.axis[2]).normalized();  // what the lanes will use
+  axis = Vec3(disc.axis[0], disc.axis[1], disc.axis[2]).normalized();  // as rounded in the node
   const Vec3 u = axis.unitOrthogonal();
   const Vec3 v = axis.cross(u);
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -131,8 +131,8 @@ void DiscTree::fill_lane(const TriangleMesh& mesh, std::size_t slot) {
   leaf.ac_z[lane] = static_cast<float>(ac.z());
 }
 
-/// Halves by the median across the longest side, at a multiple of the largest power of 4 below the count, so
-/// that the runs of the tree are the halves of halves.
+/// Splits at the median of the longest side, at a multiple of the largest power of 4 below the count, so that
+/// the tree's runs are halves of halves.
 void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::int32_t end) {
   struct Range {
     std::int32_t begin;
@@ -173,7 +173,7 @@ void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::
       open.push_back({middle, range.end});
     }
   };
-  // The first halvings one level after another, both sides of each in parallel.
+  // The first levels are split one after another, with all parts of a level in parallel.
   constexpr int kParallelLevels = 4;
   std::vector<Range> ranges{{begin, end}};
   for (int level = 0; level < kParallelLevels; ++level) {
@@ -192,7 +192,7 @@ void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::
   for_ranges(ranges.size(), 1, [&](std::size_t i, std::size_t) { finish(ranges[i]); });
 }
 
-/// Every node's lanes are around runs of 4^level triangles.
+/// Fills a level: each lane bounds a run of 4^level triangles.
 void DiscTree::bound_level(const TriangleMesh& mesh, int level) {
   std::size_t run = 1;
   for (int i = 0; i < level; ++i) run *= kChildren;

@@ -6,47 +6,46 @@
 
 #include "palpate/mesh.h"
 
-// Bounding-volume tree for surface_distance.cc.
+// Bounding-volume hierarchy for surface_distance.cc.
 namespace palpate::geometry {
 
-/// Four bounds side by side, one a lane: flat cylinders (discs) that follow the surface. A disc holds a patch
-/// of skin far more closely than an axis-aligned box does, so that a query looks at little more than the
-/// triangles under it. Coordinates are relative to the tree's origin; single precision, rounded outwards.
+/// Four bounding volumes, one per SIMD lane: flat cylinders (discs) along the surface. A disc bounds a
+/// surface patch more closely than an axis-aligned box does, so a query visits few triangles. Coordinates are
+/// relative to the tree's origin, in single precision, rounded outwards.
 struct alignas(64) DiscNode {
   std::array<float, 4> centre_x, centre_y, centre_z;  // m
   std::array<float, 4> axis_x, axis_y, axis_z;        // unit
-  std::array<float, 4> radius;                        // across the axis [m]; far below 0: nothing there
-  std::array<float, 4> height;                        // half of it, along the axis [m]
+  std::array<float, 4> radius;                        // perpendicular to the axis [m]; negative: empty lane
+  std::array<float, 4> height;                        // half the height, along the axis [m]
 };
 
-/// Four triangles, one a lane, as the tree's leaves keep them: relative to the tree's origin, rounded.
+/// Four triangles, one per lane, relative to the tree's origin, rounded to single precision.
 struct alignas(16) TriangleNode {
-  std::array<float, 4> corner_x, corner_y, corner_z;  // first corner [m]; an empty lane's is infinitely far
-  std::array<float, 4> ab_x, ab_y, ab_z;              // from it to the second [m]
-  std::array<float, 4> ac_x, ac_y, ac_z;              // and to the third
+  std::array<float, 4> corner_x, corner_y, corner_z;  // first corner [m]; infinitely far in an empty lane
+  std::array<float, 4> ab_x, ab_y, ab_z;              // first to second corner [m]
+  std::array<float, 4> ac_x, ac_y, ac_z;              // first to third corner
 };
 
-/// A tree of four children a node over the triangles of a mesh, without pointers: the triangles are put in an
-/// order in which each run of 4, 16, 64 ... is a compact patch. The four triangles of
-/// leaf k are at slots 4k to 4k + 3.
+/// A tree with four children per node over the triangles of a mesh, without pointers: triangles are sorted so
+/// that each run of 4, 16, 64 ... is a compact patch. The four triangles of leaf k are at slots 4k to 4k + 3.
 class DiscTree final {
  public:
-  static constexpr int kMostLevels = 16;  // 4^16 triangles are more than 32 bits count
+  static constexpr int kMostLevels = 16;  // 4^16 triangles are more than 32 bits can count
   static constexpr int kMostVisits = 3 * kMostLevels + 4;
 
   /// [setup] `mesh` has at least one triangle and finite vertices.
   explicit DiscTree(const TriangleMesh& mesh);
 
-  /// Which triangle is at each slot.
+  /// The triangle at each slot.
   [[nodiscard]] std::span<const std::int32_t> triangle_of() const noexcept { return triangle_of_; }
-  /// [any] Memory that it holds.
+  /// [any] Memory of the tree [bytes].
   [[nodiscard]] std::size_t bytes() const noexcept {
     return nodes_.size() * sizeof(DiscNode) + leaves_.size() * sizeof(TriangleNode) +
            triangle_of_.size() * sizeof(std::int32_t);
   }
 
-  /// [rt] Calls visit(slot) for triangles in the order of the lower bounds of their distances to p, as far as
-  /// those do not exceed reach(): the squared distance that still counts, which may shrink with every call.
+  /// [rt] Calls visit(slot) for triangles in the order of the lower bounds of their distances to p, while
+  /// these do not exceed reach(). reach() returns a squared distance, which may shrink with every call.
   template <typename Visit, typename Reach>
   void each_within(const Vec3& p, Visit visit, Reach reach) const noexcept;
 
@@ -72,8 +71,8 @@ class DiscTree final {
   void bound_level(const TriangleMesh& mesh, int level);
 
   std::vector<TriangleNode> leaves_;                    // level 0
-  std::vector<DiscNode> nodes_;                         // level by level from 1 on, the root last
-  std::array<std::uint32_t, kMostLevels + 1> start_{};  // of each level's nodes
+  std::vector<DiscNode> nodes_;                         // level by level from 1, the root last
+  std::array<std::uint32_t, kMostLevels + 1> start_{};  // of each level
   int levels_ = 0;                                      // without the leaves
   std::vector<std::int32_t> triangle_of_;
   Vec3 origin_ = Vec3::Zero();

@@ -1,4 +1,4 @@
-// edge_neighbours(): which triangles share an edge.
+// edge_neighbours(): the triangles that share edges.
 #include <algorithm>
 #include <string>
 
@@ -44,9 +44,8 @@ std::vector<std::array<std::int32_t, 3>> edge_neighbours(const TriangleMesh& mes
                        " triangles: at most two can meet there");
     }
     if (from(a) == from(b)) {
-      throw InputError(edge_words(from(a), from(next_corner(a))) + " is run the same way by triangles " +
-                       std::to_string(a / 3) + " and " + std::to_string(b / 3) +
-                       ": one of them is turned over");
+      throw InputError(edge_words(from(a), from(next_corner(a))) + " has the same direction in triangles " +
+                       std::to_string(a / 3) + " and " + std::to_string(b / 3) + ": one of them is inverted");
     }
     neighbours[a / 3][a % 3] = static_cast<std::int32_t>(b / 3);
     neighbours[b / 3][b % 3] = static_cast<std::int32_t>(a / 3);

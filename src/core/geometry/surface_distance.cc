@@ -18,10 +18,11 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-// A triangle lower than this share of its longest edge counts as its edges alone: its own normal is noise.
+// A triangle whose height is below this fraction of its longest edge counts as its edges only, because its
+// normal is rounding noise.
 constexpr double kSliver = 1e-7;
 
-// Which part of a triangle is nearest: corner 0..2, edge 3..5 (from corner e - 3 to the next), or the face.
+// The nearest feature of a triangle: corner 0..2, edge 3..5 (from corner e - 3 to the next), or the face.
 constexpr int kFirstEdge = 3;
 constexpr int kFace = 6;
 
@@ -46,14 +47,15 @@ Vec3 plane_normal(const Corners& corner) noexcept {
       longest_edge = e;
     }
   }
-  // From the corner across the longest edge, whose two edges are the shorter ones, the product is most exact.
+  // The cross product of the two shorter edges, at the corner opposite to the longest one, has the smallest
+  // error.
   const Vec3& apex = corner[kNext[kNext[longest_edge]]];
   Vec3 normal = (corner[longest_edge] - apex).cross(corner[kNext[longest_edge]] - apex);
   if (!(normal.squaredNorm() > kSliver * kSliver * longest_squared * longest_squared)) normal.setZero();
   return normal;
 }
 
-/// Nearest point on edge e, kept in `best` if it is nearer.
+/// The nearest point on edge e; replaces `best` if it is nearer.
 void try_edge(const Corners& corner, std::size_t e, const Vec3& p, OnTriangle& best) noexcept {
   const Vec3& a = corner[e];
   const Vec3& b = corner[kNext[e]];
@@ -61,7 +63,7 @@ void try_edge(const Corners& corner, std::size_t e, const Vec3& p, OnTriangle& b
   const double length_squared = ab.squaredNorm();
   const double u = length_squared > 0.0 ? (p - a).dot(ab) * (1.0 / length_squared) : 0.0;
   int feature = kFirstEdge + static_cast<int>(e);
-  // From the nearer end, so that the two triangles of an edge agree closely.
+  // From the nearer end, so that the results of the edge's two triangles agree closely.
   const Vec3& origin = u <= 0.5 ? a : b;
   double along = u <= 0.5 ? u : u - 1.0;
   if (u <= 0.0 || u >= 1.0) {
@@ -73,8 +75,8 @@ void try_edge(const Corners& corner, std::size_t e, const Vec3& p, OnTriangle& b
   if (distance_squared < best.distance_squared) best = {point, distance_squared, feature};
 }
 
-/// The foot of p on the plane if it lies inside, otherwise on the edges that p lies outside of (all of a
-/// sliver's): with one such edge the nearest point is on it, with two on one of them.
+/// The projection of p if it is inside the triangle, otherwise the nearest point on the edges that p is
+/// outside of (all edges of a sliver).
 /// @param normal plane_normal(corner)
 OnTriangle nearest_on(const Corners& corner, const Vec3& normal, const Vec3& p) noexcept {
   OnTriangle best;
@@ -98,8 +100,8 @@ OnTriangle nearest_on(const Corners& corner, const Vec3& normal, const Vec3& p) 
   return best;
 }
 
-/// A segment in the coordinates in which it is the z axis from 0 to 1: a shear, so that a shared edge looks
-/// the same to both of its triangles and none slips between them [Woop, Benthin and Wald 2013].
+/// A segment, sheared to the z axis from 0 to 1, so that both triangles of an edge see the same edge and the
+/// segment cannot slip between them [Woop, Benthin and Wald 2013].
 struct ShearedSegment {
   Vec3 start;
   Vec3 direction;
@@ -110,7 +112,7 @@ struct ShearedSegment {
     direction.cwiseAbs().maxCoeff(&kz);
     kx = (kz + 1) % 3;
     ky = (kx + 1) % 3;
-    if (direction[kz] < 0.0) std::swap(kx, ky);  // keeps the turning sense of triangles
+    if (direction[kz] < 0.0) std::swap(kx, ky);  // keeps the orientation of triangles
     scale_z = 1.0 / direction[kz];
     shear_x = direction[kx] * scale_z;
     shear_y = direction[ky] * scale_z;
@@ -121,8 +123,8 @@ struct ShearedSegment {
     return {q[kx] - shear_x * q[kz], q[ky] - shear_y * q[kz], q[kz] * scale_z};
   }
 
-  /// Fraction at which the segment's line goes in through the triangle, or infinity. Rounding is monotonic,
-  /// so an edge function is never of the wrong sign, only zero; zero counts as inside.
+  /// Fraction at which the segment's line enters through the triangle, or infinity. Rounding is monotonic, so
+  /// an edge function may become zero but never changes its sign; zero counts as inside.
   [[nodiscard]] double entry_fraction(const Corners& corner) const noexcept {
     const Vec3 a = sheared(corner[0]);
     const Vec3 b = sheared(corner[1]);
@@ -137,7 +139,7 @@ struct ShearedSegment {
     if (determinant > 0.0) {
       return std::clamp((u * a.z() + v * b.z() + w * c.z()) / determinant, low, high);
     }
-    // Seen so nearly from its side that its area rounds to nothing.
+    // Seen almost edge-on: its projected area rounds to zero.
     const Vec3 normal = plane_normal(corner);
     const double approach = normal.dot(direction);
     if (!(approach < 0.0)) return kInfinity;
@@ -161,7 +163,7 @@ struct SurfaceDistance::Tree {
   std::vector<Vec3> plane_normals;                      // by slot
   std::vector<std::int32_t> slot_of;                    // by triangle
   std::vector<Triangle> triangles;                      // vertex indices, by triangle
-  std::vector<std::array<std::int32_t, 3>> neighbours;  // across its edges, by triangle
+  std::vector<std::array<std::int32_t, 3>> neighbours;  // across the edges, by triangle
   std::vector<Vec3> vertex_normals;
   double scale = 0.0;  // largest coordinate [m], for rounding bounds
 
@@ -173,7 +175,8 @@ struct SurfaceDistance::Tree {
     if (is_nearer) best = {on, slot, triangle};
   }
 
-  /// The nearest triangle among those within `share` of the least squared distance found so far.
+  /// The nearest of the triangles visited. Triangles beyond `share` of the smallest squared distance so far
+  /// are skipped; share 1 is exact.
   [[nodiscard]] Best search(const Vec3& p, std::int32_t guess, double share) const noexcept {
     Best best;
     if (!p.allFinite()) return best;
@@ -215,7 +218,7 @@ std::vector<std::array<std::int32_t, 3>> neighbours_of_closed(const TriangleMesh
   return neighbours;
 }
 
-/// Sum of the face normals around each vertex, each weighted by its angle there, to unit length.
+/// Unit sums of the face normals around each vertex, weighted by the angles there.
 std::vector<Vec3> angle_weighted_normals(const TriangleMesh& mesh, const std::vector<Vec3>& face_normals) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -295,7 +298,7 @@ NearestPoint SurfaceDistance::Tree::finish(const Vec3& p, const Best& best) cons
   found.normal = pseudonormal(best);
   found.triangle = best.triangle;
   const Corners& corner = corners[at(best.slot)];
-  // On a face the height over its plane has the sign even where the foot rounds onto p.
+  // On a face, the height above its plane gives the sign even when the projection rounds to p.
   const double side = best.on.feature == kFace ? (p - corner[0]).dot(plane_normals[at(best.slot)])
                                                : (p - found.point).dot(found.normal);
   const double distance = std::sqrt(best.on.distance_squared);
@@ -312,7 +315,8 @@ NearestPoint SurfaceDistance::nearest(const Vec3& p, std::int32_t guess) const n
 Clearance SurfaceDistance::clearance(const Vec3& p, std::int32_t guess) const noexcept {
   const Tree::Best best = tree_->search(p, guess, kClearanceShare * kClearanceShare);
   if (best.slot < 0) return {};
-  // What was left out was farther than that share of the nearest then, which was no nearer than this.
+  // Skipped triangles were farther than this fraction of the smallest distance then, which was at least the
+  // final one.
   return {kClearanceShare * std::sqrt(best.on.distance_squared), best.triangle};
 }
 
@@ -321,7 +325,7 @@ std::optional<Entry> SurfaceDistance::first_entry(const Vec3& a, const Vec3& b) 
   const ShearedSegment segment(a, b);
   const double length = segment.direction.norm();
   if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
-  // Rounding [m] of positions along the segment; an end that lies on the surface counts as having crossed it.
+  // Rounding error [m] of positions along the segment. An end on the surface counts as a crossing.
   const double slack = 32.0 * kEpsilon * (tree.scale + a.cwiseAbs().maxCoeff() + b.cwiseAbs().maxCoeff());
   const double slack_fraction = slack / length;
   double fraction = 1.0 + slack_fraction;

@@ -5,7 +5,7 @@
 namespace palpate::haptics {
 namespace {
 
-/// Counts how long the device has been still outside.
+/// Counts the ticks for which the device has been still outside the tissue.
 void watch_stillness(Engagement& engagement, const HandSituation& hand, double period) noexcept {
   const bool moved = (hand.position_D - engagement.still_at_D).norm() > kStillWithin;
   if (!hand.outside || moved || engagement.still_ticks == 0) {

@@ -8,7 +8,7 @@
 namespace palpate::haptics {
 namespace {
 
-// A shortened vector ends this share below its limit, so that rounding never leaves it above.
+// A vector is shortened to this fraction of its limit, so that rounding cannot exceed the limit.
 constexpr double kHairBelow = 1.0 - 4e-15;
 
 struct Limited {
@@ -17,7 +17,7 @@ struct Limited {
   bool slewed = false;
 };
 
-/// `wanted` with its norm at most `largest`, and at most `step` away from `last`.
+/// Limits `wanted` to the norm `largest` and to a change of `step` from `last`.
 Limited limit(const Vec3& wanted, const Vec3& last, double largest, double step) noexcept {
   Limited result{wanted};
   const double norm = wanted.norm();
@@ -43,16 +43,17 @@ bool finite(const ForceCommand& tissue, const Vec3& wanted) noexcept {
 
 void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
   state.fault = fault;
-  // A reset while the force still falls, and a fault again at once: the fall goes on, it does not begin anew.
+  // After a reset and a new fault during a ramp-down, the ramp-down continues.
   if (state.fault_ticks_left > 0 && fault != Fault::kStalled) return;
   constexpr double kMostTicks = 1e6;
   const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMostTicks);
-  const double ticks = fault == Fault::kStalled ? 1.0 : whole;  // the hand feels nothing any more
+  // after a stall the hand feels no force any more
+  const double ticks = fault == Fault::kStalled ? 1.0 : whole;
   state.fault_ticks_left = static_cast<int>(ticks);
   state.fault_step = {state.force / ticks, state.torque / ticks, state.gripper_force / ticks};
 }
 
-/// The next command on the way to zero: the step times the ticks left, so exactly zero at the end.
+/// The next command of the ramp to zero: the step times the ticks left, so the end is exactly zero.
 void fall(GateState& state) noexcept {
   if (state.fault_ticks_left > 0) --state.fault_ticks_left;
   const double left = state.fault_ticks_left;
@@ -62,7 +63,7 @@ void fall(GateState& state) noexcept {
   state.gripper_force = state.fault_step.gripper_force * left;
 }
 
-/// Clamp and slew towards what is wanted. @return status bits
+/// Applies clamp and slew limits. @return status bits
 std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
                               const Vec3& noise) noexcept {
   const Limited force = limit(tissue.force + noise, state.force, limits.max_force, limits.force_step);
@@ -76,7 +77,7 @@ std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const 
          (torque.clamped ? kTorqueClamped : 0U) | (torque.slewed ? kTorqueSlewed : 0U);
 }
 
-/// Follows the RMS of what was written and lowers the force where the device would not bear it without end.
+/// Duty limit: updates the RMS of the written force, and lowers the force near the device's continuous force.
 /// @return status bits
 std::uint32_t keep_duty(const GateLimits& limits, GateState& state, bool warm,
                         ForceCommand& tissue) noexcept {

@@ -27,7 +27,7 @@ PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& va
   if (tissue.contact.reference_radius != prepared_for) {
     throw InputError("contact.reference_radius_mm = " + in_mm(tissue.contact.reference_radius) +
                      ": the organ was prepared for " + in_mm(prepared_for) +
-                     ", which cannot change while a run goes on");
+                     ", which cannot change during a run");
   }
   noise::NoiseSettings settings = world.noise.settings();
   settings.gain = values.noise.gain;

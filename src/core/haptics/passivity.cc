@@ -5,7 +5,7 @@
 namespace palpate::haptics {
 namespace {
 
-/// `force` without what gives energy along `way`, and braking it. @param damping N s/m
+/// Removes the component of `force` that adds energy along `way`, and adds a damper. @param damping [N s/m]
 void brake(Vec3& force, const Vec3& way, double damping, double period) noexcept {
   const double square = way.squaredNorm();
   if (!(square > 0.0)) return;
@@ -39,7 +39,8 @@ bool damp_deficit(const EnergyAccount& account, const DeviceMotion& relative, do
                   ForceCommand& tissue) noexcept {
   const double deficit = -account.tissue;
   if (!(deficit > kEnergyLeeway)) return false;
-  // A damper b takes b v^2 T = b way^2 / T in a tick; both kinds of motion are asked for the whole deficit.
+  // A damper b dissipates b v^2 T = b way^2 / T per tick. Translation and rotation are each set to dissipate
+  // the whole deficit.
   const double way = relative.translation.squaredNorm();
   const double turn = relative.rotation.squaredNorm();
   if (way > 0.0) {

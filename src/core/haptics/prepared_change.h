@@ -5,17 +5,17 @@
 
 namespace palpate::haptics {
 
-/// A change with all that a tick needs of it.
+/// A parameter update with everything that a tick needs of it.
 struct PreparedChange {
   LiveChange values;
   contact::TissueLaws laws;
 };
 
-/// [setup] Checks a change and works out what the ticks need of it. @throws ParameterError for a bad value,
-/// InputError for another reference radius than the world's, for which its organ was prepared.
+/// [setup] Checks a parameter update and prepares it for ticks. @throws ParameterError for a bad value;
+/// InputError when the reference radius differs from the world's, for which its organ was prepared.
 [[nodiscard]] PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& values);
 
-/// [rt] From this tick on the tissue and the noise are those of the change.
+/// [rt] Applies the update: from this tick on its tissue and noise are in force.
 void apply_change(const SimulationWorld& world, SimulationState& state,
                   const PreparedChange& change) noexcept;
 

@@ -6,10 +6,9 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kQuaternionSlack =
-    0.05;  // a unit quaternion's norm may be off by this, from rounding in files
+constexpr double kQuaternionSlack = 0.05;  // tolerance of a unit quaternion's norm, for rounding in files
 
-/// What is wrong with a sample, if anything.
+/// The fault of a sample, or kNone.
 Fault judge(const DeviceState& sample) noexcept {
   if (sample.fault != Fault::kNone) return sample.fault;
   const double norm = sample.orientation_D.norm();
@@ -33,7 +32,7 @@ bool finite(const contact::ToolResult& result) noexcept {
 std::array<double, 3> plain(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
 std::array<double, 4> plain(const Quat& q) noexcept { return {q.w(), q.x(), q.y(), q.z()}; }
 
-/// The columns that say where the hand is and what contact found.
+/// Fills the columns of pose and contact.
 void describe_contact(const contact::ToolInput& input, const contact::ToolResult& result,
                       TickRow& row) noexcept {
   row.phase = static_cast<std::uint32_t>(result.phase);
@@ -62,8 +61,8 @@ void keep_sample(const DeviceState& sample, TickRow& row) noexcept {
   row.events = sample.events;
 }
 
-/// Takes a hand's sample: the tool's pose and the device's motion. A sample that cannot be used leaves the
-/// last good pose.
+/// Reads a hand's sample: sets the tool's pose and returns the device's motion. An invalid sample keeps the
+/// last valid pose.
 DeviceMotion take_sample(const SimulationWorld& world, SimulationState& state, std::size_t hand,
                          const DeviceState& sample) noexcept {
   if ((sample.events & kResetFault) != 0) reset_fault(state.gates[hand]);
@@ -76,7 +75,7 @@ DeviceMotion take_sample(const SimulationWorld& world, SimulationState& state, s
   return motion;
 }
 
-/// Takes the noise's strength one tick nearer to where it goes, so that it does not jump.
+/// One tick of the noise crossfade: moves gain and threshold towards their new values without a step.
 void glide(NoiseGlide& glide, noise::TouchNoise& noise) noexcept {
   const noise::NoiseSettings& now = noise.settings();
   const double share = 1.0 / static_cast<double>(glide.ticks_left);
@@ -88,7 +87,7 @@ void glide(NoiseGlide& glide, noise::TouchNoise& noise) noexcept {
   }
 }
 
-/// How much of the force a hand gets: all, on a device that nobody holds.
+/// Gain of a hand's force; 1 on a device that nobody holds.
 double engagement_of(const SimulationWorld& world, SimulationState& state, std::size_t hand, Fault fault,
                      bool outside) noexcept {
   if (!world.mappings[hand].held) return 1.0;
@@ -98,15 +97,15 @@ double engagement_of(const SimulationWorld& world, SimulationState& state, std::
                             1.0 / world.rate_Hz);
 }
 
-/// How the organ moved by itself since the last tick, where a hand's handle is, in its device's lengths.
+/// The organ's own motion since the last tick at a hand's handle, in the device's lengths.
 DeviceMotion organ_at_handle(const Pose& before_W, const Pose& now_W, const Vec3& handle_W,
                              double scale) noexcept {
   const Pose step = now_W * before_W.inverse();
-  const double sign = step.rotation.w() < 0.0 ? -2.0 : 2.0;  // sin(a/2) stands for a/2
+  const double sign = step.rotation.w() < 0.0 ? -2.0 : 2.0;  // 2 sin(a/2) approximates a
   return {(step * handle_W - handle_W) / scale, sign * step.rotation.vec()};
 }
 
-/// Noise, gate and row of one hand, once contact is known.
+/// Noise, gate and row of one hand, after contact.
 void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
                  std::size_t hand, const DeviceState& sample, const DeviceMotion& motion,
                  const DeviceMotion& organ, ForceCommand& command, TickRow& row) noexcept {

@@ -22,7 +22,7 @@ DeviceMotion follow(const WorkspaceMapping& mapping, DeviceTrack& track, const D
     if (clutched) track.index_D -= mapping.scale * way_D;
     if (way_D.norm() <= kFastestHand * period) {
       const Quat turn = orientation * track.orientation_D.conjugate();
-      const double sign = turn.w() < 0.0 ? -2.0 : 2.0;  // sin(a/2) stands for a/2
+      const double sign = turn.w() < 0.0 ? -2.0 : 2.0;  // 2 sin(a/2) approximates a
       motion.translation = mapping.base.rotation * way_D;
       motion.rotation = mapping.base.rotation * Vec3(sign * turn.vec());
     }

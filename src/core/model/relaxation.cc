@@ -26,7 +26,7 @@ void Relaxation::set_step(double step) noexcept {
     const double steps = step / term.time;
     const double lost = -portable::expm1(-steps);
     term.keep = 1.0 - lost;
-    term.gain = steps > 0.0 ? lost / steps : 1.0;  // a time too long for the quotient lets nothing go
+    term.gain = steps > 0.0 ? lost / steps : 1.0;  // a time constant too long for the quotient does not relax
   }
 }
 

@@ -1,4 +1,4 @@
-// What is left out in a tick changes nothing: against plain loops over all points.
+// Skipping queries changes no result: comparison with plain loops over all points.
 #include "core/contact/distance_cache.h"
 
 #include <cmath>
@@ -25,7 +25,7 @@ Quat random_turn(std::mt19937& random) {
   return Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
-/// A smooth way of a hand: the point `tip` of the part goes through the organ, along it and off it again.
+/// A smooth hand motion: the point `tip` of the part moves through the organ, along it and out again.
 Pose wander(double time, const Quat& turn, const Vec3& tip) {
   const Vec3 place(30e-3 * std::sin(2.1 * time), 25e-3 * std::sin(1.7 * time + 1.0),
                    22e-3 * std::sin(3.1 * time + 1.5));
@@ -42,7 +42,7 @@ TEST(DistanceCache, NearestIsThatOfAllPointsAlongAnyWay) {
     const Quat turn = random_turn(random);
     for (int tick = 0; tick < 1500; ++tick) {
       part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, {}, kReference);
-      if (tick % 7 != 0) continue;  // and after ticks in which nobody asked
+      if (tick % 7 != 0) continue;  // also after ticks without a query
       part.find_nearest();
       double nearest = std::numeric_limits<double>::infinity();
       for (std::size_t i = 0; i < points.size(); ++i) {
@@ -112,7 +112,7 @@ TEST(DistanceCache, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
   EXPECT_GT(farther, 400);
 }
 
-/// Brings the part's tip straight up to the organ, from far below, until it is `depth` [m] inside.
+/// Moves the part's tip straight up from far below until it is `depth` [m] inside the organ.
 double height_of_depth(const OrganSurface& surface, const PartPoints& points, double depth) {
   DistanceCache part(surface, points);
   for (int step = 0; step < 2000; ++step) {
@@ -139,13 +139,13 @@ TEST(DistanceCache, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
   };
   go_to(deep - 4e-3, deep);
   ASSERT_GT(part.inside_count(), 0U);
-  // A contact that covers the place while the tool leaves: which points come out is not looked for.
+  // A proxy at this position while the tool leaves: clusters near it are deferred.
   contacts.push_back(part.nearest().point);
   go_to(deep, deep - 2e-3);
   contacts.clear();
   part.find_nearest();
   ASSERT_GT(part.nearest().distance, 0.0);
-  // The very next tick goes in again, slower than a hand that counts as placed anew.
+  // The next tick enters again, slower than a jump.
   part.move(place(Vec3(0.0, 0.0, deep)), kPeriod, {}, kReference);
   std::size_t inside = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -169,7 +169,7 @@ TEST(DistanceCache, IsRightAgainInTheTickInWhichAContactHasLeft) {
       if (contacts.empty()) contacts.push_back(surface.nearest(part.point_S(0), -1).point);
       continue;
     }
-    if (tick % 100 == 50) {  // it leaves: whether the nearest point is looked for before the next tick or not
+    if (tick % 100 == 50) {  // it ends: with or without a nearest-point query before the next tick
       contacts.clear();
       for (std::size_t i = 0; i < points.size(); ++i) {
         was_inside[i] = surface.nearest(part.point_S(i), -1).distance < kInside;
@@ -178,7 +178,7 @@ TEST(DistanceCache, IsRightAgainInTheTickInWhichAContactHasLeft) {
       continue;
     }
     if (tick % 100 > 51 && tick % 10 != 0) continue;
-    if (tick % 100 == 51) {  // what crossed before is no entry
+    if (tick % 100 == 51) {  // earlier crossings are no entries
       for (const EntryEvent& entry : part.entries()) EXPECT_FALSE(was_inside[entry.point]) << "tick " << tick;
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -218,7 +218,7 @@ TEST(DistanceCache, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
   EXPECT_GT(entered, 50);
 }
 
-/// The rule of model.md, section 4, as a plain loop in double precision.
+/// The rule of docs/model.md, section 4, as a plain loop in double precision.
 ContactPatch plain_patch(const PartPoints& part, const Vec3& point, const Vec3& normal) {
   std::vector<double> depths(part.size());
   ContactPatch patch;
@@ -295,7 +295,8 @@ TEST(ToolPoints, OfADensePartAreThinnedOutAndStandOutAsFar) {
 }
 
 TEST(Sharing, DoesNotJumpWhenOneOfTwoCoincidentContactsHasLeft) {
-  // Two at one place, the second nearly gone, and a third 4 mm aside: as if the second were not there.
+  // Two coincident contacts, the second nearly faded out, and a third 4 mm away: as if the second did not
+  // exist.
   std::array<Load, 3> contacts;
   for (Load& contact : contacts) contact.elastic_force = 0.1;
   contacts[2].at.point = Vec3(4e-3, 0, 0);

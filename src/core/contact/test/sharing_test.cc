@@ -1,4 +1,4 @@
-// Several contacts on one organ share its tissue.
+// Load sharing between several contacts on one organ.
 #include "core/contact/sharing.h"
 
 #include <cmath>
@@ -77,7 +77,7 @@ TEST(Sharing, NothingJumpsAsTwoContactsPart) {
 }
 
 TEST(Sharing, NothingJumpsAsAStrongContactLeavesOneThatHasACloseNeighbour) {
-  // The strong one is 10^8 times as heavy: any closeness at all used to outweigh the neighbour.
+  // The strong contact counts 10^8 times as much: with a plain sum any overlap would outweigh the neighbour.
   double last = 0.0;
   for (int step = 0; step <= 2000; ++step) {
     const double r = 9e-3 + 1e-6 * step;
@@ -85,18 +85,18 @@ TEST(Sharing, NothingJumpsAsAStrongContactLeavesOneThatHasACloseNeighbour) {
                                contact_at(Vec3(r, 0, 0), 1.0)};
     total(contacts);
     if (step > 0) {
-      EXPECT_LT(std::fabs(contacts[0].share - last), 0.0004) << r;  // c falls by 0.0002 a step
+      EXPECT_LT(std::fabs(contacts[0].share - last), 0.0004) << r;  // c falls by 0.0002 per step
     }
     last = contacts[0].share;
   }
-  // Without it: c = 1 - 0.4^2 = 0.84 and equal forces, share = 0.16 + 0.84/1.84 = 0.616522.
+  // Without the strong contact: c = 1 - 0.4^2 = 0.84, equal forces, share = 0.16 + 0.84/1.84 = 0.616522.
   EXPECT_NEAR(last, 0.616522, 1e-6);
 }
 
 TEST(Sharing, OneThatIsLessCloseWeighsByWhatItLowersAlone) {
-  // c = 0.84 (4 mm) and 0.36 (8 mm), equal forces. The farther one alone: 0.36 x 0.36/1.36 = 0.0952941 less;
-  // at 0.84 that takes a weight of 0.0952941/(0.84 - 0.0952941) = 0.127962. Share: 0.16 + 0.84/(1 + 0.84 +
-  // 0.127962) = 0.586837.
+  // c = 0.84 (4 mm) and 0.36 (8 mm), equal forces. The farther contact alone lowers the share by 0.36 x
+  // 0.36/1.36 = 0.0952941; at C = 0.84 that is a weight of 0.0952941/(0.84 - 0.0952941) = 0.127962. Share:
+  // 0.16 + 0.84/(1 + 0.84 + 0.127962) = 0.586837.
   std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
                              contact_at(Vec3(8e-3, 0, 0), 0.1)};
   total(contacts);
@@ -104,7 +104,7 @@ TEST(Sharing, OneThatIsLessCloseWeighsByWhatItLowersAlone) {
 }
 
 TEST(Sharing, ANeighbourAsCloseAsTheClosestCountsAsInTheFormula) {
-  // c = 0.84 twice: 0.16 + 0.84/(1 + 1.68) = 0.473433; a hair farther must be nearly the same.
+  // c = 0.84 twice: 0.16 + 0.84/(1 + 1.68) = 0.473433. A slightly larger distance must give nearly the same.
   for (const double r : {4e-3, 4e-3 + 1e-9}) {
     std::vector<Load> contacts{contact_at(Vec3::Zero(), 0.1), contact_at(Vec3(0, 4e-3, 0), 0.1),
                                contact_at(Vec3(r, 0, 0), 0.1)};
@@ -121,7 +121,7 @@ TEST(Sharing, WithoutForceThereIsNothingToShare) {
 
 TEST(Sharing, ContactsThatBecomeOneRememberTheMeanOfWhatTheyDid) {
   Load relaxed;
-  relaxed.memory = {{0.2, 0.0, 0.0}, 1.0};  // of 1 N a term has kept 0.2 N
+  relaxed.memory = {{0.2, 0.0, 0.0}, 1.0};  // the term's history is 0.2 N at an elastic force of 1 N
   Load fresh;
   fresh.memory = {{1.0, 1.0, 0.0}, 1.0};
   const double before = relaxed.memory.kept[0] + fresh.memory.kept[0];
@@ -130,7 +130,7 @@ TEST(Sharing, ContactsThatBecomeOneRememberTheMeanOfWhatTheyDid) {
   EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.6);
   EXPECT_DOUBLE_EQ(fresh.memory.kept[1], 0.5);
 
-  fresh.memory = {{3.0, 0.0, 0.0}, 3.0};  // three times as strong: the same share of what it has
+  fresh.memory = {{3.0, 0.0, 0.0}, 3.0};  // three times as strong, the same relative history
   share_memory(relaxed, fresh);
   EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.9);
   EXPECT_DOUBLE_EQ(fresh.memory.kept[0], 2.7);

@@ -12,9 +12,9 @@ namespace palpate::deform {
 namespace {
 
 const model::ReachParameters kReach{1.1, 0.43, 1.8, 0.58};
-constexpr double kSingle = 5e-8;  // m: rounding of the moved surface to single precision
+constexpr double kSingle = 5e-8;  // m; rounding of the displaced surface to single precision
 
-// model.md, section 3, written out once more: sum over bars with explicit powers.
+// The profile of docs/model.md, section 3, as an independent sum with explicit powers.
 double by_formula(const model::ReachParameters& p, double depth, double first, double r) {
   double sum = 0.0;
   double weights = 0.0;
@@ -39,10 +39,10 @@ TEST(Profile, FollowsHandComputedValues) {
   // = 70.0849248. Weights 1, 0.58, 0.3364, 0.195112, 0.11316496, 0.0656356768: sum 2.2903126368.
   const SurfaceProfile profile(kReach, 0.009, 0.004);
   EXPECT_NEAR(profile.reach(), 0.0700849248, 1e-12);
-  // r = 20 mm: bars 4, 5, 6 are left: 0.195112 x 0.2903521 + 0.11316496 x 0.7536194 + 0.0656356768 x
-  // 0.9185650 = 0.0566512 + 0.0852833 + 0.0602906 = 0.2022251; x 9 mm / 2.2903126 = 0.7946627 mm.
+  // r = 20 mm: terms 4, 5, 6 remain: 0.195112 x 0.2903521 + 0.11316496 x 0.7536194 + 0.0656356768 x 0.9185650
+  // = 0.0566512 + 0.0852833 + 0.0602906 = 0.2022251; x 9 mm / 2.2903126 = 0.7946627 mm.
   EXPECT_NEAR(profile.at(0.020), 0.7946627e-3, 1e-9);
-  // r = 50 mm: bar 6 alone: 1 - 2500/4911.89668 = 0.4910316; x 0.0656356768 x 9 / 2.2903126 = 0.1266479 mm.
+  // r = 50 mm: term 6 only: 1 - 2500/4911.89668 = 0.4910316; x 0.0656356768 x 9 / 2.2903126 = 0.1266479 mm.
   EXPECT_NEAR(profile.at(0.050), 0.1266479e-3, 1e-9);
 }
 
@@ -61,7 +61,7 @@ TEST(Profile, EqualsTheFormulaForManyParameters) {
   }
 }
 
-// The reach R_6 with the square root written out, in the order in which the profile computes it.
+// R_6 with an explicit square root, in the profile's order of operations.
 TEST(Profile, AnExponentOfOneHalfIsTheSquareRootToTheBit) {
   EXPECT_EQ(kReach.depth_exponent, 0.5);
   double bars = 0.0;
@@ -85,11 +85,11 @@ TEST(Profile, FollowsHandComputedValuesAtOtherExponents) {
   EXPECT_NEAR(shallow.reach(), 23.3616416e-3, 1e-12);
   for (const double r : {0.5e-3, 2e-3, 5e-3, 20e-3})
     EXPECT_NEAR(shallow.at(r), by_formula(third, 0.5e-3, 2.2e-3, r), 1e-15);
-  // p = 1: R_1 = c D, whatever the tool: 1.1 x 9 mm.
+  // p = 1: R_1 = c D for any tool: 1.1 x 9 mm.
   const model::ReachParameters one{1.1, 0.43, 1.8, 0.58, 1.0};
   EXPECT_NEAR(SurfaceProfile(one, 9e-3, 4e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
   EXPECT_NEAR(SurfaceProfile(one, 9e-3, 1e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
-  // At D = R every exponent gives the same.
+  // At D = R all exponents agree.
   EXPECT_NEAR(SurfaceProfile(third, 3e-3, 3e-3).reach(), SurfaceProfile(kReach, 3e-3, 3e-3).reach(), 1e-15);
 }
 
@@ -302,8 +302,8 @@ TEST(Deformer, MovesAsThePlainRulesSayToATwoHundredthOfTheDepth) {
   }
 }
 
-// Unit normal of the dented sphere of radius R at polar angle `angle`, in its meridian's (sine, cosine) axes:
-// the curve is (R sin a, R cos a - u(R a)).
+// Unit normal of the indented sphere of radius R at polar angle a, in the (sine, cosine) axes of its
+// meridian: the curve is (R sin a, R cos a - u(R a)).
 Vec3 analytic_normal(double radius, const SurfaceProfile& profile, const Vec3& p) {
   const double angle = std::acos(p.normalized().z());
   const double h = 1e-7;
@@ -387,7 +387,8 @@ TEST(Deformer, TakesTheReachOfTheMoment) {
 }
 
 TEST(SharesOfRoom, TwoPressesFromOppositeSidesShareWhatLiesBetweenThem) {
-  // 10 mm between them, 12 mm wanted: up to 7 mm as they are, then towards 9 mm: 7 + 2 x 5 / (5 + 2).
+  // The contacts are 10 mm apart and together 12 mm deep: unlimited up to 7 mm, then towards 9 mm: 7 + 2 x 5
+  // / (5 + 2).
   const std::vector<Indentation> both = {{Vec3(0, 0, 0.010), -Vec3::UnitZ(), 0.006, 0.003, 0.0},
                                          {Vec3::Zero(), Vec3::UnitZ(), 0.006, 0.003, 0.0}};
   for (const double share : shares_of_room(both)) EXPECT_NEAR(share, (7.0 + 10.0 / 7.0) / 12.0, 1e-12);

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kShare = 0.015F;  // of the depth at which profiles end
+constexpr float kShare = 0.015F;  // fraction of the depth at which profiles end
 
 const ProfileTable& table() {
   static const ProfileTable profile({}, 0.2);
@@ -34,7 +34,7 @@ class Random {
   std::mt19937 bits_{7};
 };
 
-// A contact at the origin, its side part drawn `spread` times as wide.
+// A contact at the origin whose tangential part reaches `spread` times as far.
 ContactField field(const Vector3f& direction, float depth, float tip_radius, float spread) {
   ContactField f;
   f.normal_part = depth * direction.z() * Vector3f::UnitZ();
@@ -47,7 +47,7 @@ ContactField field(const Vector3f& direction, float depth, float tip_radius, flo
   return f;
 }
 
-// A run of vertices at given distances from every contact, and where contacts bring them.
+// A block of vertices at given distances from every contact, and their displaced positions.
 class Vertices {
  public:
   explicit Vertices(Random& random, float from) {
@@ -80,7 +80,7 @@ float largest_way(const std::vector<LiveVertex>& a, const std::vector<LiveVertex
   return largest;
 }
 
-// Contacts at one place, before and after a random change of each; `cone`: how far their directions differ.
+// Contacts at one position before and after a random change of each. @param cone spread of their directions
 struct Scene {
   std::vector<ContactField> before, now;
 
@@ -109,7 +109,7 @@ struct Scene {
   }
 };
 
-// The largest share of the bound that a vertex moves, over random changes; above 1 it would be no bound.
+// Largest ratio of motion to bound over random changes; it must not exceed 1.
 float largest_share(int contacts, float cone, bool spread) {
   Random random;
   float largest = 0.0F;
@@ -127,7 +127,7 @@ float largest_share(int contacts, float cone, bool spread) {
 TEST(FieldChange, BoundsWhatOneContactsChangeMoves) {
   EXPECT_LT(largest_share(1, 0.0F, false), 1.0F);
   EXPECT_LT(largest_share(1, 0.0F, true), 1.0F);
-  EXPECT_GT(largest_share(1, 0.0F, false), 0.9F);  // and is not far above it
+  EXPECT_GT(largest_share(1, 0.0F, false), 0.9F);  // and the bound is tight
 }
 
 TEST(FieldChange, BoundsWhatContactsOfLikeDirectionsMoveTogether) {

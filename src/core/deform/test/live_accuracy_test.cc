@@ -1,4 +1,4 @@
-// What LiveSurface leaves as it was drawn, against the same surface computed in full at every picture.
+// LiveSurface with skipped blocks against the same surface computed in full in every frame.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -17,12 +17,12 @@ namespace palpate::deform {
 namespace {
 
 constexpr double kAccuracyRounding = 0.2;
-constexpr float kStated = 0.05e-3F;   // m: no vertex is off by more
-constexpr float kMostTurned = 0.03F;  // rad: of a normal
-constexpr int kSteps = 1200;          // of fronts a picture, as pictures take them
+constexpr float kStated = 0.05e-3F;   // m; stated error of a vertex
+constexpr float kMostTurned = 0.03F;  // rad; largest error of a normal
+constexpr int kSteps = 1200;          // of fronts per frame, as in pictures
 
-// Halves vertices across their longest side until each part is a run, as pictures do. Where the surface has
-// two sides near each other a run holds both.
+// Halves vertices across their longest side until each part is a block, as pictures do. Where two sides of
+// the surface are near each other, a block holds both.
 void halve(const geometry::TriangleMesh& mesh, std::span<std::size_t> vertices) {
   if (vertices.size() <= SurfaceBlocks::kBlock) return;
   Vec3 low = mesh.vertices[vertices.front()];
@@ -48,7 +48,7 @@ geometry::TriangleMesh in_runs(const geometry::TriangleMesh& mesh) {
   return reordered(mesh, order);
 }
 
-// A sheet with a cleft 2 mm wide and 16 mm deep along y, 90 x 60 mm, edges 1 mm.
+// A sheet of 90 x 60 mm with a cleft 2 mm wide and 16 mm deep along y; edges 1 mm.
 geometry::TriangleMesh sheet_with_cleft() {
   std::vector<Vec3> line;  // across the cleft
   for (int x = -45; x <= -1; ++x) line.emplace_back(x, 0, 0);
@@ -69,7 +69,7 @@ geometry::TriangleMesh sheet_with_cleft() {
   return sheet;
 }
 
-// A ball with a hollow, its wall 3 mm.
+// A hollow ball with a wall of 3 mm.
 geometry::TriangleMesh hollow_ball() {
   geometry::TriangleMesh ball = geometry::make_ball(0.03, 20480);
   const geometry::TriangleMesh inner = geometry::make_ball(0.027, 20480);
@@ -80,7 +80,7 @@ geometry::TriangleMesh hollow_ball() {
   return ball;
 }
 
-// The same contacts on a surface as pictures take it, and on one of which every run is computed anew.
+// The same contacts on two surfaces: one with skipped blocks as in pictures, one computed in full.
 class Pair {
  public:
   explicit Pair(const geometry::TriangleMesh& mesh)
@@ -98,7 +98,7 @@ class Pair {
       most_turned_ = std::max(most_turned_, (a.normal - b.normal).norm());
     }
   }
-  // Of all pictures: how far [m] a vertex was off at most, and by what angle [rad] a normal.
+  // Largest error of a vertex [m] and of a normal [rad] over all frames.
   [[nodiscard]] float worst() const { return worst_; }
   [[nodiscard]] float most_turned() const { return most_turned_; }
 
@@ -113,7 +113,7 @@ struct Place {
   Vec3 point, inwards;
 };
 
-// Every so many a vertex of a mesh, and the way into it there.
+// Every n-th vertex of a mesh with its inward direction.
 std::vector<Place> places_on(const geometry::TriangleMesh& mesh, std::size_t count) {
   std::vector<Place> places;
   for (std::size_t i = 0; i < count; ++i) {
@@ -124,7 +124,7 @@ std::vector<Place> places_on(const geometry::TriangleMesh& mesh, std::size_t cou
   return places;
 }
 
-// In by 0.15 mm a picture up to 6 mm, held for some pictures, and out again.
+// Indents by 0.15 mm per frame to 6 mm, holds for some frames and withdraws.
 std::vector<double> in_and_out() {
   std::vector<double> depths;
   for (int i = 1; i <= 40; ++i) depths.push_back(0.15e-3 * i);
@@ -178,13 +178,13 @@ TEST(LiveAccuracy, HoldsOnTheBuiltInOrgans) {
   }
 }
 
-// Contacts that slide, part, turn, come and go, about a place.
+// Contacts near a point that slide, separate, turn, begin and end.
 std::vector<std::vector<Indentation>> ways_about(const Place& place) {
   const Vec3 aside = place.inwards.unitOrthogonal();
   const Vec3 across = place.inwards.cross(aside);
   std::vector<std::vector<Indentation>> pictures;
   for (int i = 1; i <= 40;
-       ++i) {  // two jaws that slide, 4 mm apart, one deeper; a third comes from the other side
+       ++i) {  // two jaws slide 4 mm apart, one deeper; a third contact comes from the other side
     const double depth = 0.12e-3 * i;
     const Vec3 way = 0.1e-3 * i * aside;
     pictures.push_back({{place.point + way, place.inwards, depth, 0.003, 0.0},
@@ -193,13 +193,13 @@ std::vector<std::vector<Indentation>> ways_about(const Place& place) {
       pictures.back().push_back(
           {place.point + 6e-3 * place.inwards, -place.inwards, 0.1e-3 * (i - 15), 0.003, 0.0});
   }
-  for (int i = 1; i <= 40; ++i) {  // a pull that turns to the side, deep enough to be spread
+  for (int i = 1; i <= 40; ++i) {  // a pull turns to the side, deep enough to be widened
     const double angle = 0.03 * i;
     const Vec3 direction = std::sin(angle) * aside - std::cos(angle) * place.inwards;
     pictures.push_back({{place.point, direction, 0.15e-3 * i, 0.001, 0.0}});
     if (i > 20) pictures.back().push_back({place.point + 9e-3 * across, direction, 4e-3, 0.001, 0.0});
   }
-  for (int i = 1; i <= 15; ++i)  // held by a hand that trembles
+  for (int i = 1; i <= 15; ++i)  // held by a trembling hand
     pictures.push_back({{place.point, place.inwards, 5e-3 + 0.01e-3 * std::sin(2.0 * i), 0.003, 0.0}});
   pictures.emplace_back();
   return pictures;

@@ -28,7 +28,7 @@ Indentation press_at(const Vec3& direction_out, double depth) {
 
 Indentation top_press(double depth) { return press_at(Vec3::UnitZ(), depth); }
 
-// The plain form's answer.
+// The reference result.
 std::vector<Vec3> plain(const geometry::TriangleMesh& mesh, std::span<const Indentation> indentations) {
   return test::PlainDeformer(mesh).deformed({}, indentations, kRounding);
 }
@@ -48,8 +48,8 @@ Vec3 area(const LiveSurface& surface, const geometry::Triangle& t) {
   return (at(1) - at(0)).cross(at(2) - at(0));
 }
 
-// How many triangles face away from their own vertices' normals, as in folds narrower than a triangle. Where
-// more folds the normals turn over with it: crossings() counts that.
+// Number of triangles that face away from their vertices' normals, as in folds narrower than a triangle. In
+// larger folds the normals turn over too; crossings() counts those.
 int turned_over(const LiveSurface& surface) {
   int count = 0;
   for (const geometry::Triangle& t : surface.rest().triangles) {
@@ -61,7 +61,7 @@ int turned_over(const LiveSurface& surface) {
   return count;
 }
 
-// How many pairs of triangles cut each other.
+// Number of pairs of triangles that intersect.
 std::size_t crossings(const LiveSurface& surface) {
   geometry::TriangleMesh moved = surface.rest();
   for (std::size_t v = 0; v < moved.vertices.size(); ++v)
@@ -104,7 +104,7 @@ TEST(LiveSurface, ComesToTheSameWithinSomePicturesAsAtOnce) {
   EXPECT_LT(largest_difference(surface, plain(ball, contacts)), 0.02 * 0.008);
 }
 
-// The same with its vertices in the order of cubes 4 mm wide, as the picture has them in an order of places.
+// The mesh with its vertices ordered by cubes of 4 mm, similar to the order in pictures.
 geometry::TriangleMesh ordered_by_place(const geometry::TriangleMesh& mesh) {
   const auto cube = [&mesh](std::size_t v) {
     const Vec3 p = mesh.vertices[v] / 0.004;
@@ -122,7 +122,7 @@ TEST(LiveSurface, WhileItMovesLittleNoVertexIsOffByATwentiethOfAMillimetre) {
   LiveSurface settled(ball, {}, kRounding);
   std::size_t changed = 0;
   for (int i = 1; i <= 60; ++i) {
-    // Two contacts that go in and come out again by 0.1 mm a picture; the second one later.
+    // Two contacts that indent and withdraw by 0.1 mm per frame, the second one later.
     const double depth = 0.0001 * std::min(i, 80 - i);
     const std::vector contacts = {top_press(depth),
                                   press_at(Vec3(0.5, 0.2, 1.0).normalized(), depth - 0.001)};
@@ -145,7 +145,7 @@ TEST(LiveSurface, FollowsAContactThatSlidesWithoutWaitingForItsFront) {
   surface.update(std::vector{top_press(0.006)}, LiveSurface::kSettle);
   std::vector<Indentation> slid;
   for (int i = 1; i <= 12; ++i) {
-    const double a = 0.02 * i;  // 0.6 mm a picture
+    const double a = 0.02 * i;  // 0.6 mm per frame
     slid = {press_at(Vec3(std::sin(a), 0.0, std::cos(a)), 0.006)};
     surface.update(slid, 100);
   }
@@ -159,7 +159,7 @@ TEST(LiveSurface, TurnsNoTriangleOverAndCrossesItselfNowhere) {
   sideways.direction = Vec3(0.9, 0.0, -0.3).normalized();
   Indentation pull = press_at(Vec3::UnitX(), 0.010);
   pull.direction = Vec3::UnitX();
-  Indentation beside = press_at(Vec3(0.15, 0.0, 1.0).normalized(), 0.008);  // the other jaw
+  Indentation beside = press_at(Vec3(0.15, 0.0, 1.0).normalized(), 0.008);  // the second jaw
   beside.direction = -Vec3::UnitZ();
   for (const std::vector<Indentation>& contacts :
        {std::vector{top_press(0.012)}, std::vector{sideways}, std::vector{pull},
@@ -184,10 +184,11 @@ TEST(LiveSurface, TheCrestBetweenTwoDeepPressesThatConvergeDoesNotFold) {
 }
 
 TEST(LiveSurface, TwoPressesFromBothSidesOfASlabDoNotMeet) {
-  // 8 mm thick, 6 mm from either side: alone each is held back only to 5.8 mm.
+  // 8 mm thick, 6 mm from each side: alone each is limited to 5.8 mm only.
   LiveSurface surface(geometry::make_box(Vec3(0.06, 0.06, 0.008), 0.001), {}, kRounding);
   const Indentation above{Vec3(0, 0, 0.004), -Vec3::UnitZ(), 0.006, 0.003, 0.0};
-  // A little aslant: columns of vertices that stay upright would meet edge on edge, which is no crossing.
+  // Slightly inclined: otherwise edges of upright columns of vertices touch exactly, which is no
+  // intersection.
   const Indentation below{Vec3(0, 0, -0.004), Vec3(0.05, 0.03, 1.0).normalized(), 0.006, 0.003, 0.0};
   surface.update(std::vector{above, below}, LiveSurface::kSettle);
   float top = 1.0F;
@@ -263,7 +264,7 @@ TEST(LiveSurface, LeavesTheFarSideOfAThinOrganStill) {
     EXPECT_GT(surface.vertices()[static_cast<std::size_t>(v)].position.z(), -0.0029F);
 }
 
-// A front that went on to farther vertices knows shorter ways past them to near ones behind obtuse triangles.
+// A front that went farther has found shorter paths to near vertices behind obtuse triangles.
 TEST(LiveSurface, SettlesAfterADeeperPressToWhatAShallowOneComesToAlone) {
   geometry::TriangleMesh mesh = geometry::make_box(Vec3(0.12, 0.12, 0.03), 0.004);
   for (Vec3& vertex : mesh.vertices) vertex.x() += 3.0 * vertex.y();  // sheared: all obtuse

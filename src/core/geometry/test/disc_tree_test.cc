@@ -1,4 +1,4 @@
-// The tree of discs leaves out nothing that counts.
+// The tree excludes no triangle that counts.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -17,7 +17,7 @@ namespace {
 std::vector<TriangleMesh> meshes() {
   TriangleMesh far_away = make_ball(5e-3, 320);
   transform(far_away, Pose{Quat::Identity(), Vec3(0.5, -2.0, 1.0)});
-  TriangleMesh needles = make_box(Vec3(60e-3, 40e-3, 1e-3), 0.1);  // two long triangles a side
+  TriangleMesh needles = make_box(Vec3(60e-3, 40e-3, 1e-3), 0.1);  // two long triangles per side
   for (Vec3& vertex : needles.vertices) vertex.y() *= 1e-3;
   return {make_organ("gallbladder"), make_ball(20e-3, 20), far_away, needles,
           make_box(Vec3(1e-2, 1e-2, 1e-2), 3e-3)};

@@ -21,7 +21,7 @@ const Vec3& corner(const TriangleMesh& mesh, std::size_t t, std::size_t k) {
   return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])];
 }
 
-/// Nearest point of a triangle by Voronoi regions, an other way than the library's.
+/// Nearest point of a triangle by Voronoi regions, independent of the library.
 Vec3 oracle_nearest(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   using Long = Eigen::Matrix<long double, 3, 1>;
   const auto on_segment = [&](const Vec3& from, const Vec3& to) -> Long {
@@ -87,7 +87,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// A ball with dents and spikes: convex and concave edges and corners of all kinds, still closed.
+/// A closed ball with hollows and spikes: convex and concave edges and corners of all kinds.
 TriangleMesh burr(unsigned seed, int triangles = 320) {
   TriangleMesh mesh = make_ball(0.03, triangles);
   Random random(seed);
@@ -95,10 +95,10 @@ TriangleMesh burr(unsigned seed, int triangles = 320) {
   return mesh;
 }
 
-/// 10 micrometres thick, so that both sides are near everywhere.
+/// 10 um thick, so that both sides are near everywhere.
 TriangleMesh thin_plate() { return make_box({0.04, 0.03, 1e-5}, 0.01); }
 
-/// Closed wedge of needles: 40 mm long, 1 um across.
+/// A closed wedge of needles: 40 mm long, 1 um across.
 TriangleMesh needle() {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1e-6, 0, 0}, {0, 1e-6, 0}, {3e-7, 3e-7, 0.04}};
@@ -136,7 +136,7 @@ TEST(SurfaceDistance, AgreesWithTheOracleInDistanceAndSign) {
   for (const TriangleMesh& mesh : shapes()) {
     const SurfaceDistance surface(mesh);
     for (int n = 0; n < 2000; ++n) {
-      // Anywhere about it, or close to a vertex, or close to an edge.
+      // Random points, some close to a vertex or an edge.
       Vec3 p = random.point(0.06);
       const std::size_t t = random.below(mesh.triangles.size());
       if (n % 3 == 1) p = corner(mesh, t, 0) + random.point(1e-4);
@@ -159,14 +159,15 @@ TEST(SurfaceDistance, AgreesWithTheOracleInDistanceAndSign) {
 TEST(SurfaceDistance, KnowsInsideFromOutsideAlongTheBisectorsOfABoxCorner) {
   const SurfaceDistance surface(make_box({2.0, 2.0, 2.0}, 2.0));
   EXPECT_NEAR(surface.nearest({1.3, 1.4, 1.0 + 1.2}).distance, 1.3, 1e-15);  // 0.3, 0.4, 1.2 from the corner
-  EXPECT_NEAR(surface.nearest({1.3, 1.4, 0.2}).distance, 0.5, 1e-15);        // off an edge
+  EXPECT_NEAR(surface.nearest({1.3, 1.4, 0.2}).distance, 0.5, 1e-15);        // nearest to an edge
   EXPECT_NEAR(surface.nearest({0.9, 0.9, 0.9}).distance, -0.1, 1e-15);
   EXPECT_LT((surface.nearest({1.1, 1.1, 1.1}).normal - Vec3(1, 1, 1) / std::sqrt(3.0)).norm(), 1e-12);
   EXPECT_LT((surface.nearest({1.1, 0.2, 1.1}).normal - Vec3(1, 0, 1) / std::sqrt(2.0)).norm(), 1e-12);
 }
 
 TEST(SurfaceDistance, CornerNormalWeighsAnglesNotTriangles) {
-  // Two of the three faces at some corners are cut by a diagonal: counting triangles would tilt the normal.
+  // At some corners two of the three faces are divided by a diagonal: a normal weighted by triangle count
+  // would tilt.
   const SurfaceDistance surface(make_box({2.0, 2.0, 2.0}, 2.0));
   for (const double x : {-1.0, 1.0}) {
     for (const double y : {-1.0, 1.0}) {
@@ -213,7 +214,7 @@ TEST(SurfaceDistance, GuessChangesNothing) {
   for (const TriangleMesh& mesh : shapes()) {
     const SurfaceDistance surface(mesh);
     for (int n = 0; n < 1000; ++n) {
-      // Also beside vertices and edges, where several triangles are equally near.
+      // Also near vertices and edges, where several triangles are equally near.
       const std::size_t t = random.below(mesh.triangles.size());
       const Vec3 p = n % 2 == 0 ? random.point(0.05) : Vec3(1.2 * corner(mesh, t, 0));
       const NearestPoint plain = surface.nearest(p);
@@ -276,7 +277,7 @@ TEST(SurfaceDistance, HoldsFarFromTheMeshAndFarFromTheOrigin) {
 }
 
 TEST(SurfaceDistance, TakesManyTrianglesAtOnePlace) {
-  // Concentric shells: every box of the tree overlaps every other, centres coincide.
+  // Concentric shells: all bounding volumes overlap and their centres coincide.
   TriangleMesh mesh;
   for (int shell = 0; shell < 200; ++shell) {
     const TriangleMesh ball = make_ball(0.01 + 1e-9 * shell, 20);
@@ -306,7 +307,7 @@ TEST(SurfaceDistance, RefusesAnOpenMesh) {
 TEST(SurfaceDistance, RefusesATriangleTurnedOver) {
   TriangleMesh mesh = make_ball(0.03, 80);
   std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
-  EXPECT_THAT([&] { SurfaceDistance{mesh}; }, ThrowsMessage<InputError>(HasSubstr("turned over")));
+  EXPECT_THAT([&] { SurfaceDistance{mesh}; }, ThrowsMessage<InputError>(HasSubstr("inverted")));
 }
 
 TEST(FirstEntry, NeverMissesFromOutsideToInside) {
@@ -415,7 +416,7 @@ TEST(FirstEntry, TinyStepsAcrossAThinPlateAreSeen) {
   const auto entry = surface.first_entry({0.001, 0.002, 5.001e-6}, {0.001, 0.002, 4.999e-6});
   ASSERT_TRUE(entry.has_value());
   EXPECT_NEAR(entry->fraction, 0.5, 1e-6);
-  // Right through in one tick, both ways in.
+  // Through the organ in one tick, in both directions.
   EXPECT_TRUE(surface.first_entry({0.001, 0.002, 1.0}, {0.001, 0.002, -1.0}).has_value());
   EXPECT_TRUE(surface.first_entry({0.001, 0.002, -1.0}, {0.001, 0.002, 1.0}).has_value());
 }

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kEngagementPeriod = 1e-3;
 
-/// `ticks` of the same situation. @return the share at the last
+/// Runs `ticks` of the same input. @return the last gain
 double hold(Engagement& engagement, const HandSituation& hand, int ticks) {
   double share = engagement.share;
   for (int i = 0; i < ticks; ++i) share = advance_engagement(engagement, hand, kEngagementPeriod);

@@ -51,7 +51,7 @@ TEST(Passivity, WithinTheLeewayNothingIsDone) {
 
 TEST(Passivity, ADeficitTakesWhatGivesMoreAndDampsInTheNextTick) {
   const double deficit = 1e-4;  // J
-  const double way = 2e-4;      // m in a tick: 0.2 m/s
+  const double way = 2e-4;      // m per tick: 0.2 m/s
   ForceCommand tissue = {Vec3(3.0, 1.0, 0.0), Vec3::Zero(), 0.0};
   EXPECT_TRUE(damp_deficit({-deficit, 0.0, 0.0}, moved(way), kPassivityPeriod, tissue));
   EXPECT_NEAR(tissue.force.x(), -deficit / way, 1e-12) << "over the same way again it takes the deficit";
@@ -88,7 +88,7 @@ TEST(Passivity, WhatAMovingOrganDoesOnAHandThatGoesAlongIsItsOwnAffair) {
   EXPECT_NEAR(state.energy.tissue, 2e-4, 1e-15) << "pushed against a hand that stays, the tissue stores it";
 }
 
-/// Pushes a free mass with noise through the gate. @return J that it got, at most
+/// Pushes a free mass with noise through the gate. @return largest energy [J] that the mass received
 double given_by_noise(double sigma, double mass, int ticks, bool controlled) {
   noise::NoiseSettings settings;
   settings.gain = sigma * settings.threshold;
@@ -126,16 +126,16 @@ TEST(Passivity, NoiseOfTheDefaultStrengthIsNeverTouched) {
   EXPECT_EQ(given_by_noise(sigma, 0.05, 60'000, true), given_by_noise(sigma, 0.05, 60'000, false));
 }
 
-/// A mass thrown against a spring that is felt a tick late, through the gate.
+/// A mass thrown against a spring whose force comes a tick late, through the gate.
 struct Bounce {
   bool controlled = false;
   double stiffness = 0.0;  // N/m
   double mass = 0.0;       // kg
 
   struct Result {
-    double given = 0.0;         // J that the mass got more than it gave, at worst
-    double largest_tick = 0.0;  // J exchanged in one tick, at most
-    double speed_at_end = 0.0;  // m/s, largest in the last quarter
+    double given = 0.0;         // J, largest net energy that the mass received
+    double largest_tick = 0.0;  // J, largest energy exchanged in one tick
+    double speed_at_end = 0.0;  // m/s, largest speed in the last quarter
   };
 
   [[nodiscard]] Result run(int ticks) const {
@@ -155,7 +155,7 @@ struct Bounce {
       result.given = std::max(result.given, balance);
       result.largest_tick = std::max(result.largest_tick, std::abs(work));
       if (i > ticks * 3 / 4) result.speed_at_end = std::max(result.speed_at_end, std::abs(speed));
-      // A wall on both sides keeps the mass at the spring.
+      // A second wall returns the mass to the spring.
       const double force = x < 0.0 ? -stiffness * x : (x > 2e-3 ? -stiffness * (x - 2e-3) : 0.0);
       (void)pass_gate(limits, state,
                       {.tissue = pushing(force), .motion = moved(x - before), .controlled = controlled});
@@ -188,7 +188,7 @@ TEST(Passivity, OnADeviceThatIsOnlyObservedNothingIsDamped) {
 
 TEST(Passivity, TheGateBooksWhatItWroteNotWhatWasAskedFor) {
   GateState state;
-  GateLimits limits;  // 5 N a tick
+  GateLimits limits;  // 5 N per tick
   (void)pass_gate(limits, state, {.tissue = pushing(-8.0)});
   (void)pass_gate(limits, state, {.tissue = pushing(-8.0), .motion = moved(1e-3)});
   EXPECT_NEAR(state.energy.tissue, 5.0 * 1e-3, 1e-12);

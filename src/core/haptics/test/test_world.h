@@ -17,7 +17,7 @@ namespace palpate::haptics::test {
 
 inline constexpr double kBallRadius = 3e-3;  // m
 
-/// Prepares the block below once for all tests of a program, which make it with one tissue alone.
+/// Prepares the block below once per program; all tests use it with one tissue.
 inline contact::Preparation prepared_once() {
   static std::optional<contact::OrganArrays> kept;
   contact::Preparation how;
@@ -28,7 +28,7 @@ inline contact::Preparation prepared_once() {
   return how;
 }
 
-/// A 60 x 60 x 40 mm block whose top lies at z = 0, touched by a 3 mm ball in each hand.
+/// A 60 x 60 x 40 mm block whose top is at z = 0, with a 3 mm ball in each hand.
 inline SimulationWorld block_and_balls(
     std::size_t hands, double rate_Hz, noise::NoiseSettings noise = {},
     const model::TissueParameters& tissue = model::tissue_preset("gallbladder")) {
@@ -52,14 +52,14 @@ inline noise::NoiseSettings no_noise() {
   return settings;
 }
 
-/// From 5 mm above the block straight down at 20 mm/s to 5 mm of depth, where it stays.
+/// A straight path from 5 mm above the block down to 5 mm of depth at 20 mm/s, then at rest.
 inline DeviceState pressing(double time) {
   DeviceState state;
   state.position_D = Vec3(0.001, 0.002, kBallRadius + std::max(-0.005, 0.005 - 0.02 * time));
   return state;
 }
 
-/// A device whose samples come from a function; remembers what was written.
+/// A device with samples from a function. It records the written commands.
 class FakeDevice final : public Device {
  public:
   explicit FakeDevice(std::function<DeviceState(std::uint64_t, double)> sample)
@@ -76,10 +76,10 @@ class FakeDevice final : public Device {
   [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return ~std::uint64_t{0}; }
 
   ForceCommand last;
-  std::function<void(const ForceCommand&)> heard;  // each command
+  std::function<void(const ForceCommand&)> heard;  // called with each command
   std::uint64_t writes = 0;
-  std::uint64_t refuse_write = 0;  // number of the command that is refused; 0: none
-  std::atomic<int> stops{0};       // from any thread
+  std::uint64_t refuse_write = 0;  // number of the write that fails; 0: none
+  std::atomic<int> stops{0};       // calls of stop(), from any thread
 
  private:
   std::function<DeviceState(std::uint64_t, double)> sample_;
@@ -102,7 +102,7 @@ class RowKeeper final : public TickObserver {
   std::int64_t started = 0;
 };
 
-/// Bit for bit, but for the two times.
+/// Bitwise equality, except for tick_ns and late_ns.
 inline bool same_bits(TickRow a, TickRow b) {
   a.tick_ns = b.tick_ns = 0;
   a.late_ns = b.late_ns = 0;

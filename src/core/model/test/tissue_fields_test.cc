@@ -12,7 +12,7 @@
 namespace palpate::model {
 namespace {
 
-/// Bytes of the members that the fields of a section lead to.
+/// Bytes of the members that a section's fields cover.
 std::size_t bytes_of(std::string_view section) {
   std::size_t bytes = 0;
   for (const TissueField& field : kTissueFields) {
@@ -57,7 +57,7 @@ TEST(TissueFields, WithoutAValueANumberThatMustBeGivenStaysAndAnotherIsDerived) 
 
 TEST(TissueFields, SlidersReachNoValueThatIsRefused) {
   for (const TissueField& field : kTissueFields) {
-    if (field.key == std::string_view("reference_radius_mm")) continue;  // has none
+    if (field.key == std::string_view("reference_radius_mm")) continue;  // no slider
     EXPECT_TRUE(field.range.contains(field.slider.low)) << field.key;
     EXPECT_TRUE(field.range.contains(field.slider.high)) << field.key;
     EXPECT_LT(field.slider.low, field.slider.high) << field.key;
@@ -70,7 +70,7 @@ std::string default_in_words(const TissueField& field) {
   return value ? shortest(*value / field.unit.si) : field.derived_text;
 }
 
-/// The table of docs/file-formats.md.
+/// The tissue table of docs/file-formats.md.
 std::string table_for_documentation() {
   std::string text = "| key | default | must be | meaning |\n|---|---|---|---|\n";
   for (const TissueField& field : kTissueFields) {
