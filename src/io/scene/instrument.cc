@@ -19,7 +19,7 @@ constexpr std::string_view kSpherePrefix = "sphere:";
 geometry::Tool make_sphere(const Stated& mesh) {
   try {
     geometry::Tool tool = geometry::make_tool(mesh.value);
-    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // every vertex lies on the sphere
+    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // all vertices are on the sphere
     return tool;
   } catch (const InputError& error) {
     throw InputError(mesh.where + ": " + error.what());
@@ -53,7 +53,7 @@ geometry::Tool read_main_mesh(const ToolDescription& description, MeshNotes& not
   return geometry::make_tool(mesh.value);
 }
 
-/// Middle of a surface, by area; of the vertices where it has none.
+/// Centroid of a surface by area; mean of its vertices if the area is 0.
 Vec3 middle(const geometry::TriangleMesh& mesh) {
   Vec3 sum = Vec3::Zero();
   double area = 0.0;

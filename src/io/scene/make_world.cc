@@ -34,7 +34,7 @@ haptics::StabilityCheck stability_of(const Setup& setup, const DeviceSetup& devi
 
 std::string rounded(double value) { return brief(value, 3); }
 
-/// A warning when the tissue is stiffer than the device can render; empty when it is not, or not known.
+/// A warning when the tissue is stiffer than the device can render; empty when it is not, or that is unknown.
 std::string too_stiff(const Setup& setup, const DeviceSetup& device, const model::TissueParameters& tissue) {
   const haptics::DeviceAbilities& able = device.abilities;
   const double stiffness = stability_of(setup, device, tissue, {}).stiffness;
@@ -157,7 +157,8 @@ std::vector<std::string> stability_remarks(const Setup& setup, const model::Tiss
     const std::string stiff = too_stiff(setup, device, tissue);
     if (!stiff.empty()) remarks.push_back(who + stiff);
     if (!known.damping || !known.friction || !known.resolution) {
-      if (std::isfinite(device.abilities.max_stiffness)) continue;  // checked above, by the maker's figure
+      if (std::isfinite(device.abilities.max_stiffness))
+        continue;  // already checked against the maker's figure
       remarks.push_back(who +
                         "its stability with this tissue was not checked: give damping_N_s_per_m, "
                         "friction_N and resolution_mm under [device]");

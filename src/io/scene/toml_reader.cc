@@ -30,7 +30,8 @@ std::optional<double> as_number(const toml::node& node) {
   return std::nullopt;
 }
 
-/// The known key meant: one that goes on after `word` (its unit was left out), else the nearest by spelling.
+/// The valid key that the user probably meant: one that continues `word` (a missing unit), else the nearest
+/// by spelling.
 std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
   const std::string start = std::string(word) + "_";
   const auto longer =

@@ -260,7 +260,7 @@ TEST(Load, ALibraryIsNamedByItsAbsolutePathOnTheCommandLineAndNeverByAScene) {
   EXPECT_THAT(error_in(request), HasSubstr("--device = \"libevil.so\": must be an absolute path"));
 }
 
-/// What a scene in that folder is refused with when its files must lie there too.
+/// The error of a scene in that folder when its files must be inside the folder too.
 std::string error_when_kept_inside(const TemporaryFolder& folder, const std::string& content) {
   Request request = scene(folder.write("s.toml", content));
   request.files_below = folder.path();
