@@ -18,7 +18,7 @@
 namespace palpate::record {
 namespace {
 
-/// Keeps a lock on a file that nobody writes, for as long as it lives.
+/// Holds a lock on a file that nobody writes.
 class OnlyUser final {
  public:
   explicit OnlyUser(const std::filesystem::path& file)
@@ -40,7 +40,7 @@ class OnlyUser final {
   int fd_ = -1;
 };
 
-/// Copies what `reader` can read into a new file. @return rows.
+/// Copies the rows that `reader` can read into a new file. @return their number
 std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::path& copy,
                              const Progress& progress) {
   RecordingWriter writer(copy, reader.setup(), reader.facts());
@@ -65,7 +65,7 @@ std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::pat
 }  // namespace
 
 RepairResult repair_recording(const std::filesystem::path& file, const Progress& progress) {
-  // Only a look: HDF5 takes a lock of its own when it reads.
+  // Only checks for a writer: HDF5 takes its own lock when it reads.
   OnlyUser(file).release();
   RecordingReader reader(file);
   const std::uint64_t rows = reader.for_each_block(false, [](std::span<const haptics::TickRow>) {});

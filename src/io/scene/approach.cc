@@ -18,9 +18,8 @@ constexpr double kThickEnough = 1.25;  // of the requested depth
 constexpr double kFacing =
     0.35;                      // cosine of about 70 degrees: faces with a larger angle belong to another side
 constexpr double kFlat = 0.7;  // least flatness; a sphere of the region's radius has 0.78
-constexpr double kSteep =
-    0.36;  // tangent of 20 degrees: tool points above this cone around the tip must stay outside the organ
-constexpr double kBeside = 2e-3;        // m, above the touch: tool points below this height may press too
+constexpr double kSteep = 0.36;   // tangent of 20 degrees: tool points above this cone must stay outside
+constexpr double kBeside = 2e-3;  // m, above the touch: tool points below this height may press too
 constexpr double kFineTriangles = 2e4;  // triangles of the refined organ
 constexpr double kPlaces = 400.0;       // number of sample points
 constexpr double kFromAbove = 0.05;     // bonus in the rank of an approach from above
@@ -146,7 +145,7 @@ ApproachFinder::Place ApproachFinder::place_at(const Vec3& point, const Vec3& ou
   }
   if (!(facing.norm() > 0.0)) return {outward, 0.0, 0.0};
   const double disc =
-      portable::kPi * radius * radius;  // twice the area of a flat disc; its mean weight is one half
+      portable::kPi * radius * radius;  // twice the area of a flat disc, times the mean weight 1/2
   return {facing.normalized(), sum.norm() / all, std::min(1.0, facing.norm() / disc)};
 }
 

@@ -157,8 +157,7 @@ std::vector<std::string> stability_remarks(const Setup& setup, const model::Tiss
     const std::string stiff = too_stiff(setup, device, tissue);
     if (!stiff.empty()) remarks.push_back(who + stiff);
     if (!known.damping || !known.friction || !known.resolution) {
-      if (std::isfinite(device.abilities.max_stiffness))
-        continue;  // already checked against the maker's figure
+      if (std::isfinite(device.abilities.max_stiffness)) continue;  // checked above, by the maker's figure
       remarks.push_back(who +
                         "its stability with this tissue was not checked: give damping_N_s_per_m, "
                         "friction_N and resolution_mm under [device]");
