@@ -1,4 +1,4 @@
-// What read_mesh() finds of a surface, and what an organ must be.
+// Tests of the defects that read_mesh() finds, and of the requirements on an organ.
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -80,7 +80,7 @@ TEST(Findings, TwoBallsThatShareAVertex) {
   for (const Vec3& vertex : other.vertices) mesh.vertices.emplace_back(2.0 * other.vertices[0] - vertex);
   for (const auto& [a, b, c] : other.triangles) {
     const auto moved = [](std::int32_t v) { return v == 0 ? 0 : v + 12; };
-    mesh.triangles.push_back({moved(a), moved(c), moved(b)});  // a point mirror turns triangles over
+    mesh.triangles.push_back({moved(a), moved(c), moved(b)});  // a point reflection reverses triangles
   }
   const MeshFindings findings = findings_of(mesh);
   EXPECT_TRUE(findings.closed);
