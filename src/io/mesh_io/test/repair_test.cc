@@ -167,8 +167,7 @@ TEST(Repair, RefusesEdgesOfThreeTrianglesWhoseFacesNeitherDangleNorLieInside) {
     });
   };
   const auto end = mesh.triangles.begin() + static_cast<std::ptrdiff_t>(mesh.triangles.size() / 2);
-  mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), end, is_in_wall),
-                       end);  // one of two sides
+  mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), end, is_in_wall), end);  // one side
   EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("4 edges of more than two triangles (the first at ("));
 }
 
