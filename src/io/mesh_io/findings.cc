@@ -29,7 +29,7 @@ class Analysis final {
     findings_.volume = signed_volume(mesh_);
     say(boundary_edges_, "boundary edge", "boundary edges");
     say(non_manifold_edges_, "edge", "edges", " of more than two triangles");
-    say(turned_edges_, "edge", "edges", " whose two triangles are turned against each other");
+    say(turned_edges_, "edge", "edges", " whose two triangles differ in orientation");
     say(touching, "vertex", "vertices", " where separate surfaces touch");
     if (const std::size_t flat = count_flat(mesh_); flat > 0) {
       findings_.remarks.push_back(counted(flat, "triangle", "triangles") + " without area");
@@ -102,7 +102,7 @@ class Analysis final {
       turned += is_inward && !is_inside ? 1 : 0;
       nested += !is_inward && is_inside ? 1 : 0;
     }
-    say(turned, "shell", "shells", " turned inwards");
+    say(turned, "shell", "shells", " oriented inwards");
     say(nested, "shell", "shells", " inside another and not a cavity");
   }
 

@@ -179,7 +179,7 @@ scene::Setup read_setup(hid_t file, std::uint64_t file_bytes) {
     throw InputError("scene: rate_Hz is " + shortest(setup.rate_Hz) + ", want finite and > 0");
   }
   if (setup.tools.empty() || setup.tools.size() > kMostHands || setup.devices.size() != setup.tools.size()) {
-    throw InputError(fmt::format("scene: {} tools and {} devices, want one of each a hand",
+    throw InputError(fmt::format("scene: {} tools and {} devices, must be one of each per hand",
                                  setup.tools.size(), setup.devices.size()));
   }
   setup.organ = read_mesh(file, "/organ", file_bytes);

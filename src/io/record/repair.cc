@@ -75,7 +75,7 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
   std::string copy = (target.parent_path() / ("." + target.filename().string() + ".partial.")).string();
   const int descriptor = open_temporary_file(copy);
   if (descriptor < 0) {
-    throw InputError(file.string() + ": cannot be repaired, the file is as it was: " + std::strerror(errno));
+    throw InputError(file.string() + ": cannot be repaired, the file is unchanged: " + std::strerror(errno));
   }
   ::close(descriptor);
   std::error_code ignored;
@@ -90,7 +90,7 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
     throw;
   } catch (const std::exception& error) {
     std::filesystem::remove(copy, ignored);
-    throw InputError(file.string() + ": cannot be repaired, the file is as it was: " + error.what());
+    throw InputError(file.string() + ": cannot be repaired, the file is unchanged: " + error.what());
   }
 }
 

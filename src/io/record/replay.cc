@@ -54,7 +54,7 @@ class Replay final {
     for (std::size_t i = 0; i < recording.rows.size(); ++i) {
       const TickRow& row = recording.rows[i];
       if (row.tick != i / hands() || row.hand != i % hands()) {
-        throw InputError(fmt::format("the recording lacks tick {} of hand {}; it cannot be run again",
+        throw InputError(fmt::format("the recording lacks tick {} of hand {}; it cannot be replayed",
                                      i / hands(), i % hands()));
       }
     }
@@ -104,7 +104,7 @@ class Replay final {
     const bool there = next_change_ < changes_.size() && changes_[next_change_].values.tick == number;
     if (there != expected) {
       throw InputError(fmt::format(
-          "the recording {} change of tissue or noise at tick {}{}; it cannot be run again",
+          "the recording {} change of tissue or noise at tick {}{}; it cannot be replayed",
           expected ? "lacks the" : "has a", number, expected ? "" : " that its rows do not know"));
     }
     if (there) haptics::apply_change(world_, state_, changes_[next_change_++]);

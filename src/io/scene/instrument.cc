@@ -48,7 +48,7 @@ geometry::Tool read_main_mesh(const ToolDescription& description, MeshNotes& not
   const std::vector<std::string>& known = geometry::builtin_tool_names();
   if (std::find(known.begin(), known.end(), mesh.value) == known.end()) {
     mesh.fail("must be " + alternatives(known) +
-              ", sphere:R, or a file (with a / or an ending such as .stl)");
+              ", sphere:R, or a file (with a / or an extension such as .stl)");
   }
   return geometry::make_tool(mesh.value);
 }
@@ -100,7 +100,7 @@ geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& no
   if (description.mesh) tool = read_main_mesh(description, notes);
   std::vector<geometry::ToolPart> jaws;
   for (const JawDescription& jaw : description.jaws) {
-    if (!means_file(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an ending such as .stl)");
+    if (!means_file(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an extension such as .stl)");
     geometry::ToolPart part = read_part(jaw.mesh, description.unit, notes);
     part.is_jaw = true;
     part.pivot = jaw.pivot;

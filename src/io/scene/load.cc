@@ -183,7 +183,7 @@ void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   const std::vector<std::string>& known = geometry::builtin_organ_names();
   if (std::find(known.begin(), known.end(), organ.value) == known.end()) {
     const std::string near = nearest_word(organ.value, known);
-    organ.fail(fmt::format("must be {}, or a file (with a / or an ending such as .stl){}",
+    organ.fail(fmt::format("must be {}, or a file (with a / or an extension such as .stl){}",
                            alternatives(known), near.empty() ? "" : "; did you mean " + near + "?"));
   }
   setup.organ = geometry::make_organ(organ.value);
@@ -267,7 +267,7 @@ void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   std::vector<DeviceDescription> devices = scene.devices;
   if (devices.empty()) devices.resize(hands);
   if (devices.size() != hands) {
-    throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one a tool",
+    throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one per tool",
                                  devices.front().kind.where, devices.size(), hands));
   }
   for (const DeviceDescription& device : devices) {

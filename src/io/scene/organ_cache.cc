@@ -49,8 +49,9 @@ class OrganCache final {
     std::optional<OrganArrays> arrays = reader ? get(*reader) : std::nullopt;
     if (arrays && !lies_within(arrays->mesh, organ)) arrays.reset();
     if (!arrays) {
-      report("the cached organ is damaged, of another version or open to other users, and is made anew: " +
-             file.string());
+      report(
+          "the cached organ is damaged, of another version or open to other users, and is computed again: " +
+          file.string());
       return std::nullopt;
     }
     report("prepared organ taken from the cache: " + file.string());

@@ -149,8 +149,7 @@ class SceneReader final {
     const std::optional<double> gain = table.number("gain_N_m");
     const std::optional<double> user_threshold = table.number("user_threshold_N");
     const std::optional<double> share = table.number("share_of_threshold");
-    if (user_threshold && gain)
-      table.fail("gain_N_m", "stands beside user_threshold_N, give only one of them");
+    if (user_threshold && gain) table.fail("gain_N_m", "excludes user_threshold_N, give only one of them");
     if (share && !user_threshold) table.fail("share_of_threshold", "needs user_threshold_N beside it");
     if (!user_threshold) return gain.value_or(default_gain);
     return noise::gain_from_threshold(*user_threshold, share.value_or(kDefaultShare), threshold_distance);

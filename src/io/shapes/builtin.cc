@@ -42,7 +42,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 [[noreturn]] void unknown(const std::string& kind, const std::string& name,
                           const std::vector<std::string>& names, const std::string& more) {
   const std::string near = nearest_word(name, names);
-  throw InputError(fmt::format("unknown {} \"{}\"{} (built in: {}{}; a file needs a / or a known ending)",
+  throw InputError(fmt::format("unknown {} \"{}\"{} (built in: {}{}; a file needs a / or a known extension)",
                                kind, name, near.empty() ? "" : ", did you mean " + near + "?", joined(names),
                                more));
 }

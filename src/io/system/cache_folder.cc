@@ -57,7 +57,7 @@ std::string why_not_trusted(const fs::path& folder) {
   if (is_own(facts)) return {};
   return folder.string() + (facts.st_uid != geteuid() ? ": belongs to another user"
                                                       : ": other users may write to it (chmod go-w " +
-                                                            folder.string() + " mends that)");
+                                                            folder.string() + " corrects that)");
 }
 
 bool make_own_folder(const fs::path& folder) {

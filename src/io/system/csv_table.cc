@@ -163,7 +163,7 @@ void CsvTable::check_header(const std::vector<std::string>& unknown) const {
       one_misspelt ? nearest_word(unknown.front(), missing.empty() ? absent : missing) : "";
   if (missing.empty() || !near.empty()) {
     fail("column \"" + unknown.front() + "\": unknown, " +
-         (near.empty() ? "known are " + listed(known) : "did you mean " + near + "?"));
+         (near.empty() ? "valid are " + listed(known) : "did you mean " + near + "?"));
   }
   fail(listed(missing) + ": missing, the header must name " + required_names(columns_) +
        (unknown.empty() ? "" : "; unknown in it: " + listed(unknown)));

@@ -166,7 +166,7 @@ void SurfaceBuilder::add_solid(Shape shape, std::span<const std::int32_t> corner
 
 /// Replaces the polygons by the faces that belong to only one solid cell, in the order of the file.
 void SurfaceBuilder::take_outer_faces() {
-  say(starts_.size() - 1, "left out ", "flat cell", "flat cells", " beside the solid ones");
+  say(starts_.size() - 1, "skipped ", "flat cell", "flat cells", " among solid cells");
   corners_.clear();
   starts_.assign(1, 0);
   cut_ = strips_ = triangles_ = 0;
@@ -201,7 +201,7 @@ void SurfaceBuilder::say(std::size_t count, std::string_view done, std::string_v
 }
 
 ImportedMesh SurfaceBuilder::take() {
-  say(curved_, "took the corners alone of ", "curved cell", "curved cells", "");
+  say(curved_, "used only the corners of ", "curved cell", "curved cells", "");
   if (solids_ > 0) take_outer_faces();
   TriangleMesh& mesh = imported_.mesh;
   mesh.vertices = std::move(vertices);

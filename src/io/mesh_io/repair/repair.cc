@@ -108,10 +108,10 @@ class Repair final {
       added += middles + split_bow_tie_vertices(surface_, opposite);
     }
     if (added > 0) {
-      say("parted surfaces that touched, with " + counted(added, "new vertex", "new vertices"));
+      say("separated touching surfaces with " + counted(added, "new vertex", "new vertices"));
     }
     if (!orient_consistently(surface_, opposite)) {
-      return refuse("its surface has only one side: its triangles cannot all be turned outwards");
+      return refuse("its surface has only one side, so it has no outside");
     }
     say(drop_small_open_components(surface_, opposite), "small open component", "small open components");
     refuse_non_manifold(/*odd_alone=*/false);
@@ -183,7 +183,7 @@ class Repair final {
 
   void finish() {
     if (const std::size_t count = remove_slivers(surface_); count > 0) {
-      say("took out " + triangles(count) + " without area");
+      say("removed " + triangles(count) + " without area");
     }
     const ComponentsDone components = sort_out_components(surface_);
     const auto turned = static_cast<std::size_t>(

@@ -64,14 +64,13 @@ TEST(Findings, ABoundary) {
 TEST(Findings, ATriangleTurnedOver) {
   TriangleMesh mesh = make_ball(0.02, 320);
   std::swap(mesh.triangles[7][0], mesh.triangles[7][1]);
-  EXPECT_THAT(findings_of(mesh).defects,
-              ElementsAre("3 edges whose two triangles are turned against each other"));
+  EXPECT_THAT(findings_of(mesh).defects, ElementsAre("3 edges whose two triangles differ in orientation"));
 }
 
 TEST(Findings, ASurfaceTurnedInwards) {
   TriangleMesh mesh = make_ball(0.02, 320);
   for (Triangle& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
-  EXPECT_THAT(findings_of(mesh).defects, ElementsAre("1 shell turned inwards"));
+  EXPECT_THAT(findings_of(mesh).defects, ElementsAre("1 shell oriented inwards"));
 }
 
 TEST(Findings, TwoBallsThatShareAVertex) {
@@ -118,7 +117,7 @@ TEST(Findings, ACavityIsNoDefectButAShellWithinAShellIs) {
 TEST(Findings, SeparateShellsMustEachBeTurnedOutwards) {
   EXPECT_THAT(findings_of(two_boxes({0.1, 0, 0}, false)).defects, IsEmpty());
   EXPECT_EQ(findings_of(two_boxes({0.1, 0, 0}, false)).shells, 2);
-  EXPECT_THAT(findings_of(two_boxes({0.1, 0, 0}, true)).defects, ElementsAre("1 shell turned inwards"));
+  EXPECT_THAT(findings_of(two_boxes({0.1, 0, 0}, true)).defects, ElementsAre("1 shell oriented inwards"));
 }
 
 TEST(RequireOrgan, TakesASoundMesh) {

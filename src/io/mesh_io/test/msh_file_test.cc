@@ -216,7 +216,7 @@ TEST(Msh, SaysThatCurvedElementsAreTakenByTheirCorners) {
   const Solid solid = test::solids().back();
   EXPECT_THAT(
       read_msh_bytes(msh({"2.2", false, false}, solid.points, solid.cells)).repairs,
-      ElementsAre("took the corners alone of 1 curved cell", "took the surface of 1 solid cell: 4 faces"));
+      ElementsAre("used only the corners of 1 curved cell", "took the surface of 1 solid cell: 4 faces"));
 }
 
 TEST(Msh, TakesTrianglesAndQuadrilateralsAsASurfaceWhereNothingIsSolid) {
@@ -236,7 +236,7 @@ TEST(Msh, LeavesOutFlatElementsBesideSolidOnes) {
   cells.push_back({5, 2, {1, 2, 3}});  // the interface of two regions
   const ImportedMesh read = read_msh_bytes(msh({"2.2", false, false}, solid.points, cells));
   EXPECT_EQ(read.mesh.triangles.size(), 6U);
-  EXPECT_THAT(read.repairs, Contains("left out 1 flat cell beside the solid ones"));
+  EXPECT_THAT(read.repairs, Contains("skipped 1 flat cell among solid cells"));
 }
 
 TEST(Msh, IsRefusedWhereverItIsCutOff) {

@@ -292,7 +292,7 @@ TEST_F(ReadMesh, RefusesWhatIsNoMeshFile) {
               ThrowsMessage<InputError>(HasSubstr("none.stl: there is no such file")));
   EXPECT_THAT([&] { (void)read_mesh(folder_.path(), LengthUnit::kMetre); },
               ThrowsMessage<InputError>(HasSubstr("is a folder, must be a mesh file")));
-  expect_refused("a.txt", "solid", "unknown ending \".txt\"");
+  expect_refused("a.txt", "solid", "unknown file name extension \".txt\"");
   for (const char* ending : {"stl", "obj", "ply", "off", "3ds", "gltf", "glb"}) {
     expect_refused(std::string("a.") + ending, "", "empty");
     expect_refused(std::string("b.") + ending, "#\n", "b.");

@@ -180,7 +180,7 @@ TEST(Repair, PartsSolidsThatTouchInAVertex) {
     mesh.triangles.push_back({moved(a), moved(c), moved(b)});
   }
   const RepairedSurface result = repaired(mesh, 2.0 * signed_volume(other));
-  EXPECT_THAT(result.repairs, ElementsAre("parted surfaces that touched, with 1 new vertex"));
+  EXPECT_THAT(result.repairs, ElementsAre("separated touching surfaces with 1 new vertex"));
   EXPECT_THAT(result.remarks, ElementsAre("2 separate components"));
 }
 
@@ -291,7 +291,7 @@ TEST(Repair, TakesOutTrianglesWithoutAreaAndStaysClosed) {
   mesh.triangles.push_back({middle, b, c});
   mesh.triangles.push_back({a, b, middle});
   const RepairedSurface result = repaired(mesh, signed_volume(ball()));
-  EXPECT_THAT(result.repairs, ElementsAre("took out 1 triangle without area"));
+  EXPECT_THAT(result.repairs, ElementsAre("removed 1 triangle without area"));
   EXPECT_EQ(result.mesh.triangles.size(), 322U);
 }
 
@@ -315,7 +315,7 @@ TEST(Repair, ShrinksAnEdgeWithoutLength) {
   mesh.triangles.push_back({v, twin, q});
   ASSERT_TRUE(test::is_closed(mesh));
   const RepairedSurface result = repaired(mesh, signed_volume(ball()), 1e-6);
-  EXPECT_THAT(result.repairs, ElementsAre("took out 2 triangles without area"));
+  EXPECT_THAT(result.repairs, ElementsAre("removed 2 triangles without area"));
   EXPECT_EQ(result.mesh.vertices.size(), ball().vertices.size());
 }
 

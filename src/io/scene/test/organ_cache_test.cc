@@ -106,7 +106,7 @@ TEST(OrganCache, ReplacesADamagedFile) {
     std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
     std::string remark;
     EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
-    EXPECT_NE(remark.find("made anew"), std::string::npos);
+    EXPECT_NE(remark.find("computed again"), std::string::npos);
     EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
     EXPECT_NE(remark.find("taken from the cache"), std::string::npos);  // the damaged file was replaced
   }
@@ -196,11 +196,11 @@ TEST(OrganCache, UsesNoFileThatOthersOwnOrMayWriteTo) {
   fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
   std::string remark;
   EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
-  EXPECT_NE(remark.find("made anew"), std::string::npos);
+  EXPECT_NE(remark.find("computed again"), std::string::npos);
   if (geteuid() != 0) return;  // only root can change a file's owner
   ASSERT_EQ(chown(file.c_str(), 1234, 1234), 0);
   EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
-  EXPECT_NE(remark.find("made anew"), std::string::npos);
+  EXPECT_NE(remark.find("computed again"), std::string::npos);
 }
 
 TEST(OrganCache, WithoutAFolderThatCanBeWrittenIsNoError) {
