@@ -13,7 +13,7 @@
 namespace palpate::geometry {
 namespace {
 
-// With more shells than this their nesting is not looked into, only their turning.
+// Above this number of shells only their orientation is checked, not which lies inside which.
 constexpr std::size_t kMostShellsNested = 100;
 
 class Analysis final {
@@ -29,7 +29,7 @@ class Analysis final {
     findings_.volume = signed_volume(mesh_);
     say(boundary_edges_, "boundary edge", "boundary edges");
     say(non_manifold_edges_, "edge", "edges", " of more than two triangles");
-    say(turned_edges_, "edge", "edges", " whose two triangles are turned against each other");
+    say(turned_edges_, "edge", "edges", " whose two triangles differ in orientation");
     say(touching, "vertex", "vertices", " where separate surfaces touch");
     if (const std::size_t flat = count_flat(mesh_); flat > 0) {
       findings_.remarks.push_back(counted(flat, "triangle", "triangles") + " without area");
@@ -47,7 +47,7 @@ class Analysis final {
   void walk_edges() {
     for_each_edge(sorted_half_edges(mesh_.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
       const Corner corner = first->corner;
-      if (first->edge >> 32 == (first->edge & 0xffffffffU)) {  // the other two edges are one
+      if (first->edge >> 32 == (first->edge & 0xffffffffU)) {  // the other two edges are the same edge
         for (const HalfEdge* side = first; side != last; ++side)
           fans_.unite(side->corner, next_corner(side->corner));
         return;
@@ -63,7 +63,7 @@ class Analysis final {
     });
   }
 
-  /// Vertices with more than one fan of triangles about them.
+  /// Number of vertices with more than one fan of triangles (bow-tie vertices).
   std::size_t touching_vertices() {
     std::vector<std::size_t> fans_at(mesh_.vertices.size(), 0);
     for (Corner corner = 0; corner < 3 * mesh_.triangles.size(); ++corner) {
@@ -83,7 +83,7 @@ class Analysis final {
     findings_.shells = static_cast<int>(shell_roots_.size());
   }
 
-  /// A shell must be turned outwards, and a cavity (turned inwards) must lie in another shell.
+  /// A shell must be oriented outwards; a cavity, oriented inwards, must be inside another shell.
   void judge_shells() {
     const Vec3 origin = bounds(mesh_).middle();
     std::vector<double> volume(mesh_.triangles.size(), 0.0);  // by root
@@ -102,11 +102,11 @@ class Analysis final {
       turned += is_inward && !is_inside ? 1 : 0;
       nested += !is_inward && is_inside ? 1 : 0;
     }
-    say(turned, "shell", "shells", " turned inwards");
+    say(turned, "shell", "shells", " oriented inwards");
     say(nested, "shell", "shells", " inside another and not a cavity");
   }
 
-  /// Winding number of all other shells about the first vertex of this one.
+  /// Winding number of all other shells at the first vertex of this one.
   [[nodiscard]] double winding_of_others(std::size_t root) const {
     const Vec3 p = point(3 * root);
     double half_angles = 0.0;
@@ -129,8 +129,8 @@ class Analysis final {
   std::vector<std::uint32_t> shell_of_;
   std::vector<std::uint32_t> shell_roots_;
   std::size_t boundary_edges_ = 0;
-  std::size_t non_manifold_edges_ = 0;  // of more than two triangles
-  std::size_t turned_edges_ = 0;        // whose two triangles run the same way
+  std::size_t non_manifold_edges_ = 0;  // with more than two triangles
+  std::size_t turned_edges_ = 0;        // whose two triangles do not agree in orientation
   MeshFindings findings_;
 };
 

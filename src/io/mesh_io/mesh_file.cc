@@ -56,7 +56,7 @@ MeshFile open_mesh_file(const std::filesystem::path& path) {
   InputFile input(path, kMeshInput);
   const std::optional<MeshFormat> format = mesh_format(path);
   if (!format) {
-    throw InputError(fmt::format("{}: unknown ending \"{}\": must be one of {}", path.string(),
+    throw InputError(fmt::format("{}: unknown file name extension \"{}\": must be one of {}", path.string(),
                                  path.extension().string(), joined(mesh_file_endings())));
   }
   MeshFile file{path, *format, input.read_rest()};

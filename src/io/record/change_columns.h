@@ -9,14 +9,14 @@
 
 namespace palpate::record {
 
-/// A live change as a recording has it: SI numbers without padding.
+/// A parameter update as a recording stores it: SI units, no padding.
 struct ChangeRow {
   std::uint64_t tick = 0;
   std::uint64_t number = 0;
   std::uint32_t what = 0;
   std::uint32_t law = 0;                                     // model::LawKind
-  std::array<double, model::kTissueFields.size()> tissue{};  // 0 for an optional number that is not given
-  std::array<double, model::kMostRelaxationTerms> share{};   // 0: no such term of relaxation
+  std::array<double, model::kTissueFields.size()> tissue{};  // 0 for an optional number without a value
+  std::array<double, model::kMostRelaxationTerms> share{};   // 0: no such relaxation term
   std::array<double, model::kMostRelaxationTerms> time{};    // s
   std::uint64_t noise_enabled = 0;                           // 0 or 1
   double noise_gain = 0.0;                                   // N m
@@ -24,13 +24,13 @@ struct ChangeRow {
   std::array<char, haptics::LiveChange::kNameBytes> name{};
 };
 
-/// [any] The row of a change.
+/// [any] The row of a parameter update.
 [[nodiscard]] ChangeRow row_of(const haptics::LiveChange& change) noexcept;
-/// [setup] The change of a row, not checked.
+/// [setup] The parameter update of a row, not validated.
 [[nodiscard]] haptics::LiveChange change_of(const ChangeRow& row);
 
-/// [setup] All numbers of a ChangeRow, in the order of the recording and of the export; the tissue's name,
-/// kChangeName, comes after them.
+/// [setup] The columns of a ChangeRow, in the order of recording and export. The tissue's name, kChangeName,
+/// follows them.
 [[nodiscard]] std::span<const Column> change_columns();
 
 inline constexpr const char* kChangeName = "tissue";

@@ -19,7 +19,7 @@ namespace palpate::record {
 namespace {
 
 constexpr std::size_t kBlockRows = 4096;
-constexpr std::size_t kLongestValue = 32;  // characters of one number or word, and its comma
+constexpr std::size_t kLongestValue = 32;  // characters of one number or word, with its comma
 
 char* append(char* at, std::string_view word) {
   std::memcpy(at, word.data(), word.size());
@@ -57,7 +57,7 @@ char* append_value(char* at, const haptics::TickRow& row, const Column& column) 
   return append_column(at, row, column);
 }
 
-/// One line of the file; `at` has room for all columns.
+/// Writes one CSV line; `at` must have space for all columns.
 char* append_row(char* at, const haptics::TickRow& row) {
   for (const Column& column : tick_columns()) {
     at = append_value(at, row, column);
@@ -74,7 +74,7 @@ std::string header_line() {
   return line;
 }
 
-/// A name in quotes, so that a comma in it stays in it.
+/// A name in quotes, so that it may contain commas.
 std::string quoted(std::string_view name) {
   std::string text = "\"";
   for (const char c : name.substr(0, name.find('\0')))
@@ -132,7 +132,7 @@ void write_all(std::FILE* out, const Recording& recording, const std::filesystem
   }
 }
 
-/// Opens `file`, lets `fill` write it and closes it; a file that cannot be finished is removed.
+/// Opens `file`, lets `fill` write it and closes it; removes a file that cannot be completed.
 template <typename Fill>
 void write_file(const std::filesystem::path& file, const Fill& fill) {
   std::unique_ptr<std::FILE, CloseFile> out(std::fopen(file.c_str(), "w"));

@@ -49,7 +49,7 @@ std::vector<haptics::TickRow> FlightRecorder::rows() const {
   std::vector<haptics::TickRow> rows;
   rows.reserve(kept);
   for (std::uint64_t i = seen_ - kept; i < seen_; ++i) rows.push_back(ring_[i % ring_.size()]);
-  // A fault of the second hand may have cut the last tick in two, or the ring the first.
+  // A fault of the second hand can end the last tick early; the ring can overwrite a part of the first tick.
   while (!rows.empty() && rows.front().hand != 0) rows.erase(rows.begin());
   while (!rows.empty() && rows.back().hand + 1 != hands_) rows.pop_back();
   return rows;
@@ -73,7 +73,7 @@ void FlightRecorder::write(const std::filesystem::path& file, const haptics::Loo
 }
 
 std::filesystem::path keep_flight(const FlightRecorder& flight, const haptics::LoopReport& report) {
-  constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files together; the oldest go first
+  constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files; the oldest are removed first
   const std::filesystem::path folder = user_state_folder() / "faults";
   if (!folder.is_absolute()) return {};
   const std::int64_t now_ms = unix_ns() / 1'000'000;

@@ -21,8 +21,8 @@ namespace {
 using hdf5::check;
 using hdf5::Handle;
 
-// Room on the disk is taken ahead, because HDF5 (1.10.8) spoils a file when a write fails. What is left when
-// the disk is full must hold HDF5's caches (1 MiB of rows, some metadata) and the summary.
+// Disk space is reserved ahead, because HDF5 (1.10.8) corrupts a file when a write fails. When the disk is
+// full, the reserve must hold HDF5's caches (1 MiB of rows, some metadata) and the summary.
 constexpr std::int64_t kReserveLeast = std::int64_t{4} << 20;  // bytes
 constexpr std::int64_t kReserveStep = std::int64_t{8} << 20;   // bytes
 constexpr std::size_t kRemarkBytes = 4096;                     // of /run/remarks, filled at the end
@@ -84,7 +84,7 @@ void write_tools(hid_t file, const std::vector<geometry::Tool>& tools) {
   }
 }
 
-/// The tissue once more, for people who read the file with other tools; /scene is what a replay reads.
+/// Writes the tissue a second time, for other tools; a replay reads /scene.
 void write_tissue(hid_t file, const model::TissueParameters& tissue) {
   const Handle group = hdf5::create_group(file, "tissue");
   hdf5::write_attribute(group.id(), "name", tissue.name);
@@ -147,7 +147,7 @@ Handle create_ticks(hid_t file, hid_t row_type) {
   return ticks;
 }
 
-/// Empty, and seldom more than that: a run whose tissue is never changed has none.
+/// The dataset of parameter updates; it stays empty in most runs.
 Handle create_changes(hid_t file, hid_t change_type) {
   constexpr hsize_t kChunk = 16;
   const hsize_t none = 0;
@@ -242,7 +242,7 @@ void RecordingWriter::start(std::int64_t started_unix_ns) {
   hdf5::rewrite_attribute(file_.id(), "started_unix_ns", started_unix_ns);
   check(H5Fstart_swmr_write(file_.id()), "cannot be written");
   damaged_ = false;
-  // HDF5 has given its lock up now; this one tells `repair` that the file is still being written.
+  // HDF5 has released its lock; this lock shows `repair` that the file is still being written.
   const int fd = descriptor();
   if (fd >= 0) (void)::flock(fd, LOCK_SH | LOCK_NB);
 }
@@ -264,7 +264,7 @@ void RecordingWriter::reserve_space(std::int64_t extra_bytes) {
   } else if (errno == ENOSPC || errno == EDQUOT) {
     throw hdf5::Error(std::string("the disk is full (") + std::strerror(errno) + ")");
   }
-  // Other failures: the file system cannot reserve; then a write may fail.
+  // Otherwise the file system cannot reserve space, and a write may fail later.
 }
 
 void RecordingWriter::append_to(hid_t dataset, hid_t type, hsize_t start, hsize_t count, const void* data) {
@@ -331,7 +331,7 @@ void RecordingWriter::close() {
   change_type_.close();
   row_type_.close();
   if (!file_.close()) throw hdf5::Error("cannot be closed");
-  // Gives room that was taken ahead back to the disk.
+  // Returns the reserved space to the disk.
   struct stat facts {};
   if (reserved_end_ > 0 && ::stat(path_.c_str(), &facts) == 0) {
     (void)!::truncate(path_.c_str(), facts.st_size);

@@ -37,10 +37,10 @@ std::string text_of(const TickRow& row, const Column& column) {
   });
 }
 
-/// Runs a recording's ticks again, one by one.
+/// Replays a recording, tick by tick.
 class Replay final {
  public:
-  /// [setup] @throws InputError when ticks or hands are missing, or the scene is bad.
+  /// [setup] @throws InputError when ticks or hands are missing, or the scene is invalid.
   explicit Replay(const Recording& recording, const contact::Preparation& how)
       : recording_(recording),
         world_(scene::make_world(recording.setup, how)),
@@ -54,7 +54,7 @@ class Replay final {
     for (std::size_t i = 0; i < recording.rows.size(); ++i) {
       const TickRow& row = recording.rows[i];
       if (row.tick != i / hands() || row.hand != i % hands()) {
-        throw InputError(fmt::format("the recording lacks tick {} of hand {}; it cannot be run again",
+        throw InputError(fmt::format("the recording lacks tick {} of hand {}; it cannot be replayed",
                                      i / hands(), i % hands()));
       }
     }
@@ -63,8 +63,8 @@ class Replay final {
   [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
   [[nodiscard]] std::uint64_t ticks() const noexcept { return recording_.rows.size() / hands(); }
 
-  /// The next tick, from 0 on.
-  /// @throws InputError when the recording lacks a change that the tick used
+  /// Replays the next tick, from 0 on. @throws InputError when the recording lacks a parameter update of this
+  /// tick.
   void run_tick(std::uint64_t number) {
     const std::span<const TickRow> recorded = recorded_rows(number);
     change_at(number, (recorded.front().events & haptics::kLiveChange) != 0);
@@ -90,7 +90,7 @@ class Replay final {
     next_change_ = place.next_change;
   }
 
-  /// As the loop publishes it, but with the recording's own time.
+  /// The snapshot that the loop publishes, but with the recording's own time.
   [[nodiscard]] haptics::Snapshot snapshot(std::uint64_t number) const {
     haptics::Snapshot snapshot;
     const auto taken_ns = std::llround(static_cast<double>(number) / world_.rate_Hz * 1e9);
@@ -99,12 +99,12 @@ class Replay final {
   }
 
  private:
-  /// Applies the change of that tick, if there is one.
+  /// Applies the parameter update of this tick, if there is one.
   void change_at(std::uint64_t number, bool expected) {
     const bool there = next_change_ < changes_.size() && changes_[next_change_].values.tick == number;
     if (there != expected) {
       throw InputError(fmt::format(
-          "the recording {} change of tissue or noise at tick {}{}; it cannot be run again",
+          "the recording {} change of tissue or noise at tick {}{}; it cannot be replayed",
           expected ? "lacks the" : "has a", number, expected ? "" : " that its rows do not know"));
     }
     if (there) haptics::apply_change(world_, state_, changes_[next_change_++]);
@@ -194,7 +194,7 @@ struct RecordingFrames::Impl {
     kept.push_back(again.place());
   }
 
-  /// Continues from the kept place that is nearest before `tick`, unless the way from here is shorter.
+  /// Continues from the nearest stored state before `tick`, unless the current state is nearer.
   void jump_towards(std::uint64_t tick) {
     const std::uint64_t from = std::min<std::uint64_t>(tick / apart, kept.size() - 1) * apart;
     if (next <= tick + 1 && next >= from) return;
@@ -203,7 +203,7 @@ struct RecordingFrames::Impl {
   }
 
   void run_one() {
-    const std::uint64_t tick = std::exchange(next, kNowhere);  // if it fails, half of it is done
+    const std::uint64_t tick = std::exchange(next, kNowhere);  // a failed tick leaves an invalid state
     again.run_tick(tick);
     next = tick + 1;
     if (next == kept.size() * apart) kept.push_back(again.place());
@@ -215,9 +215,9 @@ struct RecordingFrames::Impl {
 
   const Recording& recording;
   Replay again;
-  std::uint64_t apart;              // ticks from one kept place to the next
-  std::vector<Replay::Place> kept;  // before ticks 0, apart, 2 apart ...
-  std::uint64_t next = 0;           // tick to run; kNowhere: only after going back to a kept place
+  std::uint64_t apart;              // ticks between two stored states
+  std::vector<Replay::Place> kept;  // the states before the ticks 0, apart, 2 apart ...
+  std::uint64_t next = 0;           // the next tick; kNowhere: a stored state must be restored first
 };
 
 RecordingFrames::RecordingFrames(const Recording& recording, const contact::Preparation& how)

@@ -19,7 +19,7 @@ constexpr std::string_view kSpherePrefix = "sphere:";
 geometry::Tool make_sphere(const Stated& mesh) {
   try {
     geometry::Tool tool = geometry::make_tool(mesh.value);
-    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // every vertex lies on the sphere
+    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // all vertices are on the sphere
     return tool;
   } catch (const InputError& error) {
     throw InputError(mesh.where + ": " + error.what());
@@ -48,12 +48,12 @@ geometry::Tool read_main_mesh(const ToolDescription& description, MeshNotes& not
   const std::vector<std::string>& known = geometry::builtin_tool_names();
   if (std::find(known.begin(), known.end(), mesh.value) == known.end()) {
     mesh.fail("must be " + alternatives(known) +
-              ", sphere:R, or a file (with a / or an ending such as .stl)");
+              ", sphere:R, or a file (with a / or an extension such as .stl)");
   }
   return geometry::make_tool(mesh.value);
 }
 
-/// Middle of a surface, by area; of the vertices where it has none.
+/// Centroid of a surface by area; mean of its vertices if the area is 0.
 Vec3 middle(const geometry::TriangleMesh& mesh) {
   Vec3 sum = Vec3::Zero();
   double area = 0.0;
@@ -100,7 +100,7 @@ geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& no
   if (description.mesh) tool = read_main_mesh(description, notes);
   std::vector<geometry::ToolPart> jaws;
   for (const JawDescription& jaw : description.jaws) {
-    if (!means_file(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an ending such as .stl)");
+    if (!means_file(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an extension such as .stl)");
     geometry::ToolPart part = read_part(jaw.mesh, description.unit, notes);
     part.is_jaw = true;
     part.pivot = jaw.pivot;

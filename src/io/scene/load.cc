@@ -29,7 +29,7 @@ Task task_of(const Request& request, Task otherwise) {
   return request.task ? parse_task(flag("--task", *request.task)) : otherwise;
 }
 
-/// The scene that a run without a scene file takes.
+/// The scene of a run without a scene file.
 SceneDescription default_scene(Task task) {
   SceneDescription scene;
   const bool press = task == Task::kPress;
@@ -108,8 +108,8 @@ void override_numbers(const Request& request, SceneDescription& scene) {
   }
 }
 
-/// @throws InputError before the file is looked at, so that nothing of it, nor whether it is there, can be
-/// told.
+/// Rejects a path outside `folder` before the file is opened, so that neither its content nor its existence
+/// leaks.
 void require_below(const std::filesystem::path& folder, const Stated& file) {
   std::error_code error;
   const std::filesystem::path root = std::filesystem::weakly_canonical(folder, error);
@@ -119,7 +119,7 @@ void require_below(const std::filesystem::path& folder, const Stated& file) {
     file.fail("must be a file below " + folder.string());
 }
 
-/// Holds every file that the scene names to the request's folder.
+/// Requires all files that the scene names to be inside the folder of the request.
 void require_files_below(const std::filesystem::path& folder, const SceneDescription& scene) {
   std::vector<const Stated*> named;
   const auto add = [&named](const std::optional<Stated>& name) {
@@ -139,7 +139,7 @@ void require_files_below(const std::filesystem::path& folder, const SceneDescrip
   for (const Stated* name : named) require_below(folder, *name);
 }
 
-/// The scene file, or the default scene, with the flags laid over it.
+/// The scene file, or the default scene, with the flags applied.
 SceneDescription describe(const Request& request) {
   SceneDescription scene;
   if (request.scene || request.scene_text) {
@@ -183,13 +183,13 @@ void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   const std::vector<std::string>& known = geometry::builtin_organ_names();
   if (std::find(known.begin(), known.end(), organ.value) == known.end()) {
     const std::string near = nearest_word(organ.value, known);
-    organ.fail(fmt::format("must be {}, or a file (with a / or an ending such as .stl){}",
+    organ.fail(fmt::format("must be {}, or a file (with a / or an extension such as .stl){}",
                            alternatives(known), near.empty() ? "" : "; did you mean " + near + "?"));
   }
   setup.organ = geometry::make_organ(organ.value);
 }
 
-/// The tissue asked for; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
+/// The requested tissue; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
 model::TissueParameters find_tissue(const SceneDescription& scene) {
   if (scene.tissue) {
     try {
@@ -202,7 +202,7 @@ model::TissueParameters find_tissue(const SceneDescription& scene) {
   if (!means_file(scene.organ->value)) {
     try {
       return model::tissue_preset(scene.organ->value.substr(0, scene.organ->value.find('-')));
-    } catch (const InputError&) {  // an organ without a tissue of its own, such as the box
+    } catch (const InputError&) {  // an organ without its own tissue, such as the box
     }
   }
   return model::tissue_preset(scene.task == Task::kPull ? "heart" : "gallbladder");
@@ -212,7 +212,7 @@ const DeviceKind& check_device_kind(const Stated& kind) {
   if (const DeviceKind* found = find_device_kind(kind.value)) return *found;
   std::vector<std::string> names;
   for (const DeviceKind& known : device_kinds()) {
-    if (known.name != "host") names.emplace_back(known.name);  // no run can open that one
+    if (known.name != "host") names.emplace_back(known.name);  // no run can open the host's device
   }
   kind.fail("must be " + alternatives(names));
 }
@@ -228,8 +228,8 @@ void check_tool_path(const Stated& path, const std::filesystem::path& file, Task
   }
 }
 
-/// Opening a library runs its code, so that only the person who starts the program may name one: no scene,
-/// wherever it comes from, and nothing that a file of the current folder could stand in for.
+/// Loading a library runs its code. So only the person who starts the program may name one: no scene may, and
+/// no relative path, which a file of the current folder could replace.
 void check_library(const Stated& path) {
   if (!path.by_flag) {
     path.fail(
@@ -239,7 +239,7 @@ void check_library(const Stated& path) {
   if (!path.file().is_absolute()) path.fail("must be an absolute path, such as /opt/vendor/lib/libdhd.so.3");
 }
 
-/// Checks what a device would read at its opening. @return its path, resolved; empty: none given.
+/// Checks the files that a device reads when it is opened. @return its resolved path; empty if none is given
 std::string check_device_path(const DeviceDescription& device, const DeviceKind& kind, Task task) {
   if (!device.path) {
     if (kind.path == DevicePath::kRecording) device.kind.fail("needs the path of a recording beside it");
@@ -267,7 +267,7 @@ void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
   std::vector<DeviceDescription> devices = scene.devices;
   if (devices.empty()) devices.resize(hands);
   if (devices.size() != hands) {
-    throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one a tool",
+    throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one per tool",
                                  devices.front().kind.where, devices.size(), hands));
   }
   for (const DeviceDescription& device : devices) {
@@ -306,7 +306,7 @@ void add_mesh_source(const Stated& stated, Setup& setup) {
   }
 }
 
-/// All files that were read.
+/// Lists all files that were read.
 void add_sources(const Request& request, const SceneDescription& scene, Setup& setup) {
   if (request.scene) setup.files.push_back({"the scene", *request.scene});
   if (scene.tissue) add_source(*scene.tissue, setup);

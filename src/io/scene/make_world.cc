@@ -34,7 +34,7 @@ haptics::StabilityCheck stability_of(const Setup& setup, const DeviceSetup& devi
 
 std::string rounded(double value) { return brief(value, 3); }
 
-/// A warning when the tissue is stiffer than the device can render; empty when it is not, or not known.
+/// A warning when the tissue is stiffer than the device can render; empty when it is not, or that is unknown.
 std::string too_stiff(const Setup& setup, const DeviceSetup& device, const model::TissueParameters& tissue) {
   const haptics::DeviceAbilities& able = device.abilities;
   const double stiffness = stability_of(setup, device, tissue, {}).stiffness;

@@ -8,8 +8,7 @@
 namespace palpate::scene {
 namespace {
 
-/// The field or flag that would have given the unit: "tool.jaw.mesh" -> "tool.unit", "--organ" ->
-/// "--organ-unit".
+/// The field or flag that gives a mesh's unit: "tool.jaw.mesh" -> "tool.unit", "--organ" -> "--organ-unit".
 std::string unit_field(const Stated& mesh) {
   if (mesh.by_flag) return mesh.where + "-unit";
   return mesh.where.find(": organ.") != std::string::npos ? "organ.unit" : "tool.unit";

@@ -11,13 +11,13 @@
 namespace palpate::scene {
 namespace {
 
-constexpr double kMillisecondsPerSecond = 1000.0;  // slew is given a millisecond
+constexpr double kMillisecondsPerSecond = 1000.0;  // slew rates are given per millisecond
 
 constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
 constexpr Range kRotation{-3600.0, 3600.0};  // deg: ten turns
 constexpr std::uint64_t kLastButton = 31;    // of DeviceState::buttons
 
-/// Reads one scene file; holds what every part of it needs.
+/// Reads one scene file.
 class SceneReader final {
  public:
   SceneReader(TomlTable root, std::filesystem::path folder)
@@ -145,12 +145,11 @@ class SceneReader final {
 
   static double read_gain(const TomlTable& table, double threshold_distance, double default_gain) {
     constexpr double kDefaultShare =
-        0.6;  // of the user's threshold: about where published work finds the best
+        0.6;  // of the user's threshold: near the optimum of published experiments
     const std::optional<double> gain = table.number("gain_N_m");
     const std::optional<double> user_threshold = table.number("user_threshold_N");
     const std::optional<double> share = table.number("share_of_threshold");
-    if (user_threshold && gain)
-      table.fail("gain_N_m", "stands beside user_threshold_N, give only one of them");
+    if (user_threshold && gain) table.fail("gain_N_m", "excludes user_threshold_N, give only one of them");
     if (share && !user_threshold) table.fail("share_of_threshold", "needs user_threshold_N beside it");
     if (!user_threshold) return gain.value_or(default_gain);
     return noise::gain_from_threshold(*user_threshold, share.value_or(kDefaultShare), threshold_distance);

@@ -14,16 +14,16 @@
 
 namespace palpate::scene {
 
-/// A name or file as a user typed it, with where, so that what is found wrong with it later can be told.
+/// A name or file as a user wrote it, with its source for error messages.
 struct Stated {
   std::string value;
   std::string where;             // "FILE:LINE: organ.mesh", or a flag: "--organ"
-  std::filesystem::path folder;  // that a relative path starts from
-  bool by_flag = false;          // from the command line or a caller's argument, not from a scene
+  std::filesystem::path folder;  // base of a relative path
+  bool by_flag = false;          // from the command line or a caller's argument, not from a scene file
 
-  /// [setup] The file meant by the value.
+  /// [setup] The value as a path.
   [[nodiscard]] std::filesystem::path file() const { return folder / value; }
-  /// [setup] @throws InputError "where = "value": want".
+  /// [setup] @throws InputError "where = "value": want", always.
   [[noreturn]] void fail(const std::string& want) const;
 };
 
@@ -40,16 +40,16 @@ struct ToolDescription {
   Pose mount;
   std::optional<double> tip_radius;  // m
   std::vector<JawDescription> jaws;
-  bool jaws_by_flags = false;  // axis and sign of the opening are chosen so that the jaws open apart
+  bool jaws_by_flags = false;  // choose the axis and sign of the opening so that the jaws open apart
 };
 
 struct DeviceDescription {
   Stated kind = {"scripted", "", {}};
   std::optional<Stated> path;
-  DeviceSetup setup;  // all but kind and path
+  DeviceSetup setup;  // except kind and path
 };
 
-/// What a scene file says, checked as far as it goes without the files it names. SI.
+/// The content of a scene file, checked except for the files that it names. SI units.
 struct SceneDescription {
   std::string name;
   Task task = Task::kPress;
@@ -59,34 +59,33 @@ struct SceneDescription {
   std::optional<LengthUnit> organ_unit;
   std::optional<Stated> tissue;
   Pose organ_pose;
-  std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ lies still
+  std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move
   std::vector<ToolDescription> tools;
-  double path_speed = 1.0;  // of every tool path
+  double path_speed = 1.0;  // factor of all tool paths
   std::vector<DeviceDescription> devices;
-  noise::NoiseSettings noise;    // its seed is not set yet
-  std::string noise_rate_place;  // "FILE:LINE: noise.rate_Hz" when it stands there, else empty
+  noise::NoiseSettings noise;    // without its seed
+  std::string noise_rate_place;  // "FILE:LINE: noise.rate_Hz" if the file has that key, else empty
   SafetySetup safety;
-  std::string organ_place;  // "FILE:LINE: organ.mesh", for when it is missing
+  std::string organ_place;  // "FILE:LINE: organ.mesh", for the error when it is missing
   std::string tool_place;
 };
 
-/// [setup] Reads and checks a scene file. @throws InputError: one line, FILE:LINE: field = value: what would
-/// be right; unknown keys too, with the nearest known one. @param settings take
-/// the place of what the file has
+/// [setup] Reads and checks a scene file. @param settings override the file's values @throws InputError in
+/// one line, "FILE:LINE: field = value: what would be right"; for an unknown key with the nearest valid one.
 [[nodiscard]] SceneDescription read_scene_file(const std::filesystem::path& file,
                                                std::span<const Setting> settings = {});
 
-/// [setup] The same from a text. @param folder that relative paths in it start from
+/// [setup] Reads and checks the text of a scene. @param folder base of relative paths in it
 [[nodiscard]] SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder,
                                                std::span<const Setting> settings = {});
 
-/// [setup] "press" or "pull". @throws InputError through `stated`.
+/// [setup] "press" or "pull". @throws InputError naming where `stated` was written.
 [[nodiscard]] Task parse_task(const Stated& stated);
 
-/// [setup] The unit named by `stated`. @throws InputError through it.
+/// [setup] The length unit that `stated` names. @throws InputError naming where `stated` was written.
 [[nodiscard]] LengthUnit parse_unit(const Stated& stated);
 
-/// [setup] "linear" or "cubic". @throws InputError naming where it stands
+/// [setup] "linear" or "cubic". @throws InputError naming where `stated` was written.
 [[nodiscard]] PathInterpolation parse_interpolation(const Stated& stated);
 
 }  // namespace palpate::scene

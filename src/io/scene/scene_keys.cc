@@ -20,7 +20,7 @@ std::vector<SceneKey> make_keys() {
   constexpr Range kLoopRate{kSlowestRate, kFastestRate};
   constexpr Range kTime{0.0, 1e6};  // s: eleven days
   const auto up_to = [](double most) { return Range{0.0, most, true}; };
-  constexpr double kPerMillisecond = 1000.0;  // slew is given a millisecond
+  constexpr double kPerMillisecond = 1000.0;  // slew rates are given per millisecond
   std::vector<SceneKey> keys = {
       {"scene.name", kText},
       {"scene.task", kText},
@@ -77,7 +77,7 @@ std::vector<SceneKey> make_keys() {
 
 std::string_view last_part(std::string_view path) { return path.substr(path.rfind('.') + 1); }
 
-/// Whether `path` is `text` and then a unit.
+/// Whether `path` is `text` followed by a unit.
 bool is_without_unit(std::string_view text, std::string_view path) {
   constexpr std::string_view kUnits[] = {"mm", "deg", "kg",      "s",         "ms",       "us",        "Hz",
                                          "N",  "N_m", "N_per_m", "N_s_per_m", "N_per_ms", "N_m_per_ms"};
@@ -98,7 +98,7 @@ void set_in(toml::node& node, std::string_view path, const SceneKey& key, const 
     return;
   }
   toml::table* table = node.as_table();
-  if (table == nullptr) return;  // its reader tells what is wrong
+  if (table == nullptr) return;  // its reader reports the error
   const std::size_t dot = path.find('.');
   if (dot != std::string_view::npos) {
     const std::string_view name = path.substr(0, dot);

@@ -51,7 +51,7 @@ std::vector<std::string> keys_of(std::string_view section) {
   return keys;
 }
 
-/// The numbers of [tissue] itself or of a table below it.
+/// The numbers of [tissue] itself, or of a table inside it.
 void read_numbers(const TomlTable& table, std::string_view section, model::TissueNumbers& tissue) {
   for (const model::TissueField& field : model::kTissueFields) {
     if (field.section != section) continue;

@@ -30,7 +30,8 @@ std::optional<double> as_number(const toml::node& node) {
   return std::nullopt;
 }
 
-/// The known key meant: one that goes on after `word` (its unit was left out), else the nearest by spelling.
+/// The valid key that the user probably meant: one that continues `word` (a missing unit), else the nearest
+/// by spelling.
 std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
   const std::string start = std::string(word) + "_";
   const auto longer =
@@ -189,7 +190,7 @@ void TomlTable::allow_only(const std::vector<std::string>& known) const {
     const std::string_view name = key.str();
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_key(name, known);
-    const std::string hint = near.empty() ? "known are " + alternatives(known) : "did you mean " + near + "?";
+    const std::string hint = near.empty() ? "valid are " + alternatives(known) : "did you mean " + near + "?";
     throw InputError(fmt::format("{}:{}: {} = {}: unknown key, {}", file_, key.source().begin.line,
                                  field(one_line(std::string(name))), value_in_words(node), hint));
   }

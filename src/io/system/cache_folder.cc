@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kTemporaryLetters = 7;  // a dot and mkstemp's six
+constexpr std::size_t kTemporaryLetters = 7;  // a dot and mkstemp's six letters
 constexpr std::chrono::hours kAbandoned{1};
 
 std::string environment(const char* name) {
@@ -21,7 +21,8 @@ std::string environment(const char* name) {
   return value == nullptr ? std::string() : std::string(value);
 }
 
-/// The folder named by `variable`, else `in_home` of the home folder; empty without either.
+/// The folder that the environment variable `variable` names, else `in_home` in the home folder; empty if
+/// neither is set.
 fs::path user_folder(const char* variable, const char* in_home) {
   const fs::path given = environment(variable);
   if (given.is_absolute()) return given / "palpate";
@@ -56,13 +57,13 @@ std::string why_not_trusted(const fs::path& folder) {
   if (is_own(facts)) return {};
   return folder.string() + (facts.st_uid != geteuid() ? ": belongs to another user"
                                                       : ": other users may write to it (chmod go-w " +
-                                                            folder.string() + " mends that)");
+                                                            folder.string() + " corrects that)");
 }
 
 bool make_own_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);
-  (void)::mkdir(folder.c_str(), S_IRWXU);  // it may be there
+  (void)::mkdir(folder.c_str(), S_IRWXU);  // it may exist already
   return fs::is_directory(folder, error) && why_not_trusted(folder).empty();
 }
 

@@ -29,7 +29,7 @@ std::string size_in_words(std::uint64_t bytes) {
 
 InputFile::InputFile(const std::filesystem::path& file, const InputKind& kind)
     : name_(file.string()), kind_(kind) {
-  // Without O_NONBLOCK, opening a FIFO waits until somebody writes to it.
+  // Without O_NONBLOCK, opening a FIFO blocks until a writer opens it.
   descriptor_ = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (descriptor_ < 0) {
     const int why = errno;
@@ -81,7 +81,7 @@ std::string InputFile::read_rest() {
   std::string content;
   content.resize(static_cast<std::size_t>(size_ > taken_ ? size_ - taken_ : 0));
   std::size_t filled = 0;
-  for (;;) {  // a file may grow meanwhile, and files of /proc have size 0
+  for (;;) {  // a file may grow, and files in /proc have size 0
     if (filled == content.size()) content.resize(filled + kBlock);
     const std::size_t count = read(std::span(content).subspan(filled));
     if (count == 0) break;

@@ -26,7 +26,7 @@ class Ball final : public ImplicitSolid {
 };
 const Bounds kAroundBall{Vec3::Constant(-0.0401), Vec3::Constant(0.0399)};
 
-/// A field's gradient against central differences.
+/// Compares a field's gradient with central differences.
 template <typename Field>
 void expect_gradient_fits(const Field& field, const Vec3& p, double tolerance) {
   constexpr double kStep = 1e-5;
@@ -107,7 +107,7 @@ TEST(Remesh, QuadruplingsMultiplyTheTrianglesByFourOnTheSurface) {
 }
 
 TEST(Implicit, BlendHasNoStepInCurvatureWhereItBegins) {
-  // Along a the higher solid's share of the gradient starts as the square of what is left of the gap.
+  // The gradient weight of the larger value starts as the square of the remaining gap.
   const FieldValue b{2.0, Vec3::UnitY()};
   const auto share = [&](double a) { return unite({a, Vec3::UnitX()}, b, 1.0).gradient.y(); };
   EXPECT_DOUBLE_EQ(share(1.0), 0.0);

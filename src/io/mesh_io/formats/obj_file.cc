@@ -35,7 +35,7 @@ class ObjReader final {
  private:
   [[nodiscard]] std::int64_t count() const { return static_cast<std::int64_t>(surface_.vertices.size()); }
 
-  /// Indices count from 1, or backwards from the last vertex when negative; later vertices may be named too.
+  /// Indices count from 1; negative ones count backwards from the last vertex. Faces may use later vertices.
   void read_face() {
     corners_.clear();
     scan_.reading("face", ++faces_);

@@ -24,18 +24,18 @@ namespace {
 constexpr double kWeld =
     1e-6;  // of the bounding box's diagonal: the rounding of 32-bit coordinates, and text
 
-// A hole is small when it has at most so many edges and spans at most so much of the bounding box's diagonal
-// ...
+// A hole is small when it has at most kMostHoleEdges edges and spans at most kMostHoleWidth of the bounding
+// box's diagonal, or when one or two triangles are missing (kFewHoleEdges) of at most kFewHoleArea of the
+// surface's area.
 constexpr std::size_t kMostHoleEdges = 200;
 constexpr double kMostHoleWidth = 0.2;
-// ... or when it is a missing triangle or two, of at most so much of the surface.
 constexpr std::size_t kFewHoleEdges = 4;
 constexpr double kFewHoleArea = 0.1;
 constexpr std::uint64_t kMostHoleSteps = 60'000'000;  // about 2 s
 
 std::string triangles(std::size_t count) { return counted(count, "triangle", "triangles"); }
 
-/// With three digits that count.
+/// In millimetres, with three significant digits.
 std::string millimetres(double metres) {
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), metres / kMillimetre,
@@ -69,7 +69,7 @@ class Repair final {
 
  private:
   void say(const std::string& words) { repaired_.repairs.push_back(words); }
-  /// "dropped 2 small components (6 triangles)", where there were any.
+  /// Reports a repair, such as "dropped 2 small components (6 triangles)", if there was any.
   void say(const Done& done, std::string_view one, std::string_view more, std::string_view measure = "",
            std::string_view why = "") {
     if (done.times == 0) return;
@@ -100,7 +100,7 @@ class Repair final {
     if (!repaired_.refusal.empty()) return;
     Opposites opposite = pair_half_edges(surface_);
     std::size_t added = split_bow_tie_vertices(surface_, opposite);
-    constexpr int kMostRounds = 4;  // a triangle may be at three such edges
+    constexpr int kMostRounds = 4;  // a triangle may have three such edges
     for (int round = 0; round < kMostRounds; ++round) {
       const std::size_t middles = split_non_manifold_edges(surface_, opposite);
       if (middles == 0) break;
@@ -108,17 +108,17 @@ class Repair final {
       added += middles + split_bow_tie_vertices(surface_, opposite);
     }
     if (added > 0) {
-      say("parted surfaces that touched, with " + counted(added, "new vertex", "new vertices"));
+      say("separated touching surfaces with " + counted(added, "new vertex", "new vertices"));
     }
     if (!orient_consistently(surface_, opposite)) {
-      return refuse("its surface has only one side: its triangles cannot all be turned outwards");
+      return refuse("its surface has only one side, so it has no outside");
     }
     say(drop_small_open_components(surface_, opposite), "small open component", "small open components");
     refuse_non_manifold(/*odd_alone=*/false);
   }
 
-  /// Refuses edges of more than two triangles, or those alone of which the number is odd: pairs cannot part
-  /// them.
+  /// Rejects non-manifold edges, with odd_alone only those with an odd number of triangles, which cannot be
+  /// paired.
   void refuse_non_manifold(bool odd_alone) {
     std::size_t count = 0;
     Vec3 at = Vec3::Zero();
@@ -183,7 +183,7 @@ class Repair final {
 
   void finish() {
     if (const std::size_t count = remove_slivers(surface_); count > 0) {
-      say("took out " + triangles(count) + " without area");
+      say("removed " + triangles(count) + " without area");
     }
     const ComponentsDone components = sort_out_components(surface_);
     const auto turned = static_cast<std::size_t>(

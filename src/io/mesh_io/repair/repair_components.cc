@@ -10,10 +10,10 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr double kSmall = 0.01;              // of the largest component's volume, or of the surface when open
+constexpr double kSmall = 0.01;  // of the largest component's volume; of an open one, of the surface's area
 constexpr std::size_t kMostComponents = 32;  // that are not small
-constexpr double kMostCrossing = 0.05;       // of the surface
-constexpr double kNoVolume = 1e-9;           // of the surface to the power of 3/2
+constexpr double kMostCrossing = 0.05;       // of the surface's area
+constexpr double kNoVolume = 1e-9;           // of the surface's area to the power of 3/2
 
 struct Component {
   double volume = 0.0;
@@ -22,12 +22,12 @@ struct Component {
   Box box;
 };
 
-/// The components by their smallest triangle; what no component is named by stays empty.
+/// The components, each at the index of its smallest triangle; other entries stay empty.
 std::vector<Component> measured(const WorkSurface& surface, const std::vector<std::uint32_t>& component_of) {
   std::vector<Component> components(component_of.size());
   for (std::uint32_t t = 0; t < component_of.size(); ++t) {
     Component& component = components[component_of[t]];
-    const Vec3& origin = surface.point_at(3 * component_of[t]);  // on the component, so that little cancels
+    const Vec3& origin = surface.point_at(3 * component_of[t]);  // on the component, against cancellation
     const Vec3 doubled = area_vector_doubled(surface.mesh, surface.mesh.triangles[t]);
     component.volume += (surface.point_at(3 * t) - origin).dot(doubled) / 6.0;
     component.area += 0.5 * doubled.norm();
@@ -57,7 +57,7 @@ Done drop_components(WorkSurface& surface, const std::vector<std::uint32_t>& com
   return done;
 }
 
-/// Whether a point is inside a component, by its winding number.
+/// Whether a point is inside a component, by the winding number.
 bool is_inside(const WorkSurface& surface, const std::vector<std::uint32_t>& component_of,
                std::uint32_t component, const Vec3& p) {
   double half_angles = 0.0;
@@ -102,7 +102,7 @@ void drop_small(WorkSurface& surface, ComponentsDone& done) {
   }
 }
 
-/// Drops components inside others, unless they go through them.
+/// Drops components inside others, unless they intersect them.
 void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& component_of, ComponentsDone& done) {
   const std::vector<Component> components = measured(surface, component_of);
   std::vector<std::uint8_t> goes(components.size(), 0);

@@ -7,13 +7,13 @@
 namespace palpate::geometry {
 namespace {
 
-// A round looks at each sliver once; what one takes out may free the next.
+// A round tries each sliver once; removing one may make the next removable.
 constexpr int kMostRounds = 20;
-// An edge shorter than this share of its triangle's longest is shrunk to a point.
+// An edge shorter than this fraction of its triangle's longest edge is collapsed.
 constexpr double kNoLength = 4e-7;
 
-/// One round over all slivers. Triangles about a change are left alone until the next, since the opposite
-/// half-edges are of before.
+/// One round over all slivers. Triangles next to a change wait for the next round, since the opposite
+/// half-edges are computed once per round.
 class Round final {
  public:
   explicit Round(WorkSurface& surface)
@@ -45,8 +45,8 @@ class Round final {
     return (surface_.point_at(next_corner(c)) - surface_.point_at(c)).norm();
   }
 
-  /// The triangles about the vertex of a corner, as their corners there; empty where the surface is open or
-  /// has changed.
+  /// The triangles around the vertex of a corner, as their corners there; empty where the surface is open or
+  /// already changed.
   [[nodiscard]] std::vector<Corner> ring(Corner start) const {
     std::vector<Corner> corners;
     Corner c = start;
@@ -68,8 +68,8 @@ class Round final {
     }
   }
 
-  /// Shrinks the edge of a corner to its start. The two ends may have no common neighbour but the two
-  /// opposite the edge: otherwise the surface would be pinched.
+  /// Collapses the edge of a corner to its start. Its ends may share only the two neighbours opposite the
+  /// edge: otherwise the surface would become non-manifold.
   bool shrink(Corner c) {
     const std::vector<Corner> about_kept = ring(c);
     const std::vector<Corner> about_gone = ring(next_corner(c));
@@ -88,7 +88,7 @@ class Round final {
     return true;
   }
 
-  /// Turns the edge of a corner to the other diagonal of its two triangles, where that leaves fewer slivers.
+  /// Flips the edge of a corner to the other diagonal of its two triangles, if that leaves fewer slivers.
   bool flip(Corner c) {
     const Corner across = opposite_[c];
     if (across == kNoOpposite) return false;

@@ -14,15 +14,15 @@
 namespace palpate::geometry {
 namespace {
 
-/// Triangles that hang together by edges of exactly two.
+/// Triangles that are connected by manifold edges.
 struct Patch {
   double area = 0.0;
   bool has_boundary = false;
-  bool meets_others = false;  // at an edge of more than two
-  bool was_doubled = true;    // all of it
+  bool meets_others = false;  // at a non-manifold edge
+  bool was_doubled = true;    // true for all its triangles
 };
 
-/// One round of drop_patches(). @return what went
+/// One round of drop_patches(). @return the dropped patches
 template <typename IsDoomed>
 Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   const std::size_t count = surface.mesh.triangles.size();
@@ -31,7 +31,7 @@ Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   for_each_edge(half_edges, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) sets.unite(first[0].corner / 3, first[1].corner / 3);
   });
-  std::vector<Patch> patches(count);  // by their smallest triangle; the others empty
+  std::vector<Patch> patches(count);  // at the index of the smallest triangle; others empty
   for (std::uint32_t t = 0; t < count; ++t) {
     Patch& patch = patches[sets.find(t)];
     patch.area += surface.area(t);
@@ -60,10 +60,10 @@ Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   return done;
 }
 
-/// Drops patches at edges of more than two triangles, as long as that changes something.
+/// Drops patches at non-manifold edges until nothing changes.
 template <typename IsDoomed>
 Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
-  constexpr int kMostRounds = 8;  // what goes may uncover the next
+  constexpr int kMostRounds = 8;  // dropping one may make the next droppable
   Done done;
   for (int round = 0; round < kMostRounds; ++round) {
     const Done once = drop_patches_once(surface, is_doomed);
@@ -74,7 +74,7 @@ Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
   return done;
 }
 
-/// Grows with the angle from 0 to a full turn, 0 to 4, without a trigonometric function.
+/// Grows with the angle from 0 to 4 for a full turn, without a trigonometric function.
 double turn_of(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (!(sum > 0.0)) return 0.0;
@@ -83,15 +83,15 @@ double turn_of(double x, double y) {
 }
 
 struct Spoke {
-  double turn;  // of the triangle about its edge
+  double turn;  // angle of the triangle around the edge, by turn_of()
   Corner corner;
-  bool ascends;  // along the edge, from its smaller vertex to its larger one
+  bool ascends;  // along the edge, from its smaller to its larger vertex index
 };
 
-/// Pairs the sides of a non-manifold edge so that between two of a pair lies what is solid: seen along the
-/// edge and going round against the clock, solid begins at a side that descends and ends at one that ascends.
-/// Where the sides do not agree on that, the narrower wedges are taken for solid. Sides of one patch come
-/// before all that.
+/// Pairs the half-edges of a non-manifold edge so that each pair encloses solid. Seen along the edge and
+/// counter-clockwise, a solid begins at a descending half-edge and ends at an ascending one. Where the
+/// orientations contradict that, the narrower wedges count as solid. Half-edges of the same patch are paired
+/// first.
 void pair_around(const WorkSurface& surface, const HalfEdge* first, const HalfEdge* last,
                  DisjointSets& patches, Opposites& opposite) {
   const auto low = static_cast<std::int32_t>(first->edge >> 32);
@@ -185,7 +185,7 @@ double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double la = a.norm();
   const double lb = b.norm();
   const double lc = c.norm();
-  // Rounded to whole turns by the callers, so the last bit does not matter: not in a tick.
+  // The callers round the result to whole turns, so the last bit does not matter; not used in a tick.
   return std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
@@ -241,7 +241,7 @@ std::size_t drop_duplicates(WorkSurface& surface) {
   struct Face {
     Triangle sorted;
     std::uint32_t triangle;
-    bool is_even;  // an even number of swaps sorts it
+    bool is_even;  // sorted by an even number of swaps
   };
   std::vector<Face> faces(surface.mesh.triangles.size());
   for (std::uint32_t t = 0; t < faces.size(); ++t) {
@@ -275,8 +275,8 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
     is_open = true;
   });
   if (!is_open || !(tolerance > 0.0)) return 0;
-  std::unordered_map<Cell, std::int32_t, ThreeWordsHash> cells;  // the first vertex in each
-  const auto find_or_add = [&](std::int32_t vertex) {  // the first one before it that lies near, or itself
+  std::unordered_map<Cell, std::int32_t, ThreeWordsHash> cells;  // the first vertex of each cell
+  const auto find_or_add = [&](std::int32_t vertex) {  // an earlier vertex within the tolerance, or itself
     const Vec3& p = surface.point(vertex);
     const Cell home = cell_at(p, tolerance);
     for (int n = 0; n < 27; ++n) {

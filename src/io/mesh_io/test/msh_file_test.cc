@@ -42,7 +42,7 @@ std::vector<MshForm> all_msh_forms() {
   return forms;
 }
 
-/// Writes Gmsh's files, independently of the reader. Nodes have tags from 10 on, in steps of 3.
+/// Writes MSH files, independently of the reader. Nodes have the tags 10, 13, 16, ...
 class MshWriter final {
  public:
   explicit MshWriter(const MshForm& form) : form_(form) {
@@ -64,7 +64,7 @@ class MshWriter final {
         number(static_cast<std::int32_t>(tag(n)));
         coordinates(points[n], {});
       }
-    } else {  // two blocks, the first of a curve with its parameter
+    } else {  // two blocks; the first is a curve with a parameter
       const std::size_t first = points.size() / 2;
       for (const std::size_t value : {std::size_t{2}, points.size()}) number(std::uint64_t{value});
       if (form_.version == "4.1")
@@ -200,7 +200,7 @@ TEST(Msh, IsReadByItsEndingWithItsUnitAndSaysWhatWasDone) {
 }
 
 TEST(Msh, KeepsNoNodesFromWithinASolid) {
-  // A cube of 2 x 2 x 2 hexahedra: of its 27 nodes one lies within.
+  // A cube of 2 x 2 x 2 hexahedra: one of its 27 nodes is inside.
   std::vector<Vec3> points;
   for (int n = 0; n < 27; ++n) points.emplace_back(n % 3, n / 3 % 3, n / 9);
   std::vector<SolidCell> cells;
@@ -216,7 +216,7 @@ TEST(Msh, SaysThatCurvedElementsAreTakenByTheirCorners) {
   const Solid solid = test::solids().back();
   EXPECT_THAT(
       read_msh_bytes(msh({"2.2", false, false}, solid.points, solid.cells)).repairs,
-      ElementsAre("took the corners alone of 1 curved cell", "took the surface of 1 solid cell: 4 faces"));
+      ElementsAre("used only the corners of 1 curved cell", "took the surface of 1 solid cell: 4 faces"));
 }
 
 TEST(Msh, TakesTrianglesAndQuadrilateralsAsASurfaceWhereNothingIsSolid) {
@@ -233,10 +233,10 @@ TEST(Msh, TakesTrianglesAndQuadrilateralsAsASurfaceWhereNothingIsSolid) {
 TEST(Msh, LeavesOutFlatElementsBesideSolidOnes) {
   const Solid solid = test::solids().front();
   std::vector<SolidCell> cells = solid.cells;
-  cells.push_back({5, 2, {1, 2, 3}});  // where two regions meet
+  cells.push_back({5, 2, {1, 2, 3}});  // the interface of two regions
   const ImportedMesh read = read_msh_bytes(msh({"2.2", false, false}, solid.points, cells));
   EXPECT_EQ(read.mesh.triangles.size(), 6U);
-  EXPECT_THAT(read.repairs, Contains("left out 1 flat cell beside the solid ones"));
+  EXPECT_THAT(read.repairs, Contains("skipped 1 flat cell among solid cells"));
 }
 
 TEST(Msh, IsRefusedWhereverItIsCutOff) {
@@ -306,7 +306,7 @@ TEST(Msh, SaysLineFieldAndValueOfWhatItRefuses) {
                      "must be $EndElements here");
 }
 
-// Tags that are equal modulo the size of a hash table: a search would take minutes.
+// Tags that are equal modulo the size of a hash table: lookups in one would take minutes.
 TEST(Msh, IsReadWhateverTheTagsOfItsNodesHaveInCommon) {
   constexpr std::int64_t kNodes = 500'000;
   constexpr std::int64_t kTableSize = 520'241;

@@ -26,7 +26,7 @@ using testing::ThrowsMessage;
 
 ImportedMesh read(const std::string& bytes) { return read_vtk({"a.vtk", MeshFormat::kVtk, bytes}); }
 
-/// How a file is written.
+/// The form of a file.
 struct Form {
   bool is_binary = false;
   bool has_offsets = false;  // version 5.1
@@ -34,7 +34,7 @@ struct Form {
   bool is_grid = false;
 };
 
-/// Writes legacy VTK, independently of the reader.
+/// Writes legacy VTK files, independently of the reader.
 class Writer final {
  public:
   explicit Writer(Form form) : form_(form) {
@@ -188,7 +188,7 @@ TEST(Vtk, TakesStripsApartWithEverySecondTriangleTurned) {
 }
 
 TEST(Vtk, CutsPolygonsUpWhateverTheirShape) {
-  // An L of area 3; a fan from its first corner would lie outside it.
+  // An L of area 3; a fan from its first corner would leave it.
   for (const Form& form : all_forms()) {
     Writer writer(form);
     writer.points({{2, 1, 0}, {2, 0, 0}, {2, 2, 0}, {0, 0, 0}, {0, 2, 0}, {1, 1, 0}, {1, 2, 0}});
@@ -289,7 +289,7 @@ TEST(Vtk, IsRefusedOrReadWhereverItIsCutOff) {
         ASSERT_THAT(error.what(), AllOf(StartsWith("a.vtk, "), Not(HasSubstr("\n"))));
       }
     }
-    // Whole but for the last blanks or digits, or cut off before the first of the cells.
+    // Complete except for the last spaces or digits, or cut off before the first cell.
     EXPECT_LE(read_ones, 100U);
   }
 }

@@ -1,4 +1,4 @@
-// Changes of tissue and noise while a run goes on: recorded, read, exported, and run again bit for bit.
+// Updates of tissue and noise during a run: recorded, read, exported and replayed bit for bit.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -42,7 +42,7 @@ scene::Setup block_and_ball() {
   return setup;
 }
 
-/// A tissue, or noise, that a hand at the sliders might come to.
+/// Offers a random tissue or noise, as a user at the sliders would.
 void offer_something(haptics::LiveChanges& changes, std::mt19937_64& dice) {
   const auto share = [&dice] { return static_cast<double>(dice() >> 11U) * 0x1p-53; };
   if (dice() % 3 == 0) {
@@ -61,7 +61,7 @@ void offer_something(haptics::LiveChanges& changes, std::mt19937_64& dice) {
   (void)changes.offer(tissue);
 }
 
-/// Presses, slides and lifts in turn; offers changes at random ticks.
+/// Presses, slides and lifts in turn; offers updates at random ticks.
 class RestlessDevice final : public haptics::Device {
  public:
   RestlessDevice(haptics::LiveChanges& changes, std::uint64_t seed) : changes_(changes), dice_(seed) {}
@@ -81,7 +81,7 @@ class RestlessDevice final : public haptics::Device {
   std::mt19937_64 dice_;
 };
 
-/// A run with a change about every 40 ticks.
+/// A run with an update about every 40 ticks.
 Recording restless_run(std::uint64_t seed, std::uint64_t ticks, bool by_flight_recorder = false) {
   const TemporaryFolder folder;
   const scene::Setup setup = block_and_ball();
@@ -263,7 +263,7 @@ TEST(LiveChangesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
 }
 
-/// A recording of one row with these changes. @return what reading it says is wrong; empty: nothing
+/// A recording of one row with these updates. @return the reader's error; empty: none
 std::string refusal_of(const std::vector<haptics::LiveChange>& changes,
                        const std::function<void(hid_t)>& spoil) {
   const TemporaryFolder folder;
@@ -316,7 +316,7 @@ TEST(LiveChangesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThemIsRe
   EXPECT_THAT(refusal_of({change}, make_list_with_one_column), HasSubstr("/changes has no column number"));
 }
 
-/// Changes without one of the columns, as they were recorded before its number was a parameter.
+/// Writes updates without one of the columns, as recordings from before its parameter existed have them.
 void write_without(std::string_view left_out, hid_t file, const std::vector<haptics::LiveChange>& changes) {
   const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(ChangeRow));
   for (const Column& column : change_columns()) {
@@ -341,7 +341,7 @@ void write_without(std::string_view left_out, hid_t file, const std::vector<hapt
   H5Tclose(type);
 }
 
-/// What is read of a recording with these changes whose file lacks a column.
+/// The updates that are read from a recording whose file lacks a column.
 std::vector<haptics::LiveChange> read_without(std::string_view column,
                                               const std::vector<haptics::LiveChange>& changes) {
   const TemporaryFolder folder;

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 constexpr double kReplayedBallRadius = 3e-3;  // m
 
-/// A ball in each hand over a block whose top is at z = 0.
+/// A ball in each hand above a block whose top is at z = 0.
 scene::Setup block_and_balls(std::size_t hands) {
   scene::Setup setup;
   setup.name = "block and balls";
@@ -34,7 +34,7 @@ scene::Setup block_and_balls(std::size_t hands) {
   return setup;
 }
 
-/// Presses at 20 mm/s from 2 mm above to 3 mm deep, each hand a bit beside the other.
+/// Presses at 20 mm/s from 2 mm above to 3 mm deep, with a lateral offset between hands.
 class PressingDevice final : public haptics::Device {
  public:
   explicit PressingDevice(double x) : x_(x) {}
@@ -51,7 +51,7 @@ class PressingDevice final : public haptics::Device {
   double x_;
 };
 
-/// What the loop published at every tick, and its rows by way of the recorder.
+/// The loop's rows of a run, recorded and read back.
 Recording run(const scene::Setup& setup, std::uint64_t ticks) {
   const TemporaryFolder folder;
   const haptics::SimulationWorld world = scene::make_world(setup);
@@ -78,7 +78,7 @@ TEST(Replay, RecordedRunComesOutTheSameBitForBit) {
   EXPECT_EQ(result.hash, hash_rows(recording.rows));
 }
 
-/// The scene of block_and_balls() with an organ that breathes and beats.
+/// The scene of block_and_balls() with breathing and heartbeat.
 scene::Setup breathing_block() {
   scene::Setup setup = block_and_balls(1);
   setup.organ_motion = {model::organ_motion_preset(model::OrganMotionKind::kBreathing),
@@ -159,7 +159,7 @@ TEST(Replay, BitsCountNotValues) {
 TEST(Replay, HashGoesOnFromTheRowsBefore) {
   const haptics::TickRow rows[] = {sample_row(0, 0), sample_row(1, 0)};
   EXPECT_EQ(hash_rows(rows), hash_rows(std::span(rows + 1, 1), hash_rows(std::span(rows, 1))));
-  EXPECT_EQ(hash_rows({}), 14695981039346656037ULL);  // FNV-1a of nothing
+  EXPECT_EQ(hash_rows({}), 14695981039346656037ULL);  // FNV-1a of no bytes
 }
 
 TEST(SnapshotsAt, AreThoseOfTheTicksAskedFor) {

@@ -27,7 +27,7 @@ void add_pose(const Pose& pose, std::vector<double>& out) {
              {pose.position.x(), pose.position.y(), pose.position.z(), q.w(), q.x(), q.y(), q.z()});
 }
 
-/// Every number of a scene but the meshes', in one list.
+/// All numbers of a scene except those of the meshes, in one list.
 std::vector<double> numbers(const scene::Setup& s) {
   const model::TissueParameters& t = s.tissue;
   std::vector<double> out = {s.rate_Hz,
@@ -62,7 +62,7 @@ std::vector<double> numbers(const scene::Setup& s) {
   return out;
 }
 
-/// Every word, flag and integer of a scene.
+/// All texts, flags and integers of a scene.
 std::vector<std::string> words(const scene::Setup& s) {
   std::vector<std::string> out = {s.name,
                                   model::to_string(s.tissue.law),
@@ -190,7 +190,7 @@ TEST(RoundTrip, LawAndRelaxationComeBack) {
   EXPECT_EQ(got.relaxation[0].time, 0.1 + 0.2);
 }
 
-/// The tissue of a scene that was recorded before these keys were written.
+/// The tissue of a recorded scene without these keys, as older recordings have it.
 model::TissueParameters tissue_without(const scene::Setup& setup, const std::vector<std::string>& keys) {
   std::string text = setup_to_json(setup);
   for (const std::string& key : keys) {
@@ -260,7 +260,8 @@ TEST_P(RoundTripRows, ComeBackToTheBit) {
   }
 }
 
-// None, one, a chunk (1024) and its neighbours, more than the ring (8192), hands that do not divide a chunk.
+// No row, one, a chunk (1024) and its neighbours, more than the ring (8192), hands that do not divide a
+// chunk.
 INSTANTIATE_TEST_SUITE_P(Sizes, RoundTripRows,
                          ::testing::Values(std::pair{0, 1}, std::pair{1, 1}, std::pair{1023, 1},
                                            std::pair{1024, 1}, std::pair{1025, 1}, std::pair{60000, 1},

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// A scene whose organ beats and whose device fails, as JSON with `from` replaced by `to`.
+/// A scene with heartbeat and a failing device, as JSON with `from` replaced by `to`.
 std::string changed(const std::string& from, const std::string& to) {
   scene::Setup setup = sample_setup(1);
   setup.organ_motion.resize(1);

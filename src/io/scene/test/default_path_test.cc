@@ -20,7 +20,7 @@
 namespace palpate::scene {
 namespace {
 
-/// The tool hung over the organ at one row: heights in the world by brute force over all vertices.
+/// The tool and the organ at one row: heights in the world, by brute force over all vertices.
 struct Hanging {
   double lowest = std::numeric_limits<double>::infinity();
   Vec3 tip = Vec3::Zero();
@@ -41,7 +41,7 @@ Hanging hang(const Setup& setup, std::size_t hand, const PathRow& row, double gr
   return result;
 }
 
-/// Height of the organ's surface over (x, y), by all triangles.
+/// Height of the organ's surface at (x, y), by brute force over all triangles.
 double surface_height(const Setup& setup, double x, double y) {
   geometry::TriangleMesh organ = setup.organ;
   geometry::transform(organ, setup.organ_pose);
@@ -111,7 +111,7 @@ TEST(DefaultPath, TheTipComesDownOnTheOrgansMiddleWithItsZAxisDown) {
   const ToolPath path = default_path(setup, 0);
   const PathRow& first = path.rows().front();
   const Vec3 middle = middle_of(setup);
-  EXPECT_NEAR(first.position.x(), middle.x(), 0.3e-3);  // the lowest vertices of a ball lie about its pole
+  EXPECT_NEAR(first.position.x(), middle.x(), 0.3e-3);  // the lowest vertices of a ball are around its pole
   EXPECT_NEAR(first.position.y(), middle.y(), 0.3e-3);
   EXPECT_NEAR((first.orientation * Vec3(0.0, 0.0, 1.0) - Vec3(0.0, 0.0, -1.0)).norm(), 0.0, 1e-15);
 }
@@ -194,7 +194,7 @@ TEST(DefaultPath, RefusesAnOpenOrgan) {
 constexpr int kAround = 48;
 constexpr int kAcross = 24;
 
-/// The surface of a ring: section(v) = {outwards, up} [m] turned about z, counter-clockwise in v.
+/// The surface of a ring: section(v) = {radial, axial} [m], revolved about z, counter-clockwise in v.
 geometry::TriangleMesh ring(const std::function<std::array<double, 2>(double)>& section) {
   geometry::TriangleMesh mesh;
   for (int i = 0; i < kAround; ++i) {
@@ -216,7 +216,7 @@ geometry::TriangleMesh torus(double radius, double thickness) {
   });
 }
 
-/// An ellipsoid whose long axis follows a circle of `bend` [m].
+/// An ellipsoid whose long axis follows a circle of radius `bend` [m].
 geometry::TriangleMesh banana(double half_length, double half_width, double bend) {
   geometry::TriangleMesh mesh = geometry::make_ball(1.0, 1280);
   for (Vec3& v : mesh.vertices) {
@@ -237,11 +237,11 @@ scene::Setup press_of(const geometry::TriangleMesh& organ, const Vec3& turned_de
   return setup;
 }
 
-/// The tool at the deepest point of its path, by contact itself.
+/// The tool at the deepest point of its path, computed by contact itself.
 struct Pressed {
   std::uint32_t status_at_start = 0;
   double depth = 0.0;  // m
-  double angle = 0.0;  // degrees, between the way and the normal
+  double angle = 0.0;  // degrees, between the motion and the normal
 };
 
 Pressed pressed(const scene::Setup& setup, const ToolPath& path) {
@@ -261,8 +261,8 @@ Pressed pressed(const scene::Setup& setup, const ToolPath& path) {
   return pressed;
 }
 
-/// Turns of the surface around `p` by the solid angles of all triangles: 1 inside, 0 outside
-/// [van Oosterom and Strackee 1983].
+/// Winding number of the surface around `p`, from the solid angles of all triangles: 1 inside, 0 outside [van
+/// Oosterom and Strackee 1983].
 double turns_around(const geometry::TriangleMesh& mesh, const Vec3& p) {
   double sum = 0.0;
   for (const geometry::Triangle& t : mesh.triangles) {
@@ -327,7 +327,8 @@ TEST(DefaultPath, OnAnyShapeToolAndShaftStartOutsideAndAPressReachesItsDepthSqua
   }
 }
 
-/// A tube that is flat in its bore alone, where no instrument gets in squarely: outside it is all ridges.
+/// A tube that is flat only in its bore, where no instrument can press along the normal; its outside is
+/// ridged.
 geometry::TriangleMesh ridged_tube() {
   return ring([](double v) {
     const auto j = static_cast<int>(std::lround(v * kAcross / (2.0 * portable::kPi)));
@@ -348,7 +349,7 @@ TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsSaid) {
   const double way = (path.at(0.5 * path.end_time()).position - path.rows().front().position).norm();
   const double depth = way - 10e-3;
   EXPECT_GE(depth, 3e-3);
-  EXPECT_LT(depth, 6.5e-3);  // half of its section: farther in, another side is nearer
+  EXPECT_LT(depth, 6.5e-3);  // half of its section: deeper inside, another side is nearer
   const Pressed press = pressed(setup, path);
   EXPECT_NEAR(press.depth, depth, 0.05 * depth);
   EXPECT_LT(press.angle, 20.0);
@@ -365,7 +366,7 @@ TEST(DefaultPath, AnOrganThatIsPressedLessDeepIsPressedFromAboveItsMiddleWhereTh
     EXPECT_LT((row.orientation * Vec3::UnitZ() + Vec3::UnitZ()).norm(), 1e-9);
 }
 
-/// Each triangle with six of no area around it.
+/// Adds six triangles without area around each triangle.
 geometry::TriangleMesh with_flat_triangles(const geometry::TriangleMesh& mesh) {
   geometry::TriangleMesh result{mesh.vertices, {}};
   for (const geometry::Triangle& t : mesh.triangles) {

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr double kOpening = 0.25;  // rad
 
-/// A slab-like jaw, 2 x 2 x 20 mm, from the pivot to +z, its middle at (x, y).
+/// A box-shaped jaw, 2 x 2 x 20 mm, from the pivot towards +z, with its centre at (x, y).
 geometry::ToolPart jaw_at(double x, double y) {
   geometry::ToolPart jaw;
   jaw.is_jaw = true;
@@ -57,7 +57,7 @@ TEST(OpenApart, TurnsEachJawAwayFromTheOtherWhicheverSideItIsOn) {
 }
 
 TEST(OpenApart, WorksForJawsThatBothLieOnOneSideOfTheirPivot) {
-  std::vector<geometry::ToolPart> jaws = {jaw_at(0.0, -3e-3), jaw_at(0.0, -5e-3)};  // curved to -y
+  std::vector<geometry::ToolPart> jaws = {jaw_at(0.0, -3e-3), jaw_at(0.0, -5e-3)};  // both on the side of -y
   open_apart(jaws);
   EXPECT_GT(tip(jaws[0], 1.0).y() - tip(jaws[1], 1.0).y(), 10e-3);
 }
@@ -155,10 +155,10 @@ TEST(LoadInstrument, RefusesUnknownNamesMissingUnitsAndTooManyParts) {
               HasSubstr("= \"left\": must be a file"));
 }
 
-/// The real instruments, where there is a folder of them.
+/// Real instruments, if the environment names a folder of them.
 TEST(LoadInstrument, JawsOfRealInstrumentsGivenByFlagsOpenApart) {
   const char* data = std::getenv("PALPATE_DATA");
-  if (data == nullptr) return;  // nothing to check without the files
+  if (data == nullptr) return;  // without the files there is nothing to check
   for (const std::string name : {"maryland_dissector", "atraumatic_forceps"}) {
     ToolDescription description;
     description.unit = LengthUnit::kMillimetre;

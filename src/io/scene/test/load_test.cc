@@ -260,7 +260,7 @@ TEST(Load, ALibraryIsNamedByItsAbsolutePathOnTheCommandLineAndNeverByAScene) {
   EXPECT_THAT(error_in(request), HasSubstr("--device = \"libevil.so\": must be an absolute path"));
 }
 
-/// What a scene in that folder is refused with when its files must lie there too.
+/// The error of a scene in that folder when its files must be inside the folder too.
 std::string error_when_kept_inside(const TemporaryFolder& folder, const std::string& content) {
   Request request = scene(folder.write("s.toml", content));
   request.files_below = folder.path();
@@ -379,7 +379,7 @@ TEST(Load, RefusesHandsThatDoNotMatchUp) {
   EXPECT_EQ(load(scene(folder.write("s.toml", organ + tool + tool))).devices.size(), 2U);
   EXPECT_EQ(load(scene(folder.write("s.toml", organ + tool + tool + device + device))).tools.size(), 2U);
   EXPECT_THAT(error_in(scene(folder.write("s.toml", organ + tool + tool + device))),
-              HasSubstr("there are 1 devices for 2 tools, must be one a tool"));
+              HasSubstr("there are 1 devices for 2 tools, must be one per tool"));
   EXPECT_THAT(error_in(scene(folder.write("s.toml", organ + tool + tool + tool + tool + tool))),
               HasSubstr("there are 5 tools, must be at most 4"));
   Request request = scene(folder.write("s.toml", organ + tool + tool));

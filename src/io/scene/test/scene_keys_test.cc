@@ -67,7 +67,7 @@ TEST(SceneKeys, NeedASceneFile) {
   EXPECT_EQ(error_of([&] { (void)load(request); }), "--set path.speed: needs a scene file");
 }
 
-/// A key that no reader knew would be an unknown key of the file.
+/// A key that no reader knows would be reported as an unknown key.
 TEST(SceneKeys, EachIsKnownToTheReadersOfAScene) {
   const TemporaryFolder folder;
   for (const SceneKey& key : scene_keys()) {

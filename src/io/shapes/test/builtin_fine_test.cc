@@ -14,13 +14,14 @@
 #include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
 
-// The built-in shapes at three resolutions: the paper's counts, about 30,000 and about 300,000 triangles.
+// Tests of the built-in shapes at three resolutions: the paper's counts, about 30,000 and about 300,000
+// triangles.
 namespace palpate::geometry {
 namespace {
 
 constexpr double kFineMm = 1e-3;
 
-/// Read once a program.
+/// Each organ is read once per program.
 const TriangleMesh& organ(const std::string& name) {
   static std::map<std::string, TriangleMesh> read;
   const auto found = read.find(name);
@@ -59,7 +60,7 @@ void expect_even_triangles(const TriangleMesh& mesh) {
   EXPECT_GT(angles[angles.size() / 2], 50.0);
 }
 
-/// Farthest vertex of `from`, of every `step`, from the surface `to` [m].
+/// The largest distance [m] of every `step`-th vertex of `from` to the surface `to`.
 double farthest(const TriangleMesh& from, const SurfaceDistance& to, std::size_t step) {
   double most = 0.0;
   for (std::size_t v = 0; v < from.vertices.size(); v += step) {
@@ -97,7 +98,7 @@ TEST_P(FineOrgan, HasNoTriangleThatGoesThroughAnother) {
   EXPECT_EQ(find_crossings(organ(GetParam() + "-30k")).pairs.size(), 0U);
 }
 
-// The duct's lumen and the smaller coronary vessels are left out at the paper's counts, and the coarse
+// Meshes with the paper's counts lack the duct's lumen and the smaller coronary vessels, and their coarse
 // triangles do not reach the bottom of the clefts between the vessels.
 TEST_P(FineOrgan, HasOneShapeAtAllResolutions) {
   const TriangleMesh& finest = organ(GetParam() + "-300k");
@@ -106,7 +107,7 @@ TEST_P(FineOrgan, HasOneShapeAtAllResolutions) {
   const SurfaceDistance to_finest(finest);
   EXPECT_LT(apart(fine, SurfaceDistance(fine), finest, to_finest), 0.7 * kFineMm);
   EXPECT_LT(farthest(coarse, to_finest, 1), 1.5 * kFineMm);
-  // The liver's coarse triangles are twice as long as the others'.
+  // The liver's coarse triangles are twice as long as those of the other organs.
   EXPECT_LT(apart(coarse, SurfaceDistance(coarse), finest, to_finest),
             (GetParam() == "liver" ? 3.6 : 2.7) * kFineMm);
 }
@@ -126,7 +127,7 @@ TEST(FineTool, EveryPartIsOneClosedShellWithEvenTrianglesAndTheShaftHasTwoRings)
   }
 }
 
-/// All parts in one mesh, the jaws opened.
+/// All parts of a tool in one mesh, with the jaws at `gripper`.
 TriangleMesh assembled(const Tool& tool, double gripper) {
   TriangleMesh all;
   for (const ToolPart& part : tool.parts) {

@@ -21,7 +21,7 @@ using test::TemporaryFolder;
 using testing::EndsWith;
 using testing::HasSubstr;
 
-/// What refuse_overwriting() says of one output and one input.
+/// The message of refuse_overwriting() for one output and one input.
 std::string overwriting(const fs::path& output, const fs::path& input) {
   const std::array<NamedFile, 1> outputs{{{"--csv", output}}};
   const std::array<NamedFile, 1> inputs{{{"recording", input}}};
