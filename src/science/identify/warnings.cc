@@ -12,7 +12,7 @@
 namespace palpate::identify {
 namespace {
 
-/// Three digits: enough for a sentence.
+/// Three digits are enough for a sentence.
 void add_undetermined(const std::vector<Determined>& determined, const SpecimenFit& fit,
                       std::vector<std::string>& out) {
   const std::vector<ParameterLabel> names = labels(fit.terms);
@@ -35,7 +35,7 @@ void add_correlated(const std::vector<std::vector<double>>& all, const SpecimenF
   }
 }
 
-/// What to measure when the law's shape is not well known.
+/// What to measure when the law's shape is poorly determined.
 std::string advice(const SpecimenFit& fit, const Part& part) {
   const double q = fit.estimates[2].value;
   const double third_layer =
@@ -61,7 +61,7 @@ void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::str
                 advice(fit, part) + "; the curve itself is known better");
 }
 
-/// Mean way back of the force between loading and unloading at the same displacement, over the range.
+/// Whether the displacement decreases by more than half of its range in total.
 bool turns_back(const Specimen& specimen, double range) {
   double back = 0.0;
   for (std::size_t i = 1; i < specimen.size(); ++i) {
@@ -83,7 +83,7 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
                     brief(100.0 * fit.nrmse, 3)));
   }
   const std::vector<double> left = plain_residuals(problem, part, fit.shared, fit.own);
-  const double limit = 1.5 * problem.loss_scale;  // six spreads
+  const double limit = 1.5 * problem.loss_scale;  // six standard deviations
   const auto outliers =
       std::count_if(left.begin(), left.end(), [limit](double r) { return std::abs(r) > limit; });
   if (outliers > 0 && problem.loss_scale > 1e-4) {
