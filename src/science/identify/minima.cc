@@ -124,7 +124,7 @@ double sigma_of(const Problem& problem, const Solution& solution) {
 /// priors, and many outliers widen the loss, so this repeats until both are constant.
 void polish(Problem& problem, Solution& best) {
   constexpr int kMostRounds = 10;
-  constexpr int kSteps = 400;  // many, for narrow valleys where parameters are hardly determined
+  constexpr int kSteps = 400;  // many, for a narrow optimum where parameters are hardly determined
   constexpr double kSame = 0.8;
   for (int round = 0; round < kMostRounds; ++round) {
     best = solve(problem, best, kSteps);

@@ -19,7 +19,7 @@ struct SweepPiece {
 [[nodiscard]] std::vector<double> sweep_values(const SweepRequest& request, const Estimate& estimate,
                                                const Bounds& bounds);
 
-/// [setup] Computes a piece. Returns one line of JSON without line end, exact to the bit.
+/// [setup] Computes a piece. Returns one line of JSON without line end, bit for bit exact.
 [[nodiscard]] std::string sweep_line(const SweepPiece& piece, const std::string& key,
                                      const std::vector<Specimen>& specimens, const ManyFits& fits,
                                      const Settings& settings);

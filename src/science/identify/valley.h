@@ -18,7 +18,7 @@ namespace palpate::identify {
                                    double step);
 
 /// [setup] Profile at `value`: the solution with one parameter held at `value` and all others fitted again.
-/// It goes there in several steps, so that it follows a narrow curved valley of the cost. @param value within
+/// It goes there in several steps, so that it follows a narrow curved path. @param value within
 /// the bounds
 [[nodiscard]] Solution moved_to(const Problem& problem, Solution at, std::size_t index, double value);
 
