@@ -33,7 +33,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 constexpr ReportOptions kNoPictures{false, 0, 0};
 
-/// One report of two experiments, without pictures of organ and tool, for all tests here.
+/// One report of two experiments, without rendered pictures, for all tests here.
 class Report : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
