@@ -33,8 +33,8 @@ inline constexpr std::size_t kFewestPoints = 10;
 /// optionally time_s and specimen. Lines that begin with # and blank lines are ignored. A file without a
 /// specimen column is one specimen, named after the file. Rows of 0 mm and 0 N after other rows are omitted:
 /// a rig that stops at its force limit writes them.
-/// @throws InputError that names file, line, column and value, or file and specimen: no such file, a missing
-/// or unknown header, a value that is not a finite number, times that do not increase, fewer than
+/// @throws InputError that names file, line, column and value, or file and specimen. Causes: no such file, a
+/// missing or unknown header, a value that is not a finite number, times that do not increase, fewer than
 /// kFewestPoints rows, a constant displacement or force, a force that does not rise out of its noise, wrong
 /// signs.
 [[nodiscard]] std::vector<Specimen> read_specimens(const std::filesystem::path& file);

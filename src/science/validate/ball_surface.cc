@@ -32,7 +32,7 @@ double BallSurface::at(double r) const noexcept {
   if (rest > 0.0 && r >= kQuarterTurn * rest) return u;
   const double aside = rest > 0.0 ? rest * portable::sin_cos(r / rest).sine : r;  // r is an arc length
   if (!(aside < radius_)) return u;
-  const double behind = rest > 0.0 ? sag(rest, aside) : 0.0;  // height that the rest surface falls there
+  const double behind = rest > 0.0 ? sag(rest, aside) : 0.0;  // depth of the rest surface below its top
   return std::max(u, depth_ - sag(radius_, aside) - behind);
 }
 

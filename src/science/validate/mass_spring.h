@@ -4,10 +4,10 @@
 
 namespace palpate::validate {
 
-/// Mass-spring surface patch as used in surgery simulators, for comparison: a square grid of nodes that move
-/// along the normal, springs of rest length to the eight neighbours, a spring from each node to its rest
-/// position (home spring), and a fixed rim. The middle node follows the tool; the others are relaxed by a
-/// fixed number of sweeps from their previous positions. Single-threaded.
+/// Mass-spring surface patch as used in surgery simulators, for comparison. It is a square grid of nodes that
+/// move along the normal, with a fixed rim. Each node has springs to its eight neighbours and a spring to its
+/// rest position (home spring); no spring has force at rest. The middle node follows the tool; the others are
+/// relaxed by a fixed number of sweeps from their previous positions. Single-threaded.
 class MassSpringPatch final {
  public:
   static constexpr std::size_t kSide = 11;  // nodes per side
