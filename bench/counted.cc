@@ -106,6 +106,6 @@ int main() {
                            97'000, [] { PALPATE_COUNTED("dense tool in approach", 200); },
                            [] { PALPATE_COUNTED("dense tool in contact", 200); });
   if (counted) return 0;
-  std::fputs("palpate_counted: the way never came into contact\n", stderr);
+  std::fputs("palpate_counted: the path never came into contact\n", stderr);
   return 1;
 }

@@ -109,7 +109,7 @@ std::vector<WayPoint> walk(const scene::Setup& setup, const haptics::SimulationW
     way.push_back({world.mappings[0].apply(sample.position_D, sample.orientation_D), sample.gripper,
                    static_cast<contact::Phase>(row.phase), row.distance});
   }
-  if (way.empty()) throw std::runtime_error("bench: the way of the " + setup.name + " scene is empty");
+  if (way.empty()) throw std::runtime_error("bench: the path of the " + setup.name + " scene is empty");
   return way;
 }
 

@@ -110,7 +110,7 @@ void refuse_unless_moved(const Dent& dent, std::span<const Shifted> shifts, cons
   if (dent.opposite > kMostOpposite * dent.peak && dent.opposite > least) {
     throw InputError(
         fmt::format("{}: parts of the line moved {} the tissue, others by {} % of that the other way; must "
-                    "be one dent, and the instrument must not look like the tissue",
+                    "be one indentation, and the instrument must not look like the tissue",
                     name, way, rounded(100.0 * dent.opposite / dent.peak)));
   }
   if (dent.peak < least) {
@@ -123,18 +123,19 @@ void refuse_unless_moved(const Dent& dent, std::span<const Shifted> shifts, cons
 void refuse_unless_between_flanks(const Alignment& now, const std::string& name) {
   constexpr double kLeastSide = 2.5;  // half widths of the indentation: undisturbed beyond
   if (!now.dent.found) {
-    throw InputError(name +
-                     ": the dent's two sides cannot both be seen; must show the line on both sides of "
-                     "the instrument");
+    throw InputError(
+        name +
+        ": the two sides of the indentation are not both visible; must show the line on both sides of "
+        "the instrument");
   }
   const double left = now.dent.centre - now.shifts.front().after.s;
   const double right = now.shifts.back().after.s - now.dent.centre;
   const double side = std::min(left, right) / now.dent.half_width;
   if (side < kLeastSide) {
-    throw InputError(
-        fmt::format("{}: the picture ends {} half widths beside the dent, must show at least {} of the "
-                    "undisturbed surface on both sides",
-                    name, rounded(side), rounded(kLeastSide)));
+    throw InputError(fmt::format(
+        "{}: the picture ends {} half widths beside the indentation, must show at least {} of the "
+        "undisturbed surface on both sides",
+        name, rounded(side), rounded(kLeastSide)));
   }
 }
 
@@ -371,7 +372,7 @@ void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   links.push_back({0.8 * rival, "another line is " + rounded(100.0 * rival) + " % as plausible"});
   links.push_back({std::min(0.6, 2.0 * measured.asymmetry),
                    "left and right differ by " + rounded(100.0 * measured.asymmetry) + " % of the depth"});
-  if (measured.tip_hidden) links.push_back({0.1, "the deepest place is hidden"});
+  if (measured.tip_hidden) links.push_back({0.1, "the deepest point is hidden"});
   double left = 1.0;
   const Link* weakest = &links.front();
   for (const Link& link : links) {
@@ -400,16 +401,16 @@ void refuse_unless_certain(const ImageMeasurement& measured, const std::string& 
   constexpr double kMostRise = 0.1;
   const double rise = rise_of(measured);
   if (rise > kMostRise) {
-    throw InputError(
-        fmt::format("{}: beside the dent the line goes deeper again by {} % of the depth; must be one dent, "
-                    "and nothing in front that looks like what is above the tissue",
-                    name, rounded(100.0 * rise)));
+    throw InputError(fmt::format(
+        "{}: beside the indentation the line becomes deeper again by {} % of the depth; must be one "
+        "indentation, and no object in front may look like the background",
+        name, rounded(100.0 * rise)));
   }
   if (measured.asymmetry > kMostAsymmetry) {
-    throw InputError(
-        fmt::format("{}: the dent's left and right side differ by {} % of the depth, must differ by at most "
-                    "12 %: the model's dent is symmetric; check that nothing hides part of this one",
-                    name, rounded(100.0 * measured.asymmetry)));
+    throw InputError(fmt::format(
+        "{}: left and right side of the indentation differ by {} % of the depth, must differ by at most "
+        "12 %: the model is symmetric; check that no object hides part of the indentation",
+        name, rounded(100.0 * measured.asymmetry)));
   }
   if (measured.uncertainty > kMostUncertain * measured.depth) {
     throw InputError(fmt::format(

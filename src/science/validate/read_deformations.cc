@@ -55,8 +55,8 @@ void check_deformation(Deformation& deformation, const std::string& where) {
   }
   if (!(correlation(deformation.distance, deformation.displacement) < 0.0) || !(*most > 0.0)) {
     throw InputError(where +
-                     ": u_mm does not fall from the contact outwards; the way that the tool pushes or pulls "
-                     "the surface counts positive");
+                     ": u_mm does not decrease away from the contact; displacement in the direction of the "
+                     "tool is positive");
   }
 }
 

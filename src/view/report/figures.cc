@@ -148,11 +148,11 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
       "lines lw 2 lc {} title 'tissue'\n"
       "unset multiplot\n",
       quoted(kGrey), quoted(kOrange));
-  Figure figure{file, moving ? "Depth, the organ's way and force over time in seconds"
+  Figure figure{file, moving ? "Depth, motion of the organ and force over time in seconds"
                              : "Depth in millimetres and force in newtons over time in seconds"};
   figure.caption =
-      moving ? "Depth of the contact with the largest force (above), how far the organ's middle is from its "
-               "place at rest (middle) and force (below) over time. Dashed: first contact and deepest tick."
+      moving ? "Depth of the contact with the largest force (above), displacement of the organ's centre "
+               "(middle) and force (below) over time. Dashed: first contact and deepest tick."
              : "Depth of the contact with the largest force (above) and force (below) over time. Dashed: "
                "first contact and deepest tick.";
   return drawn(figure, script, {data, way.data});

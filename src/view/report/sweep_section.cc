@@ -123,9 +123,8 @@ void write_sweeps(Page& page, const std::vector<identify::Sweep>& sweeps,
   if (sweeps.empty()) return;
   page.section("sweeps", "Sweeps");
   page.paragraph(
-      "A parameter is held at value after value, each time with all others fitted again. A flat line says "
-      "that the "
-      "data do not tell this parameter: others stand in for it.");
+      "A parameter is fixed at a series of values, and all others are fitted again at each. A flat line "
+      "means that the data do not determine this parameter: others compensate it.");
   TableRows rows = {{"parameter", "of", "within the swept range"}};
   for (const identify::Sweep& sweep : sweeps) {
     rows.push_back(

@@ -192,7 +192,7 @@ std::string zeros_text(const ForceSet& set) {
                                  zeros_of(set.zeros_fitted ? set.given : set.fitted));
   if (set.fitted.at_limit) {
     text +=
-        "  ! the fitted zeros lie where their search ends: cut off the way without contact, take off the "
+        "  ! the fitted zeros lie at a bound of their search: cut off motion without contact, subtract the "
         "sensor's zero\n";
   }
   return text;
