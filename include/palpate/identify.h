@@ -35,8 +35,8 @@ inline constexpr std::size_t kFewestPoints = 10;
 /// a rig that stops at its force limit writes them.
 /// @throws InputError that names file, line, column and value, or file and specimen. Causes: no such file, a
 /// missing or unknown header, a value that is not a finite number, times that do not increase, fewer than
-/// kFewestPoints rows, a constant displacement or force, a force that does not rise out of its noise, wrong
-/// signs.
+/// kFewestPoints rows. Causes in a specimen: a constant displacement or force, a force that does not rise out
+/// of its noise, wrong signs.
 [[nodiscard]] std::vector<Specimen> read_specimens(const std::filesystem::path& file);
 
 /// [setup] Reduces a specimen to at most `most` points, each the mean of neighbours: neighbours in time or,

@@ -28,8 +28,9 @@ inline constexpr std::size_t kFewestPlaces = 5;
 /// named after the file and its depth. r_mm < 0 is the other side of the contact and counts as its absolute
 /// value. Rows may be in any order.
 /// @throws InputError that names file, line, column and value. Causes: no such file, a missing or unknown
-/// header, a value that is not a finite number, a depth that is not > 0, fewer than kFewestPlaces rows,
-/// constant positions or displacements, displacements that grow away from the contact (a wrong sign).
+/// header, a value that is not a finite number, a depth that is not > 0, fewer than kFewestPlaces rows.
+/// Causes in a profile: constant positions or displacements, displacements that grow away from the contact (a
+/// wrong sign).
 [[nodiscard]] std::vector<Deformation> read_deformations(const std::filesystem::path& file);
 
 /// [setup] Sorts a profile by distance. @param where for the message @throws InputError as
