@@ -1,5 +1,5 @@
-// The program palpate-bench, which `palpate bench` executes: measures ticks, preparation, many hands and the
-// parts of a tick on this machine, beside installed peers.
+// The program palpate-bench, which `palpate bench` executes: measures ticks, preparation, many hands, the
+// parts of a tick, and installed peers on this machine.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -42,7 +42,7 @@ constexpr double kPeerSeconds = 4.0;
 constexpr double kLoopRate = 10'000.0;  // Hz
 constexpr std::size_t kMostHands = 100'000;
 
-/// What is measured, as the flags choose: none of them, all.
+/// The measurements selected by flags; without flags all.
 struct Plan {
   bool quick = false;
   bool full = false;
@@ -54,7 +54,7 @@ struct Plan {
   std::size_t hands = 0;
   bool loop = false;
   bool pictures = false;
-  haptics::Waiting waiting = haptics::Waiting::kSleep;  // of hands and loop
+  haptics::Waiting waiting = haptics::Waiting::kSleep;  // for hands and loop
   bool json = false;
   std::filesystem::path csv;
 
@@ -92,7 +92,7 @@ std::vector<Subject> pictures_of(const Plan& plan) {
   return {{"press", 0, 0}, {"pull", 0, 0}, {"press", kFine, 0}, {"press", kFinest, 0}};
 }
 
-/// Takes the measurements of a plan one after the other.
+/// Runs the measurements of a plan one after the other.
 class Bench final {
  public:
   Bench(Plan plan, std::string command_line)
@@ -122,7 +122,7 @@ class Bench final {
   }
 
  private:
-  /// Shows `share` of the step that is under way.
+  /// Shows the progress `share` of the current step.
   void show(double share, const std::string& what) { bar_.update((done_ + share) / steps_, what); }
 
   void measure(const Subject& subject) {
@@ -161,8 +161,8 @@ class Bench final {
   void measure_parts() {
     show(0.0, "law and noise");
     const model::LayeredSpringLaw law(model::tissue_preset("gallbladder"), model::Direction::kPress, 1e-3);
-    constexpr double kDeepest = 20e-3;  // m, into the fourth layer
-    constexpr double kSpread = 1e-4;    // so that ten thousand calls cover all depths
+    constexpr double kDeepest = 20e-3;  // m, in the fourth layer
+    constexpr double kSpread = 1e-4;    // step that spreads ten thousand calls over all depths
     const double largest = law.force_at(kDeepest).force;
     account_.law_ns = median_call_ns(
         [&](std::uint64_t i) { return law.force_at(kDeepest * kSpread * static_cast<double>(i)).force; });
@@ -247,8 +247,8 @@ void add_flags(CLI::App& command, Plan& flags) {
       "  palpate bench --full --csv bench.csv");
 }
 
-/// [setup] Measures what the flags ask for, writes the CSV file and prints the account.
-/// @throws InputError when the file cannot be written, before anything is measured.
+/// [setup] Runs the selected measurements, writes the CSV file and prints the account. @throws InputError
+/// when the file cannot be written, before anything is measured.
 void run(Plan plan, std::string command_line) {
   plan.complete();
   if (!plan.csv.empty()) app::require_writable_file(plan.csv, "--csv");

@@ -1,4 +1,4 @@
-// The figures of an account row by row, as CSV and as tables.
+// The rows of an account, as CSV and as tables of text.
 #include <map>
 #include <string>
 #include <utility>
@@ -78,7 +78,7 @@ void add_peer(Rows& rows, const PeerAccount& peer) {
   add("approach", peer.approach, peer.approach_ratio);
 }
 
-/// A comment stays one line.
+/// Replaces line ends, because a comment is one line.
 std::string one_line(std::string text) {
   for (char& letter : text) {
     if (letter == '\n' || letter == '\r') letter = ' ';
@@ -86,7 +86,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// A cell: in quotes where a comma or a quote needs it.
+/// A CSV cell, quoted where it contains a comma or a quote.
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string quoted = "\"";

@@ -19,13 +19,13 @@ namespace {
 
 constexpr double kTurn = 0.25;  // s
 
-/// How one of the two loops went so far.
+/// State of one of the two loops.
 struct Side {
   std::vector<double> late_us;
   std::uint64_t missed = 0;
 };
 
-/// `ticks` periods in real time, each calling `work()`.
+/// Runs `ticks` periods in real time with a call of `work()` in each.
 template <typename Work>
 void take_turn(double rate_Hz, std::uint64_t ticks, haptics::TickWait& wait, Side& side, Work work) {
   const auto period = static_cast<std::int64_t>(1e9 / rate_Hz);

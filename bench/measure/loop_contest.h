@@ -8,10 +8,9 @@
 
 namespace palpate::bench {
 
-/// [setup] The scene in real time at its own rate, recorded, against an empty loop on the same thread, in
-/// turns of a quarter of a second, to the end of the path; both wait in the same way. Missed: begun a full
-/// period or more late.
-/// @throws InputError when no temporary file can be made.
+/// [setup] Runs the scene in real time at its own rate, recorded, in turns of 0.25 s with an empty loop on
+/// the same thread, to the end of the path. Both loops wait in the same way. A missed tick began a full
+/// period or more late. @throws InputError when no temporary file can be made.
 [[nodiscard]] LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::SimulationWorld& world,
                                              const scene::ToolPath& path, haptics::Waiting waiting,
                                              const Watch& watch);

@@ -19,7 +19,7 @@ ScratchRecorder::~ScratchRecorder() {
   try {
     recorder_.finish(haptics::LoopReport{});
   } catch (const InputError&) {
-    // A disk that cannot keep up with ticks back to back says nothing about the ticks.
+    // Errors of a disk that is too slow for ticks back to back do not concern the ticks.
   }
 }
 

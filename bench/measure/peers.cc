@@ -19,12 +19,12 @@
 namespace palpate::bench {
 namespace {
 
-constexpr double kSameAnswer = 20e-6;  // m, of a distance in single precision and one in double
-constexpr std::size_t kTrial = 24;     // answers that say how many there is time for
+constexpr double kSameAnswer = 20e-6;  // m, difference allowed between single and double precision
+constexpr std::size_t kTrial = 24;     // queries that estimate how many there is time for
 constexpr std::size_t kTrialInOrder = 3;
 constexpr std::size_t kChecks = 60;
 
-/// A mesh as the shared library takes it.
+/// A mesh in the form of the shared library.
 struct PlainMesh {
   std::vector<double> vertices;
   std::vector<std::int32_t> triangles;
@@ -38,7 +38,7 @@ struct PlainMesh {
   }
 };
 
-/// A peer with the organ and the tool of a question in it, and the question in its terms.
+/// A peer with organ and tool loaded, and the poses in its terms.
 class Asked final {
  public:
   Asked(const PalpatePeer& peer, const PeerQuestion& question)
@@ -65,7 +65,7 @@ class Asked final {
   Asked(const Asked&) = delete;
   Asked& operator=(const Asked&) = delete;
 
-  /// The answer at place `i` of the way.
+  /// The peer's answer at point `i` of the path.
   double at(std::size_t i) {
     return peer_->ask(opened_, poses_[i * tool().parts.size()].data(), tips_[i].data());
   }
@@ -77,11 +77,11 @@ class Asked final {
   const PalpatePeer* peer_;
   const scene::Setup* setup_;
   std::vector<Vec3> tips_;
-  std::vector<std::array<double, 7>> poses_;  // of all parts, place by place
+  std::vector<std::array<double, 7>> poses_;  // of all parts, per point of the path
   void* opened_ = nullptr;
 };
 
-/// Every how many points of the way there is time to ask.
+/// Stride along the path for which the time suffices.
 std::size_t stride_for(Asked& asked, const PalpatePeer& peer, const PeerQuestion& question) {
   const std::size_t count = question.way.size();
   const std::size_t trials = peer.in_order != 0 ? kTrialInOrder : kTrial;
@@ -92,9 +92,9 @@ std::size_t stride_for(Asked& asked, const PalpatePeer& peer, const PeerQuestion
       1, static_cast<std::size_t>(std::ceil(each * static_cast<double>(count) / question.seconds)));
 }
 
-/// The distance that palpate finds there: of the tool's tip, or as the way says, of the whole tool.
+/// Compares with Palpate's distance: of the tool's tip, or of the whole tool.
 void check_answers(Asked& asked, const PalpatePeer& peer, const PeerQuestion& question) {
-  if (peer.in_order != 0) return;  // it says no distance
+  if (peer.in_order != 0) return;  // it returns no distance
   const geometry::SurfaceDistance surface(question.setup.organ);
   const std::size_t step = std::max<std::size_t>(1, question.way.size() / kChecks);
   for (std::size_t i = 0; i < question.way.size(); i += step) {
@@ -123,7 +123,7 @@ std::filesystem::path peers_library() {
 }
 
 Peers::Peers(const std::filesystem::path& library) {
-  // It stays open to the program's end: threads that a peer started may live as long.
+  // It stays open until the program ends, because threads of a peer may live that long.
   void* opened = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (opened == nullptr) return;
   using List = const PalpatePeer* (*)(std::size_t*);
@@ -167,7 +167,7 @@ PeerAccount ask_peer(const PalpatePeer& peer, const PeerQuestion& question) {
       approach_us.push_back(spent);
     }
   }
-  if (!touched) contact_us.clear();  // no step of it had the tool on the organ
+  if (!touched) contact_us.clear();  // the tool never touched the organ in its simulation
   PeerAccount account;
   account.name = peer.name;
   account.does = peer.does;

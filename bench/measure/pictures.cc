@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
-constexpr std::uint64_t kTicksAFrame = 16;  // 1 kHz, about 60 pictures a second
+constexpr std::uint64_t kTicksAFrame = 16;  // 1 kHz, about 60 pictures per second
 constexpr std::size_t kMostFrames = 240;
 constexpr std::size_t kPictureWarmUp = 3;  // frames: shaders are compiled at their first use
 
@@ -27,7 +27,7 @@ std::int64_t process_cpu_ns() {
   return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-// From the touch on, as a picture each kTicksAFrame ticks sees it.
+// Snapshots from first contact on, one every kTicksAFrame ticks.
 std::vector<haptics::Snapshot> moments_of(const scene::Setup& setup) {
   const Prepared prepared = prepare(setup);
   OneHand hand(prepared.world);

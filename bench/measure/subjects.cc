@@ -15,16 +15,16 @@
 namespace palpate::bench {
 namespace {
 
-constexpr double kCurvedShare = 0.75;  // of the curved position, as the paper recommends
+constexpr double kCurvedShare = 0.75;  // shape factor of Phong tessellation, as the paper recommends
 
-// The way to and from the scene's own path, and the sway on all of it.
-constexpr double kAside = 20e-3;      // m, from where the scene's path begins
+// Approach before and after the scene's own path, and the oscillation.
+constexpr double kAside = 20e-3;      // m, from the start of the scene's path
 constexpr double kAbove = 10e-3;      // m
 constexpr double kWay = 2.8;          // s, at 15 mm/s at most
 constexpr double kRowSpacing = 5e-3;  // s
 constexpr double kSway = 0.5e-3;      // m
 constexpr double kTilt = 0.012;       // rad
-// Sways in one way there and back: whole numbers, so that it ends as it begins; about 1 and 0.7 a second.
+// Oscillations per path: whole numbers, so that it ends as it begins; about 1 and 0.7 per second.
 constexpr double kSwaysAcross = 13.0;
 constexpr double kSwaysAlong = 9.0;
 
@@ -41,7 +41,7 @@ std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh) {
   return normals;
 }
 
-/// Divides the triangles of one mesh; a vertex on an edge is made once, whichever triangle comes first.
+/// Divides the triangles of a mesh; vertices on an edge are shared by its triangles.
 class Tessellation final {
  public:
   Tessellation(const geometry::TriangleMesh& coarse, int parts, Shape shape)
@@ -57,7 +57,7 @@ class Tessellation final {
  private:
   using Steps = std::array<int, 3>;  // barycentric coordinates in steps of 1 / parts
 
-  /// Grid point with `steps[k]` of `parts_` of corner k.
+  /// Grid point with weight `steps[k]` / `parts_` of corner k.
   [[nodiscard]] Vec3 point(const geometry::Triangle& corners, const Steps& steps) const {
     Vec3 flat = Vec3::Zero();
     std::array<double, 3> weight{};
@@ -123,7 +123,7 @@ class Tessellation final {
   Shape shape_;
   std::vector<Vec3> normals_;
   geometry::TriangleMesh fine_;
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> edges_;  // first vertex of each
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> edges_;  // first vertex of each edge
   std::vector<std::vector<std::int32_t>> rows_;
 };
 
@@ -183,7 +183,7 @@ scene::ToolPath hand_path(const scene::Setup& setup) {
     rows.push_back(row);
   }
   scene::PathRow leaving = rows.back();
-  rows.pop_back();  // add_way makes it
+  rows.pop_back();  // add_way adds it
   add_way(leaving, 0.0, leaving.time);
   leaving.time += kWay;
   leaving.position += Vec3(kAside, 0.0, kAbove);

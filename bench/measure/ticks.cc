@@ -17,8 +17,8 @@
 namespace palpate::bench {
 namespace {
 
-// Back to back, ticks come a hundred times as fast as the recorder is made for: after so many the bench
-// waits, outside the measured time, until its writer has taken them.
+// Ticks back to back are a hundred times faster than the recorder is designed for. Every kTicksAtOnce ticks
+// the bench waits for its writer, outside the measured time.
 constexpr std::uint64_t kTicksAtOnce = 2000;
 constexpr std::chrono::milliseconds kWriterTakes{25};
 
@@ -26,7 +26,7 @@ bool approaching(const haptics::TickRow& row) {
   return row.phase == static_cast<std::uint32_t>(contact::Phase::kApproach);
 }
 
-/// Times of one kind of work, which is done again and again in the same order.
+/// Times of identical work that is repeated in the same order.
 class RepeatedTimes final {
  public:
   void begin() { next_ = 0; }
@@ -47,7 +47,7 @@ class RepeatedTimes final {
   std::size_t next_ = 0;
 };
 
-/// Goes the way again and again.
+/// Runs the path repeatedly.
 class Passes final {
  public:
   Passes(const haptics::SimulationWorld& world, const scene::Setup& setup, const scene::ToolPath& path)
@@ -66,7 +66,8 @@ class Passes final {
   }
 
  private:
-  /// @param shift where the writer is waited for: each time at other ticks, which are slow after it
+  /// @param shift of the ticks before which the writer is waited for; ticks after a wait are slow, so each
+  /// pass uses others
   void go(std::uint64_t shift) {
     contact_.begin();
     approach_.begin();
@@ -108,7 +109,7 @@ std::vector<WayPoint> walk(const scene::Setup& setup, const haptics::SimulationW
     way.push_back({world.mappings[0].apply(sample.position_D, sample.orientation_D), sample.gripper,
                    static_cast<contact::Phase>(row.phase), row.distance});
   }
-  if (way.empty()) throw std::runtime_error("bench: the way of the " + setup.name + " scene is empty");
+  if (way.empty()) throw std::runtime_error("bench: the path of the " + setup.name + " scene is empty");
   return way;
 }
 

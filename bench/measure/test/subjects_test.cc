@@ -15,7 +15,7 @@ namespace {
 
 using geometry::TriangleMesh;
 
-/// Every edge has a triangle on both sides.
+/// Whether every edge has two triangles.
 bool closed(const TriangleMesh& mesh) {
   for (const auto& neighbours : geometry::edge_neighbours(mesh)) {
     if (std::find(neighbours.begin(), neighbours.end(), -1) != neighbours.end()) return false;
@@ -30,7 +30,7 @@ TEST(Subjects, EveryTriangleBecomesPartsSquaredAndClosedStaysClosed) {
       const TriangleMesh fine = tessellate(ball, parts, shape);
       const auto square = static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts);
       EXPECT_EQ(fine.triangles.size(), 80 * square);
-      EXPECT_EQ(fine.vertices.size(), fine.triangles.size() / 2 + 2);  // Euler
+      EXPECT_EQ(fine.vertices.size(), fine.triangles.size() / 2 + 2);  // Euler's formula
       EXPECT_TRUE(closed(fine));
     }
   }

@@ -12,7 +12,7 @@
 #include "bench/measure/subjects.h"
 #include "bench/measure/test/sample_scene.h"
 
-// What is counted, never how long it took.
+// Tests counts, never durations.
 namespace palpate::bench {
 namespace {
 
@@ -163,7 +163,7 @@ TEST(LoopContest, BothLoopsRunEveryTickOfThePath) {
   EXPECT_EQ(account.late.samples, 520U);
   EXPECT_EQ(account.late_empty.samples, 520U);
   EXPECT_EQ(account.rate_Hz, 1000.0);
-  EXPECT_EQ(said, 3U);  // turns of a quarter of a second
+  EXPECT_EQ(said, 3U);  // turns of 0.25 s
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace palpate::identify {
 namespace {
 
-constexpr double kPooledShare = 0.15;  // of the specimens' time, for the progress
+constexpr double kPooledShare = 0.15;  // of the total time of the specimens' fits, for the progress
 
 class Fitting final {
  public:
@@ -22,7 +22,7 @@ class Fitting final {
         progress_(progress),
         record_(results_file, ranks, check_line) {}
 
-  /// Every rank takes specimens, each fitted by one of them.
+  /// Each specimen is fitted by one rank.
   void by_specimen() {
     std::size_t done = 0;
     const auto key = [&](std::size_t i) {
@@ -43,7 +43,7 @@ class Fitting final {
     resumed_ = resumed;
   }
 
-  /// All ranks fit each specimen together: the search alike, the bootstrap shared out.
+  /// All ranks fit each specimen together: each repeats the search, and they share the bootstrap.
   void by_resample() {
     for (std::size_t i = 0; i < specimens_.size(); ++i) {
       const Progress within = [&](double share, const std::string& what) {
@@ -87,7 +87,7 @@ class Fitting final {
   tasks::Ranks& ranks_;
   const Progress& progress_;
   tasks::Record record_;
-  std::vector<std::string> lines_;  // of the specimens' fits, in their order
+  std::vector<std::string> lines_;  // fits of the specimens, in their order
   std::size_t resumed_ = 0;
 };
 
@@ -99,7 +99,7 @@ ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings, tas
     specimens = specimens_of(ranks.broadcast(ranks.rank() == 0 ? bytes_of(specimens) : std::string()));
   }
   Fitting fitting(std::move(specimens), settings, ranks, results_file, progress);
-  // fewer specimens than ranks, and some ranks would have nothing to do
+  // with fewer than two specimens per rank, some ranks would be idle for long
   if (ranks.size() > 1 && fitting.count() < 2 * static_cast<std::size_t>(ranks.size()) &&
       settings.bootstrap > 0) {
     fitting.by_resample();

@@ -23,11 +23,12 @@
 namespace palpate::identify {
 namespace {
 
-constexpr std::uint32_t kPooledJob = 0xffff'ffff;  // the random numbers of no specimen
+constexpr std::uint32_t kPooledJob = 0xffff'ffff;  // not the index of a specimen, so that its random numbers
+                                                   // are its own
 constexpr std::uint32_t kPooledStream = 3;
-constexpr int kResamples = 100;  // of specimens, for the intervals
+constexpr int kResamples = 100;  // of the set of specimens, for the intervals
 
-/// As many terms as most specimens have, the fewer on a tie.
+/// The most frequent number of relaxation terms; the smallest on a tie.
 std::size_t usual_terms(const std::vector<SpecimenFit>& fits) {
   std::map<std::size_t, std::size_t> counts;
   for (const SpecimenFit& fit : fits) ++counts[fit.terms];
@@ -36,8 +37,8 @@ std::size_t usual_terms(const std::vector<SpecimenFit>& fits) {
   return most->first;
 }
 
-/// Starts from the specimens' own fits that have as many terms: the middle of them, and the few whose law
-/// suits all best.
+/// Starts for the pooled fit, from the specimens' fits with that number of terms: their median, and the three
+/// with the lowest pooled cost.
 std::vector<Solution> own_starts(const Problem& problem, const std::vector<SpecimenFit>& fits) {
   constexpr std::size_t kTaken = 3;
   std::vector<Point> own;
@@ -59,7 +60,7 @@ std::vector<Solution> own_starts(const Problem& problem, const std::vector<Speci
   return all;
 }
 
-/// The shared parameters of tissues whose specimens were drawn again from the same ones.
+/// Shared parameters fitted to bootstrap resamples of the set of specimens.
 std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Progress& progress,
                              tasks::Ranks* ranks) {
   const Solution& best = minima.all.front();
@@ -80,7 +81,7 @@ std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Pro
       start.own.push_back(best.own[p]);
     }
     Point point = solve(problem, start, 20).shared;
-    point.insert(point.end(), {0.0, 0.0});  // no specimen's own
+    point.insert(point.end(), {0.0, 0.0});  // no own parameters
     return bytes_of(std::span<const double>(point));
   };
   int done = 0;
@@ -111,9 +112,9 @@ PooledFit of_one(const SpecimenFit& fit, const Settings& settings) {
   return pooled;
 }
 
-/// For each parameter of the law the lowest and highest value [logarithms] to which it can go, all others
-/// fitted again, without the specimens telling it from the best: what drawing specimens again cannot show,
-/// because a fit that begins at the best stays where nothing pulls it away.
+/// Profile interval [logarithms] of each law parameter: how far it can move, all others fitted again, within
+/// the confidence set. The bootstrap misses this range, because a refit from the optimum stays there when the
+/// cost is flat.
 std::vector<Interval> valleys(const Minima& minima, const Progress& progress, tasks::Ranks* ranks) {
   const Problem& problem = minima.problem;
   const Solution& best = minima.all.front();
@@ -140,7 +141,7 @@ std::vector<Interval> valleys(const Minima& minima, const Progress& progress, ta
   return intervals;
 }
 
-/// The shared parameters with their intervals, and a warning for each that the specimens leave open.
+/// Adds the shared parameters with their intervals, and a warning for each that is not determined.
 void add_estimates(const Minima& minima, const std::vector<Interval>& intervals,
                    const std::vector<Interval>& valley, PooledFit& pooled) {
   const Point none(kOwnParameters, 0.0);

@@ -128,7 +128,7 @@ void put(std::string& bytes, const std::string& text) {
   bytes += text;
 }
 
-/// Takes one text off, from `at` on.
+/// Reads a length-prefixed text at `at` and moves `at` behind it.
 std::string take(const std::string& bytes, std::size_t& at) {
   std::uint64_t size = 0;
   if (bytes.size() - at < sizeof size) throw InputError("specimens between ranks: cut off");
@@ -142,7 +142,7 @@ std::string take(const std::string& bytes, std::size_t& at) {
 }  // namespace
 
 std::string key_of(const Specimen& specimen, const Settings& settings, std::uint32_t job) {
-  constexpr std::uint64_t kFormat = 3;  // of the line
+  constexpr std::uint64_t kFormat = 3;  // version of the line format
   const std::string version = kVersion;
   ContentHasher hasher;
   hasher.add(kFormat);
@@ -217,7 +217,8 @@ std::string bytes_of(std::span<const double> values) {
 std::vector<double> doubles_of(const std::string& bytes) {
   if (bytes.size() % sizeof(double) != 0) throw InputError("numbers between ranks: cut off");
   std::vector<double> values(bytes.size() / sizeof(double));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());  // of none data() may be null
+  if (!values.empty())
+    std::memcpy(values.data(), bytes.data(), bytes.size());  // data() of an empty vector may be null
   return values;
 }
 

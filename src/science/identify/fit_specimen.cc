@@ -28,7 +28,7 @@ void check(const Specimen& specimen, const Settings& settings) {
   }
 }
 
-/// Bayes's information criterion: ln of the effective number of points a parameter.
+/// Bayesian information criterion: a penalty of ln(effective number of points) per parameter.
 double criterion(const Minima& minima) {
   const double n = minima.effective;
   const auto points = static_cast<double>(minima.problem.parts.front().specimen->size());
@@ -37,17 +37,17 @@ double criterion(const Minima& minima) {
   return n * portable::log(variance) + parameters * portable::log(n);
 }
 
-/// The minima with as many relaxation terms as the data bear: one more as long as the criterion falls.
+/// Local optima with as many relaxation terms as the data support: terms are added while the criterion falls.
 Minima with_terms(const Part& part, const Settings& settings, const Progress& progress) {
   constexpr double kWorthIt = 6.0;
-  constexpr std::size_t kStarts = 4;  // of each L_1
-  constexpr std::size_t kSplit = 4;   // minima
+  constexpr std::size_t kStarts = 4;  // per value of L_1
+  constexpr std::size_t kSplit = 4;   // number of optima whose slowest term is split
   if (!settings.relaxation) return find_minima(make_problem(settings, 0, {part}));
   const Problem one = make_problem(settings, 1, {part});
   Minima best = search_minima(one, starts(one, kStarts));
   for (std::size_t terms = 2; terms <= model::kMostRelaxationTerms; ++terms) {
     if (progress) progress(0.1 * static_cast<double>(terms), "relaxation terms");
-    // what was found with one term less, its slowest term split in two
+    // the optima with one term fewer, their slowest term split in two
     std::vector<Solution> from;
     for (std::size_t m = 0; m < std::min(kSplit, best.all.size()); ++m) {
       for (const double factor : {0.05, 0.15, 0.4, 3.0, 8.0}) {
@@ -60,14 +60,14 @@ Minima with_terms(const Part& part, const Settings& settings, const Progress& pr
       }
     }
     Minima tried = search_minima(make_problem(settings, terms, {part}), from);
-    // both by the same count of independent points, the larger one
+    // compare both with the same effective number of points, the larger one
     const double effective = std::max(best.effective, tried.effective);
     best.effective = effective;
     tried.effective = effective;
     if (!(criterion(tried) < criterion(best) - kWorthIt)) break;
     best = std::move(tried);
   }
-  if (best.problem.terms > 1) {  // a law that few terms draw elsewhere is not near the best one
+  if (best.problem.terms > 1) {  // the best law may differ with more terms
     std::vector<Solution> from = starts(best.problem, kStarts);
     from.insert(from.begin(), best.all.begin(), best.all.end());
     best = search_minima(make_problem(settings, best.problem.terms, {part}), from);
@@ -76,7 +76,7 @@ Minima with_terms(const Part& part, const Settings& settings, const Progress& pr
   return best;
 }
 
-/// The fitted curve with its band: what the curves lie between that the data allow.
+/// The fitted curve and its band, the envelope of the curves in the confidence set.
 Curve curve_of(const Minima& minima, const std::vector<Point>& points) {
   const Part& part = minima.problem.parts.front();
   const Specimen& specimen = *part.specimen;
@@ -109,12 +109,12 @@ Solution solution_at(const Problem& problem, const Point& point) {
   return solution;
 }
 
-/// The points along the profiles; where they lead to a better fit than the search had found, that is the fit,
-/// and they are walked again from there.
+/// Points along the profiles. Where a profile finds a better fit than the search, that fit replaces the best
+/// one and the profiles are computed again from it.
 std::vector<Point> look_around(Minima& minima, std::size_t points,
                                const std::function<void(double)>& progress) {
   constexpr int kMostRounds = 3;
-  double furthest = 0.0;  // a bar never goes back
+  double furthest = 0.0;  // progress never decreases
   const auto shown = [&](double share) {
     furthest = std::max(furthest, share);
     if (progress) progress(furthest);
@@ -143,7 +143,7 @@ void add_estimates(const Minima& minima, const std::vector<Point>& profiles, con
   for (std::size_t i = 0; i < values.size(); ++i) {
     Estimate estimate;
     estimate.value = values[i];
-    // the best fit of a law with corners can lie at the edge of what the data allow: never outside
+    // for a law with corners the optimum can lie at the edge of the confidence set, but not outside
     estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
     estimate.covariance = curvature.intervals[i];
     if (!bootstrap.empty()) estimate.bootstrap = bootstrap[i];

@@ -20,7 +20,7 @@ Point joined(const Solution& solution) {
   return point;
 }
 
-/// Whether every parameter of a point lies between the same parameters of others.
+/// Whether the others have both smaller and larger values of every parameter.
 bool enclosed(const Point& point, const std::vector<Point>& others) {
   for (std::size_t i = 0; i < point.size(); ++i) {
     const auto less = [&](const Point& other) { return other[i] < point[i]; };
@@ -70,8 +70,8 @@ double log_posterior_of(const Problem& problem, const Solution& at, double effec
 }
 
 double likelihood_limit(double effective, std::size_t parameters) {
-  // Laws with several minima leave room that a test of one of them does not see: with 1, in some rows of
-  // tools/update_accuracy 88 of 100 intervals hold the truth.
+  // Widens the test for laws with several local optima, which a test at one of them does not cover. With 1,
+  // in some rows of tools/update_accuracy 88 of 100 intervals contain the true value.
   constexpr double kWider = 1.2;
   return kWider * student(effective - static_cast<double>(parameters));
 }
@@ -82,7 +82,8 @@ std::vector<Point> profile_points(const Minima& minima, double effective,
   const std::size_t parameters = problem.bounds.low.size() + kOwnParameters;
   const double best = log_posterior_of(problem, minima.all.front(), effective);
   const double t = likelihood_limit(effective, parameters);
-  const auto ratio = [&](const Solution& at) {  // root of the likelihood ratio, over the test's limit
+  // square root of the likelihood ratio, divided by the limit of the test
+  const auto ratio = [&](const Solution& at) {
     return std::sqrt(std::max(0.0, 2.0 * (best - log_posterior_of(problem, at, effective)))) / t;
   };
   std::vector<Point> points;
@@ -109,7 +110,7 @@ Curvature curvature_of(const Minima& minima) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Eigen::MatrixXd j = Eigen::Map<const RowMajor>(derivatives.data(), rows, columns);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinV);
-  constexpr double kFlat = 1e-10;  // of the largest singular value
+  constexpr double kFlat = 1e-10;  // relative to the largest singular value
   const double smallest = kFlat * svd.singularValues()[0];
   const Eigen::ArrayXd room = svd.singularValues().array().max(smallest).inverse();
   const Eigen::MatrixXd reach = svd.matrixV() * room.matrix().asDiagonal();

@@ -15,12 +15,12 @@
 namespace palpate::identify {
 namespace {
 
-constexpr std::size_t kStarts = 4;  // of each L_1
-constexpr std::size_t kKept = 8;    // minima that are descended to again with the loss
-constexpr double kGain = 1e-3;      // of a sum of squares: less is not worth another round
-constexpr double kLoss = 4.0;  // spreads: Cauchy's loss there costs a normal noise 1 % of its information
+constexpr std::size_t kStarts = 4;  // per value of L_1
+constexpr std::size_t kKept = 8;    // optima that are refined with the loss
+constexpr double kGain = 1e-3;      // relative decrease of the sum of squares that justifies another round
+constexpr double kLoss = 4.0;  // in sigmas: the Cauchy loss then costs normal noise 1 % of its information
 
-/// Relaxation terms in the order of their times, as values_of() has them; the cost does not depend on it.
+/// Sorts relaxation terms by time, as values_of() does; the cost does not depend on the order.
 void order_terms(Solution& solution) {
   Point& shared = solution.shared;
   for (std::size_t last = shared.size(); last > kLawParameters + 2; last -= 2) {
@@ -37,7 +37,7 @@ void sort_by_cost(std::vector<Solution>& all) {
                    [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
 }
 
-/// The best few, without those that are the same as a better one.
+/// The best `most` solutions without duplicates.
 std::vector<Solution> distinct(std::vector<Solution> all, std::size_t most) {
   constexpr double kSame = 0.03;
   constexpr double kSameCost = 1e-6;
@@ -47,7 +47,7 @@ std::vector<Solution> distinct(std::vector<Solution> all, std::size_t most) {
   for (Solution& solution : all) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&solution](const Solution& other) {
       const bool as_good = solution.cost - other.cost < kSameCost * other.cost;
-      if (as_good) return true;  // apart only along what the data do not tell
+      if (as_good) return true;  // differ only along directions that the data do not determine
       double distance = 0.0;
       for (std::size_t i = 0; i < solution.shared.size(); ++i) {
         distance = std::max(distance, std::abs(solution.shared[i] - other.shared[i]));
@@ -60,36 +60,37 @@ std::vector<Solution> distinct(std::vector<Solution> all, std::size_t most) {
   return kept;
 }
 
-/// How far a search goes: with relaxation the points are dense and cost much.
+/// Effort of a search: with relaxation there are many points and each evaluation is expensive.
 struct Effort {
-  std::size_t descended = 20;  // starts that are descended from to the end
-  int steps = 60;              // of a descent
+  std::size_t descended = 20;  // number of starts that are descended from until convergence
+  int steps = 60;              // most iterations of a descent
 };
 
 Effort effort_for(const Problem& problem) { return problem.terms == 0 ? Effort{} : Effort{10, 30}; }
 
 std::vector<Solution> descend(const Problem& problem, const std::vector<Solution>& from, int most) {
   constexpr int kNoneHeld = -1;
-  constexpr double kTolerance = 1e-6;  // of a sum of squares: the best is polished later
+  constexpr double kTolerance = 1e-6;  // relative, of the sum of squares: the best is refined later
   std::vector<Solution> reached;
   for (const Solution& start : from) reached.push_back(solve(problem, start, most, kNoneHeld, kTolerance));
   return reached;
 }
 
-/// Laws that take the first two layers of a minimum for one, or split its first in two, and leave the curve
-/// past them as it is: minima of their own, which a search from far away can miss.
+/// Starts near an optimum that a global search can miss: laws with its first two layers merged into one, or
+/// its first layer split in two; the rest of the curve is unchanged.
 std::vector<Solution> neighbours(const Problem& problem, const Solution& minimum) {
   const Point& at = minimum.shared;                                // ln k_1, ln beta, ln q, ln L_1
-  const double step = portable::log(4.0) + portable::exp(-at[1]);  // ln k_2/k_1
+  const double step = portable::log(4.0) + portable::exp(-at[1]);  // ln(k_2/k_1)
   const double softer = portable::exp(-step);
   const double length =
-      portable::log(portable::exp(at[2]) + softer);  // ln of a layer's to that of one split off it
+      portable::log(portable::exp(at[2]) + softer);  // logarithm of the ratio of a layer's length to that of
+                                                     // the layer split off it
   std::vector<Solution> all;
   for (const double way : {-1.0, 1.0}) {
     Solution moved = minimum;
     moved.shared[0] += way * step;
     moved.shared[3] += way * length;
-    // the softer layer begins earlier, so that the curve past it is the same
+    // the softer layer begins earlier, so that the curve beyond it is unchanged
     const double earlier = portable::exp(way > 0.0 ? at[3] : moved.shared[3]) * (1.0 - softer);
     for (std::size_t p = 0; p < moved.own.size(); ++p) {
       moved.own[p][0] += way * earlier / problem.parts[p].ranges.displacement;
@@ -110,7 +111,7 @@ double robust_spread(const Problem& problem, const Solution& solution) {
   return std::max(normalized_mad(std::move(all)), kSmallestSigma);
 }
 
-/// The noise's standard deviation, from the squares after the loss.
+/// Standard deviation of the noise, from the squares after the loss.
 double sigma_of(const Problem& problem, const Solution& solution) {
   std::size_t points = 0;
   for (const Part& part : problem.parts) points += part.specimen->size();
@@ -119,12 +120,11 @@ double sigma_of(const Problem& problem, const Solution& solution) {
   return std::max(std::sqrt(solution.cost / static_cast<double>(freedom)), kSmallestSigma);
 }
 
-/// Descends to the very bottom of a minimum, and sets the loss and sigma by what is left there. The priors
-/// hold a fit back by sigma, and many outliers widen the loss: each round frees it further, until both stay
-/// the same.
+/// Refines an optimum to convergence, and sets the loss scale and sigma from its residuals. Sigma weights the
+/// priors, and many outliers widen the loss, so this repeats until both are constant.
 void polish(Problem& problem, Solution& best) {
   constexpr int kMostRounds = 10;
-  constexpr int kSteps = 400;  // along a narrow valley, where the data leave parameters hardly any hold
+  constexpr int kSteps = 400;  // many, for a narrow optimum where parameters are hardly determined
   constexpr double kSame = 0.8;
   for (int round = 0; round < kMostRounds; ++round) {
     best = solve(problem, best, kSteps);
@@ -137,13 +137,13 @@ void polish(Problem& problem, Solution& best) {
   }
 }
 
-/// The best of what a few short steps along each parameter of the law lead to. The sum of squares of a law
-/// with corners has a kink wherever a corner passes a data point, and with it many small minima close to each
-/// other, of which a descent finds the nearest.
+/// The best solution near an optimum, from short steps along each parameter of the law. For a law with
+/// corners the cost has a kink wherever a corner passes a data point, hence many local optima close together;
+/// a descent finds only the nearest.
 Solution best_beside(const Problem& problem, const Solution& from) {
   constexpr int kMostRounds = 6;
-  constexpr double kStep = 0.05;  // of a logarithm: about the way from one data point to the next
-  const int steps = problem.terms == 0 ? 4 : 1;  // with relaxation the points are dense and a step costs much
+  constexpr double kStep = 0.05;                 // logarithm: about the spacing of data points
+  const int steps = problem.terms == 0 ? 4 : 1;  // with relaxation each step is expensive
   Solution best = from;
   for (int round = 0; round < kMostRounds; ++round) {
     const Solution centre = best;
@@ -162,7 +162,7 @@ Solution best_beside(const Problem& problem, const Solution& from) {
   return best;
 }
 
-/// The best few minima that starts lead to, and those beside the best.
+/// The best local optima that the starts lead to, and those near the best one.
 std::vector<Solution> search(const Problem& problem, const std::vector<Solution>& from) {
   constexpr int kFirstSteps = 10;
   const Effort effort = effort_for(problem);
@@ -174,14 +174,14 @@ std::vector<Solution> search(const Problem& problem, const std::vector<Solution>
   return distinct(std::move(found), kKept);
 }
 
-/// Sets the loss by the best minimum, descends from all of them by it, and looks beside the best, until that
-/// stays the best.
+/// Sets the loss from the best optimum, refines all optima with it, and searches near the best one, until
+/// that does not change.
 void settle(Problem& problem, std::vector<Solution>& found) {
   constexpr int kMostRounds = 3;
   for (int round = 0; round < kMostRounds; ++round) {
     polish(problem, found.front());
     const double polished = found.front().cost;
-    if (!std::isfinite(polished) || problem.parts.size() > 1) return;  // tried for one specimen only
+    if (!std::isfinite(polished) || problem.parts.size() > 1) return;  // only for one specimen
     for (Solution& other : neighbours(problem, found.front())) found.push_back(std::move(other));
     found.insert(found.begin(), best_beside(problem, found.front()));
     found = distinct(descend(problem, found, effort_for(problem).steps), kKept);
@@ -189,7 +189,7 @@ void settle(Problem& problem, std::vector<Solution>& found) {
   }
 }
 
-/// How many independent points what a solution leaves amounts to, over all parts.
+/// Sum over parts of the effective sample size of the residuals.
 double effective_at(const Problem& problem, const Solution& solution) {
   double effective = 0.0;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
@@ -199,7 +199,7 @@ double effective_at(const Problem& problem, const Solution& solution) {
   return effective;
 }
 
-/// A law to go on with when no start makes one.
+/// A solution to continue with when no start gives a valid law.
 Solution at_lowest(const Problem& problem) {
   Solution lowest;
   lowest.shared = problem.bounds.low;
@@ -208,7 +208,7 @@ Solution at_lowest(const Problem& problem) {
   return lowest;
 }
 
-/// The largest residual, in shares of its part's range of force.
+/// Largest absolute residual, divided by its part's force range.
 double farthest(const Problem& problem, const Solution& solution) {
   double largest = 0.0;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
@@ -222,7 +222,7 @@ double farthest(const Problem& problem, const Solution& solution) {
 }  // namespace
 
 void set_loss(Problem& problem, Solution best) {
-  constexpr int kRounds = 3;  // the priors' weight in the cost depends on sigma
+  constexpr int kRounds = 3;  // the weight of the priors depends on sigma
   problem.loss_scale = kLoss * robust_spread(problem, best);
   for (int round = 0; round < kRounds; ++round) {
     best.cost = cost_of(problem, best.shared, best.own);
@@ -258,7 +258,7 @@ Minima search_minima(Problem problem, const std::vector<Solution>& from) {
   for (int round = 0; round < 2; ++round) {
     problem.loss_scale = kLoss * robust_spread(problem, found.front());
     problem.sigma = sigma_of(problem, found.front());
-    // Outliers may have drawn the search without a loss elsewhere.
+    // Outliers may have misled the search without a loss.
     if (round == 0 && farthest(problem, found.front()) > 2.0 * problem.loss_scale) {
       const std::vector<Solution> again = search(problem, from);
       found.insert(found.end(), again.begin(), again.end());

@@ -6,40 +6,39 @@
 
 namespace palpate::identify {
 
-/// The minima of a problem, best first, with the loss and the sigma that its residuals call for.
+/// Local optima of a problem, best first.
 struct Minima {
-  Problem problem;  // with loss_scale and sigma as found
+  Problem problem;  // with loss_scale and sigma set from the residuals
   std::vector<Solution> all;
-  double effective = 0.0;  // points that count as independent, from how residuals follow their neighbours
+  double effective = 0.0;  // effective number of independent points, from the residuals' autocorrelation
 };
 
-/// [setup] Descends from starts, sets the loss by the residuals' own spread (half of them lie within 0.6745
-/// of it, so that outliers do not count), and descends again from the best few.
+/// [setup] Multistart: descends from each start, sets the loss scale from the residuals' median absolute
+/// deviation, and descends again from the best few optima.
 [[nodiscard]] Minima search_minima(Problem problem, const std::vector<Solution>& from);
 
-/// [setup] Goes to the very bottom of the best minimum, and looks for better ones beside it.
+/// [setup] Descends to full convergence at the best optimum, and searches for better ones near it.
 void settle_minima(Minima& minima);
 
-/// [setup] Both, from a coarse search over all that a tissue may be. @param more starts to descend from
-/// besides
+/// [setup] search_minima() from a coarse grid over the parameter space, then settle_minima(). @param more
+/// additional starts
 [[nodiscard]] Minima find_minima(Problem problem, const std::vector<Solution>& more = {});
 
-/// [setup] Descends from more places, which a wider search found to be as good as the best minimum or better,
-/// and looks again for minima where that leads below it.
-/// @param minima of one specimen; left as they are unless a better one is found
-/// @return whether one was
+/// [setup] Descends from additional starts, and searches again when one of them leads to a better optimum.
+/// @param minima of one specimen; unchanged unless a better optimum is found
+/// @return whether a better optimum was found
 [[nodiscard]] bool descend_further(Minima& minima, const std::vector<Solution>& from);
 
-/// [setup] Sets the loss and sigma of a problem by what a solution leaves, its best one.
+/// [setup] Sets the loss scale and sigma from the residuals of the best solution.
 void set_loss(Problem& problem, Solution best);
 
-/// [setup] Residuals of a part's points in shares of its range of force, without loss and weights; in order
-/// of time, or without times of displacement.
+/// [setup] Residuals of a part's points divided by its force range, without loss and weights. Sorted by time;
+/// without times, by displacement.
 [[nodiscard]] std::vector<double> plain_residuals(const Problem& problem, const Part& part,
                                                   const Point& shared, const Point& own);
 
-/// [any] The effective sample size of residuals, but at least three a parameter where there are so many
-/// points: fewer would let intervals wander where the curve plainly is not.
+/// [any] Effective sample size of the residuals, with a lower limit of three points per parameter (if there
+/// are that many points). Fewer would give intervals in which the curve visibly does not fit.
 [[nodiscard]] double trusted_count(double effective, std::size_t points, std::size_t parameters);
 
 }  // namespace palpate::identify

@@ -12,8 +12,8 @@
 namespace palpate::identify {
 namespace {
 
-constexpr std::uint32_t kResamplingStream = 2;  // of a specimen's job
-constexpr std::size_t kDescents = 2;            // minima that are descended to again for every resample
+constexpr std::uint32_t kResamplingStream = 2;  // random stream of a specimen's job
+constexpr std::size_t kDescents = 2;            // optima from which each resample is fitted
 
 Solution best_from(const Problem& problem, const std::vector<Solution>& minima) {
   Solution best;
@@ -33,12 +33,12 @@ std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed
   const Solution& best = minima.all.front();
   std::vector<double> fitted(specimen.size());
   predict(specimen, part.ranges, minima.problem.settings, best.shared, best.own.front(), fitted);
-  // a fit with p parameters leaves residuals smaller than the noise by this
+  // a fit of p parameters makes residuals smaller than the noise by this factor
   const auto n = static_cast<double>(specimen.size());
   const auto parameters = static_cast<double>(best.shared.size() + kOwnParameters);
   const double widen = n > parameters ? std::sqrt(n / (n - parameters)) : 1.0;
   const auto block = static_cast<std::size_t>(std::max(1.0, std::ceil(n / minima.effective)));
-  const std::size_t draws = (specimen.size() + block - 1) / block;  // of a resample
+  const std::size_t draws = (specimen.size() + block - 1) / block;  // per resample
   const auto resample = [&](std::size_t b) {
     Random random(seed, job, kResamplingStream);
     random.skip(b * draws);

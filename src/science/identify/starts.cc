@@ -14,7 +14,7 @@ namespace {
 
 using portable::log;
 
-/// Sums of a straight-line fit force = scale x shape + offset over all parts, forces in shares of ranges.
+/// Sums of the linear fit force = scale * shape + offset over all parts, forces divided by the force range.
 struct LineSums {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
 
@@ -28,8 +28,8 @@ struct LineSums {
   }
 };
 
-/// The sums of a law's forces beside the measured ones. One offset stands for those of all parts: good enough
-/// to start from.
+/// Sums for a law's forces and the measured ones. All parts share one offset here, which is enough for a
+/// start.
 LineSums sums_of(const Problem& problem, const Solution& start) {
   LineSums sums;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
@@ -45,11 +45,11 @@ LineSums sums_of(const Problem& problem, const Solution& start) {
   return sums;
 }
 
-/// Gives a start the best offset, and unless its k_1 is held the best positive scale of its law, and judges
-/// it by what is left. A start that cannot be judged keeps its endless cost.
+/// Sets the best offset of a start, and the best positive scale of its law unless k_1 is held; sets the cost
+/// to the remaining squares. The cost stays infinite where the law is invalid.
 void scale_and_judge(const Problem& problem, bool stiffness_held, Solution& start) {
   const LineSums sums = sums_of(problem, start);
-  // the offset is held back by its prior, as if some points had measured it as 0
+  // the prior of the offset acts like additional points that measure 0
   const double held = 0.05 * sums.n;
   const double n = sums.n + held;
   const double spread = sums.xx - sums.x * sums.x / n;
@@ -63,7 +63,7 @@ void scale_and_judge(const Problem& problem, bool stiffness_held, Solution& star
   start.cost = sums.yy - 2.0 * scale * sums.xy + scale * scale * sums.xx - n * offset * offset;
 }
 
-/// Relaxation to begin with: every term takes the same share, times spread over what the data can show.
+/// Initial relaxation: equal weights, times spread over the range that the data resolve.
 std::vector<Point> relaxation_guesses(const Problem& problem) {
   if (problem.terms == 0) return {{}};
   const Part& part = problem.parts.front();
@@ -86,7 +86,7 @@ std::vector<Point> relaxation_guesses(const Problem& problem) {
   return guesses;
 }
 
-/// Whether a start is a neighbour of one of `others` in the search.
+/// Whether a start is a neighbour of one of `others` in the search grid.
 bool is_near(const Solution& start, const std::vector<Solution>& others) {
   constexpr double kApart = 0.3;
   return std::any_of(others.begin(), others.end(), [&start](const Solution& other) {
@@ -98,7 +98,7 @@ bool is_near(const Solution& start, const std::vector<Solution>& others) {
   });
 }
 
-/// The best `most` of starts that are no neighbours, best first.
+/// The best `most` starts that are not neighbours, best first.
 std::vector<Solution> best_apart(std::vector<Solution> all, std::size_t most) {
   std::stable_sort(all.begin(), all.end(),
                    [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
@@ -110,10 +110,11 @@ std::vector<Solution> best_apart(std::vector<Solution> all, std::size_t most) {
   return chosen;
 }
 
-/// Values of a law's parameters to begin at [logarithms].
+/// Grid of initial parameter values [logarithms].
 struct Grid {
   std::vector<double> stiffness, beta, q, limit;
-  std::vector<double> contact = {0.0};  // first contact beside the likeliest, in spreads of its prior
+  std::vector<double> contact = {0.0};  // first-contact depth, in standard deviations from the mean of its
+                                        // prior
 };
 
 std::vector<double> logs(std::initializer_list<double> values, double unit = 1.0) {
@@ -123,23 +124,22 @@ std::vector<double> logs(std::initializer_list<double> values, double unit = 1.0
 }
 
 Grid whole_grid(const Problem& problem) {
-  double deepest = 0.0;  // m, past first contact
+  double deepest = 0.0;  // m, measured from first contact
   for (const Part& part : problem.parts) {
     const double way = part.ranges.lowest_displacement + part.ranges.displacement -
                        part.prior.first_contact * part.ranges.displacement;
     deepest = std::max(deepest, way);
   }
   Grid grid;
-  grid.stiffness = {log(problem.parts.front().ranges.force / deepest)};  // any: it is scaled
+  grid.stiffness = {log(problem.parts.front().ranges.force / deepest)};  // arbitrary: it is scaled later
   grid.beta = logs({0.5, 1.0, 1.3, 1.7, 2.2, 3.0, 8.0});
   grid.q = logs({0.08, 0.13, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.3, 1.9, 2.8});
   grid.limit = logs({0.1, 0.17, 0.25, 0.33, 0.37, 0.42, 0.47, 0.52, 0.64, 0.8, 1.1}, deepest);
-  if (problem.terms == 0)
-    grid.contact = {0.0, -1.5, 1.5};  // with relaxation the points are dense and cost much
+  if (problem.terms == 0) grid.contact = {0.0, -1.5, 1.5};  // with relaxation each evaluation is expensive
   return grid;
 }
 
-/// Adds a start for every point of a grid that can be judged.
+/// Adds a start for each grid point with a valid law.
 void add_starts(const Problem& problem, const Grid& grid, bool stiffness_held, const Point& relaxation,
                 std::vector<Solution>& all) {
   std::vector<Solution> at_contact;

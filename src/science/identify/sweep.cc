@@ -27,14 +27,14 @@ constexpr const char* kWanted =
   throw InputError(flag + ' ' + text + kWanted);
 }
 
-/// All of `text` as a number.
+/// Parses all of `text` as a number.
 template <typename Number>
 bool read(std::string_view text, Number& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size();
 }
 
-/// LOW:HIGH or LOW:HIGH:N, in a parameter's unit; false when it is not that.
+/// Parses LOW:HIGH or LOW:HIGH:N in the parameter's unit; false when the form is wrong.
 bool read_range(std::string_view text, double unit, SweepRequest& request) {
   const std::size_t first = text.find(':');
   if (first == std::string_view::npos) return false;
@@ -50,14 +50,14 @@ bool read_range(std::string_view text, double unit, SweepRequest& request) {
          request.values >= kFewestSweepValues && request.values <= kMostSweepValues;
 }
 
-/// A request as text that tells all of it, for keys.
+/// A request as unambiguous text, for keys.
 std::string text_of(const SweepRequest& request) {
   const auto number = [](const std::optional<double>& value) { return value ? shortest(*value) : "-"; };
   return std::to_string(request.parameter) + '=' + number(request.low) + ':' + number(request.high) + ':' +
          std::to_string(request.values);
 }
 
-/// Both halves of every request, for each specimen and, of several, for all together.
+/// Both halves of every request, for each specimen and, with several specimens, for the pooled fit.
 std::vector<SweepPiece> pieces_of(const std::vector<SweepRequest>& requests, std::size_t specimens) {
   std::vector<SweepPiece> pieces;
   for (std::size_t target = 0; target < (specimens > 1 ? specimens + 1 : 1); ++target) {
@@ -68,7 +68,7 @@ std::vector<SweepPiece> pieces_of(const std::vector<SweepRequest>& requests, std
   return pieces;
 }
 
-/// @throws InputError when a request goes far beyond what the fit of any specimen searches.
+/// @throws InputError when a request lies more than 1000 times beyond the bounds of the specimens' fits.
 void check_ranges(const std::vector<SweepRequest>& requests, const std::vector<Specimen>& specimens,
                   const Settings& settings) {
   constexpr double kBeyond = 1e3;

@@ -24,9 +24,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kClearlyBetter = 0.99;  // of the best fit's sum of squares
+constexpr double kClearlyBetter = 0.99;  // times the best fit's sum of squares
 
-/// What is swept: the problem of one specimen, or of all, and its best fit.
+/// What is swept: the problem of one specimen, or the pooled problem, and its best fit.
 class Target final {
  public:
   Target(std::size_t number, const std::vector<Specimen>& specimens, const ManyFits& fits,
@@ -60,7 +60,7 @@ class Target final {
     effective_ = trusted_count(effective_, used_.front().size(), best_.shared.size() + kOwnParameters);
   }
 
-  Target(const Target&) = delete;  // the problem points into used_
+  Target(const Target&) = delete;  // problem_ points into used_
   Target& operator=(const Target&) = delete;
 
   [[nodiscard]] const Solution& best() const noexcept { return best_; }
@@ -76,9 +76,9 @@ class Target final {
     return std::sqrt(shares / static_cast<double>(used_.size()));
   }
 
-  /// The fits with a parameter at `values` [logarithms]: from the best one outwards, from the fit's other
-  /// minima where they lie, and from a search of its own at each value (of all together, from each specimen's
-  /// fit at the far end), then back and out again from the best of these.
+  /// Fits with a parameter held at each of `values` [logarithms]. Starts: outwards from the best fit, from
+  /// the fit's other local optima, and from a search at each value (pooled: from each specimen's fit at the
+  /// far end); then back and outwards again from the best of these.
   [[nodiscard]] std::vector<Solution> along(std::size_t index, const std::vector<double>& values) {
     std::vector<Solution> found;
     for (const double value : values) {
@@ -93,7 +93,7 @@ class Target final {
       take_better(moved_to(problem_, minimum, index, values[i]), found[i]);
     }
     for (std::size_t i = 0; i < found.size(); ++i) {
-      const bool searched = !pooled_ || i + 1 == found.size();  // of all together one costs much
+      const bool searched = !pooled_ || i + 1 == found.size();  // expensive for the pooled problem
       if (searched) search_at(index, values[i], found[i]);
     }
     for (std::size_t i = found.size(); i-- > 1;) {
@@ -106,8 +106,8 @@ class Target final {
     return found;
   }
 
-  /// Fits between the best one and `value`, which the data do not leave, nearer and nearer, until one is
-  /// left.
+  /// Fits between the best one and `value`, which is outside the confidence set, closer and closer until one
+  /// is inside.
   [[nodiscard]] std::vector<Solution> nearer(std::size_t index, double value) const {
     constexpr int kMost = 8;
     const double best = best_.shared[index];
@@ -119,8 +119,8 @@ class Target final {
     return found;
   }
 
-  /// Fits between values: where one is better than both its neighbours but the data do not leave it, the best
-  /// of more values on either side, when the data leave that.
+  /// Fits at intermediate values: where a value is better than both neighbours but outside the confidence
+  /// set, the best of more values on either side, if that one is inside.
   [[nodiscard]] std::vector<Solution> between(std::size_t index, const std::vector<double>& values,
                                               const std::vector<Solution>& found) const {
     std::vector<Solution> left;
@@ -170,7 +170,7 @@ class Target final {
     return static_cast<std::size_t>(found - values.begin());
   }
 
-  /// Takes the best that a search with a parameter held at `value` finds, when it is better.
+  /// Replaces `kept` by the result of a search with the parameter held at `value`, when it is better.
   void search_at(std::size_t index, double value, Solution& kept) const {
     const Point relaxation(best_.shared.begin() + kLawParameters, best_.shared.end());
     for (Solution start : pooled_ ? more_ : starts_at(problem_, index, value, relaxation, kStarts)) {
@@ -179,8 +179,8 @@ class Target final {
     }
   }
 
-  /// A fit that leaves more than both of its neighbours is stuck: again from each of them, as they are but
-  /// for the value.
+  /// A fit with a higher cost than both neighbours is stuck in a local optimum: fits it again from each
+  /// neighbour's parameters.
   void free_stuck(std::size_t index, const std::vector<double>& values, std::vector<Solution>& found) const {
     for (std::size_t i = 1; i + 1 < found.size(); ++i) {
       if (!(found[i].cost > std::max(found[i - 1].cost, found[i + 1].cost))) continue;
@@ -204,8 +204,8 @@ class Target final {
   Problem problem_;
   Solution best_;
   std::vector<double> best_costs_;
-  std::vector<Solution> more_;    // of all together: fits of one
-  std::vector<Solution> minima_;  // that the fit kept besides the best
+  std::vector<Solution> more_;    // pooled: the fits of single specimens
+  std::vector<Solution> minima_;  // local optima of the fit other than the best
   double effective_ = 0.0;
 };
 
@@ -216,7 +216,7 @@ Json point_json(const SweepPoint& point) {
   return json;
 }
 
-/// Of the law, so greater than zero: reports show it on logarithmic axes.
+/// Must be > 0: reports plot it on a logarithmic axis.
 double parameter_of_json(const Json& json) {
   const auto value = json.get<double>();
   if (!(value > 0.0)) {
@@ -226,14 +226,14 @@ double parameter_of_json(const Json& json) {
 }
 
 SweepPoint point_of_json(const Json& json) {
-  constexpr std::size_t kOthers = 4;  // from there on
+  constexpr std::size_t kOthers = 4;  // parameters begin at this index
   SweepPoint point;
   point.value = parameter_of_json(json.at(0));
   point.nrmse = number_of(json.at(1));
   point.within_95 = json.at(2).get<double>() > 0.5;
   point.deviance = number_of(json.at(3));
   for (std::size_t i = kOthers; i < json.size(); ++i) {
-    const bool law = i < kOthers + kLawParameters;  // else relaxation's
+    const bool law = i < kOthers + kLawParameters;  // else a relaxation parameter
     point.others.push_back(law ? parameter_of_json(json.at(i)) : json.at(i).get<double>());
   }
   if (point.others.size() < kLawParameters) throw InputError("sweep's line: a point lacks parameters");
@@ -244,7 +244,7 @@ SweepPoint point_of_json(const Json& json) {
 
 std::vector<double> sweep_values(const SweepRequest& request, const Estimate& estimate,
                                  const Bounds& bounds) {
-  constexpr double kBeside = 1.01;  // factor, at least
+  constexpr double kBeside = 1.01;  // least factor between values
   const Interval& interval = estimate.interval;
   const double beside = std::max(kBeside, std::sqrt(interval.high / interval.low));
   const std::size_t i = request.parameter;
@@ -270,7 +270,7 @@ std::string sweep_line(const SweepPiece& piece, const std::string& key,
       pooled ? fits.pooled.estimates[index] : fits.specimens[piece.target].estimates[index];
   const double best = target.best().shared[index];
   const std::vector<double> all = sweep_values(piece.request, estimate, target.bounds());
-  const bool across = best >= all.front() && best <= all.back();  // then the fit's own value is swept too
+  const bool across = best >= all.front() && best <= all.back();  // then the fit's own value is included
   std::vector<double> values;
   if (across && piece.upwards) values.push_back(best);
   for (const double value : all) {

@@ -13,24 +13,24 @@
 namespace palpate::identify {
 namespace {
 
-constexpr int kIterations = 20;  // of each fit along the way
+constexpr int kIterations = 20;  // of each fit along the path
 
-/// How far a step of 1 goes: 1 of a logarithm, a tenth of a range.
+/// Length of a unit step: 1 in a logarithm, 0.1 of a range.
 double unit_of(const Solution& at, std::size_t index) { return index < at.shared.size() ? 1.0 : 0.1; }
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using OnePart = Eigen::Matrix<double, Eigen::Dynamic, static_cast<int>(kOwnParameters)>;
 
-/// A part's derivatives by its own parameters, and how these go with what they are not told.
+/// Elimination of a part's own parameters by linear least squares.
 struct Eliminated {
   OnePart own;
-  Eigen::MatrixXd rest;   // derivatives by the shared parameters, and the right side, as they are
-  Eigen::MatrixXd taken;  // own parameters that fit each column of `rest` best
+  Eigen::MatrixXd rest;   // Jacobian by the shared parameters, and the right-hand side
+  Eigen::MatrixXd taken;  // own parameters that best fit each column of `rest`
 
   [[nodiscard]] Eigen::MatrixXd left() const { return rest - own * taken; }
 };
 
-/// `at` moved by `step` times `way`, within the bounds.
+/// `at` plus `step` times `way`, clamped to the bounds.
 Solution moved_by(const Problem& problem, const Solution& at, const Point& way, double step) {
   Solution next = at;
   const std::size_t shared = at.shared.size();
@@ -47,7 +47,7 @@ Solution moved_by(const Problem& problem, const Solution& at, const Point& way, 
   return next;
 }
 
-/// The solution that lies `share` of the straight way from one to another.
+/// Linear interpolation between two solutions.
 Solution between(const Solution& from, const Solution& to, double share) {
   const auto mix = [share](Point& a, const Point& b) {
     for (std::size_t i = 0; i < a.size(); ++i) a[i] += share * (b[i] - a[i]);
@@ -130,9 +130,9 @@ void walk_valley(const Problem& problem, const Solution& from, std::size_t index
   constexpr double kFirst = 0.1;
   constexpr double kLongest = 0.6;
   constexpr double kShortest = 1e-5;
-  constexpr double kEnd = 0.1;         // of the way so far: the end of the interval is found well enough
-  constexpr double kStraight = 1.5;    // excess up to which the last step is straight enough
-  constexpr double kTolerance = 1e-7;  // of a sum of squares: an interval needs no more
+  constexpr double kEnd = 0.1;         // of the path so far: accuracy of the interval's end
+  constexpr double kStraight = 1.5;    // largest excess from which the last step is interpolated
+  constexpr double kTolerance = 1e-7;  // relative, of the sum of squares: enough for an interval
   const double unit = unit_of(from, index);
   Solution at = from;
   double here = excess(at);
@@ -170,7 +170,7 @@ std::vector<double> part_costs(const Problem& problem, const Solution& solution)
 }
 
 bool specimens_leave(const std::vector<double>& best, const std::vector<double>& other) {
-  constexpr double kNoWorse = 1e-3;  // of the sum of squares: nobody tells that apart
+  constexpr double kNoWorse = 1e-3;  // of the sum of squares: not distinguishable
   const auto count = static_cast<double>(best.size());
   double all = 0.0;
   double worse = 0.0;
@@ -185,8 +185,8 @@ bool specimens_leave(const std::vector<double>& best, const std::vector<double>&
   if (worse <= kNoWorse * all) return true;
   if (best.size() < 2) return false;
   const double variance = std::max(0.0, squares - worse * worse / count) / (count - 1.0);
-  // half: near the best the sum of squares grows by half of what its slope at the end of the interval makes
-  // it
+  // factor 0.5: the cost is quadratic, so its increase is half of its slope at the interval's end times the
+  // step
   return worse <= 0.5 * student(count - 1.0) * std::sqrt(count * variance);
 }
 

@@ -12,7 +12,7 @@
 namespace palpate::identify {
 namespace {
 
-/// Three digits: enough for a sentence.
+/// Three digits are enough for a sentence.
 void add_undetermined(const std::vector<Determined>& determined, const SpecimenFit& fit,
                       std::vector<std::string>& out) {
   const std::vector<ParameterLabel> names = labels(fit.terms);
@@ -35,7 +35,7 @@ void add_correlated(const std::vector<std::vector<double>>& all, const SpecimenF
   }
 }
 
-/// What to measure when the law's shape is not well known.
+/// What to measure when the law's shape is poorly determined.
 std::string advice(const SpecimenFit& fit, const Part& part) {
   const double q = fit.estimates[2].value;
   const double third_layer =
@@ -57,11 +57,11 @@ void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::str
   }
   if (wide.empty()) return;
   out.push_back("the interval of " + wide +
-                " is wider than a factor 2, because L_1, q and beta replace each other: " +
-                advice(fit, part) + "; the curve itself is known better");
+                " is wider than a factor 2, because L_1, q and beta compensate each other: " +
+                advice(fit, part) + "; the curve itself is determined better");
 }
 
-/// Mean way back of the force between loading and unloading at the same displacement, over the range.
+/// Whether the displacement decreases by more than half of its range in total.
 bool turns_back(const Specimen& specimen, double range) {
   double back = 0.0;
   for (std::size_t i = 1; i < specimen.size(); ++i) {
@@ -83,7 +83,7 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
                     brief(100.0 * fit.nrmse, 3)));
   }
   const std::vector<double> left = plain_residuals(problem, part, fit.shared, fit.own);
-  const double limit = 1.5 * problem.loss_scale;  // six spreads
+  const double limit = 1.5 * problem.loss_scale;  // six standard deviations
   const auto outliers =
       std::count_if(left.begin(), left.end(), [limit](double r) { return std::abs(r) > limit; });
   if (outliers > 0 && problem.loss_scale > 1e-4) {
@@ -95,21 +95,21 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
   if (flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement) {
     out.push_back(
         "the force does not rise out of the noise before " + brief(flat / kMillimetre, 3) +
-        " mm: if that is a way without contact, cut it off and count from contact; if it is tissue, its "
-        "first layer is hardly seen");
+        " mm: if that is motion without contact, cut it off and count displacement from contact; if it is "
+        "tissue, its first layer is hardly visible");
   }
   if (fit.layers_reached < 2) {
-    out.emplace_back("the data stay within the first layer: beta and q are not theirs to tell");
+    out.emplace_back("the data stay within the first layer: they do not determine beta and q");
   }
   if (minima.effective < 0.5 * static_cast<double>(fit.points)) {
     out.push_back(
-        fmt::format("residuals follow their neighbours, so {} points count as {} in the intervals: the law "
-                    "misses the curve's shape somewhere",
+        fmt::format("residuals are autocorrelated, so {} points count as {} in the intervals: the law "
+                    "does not fit the curve's shape everywhere",
                     fit.points, brief(minima.effective, 3)));
   }
   if (fit.terms == 0 && turns_back(*part.specimen, part.ranges.displacement)) {
     out.emplace_back(
-        "the displacement goes back, and without --relaxation loading and unloading are one curve");
+        "the displacement decreases again; without --relaxation loading and unloading are one curve");
   }
 }
 
@@ -123,10 +123,10 @@ Determined determined_by(double low, double high, double lowest, double highest)
 }
 
 std::string undetermined_warning(Determined how, const ParameterLabel& label, const Interval& interval) {
-  return fmt::format(
-      "{} is not determined by the data: its interval, {} to {}{}", label.name,
-      brief(interval.low / label.unit, 3), brief(interval.high / label.unit, 3),
-      how == Determined::kSpansMost ? ", spans most of what was tried" : ", ends where the search ends");
+  return fmt::format("{} is not determined by the data: its interval, {} to {}{}", label.name,
+                     brief(interval.low / label.unit, 3), brief(interval.high / label.unit, 3),
+                     how == Determined::kSpansMost ? ", spans most of the searched range"
+                                                   : ", ends at a bound of the search");
 }
 
 std::vector<Determined> determined_of(const Minima& minima, const std::vector<Point>& points) {

@@ -8,19 +8,19 @@
 
 namespace palpate::identify {
 
-/// [any] Where an interval [logarithms] of a parameter stands within what was tried.
+/// [any] Identifiability of a parameter: where its interval [logarithms] lies within the searched range.
 enum class Determined { kYes, kEndsWhereTheSearchEnds, kSpansMost };
 [[nodiscard]] Determined determined_by(double low, double high, double lowest, double highest);
 
-/// [any] "q is not determined by the data: ...", for an interval that determined_by() says so of.
+/// [any] Warning "q is not determined by the data: ...", for any result but kYes.
 [[nodiscard]] std::string undetermined_warning(Determined how, const ParameterLabel& label,
                                                const Interval& interval);
 
-/// [setup] Says of each shared parameter, by points that the data allow, whether they determine it.
+/// [setup] Identifiability of each shared parameter, from points in the confidence set.
 [[nodiscard]] std::vector<Determined> determined_of(const Minima& minima, const std::vector<Point>& points);
 
-/// [setup] What a user should know of a specimen's fit before believing it, a sentence each: parameters that
-/// the data do not determine, outliers, rows that were averaged, layers that were not reached, hysteresis.
+/// [setup] Warnings about a specimen's fit, one sentence each: undetermined parameters, outliers, averaged
+/// rows, layers not reached, hysteresis.
 [[nodiscard]] std::vector<std::string> warnings_of(const Minima& minima, const std::vector<Point>& points,
                                                    const Curvature& curvature, const SpecimenFit& fit);
 

@@ -21,7 +21,7 @@ double squares(const validate::Deformation& deformation, const model::ReachParam
   return sum;
 }
 
-/// The share of places where the model lies within what the pictures are uncertain by.
+/// Fraction of the points where the model is within the measurement's uncertainty.
 double within_uncertainty(const ImageSet& set) {
   std::vector<ImagePoint> points = set.measured.points;
   std::stable_sort(points.begin(), points.end(),
@@ -53,12 +53,12 @@ validate::Deformation deformation_of(const ImageMeasurement& measured, const std
 double nearest_depth(const validate::Deformation& deformation, const model::ReachParameters& reach,
                      double tip_radius) {
   constexpr int kSteps = 100;
-  constexpr double kMost = 10.0;  // a tool hides what is near it, which is most of the depth
+  constexpr double kMost = 10.0;  // a tool may hide most of the depth
   const double largest = *std::max_element(deformation.displacement.begin(), deformation.displacement.end());
   double best = largest;
   double low = 0.7 * largest;
   double high = kMost * largest;
-  for (int round = 0; round < 4; ++round) {  // each a grid around the best of the one before
+  for (int round = 0; round < 4; ++round) {  // each round is a grid around the optimum of the previous one
     const double step = (high - low) / kSteps;
     double least = 1e300;
     for (int i = 0; i <= kSteps; ++i) {

@@ -28,7 +28,7 @@ int number_in(const char* name, int otherwise) {
   return whole ? static_cast<int>(value) : otherwise;
 }
 
-/// Beside the program, as it is built, and where it would be installed.
+/// Candidate folders: beside the program (build tree) and where it is installed.
 std::vector<std::filesystem::path> places() {
   std::error_code failed;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed);
@@ -62,7 +62,7 @@ Launch launch_of_environment() {
     const char* size;
     const char* rank;
   };
-  // Open MPI's mpirun; MPICH's and others that speak PMI
+  // Open MPI's mpirun; MPICH's and others that use PMI
   constexpr std::array<Launcher, 2> kLaunchers = {
       {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"}, {"PMI_SIZE", "PMI_RANK"}}};
   for (const Launcher& launcher : kLaunchers) {
@@ -78,7 +78,7 @@ std::unique_ptr<Ranks> make_ranks() {
   for (const std::filesystem::path& file : places()) {
     std::error_code failed;
     if (!std::filesystem::exists(file, failed)) continue;
-    void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);  // Open MPI's own plug-ins need its names
+    void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);  // plug-ins of Open MPI need its symbols
     if (library == nullptr) fail(launch, file.string() + " cannot be loaded: " + dlerror());
     using Make = Ranks* (*)();
     const auto make = reinterpret_cast<Make>(dlsym(library, "palpate_make_mpi_ranks"));

@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kParameters = 5;
 constexpr std::size_t kExponent = 4;
 
-// ln c, ln a, ln(s - 1), g, p. Wider than any tissue known: a bar of 1/50 to 5 tool sizes, bars that hardly
-// grow or grow fivefold.
+// ln c, ln a, ln(s - 1), g, p. Wider than known tissues: radii of 1/50 to 5 tool radii, successive radii that
+// hardly grow or grow fivefold.
 const identify::Point kLow = {std::log(0.2), std::log(0.02), std::log(0.05), 0.02, 0.02};
 const identify::Point kHigh = {std::log(4.0), std::log(5.0), std::log(4.0), 0.98, 1.0};
 
@@ -24,7 +24,8 @@ model::ReachParameters reach_of(std::span<const double> shape) {
   return {std::exp(shape[0]), std::exp(shape[1]), 1.0 + std::exp(shape[2]), shape[3], shape[kExponent]};
 }
 
-/// (u of the model - u of the sample)/D at every place of every sample, over the root of the sample's number.
+/// (u of the model - u of the sample)/D at each point of each sample, divided by the square root of the
+/// number of points.
 void reach_errors(const std::vector<ReachSample>& samples, const SurfaceRule& rule,
                   std::span<const double> shape, std::span<double> errors) {
   std::size_t at = 0;
@@ -41,7 +42,7 @@ void reach_errors(const std::vector<ReachSample>& samples, const SurfaceRule& ru
 double solve_from(const std::vector<ReachSample>& samples, const SurfaceRule& rule, bool keep_exponent,
                   identify::Point& shape) {
   identify::Bounds bounds{kLow, kHigh};
-  bounds.low[kExponent] = std::min(kLow[kExponent], shape[kExponent]);  // one that is kept may be less
+  bounds.low[kExponent] = std::min(kLow[kExponent], shape[kExponent]);  // a fixed p may be below the bound
   identify::SmallProblem problem{bounds, 0, [&](std::span<const double> at, std::span<double> errors) {
                                    reach_errors(samples, rule, at, errors);
                                  }};
@@ -49,7 +50,7 @@ double solve_from(const std::vector<ReachSample>& samples, const SurfaceRule& ru
   return identify::minimise(problem, shape, 100, keep_exponent ? static_cast<int>(kExponent) : -1);
 }
 
-/// Whether the samples say how the contact radius goes with depth.
+/// Whether the depths of the samples differ enough to determine p.
 bool depths_differ(const std::vector<ReachSample>& samples) {
   double least = std::numeric_limits<double>::infinity();
   double most = 0.0;
@@ -60,7 +61,7 @@ bool depths_differ(const std::vector<ReachSample>& samples) {
   return most >= kLeastSpreadOfDepths * least;
 }
 
-/// The best of several starts.
+/// The best result of several starts.
 identify::Point best_shape(const std::vector<ReachSample>& samples, const SurfaceRule& rule,
                            bool keep_exponent, double exponent) {
   double best_cost = std::numeric_limits<double>::infinity();

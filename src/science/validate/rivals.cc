@@ -24,8 +24,8 @@ constexpr std::array<std::pair<const char*, RivalKind>, 4> kRivals = {
      {"exponential", RivalKind::kExponential},
      {"mass-spring", RivalKind::kMassSpring}}};
 
-/// Where `cost` is least between two logarithms: a coarse search, then golden sections. @return not the
-/// logarithm
+/// Minimises `cost` between two logarithms by a coarse search and golden sections. @return the argument, not
+/// its logarithm
 double least_of(const Function& cost, double low, double high) {
   constexpr int kCoarse = 16;
   const auto at = [&](int i) { return std::log(low) + (std::log(high) - std::log(low)) * i / kCoarse; };
@@ -53,7 +53,7 @@ double least_of(const Function& cost, double low, double high) {
   return std::exp(0.5 * (from + to));
 }
 
-/// The factor of `shape` that is nearest to `values`, and what it leaves.
+/// The factor of `shape` that best fits `values`, and the remaining error.
 struct Scaled {
   double factor = 0.0;
   double squares = 0.0;
@@ -86,7 +86,7 @@ std::string worded(const char* format, double first, double second = 0.0) {
   return text;
 }
 
-/// Force over the home stiffness at depths from 0 to `deepest`, for a ratio: what a patch gives, tabulated.
+/// Table of force / home stiffness at depths from 0 to `deepest`, for a stiffness ratio.
 std::vector<double> patch_table(double ratio, double deepest) {
   constexpr int kDepths = 24;
   MassSpringPatch patch(ratio);
@@ -102,7 +102,7 @@ double in_table(const std::vector<double>& table, double deepest, double depth) 
   return (1.0 - share) * table[low] + share * table[low + 1];
 }
 
-/// Depths > 0 and forces of a comparison without its zeros.
+/// Depths > 0 and forces of a comparison, with the zeros subtracted.
 struct ForceCurve {
   std::vector<double> depth;
   std::vector<double> force;
@@ -171,7 +171,7 @@ Function profile_shape(RivalKind kind, double depth, double width) {
     case RivalKind::kMassSpring:
       break;
   }
-  constexpr int kSteps = 10;  // to the depth, so that the sweeps have come to rest
+  constexpr int kSteps = 10;  // steps to the depth, so that the relaxation converges
   auto patch = std::make_shared<MassSpringPatch>(width);
   for (int i = 1; i <= kSteps; ++i) patch->press(depth * i / kSteps);
   return [patch](double r) { return patch->at(r); };

@@ -8,35 +8,35 @@
 
 namespace palpate::validate {
 
-/// Laws that others use, for comparison.
+/// Baseline models, for comparison.
 enum class RivalKind {
-  kHertz,        // F = a d^1.5; the surface around a ball in a half-space, its contact radius fitted
-  kLinear,       // F = a d; a cone
-  kExponential,  // F = a (e^(b d) - 1); u = D e^(-r/b)
-  kMassSpring,   // MassSpringPatch, its two stiffnesses fitted (of a profile: their ratio)
+  kHertz,        // F = a d^1.5; surface of a half-space around a ball with a fitted contact radius
+  kLinear,       // F = a d; profile: a cone
+  kExponential,  // F = a (e^(b d) - 1); profile: u = D e^(-r/b)
+  kMassSpring,   // MassSpringPatch with its two stiffnesses fitted (profile: their ratio)
 };
 
 /// [any] "hertz", "linear", "exponential", "mass-spring".
 [[nodiscard]] const char* to_string(RivalKind kind) noexcept;
-/// [setup] The kinds named between commas, each once. @throws InputError naming the bad one and all there
-/// are.
+/// [setup] Parses a comma-separated list of kinds, each once. @throws InputError that names the invalid one
+/// and all valid ones.
 [[nodiscard]] std::vector<RivalKind> parse_rivals(std::string_view text);
 
-/// A rival fitted to one data set by least squares of its own.
+/// A baseline model fitted to one data set by least squares.
 struct RivalFit {
   RivalKind kind = RivalKind::kHertz;
-  std::string parameters;                  // in words
-  Errors errors;                           // on the same scale as ours
-  std::vector<double> computed;            // N, or m of a profile
-  std::function<double(double)> evaluate;  // force [N] at a depth [m], or u [m] at r [m]; not empty; of a
-                                           // mass-spring patch, one relaxation of all its nodes
+  std::string parameters;                  // formatted for output
+  Errors errors;                           // on the same scale as those of the law
+  std::vector<double> computed;            // N, or m for a profile
+  std::function<double(double)> evaluate;  // force [N] at a depth [m], or u [m] at r [m]; not empty; for a
+                                           // mass-spring patch one relaxation of all nodes
 };
 
-/// [setup] Fits the force curve that was compared: its depths and forces with its zeros taken off. The rivals
-/// know no relaxation.
+/// [setup] Fits the compared force curve: depths and forces with the zeros subtracted. Baseline models have
+/// no relaxation.
 [[nodiscard]] RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison);
 
-/// [setup] Fits the profile that was compared; the depth is given, as to ours.
+/// [setup] Fits the compared profile; the depth is given.
 [[nodiscard]] RivalFit fit_profile_rival(RivalKind kind, const DeformationComparison& comparison);
 
 }  // namespace palpate::validate

@@ -13,7 +13,7 @@
 namespace palpate::validate {
 namespace {
 
-/// `ask` of the law that the tissue has.
+/// Calls `ask` with the law that the tissue has.
 template <typename Ask>
 auto with_law(const Law& law, const Ask& ask) {
   if (law.tissue.law == model::LawKind::kSmooth) {

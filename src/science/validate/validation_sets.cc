@@ -15,7 +15,7 @@
 namespace palpate::validate {
 namespace {
 
-/// Processor time of one call [ns]: the least of several batches, each long enough for the clock.
+/// CPU time of a call [ns]: the shortest of several batches, each long enough for the clock.
 template <typename Call>
 double call_ns(const Call& call, double largest) {
   constexpr std::int64_t kLongEnough = 2'000'000;  // ns
@@ -33,7 +33,7 @@ double call_ns(const Call& call, double largest) {
     }
     least = std::min(least, static_cast<double>(spent) / calls);
   }
-  volatile double kept = sum;  // so that no call can be left out
+  volatile double kept = sum;  // keeps the compiler from removing the calls
   static_cast<void>(kept);
   return least;
 }
@@ -73,7 +73,7 @@ void compare_profiles(const std::vector<Deformation>& profiles, const std::vecto
   model::ReachParameters& reach = validation.law.tissue.reach;
   std::vector<ReachSample> samples;
   for (std::size_t i = 0; i < profiles.size(); ++i) {
-    // Refuses what has no depth.
+    // Rejects a profile without depth.
     const DeformationComparison comparison =
         compare_deformation(profiles[i], reach, depths[i], tip_radius, rule);
     samples.push_back({profiles[i], comparison.depth, tip_radius});

@@ -11,14 +11,14 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kSliver = 1e-6F;   // cells^2: a triangle seen on edge; its neighbours cover what it would
-constexpr float kOverlap = 1e-4F;  // of a triangle: neighbours overlap, so that rounding leaves no cell out
+constexpr float kSliver = 1e-6F;   // cells^2: a triangle seen edge-on; its neighbours cover the same cells
+constexpr float kOverlap = 1e-4F;  // of a triangle: triangles overlap, so that rounding leaves no gaps
 const float kDiagonal = std::sqrt(2.0F);
 const float kKnight = std::sqrt(5.0F);
 
 Lanes load(const float* from) { return Lanes::load_unaligned(from); }
 
-// Lanes moved one or two up; those below repeat the first.
+// Shifts the four values up by one or two; the lowest is repeated.
 Lanes one_up(const Lanes& a) { return Lanes(Lanes::Value{a.v[0], a.v[0], a.v[1], a.v[2]}); }
 Lanes two_up(const Lanes& a) { return Lanes(Lanes::Value{a.v[0], a.v[0], a.v[0], a.v[1]}); }
 Lanes one_down(const Lanes& a) { return Lanes(Lanes::Value{a.v[1], a.v[2], a.v[3], a.v[3]}); }
@@ -43,7 +43,7 @@ void DepthMap::add_triangle(const Vector3f& a, const Vector3f& b, const Vector3f
   const int last_i = static_cast<int>(std::min(high.x(), last));
   const int first_j = static_cast<int>(std::max(low.y(), 0.0F)) / 4 * 4;
   const int last_j = static_cast<int>(std::min(high.y(), last));
-  // The shares of b and c in a cell are linear in its column.
+  // The barycentric weights of b and c are linear in the column.
   const Lanes to_b(-ac.x() / area);
   const Lanes to_c(ab.x() / area);
   const Lanes least(-kOverlap);
@@ -72,7 +72,7 @@ void DepthMap::clear_margins(int i) noexcept {
   std::fill(row + kSide, row + kStride - kLeft, kNothing);
 }
 
-// What the two rows before give to a row; `step` says on which side those lie.
+// Applies the slope from the two neighbouring rows on the side given by `step`.
 void DepthMap::slopes_from_rows(int i, int step, float rise) noexcept {
   const float* const near = &cells_[place(i + step, -kLeft)];
   const float* const far = &cells_[place(i + 2 * step, -kLeft)];
@@ -89,7 +89,7 @@ void DepthMap::slopes_from_rows(int i, int step, float rise) noexcept {
   }
 }
 
-// What the cells before it in its row give to each cell.
+// Applies the slope along a row, from each cell to the next.
 void DepthMap::slopes_along(int i, bool forwards, float rise) noexcept {
   float* const row = &cells_[place(i, -kLeft)];
   const Lanes one(rise);
@@ -132,7 +132,7 @@ void DepthMap::add_slopes(float rise) {
 }
 
 void DepthMap::even_out(int rounds) {
-  // Along the rows and then across them; what is beyond the map is taken as its edge.
+  // Separable: along the rows, then the columns. Cells beyond the map repeat the edge.
   const Lanes third(1.0F / 3.0F);
   constexpr std::size_t kGroups = kStride / kLanes;
   std::array<float, kStride + 2> line{};

@@ -10,7 +10,7 @@
 namespace palpate::render {
 namespace {
 
-constexpr int kSamples = 4;  // a pixel, for edges
+constexpr int kSamples = 4;  // per pixel, for antialiasing
 
 GLuint compile(GLenum kind, const std::string& source) {
   const GLuint shader = glCreateShader(kind);
@@ -30,7 +30,7 @@ GLuint compile(GLenum kind, const std::string& source) {
   return shader;
 }
 
-// OpenGL takes an offset into a buffer as a pointer.
+// OpenGL expects buffer offsets as pointers.
 const void* offset(std::uintptr_t bytes) { return std::bit_cast<const void*>(bytes); }
 
 struct Layout {
@@ -186,7 +186,7 @@ Target::Target(Kind kind, int width, int height) : kind_(kind), width_(width), h
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     if (kind == Kind::kShadow) {
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-      // What a close-up shows of a large organ beyond the map is lit, not in the shadow of the map's edge.
+      // Parts of a large organ outside the shadow map are lit.
       constexpr GLfloat kFarthest[4] = {1.0F, 1.0F, 1.0F, 1.0F};
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);

@@ -19,8 +19,8 @@
 namespace palpate::render {
 namespace {
 
-constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of what the light must reach
-const Vec3 kNowhere(0, 0, 1e3);     // m: where tools are that a snapshot does not know
+constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of the region that the light must cover
+const Vec3 kNowhere(0, 0, 1e3);     // m: position of tools that a snapshot lacks
 
 void check_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
@@ -96,8 +96,8 @@ struct OffscreenRenderer::Impl {
       painter.organ().mesh.change_moving(range.first, organ.vertices().subspan(range.first, range.count));
   }
 
-  // Draws at each moving quality once: a driver translates shaders when it first draws with them, which takes
-  // longer than some pictures, and must not happen while something moves.
+  // Draws once in each adaptive quality: a driver compiles shaders at their first draw, which takes longer
+  // than several pictures and must not happen during motion.
   void follow_time() {
     choice.emplace();
     const Camera camera{region.middle - 3.0 * region.radius * Vec3::UnitY(), region.middle};
@@ -131,7 +131,7 @@ struct OffscreenRenderer::Impl {
   std::optional<QualityChoice> choice;
 };
 
-// Holds the renderer's own context, if it has one, while it draws.
+// Makes the renderer's own context, if any, current during a call.
 class OffscreenRenderer::Current final {
  public:
   explicit Current(GlContext* context) : context_(context) {

@@ -4,7 +4,7 @@ namespace palpate::render {
 
 TissueLook tissue_look(const std::string& tissue_name) {
   TissueLook look;
-  if (tissue_name == "gallbladder") {  // bile shows grey-green through a pale wall
+  if (tissue_name == "gallbladder") {  // bile looks grey-green through the pale wall
     look.base = {0.320F, 0.350F, 0.200F};
     look.mottle = {0.185F, 0.265F, 0.215F};
     look.vessel = {0.33F, 0.085F, 0.06F};

@@ -8,8 +8,9 @@ namespace palpate::render {
 namespace {
 
 constexpr double kToolCreaseDeg = 40.0;
-constexpr double kLargestBend = 8.0 * std::numbers::pi / 180.0;  // between the ends of an edge as drawn
-constexpr double kShortestToolEdge = 0.3e-3;                     // m: shorter ones are not split
+constexpr double kLargestBend = 8.0 * std::numbers::pi / 180.0;  // largest angle between the normals at the
+                                                                 // ends of a displayed edge
+constexpr double kShortestToolEdge = 0.3e-3;                     // m: shorter edges are not split
 
 }  // namespace
 

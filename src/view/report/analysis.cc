@@ -64,7 +64,7 @@ LawDeparture departure(const std::vector<haptics::TickRow>& rows, const record::
   return {apart.size(), quantile(apart, 0.5), quantile(apart, 0.95), peak};
 }
 
-/// Tick from which the noise is another than at the start.
+/// First tick after a change of the noise.
 std::uint64_t first_noise_change(const record::Recording& recording) {
   for (const haptics::LiveChange& change : recording.changes) {
     if ((change.what & haptics::kNoiseChanged) != 0) return change.tick;
@@ -72,7 +72,8 @@ std::uint64_t first_noise_change(const record::Recording& recording) {
   return std::numeric_limits<std::uint64_t>::max();
 }
 
-/// The noise of the rows before it was changed, if it was: then its strength goes over bit by bit.
+/// Collects the noise of the rows before its first change, because afterwards a crossfade changes its gain
+/// gradually.
 void collect_noise(HandAnalysis& analysis, const record::Recording& recording) {
   const scene::Setup& setup = recording.setup;
   if (!setup.noise.enabled) return;
@@ -119,8 +120,8 @@ HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand
   return result;
 }
 
-/// What the loop counted, which also offline runs have and no lost row lacks; where a recording was cut off,
-/// or is older than those counts, the rows.
+/// Prefers the loop's own counts, which exist for offline runs too and include lost rows. Recordings that
+/// were cut off or lack the counts use the rows.
 TimeAnalysis time_analysis(const record::TimeHistogram& counted, const record::TimeFigures& figures,
                            std::vector<std::int64_t> of_rows) {
   if (!counted.empty()) {

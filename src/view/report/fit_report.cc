@@ -16,7 +16,7 @@
 namespace palpate::report {
 namespace {
 
-/// Force, then what is left of it. Columns: x, measured, fitted, low, high.
+/// Upper panel: force; lower panel: residuals. Columns: x, measured, fitted, low, high.
 std::string script(bool over_time, double largest_residual) {
   const std::string upper = fmt::format(
       R"(set ylabel 'force, N'; set yrange [*<0:*]; set autoscale yfixmin

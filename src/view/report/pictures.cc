@@ -30,7 +30,7 @@ std::array<NamedMoment, 4> named(const Moments& moments) {
            {"after", "4-after", moments.after}}};
 }
 
-/// The snapshots of the moments, in their order; the same tick may come twice.
+/// Snapshots at the given moments, in their order; a tick may occur twice.
 std::vector<haptics::Snapshot> take_snapshots(const record::Recording& recording, const HandAnalysis& hand) {
   std::vector<std::uint64_t> ticks;
   for (const NamedMoment& moment : named(hand.moments)) ticks.push_back(hand.rows[moment.row].tick);
@@ -57,7 +57,7 @@ double median_draw_ms(render::OffscreenRenderer& renderer, const haptics::Snapsh
   return quantile(times, 0.5);
 }
 
-/// The mean of every two by two pixels.
+/// Averages blocks of two by two pixels.
 render::Image halved(const render::Image& image) {
   render::Image small;
   small.width = image.width / 2;
@@ -76,7 +76,7 @@ render::Image halved(const render::Image& image) {
   return small;
 }
 
-/// The camera farther back, so that a moving organ stays in the picture.
+/// Moves the camera back, so that a moving organ stays in the picture.
 render::Camera with_room(render::Camera camera, const render::Subject& subject,
                          const std::vector<model::OrganMotionParameters>& motions) {
   double way = 0.0;
@@ -86,11 +86,11 @@ render::Camera with_room(render::Camera camera, const render::Subject& subject,
   return camera;
 }
 
-/// @param organ_moved m, of the organ's middle from its place at rest
+/// @param organ_moved m, displacement of the organ's centre from its rest position
 std::string caption_of(std::string text, const haptics::TickRow& row, double organ_moved) {
   text[0] = static_cast<char>(text[0] - 'a' + 'A');
   text += ": " + fixed(row.time, 3) + " s";
-  constexpr double kMoved = 0.05e-3;  // m: what is told to a tenth of a millimetre
+  constexpr double kMoved = 0.05e-3;  // m: smallest displacement in a caption
   if (organ_moved > kMoved) text += ", organ " + fixed(organ_moved * kMilli, 1) + " mm from rest";
   if (row.phase == 0) return fmt::format("{}, {} mm away", text, fixed(row.distance * kMilli, 1));
   return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(row.depth * kMilli, 2),
@@ -113,7 +113,7 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
   set.width = options.picture_width;
   set.height = options.picture_height;
 
-  // The same two places for all moments, chosen at depth, so that only organ and tool move between pictures.
+  // The same two cameras for all moments, chosen at the largest depth, so that only organ and tool differ.
   const haptics::Snapshot& deepest = snapshots[2];
   const contact::ToolResult& result = deepest.results[hand.hand];
   const Vec3 focus = hand.moments.contact ? result.contact_W : result.nearest_W;

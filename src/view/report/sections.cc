@@ -12,17 +12,17 @@
 namespace palpate::report {
 namespace {
 
-constexpr double kGoalDepth = 10e-3;   // m, both experiments of the demo
+constexpr double kGoalDepth = 10e-3;   // m, of both experiments of the demo
 constexpr double kPaperForceNs = 1e6;  // "under 1 ms a force" [Zhang 2011, section 3.2]
 
 std::string microseconds(std::int64_t ns) { return fixed(static_cast<double>(ns) * 1e-3, 1); }
 
-/// Whether the recording tells how long ticks took; an offline one does when it was closed in good order.
+/// Whether the recording has tick times; an offline one has them when it was closed properly.
 bool is_timed(const Analysis& analysis) { return analysis.tick_time.figures.max > 0; }
 
 bool is_pull(const WorkedExperiment& worked) { return worked.analysis.direction == model::Direction::kPull; }
 
-/// The hand that went deepest.
+/// The hand with the largest depth.
 const HandAnalysis& main_hand(const WorkedExperiment& worked) {
   return *std::max_element(
       worked.analysis.hands.begin(), worked.analysis.hands.end(),
@@ -51,7 +51,8 @@ std::string noise_mark(const NormalCheck& check) {
   const double count = static_cast<double>(check.count);
   const double mean_bound = 4.0 / std::sqrt(count);
   const double deviation_bound = 4.0 / std::sqrt(2.0 * count);
-  const double ks_bound = 1.95 / std::sqrt(count);  // passed by 999 of 1000 normal samples
+  const double ks_bound = 1.95 / std::sqrt(count);  // bound of the Kolmogorov-Smirnov statistic that 999 of
+                                                    // 1000 normal samples pass
   const bool met = std::abs(check.mean) <= mean_bound &&
                    std::abs(check.standard_deviation - 1.0) <= deviation_bound &&
                    check.ks_distance <= ks_bound;
@@ -78,7 +79,7 @@ std::string all_faults(const Analysis& analysis) {
   return text.empty() ? text : escaped(text + ".");
 }
 
-/// What came out, in words, each with its mark.
+/// The results in sentences, each marked as met or not.
 std::vector<std::string> marks_of(const WorkedExperiment& worked) {
   const Analysis& analysis = worked.analysis;
   const HandAnalysis& hand = main_hand(worked);
@@ -187,7 +188,7 @@ std::string tool_count(const std::vector<geometry::Tool>& tools) {
   return fmt::format("{} vertices, {} triangles", grouped(vertices), grouped(triangles));
 }
 
-/// The paper's figure beside ours, one experiment. [Zhang 2011, section 3]
+/// Results of the paper beside these, for one experiment. [Zhang 2011, section 3]
 TableRows comparison(const WorkedExperiment& worked) {
   const bool pull = is_pull(worked);
   const scene::Setup& setup = worked.experiment->recording->setup;

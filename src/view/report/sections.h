@@ -17,7 +17,7 @@ struct HandFigures {
   Figure noise_histogram;
 };
 
-/// One experiment with all that the page shows of it.
+/// An experiment with its results, figures and pictures.
 struct WorkedExperiment {
   const Experiment* experiment = nullptr;
   Analysis analysis;
@@ -27,14 +27,13 @@ struct WorkedExperiment {
   Figure lateness;
 };
 
-/// [setup] Title and what came out, in one table and in words.
+/// [setup] Title and results, as a table and a list.
 void write_summary(Page& page, const std::vector<WorkedExperiment>& all);
-/// [setup] One experiment in full. @param number from 1
+/// [setup] One experiment in full. @param number counts from 1
 void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t number);
-/// [setup] The paper's own figures beside ours.
+/// [setup] The results of the paper beside these.
 void write_comparison(Page& page, const std::vector<WorkedExperiment>& all);
-/// [setup] Everything that was run: scene, organ, tissue with all parameters, tool, device, noise, limits,
-/// machine.
+/// [setup] Conditions of the run: scene, organ, tissue parameters, tool, device, noise, limits, machine.
 void write_what_was_run(Page& page, const WorkedExperiment& worked);
 
 }  // namespace palpate::report

@@ -14,17 +14,16 @@
 namespace palpate::report {
 namespace {
 
-/// Words of one figure.
+/// Labels of one figure.
 struct Axes {
   std::string x;
   std::string y;
   std::string unit;
-  std::string jnd;  // what 7 % of the measured value are
-  std::string key;  // where the legend has room: left or right
+  std::string jnd;  // label for 7 % of the measured value
+  std::string key;  // side of the legend: left or right
 };
 
-/// The two curves, then their absolute error with 7 % of the measured value drawn in. Columns: x, measured,
-/// computed.
+/// Both curves, and their absolute error with 7 % of the measured value. Columns: x, measured, computed.
 std::string script(const Axes& axes, double largest_error) {
   const std::string upper =
       fmt::format(R"(set ylabel '{}, {}'; set yrange [*:*<1e9]; set offsets 0,0,graph 0.12,0
@@ -41,7 +40,7 @@ plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '
                    lower);
 }
 
-/// What one figure shows.
+/// Data of one figure.
 struct Curves {
   const std::string& name;
   const std::vector<double>& x;
@@ -53,7 +52,7 @@ struct Curves {
 
 Figure draw(const Curves& curves, bool sorted, const std::string& caption, const Axes& axes,
             const std::filesystem::path& file) {
-  constexpr std::size_t kMostRows = 2000;  // more would only make the picture large
+  constexpr std::size_t kMostRows = 2000;  // limits the size of the picture
   std::vector<std::vector<double>> all;
   for (std::size_t i = 0; i < curves.x.size(); ++i) {
     all.push_back(
@@ -61,7 +60,7 @@ Figure draw(const Curves& curves, bool sorted, const std::string& caption, const
   }
   if (sorted) sort_by_x(all);
   std::vector<std::vector<double>> rows;
-  double largest = 0.0;  // in the lower pane
+  double largest = 0.0;  // largest value in the lower panel
   for (std::size_t i = 0; i < all.size(); i += all.size() / kMostRows + 1) {
     rows.push_back(all[i]);
     largest = std::max({largest, std::abs(all[i][2] - all[i][1]), validate::kForceJnd * std::abs(all[i][1])});
@@ -193,7 +192,7 @@ std::string zeros_text(const ForceSet& set) {
                                  zeros_of(set.zeros_fitted ? set.given : set.fitted));
   if (set.fitted.at_limit) {
     text +=
-        "  ! the fitted zeros lie where their search ends: cut off the way without contact, take off the "
+        "  ! the fitted zeros lie at a bound of their search: cut off motion without contact, subtract the "
         "sensor's zero\n";
   }
   return text;

@@ -1,4 +1,4 @@
-// The part of the report that says what was run.
+// The section of the report on the conditions of a run.
 #include <numbers>
 #include <string>
 #include <utility>
@@ -18,7 +18,7 @@ namespace {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-/// A number and its unit, without the rounding errors of a conversion from SI.
+/// A number and its unit, without rounding errors of the conversion from SI.
 std::string number(double value, const char* unit) {
   constexpr int kDigits = 12;
   return brief(value, kDigits) + (*unit == '\0' ? "" : " ") + unit;
@@ -41,7 +41,7 @@ std::string mesh_in_words(const geometry::TriangleMesh& mesh) {
                      fixed(size.z(), 1));
 }
 
-/// "breathing, 8 mm along 0, 0, 1, every 4 s".
+/// Example: "breathing, 8 mm along 0, 0, 1, every 4 s".
 std::string motion_in_words(const std::vector<model::OrganMotionParameters>& motions) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   const auto vector = [](const Vec3& v) {

@@ -12,7 +12,7 @@ TEST(Normal, DensityAndDistributionAreTheStandardOnes) {
   EXPECT_NEAR(normal_cdf(-1.96), 0.0249978951482204, 1e-15);
 }
 
-// Values of the tables, as R's qt(0.975, f) gives them.
+// Reference values: qt(0.975, f) of R.
 TEST(Student, IsThatOfTheTablesFromThreeDegreesOfFreedomOn) {
   EXPECT_NEAR(student(1.0), 3.182446305, 1e-9);
   EXPECT_NEAR(student(3.0), 3.182446305, 1e-9);

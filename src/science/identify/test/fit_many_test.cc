@@ -18,7 +18,7 @@
 namespace palpate::identify {
 namespace {
 
-/// F = 0.05 (exp(d/4 mm) - 1) N to 12 mm in 24 points, 1 % noise.
+/// F = 0.05 (exp(d/4 mm) - 1) N up to 12 mm in 24 points, with 1 % noise.
 Specimen measured_curve(std::uint32_t number) {
   Random random(5, number, 0);
   Specimen specimen;

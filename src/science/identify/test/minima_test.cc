@@ -38,8 +38,7 @@ TEST(Minima, ThoseOfTwoSpringsWithoutNoiseAreTheSprings) {
   }
 }
 
-// The springs that made a curve, their noise fitted: no curve of the law has reason to be clearly farther
-// from it.
+// The layers that generated the curve, with their offset fitted: the best law must not fit clearly worse.
 TEST(Minima, OfRandomSpringsAreNoWorseThanTheSprings) {
   for (std::uint32_t number = 0; number < 40; ++number) {
     const Springs of = random_springs(number);
@@ -62,12 +61,12 @@ TEST(Minima, AreDescendedToFromBetterPlacesOnly) {
   Minima minima = found;
   EXPECT_FALSE(descend_further(minima, {found.all.back()}));
   EXPECT_EQ(minima.all.front().shared, found.all.front().shared);
-  minima.all = {found.all.back()};  // as if a search had missed the best
+  minima.all = {found.all.back()};  // as if the search had missed the best optimum
   EXPECT_TRUE(descend_further(minima, {found.all.front()}));
   EXPECT_NEAR(minima.all.front().cost, found.all.front().cost, 1e-3 * found.all.front().cost);
 }
 
-// Two curves whose profiles find a better fit than the search, so that all is done again.
+// Two curves whose profiles find a better fit than the search, so that the fit is repeated from there.
 TEST(FitSpecimen, ItsProgressNeverGoesBackAndGoesOnThroughTheProfiles) {
   for (const std::uint32_t number : {5U, 8U}) {
     double last = 0.0;
@@ -94,7 +93,7 @@ TEST(Starts, WithAParameterHeldHaveItsValueAndGrowWorse) {
   }
 }
 
-// The best offset leaves the mean of measured - computed as the sum of 1/20 more points that say 0 would.
+// The best offset is the mean of measured minus computed force, as if 1/20 more points measured 0.
 TEST(Starts, WithTheStiffnessHeldHaveTheOffsetOfLeastSquares) {
   const Specimen specimen = springs({20.0, 100.0, 4e-3, 8e-3, 2e-3}, 1);
   const Problem problem = make_problem(Settings{}, 0, {make_part(specimen)});

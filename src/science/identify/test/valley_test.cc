@@ -11,7 +11,7 @@
 namespace palpate::identify {
 namespace {
 
-/// How the residuals of part `p` change along `way`, and the derivatives that they come from.
+/// Change of the residuals of part `p` along `way`, and the Jacobian it is computed from.
 std::vector<double> change_along(const Point& way, std::span<const double> derivatives, std::size_t shared,
                                  std::size_t p) {
   const std::size_t columns = shared + kOwnParameters;
@@ -25,7 +25,7 @@ std::vector<double> change_along(const Point& way, std::span<const double> deriv
   return change;
 }
 
-// Least squares: what is left along the tangent has no part along any other parameter's derivatives.
+// Least squares: the change along the tangent is orthogonal to the derivatives by all other parameters.
 TEST(Tangent, LeavesNothingThatAnyOtherParameterCouldTakeUp) {
   const std::vector<Specimen> specimens = {springs({}, 1), springs({.first = 25.0}, 2),
                                            springs({.knot = 5e-3}, 3)};

@@ -1,5 +1,4 @@
-// The ranks of an mpirun. A library of its own, loaded by make_ranks(), so that the program needs no MPI
-// where it runs alone.
+// The ranks of an mpirun. A separate library, loaded by make_ranks(), so that a single process needs no MPI.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -26,7 +25,7 @@ class MpiRanks final : public palpate::tasks::Ranks {
   [[nodiscard]] int size() const override { return size_; }
 
   std::string broadcast(std::string bytes) override {
-    constexpr std::size_t kPiece = 1 << 30;  // bytes: MPI counts in int
+    constexpr std::size_t kPiece = 1 << 30;  // bytes: MPI counts are of type int
     std::uint64_t size = bytes.size();
     MPI_Bcast(&size, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
     bytes.resize(size);
@@ -64,5 +63,5 @@ class MpiRanks final : public palpate::tasks::Ranks {
 
 }  // namespace
 
-/// [setup] All ranks, to be deleted by the caller. Once a process.
+/// [setup] Communicator of all ranks, to be deleted by the caller. Once per process.
 extern "C" palpate::tasks::Ranks* palpate_make_mpi_ranks() { return new MpiRanks; }

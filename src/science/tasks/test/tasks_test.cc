@@ -70,7 +70,7 @@ class ThreadRank final : public Ranks {
   int rank_;
 };
 
-/// What every rank returns of a call that all make.
+/// Results of a collective call on all ranks.
 template <typename Call>
 std::vector<std::string> on_ranks(int count, const Call& call) {
   Mailboxes boxes(count);
@@ -180,7 +180,7 @@ TEST(Record, ABrokenOffCalculationGoesOnFromItOnAnyNumberOfRanks) {
     EXPECT_THAT(each, testing::Each(testing::StrEq(all)));
     EXPECT_EQ(runs, 3);
     const auto lines = read_record(file, [](const std::string&) {});
-    EXPECT_EQ(lines.size(), 5U);  // also those that were added after the line that was cut off
+    EXPECT_EQ(lines.size(), 5U);  // includes lines added after the truncated one
   }
 }
 
@@ -218,7 +218,7 @@ TEST(Record, AFileThatCannotBeWrittenIsToldOnEveryRank) {
   EXPECT_THAT(each, testing::Each(testing::StrEq("/nowhere/record.jsonl: cannot be written")));
 }
 
-/// While it lives, no file of this process grows beyond some bytes.
+/// Limits the size of all files of this process during its lifetime.
 class SmallFiles final {
  public:
   explicit SmallFiles(rlim_t bytes) {

@@ -13,7 +13,7 @@
 namespace palpate::validate {
 namespace {
 
-/// A comparison with a curve of 41 points to 10 mm; what was computed does not matter.
+/// A comparison with a curve of 41 points to 10 mm; its computed values are arbitrary.
 ForceComparison rival_curve(const std::function<double(double)>& force) {
   ForceComparison comparison;
   for (int i = 0; i <= 40; ++i) {
@@ -86,7 +86,7 @@ TEST(ParseRivals, TakesNamesBetweenCommasEachOnce) {
   EXPECT_THROW((void)parse_rivals("hertz,,linear"), InputError);
 }
 
-// Without springs between nodes only the pressed node's home spring is left.
+// Without springs between nodes only the home spring of the pressed node remains.
 TEST(MassSpringPatch, IsOneSpringWithoutNeighbours) {
   MassSpringPatch patch(0.0);
   EXPECT_DOUBLE_EQ(patch.press(3e-3), 3e-3);

@@ -9,7 +9,7 @@
 namespace palpate::validate {
 namespace {
 
-/// What u(r) gives for a reach under a ball of 5 mm.
+/// u(r) for given falloff ratios under a ball of 5 mm.
 Deformation profile_of(const model::ReachParameters& reach, double depth) {
   Deformation made;
   made.name = "side";

@@ -14,7 +14,7 @@ constexpr int kSide = DepthMap::kSide;
 
 TEST(DepthMap, ATriangleCoversTheCellsInsideItAtItsDepthAndNoOthers) {
   DepthMap map;
-  // Rows and columns 10 to 30 with i + j <= 40; the depth grows by 1 mm a row.
+  // Rows and columns 10 to 30 with i + j <= 40; the depth increases by 1 mm per row.
   map.add_triangle(Vector3f(10, 10, 0.010F), Vector3f(30, 10, 0.030F), Vector3f(10, 30, 0.010F), 1.0F);
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {

@@ -29,7 +29,7 @@ TEST(RefineSmoothly, MakesACoarseBallRound) {
   const geometry::TriangleMesh fine = refine_smoothly(coarse, shorter_than(0.002));
   EXPECT_TRUE(closed(fine));
   for (const Vec3& v : fine.vertices) EXPECT_NEAR(v.norm(), radius, 0.002 * radius);
-  // The flat triangles are up to 1 - cos(9 degrees) = 1.2 % inside.
+  // The flat triangles lie up to 1 - cos(9 degrees) = 1.2 % of the radius inside the sphere.
   for (std::size_t v = 0; v < coarse.vertices.size(); ++v) EXPECT_EQ(fine.vertices[v], coarse.vertices[v]);
 }
 

@@ -15,7 +15,8 @@ TEST(Analysis, FindsTheMomentsOfAPress) {
   const record::Recording recording = SyntheticRecording::make();
   const HandAnalysis hand = analyse(recording).hands.at(0);
   ASSERT_TRUE(hand.moments.contact);
-  // 10 of 22 mm in 1.5 s: the surface is reached at 0.6818 s, the first tick beneath it is 682.
+  // The path goes 22 mm in 1.5 s and meets the surface after 10 mm, at 0.6818 s: the first tick below it is
+  // 682.
   EXPECT_EQ(hand.rows[hand.moments.touch].tick, 682U);
   EXPECT_EQ(hand.rows[hand.moments.rest].tick, 341U);
   EXPECT_EQ(hand.rows[hand.moments.deepest].tick, 1500U);
@@ -47,9 +48,9 @@ TEST(Analysis, AForceOnALawThatRelaxesAndIsChangedWhileItRanDepartsByNothing) {
   model::TissueParameters stiffer = tissue;
   stiffer.k1 *= 2.0;
   recording.changes.push_back(haptics::live_change(stiffer, {}, haptics::kTissueChanged));
-  recording.changes.back().tick = 1700;  // while it is held
+  recording.changes.back().tick = 1700;  // during the hold
   const model::SmoothSpringLaw law(tissue, model::Direction::kPress, 1e-3);
-  // dq/dt = dF_e/dt - q / 0.3 s, by Euler's rule; twice the stiffness is twice the elastic force.
+  // dq/dt = dF_e/dt - q / 0.3 s, by Euler's method; twice the stiffness gives twice the elastic force.
   double kept = 0.0;
   double before = 0.0;
   for (haptics::TickRow& row : recording.rows) {
@@ -112,7 +113,7 @@ TEST(Analysis, NoNoiseLeavesNoSamples) {
 
 TEST(Analysis, MissedDeadlinesOfACutOffRecordingAreCountedFromTheRows) {
   record::Recording recording = SyntheticRecording::make();
-  EXPECT_EQ(analyse(recording).missed, 3U);  // the loop's own account
+  EXPECT_EQ(analyse(recording).missed, 3U);  // the loop's own count
   recording.facts.complete = false;
   recording.rows[5].late_ns = 1'000'000;
   recording.rows[9].late_ns = 999'999;
@@ -162,7 +163,7 @@ TEST(Analysis, SaysOfEachFaultWhenItWasLatchedWhyAndWhenItWasReset) {
   }
   for (const std::size_t i : {3U, 4U}) rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStalled);
   for (const std::size_t i : {7U, 8U, 9U}) rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStale);
-  rows[9].events = haptics::kResetFault;  // and at once latched anew
+  rows[9].events = haptics::kResetFault;  // and latched again at once
   const std::vector<std::string> words = faults_in_words(rows);
   ASSERT_EQ(words.size(), 3U);
   EXPECT_EQ(words[0],
