@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/contact/load_sharing.h"
 #include "core/contact/press.h"
-#include "core/contact/sharing.h"
 #include "core/contact/state.h"
 #include "palpate/error.h"
 
@@ -67,15 +67,15 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
   tool.pose_S = organ_W.inverse() * input.pose_W;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     PartState& part = tool.parts[i];
-    const bool was_placed = part.distances.was_placed();
+    const bool had_pose = part.distances.has_pose();
     if (part.gripper != input.gripper) {
       part.gripper = input.gripper;
       part.joint_T = geometry::part_pose(points.parts[i].joint, input.gripper);
     }
     if (move_part(tool.pose_S * part.joint_T, world.tissue.contact.reference_radius, world.period, part))
       continue;
-    tool.grip.drop();
-    if (was_placed) status |= kJump;
+    tool.grip.release_at_once();
+    if (had_pose) status |= kJump;
   }
   status |= tool.grip.update(world, laws, points, input.gripper, tool.pose_S, tool.parts);
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
@@ -85,7 +85,7 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
 }
 
 /// Sums over a tool's contacts, in the organ's frame.
-struct Sums {
+struct WrenchSum {
   Vec3 force = Vec3::Zero();
   Vec3 torque = Vec3::Zero();  // about the handle's origin
   Vec3 friction = Vec3::Zero();
@@ -100,7 +100,7 @@ void add_view(const ContactView& view, ToolResult& result) noexcept {
   if (result.view_count < kMaxViews) result.views[static_cast<std::size_t>(result.view_count++)] = view;
 }
 
-void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sums& sums,
+void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, WrenchSum& sums,
                ToolResult& result) noexcept {
   double largest = -1.0;
   for (PartState& part : tool.parts) {
@@ -108,7 +108,7 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
       const Load& load = contact.load();
       const double counts = load.share * part.press_level;
       const Vec3 force = counts * (contact.normal_force() * load.normal + contact.friction());
-      sums.add(force, contact.touch(), tool.pose_S.position);
+      sums.add(force, contact.application_point(), tool.pose_S.position);
       sums.friction += counts * contact.friction();
       if (counts <= 0.0 || contact.depth() <= 0.0) continue;
       result.phase = Phase::kPress;
@@ -127,9 +127,9 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
   }
 }
 
-void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult& result) noexcept {
-  const Grip& grip = tool.grip;
-  if (!grip.pulls()) return;
+void add_pull(const Pose& organ_W, const ToolState& tool, WrenchSum& sums, ToolResult& result) noexcept {
+  const Grasp& grip = tool.grip;
+  if (!grip.is_active()) return;
   const Vec3 carried = grip.anchor().point + grip.stretch();
   sums.add(grip.force(), carried, tool.pose_S.position);
   const double length = grip.stretch().norm();
@@ -187,7 +187,7 @@ void clear(ToolResult& result) noexcept {
 void summarize(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, std::uint32_t status,
                ToolResult& result) noexcept {
   clear(result);
-  Sums sums;
+  WrenchSum sums;
   result.status = status;
   add_press(laws, organ_W, tool, sums, result);
   add_pull(organ_W, tool, sums, result);
@@ -265,7 +265,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
       for (Proxy& contact : part.active()) all[count++] = &contact.load();
     }
   }
-  share_tissue(data.tissue.contact.reference_radius, std::span(all).first(count));
+  share_load(data.tissue.contact.reference_radius, std::span(all).first(count));
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
     summarize(laws, organ_W, now.tools[t], status[t], results[t]);
   }

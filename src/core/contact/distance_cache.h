@@ -25,10 +25,10 @@ struct RigidTransform {
   Vec3 position = Vec3::Zero();
 
   [[nodiscard]] Vec3 operator*(const Vec3& p) const noexcept { return rotation * p + position; }
-  [[nodiscard]] Vec3 turn_back(const Vec3& direction) const noexcept {
+  [[nodiscard]] Vec3 inverse_rotate(const Vec3& direction) const noexcept {
     return rotation.transpose() * direction;
   }
-  [[nodiscard]] Vec3 bring_back(const Vec3& p) const noexcept { return turn_back(p - position); }
+  [[nodiscard]] Vec3 inverse_transform(const Vec3& p) const noexcept { return inverse_rotate(p - position); }
 };
 
 /// A tool point that entered the organ in this tick, and the position of entry.
@@ -68,12 +68,12 @@ class DistanceCache final {
   [[nodiscard]] const geometry::NearestPoint& nearest() const noexcept { return nearest_; }
 
   /// [rt] Queries a point's exact distance.
-  geometry::NearestPoint ask(std::size_t point) noexcept;
-  /// [rt] Lower and upper bound of a point's signed distance [m]; greatest() only for a point inside.
-  [[nodiscard]] double least(std::size_t point) const noexcept {
+  geometry::NearestPoint query(std::size_t point) noexcept;
+  /// [rt] Lower and upper bound of a point's signed distance [m]; upper_bound() only for a point inside.
+  [[nodiscard]] double lower_bound(std::size_t point) const noexcept {
     return cached_[point].distance - (odometer_ - cached_[point].odometer);
   }
-  [[nodiscard]] double greatest(std::size_t point) const noexcept {
+  [[nodiscard]] double upper_bound(std::size_t point) const noexcept {
     return cached_[point].distance + (odometer_ - cached_[point].odometer);
   }
 
@@ -91,14 +91,14 @@ class DistanceCache final {
   }
   static constexpr std::size_t kMostEntries = 64;
 
-  [[nodiscard]] bool was_placed() const noexcept { return placed_; }
+  [[nodiscard]] bool has_pose() const noexcept { return placed_; }
   /// [rt] The part's frame in the organ's, in this tick.
   [[nodiscard]] const RigidTransform& placed_S() const noexcept { return placed_S_; }
   /// [rt] A point's position in this tick.
   [[nodiscard]] Vec3 point_S(std::size_t point) const noexcept { return placed_S_ * points_->point(point); }
   /// [rt] Motion in this tick [m] of the part's material that is now at `point_S`.
   [[nodiscard]] Vec3 motion_at(const Vec3& point_S) const noexcept {
-    const Vec3 point_P = placed_S_.bring_back(point_S);
+    const Vec3 point_P = placed_S_.inverse_transform(point_S);
     return placed_S_ * point_P - previous_S_ * point_P;  // exactly 0 at rest
   }
   /// [rt] Sum over the ticks of the largest motion of any point [m].
@@ -117,7 +117,7 @@ class DistanceCache final {
     bool deferred = false;  // points may have crossed in an earlier tick
   };
 
-  [[nodiscard]] double greatest_motion() const noexcept;
+  [[nodiscard]] double largest_motion() const noexcept;
   [[nodiscard]] bool may_have_crossed(std::size_t point) const noexcept {
     const Cached& cached = cached_[point];
     return std::abs(cached.distance - kInside) <= odometer_ - cached.odometer;
@@ -125,11 +125,11 @@ class DistanceCache final {
   void reset() noexcept;
   void find_crossings(std::span<const Vec3> contacts_S, double reach) noexcept;
   bool stays_outside(std::size_t point) noexcept;
-  void ask_crossed(std::size_t point) noexcept;
-  void ask_cluster(std::size_t cluster) noexcept;
+  void query_crossed(std::size_t point) noexcept;
+  void query_cluster(std::size_t cluster) noexcept;
   void resolve(std::size_t cluster) noexcept;
-  void take(std::size_t point, const geometry::NearestPoint& nearest, double way) noexcept;
-  void ask_centre(std::size_t cluster) noexcept;
+  void cache_from(std::size_t point, const geometry::NearestPoint& nearest, double way) noexcept;
+  void query_centre(std::size_t cluster) noexcept;
   void bound_cluster(std::size_t cluster) noexcept;
   void set_inside(std::size_t point, double distance) noexcept;
 

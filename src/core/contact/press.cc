@@ -92,8 +92,8 @@ class Starter final {
 
   void try_shallow_point(std::uint32_t i) noexcept {
     DistanceCache& distances = part_.distances;
-    if (distances.greatest(i) < -kShallow || near_a_contact(radius(), part_, distances.point_S(i))) return;
-    const geometry::NearestPoint nearest = distances.ask(i);
+    if (distances.upper_bound(i) < -kShallow || near_a_contact(radius(), part_, distances.point_S(i))) return;
+    const geometry::NearestPoint nearest = distances.query(i);
     if (nearest.distance >= kInside || nearest.distance < -kShallow) return;
     try_at(i, {nearest.point, nearest.triangle}, 0);
   }
@@ -114,8 +114,8 @@ class Starter final {
     if ((patch.centroid - here).norm() > radius() / 5.0) {
       if (redirections == 0) return;
       const std::size_t deepest =
-          point_nearest_to(points_, part_.distances.placed_S().bring_back(patch.centroid));
-      const geometry::NearestPoint nearest = part_.distances.ask(deepest);
+          point_nearest_to(points_, part_.distances.placed_S().inverse_transform(patch.centroid));
+      const geometry::NearestPoint nearest = part_.distances.query(deepest);
       if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
       return;
     }

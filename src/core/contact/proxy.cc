@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/portable_math.h"
-#include "core/contact/sharing.h"
+#include "core/contact/load_sharing.h"
 
 namespace palpate::contact {
 namespace {
@@ -50,8 +50,8 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
 
 ContactPatch patch_in_S(const PartPoints& points, const RigidTransform& placed_S, const Vec3& point_S,
                         const Vec3& normal_S, double reference_radius, std::uint32_t guess) noexcept {
-  ContactPatch patch = contact_patch_of(points, placed_S.bring_back(point_S), placed_S.turn_back(normal_S),
-                                        reference_radius, guess);
+  ContactPatch patch = contact_patch_of(points, placed_S.inverse_transform(point_S),
+                                        placed_S.inverse_rotate(normal_S), reference_radius, guess);
   patch.centroid = placed_S * patch.centroid;
   return patch;
 }
@@ -81,7 +81,7 @@ Vec3 FrictionSpring::stretch(double period, const TissueLaws& laws, const Vec3& 
 }
 
 Proxy::Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& patch) noexcept
-    : surface_normal_(normal), touch_(patch.centroid), patch_(patch) {
+    : surface_normal_(normal), application_point_(patch.centroid), patch_(patch) {
   load_.at = at;
   load_.normal = normal;
 }
@@ -89,11 +89,11 @@ Proxy::Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& pat
 void Proxy::begin(double own_motion, double odometer, double period) noexcept {
   step_ = own_motion;
   walked_ = odometer;
-  hold_back(std::max(0.0, patch_.depth - own_motion), period);
+  hold_back_depth(std::max(0.0, patch_.depth - own_motion), period);
 }
 
 /// From the proxy to the patch centroid, in the tangent plane [m].
-Vec3 Proxy::aside() const noexcept {
+Vec3 Proxy::tangential_offset() const noexcept {
   const Vec3 away = patch_.centroid - load_.at.point;
   return away - away.dot(load_.normal) * load_.normal;
 }
@@ -112,7 +112,7 @@ void Proxy::walk(const OrganSurface& surface, const PartPoints& points, const Di
   find_patch();
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
     if (patch_.depth <= 0.0) break;
-    const Vec3 away = aside();
+    const Vec3 away = tangential_offset();
     const double distance = away.norm();
     if (distance < kStillStep) break;
     const Vec3 direction = away / distance;
@@ -135,7 +135,7 @@ void Proxy::walk(const OrganSurface& surface, const PartPoints& points, const Di
 }
 
 /// Holds `excess` [m] >= 0 of the depth back and admits it within kLetIn.
-void Proxy::hold_back(double excess, double period) noexcept {
+void Proxy::hold_back_depth(double excess, double period) noexcept {
   offset_ = excess;
   offset_step_ = excess * period / kLetIn;
   offset_ += offset_step_;  // press() subtracts it again in this tick
@@ -145,11 +145,11 @@ void Proxy::fade(bool is_stale, double period) noexcept {
   load_.fade_weight = std::min(1.0, load_.fade_weight + (is_stale ? -period : period) / kFade);
   const double deeper = patch_.depth - depth_;
   const double kept_back = std::max(0.0, offset_ - offset_step_);
-  if (is_stale && deeper > kept_back) hold_back(deeper, period);
+  if (is_stale && deeper > kept_back) hold_back_depth(deeper, period);
 }
 
 bool Proxy::is_lost(double reference_radius, std::span<const Proxy> others) const noexcept {
-  const Vec3 away = aside();
+  const Vec3 away = tangential_offset();
   const double farthest = kLost * reference_radius;
   if (away.squaredNorm() <= farthest * farthest) return false;
   return std::any_of(others.begin(), others.end(), [&](const Proxy& other) {
@@ -163,23 +163,23 @@ void Proxy::merge(Proxy& a, Proxy& b, double reference_radius) noexcept {
   if (a.merged_ || b.merged_) return;
   if ((a.load_.at.point - b.load_.at.point).squaredNorm() >= closest * closest) return;
   (a.depth_ >= b.depth_ ? b : a).merged_ = true;
-  share_memory(a.load_, b.load_);
+  merge_histories(a.load_, b.load_);
 }
 
 /// The force applies at the patch centroid. When the centroid jumps, the point of application follows at a
 /// limited speed.
 void Proxy::follow_patch(const DistanceCache& distances, double period) noexcept {
-  const Vec3 way = patch_.centroid - touch_;
+  const Vec3 way = patch_.centroid - application_point_;
   const double surely = kTouchSpeed * period;
   const double squared = way.squaredNorm();
   if (squared > surely * surely) {
-    const double share = (surely + distances.motion_at(touch_).norm()) / std::sqrt(squared);
+    const double share = (surely + distances.motion_at(application_point_).norm()) / std::sqrt(squared);
     if (share < 1.0) {
-      touch_ += share * way;
+      application_point_ += share * way;
       return;
     }
   }
-  touch_ = patch_.centroid;
+  application_point_ = patch_.centroid;
 }
 
 void Proxy::press(const TissueLaws& laws, const DistanceCache& distances, double level,
@@ -191,7 +191,7 @@ void Proxy::press(const TissueLaws& laws, const DistanceCache& distances, double
   const double relaxed = laws.relaxation.count() == 0 ? elastic : laws.relaxation.next(load_.memory, elastic);
   // The rate of depth is the speed of the tool at the point of application: equal in the limit, without the
   // steps of the walk.
-  const Vec3 motion = distances.motion_at(touch_);
+  const Vec3 motion = distances.motion_at(application_point_);
   const double speed = -motion.dot(load_.normal) / period;
   normal_force_ = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth_ / kDampingDepth));
   friction_ = spring_.stretch(period, laws, motion, load_.normal, normal_force_);

@@ -30,7 +30,7 @@ class FrictionSpring final {
   Vec3 slip_;
 };
 
-/// Input and result of load sharing for one contact (sharing.h). Organ frame.
+/// Input and result of load sharing for one contact (load_sharing.h). Organ frame.
 struct Load {
   SurfacePoint at;                  // the proxy's position
   Vec3 normal = Vec3::UnitZ();      // unit normal at the proxy
@@ -80,15 +80,15 @@ class Proxy final {
   /// D minus the held-back depth [m].
   [[nodiscard]] double depth() const noexcept { return depth_; }
   /// Point of application of the force.
-  [[nodiscard]] const Vec3& touch() const noexcept { return touch_; }
+  [[nodiscard]] const Vec3& application_point() const noexcept { return application_point_; }
   /// Along the normal, damping included [N].
   [[nodiscard]] double normal_force() const noexcept { return normal_force_; }
   /// Tangential [N].
   [[nodiscard]] const Vec3& friction() const noexcept { return friction_; }
 
  private:
-  [[nodiscard]] Vec3 aside() const noexcept;
-  void hold_back(double excess, double period) noexcept;
+  [[nodiscard]] Vec3 tangential_offset() const noexcept;
+  void hold_back_depth(double excess, double period) noexcept;
   void follow_patch(const DistanceCache& distances, double period) noexcept;
 
   Load load_;
@@ -100,7 +100,7 @@ class Proxy final {
   double offset_step_ = 0.0;             // admitted per tick [m]
   double depth_ = 0.0;
   FrictionSpring spring_;
-  Vec3 touch_ = Vec3::Zero();
+  Vec3 application_point_ = Vec3::Zero();
   bool merged_ = false;
   ContactPatch patch_;  // in S
   double normal_force_ = 0.0;

@@ -8,7 +8,7 @@
 
 #include "core/contact/contact.h"
 #include "core/contact/distance_cache.h"
-#include "core/contact/grip.h"
+#include "core/contact/grasp.h"
 #include "core/contact/organ_surface.h"
 #include "core/contact/proxy.h"
 #include "core/contact/tissue_laws.h"
@@ -57,7 +57,7 @@ struct ToolState {
   Pose pose_S;  // the handle in the organ's frame, in this tick
   std::vector<PartState> parts;
   std::size_t nearest_part = 0;  // part nearest to the organ at the last search
-  Grip grip;
+  Grasp grip;
 };
 
 struct State::Data {

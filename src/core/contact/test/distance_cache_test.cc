@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/contact/contact_patch.h"
-#include "core/contact/sharing.h"
+#include "core/contact/load_sharing.h"
 #include "core/contact/test/rig.h"
 #include "palpate/builtin.h"
 
@@ -77,7 +77,7 @@ TEST(DistanceCache, NearestIsThatOfAllPointsTickByTickAndBoundsHold) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 p = part.point_S(i);
       const double distance = surface.nearest(p, -1).distance;
-      ASSERT_LE(part.least(i), distance + 1e-12);
+      ASSERT_LE(part.lower_bound(i), distance + 1e-12);
     }
   }
 }
@@ -184,7 +184,7 @@ TEST(DistanceCache, IsRightAgainInTheTickInWhichAContactHasLeft) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double distance = surface.nearest(part.point_S(i), -1).distance;
       ASSERT_EQ(part.is_inside(i), distance < kInside) << "tick " << tick << ", point " << i;
-      ASSERT_LE(part.least(i), distance + 1e-12);
+      ASSERT_LE(part.lower_bound(i), distance + 1e-12);
     }
     part.find_nearest();
     ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << "tick " << tick;
@@ -302,12 +302,12 @@ TEST(Sharing, DoesNotJumpWhenOneOfTwoCoincidentContactsHasLeft) {
   contacts[2].at.point = Vec3(4e-3, 0, 0);
   std::array<Load*, 3> three{&contacts[0], &contacts[1], &contacts[2]};
   contacts[1].fade_weight = 1e-9;
-  share_tissue(kReference, three);
+  share_load(kReference, three);
   const double with_first = contacts[0].share;
   const double with_third = contacts[2].share;
   EXPECT_NEAR(contacts[1].share, 0.0, 1e-8);
   std::array<Load*, 2> two{&contacts[0], &contacts[2]};
-  share_tissue(kReference, two);
+  share_load(kReference, two);
   EXPECT_NEAR(contacts[0].share, with_first, 1e-8);
   EXPECT_NEAR(contacts[2].share, with_third, 1e-8);
 }
@@ -318,7 +318,7 @@ TEST(Sharing, CoincidentContactsWeighAsOneWhileOneLeaves) {
   std::array<Load*, 2> both{&contacts[0], &contacts[1]};
   for (const double presence : {1.0, 0.7, 0.3, 0.01}) {
     contacts[1].fade_weight = presence;
-    share_tissue(kReference, both);
+    share_load(kReference, both);
     EXPECT_NEAR(contacts[0].share + contacts[1].share, 1.0, 1e-12);
   }
 }

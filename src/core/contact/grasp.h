@@ -18,7 +18,7 @@ struct ToolPoints;
 /// Invariants. While it holds, the force is that of the stretch from the anchor. After release, stretch and
 /// force fade to zero within 25 ms. Otherwise both are zero. A grasp that tore off takes hold again only
 /// after the jaws have opened.
-class Grip final {
+class Grasp final {
  public:
   /// [rt] One tick, after the parts have moved. Sets the press level of the parts that hold.
   /// @param tool_S pose of the handle @return status bits
@@ -26,13 +26,13 @@ class Grip final {
                        double gripper, const Pose& tool_S, std::span<PartState> parts) noexcept;
 
   /// [rt] The tool jumped: releases without a fade. The gripper state stays.
-  void drop() noexcept;
+  void release_at_once() noexcept;
 
   /// [rt] Changes the relaxation from the next tick on.
   void change_relaxation(const model::Relaxation& now, const model::Relaxation& before) noexcept;
 
   /// [rt] Whether there is a force: while holding or fading.
-  [[nodiscard]] bool pulls() const noexcept { return held_ || fade_ > 0.0; }
+  [[nodiscard]] bool is_active() const noexcept { return held_ || fade_ > 0.0; }
   /// [rt] Force on the tool [N].
   [[nodiscard]] const Vec3& force() const noexcept { return force_; }
   /// [rt] Displacement of the anchor [m].
@@ -47,10 +47,10 @@ class Grip final {
 
  private:
   [[nodiscard]] bool follow(double gripper) noexcept;
-  void take_hold(const World::Data& world, const ToolPoints& points, const Pose& tool_S,
-                 std::span<PartState> parts) noexcept;
+  void grasp(const World::Data& world, const ToolPoints& points, const Pose& tool_S,
+             std::span<PartState> parts) noexcept;
   [[nodiscard]] bool pull(const TissueLaws& laws, const Pose& tool_S) noexcept;
-  void let_go() noexcept;
+  void release() noexcept;
 
   bool open_ = false;     // state of the gripper, with hysteresis
   bool closing_ = false;  // the gripper has passed kClosedBelow and is still closing

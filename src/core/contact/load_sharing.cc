@@ -1,4 +1,4 @@
-#include "core/contact/sharing.h"
+#include "core/contact/load_sharing.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@ namespace {
 
 /// Overlap weight c_ij = max(0, 1 - (r_ij/R_ref)^2): 1 for coincident contacts, 0 from R_ref. r_ij is the
 /// length of the arc given by the chord and the two normals.
-double closeness(const Load& a, const Load& b, double reference_radius) noexcept {
+double overlap_weight(const Load& a, const Load& b, double reference_radius) noexcept {
   const double chord_squared = (a.at.point - b.at.point).squaredNorm();
   if (chord_squared >= reference_radius * reference_radius) return 0.0;  // the arc is longer than its chord
   const double cosine = std::clamp(a.normal.dot(b.normal), -1.0, 1.0);
@@ -33,52 +33,51 @@ double eighth_power(double x) noexcept {
 /// other contacts where c_ij = C. A contact with a smaller c_ij enters S with the weight that would, at C,
 /// lower the share by as much as that contact lowers it alone. So its weight starts at 0 when it comes within
 /// R_ref, however strong it is (docs/decisions/0010).
-double share_among(const Load& one, std::span<Load* const> contacts, double reference_radius,
-                   bool with_fading) noexcept {
-  std::array<double, kMostContacts> closeness_of;  // of contacts within R_ref
-  std::array<double, kMostContacts> crowd_of;      // c_ij (F_j/F_i)^8
+double load_share(const Load& one, std::span<Load* const> contacts, double reference_radius,
+                  bool with_fading) noexcept {
+  std::array<double, kMostContacts> overlap_weights;  // of contacts within R_ref
+  std::array<double, kMostContacts> relative_loads;   // c_ij (F_j/F_i)^8
   std::size_t count = 0;
   double greatest = 0.0;
   for (const Load* const other : contacts) {
     if (other == &one || (other->fading() && !with_fading)) continue;
-    const double close = closeness(one, *other, reference_radius);
+    const double close = overlap_weight(one, *other, reference_radius);
     if (close <= 0.0) continue;
     greatest = std::max(greatest, close);
     if (!(one.elastic_force > 0.0)) continue;
-    closeness_of[count] = close;
-    crowd_of[count++] = close * eighth_power(other->elastic_force / one.elastic_force);
+    overlap_weights[count] = close;
+    relative_loads[count++] = close * eighth_power(other->elastic_force / one.elastic_force);
   }
-  double crowd = 0.0;
+  double sum = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
-    if (closeness_of[k] == greatest) {
-      crowd += crowd_of[k];
+    if (overlap_weights[k] == greatest) {
+      sum += relative_loads[k];
     } else {
-      const double lowers = closeness_of[k] * (1.0 - 1.0 / (1.0 + crowd_of[k]));
-      crowd += lowers / (greatest - lowers);
+      const double lowers = overlap_weights[k] * (1.0 - 1.0 / (1.0 + relative_loads[k]));
+      sum += lowers / (greatest - lowers);
     }
   }
-  return 1.0 - greatest + greatest / (1.0 + crowd);
+  return 1.0 - greatest + greatest / (1.0 + sum);
 }
 
 }  // namespace
 
-void share_tissue(double reference_radius, std::span<Load* const> contacts) noexcept {
+void share_load(double reference_radius, std::span<Load* const> contacts) noexcept {
   double fading = 0.0;  // largest fade weight of a fading contact
   for (const Load* const contact : contacts) {
     if (contact->fading()) fading = std::max(fading, contact->fade_weight);
   }
   for (Load* const one : contacts) {
-    one->share = share_among(*one, contacts, reference_radius, true);
+    one->share = load_share(*one, contacts, reference_radius, true);
     if (one->fading()) {
       one->share *= one->fade_weight;
     } else if (fading > 0.0) {  // blend between the share with and without the fading contacts
-      one->share =
-          fading * one->share + (1.0 - fading) * share_among(*one, contacts, reference_radius, false);
+      one->share = fading * one->share + (1.0 - fading) * load_share(*one, contacts, reference_radius, false);
     }
   }
 }
 
-void share_memory(Load& a, Load& b) noexcept {
+void merge_histories(Load& a, Load& b) noexcept {
   const double elastic = a.memory.elastic + b.memory.elastic;
   if (!(elastic > 0.0)) return;
   for (std::size_t i = 0; i < model::kMostRelaxationTerms; ++i) {

@@ -1,4 +1,4 @@
-#include "core/contact/grip.h"
+#include "core/contact/grasp.h"
 
 #include <algorithm>
 
@@ -20,14 +20,14 @@ bool holds(const ToolPoints& points, std::size_t part) noexcept {
 
 /// Where a jaw meets the tissue: mean of its nearest points, weighted as in a contact patch, so that neither
 /// mesh nor rounding decides between equally near points.
-Vec3 meeting_point(const PartPoints& points, DistanceCache& distances) noexcept {
+Vec3 jaw_contact_point(const PartPoints& points, DistanceCache& distances) noexcept {
   distances.find_nearest();
   const double nearest = distances.nearest().distance;
   Vec3 sum = Vec3::Zero();
   double total = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (distances.least(i) >= nearest + kPatchBand) continue;
-    const double distance = distances.ask(i).distance;
+    if (distances.lower_bound(i) >= nearest + kPatchBand) continue;
+    const double distance = distances.query(i).distance;
     const double weight = points.area[i] * std::max(0.0, 1.0 - (distance - nearest) / kPatchBand);
     sum += weight * points.point(i);
     total += weight;
@@ -38,7 +38,7 @@ Vec3 meeting_point(const PartPoints& points, DistanceCache& distances) noexcept 
 }  // namespace
 
 /// @return true in the ticks in which the jaws close past kClosedBelow
-bool Grip::follow(double gripper) noexcept {
+bool Grasp::follow(double gripper) noexcept {
   if (gripper > kOpenAbove) {
     open_ = true;
     torn_off_ = false;
@@ -55,8 +55,8 @@ bool Grip::follow(double gripper) noexcept {
 
 /// Grasps at the rest surface point nearest to the middle of the jaws, if a jaw that has been outside is near
 /// enough.
-void Grip::take_hold(const World::Data& world, const ToolPoints& points, const Pose& tool_S,
-                     std::span<PartState> parts) noexcept {
+void Grasp::grasp(const World::Data& world, const ToolPoints& points, const Pose& tool_S,
+                  std::span<PartState> parts) noexcept {
   Vec3 middle = Vec3::Zero();
   double nearest = kGraspReach;
   double count = 0.0;
@@ -64,7 +64,7 @@ void Grip::take_hold(const World::Data& world, const ToolPoints& points, const P
   for (std::size_t i = 0; i < parts.size(); ++i) {
     DistanceCache& distances = parts[i].distances;
     if (!holds(points, i) || !parts[i].armed) continue;
-    middle += meeting_point(points.parts[i], distances);
+    middle += jaw_contact_point(points.parts[i], distances);
     count += 1.0;
     if (distances.nearest().distance > nearest) continue;
     near = true;
@@ -82,7 +82,7 @@ void Grip::take_hold(const World::Data& world, const ToolPoints& points, const P
 }
 
 /// Updates stretch and force. @return false when the force is above the grip limit
-bool Grip::pull(const TissueLaws& laws, const Pose& tool_S) noexcept {
+bool Grasp::pull(const TissueLaws& laws, const Pose& tool_S) noexcept {
   stretch_ = tool_S * anchor_T_ - anchor_.point;
   const double length = stretch_.norm();
   const model::ContactResponse response = laws.pull.force_at(length);
@@ -103,32 +103,32 @@ bool Grip::pull(const TissueLaws& laws, const Pose& tool_S) noexcept {
   return true;
 }
 
-void Grip::let_go() noexcept {
+void Grasp::release() noexcept {
   held_ = false;
   released_force_ = force_;
   released_stretch_ = stretch_;
   fade_ = 1.0;
 }
 
-void Grip::drop() noexcept {
-  Grip empty;
+void Grasp::release_at_once() noexcept {
+  Grasp empty;
   empty.open_ = open_;
   empty.last_gripper_ = last_gripper_;
   *this = empty;
 }
 
-void Grip::change_relaxation(const model::Relaxation& now, const model::Relaxation& before) noexcept {
+void Grasp::change_relaxation(const model::Relaxation& now, const model::Relaxation& before) noexcept {
   for (model::RelaxationState& memory : memory_) now.take_over(memory, before);
 }
 
-std::uint32_t Grip::update(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
-                           double gripper, const Pose& tool_S, std::span<PartState> parts) noexcept {
+std::uint32_t Grasp::update(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
+                            double gripper, const Pose& tool_S, std::span<PartState> parts) noexcept {
   if (fade_ > 0.0) fade_ = std::max(0.0, fade_ - world.period / kLetGoFade);
-  if (follow(gripper) && !held_ && !torn_off_) take_hold(world, points, tool_S, parts);
+  if (follow(gripper) && !held_ && !torn_off_) grasp(world, points, tool_S, parts);
   if (held_ && gripper > kOpenAbove) {
-    let_go();
+    release();
   } else if (held_ && !pull(laws, tool_S)) {
-    let_go();
+    release();
     torn_off_ = true;
   }
   if (!held_) {

@@ -1,5 +1,5 @@
 // Load sharing between several contacts on one organ.
-#include "core/contact/sharing.h"
+#include "core/contact/load_sharing.h"
 
 #include <cmath>
 
@@ -23,7 +23,7 @@ Load contact_at(const Vec3& point, double force, const Vec3& normal = Vec3::Unit
 double total(std::vector<Load>& contacts) {
   std::vector<Load*> all;
   for (Load& contact : contacts) all.push_back(&contact);
-  share_tissue(kSharedReference, all);
+  share_load(kSharedReference, all);
   double sum = 0.0;
   for (const Load& contact : contacts) sum += contact.share * contact.elastic_force;
   return sum;
@@ -125,19 +125,19 @@ TEST(Sharing, ContactsThatBecomeOneRememberTheMeanOfWhatTheyDid) {
   Load fresh;
   fresh.memory = {{1.0, 1.0, 0.0}, 1.0};
   const double before = relaxed.memory.kept[0] + fresh.memory.kept[0];
-  share_memory(relaxed, fresh);
+  merge_histories(relaxed, fresh);
   EXPECT_DOUBLE_EQ(relaxed.memory.kept[0] + fresh.memory.kept[0], before);
   EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.6);
   EXPECT_DOUBLE_EQ(fresh.memory.kept[1], 0.5);
 
   fresh.memory = {{3.0, 0.0, 0.0}, 3.0};  // three times as strong, the same relative history
-  share_memory(relaxed, fresh);
+  merge_histories(relaxed, fresh);
   EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.9);
   EXPECT_DOUBLE_EQ(fresh.memory.kept[0], 2.7);
 
   Load none;
   Load nothing;
-  share_memory(none, nothing);
+  merge_histories(none, nothing);
   EXPECT_EQ(none.memory.kept[0], 0.0);
 }
 
