@@ -96,7 +96,7 @@ class ForceWatch final : public haptics::TickObserver {
 }  // namespace
 
 double energy_bound(const StabilityResult& result) noexcept {
-  return haptics::kEnergyLeeway + 2.0 * result.most_in_a_tick;
+  return haptics::kEnergyTolerance + 2.0 * result.most_in_a_tick;
 }
 
 model::TissueParameters linear_tissue(double stiffness) {

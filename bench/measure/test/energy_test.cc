@@ -116,7 +116,7 @@ class EnergyWatch final : public haptics::TickObserver {
     force_ = force;
     if (row.fault != 0) outcome.faulted = true;
     if ((row.status & haptics::kEnergyDamped) != 0) ++outcome.damped;
-    outcome.bound = haptics::kEnergyLeeway + 2.0 * most_in_a_tick_ + unseen_ * way_;
+    outcome.bound = haptics::kEnergyTolerance + 2.0 * most_in_a_tick_ + unseen_ * way_;
   }
 
   Outcome outcome;

@@ -9,7 +9,7 @@ namespace palpate::haptics {
 namespace {
 
 // A vector is shortened to this fraction of its limit, so that rounding cannot exceed the limit.
-constexpr double kHairBelow = 1.0 - 4e-15;
+constexpr double kJustBelow = 1.0 - 4e-15;
 
 struct Limited {
   Vec3 value;
@@ -22,16 +22,16 @@ Limited limit(const Vec3& wanted, const Vec3& last, double largest, double step)
   Limited result{wanted};
   const double norm = wanted.norm();
   if (norm > largest) {
-    result.value = wanted * (largest / norm * kHairBelow);
+    result.value = wanted * (largest / norm * kJustBelow);
     result.clamped = true;
   }
   const Vec3 change = result.value - last;
   const double size = change.norm();
   if (size > step) {
-    result.value = last + change * (step / size * kHairBelow);
+    result.value = last + change * (step / size * kJustBelow);
     result.slewed = true;
     const double rounded = result.value.norm();
-    if (rounded > largest) result.value *= largest / rounded * kHairBelow;
+    if (rounded > largest) result.value *= largest / rounded * kJustBelow;
   }
   return result;
 }
@@ -54,7 +54,7 @@ void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
 }
 
 /// The next command of the ramp to zero: the step times the ticks left, so the end is exactly zero.
-void fall(GateState& state) noexcept {
+void ramp_to_zero(GateState& state) noexcept {
   if (state.fault_ticks_left > 0) --state.fault_ticks_left;
   const double left = state.fault_ticks_left;
   if (state.fault_ticks_left == 0) state.fault_step = {};
@@ -64,8 +64,8 @@ void fall(GateState& state) noexcept {
 }
 
 /// Applies clamp and slew limits. @return status bits
-std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
-                              const Vec3& noise) noexcept {
+std::uint32_t apply_limits(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
+                           const Vec3& noise) noexcept {
   const Limited force = limit(tissue.force + noise, state.force, limits.max_force, limits.force_step);
   const Limited torque = limit(tissue.torque, state.torque, limits.max_torque, limits.torque_step);
   const double grip = std::clamp(tissue.gripper_force, -limits.max_force, limits.max_force);
@@ -79,8 +79,8 @@ std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const 
 
 /// Duty limit: updates the RMS of the written force, and lowers the force near the device's continuous force.
 /// @return status bits
-std::uint32_t keep_duty(const GateLimits& limits, GateState& state, bool warm,
-                        ForceCommand& tissue) noexcept {
+std::uint32_t limit_duty(const GateLimits& limits, GateState& state, bool warm,
+                         ForceCommand& tissue) noexcept {
   if (!std::isfinite(limits.continuous_force)) return 0;
   const double square = state.force.squaredNorm();
   state.square_short += (square - state.square_short) * limits.period / kDutyShort;
@@ -102,36 +102,36 @@ std::uint32_t keep_duty(const GateLimits& limits, GateState& state, bool warm,
 
 }  // namespace
 
-double GateLimits::most_sigma() const noexcept {
+double GateLimits::max_sigma() const noexcept {
   return std::min(noise::kMostSigma, max_force / noise::TouchNoise::kBound);
 }
 
 GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput& input) noexcept {
   const DeviceMotion relative{input.motion.translation - input.organ.translation,
                               input.motion.rotation - input.organ.rotation};
-  book(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
-  book_noise(state.energy, state.noise, input.motion, limits.period);
-  if (input.outside) forgive_surplus(state.energy);
+  observe_tissue(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
+  observe_noise(state.energy, state.noise, input.motion, limits.period);
+  if (input.outside) reset_surplus(state.energy);
 
   GateOutput output;
-  if (input.controlled) output.noise_share = noise_share(state.energy);
+  if (input.controlled) output.noise_scale = noise_scale(state.energy);
   ForceCommand tissue = input.tissue;
-  const Vec3 noise = output.noise_share * input.noise;
-  output.status |= keep_duty(limits, state, input.warm, tissue);
+  const Vec3 noise = output.noise_scale * input.noise;
+  output.status |= limit_duty(limits, state, input.warm, tissue);
   const bool usable = finite(tissue, tissue.force + noise);
   const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
   if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);
 
   if (state.fault != Fault::kNone) {
-    fall(state);
+    ramp_to_zero(state);
     state.noise = Vec3::Zero();
   } else {
     state.fault_ticks_left = 0;
     state.fault_step = {};
-    if (input.controlled && damp_deficit(state.energy, relative, limits.period, tissue)) {
+    if (input.controlled && control_passivity(state.energy, relative, limits.period, tissue)) {
       output.status |= kEnergyDamped;
     }
-    output.status |= approach_limits(limits, state, tissue, noise);
+    output.status |= apply_limits(limits, state, tissue, noise);
     state.noise = noise;
   }
   output.command = {state.force, state.torque, state.gripper_force};

@@ -40,7 +40,7 @@ struct GateLimits {
 
   /// [any] Largest allowed sigma [N] of the touch noise in contact: noise::kMostSigma, or less, so that the
   /// bound of the noise stays below max_force.
-  [[nodiscard]] double most_sigma() const noexcept;
+  [[nodiscard]] double max_sigma() const noexcept;
 };
 
 /// State of the gate, one per hand.
@@ -49,7 +49,7 @@ struct GateState {
   Vec3 torque = Vec3::Zero();
   double gripper_force = 0.0;
   Vec3 noise = Vec3::Zero();  // the noise in `force`
-  EnergyAccount energy;
+  PassivityObserver energy;
   double square_short = 0.0;  // N^2, mean square of the written force over kDutyShort
   double square_long = 0.0;   // N^2, over kDutyLong; raised while the motors are warm
   ForceCommand fault_step;    // change per tick while a fault ramps the force to zero
@@ -72,7 +72,7 @@ struct GateInput {
 struct GateOutput {
   ForceCommand command;
   std::uint32_t status = 0;
-  double noise_share = 1.0;  // gain that was applied to GateInput::noise
+  double noise_scale = 1.0;  // gain that was applied to GateInput::noise
 };
 
 /// After a fault the force ramps linearly to zero within this time, at any rate and slew limit.

@@ -32,7 +32,7 @@ PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& va
   noise::NoiseSettings settings = world.noise.settings();
   settings.gain = values.noise.gain;
   settings.threshold = values.noise.threshold;
-  noise::validate(settings, world.rate_Hz, world.limits.most_sigma());
+  noise::validate(settings, world.rate_Hz, world.limits.max_sigma());
   return {values, contact::TissueLaws(tissue, 1.0 / world.rate_Hz)};
 }
 
@@ -45,8 +45,8 @@ void apply_change(const SimulationWorld& world, SimulationState& state,
   }
   if ((values.what & kNoiseChanged) != 0) {
     state.noise_enabled = values.noise.enabled;
-    state.noise_glide = {values.noise.gain, values.noise.threshold,
-                         static_cast<std::uint32_t>(std::ceil(noise::TouchNoise::kFade * world.rate_Hz))};
+    state.noise_crossfade = {values.noise.gain, values.noise.threshold,
+                             static_cast<std::uint32_t>(std::ceil(noise::TouchNoise::kFade * world.rate_Hz))};
   }
   state.change = values.number;
 }

@@ -7,7 +7,7 @@ namespace palpate::haptics {
 
 /// The passivity observer of one hand: the energy of the written force and torque, integrated over the
 /// device's motion. [Hannaford, Ryu 2002]
-struct EnergyAccount {
+struct PassivityObserver {
   // J, net energy that the hand and the organ's own motion have put into the tissue's force and torque
   double tissue = 0.0;
   double noise = 0.0;         // J given to the hand by the touch noise, an open-loop source
@@ -15,41 +15,42 @@ struct EnergyAccount {
 };
 
 /// Energy deficits up to this are ignored: a hundredth of the energy of a fingertip's tap.
-inline constexpr double kEnergyLeeway = 20e-6;  // J
+inline constexpr double kEnergyTolerance = 20e-6;  // J
 
 /// Largest damping of the passivity controller. A sampled damper is passive on masses above its coefficient
 /// times T/2 (5 g at 1 kHz).
 inline constexpr double kMostDamping = 10.0;         // N s/m
 inline constexpr double kMostAngularDamping = 2e-3;  // N m s/rad
 
-/// The touch noise may give kNoisePower [W] continuously and kNoiseLeeway [J] beyond it. Above that it fades,
+/// The touch noise may give kNoisePower [W] continuously and kNoiseEnergy [J] beyond it. Above that it fades,
 /// to zero at twice the leeway. White noise of sigma on a mass m gives sigma^2 T / (2 m): 1 uW for the
 /// default 10 mN on 50 g.
 inline constexpr double kNoisePower = 1e-3;
-inline constexpr double kNoiseLeeway = 1e-3;
+inline constexpr double kNoiseEnergy = 1e-3;
 
 /// [rt] Adds one tick of the tissue force. @param written, noise of the last tick (the noise is part of the
 /// force)
 /// @param relative the device's motion since then minus the organ's own motion, so that work done by
 /// breathing and heartbeat is not charged to the hand
-void book(EnergyAccount& account, const ForceCommand& written, const Vec3& noise,
-          const DeviceMotion& relative) noexcept;
+void observe_tissue(PassivityObserver& observer, const ForceCommand& written, const Vec3& noise,
+                    const DeviceMotion& relative) noexcept;
 
 /// [rt] Adds one tick of the noise. @param motion the device's motion since the last tick @param period T [s]
-void book_noise(EnergyAccount& account, const Vec3& noise, const DeviceMotion& motion,
-                double period) noexcept;
+void observe_noise(PassivityObserver& observer, const Vec3& noise, const DeviceMotion& motion,
+                   double period) noexcept;
 
 /// [rt] Gain of the noise, 0 to 1; see kNoisePower.
-[[nodiscard]] double noise_share(const EnergyAccount& account) noexcept;
+[[nodiscard]] double noise_scale(const PassivityObserver& observer) noexcept;
 
 /// [rt] Resets a positive energy outside the tissue, where nothing is stored: otherwise it could be returned
 /// at the next touch. A deficit stays.
-void forgive_surplus(EnergyAccount& account) noexcept;
+void reset_surplus(PassivityObserver& observer) noexcept;
 
-/// [rt] The passivity controller. While the deficit exceeds kEnergyLeeway, removes the components of force
+/// [rt] The passivity controller. While the deficit exceeds kEnergyTolerance, removes the components of force
 /// and torque that give energy along the relative motion, and adds damping that removes the deficit, if
-/// possible within the next tick. @param relative as in book() @param period T [s] @return whether it acted
-bool damp_deficit(const EnergyAccount& account, const DeviceMotion& relative, double period,
-                  ForceCommand& tissue) noexcept;
+/// possible within the next tick. @param relative as in observe_tissue() @param period T [s] @return whether
+/// it acted
+bool control_passivity(const PassivityObserver& observer, const DeviceMotion& relative, double period,
+                       ForceCommand& tissue) noexcept;
 
 }  // namespace palpate::haptics

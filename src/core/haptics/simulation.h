@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/contact/contact.h"
-#include "core/haptics/engagement.h"
+#include "core/haptics/force_ramp.h"
 #include "core/haptics/gate.h"
 #include "core/haptics/workspace.h"
 #include "palpate/device.h"
@@ -30,7 +30,7 @@ struct SimulationWorld {
 };
 
 /// Noise crossfade: the touch noise on its way to new parameters.
-struct NoiseGlide {
+struct NoiseCrossfade {
   double gain = 0.0;             // K at the end [N m]
   double threshold = 0.0;        // d_0 at the end [m]
   std::uint32_t ticks_left = 0;  // 0: finished
@@ -45,7 +45,7 @@ struct SimulationState {
   std::vector<noise::TouchNoise::State> noise;
   std::vector<GateState> gates;
   std::vector<DeviceTrack> tracks;
-  std::vector<Engagement> engagements;       // of held devices
+  std::vector<ForceRamp> force_ramps;        // of held devices
   std::vector<DeviceMotion> motions;         // of the devices, since the last tick
   std::vector<contact::ToolInput> inputs;    // last valid pose and gripper value of each hand
   std::vector<contact::ToolResult> results;  // of the last tick, for pictures
@@ -53,7 +53,7 @@ struct SimulationState {
   bool noise_enabled = true;
   // Values that parameter updates (live_changes.h) have changed:
   noise::TouchNoise touch_noise;  // in force
-  NoiseGlide noise_glide;
+  NoiseCrossfade noise_crossfade;
   model::ReachParameters reach;  // for pictures
   std::uint64_t change = 0;      // number of the last parameter update; 0: none
 };

@@ -17,7 +17,7 @@ DeviceMotion follow(const WorkspaceMapping& mapping, DeviceTrack& track, const D
   const Quat orientation = sample.orientation_D.normalized();
   DeviceMotion motion;
   const bool clutched = (sample.buttons & mapping.clutch) != 0;
-  if (track.known) {
+  if (track.has_sample) {
     const Vec3 way_D = sample.position_D - track.position_D;
     if (clutched) track.index_D -= mapping.scale * way_D;
     if (way_D.norm() <= kFastestHand * period) {
@@ -29,7 +29,7 @@ DeviceMotion follow(const WorkspaceMapping& mapping, DeviceTrack& track, const D
   }
   track.position_D = sample.position_D;
   track.orientation_D = orientation;
-  track.known = true;
+  track.has_sample = true;
   track.clutched = clutched;
   return motion;
 }

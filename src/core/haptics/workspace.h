@@ -33,7 +33,7 @@ struct DeviceTrack {
   Vec3 position_D = Vec3::Zero();  // of the last valid sample
   Quat orientation_D = Quat::Identity();
   Vec3 index_D = Vec3::Zero();  // m, the clutch's offset
-  bool known = false;           // a valid sample was received
+  bool has_sample = false;      // a valid sample was received
   bool clutched = false;        // the clutch was held in that sample
 };
 

@@ -33,7 +33,7 @@ void require_positive(const char* field, double value) {
 
 }  // namespace
 
-void validate(const NoiseSettings& settings, double loop_rate_Hz, double most_sigma) {
+void validate(const NoiseSettings& settings, double loop_rate_Hz, double max_sigma) {
   if (!(loop_rate_Hz >= kSlowestRate && loop_rate_Hz <= kFastestRate)) {
     throw ParameterError("rate_Hz", loop_rate_Hz, "a loop rate >= 0.001 Hz and <= 1e6 Hz");
   }
@@ -41,11 +41,11 @@ void validate(const NoiseSettings& settings, double loop_rate_Hz, double most_si
     throw ParameterError("gain_N_m", settings.gain, "finite and >= 0");
   }
   require_positive("threshold_mm", settings.threshold / kMillimetre);
-  if (!(settings.gain / settings.threshold <= most_sigma)) {
+  if (!(settings.gain / settings.threshold <= max_sigma)) {
     throw ParameterError("gain_N_m", settings.gain,
-                         "at most " + shortest(most_sigma * settings.threshold) +
+                         "at most " + shortest(max_sigma * settings.threshold) +
                              " N m with threshold_mm = " + shortest(settings.threshold / kMillimetre) +
-                             ": sigma in contact, K/d0, is at most " + shortest(most_sigma) + " N");
+                             ": sigma in contact, K/d0, is at most " + shortest(max_sigma) + " N");
   }
   if (!(settings.rate_Hz >= kSlowestRate && settings.rate_Hz <= loop_rate_Hz)) {
     throw ParameterError(

@@ -78,7 +78,7 @@ haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparati
   noise::NoiseSettings noise = setup.noise;
   noise.seed = setup.seed;
   const haptics::GateLimits limits = gate_limits(setup);
-  noise::validate(noise, setup.rate_Hz, limits.most_sigma());
+  noise::validate(noise, setup.rate_Hz, limits.max_sigma());
   haptics::SimulationWorld world{
       .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how),
       .noise = noise::TouchNoise(noise, setup.rate_Hz),
@@ -117,7 +117,7 @@ std::vector<std::string> follow_devices(Setup& setup, haptics::SimulationWorld& 
   }
   world.limits = gate_limits(setup);
   world.mappings = mappings_of(setup);
-  noise::validate(world.noise.settings(), setup.rate_Hz, world.limits.most_sigma());
+  noise::validate(world.noise.settings(), setup.rate_Hz, world.limits.max_sigma());
   return remarks;
 }
 

@@ -68,7 +68,7 @@ class FakeDevice final : public Device {
   DeviceState read(std::uint64_t tick, double time) noexcept override { return sample_(tick, time); }
   bool write(const ForceCommand& command) noexcept override {
     last = command;
-    if (heard) heard(command);
+    if (on_write) on_write(command);
     ++writes;
     return writes != refuse_write;
   }
@@ -76,7 +76,7 @@ class FakeDevice final : public Device {
   [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return ~std::uint64_t{0}; }
 
   ForceCommand last;
-  std::function<void(const ForceCommand&)> heard;  // called with each command
+  std::function<void(const ForceCommand&)> on_write;  // called with each command
   std::uint64_t writes = 0;
   std::uint64_t refuse_write = 0;  // number of the write that fails; 0: none
   std::atomic<int> stops{0};       // calls of stop(), from any thread

@@ -146,10 +146,10 @@ TEST(LiveChanges, ATissueChangeLeavesTheNoiseAndTheOtherWayRound) {
   SimulationState state(world);
   apply_change(world, state, *changes.waiting());
   changes.taken();
-  const NoiseGlide glide = state.noise_glide;
+  const NoiseCrossfade glide = state.noise_crossfade;
   EXPECT_EQ(changes.waiting()->values.noise.gain, 1e-5) << "each states all that is in force";
   apply_change(world, state, *changes.waiting());
-  EXPECT_EQ(state.noise_glide.ticks_left, glide.ticks_left);
+  EXPECT_EQ(state.noise_crossfade.ticks_left, glide.ticks_left);
   EXPECT_FALSE(state.noise_enabled);
 }
 

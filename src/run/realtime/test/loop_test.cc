@@ -197,7 +197,7 @@ TEST(Loop, AfterAStopByTheWatchdogNoForceIsWrittenUntilTheGatesOwnIsZero) {
     if (tick == 449) sleep_until_ns(monotonic_ns() + 2 * kStallAfter);
     return pressing(time);
   });
-  device.heard = [&](const ForceCommand& command) { written.push_back(command.force.norm()); };
+  device.on_write = [&](const ForceCommand& command) { written.push_back(command.force.norm()); };
   LoopOptions options{.ticks = 500};
   options.stalled_after_ns = kStallAfter;
   const Outcome outcome = run_with(device, options);
