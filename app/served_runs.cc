@@ -279,7 +279,7 @@ ServedRuns::Answer ServedRuns::set_tissue(const net::TissueEdit& edit) {
   model::validate(tissue);
   Json answer{{"change", nullptr}, {"warnings", Json::array()}};
   if (running()) {
-    const haptics::LiveChanges::Accepted accepted = run_->session().updates().offer(tissue);
+    const haptics::ParameterUpdates::Accepted accepted = run_->session().updates().offer(tissue);
     answer["change"] = accepted.number;
     answer["warnings"] = accepted.warnings;
   }

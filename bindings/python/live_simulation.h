@@ -113,7 +113,7 @@ class LiveSimulation final {
   /// again after it has been still outside the tissue.
   void reset_faults(std::uint32_t hand_bits) noexcept { session_.control().reset_faults(hand_bits); }
   /// [any] Hands new tissue and noise to the loop.
-  [[nodiscard]] haptics::LiveChanges& changes() noexcept { return session_.updates(); }
+  [[nodiscard]] haptics::ParameterUpdates& changes() noexcept { return session_.updates(); }
 
   [[nodiscard]] const scene::Setup& setup() const noexcept { return session_.setup(); }
   [[nodiscard]] std::size_t hands() const noexcept { return session_.hands(); }

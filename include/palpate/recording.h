@@ -53,8 +53,8 @@ struct RunFacts {
 struct Recording {
   scene::Setup setup;
   RunFacts facts;
-  std::vector<haptics::TickRow> rows;          // by tick, then hand
-  std::vector<haptics::LiveChange> changes{};  // of tissue and noise, by tick; at most one per tick
+  std::vector<haptics::TickRow> rows;               // by tick, then hand
+  std::vector<haptics::ParameterUpdate> changes{};  // of tissue and noise, by tick; at most one per tick
 };
 
 /// [setup] Reads a recording. A truncated file (kill -9, full disk, interrupted copy), or one that is still

@@ -12,7 +12,7 @@
 
 namespace palpate::haptics {
 
-class LiveChanges;
+class ParameterUpdates;
 
 /// How a loop waits for its next tick.
 enum class Waiting {
@@ -32,7 +32,7 @@ class RunControl final {
   static constexpr std::uint32_t kAllHands = std::numeric_limits<std::uint32_t>::max();
 
   /// [setup] @param updates takes new tissue and noise parameters; null: the run has none; outlives this
-  explicit RunControl(LiveChanges* updates = nullptr) noexcept : updates_(updates) {}
+  explicit RunControl(ParameterUpdates* updates = nullptr) noexcept : updates_(updates) {}
 
   /// [any] Ends the run before its next tick, with zero force. Does not wait.
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
@@ -52,13 +52,13 @@ class RunControl final {
     return resets_.exchange(0, std::memory_order_relaxed);
   }
   /// [rt] For the loop.
-  [[nodiscard]] LiveChanges* updates() noexcept { return updates_; }
+  [[nodiscard]] ParameterUpdates* updates() noexcept { return updates_; }
 
  private:
   std::atomic<bool> stop_{false};
   std::atomic<bool> pause_{false};
   std::atomic<std::uint32_t> resets_{0};
-  LiveChanges* updates_;
+  ParameterUpdates* updates_;
 };
 
 /// A fault that was latched on one hand.

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "palpate/device.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/preparation.h"
 #include "palpate/run_control.h"
 #include "palpate/scene.h"
@@ -154,7 +154,7 @@ class Session final {
   /// [any] Stops, pauses, and resets faults of the run.
   [[nodiscard]] haptics::RunControl& control() noexcept { return control_; }
   /// [any] Takes new tissue and noise parameters for the run.
-  [[nodiscard]] haptics::LiveChanges& updates() noexcept { return *updates_; }
+  [[nodiscard]] haptics::ParameterUpdates& updates() noexcept { return *updates_; }
   /// [any] Whether the run may be paused: no hand holds one of its devices.
   [[nodiscard]] bool may_pause() const noexcept;
 
@@ -177,7 +177,7 @@ class Session final {
   std::vector<std::unique_ptr<haptics::Device>> devices_;
   std::unique_ptr<const haptics::SimulationWorld> world_;
   std::uint64_t ticks_ = 0;
-  std::unique_ptr<haptics::LiveChanges> updates_;
+  std::unique_ptr<haptics::ParameterUpdates> updates_;
   haptics::RunControl control_;
   bool ran_ = false;
 };

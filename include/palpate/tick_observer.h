@@ -5,7 +5,7 @@
 #include <span>
 
 #include "palpate/device.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/pose.h"
 #include "palpate/run_control.h"
 #include "palpate/snapshot_cell.h"
@@ -57,7 +57,7 @@ class TickObserver {
   /// [rt] The first tick is due now. @param started_unix_ns wall-clock time of tick 0
   virtual void on_start(std::int64_t /*started_unix_ns*/) noexcept {}
   /// [rt] Tissue or noise parameters change at update.tick.
-  virtual void on_update(const LiveChange& /*update*/) noexcept {}
+  virtual void on_update(const ParameterUpdate& /*update*/) noexcept {}
   /// [rt] The row of one hand.
   virtual void on_row(const TickRow& /*row*/) noexcept {}
   /// [rt] A fault was latched; a fault that is latched again after a reset is a new one.

@@ -6,7 +6,7 @@
 
 #include "net/live_protocol.h"
 #include "net/live_tap.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/pose.h"
 #include "palpate/scene.h"
 #include "palpate/tissue.h"

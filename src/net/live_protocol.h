@@ -9,7 +9,7 @@
 
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/tissue.h"
 
 // What a client of the live interface may ask (docs/live-interface.md): one JSON object a message.

@@ -30,7 +30,7 @@ class LiveTap final : public haptics::TickObserver {
  public:
   /// [setup] @param hands of the scene
   explicit LiveTap(std::size_t hands);
-  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_update(const haptics::ParameterUpdate& change) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [any] One thread. The newest tick; null before the first.

@@ -7,7 +7,7 @@
 namespace palpate::contact {
 
 /// What ticks need of a tissue: its laws, its relaxation and its contact parameters. Plain data without
-/// pointers, so a running loop can take another one (palpate/live_changes.h).
+/// pointers, so a running loop can take another one (palpate/parameter_updates.h).
 struct TissueLaws {
   /// [setup] @param loop_period T [s] @throws ParameterError as the law and model::validate() do
   TissueLaws(const model::TissueParameters& tissue, double loop_period)

@@ -51,7 +51,7 @@ struct SimulationState {
   std::vector<contact::ToolResult> results;  // of the last tick, for pictures
   Pose organ_W;                              // in the last tick
   bool noise_enabled = true;
-  // Values that parameter updates (live_changes.h) have changed:
+  // Values that parameter updates (parameter_updates.h) have changed:
   noise::TouchNoise touch_noise;  // in force
   NoiseCrossfade noise_crossfade;
   model::ReachParameters reach;  // for pictures

@@ -9,13 +9,13 @@
 namespace palpate::record {
 namespace {
 
-using haptics::LiveChange;
+using haptics::ParameterUpdate;
 using model::kMostRelaxationTerms;
 using model::kTissueFields;
 
 static_assert(std::is_standard_layout_v<ChangeRow> && std::is_trivially_copyable_v<ChangeRow>);
 static_assert(sizeof(ChangeRow) ==
-                  (6 + kTissueFields.size() + 2 * kMostRelaxationTerms) * 8 + LiveChange::kNameBytes,
+                  (6 + kTissueFields.size() + 2 * kMostRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
               "no padding");
 
 constexpr std::array<const char*, kMostRelaxationTerms> kShareColumns{
@@ -50,7 +50,7 @@ std::vector<Column> all_columns() {
 
 }  // namespace
 
-ChangeRow row_of(const LiveChange& change) noexcept {
+ChangeRow row_of(const ParameterUpdate& change) noexcept {
   ChangeRow row{.tick = change.tick, .number = change.number, .what = change.what};
   row.law = static_cast<std::uint32_t>(change.tissue.law);
   for (std::size_t i = 0; i < kTissueFields.size(); ++i) {
@@ -67,8 +67,8 @@ ChangeRow row_of(const LiveChange& change) noexcept {
   return row;
 }
 
-LiveChange change_of(const ChangeRow& row) {
-  LiveChange change;
+ParameterUpdate change_of(const ChangeRow& row) {
+  ParameterUpdate change;
   change.tick = row.tick;
   change.number = row.number;
   change.what = row.what;

@@ -5,7 +5,7 @@
 
 #include "core/model/tissue_fields.h"
 #include "io/record/tick_columns.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 
 namespace palpate::record {
 
@@ -21,13 +21,13 @@ struct ChangeRow {
   std::uint64_t noise_enabled = 0;                           // 0 or 1
   double noise_gain = 0.0;                                   // N m
   double noise_threshold = 0.0;                              // m
-  std::array<char, haptics::LiveChange::kNameBytes> name{};
+  std::array<char, haptics::ParameterUpdate::kNameBytes> name{};
 };
 
 /// [any] The row of a parameter update.
-[[nodiscard]] ChangeRow row_of(const haptics::LiveChange& change) noexcept;
+[[nodiscard]] ChangeRow row_of(const haptics::ParameterUpdate& change) noexcept;
 /// [setup] The parameter update of a row, not validated.
-[[nodiscard]] haptics::LiveChange change_of(const ChangeRow& row);
+[[nodiscard]] haptics::ParameterUpdate change_of(const ChangeRow& row);
 
 /// [setup] The columns of a ChangeRow, in the order of recording and export. The tissue's name, kChangeName,
 /// follows them.

@@ -96,7 +96,7 @@ char* append_value(char* at, const ChangeRow& row, const Column& column) {
   return append_column(at, row, column);
 }
 
-std::string change_line(const haptics::LiveChange& change) {
+std::string change_line(const haptics::ParameterUpdate& change) {
   const ChangeRow row = row_of(change);
   std::string line;
   for (const Column& column : change_columns()) {
@@ -159,7 +159,7 @@ std::filesystem::path changes_csv_beside(const std::filesystem::path& csv) {
 
 void export_changes_csv(const Recording& recording, const std::filesystem::path& file) {
   std::string text = changes_header();
-  for (const haptics::LiveChange& change : recording.changes) text += change_line(change);
+  for (const haptics::ParameterUpdate& change : recording.changes) text += change_line(change);
   write_file(file, [&](std::FILE* out) {
     if (std::fwrite(text.data(), 1, text.size(), out) != text.size()) refuse(file);
   });

@@ -28,7 +28,7 @@ FlightRecorder::FlightRecorder(const scene::Setup& setup)
 
 void FlightRecorder::on_start(std::int64_t started_unix_ns) noexcept { started_unix_ns_ = started_unix_ns; }
 
-void FlightRecorder::on_update(const haptics::LiveChange& change) noexcept {
+void FlightRecorder::on_update(const haptics::ParameterUpdate& change) noexcept {
   if (fault_met_ && rows_after_fault_ == 0) return;
   changes_[changes_seen_ % kChangesKept] = change;
   ++changes_seen_;
@@ -55,8 +55,8 @@ std::vector<haptics::TickRow> FlightRecorder::rows() const {
   return rows;
 }
 
-std::vector<haptics::LiveChange> FlightRecorder::changes() const {
-  std::vector<haptics::LiveChange> changes;
+std::vector<haptics::ParameterUpdate> FlightRecorder::changes() const {
+  std::vector<haptics::ParameterUpdate> changes;
   const std::uint64_t kept = std::min<std::uint64_t>(changes_seen_, kChangesKept);
   for (std::uint64_t i = changes_seen_ - kept; i < changes_seen_; ++i) {
     changes.push_back(changes_[i % kChangesKept]);
@@ -67,7 +67,7 @@ std::vector<haptics::LiveChange> FlightRecorder::changes() const {
 void FlightRecorder::write(const std::filesystem::path& file, const haptics::LoopReport& report) const {
   Recorder recorder(file, setup_, true);
   recorder.on_start(started_unix_ns_);
-  for (const haptics::LiveChange& change : changes()) recorder.on_update(change);
+  for (const haptics::ParameterUpdate& change : changes()) recorder.on_update(change);
   for (const haptics::TickRow& row : rows()) recorder.on_row(row);
   recorder.finish(report);
 }

@@ -21,7 +21,7 @@ class FlightRecorder final : public haptics::TickObserver {
   explicit FlightRecorder(const scene::Setup& setup);
 
   void on_start(std::int64_t started_unix_ns) noexcept override;
-  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_update(const haptics::ParameterUpdate& change) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [setup] After the run: whether a fault occurred.
@@ -29,7 +29,7 @@ class FlightRecorder final : public haptics::TickObserver {
   /// [setup] After the run: the kept rows, oldest first, only complete ticks.
   [[nodiscard]] std::vector<haptics::TickRow> rows() const;
   /// [setup] After the run: the last kChangesKept updates of tissue and noise, oldest first.
-  [[nodiscard]] std::vector<haptics::LiveChange> changes() const;
+  [[nodiscard]] std::vector<haptics::ParameterUpdate> changes() const;
   /// [setup] After the run: writes them as a recording whose first tick is not 0. It can be viewed and
   /// exported, but not replayed. @throws InputError naming the file.
   void write(const std::filesystem::path& file, const haptics::LoopReport& report) const;
@@ -40,7 +40,7 @@ class FlightRecorder final : public haptics::TickObserver {
   std::size_t rows_after_fault_;
   std::vector<haptics::TickRow> ring_;
   std::uint64_t seen_ = 0;  // rows pushed to the ring so far
-  std::array<haptics::LiveChange, kChangesKept> changes_{};
+  std::array<haptics::ParameterUpdate, kChangesKept> changes_{};
   std::uint64_t changes_seen_ = 0;
   std::int64_t started_unix_ns_ = 0;
   bool fault_met_ = false;

@@ -115,7 +115,7 @@ struct Recorder::Impl {
   double rows_per_second;  // of simulated time
   std::function<void(const std::string&)> on_failure;
   Ring<haptics::TickRow> ring;
-  Ring<haptics::LiveChange> change_ring{kChangesKept};
+  Ring<haptics::ParameterUpdate> change_ring{kChangesKept};
   std::unique_ptr<RecordingWriter> writer;  // used by the thread; after its end by finish()
 
   std::atomic<std::int64_t> started_unix_ns{0};
@@ -129,7 +129,7 @@ struct Recorder::Impl {
   std::uint64_t rows_written = 0;
   std::uint64_t rows_safe = 0;  // flushed rows, which survive the end of this process
   std::vector<haptics::TickRow> block;
-  std::vector<haptics::LiveChange> changes;
+  std::vector<haptics::ParameterUpdate> changes;
   std::int64_t next_flush = 0;
   std::int64_t next_to_disk = 0;
   std::size_t flush_rows;     // this number of rows is flushed at once
@@ -232,7 +232,7 @@ bool Recorder::Impl::drain() {
 
 /// Updates come first, so that a truncated file has the updates of all its ticks.
 void Recorder::Impl::write_block() {
-  haptics::LiveChange change;
+  haptics::ParameterUpdate change;
   while (change_ring.pop(change)) changes.push_back(change);
   guarded([this] {
     writer->append(changes);
@@ -313,7 +313,7 @@ void Recorder::on_start(std::int64_t started_unix_ns) noexcept {
   impl_->begun.store(true, std::memory_order_release);
 }
 
-void Recorder::on_update(const haptics::LiveChange& change) noexcept {
+void Recorder::on_update(const haptics::ParameterUpdate& change) noexcept {
   while (!impl_->change_ring.push(change)) {
     if (!impl_->offline) {
       impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);

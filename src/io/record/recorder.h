@@ -23,7 +23,7 @@ class Recorder final : public haptics::TickObserver {
   ~Recorder() override;
 
   void on_start(std::int64_t started_unix_ns) noexcept override;
-  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_update(const haptics::ParameterUpdate& change) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [setup] Writes the remaining rows and the loop's report, and closes the file. @throws InputError naming

@@ -26,7 +26,7 @@ class RecordingReader final {
   [[nodiscard]] scene::Setup&& take_setup() noexcept { return std::move(setup_); }
   [[nodiscard]] const RunFacts& facts() const noexcept { return facts_; }
   /// Updates of tissue and noise, in order; of a damaged file those before the damage.
-  [[nodiscard]] const std::vector<haptics::LiveChange>& changes() const noexcept { return changes_; }
+  [[nodiscard]] const std::vector<haptics::ParameterUpdate>& changes() const noexcept { return changes_; }
   [[nodiscard]] std::uint64_t rows_lost() const noexcept { return rows_lost_; }
   /// Whether other HDF5 tools would reject the file.
   [[nodiscard]] bool cut_off() const noexcept { return cut_off_; }
@@ -56,7 +56,7 @@ class RecordingReader final {
   hdf5::Handle ticks_;
   scene::Setup setup_;
   RunFacts facts_;
-  std::vector<haptics::LiveChange> changes_;
+  std::vector<haptics::ParameterUpdate> changes_;
   std::uint64_t rows_lost_ = 0;
   std::uint64_t rows_claimed_ = 0;
   bool cut_off_ = false;

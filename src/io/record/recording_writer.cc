@@ -211,7 +211,7 @@ Handle change_row_type() {
   for (const Column& column : change_columns()) {
     check(H5Tinsert(type.id(), column.name, column.offset, native_type(column.type)), column.name);
   }
-  const Handle name = hdf5::text_type(haptics::LiveChange::kNameBytes);
+  const Handle name = hdf5::text_type(haptics::ParameterUpdate::kNameBytes);
   check(H5Tinsert(type.id(), kChangeName, offsetof(ChangeRow, name), name.id()), kChangeName);
   return type;
 }
@@ -285,7 +285,7 @@ void RecordingWriter::append(std::span<const haptics::TickRow> rows) {
   rows_ += rows.size();
 }
 
-void RecordingWriter::append(std::span<const haptics::LiveChange> changes) {
+void RecordingWriter::append(std::span<const haptics::ParameterUpdate> changes) {
   std::vector<ChangeRow> rows(changes.size());
   std::transform(changes.begin(), changes.end(), rows.begin(), row_of);
   append_to(changes_.id(), change_type_.id(), change_rows_, rows.size(), rows.data());

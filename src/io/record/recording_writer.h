@@ -5,7 +5,7 @@
 #include <string>
 
 #include "io/record/hdf5_handle.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/recording.h"
 #include "palpate/scene.h"
 #include "palpate/tick_row.h"
@@ -34,7 +34,7 @@ class RecordingWriter final {
   void append(std::span<const haptics::TickRow> rows);
 
   /// [setup] Appends updates of tissue and noise; those of a tick must precede its rows.
-  void append(std::span<const haptics::LiveChange> changes);
+  void append(std::span<const haptics::ParameterUpdate> changes);
 
   /// [setup] Gives all rows to the system, so that they survive the end of this process; with `to_disk` waits
   /// until they survive a power failure.

@@ -10,13 +10,13 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "core/haptics/prepared_change.h"
+#include "core/haptics/prepared_update.h"
 #include "core/haptics/simulation.h"
 #include "io/record/recording_frames.h"
 #include "io/record/tick_columns.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/recording.h"
 
 namespace palpate::record {
@@ -48,8 +48,8 @@ class Replay final {
         samples_(world_.hands()),
         commands_(world_.hands()),
         rows_(world_.hands()) {
-    for (const haptics::LiveChange& change : recording.changes) {
-      changes_.push_back(haptics::prepare_change(world_, change));
+    for (const haptics::ParameterUpdate& change : recording.changes) {
+      changes_.push_back(haptics::prepare_update(world_, change));
     }
     for (std::size_t i = 0; i < recording.rows.size(); ++i) {
       const TickRow& row = recording.rows[i];
@@ -67,7 +67,7 @@ class Replay final {
   /// tick.
   void run_tick(std::uint64_t number) {
     const std::span<const TickRow> recorded = recorded_rows(number);
-    change_at(number, (recorded.front().events & haptics::kLiveChange) != 0);
+    change_at(number, (recorded.front().events & haptics::kParameterUpdated) != 0);
     for (std::size_t hand = 0; hand < hands(); ++hand) samples_[hand] = haptics::sample_of(recorded[hand]);
     haptics::tick(world_, state_, number, samples_, commands_, rows_);
   }
@@ -107,7 +107,7 @@ class Replay final {
           "the recording {} change of tissue or noise at tick {}{}; it cannot be replayed",
           expected ? "lacks the" : "has a", number, expected ? "" : " that its rows do not know"));
     }
-    if (there) haptics::apply_change(world_, state_, changes_[next_change_++]);
+    if (there) haptics::apply_update(world_, state_, changes_[next_change_++]);
   }
 
   const Recording& recording_;
@@ -116,7 +116,7 @@ class Replay final {
   std::vector<haptics::DeviceState> samples_;
   std::vector<haptics::ForceCommand> commands_;
   std::vector<TickRow> rows_;
-  std::vector<haptics::PreparedChange> changes_;
+  std::vector<haptics::PreparedUpdate> changes_;
   std::size_t next_change_ = 0;
 };
 

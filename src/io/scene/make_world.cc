@@ -140,9 +140,9 @@ std::vector<std::string> radius_remarks(const Setup& setup, const haptics::Simul
   return remarks;
 }
 
-std::unique_ptr<haptics::LiveChanges> live_changes(const Setup& setup,
-                                                   const haptics::SimulationWorld& world) {
-  return std::make_unique<haptics::LiveChanges>(
+std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(const Setup& setup,
+                                                                  const haptics::SimulationWorld& world) {
+  return std::make_unique<haptics::ParameterUpdates>(
       world, setup.tissue,
       [&setup](const model::TissueParameters& tissue) { return stability_remarks(setup, tissue); });
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/haptics/simulation.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/scene.h"
 
 namespace palpate::scene {
@@ -36,7 +36,7 @@ namespace palpate::scene {
 
 /// [setup] The object that gives updates of tissue and noise to a run of this scene; it warns like
 /// stability_remarks(). @param setup, world must outlive it
-[[nodiscard]] std::unique_ptr<haptics::LiveChanges> live_changes(const Setup& setup,
-                                                                 const haptics::SimulationWorld& world);
+[[nodiscard]] std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(
+    const Setup& setup, const haptics::SimulationWorld& world);
 
 }  // namespace palpate::scene

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "core/base/text.h"
-#include "core/haptics/prepared_change.h"
+#include "core/haptics/prepared_update.h"
 #include "io/system/clock.h"
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
@@ -145,11 +145,11 @@ class Loop final {
 
   /// The oldest change to tissue or noise that waits, from this tick on. @return whether there was one
   bool take_change(std::uint64_t number) noexcept {
-    LiveChanges* updates = options_.control == nullptr ? nullptr : options_.control->updates();
-    const PreparedChange* change = updates == nullptr ? nullptr : updates->waiting();
+    ParameterUpdates* updates = options_.control == nullptr ? nullptr : options_.control->updates();
+    const PreparedUpdate* change = updates == nullptr ? nullptr : updates->waiting();
     if (change == nullptr) return false;
-    apply_change(world_, state_, *change);
-    LiveChange noted = change->values;
+    apply_update(world_, state_, *change);
+    ParameterUpdate noted = change->values;
     noted.tick = number;
     updates->taken();
     for (TickObserver* observer : observers_) observer->on_update(noted);
@@ -164,7 +164,7 @@ class Loop final {
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
       DeviceState& sample = samples_[hand];
       sample = devices_[hand]->read(number, time);
-      sample.events = (sample.events & ~kLiveChange) | (changed ? kLiveChange : 0U);
+      sample.events = (sample.events & ~kParameterUpdated) | (changed ? kParameterUpdated : 0U);
       if (refused_[hand] != 0) sample.fault = Fault::kDevice;
       if (stalled_ && sample.fault == Fault::kNone) sample.fault = Fault::kStalled;
       if (((resets >> hand) & 1U) != 0) sample.events |= kResetFault;

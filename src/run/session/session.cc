@@ -66,7 +66,7 @@ Session::Session(scene::Setup setup, SessionOptions options)
     : setup_(std::move(setup)),
       devices_(std::move(options.devices)),
       world_(prepare(options.preparation)),
-      updates_(scene::live_changes(setup_, *world_)),
+      updates_(scene::make_parameter_updates(setup_, *world_)),
       control_(updates_.get()) {
   if (options.duration_s) {
     ticks_ = ticks_in(*options.duration_s, setup_.rate_Hz);

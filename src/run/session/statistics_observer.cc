@@ -30,7 +30,9 @@ StatisticsObserver::StatisticsObserver(const scene::Setup& setup)
   statistics_.phases.reserve(RunStatistics::kMaxSpans);
 }
 
-void StatisticsObserver::on_update(const haptics::LiveChange& /*update*/) noexcept { ++statistics_.changes; }
+void StatisticsObserver::on_update(const haptics::ParameterUpdate& /*update*/) noexcept {
+  ++statistics_.changes;
+}
 
 void StatisticsObserver::on_row(const haptics::TickRow& row) noexcept {
   statistics_.peak_force = std::max(statistics_.peak_force, norm(row.force));

@@ -15,7 +15,7 @@ class StatisticsObserver final : public haptics::TickObserver {
   /// [setup]
   explicit StatisticsObserver(const scene::Setup& setup);
 
-  void on_update(const haptics::LiveChange& update) noexcept override;
+  void on_update(const haptics::ParameterUpdate& update) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [setup] After the run.

@@ -66,7 +66,7 @@ LawDeparture departure(const std::vector<haptics::TickRow>& rows, const record::
 
 /// First tick after a change of the noise.
 std::uint64_t first_noise_change(const record::Recording& recording) {
-  for (const haptics::LiveChange& change : recording.changes) {
+  for (const haptics::ParameterUpdate& change : recording.changes) {
     if ((change.what & haptics::kNoiseChanged) != 0) return change.tick;
   }
   return std::numeric_limits<std::uint64_t>::max();

@@ -43,9 +43,9 @@ void LawOverTime::change_to(const model::TissueParameters& tissue) {
 }
 
 double LawOverTime::force_at(const haptics::TickRow& row) {
-  const std::vector<haptics::LiveChange>& changes = recording_.changes;
+  const std::vector<haptics::ParameterUpdate>& changes = recording_.changes;
   for (; next_change_ < changes.size() && changes[next_change_].tick <= row.tick; ++next_change_) {
-    const haptics::LiveChange& change = changes[next_change_];
+    const haptics::ParameterUpdate& change = changes[next_change_];
     if ((change.what & haptics::kTissueChanged) != 0) change_to(tissue_of(change));
   }
   if (!in_contact(row, direction_)) {
@@ -58,7 +58,7 @@ double LawOverTime::force_at(const haptics::TickRow& row) {
 std::vector<std::string> changes_in_words(const record::Recording& recording) {
   constexpr std::size_t kMostTold = 20;
   std::vector<std::string> words;
-  for (const haptics::LiveChange& change : recording.changes) {
+  for (const haptics::ParameterUpdate& change : recording.changes) {
     if (words.size() == kMostTold) {
       words.push_back(fmt::format("and {} more changes while it ran", recording.changes.size() - kMostTold));
       break;

@@ -42,8 +42,9 @@ class SharedCount final {
 constexpr std::uint64_t kTicksAChange = 7;
 
 /// Tissue and noise at a tick; every kTicksAChange-th tick has an update.
-haptics::LiveChange sample_change(std::uint64_t tick) {
-  haptics::LiveChange change = haptics::live_change(sample_setup(1).tissue, {}, haptics::kTissueChanged);
+haptics::ParameterUpdate sample_change(std::uint64_t tick) {
+  haptics::ParameterUpdate change =
+      haptics::parameter_update(sample_setup(1).tissue, {}, haptics::kTissueChanged);
   change.tick = tick;
   change.number = tick / kTicksAChange + 1;
   change.tissue.k1 = 10.0 + 1.0 / static_cast<double>(change.number);

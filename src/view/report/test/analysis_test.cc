@@ -47,7 +47,7 @@ TEST(Analysis, AForceOnALawThatRelaxesAndIsChangedWhileItRanDepartsByNothing) {
   tissue.relaxation = {{0.4, 0.3}};
   model::TissueParameters stiffer = tissue;
   stiffer.k1 *= 2.0;
-  recording.changes.push_back(haptics::live_change(stiffer, {}, haptics::kTissueChanged));
+  recording.changes.push_back(haptics::parameter_update(stiffer, {}, haptics::kTissueChanged));
   recording.changes.back().tick = 1700;  // during the hold
   const model::SmoothSpringLaw law(tissue, model::Direction::kPress, 1e-3);
   // dq/dt = dF_e/dt - q / 0.3 s, by Euler's method; twice the stiffness gives twice the elastic force.
@@ -69,7 +69,7 @@ TEST(Analysis, AForceOnALawThatRelaxesAndIsChangedWhileItRanDepartsByNothing) {
 
 TEST(Analysis, NoiseThatIsChangedCountsUpToThere) {
   record::Recording recording = SyntheticRecording::make();
-  recording.changes.push_back(haptics::live_change(recording.setup.tissue, {}, haptics::kNoiseChanged));
+  recording.changes.push_back(haptics::parameter_update(recording.setup.tissue, {}, haptics::kNoiseChanged));
   recording.changes.back().tick = 1000;
   EXPECT_EQ(analyse(recording).hands.at(0).unit_noise.size(), 1000U);
 }

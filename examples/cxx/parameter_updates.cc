@@ -1,5 +1,5 @@
 // Tissue and noise are changed from another thread while the loop runs, in real time: what a slider does.
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 
 #include <chrono>
 #include <iostream>
@@ -32,7 +32,9 @@ palpate::scene::ToolPath press_and_hold(const palpate::scene::Setup& setup) {
 class Watch final : public palpate::haptics::TickObserver {
  public:
   Watch() { lines_.reserve(16); }
-  void on_update(const palpate::haptics::LiveChange& change) noexcept override { number_ = change.number; }
+  void on_update(const palpate::haptics::ParameterUpdate& change) noexcept override {
+    number_ = change.number;
+  }
   void on_row(const palpate::haptics::TickRow& row) noexcept override {
     if (number_ != seen_ && lines_.size() < lines_.capacity()) lines_.push_back({number_, row.time, force_});
     seen_ = number_;

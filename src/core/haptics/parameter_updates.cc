@@ -1,10 +1,10 @@
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 
 #include <cmath>
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/haptics/prepared_change.h"
+#include "core/haptics/prepared_update.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -20,7 +20,7 @@ std::string in_mm(double metres) { return shortest(metres / kMillimetre) + " mm"
 
 }  // namespace
 
-PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& values) {
+PreparedUpdate prepare_update(const SimulationWorld& world, const ParameterUpdate& values) {
   const model::TissueParameters tissue = tissue_of(values);
   model::validate(tissue);
   const double prepared_for = world.contact.tissue().contact.reference_radius;
@@ -36,9 +36,9 @@ PreparedChange prepare_change(const SimulationWorld& world, const LiveChange& va
   return {values, contact::TissueLaws(tissue, 1.0 / world.rate_Hz)};
 }
 
-void apply_change(const SimulationWorld& world, SimulationState& state,
-                  const PreparedChange& change) noexcept {
-  const LiveChange& values = change.values;
+void apply_update(const SimulationWorld& world, SimulationState& state,
+                  const PreparedUpdate& change) noexcept {
+  const ParameterUpdate& values = change.values;
   if ((values.what & kTissueChanged) != 0) {
     contact::change_tissue(world.contact, state.contact, change.laws);
     state.reach = values.tissue.reach;
@@ -51,19 +51,19 @@ void apply_change(const SimulationWorld& world, SimulationState& state,
   state.change = values.number;
 }
 
-LiveChanges::LiveChanges(const SimulationWorld& world, const model::TissueParameters& tissue,
-                         Warnings warnings)
+ParameterUpdates::ParameterUpdates(const SimulationWorld& world, const model::TissueParameters& tissue,
+                                   Warnings warnings)
     : world_(world),
       warnings_(std::move(warnings)),
       tissue_(tissue),
       noise_(noise_of_world(world)),
-      slots_(kMostWaiting, prepare_change(world, live_change(tissue, noise_of_world(world), 0))) {}
+      slots_(kMostWaiting, prepare_update(world, parameter_update(tissue, noise_of_world(world), 0))) {}
 
-LiveChanges::~LiveChanges() = default;
+ParameterUpdates::~ParameterUpdates() = default;
 
-void LiveChanges::hand_over(LiveChange values) {
+void ParameterUpdates::hand_over(ParameterUpdate values) {
   values.number = offered_ + 1;
-  PreparedChange prepared = prepare_change(world_, values);
+  PreparedUpdate prepared = prepare_update(world_, values);
   const std::uint64_t head = head_.load(std::memory_order_relaxed);
   if (head - tail_.load(std::memory_order_acquire) == kMostWaiting) {
     throw InputError("change of tissue or noise: the loop has not taken the last " +
@@ -74,40 +74,40 @@ void LiveChanges::hand_over(LiveChange values) {
   head_.store(head + 1, std::memory_order_release);
 }
 
-LiveChanges::Accepted LiveChanges::offer(const model::TissueParameters& tissue) {
+ParameterUpdates::Accepted ParameterUpdates::offer(const model::TissueParameters& tissue) {
   const std::lock_guard lock(callers_);
   model::validate(tissue);
   Accepted accepted;
   if (warnings_) accepted.warnings = warnings_(tissue);
-  hand_over(live_change(tissue, noise_, kTissueChanged));
+  hand_over(parameter_update(tissue, noise_, kTissueChanged));
   tissue_ = tissue;
   accepted.number = offered_;
   return accepted;
 }
 
-LiveChanges::Accepted LiveChanges::offer(const LiveNoise& noise) {
+ParameterUpdates::Accepted ParameterUpdates::offer(const LiveNoise& noise) {
   const std::lock_guard lock(callers_);
-  hand_over(live_change(tissue_, noise, kNoiseChanged));
+  hand_over(parameter_update(tissue_, noise, kNoiseChanged));
   noise_ = noise;
   return {offered_, {}};
 }
 
-model::TissueParameters LiveChanges::tissue() const {
+model::TissueParameters ParameterUpdates::tissue() const {
   const std::lock_guard lock(callers_);
   return tissue_;
 }
 
-LiveNoise LiveChanges::noise() const {
+LiveNoise ParameterUpdates::noise() const {
   const std::lock_guard lock(callers_);
   return noise_;
 }
 
-const PreparedChange* LiveChanges::waiting() const noexcept {
+const PreparedUpdate* ParameterUpdates::waiting() const noexcept {
   const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
   return tail == head_.load(std::memory_order_acquire) ? nullptr : &slots_[tail % kMostWaiting];
 }
 
-void LiveChanges::taken() noexcept {
+void ParameterUpdates::taken() noexcept {
   tail_.store(tail_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
 }
 

@@ -1,11 +1,12 @@
 #include <algorithm>
 
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 
 namespace palpate::haptics {
 
-LiveChange live_change(const model::TissueParameters& tissue, const LiveNoise& noise, std::uint32_t what) {
-  LiveChange change;
+ParameterUpdate parameter_update(const model::TissueParameters& tissue, const LiveNoise& noise,
+                                 std::uint32_t what) {
+  ParameterUpdate change;
   change.what = what;
   change.tissue = tissue.numbers();
   change.noise = noise;
@@ -13,7 +14,7 @@ LiveChange live_change(const model::TissueParameters& tissue, const LiveNoise& n
   return change;
 }
 
-model::TissueParameters tissue_of(const LiveChange& change) {
+model::TissueParameters tissue_of(const ParameterUpdate& change) {
   const std::string name(change.name.begin(), std::find(change.name.begin(), change.name.end(), '\0'));
   return {change.tissue, name, {}};
 }

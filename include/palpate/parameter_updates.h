@@ -23,13 +23,13 @@ struct LiveNoise {
   bool operator==(const LiveNoise&) const = default;
 };
 
-/// Bits of LiveChange::what.
+/// Bits of ParameterUpdate::what.
 inline constexpr std::uint32_t kTissueChanged = 1U << 0;
 inline constexpr std::uint32_t kNoiseChanged = 1U << 1;
 
 /// One change to a run under way: what is in force from its tick on, whole, and which of it is new. Plain
 /// data, so that it can be handed from thread to thread with one copy.
-struct LiveChange {
+struct ParameterUpdate {
   static constexpr std::size_t kNameBytes = 64;
 
   std::uint64_t tick = 0;    // the first that used it
@@ -39,23 +39,23 @@ struct LiveChange {
   LiveNoise noise;
   std::array<char, kNameBytes> name{};  // the tissue's, cut off and filled up with zeros
 
-  bool operator==(const LiveChange&) const = default;
+  bool operator==(const ParameterUpdate&) const = default;
 };
-static_assert(std::is_trivially_copyable_v<LiveChange>);
+static_assert(std::is_trivially_copyable_v<ParameterUpdate>);
 
 /// [setup] A change to this tissue and noise. @param what which of the two is new
-[[nodiscard]] LiveChange live_change(const model::TissueParameters& tissue, const LiveNoise& noise,
-                                     std::uint32_t what);
+[[nodiscard]] ParameterUpdate parameter_update(const model::TissueParameters& tissue, const LiveNoise& noise,
+                                               std::uint32_t what);
 
 /// [setup] The tissue of a change, not checked; it has no [source].
-[[nodiscard]] model::TissueParameters tissue_of(const LiveChange& change);
+[[nodiscard]] model::TissueParameters tissue_of(const ParameterUpdate& change);
 
-struct PreparedChange;
+struct PreparedUpdate;
 struct SimulationWorld;
 
 /// Hands new tissues and new noise from any thread to a loop that runs. Everything is prepared on the
 /// caller's side; the loop takes one a tick, with one copy of plain data, and never waits.
-class LiveChanges final {
+class ParameterUpdates final {
  public:
   /// Changes that may wait for the loop.
   static constexpr std::size_t kMostWaiting = 8;
@@ -71,10 +71,10 @@ class LiveChanges final {
 
   /// [setup] @param world of the run, outlives this; @param tissue what the run begins with; @param warnings
   /// may be empty: nobody warns
-  LiveChanges(const SimulationWorld& world, const model::TissueParameters& tissue, Warnings warnings);
-  ~LiveChanges();
-  LiveChanges(const LiveChanges&) = delete;
-  LiveChanges& operator=(const LiveChanges&) = delete;
+  ParameterUpdates(const SimulationWorld& world, const model::TissueParameters& tissue, Warnings warnings);
+  ~ParameterUpdates();
+  ParameterUpdates(const ParameterUpdates&) = delete;
+  ParameterUpdates& operator=(const ParameterUpdates&) = delete;
 
   /// [any] Not for the tick: allocates, and waits for another caller. Another tissue, with its laws,
   /// relaxation, reach, friction, damping and grip limit, from one of the next ticks on.
@@ -91,11 +91,11 @@ class LiveChanges final {
   [[nodiscard]] LiveNoise noise() const;
 
   /// [rt] For the loop: the oldest change that waits, or null; it stays until taken().
-  [[nodiscard]] const PreparedChange* waiting() const noexcept;
+  [[nodiscard]] const PreparedUpdate* waiting() const noexcept;
   void taken() noexcept;
 
  private:
-  void hand_over(LiveChange values);
+  void hand_over(ParameterUpdate values);
 
   const SimulationWorld& world_;
   Warnings warnings_;
@@ -103,7 +103,7 @@ class LiveChanges final {
   model::TissueParameters tissue_;
   LiveNoise noise_;
   std::uint64_t offered_ = 0;
-  std::vector<PreparedChange> slots_;
+  std::vector<PreparedUpdate> slots_;
   alignas(64) std::atomic<std::uint64_t> head_{0};  // changes handed over
   alignas(64) std::atomic<std::uint64_t> tail_{0};  // changes taken
 };

@@ -43,7 +43,7 @@ scene::Setup block_and_ball() {
 }
 
 /// Offers a random tissue or noise, as a user at the sliders would.
-void offer_something(haptics::LiveChanges& changes, std::mt19937_64& dice) {
+void offer_something(haptics::ParameterUpdates& changes, std::mt19937_64& dice) {
   const auto share = [&dice] { return static_cast<double>(dice() >> 11U) * 0x1p-53; };
   if (dice() % 3 == 0) {
     (void)changes.offer(haptics::LiveNoise{dice() % 2 == 0, 1e-4 * share(), 1e-3 + 5e-3 * share()});
@@ -64,7 +64,7 @@ void offer_something(haptics::LiveChanges& changes, std::mt19937_64& dice) {
 /// Presses, slides and lifts in turn; offers updates at random ticks.
 class RestlessDevice final : public haptics::Device {
  public:
-  RestlessDevice(haptics::LiveChanges& changes, std::uint64_t seed) : changes_(changes), dice_(seed) {}
+  RestlessDevice(haptics::ParameterUpdates& changes, std::uint64_t seed) : changes_(changes), dice_(seed) {}
   haptics::DeviceState read(std::uint64_t, double time) noexcept override {
     if (dice_() % 40 == 0) offer_something(changes_, dice_);
     haptics::DeviceState state;
@@ -77,7 +77,7 @@ class RestlessDevice final : public haptics::Device {
   [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return 0; }
 
  private:
-  haptics::LiveChanges& changes_;
+  haptics::ParameterUpdates& changes_;
   std::mt19937_64 dice_;
 };
 
@@ -87,7 +87,7 @@ Recording restless_run(std::uint64_t seed, std::uint64_t ticks, bool by_flight_r
   const scene::Setup setup = block_and_ball();
   const haptics::SimulationWorld world = scene::make_world(setup);
   haptics::SimulationState state(world);
-  const std::unique_ptr<haptics::LiveChanges> changes = scene::live_changes(setup, world);
+  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
   RestlessDevice device(*changes, seed);
   haptics::Device* const devices[] = {&device};
   haptics::RunControl control(changes.get());
@@ -109,7 +109,7 @@ std::vector<std::string> lines_of(const std::filesystem::path& file) {
   return lines;
 }
 
-TEST(LiveChangesRecorded, ReplayIsTheSameBitForBitWithChangesAtRandomTicks) {
+TEST(ParameterUpdatesRecorded, ReplayIsTheSameBitForBitWithChangesAtRandomTicks) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Recording recording = restless_run(seed, 2000);
     ASSERT_GT(recording.changes.size(), 20U);
@@ -120,27 +120,27 @@ TEST(LiveChangesRecorded, ReplayIsTheSameBitForBitWithChangesAtRandomTicks) {
   }
 }
 
-TEST(LiveChangesRecorded, TheChangesAreWhatTheForceCameFrom) {
+TEST(ParameterUpdatesRecorded, TheChangesAreWhatTheForceCameFrom) {
   Recording recording = restless_run(4, 1500);
-  for (haptics::LiveChange& change : recording.changes) change.tissue.k1 *= 1.5;
+  for (haptics::ParameterUpdate& change : recording.changes) change.tissue.k1 *= 1.5;
   EXPECT_GT(replay(recording).rows_different, 300U);
 }
 
-TEST(LiveChangesRecorded, RowsSayAtWhichTicksAndTheChangesStandInOrder) {
+TEST(ParameterUpdatesRecorded, RowsSayAtWhichTicksAndTheChangesStandInOrder) {
   const Recording recording = restless_run(5, 1000);
   std::vector<std::uint64_t> by_rows;
   for (const haptics::TickRow& row : recording.rows) {
-    if ((row.events & haptics::kLiveChange) != 0) by_rows.push_back(row.tick);
+    if ((row.events & haptics::kParameterUpdated) != 0) by_rows.push_back(row.tick);
   }
   std::vector<std::uint64_t> by_changes;
-  for (const haptics::LiveChange& change : recording.changes) {
+  for (const haptics::ParameterUpdate& change : recording.changes) {
     by_changes.push_back(change.tick);
     EXPECT_EQ(change.number, by_changes.size());
   }
   EXPECT_EQ(by_rows, by_changes);
 }
 
-TEST(LiveChangesRecorded, ARecordingThatLacksAChangeIsNotRunAgain) {
+TEST(ParameterUpdatesRecorded, ARecordingThatLacksAChangeIsNotRunAgain) {
   Recording recording = restless_run(6, 500);
   const std::string tick = std::to_string(recording.changes[1].tick);
   recording.changes.erase(recording.changes.begin() + 1);
@@ -152,13 +152,13 @@ TEST(LiveChangesRecorded, ARecordingThatLacksAChangeIsNotRunAgain) {
   }
 }
 
-TEST(LiveChangesRecorded, AChangeThatTheRowsDoNotKnowIsRefused) {
+TEST(ParameterUpdatesRecorded, AChangeThatTheRowsDoNotKnowIsRefused) {
   Recording recording = restless_run(6, 500);
   for (haptics::TickRow& row : recording.rows) row.events = 0;
   EXPECT_THROW((void)replay(recording), InputError);
 }
 
-TEST(LiveChangesRecorded, BadValuesInAFileAreRefusedByName) {
+TEST(ParameterUpdatesRecorded, BadValuesInAFileAreRefusedByName) {
   Recording recording = restless_run(6, 500);
   recording.changes[0].tissue.beta = -2.0;
   try {
@@ -169,7 +169,7 @@ TEST(LiveChangesRecorded, BadValuesInAFileAreRefusedByName) {
   }
 }
 
-TEST(LiveChangesRecorded, SnapshotsCarryTheReachAndNumberInForce) {
+TEST(ParameterUpdatesRecorded, SnapshotsCarryTheReachAndNumberInForce) {
   Recording recording = restless_run(7, 400);
   recording.changes[0].tissue.reach.bar_ratio = 2.5;
   recording.changes[0].tissue.reach.depth_exponent = 0.4;
@@ -216,8 +216,8 @@ TEST(RecordingFrames, ATickThatCannotBeRunLeavesTheOthers) {
   std::vector<std::uint64_t> all(700);
   std::iota(all.begin(), all.end(), 0);
   const std::vector<haptics::Snapshot> expected = snapshots_at(recording, all);
-  ASSERT_EQ(recording.rows[700].events & haptics::kLiveChange, 0U);
-  recording.rows[700].events |= haptics::kLiveChange;
+  ASSERT_EQ(recording.rows[700].events & haptics::kParameterUpdated, 0U);
+  recording.rows[700].events |= haptics::kParameterUpdated;
   RecordingFrames frames(recording);
   for (int times = 0; times < 2; ++times) {
     EXPECT_THROW((void)frames.at(700), InputError) << "it used a change that is not there";
@@ -237,17 +237,17 @@ TEST(RecordingFrames, TheDeepestTickIsThatOfTheHandAskedFor) {
   EXPECT_EQ(frames.deepest(1), 0U) << "there is no such hand";
 }
 
-TEST(LiveChangesRecorded, TheFlightRecorderKeepsThem) {
+TEST(ParameterUpdatesRecorded, TheFlightRecorderKeepsThem) {
   const Recording recording = restless_run(8, 1000, true);
   EXPECT_EQ(recording.rows.size(), 1000U);
   EXPECT_GT(recording.changes.size(), 10U);
 }
 
-TEST(LiveChangesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
+TEST(ParameterUpdatesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   const TemporaryFolder folder;
   Recording recording = restless_run(9, 500);
-  haptics::LiveChange& first = recording.changes.front();
-  first = haptics::live_change(recording.setup.tissue, {true, 5e-5, 5e-3}, haptics::kTissueChanged);
+  haptics::ParameterUpdate& first = recording.changes.front();
+  first = haptics::parameter_update(recording.setup.tissue, {true, 5e-5, 5e-3}, haptics::kTissueChanged);
   first.tick = 12;
   first.number = 1;
   first.tissue.law = model::LawKind::kSmooth;
@@ -264,13 +264,13 @@ TEST(LiveChangesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
 }
 
 /// A recording of one row with these updates. @return the reader's error; empty: none
-std::string refusal_of(const std::vector<haptics::LiveChange>& changes,
+std::string refusal_of(const std::vector<haptics::ParameterUpdate>& changes,
                        const std::function<void(hid_t)>& spoil) {
   const TemporaryFolder folder;
   {
     Recorder recorder(folder / "a.h5", block_and_ball(), true);
     recorder.on_start(1);
-    for (const haptics::LiveChange& change : changes) recorder.on_update(change);
+    for (const haptics::ParameterUpdate& change : changes) recorder.on_update(change);
     recorder.on_row(haptics::TickRow{});
     recorder.finish({});
   }
@@ -305,8 +305,9 @@ void make_list_with_one_column(hid_t file) {
   H5Sclose(space);
 }
 
-TEST(LiveChangesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThemIsRead) {
-  haptics::LiveChange change = haptics::live_change(block_and_ball().tissue, {}, haptics::kTissueChanged);
+TEST(ParameterUpdatesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThemIsRead) {
+  haptics::ParameterUpdate change =
+      haptics::parameter_update(block_and_ball().tissue, {}, haptics::kTissueChanged);
   change.tick = 5;
   change.number = 1;
   EXPECT_EQ(refusal_of({change}, {}), "");
@@ -317,7 +318,8 @@ TEST(LiveChangesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThemIsRe
 }
 
 /// Writes updates without one of the columns, as recordings from before its parameter existed have them.
-void write_without(std::string_view left_out, hid_t file, const std::vector<haptics::LiveChange>& changes) {
+void write_without(std::string_view left_out, hid_t file,
+                   const std::vector<haptics::ParameterUpdate>& changes) {
   const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(ChangeRow));
   for (const Column& column : change_columns()) {
     if (column.name == left_out) continue;
@@ -326,7 +328,7 @@ void write_without(std::string_view left_out, hid_t file, const std::vector<hapt
                                                            : H5T_NATIVE_DOUBLE;
     H5Tinsert(type, column.name, column.offset, native);
   }
-  const hdf5::Handle name = hdf5::text_type(haptics::LiveChange::kNameBytes);
+  const hdf5::Handle name = hdf5::text_type(haptics::ParameterUpdate::kNameBytes);
   H5Tinsert(type, kChangeName, offsetof(ChangeRow, name), name.id());
   H5Tpack(type);
   const hsize_t count = changes.size();
@@ -334,7 +336,7 @@ void write_without(std::string_view left_out, hid_t file, const std::vector<hapt
   const hid_t set = H5Dcreate2(file, "changes", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   std::vector<ChangeRow> rows(changes.size());
   std::transform(changes.begin(), changes.end(), rows.begin(),
-                 [](const haptics::LiveChange& change) { return record::row_of(change); });
+                 [](const haptics::ParameterUpdate& change) { return record::row_of(change); });
   H5Dwrite(set, change_row_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
   H5Dclose(set);
   H5Sclose(space);
@@ -342,8 +344,8 @@ void write_without(std::string_view left_out, hid_t file, const std::vector<hapt
 }
 
 /// The updates that are read from a recording whose file lacks a column.
-std::vector<haptics::LiveChange> read_without(std::string_view column,
-                                              const std::vector<haptics::LiveChange>& changes) {
+std::vector<haptics::ParameterUpdate> read_without(std::string_view column,
+                                                   const std::vector<haptics::ParameterUpdate>& changes) {
   const TemporaryFolder folder;
   {
     Recorder recorder(folder / "a.h5", block_and_ball(), true);
@@ -357,15 +359,15 @@ std::vector<haptics::LiveChange> read_without(std::string_view column,
   return read_recording(folder / "a.h5").changes;
 }
 
-TEST(LiveChangesRecorded, ANumberThatAnOldFileLacksHasItsDefault) {
-  const std::vector<haptics::LiveChange> expected = restless_run(6, 500).changes;
+TEST(ParameterUpdatesRecorded, ANumberThatAnOldFileLacksHasItsDefault) {
+  const std::vector<haptics::ParameterUpdate> expected = restless_run(6, 500).changes;
   ASSERT_GT(expected.size(), 3U);
-  std::vector<haptics::LiveChange> others = expected;
-  for (haptics::LiveChange& change : others) {
+  std::vector<haptics::ParameterUpdate> others = expected;
+  for (haptics::ParameterUpdate& change : others) {
     change.tissue.reach.depth_exponent = 0.4;
     change.tissue.contact.tangential_damping = 0.75;
   }
-  std::vector<haptics::LiveChange> old = read_without("depth_exponent", others);
+  std::vector<haptics::ParameterUpdate> old = read_without("depth_exponent", others);
   ASSERT_EQ(old.size(), expected.size());
   EXPECT_EQ(old[2].tissue.reach.depth_exponent, 0.5);
   EXPECT_EQ(old[2].tissue.contact.tangential_damping, 0.75);
@@ -373,20 +375,20 @@ TEST(LiveChangesRecorded, ANumberThatAnOldFileLacksHasItsDefault) {
   ASSERT_EQ(old.size(), expected.size());
   EXPECT_EQ(old[2].tissue.reach.depth_exponent, 0.4);
   EXPECT_EQ(old[2].tissue.contact.tangential_damping, 0.0);
-  for (haptics::LiveChange& change : old) change.tissue.reach.depth_exponent = 0.5;
+  for (haptics::ParameterUpdate& change : old) change.tissue.reach.depth_exponent = 0.5;
   EXPECT_EQ(old, expected) << "everything else is as recorded";
   EXPECT_THROW((void)read_without("friction", others), InputError) << "always was a parameter";
 }
 
-TEST(LiveChangesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
+TEST(ParameterUpdatesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
   scene::Setup setup = block_and_ball();
   setup.devices[0].kind = "emulated";
   setup.devices[0].dynamics = {0.1, 0.1, 1e-5};
   const haptics::SimulationWorld world = scene::make_world(setup);
-  const std::unique_ptr<haptics::LiveChanges> changes = scene::live_changes(setup, world);
+  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
   model::TissueParameters stiff = setup.tissue;
   stiff.k1 *= 100.0;
-  const haptics::LiveChanges::Accepted accepted = changes->offer(stiff);
+  const haptics::ParameterUpdates::Accepted accepted = changes->offer(stiff);
   EXPECT_THAT(accepted.warnings, testing::Contains(HasSubstr("the device may tremble")));
 }
 
