@@ -31,7 +31,7 @@ void write_profiles(const Folder& folder, const std::string& name, const model::
   std::ofstream out(folder / name);
   out << "depth_mm,r_mm,u_mm\n";
   for (const double depth : {1.0, 4.0}) {
-    const deform::SurfaceProfile profile(reach, depth * 1e-3, 5e-3, 5e-3);
+    const deform::DisplacementProfile profile(reach, depth * 1e-3, 5e-3, 5e-3);
     for (int i = 0; i <= 60; ++i)
       out << depth << ',' << 0.5 * i << ',' << profile.at(0.5e-3 * i) * 1e3 << '\n';
   }

@@ -62,7 +62,7 @@ class BallSurface final {
   [[nodiscard]] double at(double r) const noexcept;
 
  private:
-  deform::SurfaceProfile profile_;
+  deform::DisplacementProfile profile_;
   double depth_;
   double radius_;
   SurfaceRule rule_;

@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kBlendGrowth = 2.06F;     // see most_moved
+constexpr float kBlendGrowth = 2.06F;     // see max_motion
 constexpr float kAlikeDirections = 0.5F;  // largest distance between the ends of the unit vectors
 constexpr float kMeanGain = 1.07F;        // 1 / the smallest length of the mean of such directions
 constexpr float kArc = 1.05F;             // an arc is at most this times its chord, for chords below 1
@@ -60,8 +60,8 @@ bool same(const ContactField& a, const ContactField& b) {
 
 }  // namespace
 
-void FieldChange::take(const ContactField* before, const ContactField* now, float drift,
-                       const ProfileTable& profile) noexcept {
+void FieldChange::set(const ContactField* before, const ContactField* now, float drift,
+                      const ProfileTable& profile) noexcept {
   limit_ = 0.0F;
   for (const ContactField* field : {before, now})
     if (field != nullptr) limit_ = std::max(limit_, field->limit);
@@ -94,7 +94,7 @@ const FieldChange::Bound& FieldChange::at(float distance) const noexcept {
   return bounds_[std::min(entry, kEntries - 1)];
 }
 
-float most_moved(std::span<const NearChange> changes) noexcept {
+float max_motion(std::span<const NearChange> changes) noexcept {
   if (changes.size() == 1) return changes.front().change->at(changes.front().distance).way;
   float ways = 0.0F;
   float length = 0.0F;   // the largest of the contacts'

@@ -17,8 +17,8 @@ class FieldChange final {
  public:
   /// [any] @param before, now of one contact; null: it did not exist or no longer exists
   /// @param drift largest change of a vertex's distance from the contact between the two [m]
-  void take(const ContactField* before, const ContactField* now, float drift,
-            const ProfileTable& profile) noexcept;
+  void set(const ContactField* before, const ContactField* now, float drift,
+           const ProfileTable& profile) noexcept;
 
   /// [any] Nothing farther than this moves, before or now [m].
   [[nodiscard]] float limit() const noexcept { return limit_; }
@@ -69,6 +69,6 @@ struct NearChange {
 /// |dm| <= (1 + sqrt(n)/4) max |du| (searched up to n = 24; 1.205 at n = 2).
 /// u enters d's mean twice, and |d| before normalization is at least 1 / 1.07. So m |dd| <= 1.07 sum (2 e u
 /// |du| + u |turn of a|) m / sum u^2, with m sum u / sum u^2 <= (1 + sqrt(n))/2.
-[[nodiscard]] float most_moved(std::span<const NearChange> changes) noexcept;
+[[nodiscard]] float max_motion(std::span<const NearChange> changes) noexcept;
 
 }  // namespace palpate::deform

@@ -18,8 +18,8 @@ constexpr float kWorthwhile = 1.0F - 1e-5F;
 
 // Length of the straight path to c across edge ab, from the distances of a and b; infinity when the straight
 // line misses the edge.
-float way_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float distance_a,
-                 float distance_b) {
+float path_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float distance_a,
+                  float distance_b) {
   const Vector3f edge = b - a;
   const float squared = edge.squaredNorm();
   if (!(squared > 0.0F)) return kInfinityF;
@@ -84,7 +84,7 @@ void GeodesicFront::relax(std::int32_t from, std::int32_t known, std::int32_t to
   const float other = distance_[at(known)];
   float distance = here + (c - a).norm();
   if (other < kInfinityF)
-    distance = std::min(distance, way_across(a, surface_->vertices[at(known)], c, here, other));
+    distance = std::min(distance, path_across(a, surface_->vertices[at(known)], c, here, other));
   offer(to, distance);
 }
 

@@ -15,7 +15,7 @@ constexpr std::size_t kTableSize = 1024;  // entries per R_6
 
 ProfileTable::ProfileTable(const model::ReachParameters& reach, double rounding)
     : per_entry_(static_cast<float>(kTableSize)) {
-  const SurfaceProfile profile(reach, 1.0, 1.0);
+  const DisplacementProfile profile(reach, 1.0, 1.0);
   const auto count = static_cast<std::size_t>(std::ceil(static_cast<double>(kTableSize) / (1.0 - rounding)));
   const auto u_at = [&](double i) {
     return profile.rounded_at(std::abs(i) / static_cast<double>(kTableSize) * profile.reach(), rounding);

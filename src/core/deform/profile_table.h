@@ -20,7 +20,7 @@ class ProfileTable final {
     Lanes u, slope;
   };
 
-  /// [setup] @param rounding as in SurfaceProfile::rounded_at
+  /// [setup] @param rounding as in DisplacementProfile::rounded_at
   ProfileTable(const model::ReachParameters& reach, double rounding);
 
   /// [any] At r/R_6 >= 0, also at infinity; zero from the profile's end.

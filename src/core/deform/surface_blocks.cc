@@ -201,7 +201,7 @@ Moved under(std::span<const ContactField* const> contacts, const ProfileTable& p
 }
 
 // Writes the first `count` of four vertices.
-void write(const Rest& rest, const Moved& moved, std::size_t count, LiveVertex* out) {
+void write(const Rest& rest, const Moved& moved, std::size_t count, SurfaceVertex* out) {
   const Lanes zero(0.0F);
   const Lanes3 displacement = select(moved.moves, moved.displacement, {zero, zero, zero});
   const Lanes3 place = rest.place + displacement;
@@ -209,7 +209,7 @@ void write(const Rest& rest, const Moved& moved, std::size_t count, LiveVertex* 
   const Lanes length = sqrt(dot(displacement, displacement));
   const Lanes signed_length = select(dot(displacement, rest.normal) < zero, zero - length, length);
   // Each vertex is seven floats: two rows of four that share the fourth.
-  static_assert(sizeof(LiveVertex) == 7 * sizeof(float));
+  static_assert(sizeof(SurfaceVertex) == 7 * sizeof(float));
   std::array<Lanes, kLanes> upper = {place.x, place.y, place.z, normal.x};
   std::array<Lanes, kLanes> lower = {normal.x, normal.y, normal.z, signed_length};
   transpose(upper);
@@ -254,7 +254,7 @@ std::size_t SurfaceBlocks::size(std::size_t block) const noexcept {
 }
 
 bool SurfaceBlocks::move(std::size_t block, std::span<const ContactField* const> contacts,
-                         const ProfileTable& profile, LiveVertex* out) const noexcept {
+                         const ProfileTable& profile, SurfaceVertex* out) const noexcept {
   bool any_moved = false;
   const std::size_t begin = first(block);
   const std::size_t end = begin + size(block);
@@ -271,10 +271,10 @@ bool SurfaceBlocks::move(std::size_t block, std::span<const ContactField* const>
   return any_moved;
 }
 
-void SurfaceBlocks::rest(std::size_t block, LiveVertex* out) const noexcept {
+void SurfaceBlocks::rest(std::size_t block, SurfaceVertex* out) const noexcept {
   const std::size_t begin = first(block);
   for (std::size_t v = begin; v < begin + size(block); ++v)
-    out[v - begin] = LiveVertex{Vector3f(x_[v], y_[v], z_[v]), Vector3f(nx_[v], ny_[v], nz_[v]), 0.0F};
+    out[v - begin] = SurfaceVertex{Vector3f(x_[v], y_[v], z_[v]), Vector3f(nx_[v], ny_[v], nz_[v]), 0.0F};
 }
 
 }  // namespace palpate::deform

@@ -10,7 +10,7 @@
 namespace palpate::deform {
 
 /// A vertex of the displaced surface, organ frame.
-struct LiveVertex {
+struct SurfaceVertex {
   Eigen::Vector3f position;  // [m]
   Eigen::Vector3f normal;    // unit
   float moved = 0.0F;        // length of the displacement [m]; negative: inwards
@@ -56,9 +56,9 @@ class SurfaceBlocks final {
   /// follow from the displacement's derivative.
   /// @param out one entry per vertex of the block @return whether any vertex moves
   bool move(std::size_t block, std::span<const ContactField* const> contacts, const ProfileTable& profile,
-            LiveVertex* out) const noexcept;
+            SurfaceVertex* out) const noexcept;
   /// [any] Writes the block's vertices at rest.
-  void rest(std::size_t block, LiveVertex* out) const noexcept;
+  void rest(std::size_t block, SurfaceVertex* out) const noexcept;
 
  private:
   struct Sphere {

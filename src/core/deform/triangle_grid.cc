@@ -33,8 +33,8 @@ geometry::Bounds box_of(const geometry::TriangleMesh& mesh, const geometry::Tria
 
 // Distance [m] from a point along a unit direction to a triangle that faces in that direction; infinity when
 // it misses.
-double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
-                       const Vec3& start, const Vec3& direction) {
+double distance_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
+                            const Vec3& start, const Vec3& direction) {
   // Moeller and Trumbore 1997; the determinant is minus `facing`.
   const Vec3& a = mesh.vertices[at(triangle[0])];
   const Vec3 ab = mesh.vertices[at(triangle[1])] - a;
@@ -165,8 +165,8 @@ double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double l
         for (int k = std::max(0, middle[2] - 1); k <= std::min(count_[2] - 1, middle[2] + 1); ++k) {
           const std::size_t cell = place({i, j, k});
           for (std::int32_t n = start_[cell]; n < start_[cell + 1]; ++n)
-            nearest = std::min(nearest,
-                               way_to_far_side(mesh_, mesh_.triangles[at(inside_[at(n)])], start, direction));
+            nearest = std::min(
+                nearest, distance_to_far_side(mesh_, mesh_.triangles[at(inside_[at(n)])], start, direction));
         }
       }
     }

@@ -12,7 +12,7 @@ namespace {
 
 double squares(const validate::Deformation& deformation, const model::ReachParameters& reach, double depth,
                double tip_radius) {
-  const deform::SurfaceProfile profile(reach, depth, tip_radius, tip_radius);
+  const deform::DisplacementProfile profile(reach, depth, tip_radius, tip_radius);
   double sum = 0.0;
   for (std::size_t i = 0; i < deformation.size(); ++i) {
     const double off = profile.at(deformation.distance[i]) - deformation.displacement[i];

@@ -105,11 +105,11 @@ GpuMesh::GpuMesh() {
       ++first;
     }
   };
-  const std::array<Attribute, 3> moving = {{{3, GL_FLOAT, offsetof(deform::LiveVertex, position)},
-                                            {3, GL_FLOAT, offsetof(deform::LiveVertex, normal)},
-                                            {1, GL_FLOAT, offsetof(deform::LiveVertex, moved)}}};
+  const std::array<Attribute, 3> moving = {{{3, GL_FLOAT, offsetof(deform::SurfaceVertex, position)},
+                                            {3, GL_FLOAT, offsetof(deform::SurfaceVertex, normal)},
+                                            {1, GL_FLOAT, offsetof(deform::SurfaceVertex, moved)}}};
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
-  describe(0, moving, sizeof(deform::LiveVertex));
+  describe(0, moving, sizeof(deform::SurfaceVertex));
   const std::array<Attribute, 4> still = {{{3, GL_FLOAT, offsetof(StillVertex, rest)},
                                            {4, GL_UNSIGNED_BYTE, offsetof(StillVertex, colour)},
                                            {3, GL_FLOAT, offsetof(StillVertex, vessel)},
@@ -136,15 +136,15 @@ void GpuMesh::set_still(std::span<const StillVertex> vertices) {
                GL_STATIC_DRAW);
 }
 
-void GpuMesh::set_moving(std::span<const deform::LiveVertex> vertices) {
+void GpuMesh::set_moving(std::span<const deform::SurfaceVertex> vertices) {
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
                GL_DYNAMIC_DRAW);
 }
 
-void GpuMesh::change_moving(std::size_t first, std::span<const deform::LiveVertex> vertices) {
+void GpuMesh::change_moving(std::size_t first, std::span<const deform::SurfaceVertex> vertices) {
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
-  glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(first * sizeof(deform::LiveVertex)),
+  glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(first * sizeof(deform::SurfaceVertex)),
                   static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data());
 }
 

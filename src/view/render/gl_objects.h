@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <epoxy/gl.h>
 
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 
 namespace palpate::render {
 
@@ -51,9 +51,9 @@ class GpuMesh final {
 
   void set_triangles(std::span<const std::uint32_t> corners);
   void set_still(std::span<const StillVertex> vertices);
-  void set_moving(std::span<const deform::LiveVertex> vertices);
+  void set_moving(std::span<const deform::SurfaceVertex> vertices);
   /// Replaces vertices, starting at index `first`.
-  void change_moving(std::size_t first, std::span<const deform::LiveVertex> vertices);
+  void change_moving(std::size_t first, std::span<const deform::SurfaceVertex> vertices);
   void draw() const;
   /// Draws one triangle over the whole target; the vertex shader generates its corners.
   void draw_fullscreen() const;

@@ -61,7 +61,7 @@ struct OffscreenRenderer::Impl {
   void upload_tools() {
     for (const ToolPicture& tool : tools) {
       for (std::size_t part = 0; part < tool.parts(); ++part) {
-        const std::vector<deform::LiveVertex> vertices = tool.corners(part);
+        const std::vector<deform::SurfaceVertex> vertices = tool.corners(part);
         std::vector<StillVertex> still(vertices.size());
         std::vector<std::uint32_t> corners(vertices.size());
         for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -92,7 +92,7 @@ struct OffscreenRenderer::Impl {
       upload_organ_at_rest();
       return;
     }
-    for (const deform::LiveSurface::Range& range : organ.take_changes())
+    for (const deform::DeformedSurface::Range& range : organ.take_changes())
       painter.organ().mesh.change_moving(range.first, organ.vertices().subspan(range.first, range.count));
   }
 

@@ -96,7 +96,7 @@ OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::Reac
 
 void OrganPicture::take_surface(geometry::TriangleMesh rest) {
   order_by_place(rest);
-  surface_ = std::make_unique<deform::LiveSurface>(std::move(rest), reach_, kRounding);
+  surface_ = std::make_unique<deform::DeformedSurface>(std::move(rest), reach_, kRounding);
 }
 
 bool OrganPicture::divide_around(std::span<const deform::Indentation> indentations) {
@@ -126,14 +126,14 @@ void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform
       own = i;
   const Eigen::Vector3f direction = imprint.direction().cast<float>();
   Eigen::Vector3f q;  // gradient of the lowering
-  for (const deform::LiveSurface::Range& run : surface_->near(own, kLoweredWithin)) {
+  for (const deform::DeformedSurface::Range& run : surface_->near(own, kLoweredWithin)) {
     for (std::size_t i = run.first; i < run.first + run.count; ++i) {
       const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
       const Eigen::Vector3f& at_rest = surface_->rest_vertices()[i];
       const float lowering = imprint.lowering(surface_->vertices()[i].position, at_rest, rest_normal, &q);
       const auto v = static_cast<std::int32_t>(i);
       if (!(lowering > 0.0F) || !surface_->is_near(own, v, kLoweredWithin)) continue;
-      deform::LiveVertex& vertex = surface_->move(v);
+      deform::SurfaceVertex& vertex = surface_->move(v);
       vertex.position += lowering * direction;
       // Transposed adjugate of I + direction q^T.
       const Eigen::Vector3f normal =
@@ -148,7 +148,7 @@ void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform
 bool OrganPicture::update(std::span<const deform::Indentation> indentations,
                           std::span<const ToolImprint> imprints) {
   const bool changed = divide_around(indentations);
-  surface_->update(indentations, detail_ == Detail::kStill ? deform::LiveSurface::kSettle : kLiveSteps);
+  surface_->update(indentations, detail_ == Detail::kStill ? deform::DeformedSurface::kSettle : kLiveSteps);
   for (const ToolImprint& imprint : imprints) lower_onto(imprint, indentations);
   return changed;
 }

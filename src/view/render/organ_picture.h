@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 #include "view/render/tool_imprint.h"
 
 namespace palpate::render {
@@ -22,7 +22,7 @@ class OrganPicture final {
                Detail detail = Detail::kStill);
 
   /// [setup] Updates the deformation for the current contacts. With Detail::kStill the result depends on this
-  /// call only; with kLive the surface catches up within some pictures (LiveSurface).
+  /// call only; with kLive the surface catches up within some pictures (DeformedSurface).
   /// @param imprints of the tools: the surface is lowered onto them @return whether rest() and its triangles
   /// changed
   bool update(std::span<const deform::Indentation> indentations, std::span<const ToolImprint> imprints = {});
@@ -31,9 +31,11 @@ class OrganPicture final {
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return surface_->rest(); }
   /// [any] Current vertex positions and unit normals, organ frame. `moved` is negative where the surface is
   /// pressed inwards.
-  [[nodiscard]] std::span<const deform::LiveVertex> vertices() const noexcept { return surface_->vertices(); }
+  [[nodiscard]] std::span<const deform::SurfaceVertex> vertices() const noexcept {
+    return surface_->vertices();
+  }
   /// [setup] Ranges of vertices that contain all changes since the last call.
-  [[nodiscard]] const std::vector<deform::LiveSurface::Range>& take_changes() {
+  [[nodiscard]] const std::vector<deform::DeformedSurface::Range>& take_changes() {
     return surface_->take_changes();
   }
 
@@ -46,7 +48,7 @@ class OrganPicture final {
   Detail detail_;
   geometry::TriangleMesh base_;
   std::vector<Vec3> centres_;  // where the surface is refined
-  std::unique_ptr<deform::LiveSurface> surface_;
+  std::unique_ptr<deform::DeformedSurface> surface_;
 };
 
 }  // namespace palpate::render

@@ -26,14 +26,14 @@ ToolPicture::ToolPicture(const geometry::Tool& tool) {
   }
 }
 
-std::vector<deform::LiveVertex> ToolPicture::corners(std::size_t part) const {
+std::vector<deform::SurfaceVertex> ToolPicture::corners(std::size_t part) const {
   const Part& drawn = parts_.at(part);
-  std::vector<deform::LiveVertex> corners;
+  std::vector<deform::SurfaceVertex> corners;
   for (const geometry::Triangle& t : drawn.part.mesh.triangles) {
     for (const std::int32_t v : t) {
       const Vec3& p = drawn.part.mesh.vertices[static_cast<std::size_t>(v)];
       corners.push_back(
-          deform::LiveVertex{p.cast<float>(), drawn.normals[corners.size()].cast<float>(), 0.0F});
+          deform::SurfaceVertex{p.cast<float>(), drawn.normals[corners.size()].cast<float>(), 0.0F});
     }
   }
   return corners;

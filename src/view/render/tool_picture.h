@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 #include "palpate/tool.h"
 #include "view/render/gl_objects.h"
 
@@ -15,7 +15,7 @@ class ToolPicture final {
 
   [[nodiscard]] std::size_t parts() const noexcept { return parts_.size(); }
   /// [setup] Corners of a part's triangles (three per triangle), in the part's frame.
-  [[nodiscard]] std::vector<deform::LiveVertex> corners(std::size_t part) const;
+  [[nodiscard]] std::vector<deform::SurfaceVertex> corners(std::size_t part) const;
   /// [any] World pose of a part.
   [[nodiscard]] Pose place(std::size_t part, const Pose& handle_W, double gripper) const;
 

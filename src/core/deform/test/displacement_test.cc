@@ -30,14 +30,14 @@ double by_formula(const model::ReachParameters& p, double depth, double first, d
 
 TEST(Profile, AtTheContactIsTheDepthExactly) {
   for (const double depth : {1e-4, 0.003, 0.0123, 0.015})
-    EXPECT_EQ(SurfaceProfile(kReach, depth, 0.003).at(0.0), depth);
+    EXPECT_EQ(DisplacementProfile(kReach, depth, 0.003).at(0.0), depth);
 }
 
 TEST(Profile, FollowsHandComputedValues) {
   // R = 4 mm, D = 9 mm: sqrt(R D) = 6 mm, R_1 = 6.6 mm; R_2 = 1.43 R_1 = 9.438 mm; R_3 = 6.6 (1 + 0.43 x 2.8)
   // = 14.5464 mm; (s^3 - 1)/(s - 1) = 6.04: R_4 = 23.74152; 11.872: R_5 = 40.292736; 22.3696: R_6
   // = 70.0849248. Weights 1, 0.58, 0.3364, 0.195112, 0.11316496, 0.0656356768: sum 2.2903126368.
-  const SurfaceProfile profile(kReach, 0.009, 0.004);
+  const DisplacementProfile profile(kReach, 0.009, 0.004);
   EXPECT_NEAR(profile.reach(), 0.0700849248, 1e-12);
   // r = 20 mm: terms 4, 5, 6 remain: 0.195112 x 0.2903521 + 0.11316496 x 0.7536194 + 0.0656356768 x 0.9185650
   // = 0.0566512 + 0.0852833 + 0.0602906 = 0.2022251; x 9 mm / 2.2903126 = 0.7946627 mm.
@@ -51,7 +51,7 @@ TEST(Profile, EqualsTheFormulaForManyParameters) {
     for (const double s : {1.2, 1.8, 3.0}) {
       for (const double g : {0.2, 0.58, 0.9}) {
         const model::ReachParameters reach{c, 0.5, s, g};
-        const SurfaceProfile profile(reach, 0.01, 0.003);
+        const DisplacementProfile profile(reach, 0.01, 0.003);
         for (int i = 0; i < 59; ++i) {
           const double r = 0.0017 * i;
           EXPECT_NEAR(profile.at(r), by_formula(reach, 0.01, c * std::sqrt(0.003 * 0.01), r), 1e-15);
@@ -73,7 +73,7 @@ TEST(Profile, AnExponentOfOneHalfIsTheSquareRootToTheBit) {
   for (int i = 1; i < 1000; ++i) {
     const double depth = 1.37e-5 * i;
     const double radius = 2.9e-6 * (1000 - i);
-    EXPECT_EQ(SurfaceProfile(kReach, depth, radius).reach(),
+    EXPECT_EQ(DisplacementProfile(kReach, depth, radius).reach(),
               1.1 * std::sqrt(radius * depth) * (1.0 + 0.43 * bars));
   }
 }
@@ -81,16 +81,17 @@ TEST(Profile, AnExponentOfOneHalfIsTheSquareRootToTheBit) {
 TEST(Profile, FollowsHandComputedValuesAtOtherExponents) {
   // R = 4 mm, D = 0.5 mm, p = 1/3: (1/8)^(1/3) = 1/2, R_1 = 1.1 x 4 mm / 2 = 2.2 mm; R_6 = 10.618928 R_1.
   const model::ReachParameters third{1.1, 0.43, 1.8, 0.58, 1.0 / 3.0};
-  const SurfaceProfile shallow(third, 0.5e-3, 4e-3);
+  const DisplacementProfile shallow(third, 0.5e-3, 4e-3);
   EXPECT_NEAR(shallow.reach(), 23.3616416e-3, 1e-12);
   for (const double r : {0.5e-3, 2e-3, 5e-3, 20e-3})
     EXPECT_NEAR(shallow.at(r), by_formula(third, 0.5e-3, 2.2e-3, r), 1e-15);
   // p = 1: R_1 = c D for any tool: 1.1 x 9 mm.
   const model::ReachParameters one{1.1, 0.43, 1.8, 0.58, 1.0};
-  EXPECT_NEAR(SurfaceProfile(one, 9e-3, 4e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
-  EXPECT_NEAR(SurfaceProfile(one, 9e-3, 1e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
+  EXPECT_NEAR(DisplacementProfile(one, 9e-3, 4e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
+  EXPECT_NEAR(DisplacementProfile(one, 9e-3, 1e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
   // At D = R all exponents agree.
-  EXPECT_NEAR(SurfaceProfile(third, 3e-3, 3e-3).reach(), SurfaceProfile(kReach, 3e-3, 3e-3).reach(), 1e-15);
+  EXPECT_NEAR(DisplacementProfile(third, 3e-3, 3e-3).reach(), DisplacementProfile(kReach, 3e-3, 3e-3).reach(),
+              1e-15);
 }
 
 TEST(Profile, GoesContinuouslyThroughTheExponentOfOneHalf) {
@@ -98,7 +99,7 @@ TEST(Profile, GoesContinuouslyThroughTheExponentOfOneHalf) {
   for (const double off : {-1e-9, 1e-9}) {
     near.depth_exponent = 0.5 + off;
     const double ratio =
-        SurfaceProfile(near, 1e-3, 5e-3).reach() / SurfaceProfile(kReach, 1e-3, 5e-3).reach();
+        DisplacementProfile(near, 1e-3, 5e-3).reach() / DisplacementProfile(kReach, 1e-3, 5e-3).reach();
     EXPECT_NEAR(ratio, 1.0 + off * std::log(0.2), 1e-14);
   }
 }
@@ -108,8 +109,8 @@ TEST(Profile, GrowsWithTheDepthAtEveryDistanceWhateverTheExponent) {
     const model::ReachParameters reach{1.1, 0.43, 1.8, 0.58, exponent};
     for (const double half_width : {0.0, 3e-3}) {
       for (int i = 1; i < 150; ++i) {
-        const SurfaceProfile shallow(reach, 1e-4 * i, 5e-3, half_width);
-        const SurfaceProfile deep(reach, 1e-4 * (i + 1), 5e-3, half_width);
+        const DisplacementProfile shallow(reach, 1e-4 * i, 5e-3, half_width);
+        const DisplacementProfile deep(reach, 1e-4 * (i + 1), 5e-3, half_width);
         EXPECT_GE(deep.reach(), shallow.reach());
         for (int k = 0; 0.9e-3 * k < shallow.reach(); ++k)
           EXPECT_GT(deep.at(0.9e-3 * k), shallow.at(0.9e-3 * k));
@@ -119,7 +120,7 @@ TEST(Profile, GrowsWithTheDepthAtEveryDistanceWhateverTheExponent) {
 }
 
 TEST(Profile, FallsAllTheWayAndIsZeroFromTheReachOn) {
-  const SurfaceProfile profile(kReach, 0.012, 0.003);
+  const DisplacementProfile profile(kReach, 0.012, 0.003);
   double last = profile.at(0.0);
   for (int i = 1; 1e-4 * i < profile.reach(); ++i) {
     const double r = 1e-4 * i;
@@ -131,19 +132,19 @@ TEST(Profile, FallsAllTheWayAndIsZeroFromTheReachOn) {
 }
 
 TEST(Profile, FirstRadiusIsNeverMoreThanTheToolsHalfWidth) {
-  const SurfaceProfile narrow(kReach, 0.01, 0.05, 0.002);
+  const DisplacementProfile narrow(kReach, 0.01, 0.05, 0.002);
   for (const double r : {0.0005, 0.0015, 0.003, 0.01})
     EXPECT_NEAR(narrow.at(r), by_formula(kReach, 0.01, 0.002, r), 1e-15);
-  const SurfaceProfile wide(kReach, 0.01, 0.003, 0.05);
-  EXPECT_EQ(wide.reach(), SurfaceProfile(kReach, 0.01, 0.003).reach());
+  const DisplacementProfile wide(kReach, 0.01, 0.003, 0.05);
+  EXPECT_EQ(wide.reach(), DisplacementProfile(kReach, 0.01, 0.003).reach());
   const model::ReachParameters steep{1.1, 0.43, 1.8, 0.58, 0.9};
-  EXPECT_EQ(SurfaceProfile(steep, 0.01, 0.005, 0.002).reach(),
-            SurfaceProfile(kReach, 0.01, 0.005, 0.002).reach());
+  EXPECT_EQ(DisplacementProfile(steep, 0.01, 0.005, 0.002).reach(),
+            DisplacementProfile(kReach, 0.01, 0.005, 0.002).reach());
 }
 
 TEST(Profile, WithoutDepthNothingMoves) {
   for (const double depth : {0.0, -0.001, std::nan("")}) {
-    const SurfaceProfile profile(kReach, depth, 0.003);
+    const DisplacementProfile profile(kReach, depth, 0.003);
     EXPECT_EQ(profile.at(0.0), 0.0);
     EXPECT_EQ(profile.at(0.001), 0.0);
     EXPECT_EQ(profile.reach(), 0.0);
@@ -153,7 +154,7 @@ TEST(Profile, WithoutDepthNothingMoves) {
 
 TEST(Profile, AnIdealPointStillMovesByTheDepth) {
   for (const double exponent : {0.3, 0.5, 1.0}) {
-    const SurfaceProfile point({1.1, 0.43, 1.8, 0.58, exponent}, 0.01, 0.0);
+    const DisplacementProfile point({1.1, 0.43, 1.8, 0.58, exponent}, 0.01, 0.0);
     EXPECT_EQ(point.at(0.0), 0.01);
     EXPECT_TRUE(std::isfinite(point.at(1e-7)));
     EXPECT_TRUE(std::isfinite(point.steepest()));
@@ -161,7 +162,7 @@ TEST(Profile, AnIdealPointStillMovesByTheDepth) {
 }
 
 TEST(Profile, SteepestIsTheLargestSlope) {
-  const SurfaceProfile profile(kReach, 0.012, 0.003);
+  const DisplacementProfile profile(kReach, 0.012, 0.003);
   double largest = 0.0;
   const double h = 1e-6;
   for (int i = 0; h * i < profile.reach(); ++i) {
@@ -172,7 +173,7 @@ TEST(Profile, SteepestIsTheLargestSlope) {
 }
 
 TEST(Profile, RoundedIsTheMeanOverItsShareOfTheDistance) {
-  const SurfaceProfile profile(kReach, 0.012, 0.003);
+  const DisplacementProfile profile(kReach, 0.012, 0.003);
   for (const double r : {0.0004, 0.0066, 0.012, 0.03, 0.058, 0.065}) {
     double mean = 0.0;
     const int n = 20000;
@@ -227,7 +228,7 @@ TEST(Deformer, TheContactPointMovesByTheDepth) {
 TEST(Deformer, LeavesAllBeyondTheReachBitForBit) {
   const geometry::TriangleMesh box = geometry::make_box(Vec3(0.1, 0.1, 0.04), 0.003);
   const Dent dent = dented(box, {{Vec3(0, 0, 0.02), -Vec3::UnitZ(), 0.002, 0.001}});
-  const double reach = SurfaceProfile(kReach, 0.002, 0.001).reach();
+  const double reach = DisplacementProfile(kReach, 0.002, 0.001).reach();
   std::size_t still = 0;
   for (std::size_t v = 0; v < box.vertices.size(); ++v) {
     if ((box.vertices[v] - Vec3(0, 0, 0.02)).norm() < reach) continue;
@@ -304,7 +305,7 @@ TEST(Deformer, MovesAsThePlainRulesSayToATwoHundredthOfTheDepth) {
 
 // Unit normal of the indented sphere of radius R at polar angle a, in the (sine, cosine) axes of its
 // meridian: the curve is (R sin a, R cos a - u(R a)).
-Vec3 analytic_normal(double radius, const SurfaceProfile& profile, const Vec3& p) {
+Vec3 analytic_normal(double radius, const DisplacementProfile& profile, const Vec3& p) {
   const double angle = std::acos(p.normalized().z());
   const double h = 1e-7;
   const double slope = (profile.at(radius * angle + h) - profile.at(radius * angle)) / h;
@@ -324,7 +325,7 @@ TEST(Deformer, NoTriangleTurnsAwayFromTheSmoothDent) {
                         Case{0.055, 81920, 0.015}}) {
     const geometry::TriangleMesh ball = geometry::make_ball(c.radius, c.triangles);
     const Dent dent = dented(ball, {{Vec3(0, 0, c.radius), -Vec3::UnitZ(), c.depth, 0.003}});
-    const SurfaceProfile profile(kReach, c.depth, 0.003);
+    const DisplacementProfile profile(kReach, c.depth, 0.003);
     const geometry::TriangleMesh moved{dent.moved, ball.triangles};
     for (const geometry::Triangle& t : ball.triangles) {
       Vec3 middle = Vec3::Zero();
@@ -391,7 +392,7 @@ TEST(SharesOfRoom, TwoPressesFromOppositeSidesShareWhatLiesBetweenThem) {
   // / (5 + 2).
   const std::vector<Indentation> both = {{Vec3(0, 0, 0.010), -Vec3::UnitZ(), 0.006, 0.003, 0.0},
                                          {Vec3::Zero(), Vec3::UnitZ(), 0.006, 0.003, 0.0}};
-  for (const double share : shares_of_room(both)) EXPECT_NEAR(share, (7.0 + 10.0 / 7.0) / 12.0, 1e-12);
+  for (const double share : opposition_factors(both)) EXPECT_NEAR(share, (7.0 + 10.0 / 7.0) / 12.0, 1e-12);
 }
 
 TEST(SharesOfRoom, IsWholeWherePressesAreShallowOrGoTheSameWayOrPart) {
@@ -401,8 +402,8 @@ TEST(SharesOfRoom, IsWholeWherePressesAreShallowOrGoTheSameWayOrPart) {
   const Indentation away{Vec3::Zero(), -Vec3::UnitZ(), 0.012, 0.003, 0.0};
   const Indentation apart{Vec3(0, 0, 0.020), Vec3::UnitZ(), 0.020, 0.003, 0.0};
   for (const Indentation& other : {shallow, beside, away, apart})
-    EXPECT_EQ(shares_of_room(std::vector{down, other}), (std::vector{1.0, 1.0}));
-  EXPECT_TRUE(shares_of_room({}).empty());
+    EXPECT_EQ(opposition_factors(std::vector{down, other}), (std::vector{1.0, 1.0}));
+  EXPECT_TRUE(opposition_factors({}).empty());
 }
 
 TEST(MeanDirection, IsMadeAUnitVectorUnlessDirectionsOppose) {

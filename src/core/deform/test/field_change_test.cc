@@ -40,7 +40,7 @@ ContactField field(const Vector3f& direction, float depth, float tip_radius, flo
   f.normal_part = depth * direction.z() * Vector3f::UnitZ();
   f.side_part = depth * direction - f.normal_part;
   f.reach = static_cast<float>(
-      SurfaceProfile({}, static_cast<double>(depth), static_cast<double>(tip_radius)).reach());
+      DisplacementProfile({}, static_cast<double>(depth), static_cast<double>(tip_radius)).reach());
   f.side_reach = spread * f.reach;
   f.lowered = f.lowered_side = kShare;
   f.limit = table().where(kShare) * f.side_reach;
@@ -54,14 +54,14 @@ class Vertices {
     for (Vector3f& v : vertices_) v = random.between(from, 3.0F * from + 0.01F) * random.direction();
     normals_.fill(Vector3f::UnitZ());
   }
-  std::vector<LiveVertex> under(std::vector<ContactField> contacts) const {
+  std::vector<SurfaceVertex> under(std::vector<ContactField> contacts) const {
     const std::array<float, SurfaceBlocks::kBlock> excess{};
     std::vector<const ContactField*> all;
     for (ContactField& contact : contacts) {
       contact.excess = excess;
       all.push_back(&contact);
     }
-    std::vector<LiveVertex> out(vertices_.size());
+    std::vector<SurfaceVertex> out(vertices_.size());
     const SurfaceBlocks blocks(vertices_, normals_);
     blocks.rest(0, out.data());
     blocks.move(0, all, table(), out.data());
@@ -73,7 +73,7 @@ class Vertices {
   std::array<Vector3f, SurfaceBlocks::kBlock> normals_;
 };
 
-float largest_way(const std::vector<LiveVertex>& a, const std::vector<LiveVertex>& b) {
+float largest_way(const std::vector<SurfaceVertex>& a, const std::vector<SurfaceVertex>& b) {
   float largest = 0.0F;
   for (std::size_t v = 0; v < a.size(); ++v)
     largest = std::max(largest, (a[v].position - b[v].position).norm());
@@ -102,10 +102,10 @@ struct Scene {
     std::vector<FieldChange> changes(before.size());
     std::vector<NearChange> near;
     for (std::size_t i = 0; i < before.size(); ++i) {
-      changes[i].take(&before[i], &now[i], 0.0F, table());
+      changes[i].set(&before[i], &now[i], 0.0F, table());
       if (distance < changes[i].limit()) near.push_back({&changes[i], distance});
     }
-    return most_moved(near);
+    return max_motion(near);
   }
 };
 
@@ -149,9 +149,9 @@ TEST(FieldChange, BoundsWhatAContactThatComesOrGoesMoves) {
     const Vertices vertices(random, from);
     const float way = largest_way(vertices.under({pressed}), vertices.under({}));
     FieldChange change;
-    change.take(nullptr, &pressed, 0.0F, table());
+    change.set(nullptr, &pressed, 0.0F, table());
     EXPECT_GE(change.at(from).way, way) << from;
-    change.take(&pressed, nullptr, 0.0F, table());
+    change.set(&pressed, nullptr, 0.0F, table());
     EXPECT_GE(change.at(from).way, way) << from;
   }
 }
@@ -160,7 +160,7 @@ TEST(FieldChange, CountsByHowMuchDistancesChangeByThemselves) {
   const ContactField pressed = field(-Vector3f::UnitZ(), 0.008F, 0.003F, 1.0F);
   FieldChange change;
   const float drift = 0.0005F;
-  change.take(&pressed, &pressed, drift, table());
+  change.set(&pressed, &pressed, drift, table());
   EXPECT_FALSE(change.is_still());
   for (float r = 0.002F; r < 0.03F; r += 0.0007F) {
     const float u = table().at(r / pressed.reach).u;
@@ -172,18 +172,18 @@ TEST(FieldChange, CountsByHowMuchDistancesChangeByThemselves) {
 TEST(FieldChange, OfAContactThatStaysAsItIsIsNothing) {
   const ContactField pressed = field(-Vector3f::UnitZ(), 0.008F, 0.003F, 1.0F);
   FieldChange change;
-  change.take(&pressed, &pressed, 0.0F, table());
+  change.set(&pressed, &pressed, 0.0F, table());
   EXPECT_TRUE(change.is_still());
   EXPECT_EQ(change.at(0.0F).way, 0.0F);
-  EXPECT_EQ(most_moved(std::vector<NearChange>{{&change, 0.0F}, {&change, 0.0F}}), 0.0F);
-  EXPECT_EQ(most_moved({}), 0.0F);
+  EXPECT_EQ(max_motion(std::vector<NearChange>{{&change, 0.0F}, {&change, 0.0F}}), 0.0F);
+  EXPECT_EQ(max_motion({}), 0.0F);
 }
 
 TEST(FieldChange, IsNothingBeyondItsLimit) {
   const ContactField shallow = field(-Vector3f::UnitZ(), 0.004F, 0.003F, 1.0F);
   const ContactField deep = field(-Vector3f::UnitZ(), 0.008F, 0.003F, 1.0F);
   FieldChange change;
-  change.take(&shallow, &deep, 0.0F, table());
+  change.set(&shallow, &deep, 0.0F, table());
   EXPECT_EQ(change.limit(), deep.limit);
   EXPECT_GT(change.at(0.98F * deep.limit).way, 0.0F);
   EXPECT_EQ(change.at(deep.limit).way, 0.0F);

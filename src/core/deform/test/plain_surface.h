@@ -1,6 +1,6 @@
 #pragma once
-// A plain reference implementation of the displaced surface, for tests of SurfaceDeformer, LiveSurface and
-// GeodesicFront.
+// A plain reference implementation of the displaced surface, for tests of SurfaceDeformer, DeformedSurface
+// and GeodesicFront.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -79,7 +79,7 @@ inline std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // Length of the straight path to c across edge ab, from the distances of a and b; infinity when the straight
 // line misses the edge.
-inline double way_across(const Vec3& a, const Vec3& b, const Vec3& c, double distance_a, double distance_b) {
+inline double path_across(const Vec3& a, const Vec3& b, const Vec3& c, double distance_a, double distance_b) {
   const Vec3 edge = b - a;
   const double length = edge.norm();
   if (!(length > 0.0)) return kInfinity;
@@ -160,8 +160,8 @@ inline void PlainGeodesic::relax(std::int32_t from, std::int32_t known, std::int
   const Vec3& c = mesh_.vertices[index(to)];
   double distance = distance_[index(from)] + (c - a).norm();
   if (distance_[index(known)] < kInfinity) {
-    distance = std::min(distance, way_across(a, mesh_.vertices[index(known)], c, distance_[index(from)],
-                                             distance_[index(known)]));
+    distance = std::min(distance, path_across(a, mesh_.vertices[index(known)], c, distance_[index(from)],
+                                              distance_[index(known)]));
   }
   offer(to, distance);
 }
@@ -206,14 +206,14 @@ class PlainDeformer final {
                                            std::span<const Indentation> indentations, double rounding = 0.0) {
     std::vector<Vec3> vertices = geodesic_.mesh().vertices;
     sums_.assign(vertices.size(), {});
-    const std::vector<double> shares = shares_of_room(indentations);
+    const std::vector<double> shares = opposition_factors(indentations);
     for (std::size_t i = 0; i < indentations.size(); ++i) {
       Indentation indentation = indentations[i];
       indentation.depth *= shares[i];
       if (indentation.depth > 0.0) add(reach, indentation, rounding);
     }
     for (std::size_t v = 0; v < vertices.size(); ++v) {
-      const Sums& sums = sums_[v];
+      const BlendSums& sums = sums_[v];
       if (sums.weight == 0.0) continue;
       const Vec3 direction = sums.directions / sums.squares;
       vertices[v] += sums.length / sums.weight * mean_direction_gain(direction.squaredNorm()) * direction;
@@ -223,7 +223,7 @@ class PlainDeformer final {
 
  private:
   // Sums over the contacts that move a vertex.
-  struct Sums {
+  struct BlendSums {
     double weight = 0.0;             // sum of u^8
     double length = 0.0;             // sum of u^9
     double squares = 0.0;            // sum of u^2
@@ -251,12 +251,13 @@ class PlainDeformer final {
     const PlainPoint contact = geodesic_.nearest(indentation.point);
     const double along_normal = indentation.direction.dot(contact.normal);
     double depth = indentation.depth;
-    if (along_normal < 0.0) depth = held_back(depth, thickness_behind(contact.point, indentation.direction));
-    const SurfaceProfile profile(reach, depth, indentation.tip_radius, indentation.half_width);
+    if (along_normal < 0.0)
+      depth = limited_depth(depth, thickness_behind(contact.point, indentation.direction));
+    const DisplacementProfile profile(reach, depth, indentation.tip_radius, indentation.half_width);
     const Vec3 normal_part = along_normal * contact.normal;
     const Vec3 side_part = indentation.direction - normal_part;
-    const double fold = side_part.norm() * profile.steepest() / kSteepestSideways;
-    const SurfaceProfile side_profile = profile.widened(std::max(1.0, fold));
+    const double fold = side_part.norm() * profile.steepest() / kMaxTangentialSlope;
+    const DisplacementProfile side_profile = profile.widened(std::max(1.0, fold));
 
     // The profile ends at its reach, the rounded one at reach / (1 - rounding).
     const double limit = side_profile.reach() / (1.0 - rounding);
@@ -269,7 +270,7 @@ class PlainDeformer final {
       if (!(length > 0.0)) continue;
       const double squared = length * length;
       const double weight = std::max(squared * squared * squared * squared, kLeastWeight);
-      Sums& sums = sums_[static_cast<std::size_t>(v)];
+      BlendSums& sums = sums_[static_cast<std::size_t>(v)];
       sums.weight += weight;
       sums.length += weight * length;
       sums.squares += squared;
@@ -278,7 +279,7 @@ class PlainDeformer final {
   }
 
   PlainGeodesic geodesic_;
-  std::vector<Sums> sums_;  // per vertex
+  std::vector<BlendSums> sums_;  // per vertex
 };
 
 }  // namespace palpate::deform::test

@@ -12,7 +12,7 @@ constexpr model::ReachParameters kReach{1.1, 0.43, 1.8, 0.58};
 
 TEST(BallSurface, IsTheModelsProfileWithItsBound) {
   const BallSurface surface(kReach, 8e-3, 5e-3, {});
-  const deform::SurfaceProfile profile(kReach, 8e-3, 5e-3, 5e-3);
+  const deform::DisplacementProfile profile(kReach, 8e-3, 5e-3, 5e-3);
   for (int i = 0; i < 60; ++i) EXPECT_EQ(surface.at(i * 0.5e-3), profile.at(i * 0.5e-3));
 }
 
@@ -36,7 +36,7 @@ TEST(BallSurface, AsDrawnKnowsHowASurfaceBulges) {
 TEST(BallSurface, AsDrawnOnASurfaceThatBulgesMoreThanTheBallEndsWhereThatFacesAway) {
   const model::ReachParameters reach{0.2, 0.43, 1.8, 0.58};
   const BallSurface surface(reach, 10e-3, 5e-3, {true, 3e-3});
-  const deform::SurfaceProfile profile(reach, 10e-3, 5e-3);
+  const deform::DisplacementProfile profile(reach, 10e-3, 5e-3);
   const double behind = 5.0 - std::sqrt(22.75) + 3.0 - std::sqrt(6.75);
   EXPECT_NEAR(surface.at(3e-3 * std::numbers::pi / 6.0), (10.0 - behind) * 1e-3, 1e-12);
   for (int i = 48; i < 600; ++i) EXPECT_EQ(surface.at(i * 0.1e-3), profile.at(i * 0.1e-3)) << i;
@@ -46,7 +46,7 @@ TEST(BallSurface, AsDrawnOnASurfaceThatBulgesMoreThanTheBallEndsWhereThatFacesAw
 TEST(BallSurface, AsDrawnBeyondTheBallsEdgeIsTheProfile) {
   const model::ReachParameters reach{0.2, 0.43, 1.8, 0.58};
   const BallSurface surface(reach, 8e-3, 5e-3, {true, 10e-3});
-  const deform::SurfaceProfile profile(reach, 8e-3, 5e-3);
+  const deform::DisplacementProfile profile(reach, 8e-3, 5e-3);
   // The ball's edge, 5 mm from the axis, is 10 asin(0.5) = 5.24 mm along the surface.
   EXPECT_GT(surface.at(5.2e-3), profile.at(5.2e-3));
   for (int i = 53; i < 300; ++i) EXPECT_EQ(surface.at(i * 0.1e-3), profile.at(i * 0.1e-3)) << i;
@@ -54,7 +54,7 @@ TEST(BallSurface, AsDrawnBeyondTheBallsEdgeIsTheProfile) {
 
 TEST(BallSurface, AsDrawnIsTheUnboundedProfileBesideTheBall) {
   const BallSurface surface(kReach, 8e-3, 5e-3, {true, 0.0});
-  const deform::SurfaceProfile profile(kReach, 8e-3, 5e-3);
+  const deform::DisplacementProfile profile(kReach, 8e-3, 5e-3);
   for (int i = 10; i < 60; ++i) EXPECT_EQ(surface.at(i * 0.5e-3), profile.at(i * 0.5e-3));
 }
 

@@ -14,7 +14,7 @@ Deformation profile_of(const model::ReachParameters& reach, double depth) {
   Deformation made;
   made.name = "side";
   made.depth = depth;
-  const deform::SurfaceProfile profile(reach, depth, 5e-3, 5e-3);
+  const deform::DisplacementProfile profile(reach, depth, 5e-3, 5e-3);
   for (int i = 0; i <= 60; ++i) {
     made.distance.push_back(i * 0.5e-3);
     made.displacement.push_back(profile.at(made.distance.back()));

@@ -96,7 +96,7 @@ TEST(LawOfValidation, GivesTheDepthUnderAForceAndRefusesWhatItCannotTake) {
 TEST(CompareDeformation, LeavesNothingOfTheModelsOwnProfile) {
   const model::ReachParameters reach;
   Deformation own = places(4e-3);
-  const deform::SurfaceProfile profile(reach, 4e-3, 5e-3, 5e-3);
+  const deform::DisplacementProfile profile(reach, 4e-3, 5e-3, 5e-3);
   for (const double r : own.distance) own.displacement.push_back(profile.at(r));
   const auto made = compare_deformation(own, reach, 0.0, 5e-3);
   EXPECT_EQ(made.errors.max, 0.0);
@@ -126,7 +126,7 @@ TEST(FitReach, FindsTheReachThatMadeTheProfiles) {
   std::vector<ReachSample> samples;
   for (const double depth : {1e-3, 3e-3}) {
     Deformation made = places(depth);
-    const deform::SurfaceProfile profile(truth, depth, 5e-3, 5e-3);
+    const deform::DisplacementProfile profile(truth, depth, 5e-3, 5e-3);
     for (const double r : made.distance) made.displacement.push_back(profile.at(r));
     samples.push_back({made, depth, 5e-3});
   }

@@ -114,7 +114,7 @@ TEST(OrganPicture, MovesTheSurfaceUnderTheContactByTheDepth) {
   OrganPicture organ(geometry::make_ball(0.03, 1280), {});
   organ.update(deform::indentations_of(with_view(0.010).hand_results()));
   double lowest = 1.0;
-  for (const deform::LiveVertex& vertex : organ.vertices()) {
+  for (const deform::SurfaceVertex& vertex : organ.vertices()) {
     const Vec3 v = vertex.position.cast<double>();
     if (std::hypot(v.x(), v.y()) < 0.0007 && v.z() > 0.0) lowest = std::min(lowest, v.z());
   }

@@ -1,4 +1,4 @@
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -19,12 +19,12 @@ constexpr float kSameContact = 8e-3F;
 // m; a new front starts when the contact is farther than this from its front's source
 constexpr float kNewFront = 1.5e-3F;
 // m; largest error of a vertex that is not computed again, with a margin for rounding to the stated 0.05 mm
-constexpr float kMostOff = 0.045e-3F;
+constexpr float kMaxError = 0.045e-3F;
 constexpr float kAlwaysWithin = 8e-3F;         // m from a contact; nearer vertices are always computed again
 constexpr float kEarliestEnd = 0.9F;           // u/D; the profile is cut off at most at this value
 constexpr double kImprintReach = 20e-3;        // m; fronts under a press go at least this far, for is_near()
 constexpr std::size_t kMostContacts = 24;      // kept with their fronts
-constexpr double kFreeShareOfThickness = 0.7;  // as in held_back()
+constexpr double kFreeShareOfThickness = 0.7;  // as in limited_depth()
 
 std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
@@ -45,7 +45,7 @@ std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh)
 }
 
 // Appends a range; merges it with the last one if they touch.
-void append(std::vector<LiveSurface::Range>& ranges, LiveSurface::Range range) {
+void append(std::vector<DeformedSurface::Range>& ranges, DeformedSurface::Range range) {
   if (!ranges.empty() && ranges.back().first + ranges.back().count == range.first) {
     ranges.back().count += range.count;
   } else {
@@ -56,8 +56,8 @@ void append(std::vector<LiveSurface::Range>& ranges, LiveSurface::Range range) {
 }  // namespace
 
 // One contact with its geodesic front. It is kept while the contact stays near.
-struct LiveSurface::Contact {
-  explicit Contact(const FrontSurface& surface) : front(surface), next(surface) {}
+struct DeformedSurface::TrackedContact {
+  explicit TrackedContact(const FrontSurface& surface) : front(surface), next(surface) {}
 
   GeodesicFront front;
   GeodesicFront next;
@@ -86,8 +86,8 @@ struct LiveSurface::Contact {
   [[nodiscard]] float nearer() const { return way() + std::max(0.0F, field.own_excess); }
 };
 
-LiveSurface::LiveSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding,
-                         float least_share)
+DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach,
+                                 double rounding, float least_share)
     : rest_(std::move(rest)),
       grid_(rest_),
       surface_(rest_),
@@ -103,21 +103,21 @@ LiveSurface::LiveSurface(geometry::TriangleMesh rest, const model::ReachParamete
     blocks_.rest(block, &vertices_[blocks_.first(block)]);
 }
 
-LiveSurface::~LiveSurface() = default;
+DeformedSurface::~DeformedSurface() = default;
 
-std::vector<std::int32_t> LiveSurface::moved() const {
+std::vector<std::int32_t> DeformedSurface::moved() const {
   std::vector<std::int32_t> moved;
   for (std::size_t v = 0; v < vertices_.size(); ++v)
     if (vertices_[v].position != surface_.vertices[v]) moved.push_back(static_cast<std::int32_t>(v));
   return moved;
 }
 
-LiveVertex& LiveSurface::move(std::int32_t vertex) {
+SurfaceVertex& DeformedSurface::move(std::int32_t vertex) {
   state_[at(vertex) / SurfaceBlocks::kBlock] = {true, true, true};
   return vertices_[at(vertex)];
 }
 
-const std::vector<LiveSurface::Range>& LiveSurface::take_changes() {
+const std::vector<DeformedSurface::Range>& DeformedSurface::take_changes() {
   changes_.clear();
   for (std::size_t block = 0; block < blocks_.count(); ++block) {
     if (!state_[block].changed) continue;
@@ -127,7 +127,7 @@ const std::vector<LiveSurface::Range>& LiveSurface::take_changes() {
   return changes_;
 }
 
-const std::vector<LiveSurface::Range>& LiveSurface::near(std::size_t i, double radius) {
+const std::vector<DeformedSurface::Range>& DeformedSurface::near(std::size_t i, double radius) {
   near_.clear();
   if (i >= now_.size() || now_[i] == nullptr) return near_;
   for (std::size_t block = 0; block < blocks_.count(); ++block) {
@@ -137,11 +137,11 @@ const std::vector<LiveSurface::Range>& LiveSurface::near(std::size_t i, double r
   return near_;
 }
 
-bool LiveSurface::is_near(std::size_t i, std::int32_t vertex, double radius) const noexcept {
+bool DeformedSurface::is_near(std::size_t i, std::int32_t vertex, double radius) const noexcept {
   return now_[i]->front.distance_of(vertex) < static_cast<float>(radius) + now_[i]->way();
 }
 
-void LiveSurface::begin_frame() {
+void DeformedSurface::begin_frame() {
   ++frame_;
   for (const auto& contact : contacts_) {
     contact->was_used = contact->used;
@@ -154,7 +154,7 @@ void LiveSurface::begin_frame() {
   growing_ = false;
 }
 
-Vector3f LiveSurface::normal_at(const contact::SurfacePoint& place) const {
+Vector3f DeformedSurface::normal_at(const contact::SurfacePoint& place) const {
   // Barycentric weights from the areas opposite to each corner.
   const geometry::Triangle& corners = rest_.triangles[at(place.triangle)];
   Vec3 sum = Vec3::Zero();
@@ -166,9 +166,9 @@ Vector3f LiveSurface::normal_at(const contact::SurfacePoint& place) const {
   return sum.normalized().cast<float>();
 }
 
-LiveSurface::Contact& LiveSurface::contact_for(const contact::SurfacePoint& place) {
+DeformedSurface::TrackedContact& DeformedSurface::contact_for(const contact::SurfacePoint& place) {
   const Vector3f point = place.point.cast<float>();
-  Contact* best = nullptr;
+  TrackedContact* best = nullptr;
   float nearest = kSameContact;
   for (const auto& contact : contacts_) {
     const float way = (contact->field.point - point).norm();
@@ -182,14 +182,14 @@ LiveSurface::Contact& LiveSurface::contact_for(const contact::SurfacePoint& plac
     if (best != nullptr) best->begun = false;
   }
   if (best == nullptr) {
-    contacts_.push_back(std::make_unique<Contact>(surface_));
+    contacts_.push_back(std::make_unique<TrackedContact>(surface_));
     best = contacts_.back().get();
   }
   return *best;
 }
 
-void LiveSurface::prepare(Contact& contact, const Indentation& indentation,
-                          const contact::SurfacePoint& place) {
+void DeformedSurface::prepare(TrackedContact& contact, const Indentation& indentation,
+                              const contact::SurfacePoint& place) {
   contact.used = true;
   contact.last_used = frame_;
   contact.place = place;
@@ -200,14 +200,14 @@ void LiveSurface::prepare(Contact& contact, const Indentation& indentation,
   const float along_normal = direction.dot(normal);
   double depth = indentation.depth;
   if (along_normal < 0.0F)
-    depth =
-        held_back(depth, grid_.far_side(place.point, indentation.direction, depth / kFreeShareOfThickness));
-  const SurfaceProfile profile(reach_, depth, indentation.tip_radius, indentation.half_width);
+    depth = limited_depth(depth,
+                          grid_.far_side(place.point, indentation.direction, depth / kFreeShareOfThickness));
+  const DisplacementProfile profile(reach_, depth, indentation.tip_radius, indentation.half_width);
   const auto drawn = static_cast<float>(depth);
   field.normal_part = drawn * along_normal * normal;
   field.side_part = drawn * direction - field.normal_part;
   const double side_share = static_cast<double>(field.side_part.norm()) / depth;
-  const double fold = std::max(1.0, side_share * profile.steepest() / kSteepestSideways);
+  const double fold = std::max(1.0, side_share * profile.steepest() / kMaxTangentialSlope);
   field.reach = static_cast<float>(profile.reach());
   field.side_reach = static_cast<float>(fold * profile.reach());
   field.limit = end_ * field.side_reach;
@@ -215,7 +215,7 @@ void LiveSurface::prepare(Contact& contact, const Indentation& indentation,
       along_normal < 0.0F ? std::max(field.limit, static_cast<float>(kImprintReach)) : field.limit;
 }
 
-int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
+int DeformedSurface::run_fronts(TrackedContact& contact, int steps, bool settle) {
   const geometry::Triangle& corners = rest_.triangles[at(contact.place.triangle)];
   if (!contact.begun || settle) {
     contact.front.begin(corners, contact.field.point);
@@ -242,7 +242,7 @@ int LiveSurface::run_fronts(Contact& contact, int steps, bool settle) {
   return taken;
 }
 
-void LiveSurface::lower_to_front(Contact& contact) {
+void DeformedSurface::lower_to_front(TrackedContact& contact) {
   ContactField& field = contact.field;
   field.excess = contact.front.excess();
   float least = kInfinityF;
@@ -258,7 +258,7 @@ void LiveSurface::lower_to_front(Contact& contact) {
   field.lowered_side = lowered(field.side_reach);
 }
 
-void LiveSurface::note_settled(Contact& contact) {
+void DeformedSurface::update_least_distances(TrackedContact& contact) {
   if (contact.is_anew) {
     contact.least.assign(blocks_.count(), kInfinityF);
     contact.noted = 0;
@@ -273,13 +273,13 @@ void LiveSurface::note_settled(Contact& contact) {
     const std::size_t block = at(v) / SurfaceBlocks::kBlock;
     const float distance = contact.front.distance_of(v);
     contact.least[block] = std::min(contact.least[block], distance);
-    if (distance < ended_at) state_[block].off = kInfinityF;
+    if (distance < ended_at) state_[block].error = kInfinityF;
   }
   contact.noted = settled.size();
   contact.noted_to = contact.front.radius();
 }
 
-void LiveSurface::note_change(Contact& contact) {
+void DeformedSurface::update_change(TrackedContact& contact) {
   const ContactField& now = contact.field;
   const ContactField& before = contact.before;
   float drift = 0.0F;
@@ -289,12 +289,12 @@ void LiveSurface::note_change(Contact& contact) {
   if (contact.used && contact.was_used) {
     drift = (now.point - before.point).norm() + std::abs(now.own_excess - before.own_excess);
   }
-  contact.change.take(contact.was_used ? &before : nullptr, contact.used ? &now : nullptr, drift, profile_);
+  contact.change.set(contact.was_used ? &before : nullptr, contact.used ? &now : nullptr, drift, profile_);
 }
 
-float LiveSurface::newly_off(std::size_t block) {
+float DeformedSurface::added_error(std::size_t block) {
   near_changes_.clear();
-  for (const Contact* contact : changing_) {
+  for (const TrackedContact* contact : changing_) {
     if (contact->is_anew && contact->was_used) {
       if (blocks_.near(block, contact->before.point, contact->before.limit) ||
           (contact->used && blocks_.near(block, contact->field.point, contact->field.limit)))
@@ -304,24 +304,24 @@ float LiveSurface::newly_off(std::size_t block) {
     const float distance = contact->least[block] - contact->slack;
     if (distance < contact->change.limit()) near_changes_.push_back({&contact->change, distance});
   }
-  return most_moved(near_changes_);
+  return max_motion(near_changes_);
 }
 
-void LiveSurface::find_changes() {
+void DeformedSurface::find_changes() {
   changing_.clear();
   bool any = false;
   for (const auto& contact : contacts_) {
     if (!contact->used && !contact->was_used) continue;
-    note_change(*contact);
+    update_change(*contact);
     changing_.push_back(contact.get());
     any = any || contact->is_anew || !contact->change.is_still();
   }
   if (!any) changing_.clear();
 }
 
-void LiveSurface::move_blocks(bool settle) {
+void DeformedSurface::move_blocks(bool settle) {
   std::vector<const ContactField*> fields;
-  for (const Contact* contact : now_)
+  for (const TrackedContact* contact : now_)
     if (contact != nullptr) fields.push_back(&contact->field);
   std::vector<const ContactField*> near;
   for (std::size_t block = 0; block < blocks_.count(); ++block) {
@@ -333,7 +333,7 @@ void LiveSurface::move_blocks(bool settle) {
       close = close || blocks_.near(block, field->point, kAlwaysWithin);
     }
     BlockState& state = state_[block];
-    LiveVertex* const out = &vertices_[blocks_.first(block)];
+    SurfaceVertex* const out = &vertices_[blocks_.first(block)];
     if (near.empty()) {
       if (state.moved) {
         blocks_.rest(block, out);
@@ -343,19 +343,19 @@ void LiveSurface::move_blocks(bool settle) {
       continue;
     }
     if (!settle && !state.lowered) {
-      state.off += newly_off(block);
-      if (state.off <= (close ? 0.0F : kMostOff)) continue;
+      state.error += added_error(block);
+      if (state.error <= (close ? 0.0F : kMaxError)) continue;
     }
     const bool moves = blocks_.move(block, near, profile_, out);
     state = {moves, false, state.changed || state.moved || moves, 0.0F};
   }
 }
 
-void LiveSurface::update(std::span<const Indentation> indentations, int steps) {
+void DeformedSurface::update(std::span<const Indentation> indentations, int steps) {
   begin_frame();
   const bool settle = steps == kSettle;
   int left = steps;
-  const std::vector<double> shares = shares_of_room(indentations);
+  const std::vector<double> shares = opposition_factors(indentations);
   for (std::size_t i = 0; i < indentations.size(); ++i) {
     Indentation indentation = indentations[i];
     indentation.depth *= shares[i];
@@ -363,11 +363,11 @@ void LiveSurface::update(std::span<const Indentation> indentations, int steps) {
     if (!(indentation.depth > 0.0)) continue;
     const contact::SurfacePoint place = grid_.nearest(indentation.point);
     if (place.triangle < 0) continue;
-    Contact& contact = contact_for(place);
+    TrackedContact& contact = contact_for(place);
     prepare(contact, indentation, place);
     const int taken = run_fronts(contact, left, settle);
     lower_to_front(contact);
-    note_settled(contact);
+    update_least_distances(contact);
     if (!settle) left -= std::min(left, taken);
     now_.back() = &contact;
   }

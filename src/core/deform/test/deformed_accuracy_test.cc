@@ -1,4 +1,4 @@
-// LiveSurface with skipped blocks against the same surface computed in full in every frame.
+// DeformedSurface with skipped blocks against the same surface computed in full in every frame.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 #include "core/deform/test/reordered.h"
 #include "palpate/builtin.h"
 #include "palpate/mesh.h"
@@ -92,8 +92,8 @@ class Pair {
     full_.update(contacts, kSteps);
     live_.update(contacts, kSteps);
     for (std::size_t v = 0; v < full_.vertices().size(); ++v) {
-      const LiveVertex& a = live_.vertices()[v];
-      const LiveVertex& b = full_.vertices()[v];
+      const SurfaceVertex& a = live_.vertices()[v];
+      const SurfaceVertex& b = full_.vertices()[v];
       worst_ = std::max(worst_, (a.position - b.position).norm());
       most_turned_ = std::max(most_turned_, (a.normal - b.normal).norm());
     }
@@ -103,8 +103,8 @@ class Pair {
   [[nodiscard]] float most_turned() const { return most_turned_; }
 
  private:
-  LiveSurface live_;
-  LiveSurface full_;
+  DeformedSurface live_;
+  DeformedSurface full_;
   float worst_ = 0.0F;
   float most_turned_ = 0.0F;
 };

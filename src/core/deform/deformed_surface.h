@@ -27,18 +27,18 @@ namespace palpate::deform {
 /// front runs in the background. The profile is lowered so that it ends where the front ends, or at
 /// `least_share` of the depth: kLeastShare, used for pictures, halves the vertices in reach. At the contact
 /// the displacement stays D. Normals follow from the displacement's derivative, not from triangles.
-class LiveSurface final {
+class DeformedSurface final {
  public:
   static constexpr float kLeastShare = 0.015F;
   static constexpr int kSettle = std::numeric_limits<int>::max();
 
-  /// [setup] @param rest is kept; may be open @param rounding as in SurfaceProfile::rounded_at
+  /// [setup] @param rest is kept; may be open @param rounding as in DisplacementProfile::rounded_at
   /// @param least_share fraction of the depth at which the profile ends; below 0.9
-  LiveSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding,
-              float least_share = kLeastShare);
-  ~LiveSurface();
-  LiveSurface(const LiveSurface&) = delete;
-  LiveSurface& operator=(const LiveSurface&) = delete;
+  DeformedSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach, double rounding,
+                  float least_share = kLeastShare);
+  ~DeformedSurface();
+  DeformedSurface(const DeformedSurface&) = delete;
+  DeformedSurface& operator=(const DeformedSurface&) = delete;
 
   /// [setup] Displaces the surface by these indentations only. For the rendering thread.
   /// @param steps largest number of vertices that fronts settle in this call; kSettle: no limit, so the
@@ -49,7 +49,7 @@ class LiveSurface final {
   /// [any] The rest vertices in single precision.
   [[nodiscard]] std::span<const Eigen::Vector3f> rest_vertices() const noexcept { return surface_.vertices; }
   [[nodiscard]] std::span<const Eigen::Vector3f> rest_normals() const noexcept { return rest_normals_; }
-  [[nodiscard]] std::span<const LiveVertex> vertices() const noexcept { return vertices_; }
+  [[nodiscard]] std::span<const SurfaceVertex> vertices() const noexcept { return vertices_; }
   /// [setup] Vertices that are displaced.
   [[nodiscard]] std::vector<std::int32_t> moved() const;
   /// [any] Whether fronts still have to advance.
@@ -69,25 +69,25 @@ class LiveSurface final {
   [[nodiscard]] bool is_near(std::size_t i, std::int32_t vertex, double radius) const noexcept;
   /// [any] Gives access to a vertex for a further displacement. Its block is computed again in the next
   /// update.
-  LiveVertex& move(std::int32_t vertex);
+  SurfaceVertex& move(std::int32_t vertex);
 
  private:
-  struct Contact;
+  struct TrackedContact;
   struct BlockState {
     bool moved = false;
     bool lowered = false;  // displaced further by move()
     bool changed = true;   // since the last take_changes()
-    float off = 0.0F;      // largest error of a vertex [m]
+    float error = 0.0F;    // largest error of a vertex [m]
   };
   void begin_frame();
-  Contact& contact_for(const contact::SurfacePoint& place);
-  void prepare(Contact& contact, const Indentation& indentation, const contact::SurfacePoint& place);
-  int run_fronts(Contact& contact, int steps, bool settle);
-  void lower_to_front(Contact& contact);
-  void note_settled(Contact& contact);
-  void note_change(Contact& contact);
+  TrackedContact& contact_for(const contact::SurfacePoint& place);
+  void prepare(TrackedContact& contact, const Indentation& indentation, const contact::SurfacePoint& place);
+  int run_fronts(TrackedContact& contact, int steps, bool settle);
+  void lower_to_front(TrackedContact& contact);
+  void update_least_distances(TrackedContact& contact);
+  void update_change(TrackedContact& contact);
   void find_changes();
-  [[nodiscard]] float newly_off(std::size_t block);
+  [[nodiscard]] float added_error(std::size_t block);
   void move_blocks(bool settle);
   [[nodiscard]] Eigen::Vector3f normal_at(const contact::SurfacePoint& place) const;
 
@@ -100,13 +100,13 @@ class LiveSurface final {
   float end_;          // r/R_6 at which the profile ends
   std::vector<Eigen::Vector3f> rest_normals_;
   SurfaceBlocks blocks_;
-  std::vector<LiveVertex> vertices_;
-  std::vector<std::unique_ptr<Contact>> contacts_;
-  std::vector<Contact*> now_;  // one per indentation; null: no depth
+  std::vector<SurfaceVertex> vertices_;
+  std::vector<std::unique_ptr<TrackedContact>> contacts_;
+  std::vector<TrackedContact*> now_;  // one per indentation; null: no depth
   std::uint64_t frame_ = 0;
   bool growing_ = false;
   std::vector<BlockState> state_;
-  std::vector<Contact*> changing_;  // contacts of this or the last frame
+  std::vector<TrackedContact*> changing_;  // contacts of this or the last frame
   std::vector<NearChange> near_changes_;
   std::vector<Range> changes_;
   std::vector<Range> near_;

@@ -1,4 +1,4 @@
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -33,14 +33,14 @@ std::vector<Vec3> plain(const geometry::TriangleMesh& mesh, std::span<const Inde
   return test::PlainDeformer(mesh).deformed({}, indentations, kRounding);
 }
 
-double largest_difference(const LiveSurface& surface, const std::vector<Vec3>& expected) {
+double largest_difference(const DeformedSurface& surface, const std::vector<Vec3>& expected) {
   double largest = 0.0;
   for (std::size_t v = 0; v < expected.size(); ++v)
     largest = std::max(largest, (surface.vertices()[v].position.cast<double>() - expected[v]).norm());
   return largest;
 }
 
-Vec3 area(const LiveSurface& surface, const geometry::Triangle& t) {
+Vec3 area(const DeformedSurface& surface, const geometry::Triangle& t) {
   const auto at = [&](int k) {
     return Vec3(
         surface.vertices()[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])].position.cast<double>());
@@ -50,7 +50,7 @@ Vec3 area(const LiveSurface& surface, const geometry::Triangle& t) {
 
 // Number of triangles that face away from their vertices' normals, as in folds narrower than a triangle. In
 // larger folds the normals turn over too; crossings() counts those.
-int turned_over(const LiveSurface& surface) {
+int turned_over(const DeformedSurface& surface) {
   int count = 0;
   for (const geometry::Triangle& t : surface.rest().triangles) {
     Vec3 normal = Vec3::Zero();
@@ -62,39 +62,39 @@ int turned_over(const LiveSurface& surface) {
 }
 
 // Number of pairs of triangles that intersect.
-std::size_t crossings(const LiveSurface& surface) {
+std::size_t crossings(const DeformedSurface& surface) {
   geometry::TriangleMesh moved = surface.rest();
   for (std::size_t v = 0; v < moved.vertices.size(); ++v)
     moved.vertices[v] = surface.vertices()[v].position.cast<double>();
   return geometry::find_crossings(moved).pairs.size();
 }
 
-TEST(LiveSurface, MovesAsThePlainFormDoesToTwoPercentOfTheDepth) {
+TEST(DeformedSurface, MovesAsThePlainFormDoesToTwoPercentOfTheDepth) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 20480);
-  LiveSurface surface(ball, {}, kRounding);
+  DeformedSurface surface(ball, {}, kRounding);
   std::vector<Indentation> pull = {top_press(0.008)};
   pull[0].direction = Vec3(0.5, 0.0, 0.8).normalized();
   for (const std::vector<Indentation>& contacts :
        {std::vector{top_press(0.008)}, pull,
         std::vector{top_press(0.006), press_at(Vec3(0.3, 0.1, 1.0).normalized(), 0.008)}}) {
-    surface.update(contacts, LiveSurface::kSettle);
+    surface.update(contacts, DeformedSurface::kSettle);
     EXPECT_LT(largest_difference(surface, plain(ball, contacts)), 0.02 * 0.008);
   }
 }
 
-TEST(LiveSurface, IsAtItsDepthUnderTheContact) {
-  LiveSurface surface(geometry::make_ball(kBall, 20480), {}, kRounding);
-  surface.update(std::vector{top_press(0.010)}, LiveSurface::kSettle);
+TEST(DeformedSurface, IsAtItsDepthUnderTheContact) {
+  DeformedSurface surface(geometry::make_ball(kBall, 20480), {}, kRounding);
+  surface.update(std::vector{top_press(0.010)}, DeformedSurface::kSettle);
   float lowest = 1.0F;
-  for (const LiveVertex& v : surface.vertices())
+  for (const SurfaceVertex& v : surface.vertices())
     if (std::hypot(v.position.x(), v.position.y()) < 1e-4F && v.position.z() > 0.0F)
       lowest = std::min(lowest, v.position.z());
   EXPECT_NEAR(lowest, 0.020, 0.0001);
 }
 
-TEST(LiveSurface, ComesToTheSameWithinSomePicturesAsAtOnce) {
+TEST(DeformedSurface, ComesToTheSameWithinSomePicturesAsAtOnce) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 20480);
-  LiveSurface surface(ball, {}, kRounding);
+  DeformedSurface surface(ball, {}, kRounding);
   const std::vector contacts = {top_press(0.008)};
   surface.update(contacts, 200);
   EXPECT_TRUE(surface.growing());
@@ -116,10 +116,10 @@ geometry::TriangleMesh ordered_by_place(const geometry::TriangleMesh& mesh) {
   return reordered(mesh, order);
 }
 
-TEST(LiveSurface, WhileItMovesLittleNoVertexIsOffByATwentiethOfAMillimetre) {
+TEST(DeformedSurface, WhileItMovesLittleNoVertexIsOffByATwentiethOfAMillimetre) {
   const geometry::TriangleMesh ball = ordered_by_place(geometry::make_ball(kBall, 20480));
-  LiveSurface moving(ball, {}, kRounding);
-  LiveSurface settled(ball, {}, kRounding);
+  DeformedSurface moving(ball, {}, kRounding);
+  DeformedSurface settled(ball, {}, kRounding);
   std::size_t changed = 0;
   for (int i = 1; i <= 60; ++i) {
     // Two contacts that indent and withdraw by 0.1 mm per frame, the second one later.
@@ -127,11 +127,11 @@ TEST(LiveSurface, WhileItMovesLittleNoVertexIsOffByATwentiethOfAMillimetre) {
     const std::vector contacts = {top_press(depth),
                                   press_at(Vec3(0.5, 0.2, 1.0).normalized(), depth - 0.001)};
     moving.update(contacts, 1'000'000);
-    settled.update(contacts, LiveSurface::kSettle);
-    for (const LiveSurface::Range& range : moving.take_changes()) changed += i > 30 ? range.count : 0;
+    settled.update(contacts, DeformedSurface::kSettle);
+    for (const DeformedSurface::Range& range : moving.take_changes()) changed += i > 30 ? range.count : 0;
     for (std::size_t v = 0; v < ball.vertices.size(); ++v) {
-      const LiveVertex& a = moving.vertices()[v];
-      const LiveVertex& b = settled.vertices()[v];
+      const SurfaceVertex& a = moving.vertices()[v];
+      const SurfaceVertex& b = settled.vertices()[v];
       ASSERT_LT((a.position - b.position).norm(), 0.00005F) << i << " " << v;
       ASSERT_GT(a.normal.dot(b.normal), 0.9998F) << i << " " << v;  // 1.1 degrees
     }
@@ -139,10 +139,10 @@ TEST(LiveSurface, WhileItMovesLittleNoVertexIsOffByATwentiethOfAMillimetre) {
   EXPECT_LT(changed, 30 * ball.vertices.size() / 3);
 }
 
-TEST(LiveSurface, FollowsAContactThatSlidesWithoutWaitingForItsFront) {
+TEST(DeformedSurface, FollowsAContactThatSlidesWithoutWaitingForItsFront) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 20480);
-  LiveSurface surface(ball, {}, kRounding);
-  surface.update(std::vector{top_press(0.006)}, LiveSurface::kSettle);
+  DeformedSurface surface(ball, {}, kRounding);
+  surface.update(std::vector{top_press(0.006)}, DeformedSurface::kSettle);
   std::vector<Indentation> slid;
   for (int i = 1; i <= 12; ++i) {
     const double a = 0.02 * i;  // 0.6 mm per frame
@@ -152,9 +152,9 @@ TEST(LiveSurface, FollowsAContactThatSlidesWithoutWaitingForItsFront) {
   EXPECT_LT(largest_difference(surface, plain(ball, slid)), 0.0002);
 }
 
-TEST(LiveSurface, TurnsNoTriangleOverAndCrossesItselfNowhere) {
+TEST(DeformedSurface, TurnsNoTriangleOverAndCrossesItselfNowhere) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 20480);
-  LiveSurface surface(ball, {}, kRounding);
+  DeformedSurface surface(ball, {}, kRounding);
   Indentation sideways = top_press(0.010);
   sideways.direction = Vec3(0.9, 0.0, -0.3).normalized();
   Indentation pull = press_at(Vec3::UnitX(), 0.010);
@@ -164,33 +164,33 @@ TEST(LiveSurface, TurnsNoTriangleOverAndCrossesItselfNowhere) {
   for (const std::vector<Indentation>& contacts :
        {std::vector{top_press(0.012)}, std::vector{sideways}, std::vector{pull},
         std::vector{top_press(0.010), beside}}) {
-    surface.update(contacts, LiveSurface::kSettle);
+    surface.update(contacts, DeformedSurface::kSettle);
     EXPECT_EQ(turned_over(surface), 0);
     EXPECT_EQ(crossings(surface), 0U) << contacts[0].direction.transpose();
   }
 }
 
-TEST(LiveSurface, TheCrestBetweenTwoDeepPressesThatConvergeDoesNotFold) {
-  LiveSurface surface(geometry::make_ball(kBall, 20480), {}, kRounding);
+TEST(DeformedSurface, TheCrestBetweenTwoDeepPressesThatConvergeDoesNotFold) {
+  DeformedSurface surface(geometry::make_ball(kBall, 20480), {}, kRounding);
   for (const double apart : {0.2, 0.3, 0.4, 0.5, 0.6}) {  // rad: 6 to 18 mm
     for (const auto& [a, b] : {std::pair{0.010, 0.010}, {0.012, 0.007}, {0.008, 0.008}}) {
       surface.update(std::vector{press_at(Vec3(std::sin(apart), 0.1, std::cos(apart)).normalized(), a),
                                  press_at(Vec3(0.0, 0.1, 1.0).normalized(), b)},
-                     LiveSurface::kSettle);
+                     DeformedSurface::kSettle);
       EXPECT_EQ(turned_over(surface), 0) << apart << " rad, " << a << " and " << b << " m";
       EXPECT_EQ(crossings(surface), 0U) << apart << " rad, " << a << " and " << b << " m";
     }
   }
 }
 
-TEST(LiveSurface, TwoPressesFromBothSidesOfASlabDoNotMeet) {
+TEST(DeformedSurface, TwoPressesFromBothSidesOfASlabDoNotMeet) {
   // 8 mm thick, 6 mm from each side: alone each is limited to 5.8 mm only.
-  LiveSurface surface(geometry::make_box(Vec3(0.06, 0.06, 0.008), 0.001), {}, kRounding);
+  DeformedSurface surface(geometry::make_box(Vec3(0.06, 0.06, 0.008), 0.001), {}, kRounding);
   const Indentation above{Vec3(0, 0, 0.004), -Vec3::UnitZ(), 0.006, 0.003, 0.0};
   // Slightly inclined: otherwise edges of upright columns of vertices touch exactly, which is no
   // intersection.
   const Indentation below{Vec3(0, 0, -0.004), Vec3(0.05, 0.03, 1.0).normalized(), 0.006, 0.003, 0.0};
-  surface.update(std::vector{above, below}, LiveSurface::kSettle);
+  surface.update(std::vector{above, below}, DeformedSurface::kSettle);
   float top = 1.0F;
   float bottom = -1.0F;
   for (std::size_t v = 0; v < surface.vertices().size(); ++v) {
@@ -203,13 +203,13 @@ TEST(LiveSurface, TwoPressesFromBothSidesOfASlabDoNotMeet) {
   EXPECT_EQ(crossings(surface), 0U);
 }
 
-TEST(LiveSurface, ItsNormalsAreThoseOfItsTriangles) {
+TEST(DeformedSurface, ItsNormalsAreThoseOfItsTriangles) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 81920);
-  LiveSurface surface(ball, {}, kRounding);
+  DeformedSurface surface(ball, {}, kRounding);
   for (const std::vector<Indentation>& contacts :
        {std::vector{top_press(0.010)},
         std::vector{top_press(0.006), press_at(Vec3(0.3, 0.0, 1.0).normalized(), 0.008)}}) {
-    surface.update(contacts, LiveSurface::kSettle);
+    surface.update(contacts, DeformedSurface::kSettle);
     std::vector<Vec3> sums(ball.vertices.size(), Vec3::Zero());
     for (const geometry::Triangle& t : ball.triangles)
       for (const std::int32_t v : t) sums[static_cast<std::size_t>(v)] += area(surface, t);
@@ -223,67 +223,67 @@ TEST(LiveSurface, ItsNormalsAreThoseOfItsTriangles) {
   }
 }
 
-TEST(LiveSurface, TouchesOnlyWhatIsInReachAndPutsItBack) {
-  LiveSurface surface(geometry::make_ball(kBall, 20480), {}, kRounding);
+TEST(DeformedSurface, TouchesOnlyWhatIsInReachAndPutsItBack) {
+  DeformedSurface surface(geometry::make_ball(kBall, 20480), {}, kRounding);
   (void)surface.take_changes();
-  surface.update(std::vector{top_press(0.0005)}, LiveSurface::kSettle);
+  surface.update(std::vector{top_press(0.0005)}, DeformedSurface::kSettle);
   std::size_t changed = 0;
-  for (const LiveSurface::Range& range : surface.take_changes()) changed += range.count;
+  for (const DeformedSurface::Range& range : surface.take_changes()) changed += range.count;
   EXPECT_GT(changed, 0U);
   EXPECT_LT(surface.moved().size(), surface.vertices().size() / 4);
   for (const std::int32_t v : surface.moved())
     EXPECT_GT(surface.vertices()[static_cast<std::size_t>(v)].position.z(), 0.0F);
-  surface.update({}, LiveSurface::kSettle);
+  surface.update({}, DeformedSurface::kSettle);
   EXPECT_TRUE(surface.moved().empty());
   EXPECT_EQ(largest_difference(surface, plain(surface.rest(), {})),
-            largest_difference(LiveSurface(surface.rest(), {}, kRounding), plain(surface.rest(), {})));
+            largest_difference(DeformedSurface(surface.rest(), {}, kRounding), plain(surface.rest(), {})));
   EXPECT_FALSE(surface.take_changes().empty());
-  surface.update({}, LiveSurface::kSettle);
+  surface.update({}, DeformedSurface::kSettle);
   EXPECT_TRUE(surface.take_changes().empty());
 }
 
-TEST(LiveSurface, TheChangesCoverEveryVertexThatMoved) {
-  LiveSurface surface(geometry::make_ball(kBall, 5120), {}, kRounding);
+TEST(DeformedSurface, TheChangesCoverEveryVertexThatMoved) {
+  DeformedSurface surface(geometry::make_ball(kBall, 5120), {}, kRounding);
   (void)surface.take_changes();
-  std::vector<LiveVertex> shown(surface.vertices().begin(), surface.vertices().end());
+  std::vector<SurfaceVertex> shown(surface.vertices().begin(), surface.vertices().end());
   for (int i = 0; i < 6; ++i) {
     const double a = 0.3 * i;
     surface.update(std::vector{press_at(Vec3(std::sin(a), 0.0, std::cos(a)), 0.004)}, 150);
-    for (const LiveSurface::Range& range : surface.take_changes())
+    for (const DeformedSurface::Range& range : surface.take_changes())
       for (std::size_t v = range.first; v < range.first + range.count; ++v) shown[v] = surface.vertices()[v];
     for (std::size_t v = 0; v < shown.size(); ++v)
       ASSERT_EQ(shown[v].position, surface.vertices()[v].position) << i << " " << v;
   }
 }
 
-TEST(LiveSurface, LeavesTheFarSideOfAThinOrganStill) {
-  LiveSurface surface(geometry::make_box(Vec3(0.06, 0.06, 0.006), 0.001), {}, kRounding);
+TEST(DeformedSurface, LeavesTheFarSideOfAThinOrganStill) {
+  DeformedSurface surface(geometry::make_box(Vec3(0.06, 0.06, 0.006), 0.001), {}, kRounding);
   surface.update(std::vector{Indentation{Vec3(0, 0, 0.003), -Vec3::UnitZ(), 0.003, 0.003, 0.0}},
-                 LiveSurface::kSettle);
+                 DeformedSurface::kSettle);
   for (const std::int32_t v : surface.moved())
     EXPECT_GT(surface.vertices()[static_cast<std::size_t>(v)].position.z(), -0.0029F);
 }
 
 // A front that went farther has found shorter paths to near vertices behind obtuse triangles.
-TEST(LiveSurface, SettlesAfterADeeperPressToWhatAShallowOneComesToAlone) {
+TEST(DeformedSurface, SettlesAfterADeeperPressToWhatAShallowOneComesToAlone) {
   geometry::TriangleMesh mesh = geometry::make_box(Vec3(0.12, 0.12, 0.03), 0.004);
   for (Vec3& vertex : mesh.vertices) vertex.x() += 3.0 * vertex.y();  // sheared: all obtuse
   const auto press = [](double depth) {
     return std::vector{Indentation{Vec3(0.001, 0.0005, 0.015), -Vec3::UnitZ(), depth, 0.003, 0.0}};
   };
-  LiveSurface alone(mesh, {}, kRounding);
-  alone.update(press(0.002), LiveSurface::kSettle);
-  LiveSurface after(mesh, {}, kRounding);
-  after.update(press(0.009), LiveSurface::kSettle);
-  after.update(press(0.002), LiveSurface::kSettle);
+  DeformedSurface alone(mesh, {}, kRounding);
+  alone.update(press(0.002), DeformedSurface::kSettle);
+  DeformedSurface after(mesh, {}, kRounding);
+  after.update(press(0.009), DeformedSurface::kSettle);
+  after.update(press(0.002), DeformedSurface::kSettle);
   ASSERT_GT(alone.moved().size(), 50U);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     ASSERT_EQ(after.vertices()[v].position, alone.vertices()[v].position) << v;
 }
 
-TEST(LiveSurface, AMeshWithoutTrianglesStaysAsItIs) {
-  LiveSurface surface(geometry::TriangleMesh{}, {}, kRounding);
-  surface.update(std::vector{top_press(0.01)}, LiveSurface::kSettle);
+TEST(DeformedSurface, AMeshWithoutTrianglesStaysAsItIs) {
+  DeformedSurface surface(geometry::TriangleMesh{}, {}, kRounding);
+  surface.update(std::vector{top_press(0.01)}, DeformedSurface::kSettle);
   EXPECT_TRUE(surface.moved().empty());
   EXPECT_TRUE(surface.near(0, 1.0).empty());
   EXPECT_TRUE(surface.near(7, 1.0).empty());
