@@ -11,7 +11,7 @@
 #include <dlfcn.h>
 
 #include "core/base/text.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/system/clock.h"
 
 #include "bench/measure/subjects.h"
@@ -95,7 +95,7 @@ std::size_t stride_for(Asked& asked, const PalpatePeer& peer, const PeerQuestion
 /// Compares with Palpate's distance: of the tool's tip, or of the whole tool.
 void check_answers(Asked& asked, const PalpatePeer& peer, const PeerQuestion& question) {
   if (peer.in_order != 0) return;  // it returns no distance
-  const geometry::SurfaceDistance surface(question.setup.organ);
+  const geometry::SignedDistance surface(question.setup.organ);
   const std::size_t step = std::max<std::size_t>(1, question.way.size() / kChecks);
   for (std::size_t i = 0; i < question.way.size(); i += step) {
     const double own =

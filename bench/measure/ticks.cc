@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/system/clock.h"
 #include "palpate/scripted_device.h"
 
@@ -144,7 +144,7 @@ std::vector<Vec3> tip_points(const scene::Setup& setup, const std::vector<WayPoi
 }
 
 NearestAccount time_nearest(const scene::Setup& setup, const std::vector<WayPoint>& way) {
-  const geometry::SurfaceDistance surface(setup.organ);
+  const geometry::SignedDistance surface(setup.organ);
   const std::vector<Vec3> points = tip_points(setup, way);
   std::vector<double> times_us;
   std::int32_t guess = -1;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/contact/organ_arrays.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/mesh.h"
 #include "palpate/preparation.h"
 
@@ -24,19 +24,19 @@ class OrganSurface final {
   /// [setup] Refines `organ` until its edges are at most R_ref/5 and averages its normals within R_ref/2.
   /// Uses all processors; its threads end before it returns. Gives the same bits on any number of processors
   /// and from the cache.
-  /// @throws InputError as geometry::SurfaceDistance.
+  /// @throws InputError as geometry::SignedDistance.
   OrganSurface(const geometry::TriangleMesh& organ, double reference_radius, const Preparation& how = {});
 
   [[nodiscard]] const geometry::TriangleMesh& mesh() const noexcept { return arrays_.mesh; }
   [[nodiscard]] const OrganArrays& arrays() const noexcept { return arrays_; }
 
   /// [rt] The surface point nearest to p, with signed distance; `guess` as in
-  /// geometry::SurfaceDistance::nearest.
+  /// geometry::SignedDistance::nearest.
   [[nodiscard]] geometry::NearestPoint nearest(const Vec3& p, std::int32_t guess) const noexcept {
     return distance_.nearest(p, guess);
   }
 
-  /// [rt] A lower bound of p's distance; see geometry::SurfaceDistance::clearance.
+  /// [rt] A lower bound of p's distance; see geometry::SignedDistance::clearance.
   [[nodiscard]] geometry::Clearance clearance(const Vec3& p, std::int32_t guess) const noexcept {
     return distance_.clearance(p, guess);
   }
@@ -65,7 +65,7 @@ class OrganSurface final {
  private:
   struct Prepared {
     OrganArrays arrays;
-    geometry::SurfaceDistance distance;
+    geometry::SignedDistance distance;
   };
   [[nodiscard]] static Prepared prepare(const geometry::TriangleMesh& organ, double reference_radius,
                                         const Preparation& how);
@@ -75,7 +75,7 @@ class OrganSurface final {
   [[nodiscard]] std::array<double, 3> barycentric(std::int32_t triangle, const Vec3& point) const noexcept;
 
   OrganArrays arrays_;
-  geometry::SurfaceDistance distance_;
+  geometry::SignedDistance distance_;
 };
 
 }  // namespace palpate::contact

@@ -26,14 +26,14 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
   std::optional<OrganArrays> loaded = how.load ? how.load(organ, reference_radius) : std::nullopt;
   if (loaded) {
     tell(kDistanceFrom, "distances");
-    geometry::SurfaceDistance distance(loaded->mesh);
+    geometry::SignedDistance distance(loaded->mesh);
     tell(1.0, "done");
     return {std::move(*loaded), std::move(distance)};
   }
   tell(0.0, "refinement");
   geometry::TriangleMesh mesh = refined(organ, reference_radius);
   tell(kDistanceFrom, "distances");
-  geometry::SurfaceDistance distance(mesh);  // throws if the mesh is not closed
+  geometry::SignedDistance distance(mesh);  // throws if the mesh is not closed
   OrganArrays arrays =
       organ_arrays(std::move(mesh), reference_radius, [&](double share, const std::string& what) {
         tell(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);

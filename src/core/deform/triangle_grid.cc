@@ -5,7 +5,7 @@
 
 #include "core/base/index.h"
 #include "core/base/infinity.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 
 namespace palpate::deform {
 namespace {

@@ -3,9 +3,9 @@
 #include <limits>
 
 #include "core/base/lanes.h"
-#include "core/geometry/disc_tree.h"
+#include "core/geometry/disc_bvh.h"
 
-// Nearest-point and segment traversal of DiscTree, four discs at a time in single precision. Traversal only
+// Nearest-point and segment traversal of DiscBvh, four discs at a time in single precision. Traversal only
 // excludes triangles; the caller computes the rest in double precision, so no result depends on single
 // precision.
 namespace palpate::geometry {
@@ -81,7 +81,7 @@ inline Lanes DiscQuery::squared_distances(const TriangleNode& node) const noexce
 }
 
 template <typename Visit, typename Reach>
-void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexcept {
+void DiscBvh::each_within(const Vec3& p, Visit visit, Reach reach) const noexcept {
   struct Wait {
     float squared;
     std::uint32_t index;  // of the node in its level
@@ -171,7 +171,7 @@ struct DiscSegment {
 };
 
 template <typename Visit>
-void DiscTree::each_along(const Vec3& a, const Vec3& b, double slack, Visit visit) const noexcept {
+void DiscBvh::each_along(const Vec3& a, const Vec3& b, double slack, Visit visit) const noexcept {
   struct Wait {
     std::uint32_t index;
     int level;

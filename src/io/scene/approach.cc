@@ -40,7 +40,7 @@ Quat turn_from_down(const Vec3& direction) noexcept {
   return Quat(half, direction.y(), -direction.x(), 0.0).normalized();
 }
 
-ApproachFinder::ApproachFinder(const geometry::TriangleMesh& organ, const geometry::SurfaceDistance& surface,
+ApproachFinder::ApproachFinder(const geometry::TriangleMesh& organ, const geometry::SignedDistance& surface,
                                const HangingTool& tool)
     : surface_(surface),
       tool_(tool),

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/geometry/cell.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/mesh.h"
 
 namespace palpate::scene {
@@ -40,7 +40,7 @@ struct JudgedApproach {
 class ApproachFinder final {
  public:
   /// [setup] Keeps references to surface and tool. @throws InputError when the organ is not closed.
-  ApproachFinder(const geometry::TriangleMesh& organ, const geometry::SurfaceDistance& surface,
+  ApproachFinder(const geometry::TriangleMesh& organ, const geometry::SignedDistance& surface,
                  const HangingTool& tool);
 
   /// [setup] Checks a press down to `depth` [m] behind the touch.
@@ -65,7 +65,7 @@ class ApproachFinder final {
   [[nodiscard]] double thickness(const Approach& approach, double enough) const;
   [[nodiscard]] bool is_free(const Approach& approach, double depth) const;
 
-  const geometry::SurfaceDistance& surface_;
+  const geometry::SignedDistance& surface_;
   const HangingTool& tool_;
   double length_;                // m, diagonal of the organ's bounding box
   geometry::TriangleMesh fine_;  // the organ, refined to small triangles

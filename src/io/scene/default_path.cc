@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/geometry/cell.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/scene/approach.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/minimum_jerk.h"
@@ -85,7 +85,7 @@ Vec3 column_of(const geometry::Bounds& box, std::size_t hand, std::size_t hands)
 
 /// The highest point of the organ on the vertical line; its highest vertex if the line misses the organ (a
 /// ring's centre).
-Vec3 surface_below(const Setup& setup, const geometry::SurfaceDistance& surface, const geometry::Bounds& box,
+Vec3 surface_below(const Setup& setup, const geometry::SignedDistance& surface, const geometry::Bounds& box,
                    const Vec3& column) {
   constexpr double kMargin = 10e-3;  // m, beyond the bounding box at both ends
   const Pose to_organ = setup.organ_pose.inverse();
@@ -145,7 +145,7 @@ std::string told_shallow(double depth) {
 /// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
 Place place_of(const Setup& setup, std::size_t hand, const Vec3& tip) {
   constexpr int kDepths = 12;  // trial depths, 1 mm apart
-  const geometry::SurfaceDistance surface(setup.organ);
+  const geometry::SignedDistance surface(setup.organ);
   const geometry::Bounds box = world_bounds(setup);
   const Vec3 touch = surface_below(setup, surface, box, column_of(box, hand, setup.tools.size()));
   Place place{{touch, -Vec3::UnitZ()}};

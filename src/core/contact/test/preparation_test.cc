@@ -206,7 +206,7 @@ struct Within {
 Within deviation_within(const TriangleMesh& organ) {
   const Surface surface(organ);
   const Surface fine(divided(surface.mesh, 2));
-  const geometry::SurfaceDistance distance(fine.mesh);
+  const geometry::SignedDistance distance(fine.mesh);
   const OrganSurface prepared(organ, kPreparedReference);
   const std::vector<NormalAndSlope> corners = averaged_normals(surface.view(), surface.sides, kRadius, 0.0);
   std::mt19937 random(5);

@@ -12,7 +12,7 @@
 #include <Eigen/LU>
 
 #include "core/base/infinity.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/mesh.h"
 #include "palpate/surface.h"
 

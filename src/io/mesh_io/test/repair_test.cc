@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -45,7 +45,7 @@ void expect_sound(const TriangleMesh& mesh) {
   EXPECT_TRUE(test::is_closed(mesh));  // throws unless each edge has two half-edges of opposite directions
   EXPECT_THAT(findings_of(mesh).defects, IsEmpty());
   EXPECT_GT(signed_volume(mesh), 0.0);
-  EXPECT_NO_THROW(SurfaceDistance{mesh});
+  EXPECT_NO_THROW(SignedDistance{mesh});
 }
 
 void expect_same(const TriangleMesh& a, const TriangleMesh& b) {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/mesh_io/repair/crossings.h"
 #include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
@@ -61,15 +61,15 @@ void expect_even_triangles(const TriangleMesh& mesh) {
 }
 
 /// The largest distance [m] of every `step`-th vertex of `from` to the surface `to`.
-double farthest(const TriangleMesh& from, const SurfaceDistance& to, std::size_t step) {
+double farthest(const TriangleMesh& from, const SignedDistance& to, std::size_t step) {
   double most = 0.0;
   for (std::size_t v = 0; v < from.vertices.size(); v += step) {
     most = std::max(most, std::abs(to.nearest(from.vertices[v]).distance));
   }
   return most;
 }
-double apart(const TriangleMesh& a, const SurfaceDistance& to_a, const TriangleMesh& b,
-             const SurfaceDistance& to_b) {
+double apart(const TriangleMesh& a, const SignedDistance& to_a, const TriangleMesh& b,
+             const SignedDistance& to_b) {
   const auto step = [](const TriangleMesh& m) { return 1 + m.vertices.size() / 5000; };
   return std::max(farthest(a, to_b, step(a)), farthest(b, to_a, step(b)));
 }
@@ -104,11 +104,11 @@ TEST_P(FineOrgan, HasOneShapeAtAllResolutions) {
   const TriangleMesh& finest = organ(GetParam() + "-300k");
   const TriangleMesh& fine = organ(GetParam() + "-30k");
   const TriangleMesh& coarse = organ(GetParam());
-  const SurfaceDistance to_finest(finest);
-  EXPECT_LT(apart(fine, SurfaceDistance(fine), finest, to_finest), 0.7 * kFineMm);
+  const SignedDistance to_finest(finest);
+  EXPECT_LT(apart(fine, SignedDistance(fine), finest, to_finest), 0.7 * kFineMm);
   EXPECT_LT(farthest(coarse, to_finest, 1), 1.5 * kFineMm);
   // The liver's coarse triangles are twice as long as those of the other organs.
-  EXPECT_LT(apart(coarse, SurfaceDistance(coarse), finest, to_finest),
+  EXPECT_LT(apart(coarse, SignedDistance(coarse), finest, to_finest),
             (GetParam() == "liver" ? 3.6 : 2.7) * kFineMm);
 }
 
@@ -155,9 +155,9 @@ TEST(FineTool, AllResolutionsHaveJawsOfOneShapeAndTheFinerTwoTheShaftToo) {
     const Tool& finest = tool(name + "-300k");
     for (std::size_t k = 0; k < 3; ++k) {
       SCOPED_TRACE(name + " " + finest.parts[k].name);
-      const SurfaceDistance to_finest(finest.parts[k].mesh);
+      const SignedDistance to_finest(finest.parts[k].mesh);
       const auto apart_from_finest = [&](const TriangleMesh& mesh) {
-        return apart(mesh, SurfaceDistance(mesh), finest.parts[k].mesh, to_finest);
+        return apart(mesh, SignedDistance(mesh), finest.parts[k].mesh, to_finest);
       };
       EXPECT_LT(apart_from_finest(tool(name + "-30k").parts[k].mesh), 0.3 * kFineMm);
       if (k < 2) {

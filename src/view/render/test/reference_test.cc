@@ -11,7 +11,7 @@
 #include <png.h>
 
 #include "core/contact/contact.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/builtin.h"
 #include "palpate/offscreen.h"
 #include "palpate/surface.h"
@@ -37,7 +37,7 @@ struct Scene {
 // The point of an organ that a tool from above touches first, over its middle.
 geometry::NearestPoint top_of(const geometry::TriangleMesh& organ) {
   const geometry::Bounds box = geometry::bounds(organ);
-  return geometry::SurfaceDistance(organ).nearest(
+  return geometry::SignedDistance(organ).nearest(
       Vec3(box.middle().x(), box.middle().y(), box.high.z() + 0.02));
 }
 

@@ -1,4 +1,4 @@
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -131,10 +131,10 @@ TEST(NearestOnTriangle, TakesTrianglesThatAreASegmentOrAPoint) {
   EXPECT_EQ(nearest_on_triangle({1, 5, 0}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}), Vec3(1, 1, 1));
 }
 
-TEST(SurfaceDistance, AgreesWithTheOracleInDistanceAndSign) {
+TEST(SignedDistance, AgreesWithTheOracleInDistanceAndSign) {
   Random random(4);
   for (const TriangleMesh& mesh : shapes()) {
-    const SurfaceDistance surface(mesh);
+    const SignedDistance surface(mesh);
     for (int n = 0; n < 2000; ++n) {
       // Random points, some close to a vertex or an edge.
       Vec3 p = random.point(0.06);
@@ -156,8 +156,8 @@ TEST(SurfaceDistance, AgreesWithTheOracleInDistanceAndSign) {
   }
 }
 
-TEST(SurfaceDistance, KnowsInsideFromOutsideAlongTheBisectorsOfABoxCorner) {
-  const SurfaceDistance surface(make_box({2.0, 2.0, 2.0}, 2.0));
+TEST(SignedDistance, KnowsInsideFromOutsideAlongTheBisectorsOfABoxCorner) {
+  const SignedDistance surface(make_box({2.0, 2.0, 2.0}, 2.0));
   EXPECT_NEAR(surface.nearest({1.3, 1.4, 1.0 + 1.2}).distance, 1.3, 1e-15);  // 0.3, 0.4, 1.2 from the corner
   EXPECT_NEAR(surface.nearest({1.3, 1.4, 0.2}).distance, 0.5, 1e-15);        // nearest to an edge
   EXPECT_NEAR(surface.nearest({0.9, 0.9, 0.9}).distance, -0.1, 1e-15);
@@ -165,10 +165,10 @@ TEST(SurfaceDistance, KnowsInsideFromOutsideAlongTheBisectorsOfABoxCorner) {
   EXPECT_LT((surface.nearest({1.1, 0.2, 1.1}).normal - Vec3(1, 0, 1) / std::sqrt(2.0)).norm(), 1e-12);
 }
 
-TEST(SurfaceDistance, CornerNormalWeighsAnglesNotTriangles) {
+TEST(SignedDistance, CornerNormalWeighsAnglesNotTriangles) {
   // At some corners two of the three faces are divided by a diagonal: a normal weighted by triangle count
   // would tilt.
-  const SurfaceDistance surface(make_box({2.0, 2.0, 2.0}, 2.0));
+  const SignedDistance surface(make_box({2.0, 2.0, 2.0}, 2.0));
   for (const double x : {-1.0, 1.0}) {
     for (const double y : {-1.0, 1.0}) {
       for (const double z : {-1.0, 1.0}) {
@@ -179,10 +179,10 @@ TEST(SurfaceDistance, CornerNormalWeighsAnglesNotTriangles) {
   }
 }
 
-TEST(SurfaceDistance, IsTinyOnTheSurface) {
+TEST(SignedDistance, IsTinyOnTheSurface) {
   Random random(5);
   for (const TriangleMesh& mesh : shapes()) {
-    const SurfaceDistance surface(mesh);
+    const SignedDistance surface(mesh);
     for (const Vec3& vertex : mesh.vertices) EXPECT_LT(std::abs(surface.nearest(vertex).distance), 1e-17);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const double u = random.in(0.0, 1.0);
@@ -193,26 +193,26 @@ TEST(SurfaceDistance, IsTinyOnTheSurface) {
   }
 }
 
-TEST(SurfaceDistance, ThinPlateHasTheRightSignOnEitherSide) {
-  const SurfaceDistance surface(thin_plate());
+TEST(SignedDistance, ThinPlateHasTheRightSignOnEitherSide) {
+  const SignedDistance surface(thin_plate());
   EXPECT_NEAR(surface.nearest({0.001, 0.002, 4e-6}).distance, -1e-6, 1e-18);
   EXPECT_NEAR(surface.nearest({0.001, 0.002, 6e-6}).distance, 1e-6, 1e-18);
   EXPECT_NEAR(surface.nearest({0.001, 0.002, -6e-6}).distance, 1e-6, 1e-18);
   EXPECT_NEAR(surface.nearest({0.001, 0.002, 0.0}).distance, -5e-6, 1e-18);
 }
 
-TEST(SurfaceDistance, OfEquallyNearTrianglesTheSmallestIndexWins) {
+TEST(SignedDistance, OfEquallyNearTrianglesTheSmallestIndexWins) {
   const TriangleMesh mesh = make_box({2.0, 2.0, 2.0}, 2.0);
-  const SurfaceDistance surface(mesh);
+  const SignedDistance surface(mesh);
   const Vec3 middle = Vec3::Zero();  // equally far from all six sides
   EXPECT_EQ(surface.nearest(middle).triangle, 0);
   for (std::int32_t guess = 0; guess < 12; ++guess) EXPECT_EQ(surface.nearest(middle, guess).triangle, 0);
 }
 
-TEST(SurfaceDistance, GuessChangesNothing) {
+TEST(SignedDistance, GuessChangesNothing) {
   Random random(6);
   for (const TriangleMesh& mesh : shapes()) {
-    const SurfaceDistance surface(mesh);
+    const SignedDistance surface(mesh);
     for (int n = 0; n < 1000; ++n) {
       // Also near vertices and edges, where several triangles are equally near.
       const std::size_t t = random.below(mesh.triangles.size());
@@ -228,10 +228,10 @@ TEST(SurfaceDistance, GuessChangesNothing) {
   }
 }
 
-TEST(SurfaceDistance, ClearanceIsNoMoreThanTheDistanceAndNoLessThanItsShare) {
+TEST(SignedDistance, ClearanceIsNoMoreThanTheDistanceAndNoLessThanItsShare) {
   Random random(12);
   for (const TriangleMesh& mesh : shapes()) {
-    const SurfaceDistance surface(mesh);
+    const SignedDistance surface(mesh);
     for (int n = 0; n < 300; ++n) {
       const Vec3 p = random.point(0.05);
       const auto guess = static_cast<std::int32_t>(random.below(mesh.triangles.size()));
@@ -244,31 +244,31 @@ TEST(SurfaceDistance, ClearanceIsNoMoreThanTheDistanceAndNoLessThanItsShare) {
   }
 }
 
-TEST(SurfaceDistance, ClearanceOfAPointThatIsNotFiniteIsNothing) {
-  const SurfaceDistance surface(make_ball(0.03, 80));
+TEST(SignedDistance, ClearanceOfAPointThatIsNotFiniteIsNothing) {
+  const SignedDistance surface(make_ball(0.03, 80));
   const Clearance clearance = surface.clearance({0.0, std::numeric_limits<double>::quiet_NaN(), 0.0}, 3);
   EXPECT_EQ(clearance.least, 0.0);
   EXPECT_EQ(clearance.triangle, -1);
 }
 
-TEST(SurfaceDistance, GuessOutOfRangeIsIgnored) {
-  const SurfaceDistance surface(make_ball(0.03, 80));
+TEST(SignedDistance, GuessOutOfRangeIsIgnored) {
+  const SignedDistance surface(make_ball(0.03, 80));
   const Vec3 p(0.04, 0.01, 0.0);
   EXPECT_EQ(surface.nearest(p, 80).triangle, surface.nearest(p).triangle);
   EXPECT_EQ(surface.nearest(p, -7).triangle, surface.nearest(p).triangle);
 }
 
-TEST(SurfaceDistance, APointThatIsNotFiniteHasNoTriangle) {
-  const SurfaceDistance surface(make_ball(0.03, 80));
+TEST(SignedDistance, APointThatIsNotFiniteHasNoTriangle) {
+  const SignedDistance surface(make_ball(0.03, 80));
   const NearestPoint found = surface.nearest({std::nan(""), 0.0, 0.0});
   EXPECT_EQ(found.triangle, -1);
   EXPECT_TRUE(std::isnan(found.distance));
 }
 
-TEST(SurfaceDistance, HoldsFarFromTheMeshAndFarFromTheOrigin) {
+TEST(SignedDistance, HoldsFarFromTheMeshAndFarFromTheOrigin) {
   TriangleMesh mesh = make_ball(0.03, 320);
   transform(mesh, {Quat::Identity(), Vec3(100.0, -50.0, 20.0)});
-  const SurfaceDistance surface(mesh);
+  const SignedDistance surface(mesh);
   Random random(7);
   for (int n = 0; n < 300; ++n) {
     const Vec3 p = Vec3(100.0, -50.0, 20.0) + random.point(n % 2 == 0 ? 0.05 : 1000.0);
@@ -276,7 +276,7 @@ TEST(SurfaceDistance, HoldsFarFromTheMeshAndFarFromTheOrigin) {
   }
 }
 
-TEST(SurfaceDistance, TakesManyTrianglesAtOnePlace) {
+TEST(SignedDistance, TakesManyTrianglesAtOnePlace) {
   // Concentric shells: all bounding volumes overlap and their centres coincide.
   TriangleMesh mesh;
   for (int shell = 0; shell < 200; ++shell) {
@@ -286,7 +286,7 @@ TEST(SurfaceDistance, TakesManyTrianglesAtOnePlace) {
     for (const auto& [a, b, c] : ball.triangles)
       mesh.triangles.push_back({a + offset, b + offset, c + offset});
   }
-  const SurfaceDistance surface(mesh);
+  const SignedDistance surface(mesh);
   Random random(8);
   for (int n = 0; n < 50; ++n) {
     const Vec3 p = random.point(0.03);
@@ -294,27 +294,27 @@ TEST(SurfaceDistance, TakesManyTrianglesAtOnePlace) {
   }
 }
 
-TEST(SurfaceDistance, RefusesAnEmptyMesh) {
-  EXPECT_THAT([] { SurfaceDistance{TriangleMesh{}}; }, ThrowsMessage<InputError>(HasSubstr("no triangles")));
+TEST(SignedDistance, RefusesAnEmptyMesh) {
+  EXPECT_THAT([] { SignedDistance{TriangleMesh{}}; }, ThrowsMessage<InputError>(HasSubstr("no triangles")));
 }
 
-TEST(SurfaceDistance, RefusesAnOpenMesh) {
+TEST(SignedDistance, RefusesAnOpenMesh) {
   TriangleMesh mesh = make_ball(0.03, 80);
   mesh.triangles.pop_back();
-  EXPECT_THAT([&] { SurfaceDistance{mesh}; }, ThrowsMessage<InputError>(HasSubstr("3 boundary edges")));
+  EXPECT_THAT([&] { SignedDistance{mesh}; }, ThrowsMessage<InputError>(HasSubstr("3 boundary edges")));
 }
 
-TEST(SurfaceDistance, RefusesATriangleTurnedOver) {
+TEST(SignedDistance, RefusesATriangleTurnedOver) {
   TriangleMesh mesh = make_ball(0.03, 80);
   std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
-  EXPECT_THAT([&] { SurfaceDistance{mesh}; }, ThrowsMessage<InputError>(HasSubstr("inverted")));
+  EXPECT_THAT([&] { SignedDistance{mesh}; }, ThrowsMessage<InputError>(HasSubstr("inverted")));
 }
 
 TEST(FirstEntry, NeverMissesFromOutsideToInside) {
   Random random(9);
   for (const TriangleMesh& mesh :
        {make_ball(0.03, 1280), make_box({0.06, 0.05, 0.04}, 0.02), burr(1), burr(2)}) {
-    const SurfaceDistance surface(mesh);
+    const SignedDistance surface(mesh);
     int tried = 0;
     while (tried < 3000) {
       const Vec3 a = random.point(0.08);
@@ -332,7 +332,7 @@ TEST(FirstEntry, NeverMissesAimedExactlyAtVerticesAndEdges) {
   Random random(10);
   for (const TriangleMesh& mesh :
        {make_ball(0.03, 1280), make_box({0.06, 0.05, 0.04}, 0.02), burr(3), burr(4)}) {
-    const SurfaceDistance surface(mesh);
+    const SignedDistance surface(mesh);
     int tried = 0;
     for (int n = 0; n < 20000; ++n) {
       const std::size_t t = random.below(mesh.triangles.size());
@@ -350,7 +350,7 @@ TEST(FirstEntry, NeverMissesAimedExactlyAtVerticesAndEdges) {
 }
 
 TEST(FirstEntry, NeverMissesAlongTheAxesThroughTheGridOfABox) {
-  const SurfaceDistance surface(make_box({0.04, 0.04, 0.04}, 0.01));
+  const SignedDistance surface(make_box({0.04, 0.04, 0.04}, 0.01));
   for (int k = 0; k < 3; ++k) {
     for (int i = -1; i <= 1; ++i) {
       for (int j = -1; j <= 1; ++j) {
@@ -376,7 +376,7 @@ TEST(FirstEntry, TakesTheFirstOfSeveral) {
   transform(other, {Quat::Identity(), Vec3(0.05, 0, 0)});
   for (const Vec3& vertex : other.vertices) two.vertices.push_back(vertex);
   for (const auto& [a, b, c] : other.triangles) two.triangles.push_back({a + 8, b + 8, c + 8});
-  const SurfaceDistance surface(two);
+  const SignedDistance surface(two);
   const auto entry = surface.first_entry({-0.05, 0.001, 0.002}, {0.15, 0.001, 0.002});
   ASSERT_TRUE(entry.has_value());
   EXPECT_NEAR(entry->fraction, 0.2, 1e-15);
@@ -387,32 +387,32 @@ TEST(FirstEntry, TakesTheFirstOfSeveral) {
 }
 
 TEST(FirstEntry, LeavingIsNoEntry) {
-  const SurfaceDistance surface(make_box({0.02, 0.02, 0.02}, 0.02));
+  const SignedDistance surface(make_box({0.02, 0.02, 0.02}, 0.02));
   EXPECT_FALSE(surface.first_entry({0.001, 0.002, 0.0}, {0.05, 0.002, 0.0}).has_value());
 }
 
 TEST(FirstEntry, ASegmentThatEndsShortOrPassesByDoesNotEnter) {
-  const SurfaceDistance surface(make_box({0.02, 0.02, 0.02}, 0.02));
+  const SignedDistance surface(make_box({0.02, 0.02, 0.02}, 0.02));
   EXPECT_FALSE(surface.first_entry({0.05, 0.0, 0.0}, {0.0101, 0.0, 0.0}).has_value());
   EXPECT_FALSE(surface.first_entry({0.05, 0.0, 0.0}, {0.05, 0.1, 0.0}).has_value());
   EXPECT_FALSE(surface.first_entry({0.05, 0.0101, 0.0}, {-0.05, 0.0101, 0.0}).has_value());
 }
 
 TEST(FirstEntry, AStartOnTheSurfaceGoingInEnters) {
-  const SurfaceDistance surface(make_box({0.02, 0.02, 0.02}, 0.02));
+  const SignedDistance surface(make_box({0.02, 0.02, 0.02}, 0.02));
   const auto entry = surface.first_entry({0.003, 0.002, 0.01}, {0.003, 0.002, 0.0});
   ASSERT_TRUE(entry.has_value());
   EXPECT_EQ(entry->fraction, 0.0);
 }
 
 TEST(FirstEntry, APointIsNoSegment) {
-  const SurfaceDistance surface(make_box({0.02, 0.02, 0.02}, 0.02));
+  const SignedDistance surface(make_box({0.02, 0.02, 0.02}, 0.02));
   EXPECT_FALSE(surface.first_entry(Vec3::Zero(), Vec3::Zero()).has_value());
   EXPECT_FALSE(surface.first_entry(Vec3::Constant(std::nan("")), Vec3::Zero()).has_value());
 }
 
 TEST(FirstEntry, TinyStepsAcrossAThinPlateAreSeen) {
-  const SurfaceDistance surface(thin_plate());
+  const SignedDistance surface(thin_plate());
   const auto entry = surface.first_entry({0.001, 0.002, 5.001e-6}, {0.001, 0.002, 4.999e-6});
   ASSERT_TRUE(entry.has_value());
   EXPECT_NEAR(entry->fraction, 0.5, 1e-6);

@@ -1,4 +1,4 @@
-#include "core/geometry/disc_tree.h"
+#include "core/geometry/disc_bvh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@ namespace palpate::geometry {
 namespace {
 
 constexpr std::int32_t kChildren = 4;
-constexpr float kNothing = -1e30F;  // radius of an empty lane: its squared distance is infinite
-constexpr double kNowhere = 1e30;   // m; coordinate of an empty lane's triangle, with the same effect
+constexpr float kEmptyLane = -1e30F;  // radius of an empty lane: its squared distance is infinite
+constexpr double kNowhere = 1e30;     // m; coordinate of an empty lane's triangle, with the same effect
 
 /// A float that is not smaller, with a margin.
 float rounded_up(double value) noexcept {
@@ -25,7 +25,7 @@ float rounded_up(double value) noexcept {
 struct Disc {
   std::array<float, 3> centre{};
   std::array<float, 3> axis{0.0F, 0.0F, 1.0F};
-  float radius = kNothing;
+  float radius = kEmptyLane;
   float height = 0.0F;
 };
 
@@ -72,7 +72,7 @@ Disc disc_around(const TriangleMesh& mesh, std::span<const std::int32_t> run, co
 
 }  // namespace
 
-DiscTree::DiscTree(const TriangleMesh& mesh) {
+DiscBvh::DiscBvh(const TriangleMesh& mesh) {
   const auto count = static_cast<std::int32_t>(mesh.triangles.size());
   const Bounds box = bounds(mesh);
   origin_ = box.middle();
@@ -100,7 +100,7 @@ DiscTree::DiscTree(const TriangleMesh& mesh) {
   for (int level = 1; level <= levels_; ++level) bound_level(mesh, level);
 }
 
-void DiscTree::fill_leaves(const TriangleMesh& mesh) {
+void DiscBvh::fill_leaves(const TriangleMesh& mesh) {
   leaves_.resize((triangle_of_.size() + kChildren - 1) / kChildren);
   constexpr std::size_t kAtOnce = 8192;
   for_ranges(leaves_.size() * kChildren, kAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -108,7 +108,7 @@ void DiscTree::fill_leaves(const TriangleMesh& mesh) {
   });
 }
 
-void DiscTree::fill_lane(const TriangleMesh& mesh, std::size_t slot) {
+void DiscBvh::fill_lane(const TriangleMesh& mesh, std::size_t slot) {
   TriangleNode& leaf = leaves_[slot / kChildren];
   const std::size_t lane = slot % kChildren;
   Vec3 a = Vec3::Constant(kNowhere);
@@ -133,7 +133,7 @@ void DiscTree::fill_lane(const TriangleMesh& mesh, std::size_t slot) {
 
 /// Splits at the median of the longest side, at a multiple of the largest power of 4 below the count, so that
 /// the tree's runs are halves of halves.
-void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::int32_t end) {
+void DiscBvh::order(const std::vector<Vec3>& centres, std::int32_t begin, std::int32_t end) {
   struct Range {
     std::int32_t begin;
     std::int32_t end;
@@ -193,7 +193,7 @@ void DiscTree::order(const std::vector<Vec3>& centres, std::int32_t begin, std::
 }
 
 /// Fills a level: each lane bounds a run of 4^level triangles.
-void DiscTree::bound_level(const TriangleMesh& mesh, int level) {
+void DiscBvh::bound_level(const TriangleMesh& mesh, int level) {
   std::size_t run = 1;
   for (int i = 0; i < level; ++i) run *= kChildren;
   const std::size_t first = start_[at(level - 1)];

@@ -6,7 +6,7 @@
 
 #include "palpate/mesh.h"
 
-// Bounding-volume hierarchy for surface_distance.cc.
+// Bounding-volume hierarchy for signed_distance.cc.
 namespace palpate::geometry {
 
 /// Four bounding volumes, one per SIMD lane: flat cylinders (discs) along the surface. A disc bounds a
@@ -28,13 +28,13 @@ struct alignas(16) TriangleNode {
 
 /// A tree with four children per node over the triangles of a mesh, without pointers: triangles are sorted so
 /// that each run of 4, 16, 64 ... is a compact patch. The four triangles of leaf k are at slots 4k to 4k + 3.
-class DiscTree final {
+class DiscBvh final {
  public:
   static constexpr int kMostLevels = 16;  // 4^16 triangles are more than 32 bits can count
   static constexpr int kMostVisits = 3 * kMostLevels + 4;
 
   /// [setup] `mesh` has at least one triangle and finite vertices.
-  explicit DiscTree(const TriangleMesh& mesh);
+  explicit DiscBvh(const TriangleMesh& mesh);
 
   /// The triangle at each slot.
   [[nodiscard]] std::span<const std::int32_t> triangle_of() const noexcept { return triangle_of_; }

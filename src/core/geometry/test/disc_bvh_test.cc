@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/disc_search.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/builtin.h"
 #include "palpate/mesh.h"
 
@@ -36,10 +36,10 @@ Vec3 near_to(const TriangleMesh& mesh, std::mt19937& random, double reach) {
   return mesh.vertices[vertex(random)] + reach * Vec3(normal(random), normal(random), normal(random));
 }
 
-TEST(DiscTree, VisitsEveryTriangleWithinReach) {
+TEST(DiscBvh, VisitsEveryTriangleWithinReach) {
   std::mt19937 random(3);
   for (const TriangleMesh& mesh : meshes()) {
-    const DiscTree tree(mesh);
+    const DiscBvh tree(mesh);
     for (int i = 0; i < 150; ++i) {
       const Vec3 p = near_to(mesh, random, i % 2 == 0 ? 1e-3 : 20e-3);
       const double reach = i % 3 == 0 ? 1e-3 : 15e-3;
@@ -56,10 +56,10 @@ TEST(DiscTree, VisitsEveryTriangleWithinReach) {
   }
 }
 
-TEST(DiscTree, LooksAtLittleMoreThanTheTrianglesUnderAPoint) {
+TEST(DiscBvh, LooksAtLittleMoreThanTheTrianglesUnderAPoint) {
   std::mt19937 random(4);
   const TriangleMesh mesh = quadruple(make_organ("gallbladder"));
-  const DiscTree tree(mesh);
+  const DiscBvh tree(mesh);
   int visits = 0;
   constexpr int kQueries = 400;
   for (int i = 0; i < kQueries; ++i) {
@@ -77,10 +77,10 @@ TEST(DiscTree, LooksAtLittleMoreThanTheTrianglesUnderAPoint) {
   EXPECT_LT(visits, 8 * kQueries);  // of 8,440 triangles
 }
 
-TEST(DiscTree, VisitsEveryTriangleAlongASegment) {
+TEST(DiscBvh, VisitsEveryTriangleAlongASegment) {
   std::mt19937 random(5);
   for (const TriangleMesh& mesh : meshes()) {
-    const DiscTree tree(mesh);
+    const DiscBvh tree(mesh);
     for (int i = 0; i < 100; ++i) {
       const Vec3 a = near_to(mesh, random, 2e-3);
       const Vec3 b = near_to(mesh, random, 2e-3);
@@ -99,9 +99,9 @@ TEST(DiscTree, VisitsEveryTriangleAlongASegment) {
   }
 }
 
-TEST(DiscTree, HoldsEveryTriangleOnce) {
+TEST(DiscBvh, HoldsEveryTriangleOnce) {
   for (const TriangleMesh& mesh : meshes()) {
-    const DiscTree tree(mesh);
+    const DiscBvh tree(mesh);
     const std::set<std::int32_t> all(tree.triangle_of().begin(), tree.triangle_of().end());
     EXPECT_EQ(all.size(), mesh.triangles.size());
     EXPECT_EQ(tree.triangle_of().size(), mesh.triangles.size());

@@ -16,7 +16,7 @@ struct NearestPoint {
   std::int32_t triangle = -1;
 };
 
-/// SurfaceDistance::clearance returns at least this fraction of the distance.
+/// SignedDistance::clearance returns at least this fraction of the distance.
 inline constexpr double kClearanceShare = 0.6;
 
 /// A lower bound of a distance.
@@ -35,14 +35,14 @@ struct Entry {
 /// Exact signed distance and nearest point on a closed, outward-oriented surface, by a bounding-volume
 /// hierarchy. The sign comes from angle-weighted pseudonormals (Baerentzen and Aanaes 2005), so it is right
 /// at edges and corners.
-class SurfaceDistance final {
+class SignedDistance final {
  public:
   /// [setup] Builds the hierarchy; copies what it needs. @throws InputError when the mesh is empty or not
   /// closed, or an edge is not shared by exactly two triangles of opposite direction.
-  explicit SurfaceDistance(const TriangleMesh& mesh);
-  ~SurfaceDistance();
-  SurfaceDistance(SurfaceDistance&&) noexcept;
-  SurfaceDistance& operator=(SurfaceDistance&&) noexcept;
+  explicit SignedDistance(const TriangleMesh& mesh);
+  ~SignedDistance();
+  SignedDistance(SignedDistance&&) noexcept;
+  SignedDistance& operator=(SignedDistance&&) noexcept;
 
   /// [rt] The nearest point to p; among equally near ones that of the triangle with the smallest index.
   [[nodiscard]] NearestPoint nearest(const Vec3& p) const noexcept;

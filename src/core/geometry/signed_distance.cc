@@ -1,4 +1,4 @@
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -149,7 +149,7 @@ struct ShearedSegment {
 
 }  // namespace
 
-struct SurfaceDistance::Tree {
+struct SignedDistance::Tree {
   struct Best {
     OnTriangle on;
     std::int32_t slot = -1;
@@ -158,7 +158,7 @@ struct SurfaceDistance::Tree {
 
   explicit Tree(const TriangleMesh& mesh) : discs(mesh) {}
 
-  DiscTree discs;
+  DiscBvh discs;
   std::vector<Corners> corners;                         // by slot, in the order of the leaves
   std::vector<Vec3> plane_normals;                      // by slot
   std::vector<std::int32_t> slot_of;                    // by triangle
@@ -238,7 +238,7 @@ std::vector<Vec3> angle_weighted_normals(const TriangleMesh& mesh, const std::ve
 
 }  // namespace
 
-SurfaceDistance::SurfaceDistance(const TriangleMesh& mesh) {
+SignedDistance::SignedDistance(const TriangleMesh& mesh) {
   auto neighbours = neighbours_of_closed(mesh);
   auto tree = std::make_unique<Tree>(mesh);
   const std::size_t count = mesh.triangles.size();
@@ -270,16 +270,16 @@ SurfaceDistance::SurfaceDistance(const TriangleMesh& mesh) {
   tree_ = std::move(tree);
 }
 
-SurfaceDistance::~SurfaceDistance() = default;
-SurfaceDistance::SurfaceDistance(SurfaceDistance&&) noexcept = default;
-SurfaceDistance& SurfaceDistance::operator=(SurfaceDistance&&) noexcept = default;
+SignedDistance::~SignedDistance() = default;
+SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
+SignedDistance& SignedDistance::operator=(SignedDistance&&) noexcept = default;
 
-Vec3 SurfaceDistance::Tree::face_normal(std::int32_t triangle) const noexcept {
+Vec3 SignedDistance::Tree::face_normal(std::int32_t triangle) const noexcept {
   const Corners& corner = corners[at(slot_of[at(triangle)])];
   return unit_or_zero((corner[1] - corner[0]).cross(corner[2] - corner[0]));
 }
 
-Vec3 SurfaceDistance::Tree::pseudonormal(const Best& best) const noexcept {
+Vec3 SignedDistance::Tree::pseudonormal(const Best& best) const noexcept {
   if (best.on.feature < kFirstEdge) {
     return vertex_normals[at(triangles[at(best.triangle)][at(best.on.feature)])];
   }
@@ -288,7 +288,7 @@ Vec3 SurfaceDistance::Tree::pseudonormal(const Best& best) const noexcept {
   return unit_or_zero(own + face_normal(neighbours[at(best.triangle)][at(best.on.feature - kFirstEdge)]));
 }
 
-NearestPoint SurfaceDistance::Tree::finish(const Vec3& p, const Best& best) const noexcept {
+NearestPoint SignedDistance::Tree::finish(const Vec3& p, const Best& best) const noexcept {
   NearestPoint found;
   if (best.slot < 0) {  // p is not finite
     found.distance = kNaN;
@@ -306,13 +306,13 @@ NearestPoint SurfaceDistance::Tree::finish(const Vec3& p, const Best& best) cons
   return found;
 }
 
-NearestPoint SurfaceDistance::nearest(const Vec3& p) const noexcept { return nearest(p, -1); }
+NearestPoint SignedDistance::nearest(const Vec3& p) const noexcept { return nearest(p, -1); }
 
-NearestPoint SurfaceDistance::nearest(const Vec3& p, std::int32_t guess) const noexcept {
+NearestPoint SignedDistance::nearest(const Vec3& p, std::int32_t guess) const noexcept {
   return tree_->finish(p, tree_->search(p, guess, 1.0));
 }
 
-Clearance SurfaceDistance::clearance(const Vec3& p, std::int32_t guess) const noexcept {
+Clearance SignedDistance::clearance(const Vec3& p, std::int32_t guess) const noexcept {
   const Tree::Best best = tree_->search(p, guess, kClearanceShare * kClearanceShare);
   if (best.slot < 0) return {};
   // Skipped triangles were farther than this fraction of the smallest distance then, which was at least the
@@ -320,7 +320,7 @@ Clearance SurfaceDistance::clearance(const Vec3& p, std::int32_t guess) const no
   return {kClearanceShare * std::sqrt(best.on.distance_squared), best.triangle};
 }
 
-std::optional<Entry> SurfaceDistance::first_entry(const Vec3& a, const Vec3& b) const noexcept {
+std::optional<Entry> SignedDistance::first_entry(const Vec3& a, const Vec3& b) const noexcept {
   const Tree& tree = *tree_;
   const ShearedSegment segment(a, b);
   const double length = segment.direction.norm();
