@@ -31,7 +31,7 @@ class DisplacementProfile final {
   /// [any] @param reach checked by model::validate
   /// @param depth D [m]; <= 0 (or NaN): nothing moves
   /// @param tip_radius R [m]; @param half_width bound of R_1 [m], 0: none
-  DisplacementProfile(const model::ReachParameters& reach, double depth, double tip_radius,
+  DisplacementProfile(const model::ProfileParameters& reach, double depth, double tip_radius,
                       double half_width = 0.0) noexcept;
   /// [rt] Displacement [m] at distance r [m] along the surface. at(0) is D exactly.
   [[nodiscard]] double at(double r) const noexcept;
@@ -94,13 +94,13 @@ class SurfaceDeformer final {
   /// [setup] Displaced vertices under all indentations together, to single precision; as many as the rest
   /// mesh has, organ frame. For the picture's thread. Vertices out of reach equal the rest bit for bit. The
   /// result does not depend on what was before.
-  void deform(const model::ReachParameters& reach, std::span<const Indentation> indentations,
+  void deform(const model::ProfileParameters& reach, std::span<const Indentation> indentations,
               std::vector<Vec3>& vertices);
 
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept;
 
  private:
-  model::ReachParameters reach_;  // that the surface is made for
+  model::ProfileParameters reach_;  // that the surface is made for
   std::unique_ptr<DeformedSurface> surface_;
 };
 

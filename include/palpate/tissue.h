@@ -23,11 +23,11 @@ enum class LawKind : std::uint32_t { kLayered, kSmooth };
 /// [setup] The law of that name. @throws InputError naming the two.
 [[nodiscard]] LawKind parse_law(std::string_view text);
 
-/// One way in which a held tissue lets go: the force falls by `share` of the elastic one, with time constant
-/// `time`.
+/// One way in which a held tissue lets go: the force falls by `g` of the elastic one, with time constant
+/// `tau`.
 struct RelaxationTerm {
-  double share = 0.0;  // > 0; those of all terms sum to less than 1
-  double time = 0.0;   // [s]
+  double g = 0.0;    // > 0; those of all terms sum to less than 1
+  double tau = 0.0;  // [s]
 
   bool operator==(const RelaxationTerm&) const = default;
 };
@@ -66,14 +66,14 @@ class RelaxationTerms final {
 };
 
 /// How the surface gives way around a contact (docs/model.md, section 3); all without unit.
-struct ReachParameters {
+struct ProfileParameters {
   double contact_ratio = 1.1;     // c: R_1 = c R (D/R)^p
   double first_bar_ratio = 0.43;  // a
   double bar_ratio = 1.8;         // s > 1
   double weight_ratio = 0.58;     // g, in (0, 1)
   double depth_exponent = 0.5;    // p, in (0, 1]; 1/2: R_1 = c sqrt(R D)
 
-  bool operator==(const ReachParameters&) const = default;
+  bool operator==(const ProfileParameters&) const = default;
 };
 
 /// What the contact rules need of a tissue (docs/model.md, section 4).
@@ -107,7 +107,7 @@ struct TissueNumbers {
   double t1 = 0.0;           // delay of the first layer [s], eq. 6
   LawKind law = LawKind::kLayered;
   RelaxationTerms relaxation;  // none, or up to kMostRelaxationTerms
-  ReachParameters reach;
+  ProfileParameters reach;
   ContactParameters contact;
 
   /// [any] L_1 [m]: X_1max - X_1o when pulled, X_1o - X_1min when pressed.

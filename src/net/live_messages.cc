@@ -96,7 +96,7 @@ Json tissue_json(const model::TissueParameters& tissue) {
   }
   json["relaxation"] = Json::array();
   for (const model::RelaxationTerm& term : tissue.relaxation) {
-    json["relaxation"].push_back({{"share", term.share}, {"time_s", term.time}});
+    json["relaxation"].push_back({{"share", term.g}, {"time_s", term.tau}});
   }
   return json;
 }

@@ -181,8 +181,8 @@ TissueEdit read_tissue(Members& root) {
     for (std::size_t i = 0; i < terms->size(); ++i) {
       Members term((*terms)[i], "tissue.relaxation[" + std::to_string(i) + "]");
       model::RelaxationTerm read;
-      read.share = term.required_number("share");
-      read.time = term.required_number("time_s");
+      read.g = term.required_number("share");
+      read.tau = term.required_number("time_s");
       edit.relaxation->push_back(read);
       term.allow_no_more();
     }

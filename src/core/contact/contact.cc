@@ -244,7 +244,7 @@ void change_tissue(const World& world, State& state, const TissueLaws& laws) noe
   const model::Relaxation before = now.laws(world.data()).relaxation;
   for (ToolState& tool : now.tools) {
     for (PartState& part : tool.parts) {
-      for (Proxy& contact : part.active()) laws.relaxation.take_over(contact.load().memory, before);
+      for (Proxy& contact : part.active()) laws.relaxation.convert_history(contact.load().memory, before);
     }
     tool.grip.change_relaxation(laws.relaxation, before);
   }

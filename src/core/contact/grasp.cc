@@ -118,7 +118,7 @@ void Grasp::release_at_once() noexcept {
 }
 
 void Grasp::change_relaxation(const model::Relaxation& now, const model::Relaxation& before) noexcept {
-  for (model::RelaxationState& memory : memory_) now.take_over(memory, before);
+  for (model::RelaxationState& memory : memory_) now.convert_history(memory, before);
 }
 
 std::uint32_t Grasp::update(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,

@@ -81,9 +81,9 @@ void merge_histories(Load& a, Load& b) noexcept {
   const double elastic = a.memory.elastic + b.memory.elastic;
   if (!(elastic > 0.0)) return;
   for (std::size_t i = 0; i < model::kMostRelaxationTerms; ++i) {
-    const double kept = (a.memory.kept[i] + b.memory.kept[i]) / elastic;
-    a.memory.kept[i] = kept * a.memory.elastic;
-    b.memory.kept[i] = kept * b.memory.elastic;
+    const double kept = (a.memory.history[i] + b.memory.history[i]) / elastic;
+    a.memory.history[i] = kept * a.memory.elastic;
+    b.memory.history[i] = kept * b.memory.elastic;
   }
 }
 

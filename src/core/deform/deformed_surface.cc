@@ -86,7 +86,7 @@ struct DeformedSurface::TrackedContact {
   [[nodiscard]] float nearer() const { return way() + std::max(0.0F, field.own_excess); }
 };
 
-DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::ReachParameters& reach,
+DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::ProfileParameters& reach,
                                  double rounding, float least_share)
     : rest_(std::move(rest)),
       grid_(rest_),

@@ -13,7 +13,7 @@ constexpr std::size_t kTableSize = 1024;  // entries per R_6
 
 }  // namespace
 
-ProfileTable::ProfileTable(const model::ReachParameters& reach, double rounding)
+ProfileTable::ProfileTable(const model::ProfileParameters& reach, double rounding)
     : per_entry_(static_cast<float>(kTableSize)) {
   const DisplacementProfile profile(reach, 1.0, 1.0);
   const auto count = static_cast<std::size_t>(std::ceil(static_cast<double>(kTableSize) / (1.0 - rounding)));

@@ -9,8 +9,8 @@ namespace palpate::model {
 
 /// The history variables of relaxation, carried from sample to sample.
 struct RelaxationState {
-  std::array<double, kMostRelaxationTerms> kept{};  // q_i, unrelaxed force of each Prony term [N]
-  double elastic = 0.0;                             // elastic force F_e at the last sample [N]
+  std::array<double, kMostRelaxationTerms> history{};  // q_i, unrelaxed force of each Prony term [N]
+  double elastic = 0.0;                                // elastic force F_e at the last sample [N]
 };
 
 /// Quasi-linear viscoelasticity [Fung 1993, ch. 7]: F(t) = integral of G(t - s) dF_e with the Prony series
@@ -39,9 +39,9 @@ class Relaxation final {
   /// [rt] Converts the history variables of `before` to these terms. Existing terms continue; a new term
   /// begins unrelaxed. Without terms no history is kept, so the first terms treat the present force as just
   /// applied.
-  void take_over(RelaxationState& memory, const Relaxation& before) const noexcept {
+  void convert_history(RelaxationState& memory, const Relaxation& before) const noexcept {
     if (before.count_ == 0 || count_ == 0) memory = {};
-    for (std::size_t i = before.count_; i < count_; ++i) memory.kept[i] = memory.elastic;
+    for (std::size_t i = before.count_; i < count_; ++i) memory.history[i] = memory.elastic;
   }
 
   /// [setup] Sets the time between samples [s] from here on, for measurements with unequal sampling.
@@ -50,8 +50,8 @@ class Relaxation final {
 
  private:
   struct Term {
-    double share = 0.0;
-    double time = 0.0;  // tau_i [s]
+    double g = 0.0;
+    double tau = 0.0;   // tau_i [s]
     double keep = 0.0;  // e^(-step/tau_i)
     double gain = 0.0;  // (1 - keep) tau_i/step: of a ramp over one step
   };

@@ -80,9 +80,9 @@ void validate_relaxation(std::span<const RelaxationTerm> terms) {
   if (terms.size() > kMostRelaxationTerms) refuse_terms(terms.size());
   double sum = 0.0;
   for (const RelaxationTerm& term : terms) {
-    require_positive("relaxation.share", term.share);
-    require_positive("relaxation.time_s", term.time);
-    sum += term.share;
+    require_positive("relaxation.share", term.g);
+    require_positive("relaxation.time_s", term.tau);
+    sum += term.g;
   }
   if (!(sum < 1.0)) {
     throw ParameterError("relaxation.share", sum,

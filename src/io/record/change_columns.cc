@@ -57,8 +57,8 @@ ChangeRow row_of(const ParameterUpdate& change) noexcept {
     row.tissue[i] = kTissueFields[i].at.get(change.tissue).value_or(0.0);
   }
   for (std::size_t i = 0; i < change.tissue.relaxation.size(); ++i) {
-    row.share[i] = change.tissue.relaxation[i].share;
-    row.time[i] = change.tissue.relaxation[i].time;
+    row.share[i] = change.tissue.relaxation[i].g;
+    row.time[i] = change.tissue.relaxation[i].tau;
   }
   row.noise_enabled = change.noise.enabled ? 1 : 0;
   row.noise_gain = change.noise.gain;

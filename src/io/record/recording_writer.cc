@@ -94,8 +94,8 @@ void write_tissue(hid_t file, const model::TissueParameters& tissue) {
   hdf5::write_attribute(group.id(), "law", std::string(model::to_string(tissue.law)));
   for (std::size_t i = 0; i < tissue.relaxation.size(); ++i) {
     const std::string term = "relaxation_" + std::to_string(i + 1);
-    hdf5::write_attribute(group.id(), term + "_share", tissue.relaxation[i].share);
-    hdf5::write_attribute(group.id(), term + "_time_s", tissue.relaxation[i].time);
+    hdf5::write_attribute(group.id(), term + "_share", tissue.relaxation[i].g);
+    hdf5::write_attribute(group.id(), term + "_time_s", tissue.relaxation[i].tau);
   }
 }
 

@@ -71,8 +71,7 @@ std::optional<double> optional_from(const Json& json) {
 
 Json relaxation_json(const model::RelaxationTerms& terms) {
   Json json = Json::array();
-  for (const model::RelaxationTerm& term : terms)
-    json.push_back({{"share", term.share}, {"time_s", term.time}});
+  for (const model::RelaxationTerm& term : terms) json.push_back({{"share", term.g}, {"time_s", term.tau}});
   return json;
 }
 

@@ -28,9 +28,9 @@ model::RelaxationTerms read_relaxation(const TomlTable& table) {
   for (const TomlTable& entry : table.tables("relaxation")) {
     entry.allow_only({"share", "time_s"});
     model::RelaxationTerm term;
-    term.share = entry.required_number("share", kPositive);
-    term.time = entry.required_number("time_s", kPositive);
-    sum += term.share;
+    term.g = entry.required_number("share", kPositive);
+    term.tau = entry.required_number("time_s", kPositive);
+    sum += term.g;
     if (!(sum < 1.0)) {
       entry.fail("share", "the shares of all terms must sum to less than 1, these to " + shortest(sum));
     }
@@ -135,8 +135,8 @@ std::string to_toml(const model::TissueParameters& tissue) {
   numbers("");
   for (const model::RelaxationTerm& term : tissue.relaxation) {
     out += "[[tissue.relaxation]]\n";
-    line("share", real(term.share));
-    line("time_s", real(term.time));
+    line("share", real(term.g));
+    line("time_s", real(term.tau));
   }
   for (const model::TissueSection& section : model::kTissueSections) {
     out += "[tissue." + std::string(section.key) + "]\n";

@@ -28,7 +28,7 @@ void relax(std::span<const model::RelaxationTerm> terms, const std::vector<doubl
   model::Relaxation relaxation(terms, step);
   model::RelaxationState state;
   state.elastic = force[0];
-  state.kept.fill(force[0]);
+  state.history.fill(force[0]);
   for (std::size_t i = 1; i < force.size(); ++i) {
     const double wanted = time[i] - time[i - 1];
     if (std::abs(wanted - step) > kSameStep * step) {

@@ -126,8 +126,8 @@ std::vector<double> values_of(std::span<const double> shared, std::span<const do
     terms.push_back({exp(shared[i]) / whole, exp(shared[i + 1])});
   }
   std::sort(terms.begin(), terms.end(),
-            [](const model::RelaxationTerm& a, const model::RelaxationTerm& b) { return a.time < b.time; });
-  for (const model::RelaxationTerm& term : terms) values.insert(values.end(), {term.share, term.time});
+            [](const model::RelaxationTerm& a, const model::RelaxationTerm& b) { return a.tau < b.tau; });
+  for (const model::RelaxationTerm& term : terms) values.insert(values.end(), {term.g, term.tau});
   values.insert(values.end(), {own[0] * ranges.displacement, own[1] * ranges.force});
   return values;
 }

@@ -21,7 +21,7 @@ std::string tissue_in_words(const model::TissueParameters& tissue) {
       fmt::format("tissue {}, {}: k1 {} N/m, beta {}, q {}", tissue.name, model::to_string(tissue.law),
                   shortest(tissue.k1), shortest(tissue.beta), shortest(tissue.q));
   for (const model::RelaxationTerm& term : tissue.relaxation) {
-    text += fmt::format(", relaxing by {} in {} s", shortest(term.share), shortest(term.time));
+    text += fmt::format(", relaxing by {} in {} s", shortest(term.g), shortest(term.tau));
   }
   return text;
 }
@@ -39,7 +39,7 @@ void LawOverTime::change_to(const model::TissueParameters& tissue) {
   const model::Relaxation before = relaxation_;
   law_ = model::SpringLaw(tissue, direction_, period_);
   relaxation_ = model::Relaxation(tissue.relaxation, period_);
-  relaxation_.take_over(memory_, before);
+  relaxation_.convert_history(memory_, before);
 }
 
 double LawOverTime::force_at(const haptics::TickRow& row) {

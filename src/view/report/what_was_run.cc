@@ -118,8 +118,8 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
     facts.emplace_back(field.label, number(field.in_force(tissue) / field.unit.si, field.unit.text));
   }
   for (const model::RelaxationTerm& term : tissue.relaxation) {
-    facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.share),
-                                                 number(term.time, "s")));
+    facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.g),
+                                                 number(term.tau, "s")));
   }
   if (tissue.source) {
     facts.emplace_back("fitted with",

@@ -164,7 +164,7 @@ double by_convolution(const std::vector<double>& elastic, std::size_t end) {
   for (std::size_t i = 0; i < end; ++i) {
     const double age = (static_cast<double>(end - i) - 0.5) * kLawPeriod;
     double g = 1.0;
-    for (const model::RelaxationTerm& term : kTwoTerms) g -= term.share * (1.0 - std::exp(-age / term.time));
+    for (const model::RelaxationTerm& term : kTwoTerms) g -= term.g * (1.0 - std::exp(-age / term.tau));
     force += g * (elastic[i + 1] - elastic[i]);
   }
   return force;

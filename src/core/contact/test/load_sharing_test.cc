@@ -124,21 +124,21 @@ TEST(Sharing, ContactsThatBecomeOneRememberTheMeanOfWhatTheyDid) {
   relaxed.memory = {{0.2, 0.0, 0.0}, 1.0};  // the term's history is 0.2 N at an elastic force of 1 N
   Load fresh;
   fresh.memory = {{1.0, 1.0, 0.0}, 1.0};
-  const double before = relaxed.memory.kept[0] + fresh.memory.kept[0];
+  const double before = relaxed.memory.history[0] + fresh.memory.history[0];
   merge_histories(relaxed, fresh);
-  EXPECT_DOUBLE_EQ(relaxed.memory.kept[0] + fresh.memory.kept[0], before);
-  EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.6);
-  EXPECT_DOUBLE_EQ(fresh.memory.kept[1], 0.5);
+  EXPECT_DOUBLE_EQ(relaxed.memory.history[0] + fresh.memory.history[0], before);
+  EXPECT_DOUBLE_EQ(relaxed.memory.history[0], 0.6);
+  EXPECT_DOUBLE_EQ(fresh.memory.history[1], 0.5);
 
   fresh.memory = {{3.0, 0.0, 0.0}, 3.0};  // three times as strong, the same relative history
   merge_histories(relaxed, fresh);
-  EXPECT_DOUBLE_EQ(relaxed.memory.kept[0], 0.9);
-  EXPECT_DOUBLE_EQ(fresh.memory.kept[0], 2.7);
+  EXPECT_DOUBLE_EQ(relaxed.memory.history[0], 0.9);
+  EXPECT_DOUBLE_EQ(fresh.memory.history[0], 2.7);
 
   Load none;
   Load nothing;
   merge_histories(none, nothing);
-  EXPECT_EQ(none.memory.kept[0], 0.0);
+  EXPECT_EQ(none.memory.history[0], 0.0);
 }
 
 TEST(Sharing, TwoEqualJawsInOnePlacePressAsOne) {

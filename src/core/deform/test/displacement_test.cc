@@ -11,11 +11,11 @@
 namespace palpate::deform {
 namespace {
 
-const model::ReachParameters kReach{1.1, 0.43, 1.8, 0.58};
+const model::ProfileParameters kReach{1.1, 0.43, 1.8, 0.58};
 constexpr double kSingle = 5e-8;  // m; rounding of the displaced surface to single precision
 
 // The profile of docs/model.md, section 3, as an independent sum with explicit powers.
-double by_formula(const model::ReachParameters& p, double depth, double first, double r) {
+double by_formula(const model::ProfileParameters& p, double depth, double first, double r) {
   double sum = 0.0;
   double weights = 0.0;
   for (int i = 1; i <= 6; ++i) {
@@ -50,7 +50,7 @@ TEST(Profile, EqualsTheFormulaForManyParameters) {
   for (const double c : {0.7, 1.1, 2.0}) {
     for (const double s : {1.2, 1.8, 3.0}) {
       for (const double g : {0.2, 0.58, 0.9}) {
-        const model::ReachParameters reach{c, 0.5, s, g};
+        const model::ProfileParameters reach{c, 0.5, s, g};
         const DisplacementProfile profile(reach, 0.01, 0.003);
         for (int i = 0; i < 59; ++i) {
           const double r = 0.0017 * i;
@@ -80,13 +80,13 @@ TEST(Profile, AnExponentOfOneHalfIsTheSquareRootToTheBit) {
 
 TEST(Profile, FollowsHandComputedValuesAtOtherExponents) {
   // R = 4 mm, D = 0.5 mm, p = 1/3: (1/8)^(1/3) = 1/2, R_1 = 1.1 x 4 mm / 2 = 2.2 mm; R_6 = 10.618928 R_1.
-  const model::ReachParameters third{1.1, 0.43, 1.8, 0.58, 1.0 / 3.0};
+  const model::ProfileParameters third{1.1, 0.43, 1.8, 0.58, 1.0 / 3.0};
   const DisplacementProfile shallow(third, 0.5e-3, 4e-3);
   EXPECT_NEAR(shallow.reach(), 23.3616416e-3, 1e-12);
   for (const double r : {0.5e-3, 2e-3, 5e-3, 20e-3})
     EXPECT_NEAR(shallow.at(r), by_formula(third, 0.5e-3, 2.2e-3, r), 1e-15);
   // p = 1: R_1 = c D for any tool: 1.1 x 9 mm.
-  const model::ReachParameters one{1.1, 0.43, 1.8, 0.58, 1.0};
+  const model::ProfileParameters one{1.1, 0.43, 1.8, 0.58, 1.0};
   EXPECT_NEAR(DisplacementProfile(one, 9e-3, 4e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
   EXPECT_NEAR(DisplacementProfile(one, 9e-3, 1e-3).reach(), 10.618928 * 9.9e-3, 1e-12);
   // At D = R all exponents agree.
@@ -95,7 +95,7 @@ TEST(Profile, FollowsHandComputedValuesAtOtherExponents) {
 }
 
 TEST(Profile, GoesContinuouslyThroughTheExponentOfOneHalf) {
-  model::ReachParameters near = kReach;
+  model::ProfileParameters near = kReach;
   for (const double off : {-1e-9, 1e-9}) {
     near.depth_exponent = 0.5 + off;
     const double ratio =
@@ -106,7 +106,7 @@ TEST(Profile, GoesContinuouslyThroughTheExponentOfOneHalf) {
 
 TEST(Profile, GrowsWithTheDepthAtEveryDistanceWhateverTheExponent) {
   for (const double exponent : {0.02, 0.3, 0.5, 0.8, 1.0}) {
-    const model::ReachParameters reach{1.1, 0.43, 1.8, 0.58, exponent};
+    const model::ProfileParameters reach{1.1, 0.43, 1.8, 0.58, exponent};
     for (const double half_width : {0.0, 3e-3}) {
       for (int i = 1; i < 150; ++i) {
         const DisplacementProfile shallow(reach, 1e-4 * i, 5e-3, half_width);
@@ -137,7 +137,7 @@ TEST(Profile, FirstRadiusIsNeverMoreThanTheToolsHalfWidth) {
     EXPECT_NEAR(narrow.at(r), by_formula(kReach, 0.01, 0.002, r), 1e-15);
   const DisplacementProfile wide(kReach, 0.01, 0.003, 0.05);
   EXPECT_EQ(wide.reach(), DisplacementProfile(kReach, 0.01, 0.003).reach());
-  const model::ReachParameters steep{1.1, 0.43, 1.8, 0.58, 0.9};
+  const model::ProfileParameters steep{1.1, 0.43, 1.8, 0.58, 0.9};
   EXPECT_EQ(DisplacementProfile(steep, 0.01, 0.005, 0.002).reach(),
             DisplacementProfile(kReach, 0.01, 0.005, 0.002).reach());
 }
@@ -374,7 +374,7 @@ TEST(Deformer, ForgetsThePictureBefore) {
 
 TEST(Deformer, TakesTheReachOfTheMoment) {
   const geometry::TriangleMesh ball = geometry::make_ball(0.018, 1280);
-  const model::ReachParameters other{0.8, 0.5, 1.5, 0.4};
+  const model::ProfileParameters other{0.8, 0.5, 1.5, 0.4};
   const std::vector dent{Indentation{ball.vertices[0], -ball.vertices[0].normalized(), 0.004, 0.003}};
   SurfaceDeformer fresh(ball);
   std::vector<Vec3> expected;

@@ -202,7 +202,7 @@ class PlainDeformer final {
  public:
   explicit PlainDeformer(const geometry::TriangleMesh& rest) : geodesic_(rest), sums_(rest.vertices.size()) {}
 
-  [[nodiscard]] std::vector<Vec3> deformed(const model::ReachParameters& reach,
+  [[nodiscard]] std::vector<Vec3> deformed(const model::ProfileParameters& reach,
                                            std::span<const Indentation> indentations, double rounding = 0.0) {
     std::vector<Vec3> vertices = geodesic_.mesh().vertices;
     sums_.assign(vertices.size(), {});
@@ -247,7 +247,7 @@ class PlainDeformer final {
     return nearest;
   }
 
-  void add(const model::ReachParameters& reach, const Indentation& indentation, double rounding) {
+  void add(const model::ProfileParameters& reach, const Indentation& indentation, double rounding) {
     const PlainPoint contact = geodesic_.nearest(indentation.point);
     const double along_normal = indentation.direction.dot(contact.normal);
     double depth = indentation.depth;

@@ -40,7 +40,7 @@ std::vector<double> numbers(const scene::Setup& s) {
                              s.safety.max_torque,
                              s.safety.max_torque_slew};
   for (const model::TissueField& field : model::kTissueFields) out.push_back(field.at.get(t).value_or(-1));
-  for (const model::RelaxationTerm& term : t.relaxation) out.insert(out.end(), {term.share, term.time});
+  for (const model::RelaxationTerm& term : t.relaxation) out.insert(out.end(), {term.g, term.tau});
   add_pose(s.organ_pose, out);
   for (const geometry::Tool& tool : s.tools) {
     out.push_back(tool.tip_radius.value_or(-1));
@@ -186,8 +186,8 @@ TEST(RoundTrip, LawAndRelaxationComeBack) {
   const model::TissueParameters got = setup_from_json(setup_to_json(setup)).tissue;
   EXPECT_EQ(got.law, model::LawKind::kSmooth);
   ASSERT_EQ(got.relaxation.size(), 2U);
-  EXPECT_EQ(got.relaxation[0].share, 0.1);
-  EXPECT_EQ(got.relaxation[0].time, 0.1 + 0.2);
+  EXPECT_EQ(got.relaxation[0].g, 0.1);
+  EXPECT_EQ(got.relaxation[0].tau, 0.1 + 0.2);
 }
 
 /// The tissue of a recorded scene without these keys, as older recordings have it.

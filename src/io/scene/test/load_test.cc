@@ -92,7 +92,7 @@ TEST(Load, TakesATissueOfTheSmoothLawThatRelaxes) {
   const model::TissueParameters tissue = load(request).tissue;
   EXPECT_EQ(tissue.law, model::LawKind::kSmooth);
   ASSERT_EQ(tissue.relaxation.size(), 1U);
-  EXPECT_EQ(tissue.relaxation[0].time, 1.5);
+  EXPECT_EQ(tissue.relaxation[0].tau, 1.5);
 }
 
 TEST(Load, ReadsFilesRelativeToTheScene) {
