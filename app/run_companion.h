@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "palpate/session.h"
 
 namespace palpate::app {
@@ -49,7 +49,7 @@ class RunCompanion final : public haptics::TickObserver {
   const session::Session& session_;
   std::atomic<std::uint64_t> done_{0};  // ticks
   std::atomic<int> warm_hand_{-1};      // whose device's motors were warm last; -1: none
-  Ring<haptics::FaultSeen> faults_{kFaultsKept};
+  SpscQueue<haptics::FaultSeen> faults_{kFaultsKept};
   std::mutex mutex_;  // of errors_
   std::vector<std::string> errors_;
   std::jthread thread_;  // last: it uses all of the above

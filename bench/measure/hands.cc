@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "core/haptics/simulation.h"
 #include "palpate/scripted_device.h"
 #include "run/realtime/realtime.h"
@@ -115,7 +115,7 @@ class RowTaker final {
     }
   }
 
-  Ring<haptics::TickRow> ring_;
+  SpscQueue<haptics::TickRow> ring_;
   std::uint64_t lost_ = 0;
   std::atomic<bool> done_{false};
   std::thread thread_;

@@ -10,9 +10,9 @@
 #include "io/record/recorder.h"
 #include "palpate/preparation.h"
 #include "palpate/scene.h"
-#include "palpate/snapshot_cell.h"
 #include "palpate/surface.h"
 #include "palpate/tick_observer.h"
+#include "palpate/triple_buffer.h"
 
 #include "bindings/c/palpate.h"
 
@@ -80,7 +80,7 @@ struct palpate_simulation {
   std::uint64_t next_tick_ = 0;
   std::atomic<std::uint32_t> resets_{0};  // a bit a hand
   std::optional<palpate::record::Recorder> recorder_;
-  palpate::SnapshotCell<palpate::haptics::Snapshot> snapshots_;
+  palpate::TripleBuffer<palpate::haptics::Snapshot> snapshots_;
   // Of the picture's thread:
   palpate::deform::SurfaceDeformer deformer_;
   std::vector<palpate::Vec3> vertices_;

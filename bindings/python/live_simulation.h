@@ -13,9 +13,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "palpate/session.h"
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 
 #include "bindings/python/surface.h"
 
@@ -52,9 +52,9 @@ class RowCollector final : public haptics::TickObserver {
 
   std::size_t hands_;
   std::size_t kept_;
-  SnapshotCell<Newest> newest_;
+  TripleBuffer<Newest> newest_;
   bool any_ = false;  // a newest was seen
-  Ring<haptics::TickRow> ring_{kRoom};
+  SpscQueue<haptics::TickRow> ring_{kRoom};
   std::atomic<std::uint64_t> left_out_{0};
   std::mutex readers_;  // one at a time; the loop never takes it
   std::deque<haptics::TickRow> rows_;

@@ -8,10 +8,10 @@
 #include "palpate/parameter_updates.h"
 #include "palpate/pose.h"
 #include "palpate/run_control.h"
-#include "palpate/snapshot_cell.h"
 #include "palpate/tick_row.h"
 #include "palpate/tissue.h"
 #include "palpate/tool_contact.h"
+#include "palpate/triple_buffer.h"
 
 namespace palpate::haptics {
 
@@ -74,11 +74,11 @@ class SnapshotPublisher final : public TickObserver {
     cell_.publish();
   }
   /// [any] Where the one reader takes it from.
-  [[nodiscard]] SnapshotCell<Snapshot>& cell() noexcept { return cell_; }
-  [[nodiscard]] const SnapshotCell<Snapshot>& cell() const noexcept { return cell_; }
+  [[nodiscard]] TripleBuffer<Snapshot>& cell() noexcept { return cell_; }
+  [[nodiscard]] const TripleBuffer<Snapshot>& cell() const noexcept { return cell_; }
 
  private:
-  SnapshotCell<Snapshot> cell_;
+  TripleBuffer<Snapshot> cell_;
 };
 
 }  // namespace palpate::haptics

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/base/ring.h"
-#include "palpate/snapshot_cell.h"
+#include "core/base/spsc_queue.h"
 #include "palpate/tick_observer.h"
+#include "palpate/triple_buffer.h"
 
 namespace palpate::net {
 
@@ -44,8 +44,8 @@ class LiveTap final : public haptics::TickObserver {
   std::uint32_t hands_;
   std::uint64_t change_ = 0;
   std::array<std::uint32_t, haptics::Snapshot::kMaxHands> faults_{};
-  SnapshotCell<LiveTick> ticks_;
-  Ring<FaultTurn> turns_{kTurnsKept};
+  TripleBuffer<LiveTick> ticks_;
+  SpscQueue<FaultTurn> turns_{kTurnsKept};
   bool seen_ = false;  // of the reader
 };
 

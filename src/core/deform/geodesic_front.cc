@@ -6,7 +6,7 @@
 
 #include "core/base/index.h"
 #include "core/base/infinity.h"
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace palpate::deform {
 namespace {

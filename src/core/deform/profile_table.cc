@@ -34,15 +34,16 @@ ProfileTable::ProfileTable(const model::ProfileParameters& reach, double roundin
   last_ = static_cast<float>(rows_.size() - 1);
 }
 
-ProfileTable::LaneValue ProfileTable::at(const Lanes& y) const noexcept {
-  const Lanes place = min(y * Lanes(per_entry_), Lanes(last_));
+ProfileTable::Value4 ProfileTable::at(const Float4& y) const noexcept {
+  const Float4 place = min(y * Float4(per_entry_), Float4(last_));
   std::array<std::int32_t, kLanes> entry{};
   for (std::size_t lane = 0; lane < kLanes; ++lane) entry[lane] = static_cast<std::int32_t>(place.get(lane));
-  const Lanes share = place - Lanes(Lanes::Value{static_cast<float>(entry[0]), static_cast<float>(entry[1]),
-                                                 static_cast<float>(entry[2]), static_cast<float>(entry[3])});
-  std::array<Lanes, kLanes> rows;  // u, its change, slope and its change, after the transposition
+  const Float4 share =
+      place - Float4(Float4::Value{static_cast<float>(entry[0]), static_cast<float>(entry[1]),
+                                   static_cast<float>(entry[2]), static_cast<float>(entry[3])});
+  std::array<Float4, kLanes> rows;  // u, its change, slope and its change, after the transposition
   for (std::size_t lane = 0; lane < kLanes; ++lane)
-    rows[lane] = Lanes::load_unaligned(rows_[static_cast<std::size_t>(entry[lane])].data());
+    rows[lane] = Float4::load_unaligned(rows_[static_cast<std::size_t>(entry[lane])].data());
   transpose(rows);
   return {rows[0] + share * rows[1], rows[2] + share * rows[3]};
 }

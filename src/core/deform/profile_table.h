@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "palpate/tissue.h"
 
 namespace palpate::deform {
@@ -16,8 +16,8 @@ class ProfileTable final {
     float u = 0.0F;      // u/D
     float slope = 0.0F;  // d(u/D) / d(r/R_6)
   };
-  struct LaneValue {
-    Lanes u, slope;
+  struct Value4 {
+    Float4 u, slope;
   };
 
   /// [setup] @param rounding as in DisplacementProfile::rounded_at
@@ -32,7 +32,7 @@ class ProfileTable final {
     return {row[0] + share * row[1], row[2] + share * row[3]};
   }
   /// [any] Four values at once.
-  [[nodiscard]] LaneValue at(const Lanes& y) const noexcept;
+  [[nodiscard]] Value4 at(const Float4& y) const noexcept;
   /// [any] r/R_6 from which u/D stays below `share`.
   [[nodiscard]] float where(float share) const noexcept;
 

@@ -16,7 +16,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "core/base/text.h"
 #include "io/record/machine.h"
 #include "io/record/recording_writer.h"
@@ -114,8 +114,8 @@ struct Recorder::Impl {
   bool offline = false;
   double rows_per_second;  // of simulated time
   std::function<void(const std::string&)> on_failure;
-  Ring<haptics::TickRow> ring;
-  Ring<haptics::ParameterUpdate> change_ring{kChangesKept};
+  SpscQueue<haptics::TickRow> ring;
+  SpscQueue<haptics::ParameterUpdate> change_ring{kChangesKept};
   std::unique_ptr<RecordingWriter> writer;  // used by the thread; after its end by finish()
 
   std::atomic<std::int64_t> started_unix_ns{0};

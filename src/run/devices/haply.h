@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "palpate/device.h"
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 #include "run/devices/force_hand_over.h"
 #include "run/devices/haply_link.h"
 #include "run/devices/haply_messages.h"
@@ -84,7 +84,7 @@ class HaplyDevice final : public haptics::Device {
   const HaplyTimes times_;
   const HaplyAddress address_;
   std::atomic<bool> closing_{false};
-  SnapshotCell<Sample> samples_;  // thread to loop
+  TripleBuffer<Sample> samples_;  // thread to loop
   ForceHandOver forces_;          // loop to thread
   mutable std::mutex mutex_;      // of trouble_
   std::string trouble_;

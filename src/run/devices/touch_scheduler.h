@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "palpate/device.h"
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 #include "run/devices/force_hand_over.h"
 #include "run/devices/touch_library.h"
 
@@ -32,7 +32,7 @@ struct TouchArm {
   int calibration_style = 0;
   unsigned handle = kHdInvalidHandle;
 
-  SnapshotCell<TouchSample> samples;      // vendor's thread to loop
+  TripleBuffer<TouchSample> samples;      // vendor's thread to loop
   ForceHandOver forces;                   // loop to vendor's thread
   std::atomic<bool> opening{true};        // its calibration is looked after
   std::atomic<std::uint32_t> trouble{0};  // TouchTrouble << 16 | code, what was last wrong

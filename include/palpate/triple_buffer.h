@@ -8,7 +8,7 @@ namespace palpate {
 /// Hands the newest value of T from one writer thread to one reader thread; neither ever waits.
 /// Three slots: the writer owns one, the reader owns one, the third is exchanged. T is copied, never torn.
 template <typename T>
-class SnapshotCell final {
+class TripleBuffer final {
  public:
   /// [rt] The writer's slot: fill it, then publish().
   [[nodiscard]] T& writable() noexcept { return slots_[write_]; }

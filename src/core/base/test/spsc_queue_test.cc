@@ -1,4 +1,4 @@
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 
 #include <cstdint>
 #include <thread>
@@ -8,15 +8,15 @@
 namespace palpate {
 namespace {
 
-TEST(Ring, HasRoomForAtLeastWhatWasAskedFor) {
-  EXPECT_EQ(Ring<int>(0).capacity(), 2u);
-  EXPECT_EQ(Ring<int>(1).capacity(), 2u);
-  EXPECT_EQ(Ring<int>(5).capacity(), 8u);
-  EXPECT_EQ(Ring<int>(8).capacity(), 8u);
+TEST(SpscQueue, HasRoomForAtLeastWhatWasAskedFor) {
+  EXPECT_EQ(SpscQueue<int>(0).capacity(), 2u);
+  EXPECT_EQ(SpscQueue<int>(1).capacity(), 2u);
+  EXPECT_EQ(SpscQueue<int>(5).capacity(), 8u);
+  EXPECT_EQ(SpscQueue<int>(8).capacity(), 8u);
 }
 
-TEST(Ring, GivesBackInOrder) {
-  Ring<int> ring(4);
+TEST(SpscQueue, GivesBackInOrder) {
+  SpscQueue<int> ring(4);
   int item = 0;
   EXPECT_FALSE(ring.pop(item));
   for (int round = 0; round < 10; ++round) {  // wraps round
@@ -29,8 +29,8 @@ TEST(Ring, GivesBackInOrder) {
   }
 }
 
-TEST(Ring, RefusesWhenFullAndKeepsWhatItHas) {
-  Ring<int> ring(2);
+TEST(SpscQueue, RefusesWhenFullAndKeepsWhatItHas) {
+  SpscQueue<int> ring(2);
   EXPECT_TRUE(ring.push(1));
   EXPECT_TRUE(ring.push(2));
   EXPECT_FALSE(ring.push(3));
@@ -44,13 +44,13 @@ TEST(Ring, RefusesWhenFullAndKeepsWhatItHas) {
   EXPECT_EQ(item, 4);
 }
 
-TEST(Ring, LosesAndTearsNothingBetweenTwoThreads) {
+TEST(SpscQueue, LosesAndTearsNothingBetweenTwoThreads) {
   struct Pair {
     std::uint64_t number = 0;
     std::uint64_t complement = 0;
   };
   constexpr std::uint64_t kItems = 200'000;
-  Ring<Pair> ring(64);
+  SpscQueue<Pair> ring(64);
   std::thread producer([&ring] {
     for (std::uint64_t i = 0; i < kItems; ++i) {
       while (!ring.push({i, ~i})) std::this_thread::yield();

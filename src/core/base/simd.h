@@ -15,8 +15,8 @@
 // gives the same bits as scalar code.
 namespace palpate {
 
-using Float4 = float __attribute__((vector_size(16)));
-using Double2 = double __attribute__((vector_size(16)));
+using RawFloat4 = float __attribute__((vector_size(16)));
+using RawDouble2 = double __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Long2 = std::int64_t __attribute__((vector_size(16)));
 
@@ -58,7 +58,7 @@ struct SimdMask {
 /// A vector of 16 bytes.
 template <typename T>
 struct Simd {
-  using Value = std::conditional_t<sizeof(T) == 4, Float4, Double2>;
+  using Value = std::conditional_t<sizeof(T) == 4, RawFloat4, RawDouble2>;
   using Mask = SimdMask<T>;
   static constexpr std::size_t kSize = 16 / sizeof(T);
   Value v;
@@ -114,40 +114,40 @@ struct Simd {
   }
 };
 
-using Lanes = Simd<float>;
-using LaneMask = Lanes::Mask;
-inline constexpr std::size_t kLanes = Lanes::kSize;
+using Float4 = Simd<float>;
+using Float4Mask = Float4::Mask;
+inline constexpr std::size_t kLanes = Float4::kSize;
 
-using Pair = Simd<double>;
-using PairMask = Pair::Mask;
-inline constexpr std::size_t kPair = Pair::kSize;
+using Double2 = Simd<double>;
+using Double2Mask = Double2::Mask;
+inline constexpr std::size_t kDoubles = Double2::kSize;
 
 /// [any]
-[[nodiscard]] inline Pair pair_of(double first, double second) noexcept {
-  return Pair(Pair::Value{first, second});
+[[nodiscard]] inline Double2 pair_of(double first, double second) noexcept {
+  return Double2(Double2::Value{first, second});
 }
 
 /// [any] The smaller of two numbers.
-[[nodiscard]] inline double least_of(const Pair& pair) noexcept {
+[[nodiscard]] inline double least_of(const Double2& pair) noexcept {
   return pair.get(0) < pair.get(1) ? pair.get(0) : pair.get(1);
 }
 
 /// [any] The larger of two numbers.
-[[nodiscard]] inline double largest_of(const Pair& pair) noexcept {
+[[nodiscard]] inline double largest_of(const Double2& pair) noexcept {
   return pair.get(0) < pair.get(1) ? pair.get(1) : pair.get(0);
 }
 
 /// [any] The largest of the lanes.
-[[nodiscard]] inline float largest_of(const Lanes& lanes) noexcept {
+[[nodiscard]] inline float largest_of(const Float4& lanes) noexcept {
   const float a = lanes.get(0) > lanes.get(1) ? lanes.get(0) : lanes.get(1);
   const float b = lanes.get(2) > lanes.get(3) ? lanes.get(2) : lanes.get(3);
   return a > b ? a : b;
 }
 
 /// [any] Row i becomes column i.
-inline void transpose(std::array<Lanes, kLanes>& rows) noexcept {
+inline void transpose(std::array<Float4, kLanes>& rows) noexcept {
   const auto [a, b, c, d] = rows;
-  for (std::size_t i = 0; i < kLanes; ++i) rows[i] = Lanes(Lanes::Value{a.v[i], b.v[i], c.v[i], d.v[i]});
+  for (std::size_t i = 0; i < kLanes; ++i) rows[i] = Float4(Float4::Value{a.v[i], b.v[i], c.v[i], d.v[i]});
 }
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 
 #include <algorithm>
 #include <array>
@@ -10,14 +10,14 @@
 namespace palpate {
 namespace {
 
-TEST(SnapshotCell, HasNothingNewBeforeTheFirstPublish) {
-  SnapshotCell<int> cell;
+TEST(TripleBuffer, HasNothingNewBeforeTheFirstPublish) {
+  TripleBuffer<int> cell;
   EXPECT_FALSE(cell.refresh());
   EXPECT_EQ(cell.value(), 0);
 }
 
-TEST(SnapshotCell, GivesTheNewestAndEachOnce) {
-  SnapshotCell<int> cell;
+TEST(TripleBuffer, GivesTheNewestAndEachOnce) {
+  TripleBuffer<int> cell;
   for (int i = 1; i <= 5; ++i) {
     cell.writable() = i;
     cell.publish();
@@ -28,8 +28,8 @@ TEST(SnapshotCell, GivesTheNewestAndEachOnce) {
   EXPECT_EQ(cell.value(), 5);
 }
 
-TEST(SnapshotCell, KeepsTheReadersValueWhileTheWriterGoesOn) {
-  SnapshotCell<int> cell;
+TEST(TripleBuffer, KeepsTheReadersValueWhileTheWriterGoesOn) {
+  TripleBuffer<int> cell;
   cell.writable() = 1;
   cell.publish();
   ASSERT_TRUE(cell.refresh());
@@ -40,10 +40,10 @@ TEST(SnapshotCell, KeepsTheReadersValueWhileTheWriterGoesOn) {
   }
 }
 
-TEST(SnapshotCell, IsNeverTornAndNeverGoesBackBetweenTwoThreads) {
+TEST(TripleBuffer, IsNeverTornAndNeverGoesBackBetweenTwoThreads) {
   using Block = std::array<std::uint64_t, 64>;
   constexpr std::uint64_t kLast = 100'000;
-  SnapshotCell<Block> cell;
+  TripleBuffer<Block> cell;
   std::thread writer([&cell] {
     for (std::uint64_t i = 1; i <= kLast; ++i) {
       cell.writable().fill(i);

@@ -9,10 +9,11 @@ namespace palpate {
 /// Lock-free queue of fixed capacity from one producer thread to one consumer thread (SPSC queue). Neither
 /// waits. Allocates in the constructor only.
 template <typename T>
-class Ring final {
+class SpscQueue final {
  public:
   /// [setup] Room for at least `capacity` items (rounded up to a power of two).
-  explicit Ring(std::size_t capacity) : items_(std::bit_ceil(capacity < 2 ? std::size_t{2} : capacity)) {}
+  explicit SpscQueue(std::size_t capacity)
+      : items_(std::bit_ceil(capacity < 2 ? std::size_t{2} : capacity)) {}
 
   [[nodiscard]] std::size_t capacity() const noexcept { return items_.size(); }
 
