@@ -53,38 +53,38 @@ class Flood final {
     const std::vector<GroupMoments>& nodes = groups_.nodes(group);
     bool any = false;
     for (std::size_t i = 0; i < nodes.size();) {
-      const Met met = add_whole(nodes[i], any);
-      any = any || met == Met::kInReach;
-      if (met == Met::kPartly && nodes[i].after == i + 1) {  // a leaf
-        for (const Piece& piece : groups_.pieces(nodes[i])) any = add_piece(piece, any) || any;
+      const Coverage met = add_whole(nodes[i], any);
+      any = any || met == Coverage::kInReach;
+      if (met == Coverage::kPartly && nodes[i].after == i + 1) {  // a leaf
+        for (const TriangleMoments& piece : groups_.pieces(nodes[i])) any = add_piece(piece, any) || any;
       }
-      i = met == Met::kPartly ? i + 1 : nodes[i].after;
+      i = met == Coverage::kPartly ? i + 1 : nodes[i].after;
     }
     return any;
   }
 
-  enum class Met { kOut, kInReach, kPartly };
+  enum class Coverage { kOut, kInReach, kPartly };
 
   /// Adds all triangles of a node by their moments, if all of them are within the radius and count in full.
   /// @param any true when another triangle of the group is already known to be within the radius
-  Met add_whole(const GroupMoments& moments, bool any) {
+  Coverage add_whole(const GroupMoments& moments, bool any) {
     const Vec3 u = centre_ - moments.centre;
     const double squared = u.squaredNorm();
     const double outer = radius_ + moments.reach;
     const double inner = radius_ - moments.reach;
-    if (squared >= outer * outer) return Met::kOut;
+    if (squared >= outer * outer) return Coverage::kOut;
     const bool in_reach = inner > 0.0 && squared < inner * inner;
-    if (!in_reach && !any) return Met::kPartly;
+    if (!in_reach && !any) return Coverage::kPartly;
     const double cosine = fan_.reference().dot(moments.axis);
-    if (cosine + moments.spread <= kSharpCosine) return Met::kInReach;  // turned too far: weight 0
-    if (!in_reach || cosine - moments.spread < kFullCosine) return Met::kPartly;
+    if (cosine + moments.spread <= kSharpCosine) return Coverage::kInReach;  // turned too far: weight 0
+    if (!in_reach || cosine - moments.spread < kFullCosine) return Coverage::kPartly;
     moments.add_to(sum_, u, radius_);
-    return Met::kInReach;
+    return Coverage::kInReach;
   }
 
   /// @param any as in add_whole
   /// @return whether a corner is within the radius
-  bool add_piece(const Piece& piece, bool any) {
+  bool add_piece(const TriangleMoments& piece, bool any) {
     const Vec3 u = centre_ - piece.centre;
     const double squared = u.squaredNorm();
     const double outer = radius_ + (any ? 1.0 : 2.0) * piece.middles;
@@ -229,7 +229,7 @@ double group_size_for(const SurfaceView& surface, const Sides& sides, double rad
 }
 
 std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides, double radius,
-                                             double group_size, const Share& share) {
+                                             double group_size, const ProgressCallback& progress) {
   constexpr std::size_t kBatch = 256;  // groups between two progress reports
   constexpr std::size_t kGrain = 16;
   const TriangleGroups groups(surface, group_size);
@@ -237,7 +237,7 @@ std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const S
   std::mutex mutex;
   std::vector<std::unique_ptr<Flood>> idle;
   for (std::size_t from = 0; from < groups.size(); from += kBatch) {
-    if (share) share(static_cast<double>(from) / static_cast<double>(groups.size()));
+    if (progress) progress(static_cast<double>(from) / static_cast<double>(groups.size()));
     for_ranges(std::min(kBatch, groups.size() - from), kGrain, [&](std::size_t begin, std::size_t end) {
       std::unique_ptr<Flood> flood;
       {

@@ -47,7 +47,7 @@ class SideFan final {
 };
 
 /// Receives the progress, 0..1, on the calling thread.
-using Share = std::function<void(double)>;
+using ProgressCallback = std::function<void(double)>;
 
 /// An averaged normal and its gradient along the surface.
 struct NormalAndSlope {
@@ -72,6 +72,6 @@ struct NormalAndSlope {
 /// @param group_size largest distance [m] of a corner from the group's first triangle; 0: no groups
 [[nodiscard]] std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides,
                                                            double radius, double group_size,
-                                                           const Share& share = {});
+                                                           const ProgressCallback& progress = {});
 
 }  // namespace palpate::contact

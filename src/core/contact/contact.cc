@@ -50,12 +50,12 @@ bool move_part(const Pose& pose_S, double reference_radius, double period, PartS
   const bool moved =
       part.distances.move(pose_S, period, std::span(contacts_S).first(count), reference_radius);
   if (!moved) {
-    part.armed = false;
+    part.may_start_contacts = false;
     part.contact_count = 0;
   }
-  if (!part.armed) {
+  if (!part.may_start_contacts) {
     part.distances.find_nearest();
-    part.armed = part.distances.nearest().distance >= kOutside;
+    part.may_start_contacts = part.distances.nearest().distance >= kOutside;
   }
   return moved;
 }
@@ -248,7 +248,7 @@ void change_tissue(const World& world, State& state, const TissueLaws& laws) noe
     }
     tool.grip.change_relaxation(laws.relaxation, before);
   }
-  now.changed = laws;
+  now.updated_laws = laws;
 }
 
 void advance(const World& world, const Pose& organ_W, std::span<const ToolInput> inputs, State& state,

@@ -63,7 +63,7 @@ void Grasp::grasp(const World::Data& world, const ToolPoints& points, const Pose
   bool near = false;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     DistanceCache& distances = parts[i].distances;
-    if (!holds(points, i) || !parts[i].armed) continue;
+    if (!holds(points, i) || !parts[i].may_start_contacts) continue;
     middle += jaw_contact_point(points.parts[i], distances);
     count += 1.0;
     if (distances.nearest().distance > nearest) continue;

@@ -62,9 +62,9 @@ std::size_t point_nearest_to(const PartPoints& points, const Vec3& wanted) noexc
 }
 
 /// Starts contacts of one part, with a limit on the patches evaluated per tick.
-class Starter final {
+class ContactStarter final {
  public:
-  Starter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
+  ContactStarter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
       : world_(world), points_(points), part_(part) {}
 
   void try_entries() noexcept {
@@ -149,12 +149,12 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
   merge_contacts(world.tissue.contact.reference_radius, world.period, part);
   if (before > 0 && part.contact_count == 0) {
     part.distances.find_nearest();
-    if (part.distances.nearest().distance < kDeepInside) part.armed = false;
+    if (part.distances.nearest().distance < kDeepInside) part.may_start_contacts = false;
   }
 
   std::uint32_t status = 0;
-  if (part.armed) {
-    Starter starter(world, points, part);
+  if (part.may_start_contacts) {
+    ContactStarter starter(world, points, part);
     starter.try_entries();
     if (part.distances.inside_count() > 0) starter.try_shallow_points();
     status = starter.status();

@@ -43,8 +43,8 @@ struct PartState {
   Pose joint_T;              // the part's frame in the handle's
   double press_level = 1.0;  // 0 while the jaws hold tissue
   int contact_count = 0;
-  std::uint32_t cursor = 0;  // the next inside point to try for a new contact
-  bool armed = false;        // has been outside since its last jump
+  std::uint32_t cursor = 0;         // the next inside point to try for a new contact
+  bool may_start_contacts = false;  // has been outside since its last jump
   std::array<Proxy, kContactsPerPart> contacts{};
 
   [[nodiscard]] std::span<Proxy> active() noexcept {
@@ -62,10 +62,10 @@ struct ToolState {
 
 struct State::Data {
   std::vector<ToolState> tools;
-  std::optional<TissueLaws> changed;  // updated during the run; empty: the world's laws apply
+  std::optional<TissueLaws> updated_laws;  // updated during the run; empty: the world's laws apply
 
   [[nodiscard]] const TissueLaws& laws(const World::Data& world) const noexcept {
-    return changed ? *changed : world.laws;
+    return updated_laws ? *updated_laws : world.laws;
   }
 };
 

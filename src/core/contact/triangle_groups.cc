@@ -18,9 +18,9 @@ std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t 
   return {mesh.vertices[at(corners[0])], mesh.vertices[at(corners[1])], mesh.vertices[at(corners[2])]};
 }
 
-Piece piece_of(const SurfaceView& surface, std::int32_t triangle) {
+TriangleMoments piece_of(const SurfaceView& surface, std::int32_t triangle) {
   const std::array<Vec3, 3> corner = corners_of(surface.mesh, triangle);
-  Piece piece;
+  TriangleMoments piece;
   piece.centre = (corner[0] + corner[1] + corner[2]) / 3.0;
   piece.normal = surface.face_normals[at(triangle)];
   piece.area = geometry::area_vector_doubled(surface.mesh, surface.mesh.triangles[at(triangle)]);
@@ -32,17 +32,17 @@ Piece piece_of(const SurfaceView& surface, std::int32_t triangle) {
   return piece;
 }
 
-GroupMoments moments_of(std::span<const Piece> all, std::size_t first, std::size_t number) {
-  const std::span<const Piece> pieces = all.subspan(first, number);
+GroupMoments moments_of(std::span<const TriangleMoments> all, std::size_t first, std::size_t number) {
+  const std::span<const TriangleMoments> pieces = all.subspan(first, number);
   GroupMoments moments;
   moments.first = first;
   moments.count = number;
   const auto count = static_cast<double>(pieces.size());
-  for (const Piece& piece : pieces) {
+  for (const TriangleMoments& piece : pieces) {
     moments.centre += piece.centre / count;
     moments.axis += piece.normal / count;
   }
-  for (const Piece& piece : pieces) {
+  for (const TriangleMoments& piece : pieces) {
     const Vec3 apart = piece.centre - moments.centre;
     moments.sum_A += piece.area;
     moments.sum_Am += 3.0 * piece.area * apart.transpose();
@@ -56,14 +56,15 @@ GroupMoments moments_of(std::span<const Piece> all, std::size_t first, std::size
 }
 
 /// Writes the moments of `all`, then those of each half, recursively. Sorts the pieces in that order.
-void divide(std::span<Piece> all, std::size_t first, std::size_t count, std::vector<GroupMoments>& nodes) {
+void divide(std::span<TriangleMoments> all, std::size_t first, std::size_t count,
+            std::vector<GroupMoments>& nodes) {
   const std::size_t node = nodes.size();
   nodes.push_back(moments_of(all, first, count));
   if (count > kFew) {
-    const std::span<Piece> pieces = all.subspan(first, count);
+    const std::span<TriangleMoments> pieces = all.subspan(first, count);
     Vec3 low = pieces[0].centre;
     Vec3 high = low;
-    for (const Piece& piece : pieces) {
+    for (const TriangleMoments& piece : pieces) {
       low = low.cwiseMin(piece.centre);
       high = high.cwiseMax(piece.centre);
     }
@@ -71,7 +72,9 @@ void divide(std::span<Piece> all, std::size_t first, std::size_t count, std::vec
     (high - low).maxCoeff(&longest);
     const std::size_t half = count / 2;
     std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
-                     [&](const Piece& a, const Piece& b) { return a.centre[longest] < b.centre[longest]; });
+                     [&](const TriangleMoments& a, const TriangleMoments& b) {
+                       return a.centre[longest] < b.centre[longest];
+                     });
     divide(all, first, half, nodes);
     divide(all, first + half, count - half, nodes);
   }

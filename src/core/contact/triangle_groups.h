@@ -16,7 +16,7 @@ struct NormalSum {
 };
 
 /// Moments of one triangle.
-struct Piece {
+struct TriangleMoments {
   Vec3 centre = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // unit
   Vec3 area = Vec3::Zero();    // twice the area vector
@@ -69,7 +69,7 @@ class TriangleGroups final {
   [[nodiscard]] const std::vector<GroupMoments>& nodes(std::int32_t group) const noexcept {
     return nodes_[static_cast<std::size_t>(group)];
   }
-  [[nodiscard]] std::span<const Piece> pieces(const GroupMoments& of) const noexcept {
+  [[nodiscard]] std::span<const TriangleMoments> pieces(const GroupMoments& of) const noexcept {
     return std::span(pieces_).subspan(of.first, of.count);
   }
 
@@ -89,7 +89,7 @@ class TriangleGroups final {
   std::vector<std::int32_t> group_of_;   // per triangle
   std::vector<std::int32_t> neighbours_;
   std::vector<std::int32_t> first_neighbour_;     // per group, and the end: start in neighbours_
-  std::vector<Piece> pieces_;                     // parallel to triangles_
+  std::vector<TriangleMoments> pieces_;           // parallel to triangles_
   std::vector<std::vector<GroupMoments>> nodes_;  // per group
 };
 

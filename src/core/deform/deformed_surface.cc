@@ -81,9 +81,11 @@ struct DeformedSurface::TrackedContact {
   bool is_anew = false;  // the drawn vertices belong to another front
 
   // Distance [m] of the contact from the front's source.
-  [[nodiscard]] float way() const { return (field.point - front.source()).norm(); }
+  [[nodiscard]] float distance_from_source() const { return (field.point - front.source()).norm(); }
   // A vertex may be nearer to the contact than to the front's source by this much [m].
-  [[nodiscard]] float nearer() const { return way() + std::max(0.0F, field.own_excess); }
+  [[nodiscard]] float closing_bound() const {
+    return distance_from_source() + std::max(0.0F, field.own_excess);
+  }
 };
 
 DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::ProfileParameters& reach,
@@ -138,7 +140,7 @@ const std::vector<DeformedSurface::Range>& DeformedSurface::near(std::size_t i, 
 }
 
 bool DeformedSurface::is_near(std::size_t i, std::int32_t vertex, double radius) const noexcept {
-  return now_[i]->front.distance_of(vertex) < static_cast<float>(radius) + now_[i]->way();
+  return now_[i]->front.distance_of(vertex) < static_cast<float>(radius) + now_[i]->distance_from_source();
 }
 
 void DeformedSurface::begin_frame() {
@@ -148,7 +150,7 @@ void DeformedSurface::begin_frame() {
     contact->used = false;
     contact->is_anew = false;
     contact->before = contact->field;
-    contact->slack_before = contact->nearer();
+    contact->slack_before = contact->closing_bound();
   }
   now_.clear();
   growing_ = false;
@@ -223,11 +225,11 @@ int DeformedSurface::run_fronts(TrackedContact& contact, int steps, bool settle)
     contact.begun = true;
     contact.is_anew = true;
     contact.next_runs = false;
-  } else if (contact.way() > kNewFront && !contact.next_runs) {
+  } else if (contact.distance_from_source() > kNewFront && !contact.next_runs) {
     contact.next.begin(corners, contact.field.point);
     contact.next_runs = true;
   }
-  const float shifted = contact.wanted + contact.nearer();
+  const float shifted = contact.wanted + contact.closing_bound();
   int taken = contact.front.advance(shifted, steps);
   if (contact.next_runs) {
     const float wanted = std::min(shifted, contact.front.radius());
@@ -238,7 +240,8 @@ int DeformedSurface::run_fronts(TrackedContact& contact, int steps, bool settle)
       contact.next_runs = false;
     }
   }
-  growing_ = growing_ || contact.next_runs || contact.front.radius() < contact.wanted + contact.way();
+  growing_ = growing_ || contact.next_runs ||
+             contact.front.radius() < contact.wanted + contact.distance_from_source();
   return taken;
 }
 
@@ -250,7 +253,7 @@ void DeformedSurface::lower_to_front(TrackedContact& contact) {
     least = std::min(least, field.excess[at(v)]);
   field.own_excess = std::isfinite(least) ? least : 0.0F;
   // The displacement must end where the front ends.
-  const float end = contact.front.radius() - contact.nearer();
+  const float end = contact.front.radius() - contact.closing_bound();
   const auto lowered = [this, end](float reach) {
     return std::clamp(profile_.at(std::max(0.0F, end) / reach).u, least_share_, kEarliestEnd);
   };
@@ -284,7 +287,7 @@ void DeformedSurface::update_change(TrackedContact& contact) {
   const ContactField& before = contact.before;
   float drift = 0.0F;
   contact.slack = 0.0F;
-  if (contact.used) contact.slack = contact.nearer();
+  if (contact.used) contact.slack = contact.closing_bound();
   if (contact.was_used) contact.slack = std::max(contact.slack, contact.slack_before);
   if (contact.used && contact.was_used) {
     drift = (now.point - before.point).norm() + std::abs(now.own_excess - before.own_excess);

@@ -79,10 +79,11 @@ void FieldChange::set(const ContactField* before, const ContactField* now, float
     const float by_drift = drift * old.slope;
     const float old_length = old.displacement.norm();
     const float length = young.displacement.norm();
-    largest.way = std::max(largest.way, (young.displacement - old.displacement).norm() + by_drift);
+    largest.displacement =
+        std::max(largest.displacement, (young.displacement - old.displacement).norm() + by_drift);
     largest.length = std::max(largest.length, std::abs(length - old_length) + by_drift);
     largest.longest = std::max({largest.longest, length, old_length});
-    bounds_[i] = {kBetweenEntries * largest.way, kBetweenEntries * largest.length,
+    bounds_[i] = {kBetweenEntries * largest.displacement, kBetweenEntries * largest.length,
                   kBetweenEntries * largest.longest};
   }
 }
@@ -95,7 +96,7 @@ const FieldChange::Bound& FieldChange::at(float distance) const noexcept {
 }
 
 float max_motion(std::span<const NearChange> changes) noexcept {
-  if (changes.size() == 1) return changes.front().change->at(changes.front().distance).way;
+  if (changes.size() == 1) return changes.front().change->at(changes.front().distance).displacement;
   float ways = 0.0F;
   float length = 0.0F;   // the largest of the contacts'
   float turned = 0.0F;   // largest motion by a direction's turn
@@ -104,7 +105,7 @@ float max_motion(std::span<const NearChange> changes) noexcept {
   bool straight = true;
   for (const NearChange& one : changes) {
     const FieldChange::Bound& bound = one.change->at(one.distance);
-    ways += bound.way;
+    ways += bound.displacement;
     length = std::max(length, bound.length);
     turned = std::max(turned, one.change->turn() * bound.longest);
     turn = std::max(turn, one.change->turn());

@@ -27,9 +27,9 @@ class FieldChange final {
 
   /// Bounds for vertices beyond some distance.
   struct Bound {
-    float way = 0.0F;      // change of the displacement [m]
-    float length = 0.0F;   // change of its length [m]
-    float longest = 0.0F;  // its length, before or now [m]
+    float displacement = 0.0F;  // change of the displacement [m]
+    float length = 0.0F;        // change of its length [m]
+    float longest = 0.0F;       // its length, before or now [m]
   };
   /// [any] @param distance lower bound of the vertices' distance, before and now [m]
   [[nodiscard]] const Bound& at(float distance) const noexcept;

@@ -150,9 +150,9 @@ TEST(FieldChange, BoundsWhatAContactThatComesOrGoesMoves) {
     const float way = largest_way(vertices.under({pressed}), vertices.under({}));
     FieldChange change;
     change.set(nullptr, &pressed, 0.0F, table());
-    EXPECT_GE(change.at(from).way, way) << from;
+    EXPECT_GE(change.at(from).displacement, way) << from;
     change.set(&pressed, nullptr, 0.0F, table());
-    EXPECT_GE(change.at(from).way, way) << from;
+    EXPECT_GE(change.at(from).displacement, way) << from;
   }
 }
 
@@ -165,7 +165,7 @@ TEST(FieldChange, CountsByHowMuchDistancesChangeByThemselves) {
   for (float r = 0.002F; r < 0.03F; r += 0.0007F) {
     const float u = table().at(r / pressed.reach).u;
     const float farther = table().at((r + drift) / pressed.reach).u;
-    EXPECT_GE(change.at(r).way, 0.008F * (u - farther)) << r;
+    EXPECT_GE(change.at(r).displacement, 0.008F * (u - farther)) << r;
   }
 }
 
@@ -174,7 +174,7 @@ TEST(FieldChange, OfAContactThatStaysAsItIsIsNothing) {
   FieldChange change;
   change.set(&pressed, &pressed, 0.0F, table());
   EXPECT_TRUE(change.is_still());
-  EXPECT_EQ(change.at(0.0F).way, 0.0F);
+  EXPECT_EQ(change.at(0.0F).displacement, 0.0F);
   EXPECT_EQ(max_motion(std::vector<NearChange>{{&change, 0.0F}, {&change, 0.0F}}), 0.0F);
   EXPECT_EQ(max_motion({}), 0.0F);
 }
@@ -185,8 +185,8 @@ TEST(FieldChange, IsNothingBeyondItsLimit) {
   FieldChange change;
   change.set(&shallow, &deep, 0.0F, table());
   EXPECT_EQ(change.limit(), deep.limit);
-  EXPECT_GT(change.at(0.98F * deep.limit).way, 0.0F);
-  EXPECT_EQ(change.at(deep.limit).way, 0.0F);
+  EXPECT_GT(change.at(0.98F * deep.limit).displacement, 0.0F);
+  EXPECT_EQ(change.at(deep.limit).displacement, 0.0F);
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ class FakeDevice final : public Device {
     last = command;
     if (on_write) on_write(command);
     ++writes;
-    return writes != refuse_write;
+    return writes != failing_write;
   }
   void stop() noexcept override { ++stops; }
   [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return ~std::uint64_t{0}; }
@@ -78,8 +78,8 @@ class FakeDevice final : public Device {
   ForceCommand last;
   std::function<void(const ForceCommand&)> on_write;  // called with each command
   std::uint64_t writes = 0;
-  std::uint64_t refuse_write = 0;  // number of the write that fails; 0: none
-  std::atomic<int> stops{0};       // calls of stop(), from any thread
+  std::uint64_t failing_write = 0;  // number of the write that fails; 0: none
+  std::atomic<int> stops{0};        // calls of stop(), from any thread
 
  private:
   std::function<DeviceState(std::uint64_t, double)> sample_;

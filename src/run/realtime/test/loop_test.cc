@@ -409,7 +409,7 @@ TEST(Loop, RunsOnTheCoreThatIsAskedForAndRefusesOneThatIsNotThere) {
 
 TEST(Loop, ARefusedCommandIsADeviceFaultAtTheNextTick) {
   FakeDevice device = presser();
-  device.refuse_write = 450;
+  device.failing_write = 450;
   const Outcome outcome = run_with(device, {.ticks = 500, .offline = true});
   EXPECT_EQ(outcome.rows[449].fault, 0u);
   EXPECT_EQ(outcome.rows[450].fault, static_cast<std::uint32_t>(Fault::kDevice));

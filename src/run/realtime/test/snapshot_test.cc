@@ -46,7 +46,7 @@ TEST(Snapshot, CarriesFaultsParametersAndTheTimeOfItsTick) {
   (void)updates.offer(tissue);
   RunControl control(&updates);
   FakeDevice device([](std::uint64_t, double time) { return pressing(time); });
-  device.refuse_write = 30;
+  device.failing_write = 30;
   Device* devices[] = {&device};
   SnapshotPublisher publisher;
   const std::int64_t before = monotonic_ns();
