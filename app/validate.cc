@@ -82,7 +82,7 @@ std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
   std::vector<validate::Deformation> all;
   for (const std::string& file : flags.profiles) {
     for (const validate::Deformation& profile : validate::read_deformations(file))
-      all.push_back(validate::thinned(profile, validate::kMostPoints));
+      all.push_back(validate::thinned(profile, validate::kMaxPoints));
   }
   return all;
 }

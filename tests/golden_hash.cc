@@ -21,7 +21,7 @@
 namespace palpate::tests {
 namespace {
 
-constexpr std::uint64_t kMostTicks = 4000;
+constexpr std::uint64_t kMaxTicks = 4000;
 
 /// Two instruments on an organ with breathing and heartbeat.
 Rig two_hands() {
@@ -36,7 +36,7 @@ Rig two_hands() {
 
 /// "TICKS HASH" of a run.
 std::string hash_of(Rig rig) {
-  const std::uint64_t ticks = std::min(rig.whole_path(), kMostTicks);
+  const std::uint64_t ticks = std::min(rig.whole_path(), kMaxTicks);
   RowKeeper rows(ticks * rig.world.hands());
   (void)rig.run({&rows}, {.ticks = ticks, .offline = true});
   return std::to_string(ticks) + " " + hexadecimal(record::hash_rows(rows.rows));

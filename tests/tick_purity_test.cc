@@ -64,7 +64,7 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileTissueAndNoiseChange) {
   model::TissueParameters tissue = rig.setup.tissue;
   tissue.law = model::LawKind::kSmooth;
   tissue.relaxation = {{0.2, 0.05}, {0.2, 0.5}, {0.1, 5.0}};
-  for (std::size_t i = 1; i < haptics::ParameterUpdates::kMostWaiting; ++i) {
+  for (std::size_t i = 1; i < haptics::ParameterUpdates::kMaxWaiting; ++i) {
     tissue.k1 *= 1.02;
     (void)changes.offer(tissue);
   }

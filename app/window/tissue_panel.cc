@@ -59,12 +59,12 @@ bool relaxation_rows(model::TissueParameters& tissue) {
                            "constant of its going");
     ImGui::PopID();
   }
-  if (tissue.relaxation.size() < model::kMostRelaxationTerms && ImGui::SmallButton("One more term")) {
+  if (tissue.relaxation.size() < model::kMaxRelaxationTerms && ImGui::SmallButton("One more term")) {
     tissue.relaxation.push_back({0.1, 1.0});
     changed = true;
   }
   if (!tissue.relaxation.empty()) {
-    if (tissue.relaxation.size() < model::kMostRelaxationTerms) ImGui::SameLine();
+    if (tissue.relaxation.size() < model::kMaxRelaxationTerms) ImGui::SameLine();
     if (ImGui::SmallButton("One less")) {
       tissue.relaxation.pop_back();
       changed = true;

@@ -154,7 +154,7 @@ imaging::Validation compare(const ValidationWish& wish, const validate::Law& law
   if (!wish.profiles.empty()) {
     std::vector<Deformation> profiles;
     for (const Deformation& profile : wish.profiles) {
-      profiles.push_back(validate::thinned(profile, validate::kMostPoints));
+      profiles.push_back(validate::thinned(profile, validate::kMaxPoints));
     }
     validate::compare_profiles(profiles, depths_of(wish, law, profiles.size()), tip_radius_of(wish, law),
                                wish.fit_reach, validation,

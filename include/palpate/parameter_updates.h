@@ -58,7 +58,7 @@ struct SimulationWorld;
 class ParameterUpdates final {
  public:
   /// Changes that may wait for the loop.
-  static constexpr std::size_t kMostWaiting = 8;
+  static constexpr std::size_t kMaxWaiting = 8;
 
   /// What a tissue should be warned of on this scene's devices, in words (scene::stability_remarks).
   using Warnings = std::function<std::vector<std::string>(const model::TissueParameters&)>;
@@ -79,7 +79,7 @@ class ParameterUpdates final {
   /// [any] Not for the tick: allocates, and waits for another caller. Another tissue, with its laws,
   /// relaxation, reach, friction, damping and grip limit, from one of the next ticks on.
   /// @throws ParameterError for a bad value, InputError for another reference radius than the run's, or when
-  /// kMostWaiting changes wait already; nothing has changed then.
+  /// kMaxWaiting changes wait already; nothing has changed then.
   Accepted offer(const model::TissueParameters& tissue);
 
   /// [any] As above, for the noise: switched on or off, and its strength; both go over in 50 ms.

@@ -73,7 +73,7 @@ struct FaultSeen {
 
 /// One time that the watchdog stopped the devices.
 struct WatchdogStop {
-  static constexpr std::size_t kMostKept = 64;  // further ones are counted only
+  static constexpr std::size_t kMaxKept = 64;  // further ones are counted only
 
   std::uint64_t tick = 0;     // the last tick that had begun
   std::int64_t after_ns = 0;  // since the first tick began
@@ -81,12 +81,12 @@ struct WatchdogStop {
 
 /// How a run went.
 struct LoopReport {
-  static constexpr std::size_t kMostFaults = 64;
+  static constexpr std::size_t kMaxFaults = 64;
 
   std::uint64_t ticks = 0;
   bool stopped_early = false;
   Fault fault = Fault::kNone;          // the first
-  std::vector<FaultSeen> faults;       // the first kMostFaults
+  std::vector<FaultSeen> faults;       // the first kMaxFaults
   std::uint64_t further_faults = 0;    // beyond those
   Histogram tick_time;                 // ns; also measured offline
   Histogram lateness;                  // ns; empty offline
@@ -98,7 +98,7 @@ struct LoopReport {
   std::uint64_t pauses = 0;            // how often it was paused
   std::int64_t paused_ns = 0;          // for how long, in all
   std::uint64_t watchdog_stops = 0;    // how often the watchdog stopped the devices
-  std::vector<WatchdogStop> stops;     // the first WatchdogStop::kMostKept
+  std::vector<WatchdogStop> stops;     // the first WatchdogStop::kMaxKept
   std::vector<std::string> remarks;    // what was not granted, what the watchdog did, in words
 };
 

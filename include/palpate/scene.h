@@ -123,10 +123,10 @@ struct DeviceSetup {
 /// Limits of the gate; SI (slew per second). The largest values that a scene may set are 2.5 times those of
 /// the strongest arm in docs/devices.md.
 struct SafetySetup {
-  static constexpr double kMostForce = 50.0;      // N
-  static constexpr double kMostSlew = 50e3;       // N/s: all of kMostForce in a millisecond
-  static constexpr double kMostTorque = 5.0;      // N m
-  static constexpr double kMostTorqueSlew = 5e3;  // N m/s
+  static constexpr double kMaxForce = 50.0;      // N
+  static constexpr double kMaxSlew = 50e3;       // N/s: all of kMaxForce in a millisecond
+  static constexpr double kMaxTorque = 5.0;      // N m
+  static constexpr double kMaxTorqueSlew = 5e3;  // N m/s
 
   double max_force = 20.0;        // N
   double max_slew = 5000.0;       // N/s

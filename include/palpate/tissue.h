@@ -32,13 +32,13 @@ struct RelaxationTerm {
   bool operator==(const RelaxationTerm&) const = default;
 };
 
-inline constexpr std::size_t kMostRelaxationTerms = 3;
+inline constexpr std::size_t kMaxRelaxationTerms = 3;
 
-/// Up to kMostRelaxationTerms terms, without memory of their own: a copy is a copy of plain data.
+/// Up to kMaxRelaxationTerms terms, without memory of their own: a copy is a copy of plain data.
 class RelaxationTerms final {
  public:
   RelaxationTerms() = default;
-  /// [setup] @throws ParameterError for more than kMostRelaxationTerms.
+  /// [setup] @throws ParameterError for more than kMaxRelaxationTerms.
   RelaxationTerms(std::initializer_list<RelaxationTerm> terms) {
     for (const RelaxationTerm& term : terms) push_back(term);
   }
@@ -52,7 +52,7 @@ class RelaxationTerms final {
   [[nodiscard]] const RelaxationTerm& operator[](std::size_t index) const noexcept { return terms_[index]; }
   [[nodiscard]] RelaxationTerm& operator[](std::size_t index) noexcept { return terms_[index]; }
 
-  /// [setup] @throws ParameterError when there are kMostRelaxationTerms already.
+  /// [setup] @throws ParameterError when there are kMaxRelaxationTerms already.
   void push_back(const RelaxationTerm& term);
   /// [any] Takes the last term away; there must be one.
   void pop_back() noexcept { terms_[--count_] = {}; }
@@ -61,7 +61,7 @@ class RelaxationTerms final {
   bool operator==(const RelaxationTerms&) const = default;
 
  private:
-  std::array<RelaxationTerm, kMostRelaxationTerms> terms_{};
+  std::array<RelaxationTerm, kMaxRelaxationTerms> terms_{};
   std::size_t count_ = 0;
 };
 
@@ -106,7 +106,7 @@ struct TissueNumbers {
   double min_length = 0.0;   // X_1min [m]
   double t1 = 0.0;           // delay of the first layer [s], eq. 6
   LawKind law = LawKind::kLayered;
-  RelaxationTerms relaxation;  // none, or up to kMostRelaxationTerms
+  RelaxationTerms relaxation;  // none, or up to kMaxRelaxationTerms
   ProfileParameters reach;
   ContactParameters contact;
 

@@ -104,7 +104,7 @@ struct Zeros {
 
 /// Comparison of a measured force curve with the law. SI units.
 struct ForceComparison {
-  identify::Specimen measured;   // the points compared, at most kMostPoints
+  identify::Specimen measured;   // the points compared, at most kMaxPoints
   std::vector<double> computed;  // N, predicted sensor reading
   Errors errors;                 // scale: the measured force range
   double within_jnd = 0.0;       // fraction of the points with a relative error of at most kForceJnd
@@ -114,7 +114,7 @@ struct ForceComparison {
 };
 
 /// Files with more rows are reduced to this many by means of neighbours.
-inline constexpr std::size_t kMostPoints = 20'000;
+inline constexpr std::size_t kMaxPoints = 20'000;
 
 /// [setup] Computes the law's force at each point of a measurement, with relaxation over its times when the
 /// tissue relaxes. Nothing is fitted. @throws ParameterError as the laws do.

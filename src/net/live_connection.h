@@ -66,9 +66,9 @@ class LiveConnection final {
 
   static constexpr double kMessagesPerSecond = 100.0;
   static constexpr double kMessagesAtOnce = 200.0;
-  static constexpr int kMostExcess = 100;           // messages beyond these in a row end the connection
-  static constexpr std::size_t kMostWaiting = 256;  // answers and events; more end the connection
-  static constexpr std::size_t kReadOnBelow = 32;   // answers waiting: with more nothing is read
+  static constexpr int kMostExcess = 100;          // messages beyond these in a row end the connection
+  static constexpr std::size_t kMaxWaiting = 256;  // answers and events; more end the connection
+  static constexpr std::size_t kReadOnBelow = 32;  // answers waiting: with more nothing is read
   // Bytes of the network that one message may take: the largest message in fragments of one byte takes
   // 114,688.
   static constexpr std::uint64_t kMostOfMessage = 131'072;

@@ -174,7 +174,7 @@ TissueEdit read_tissue(Members& root) {
     }
   }
   if (const json* terms = tissue.find("relaxation"); terms != nullptr) {
-    if (!terms->is_array() || terms->size() > model::kMostRelaxationTerms) {
+    if (!terms->is_array() || terms->size() > model::kMaxRelaxationTerms) {
       fail("tissue.relaxation", *terms, "an array of at most three {\"share\": ..., \"time_s\": ...}");
     }
     edit.relaxation.emplace();

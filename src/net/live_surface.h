@@ -13,9 +13,9 @@ namespace palpate::net {
 class LiveSurface final {
  public:
   /// An answer with more would take a client, and the server's thread, too long.
-  static constexpr std::size_t kMostTriangles = 20'000;
+  static constexpr std::size_t kMaxTriangles = 20'000;
 
-  /// @throws LiveError when the organ has more triangles than kMostTriangles.
+  /// @throws LiveError when the organ has more triangles than kMaxTriangles.
   explicit LiveSurface(const geometry::TriangleMesh& organ);
 
   /// {"vertices_mm": [x, y, z, ...], "triangles": [a, b, c, ...]}, at rest.

@@ -62,7 +62,7 @@ double correlation(std::span<const double> x, std::span<const double> y) noexcep
 
 double effective_sample_size(std::span<const double> values) noexcept {
   // above this, a few hundred values do not distinguish r from 1
-  constexpr double kMostAutocorrelation = 0.99;
+  constexpr double kMaxAutocorrelation = 0.99;
   const double middle = mean(values);
   double squares = 0.0;
   double lagged = 0.0;
@@ -71,7 +71,7 @@ double effective_sample_size(std::span<const double> values) noexcept {
     squares += value * value;
     if (i > 0) lagged += value * (values[i - 1] - middle);
   }
-  const double r = squares > 0.0 ? std::clamp(lagged / squares, 0.0, kMostAutocorrelation) : 0.0;
+  const double r = squares > 0.0 ? std::clamp(lagged / squares, 0.0, kMaxAutocorrelation) : 0.0;
   return static_cast<double>(values.size()) * (1.0 - r) / (1.0 + r);
 }
 

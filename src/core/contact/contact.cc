@@ -257,7 +257,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   State::Data& now = state.data();
   const TissueLaws& laws = now.laws(data);
   std::array<std::uint32_t, kMaxTools> status{};
-  std::array<Load*, kMostContacts> all;  // the first `count` are used
+  std::array<Load*, kMaxContacts> all;  // the first `count` are used
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
     status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t]);

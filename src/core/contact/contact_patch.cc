@@ -56,8 +56,8 @@ class DepthSearch final {
   }
 
  private:
-  static constexpr std::size_t kMostClusters = 64;  // one bit each in `measured_`
-  static_assert(PartPoints::kMostPoints <= kMostClusters * PartPoints::kClusterSize);
+  static constexpr std::size_t kMaxClusters = 64;  // one bit each in `measured_`
+  static_assert(PartPoints::kMaxPoints <= kMaxClusters * PartPoints::kClusterSize);
 
   /// 1 up to R_ref/2 from the axis, 0 from R_ref, smooth between. @param rho_squared squared distance from
   /// the axis
@@ -114,9 +114,9 @@ class DepthSearch final {
   double least_ = 0.0;  // points must be deeper than this to count [m]
   std::uint32_t deepest_cluster_ = 0;
   std::uint64_t measured_ = 0;  // one bit per cluster
-  std::array<std::uint32_t, kMostClusters>
+  std::array<std::uint32_t, kMaxClusters>
       candidates_;  // per measured cluster: one bit per point that may count
-  std::array<double, kMostClusters * PartPoints::kClusterSize> depths_;  // [m], of measured clusters
+  std::array<double, kMaxClusters * PartPoints::kClusterSize> depths_;  // [m], of measured clusters
 };
 
 }  // namespace

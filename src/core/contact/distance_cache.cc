@@ -149,7 +149,7 @@ void DistanceCache::query_crossed(std::size_t i) noexcept {
   const bool was_inside = is_inside(i);
   const double before = lower_bound(i) + motion_;  // lower bound of its distance a tick ago
   const geometry::NearestPoint now = query(i);
-  if (was_inside || entry_count_ == kMostEntries) return;
+  if (was_inside || entry_count_ == kMaxEntries) return;
   const bool went_in = now.distance < kInside;
   const Vec3 end = point_S(i);
   const Vec3 start = previous_S_ * points_->point(i);

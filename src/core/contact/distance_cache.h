@@ -45,7 +45,7 @@ struct EntryEvent {
 /// last query a point has moved by at most odometer_ - `odometer`. `distance` is the signed distance at that
 /// query, or for an outside point a positive lower bound. After move(), `inside_` is right for every point
 /// outside deferred clusters, and the entries list each of them that entered in this tick, at most
-/// kMostEntries. A cluster that was deferred until this move gives no entries.
+/// kMaxEntries. A cluster that was deferred until this move gives no entries.
 class DistanceCache final {
  public:
   /// [setup] @param surface, points must outlive the cache
@@ -85,11 +85,11 @@ class DistanceCache final {
     return static_cast<std::uint32_t>(static_cast<const std::uint8_t*>(found) - inside_.data());
   }
   [[nodiscard]] std::uint32_t inside_count() const noexcept { return inside_count_; }
-  /// [rt] The points that entered in this tick, at most kMostEntries.
+  /// [rt] The points that entered in this tick, at most kMaxEntries.
   [[nodiscard]] std::span<const EntryEvent> entries() const noexcept {
     return {entries_.data(), entry_count_};
   }
-  static constexpr std::size_t kMostEntries = 64;
+  static constexpr std::size_t kMaxEntries = 64;
 
   [[nodiscard]] bool has_pose() const noexcept { return placed_; }
   /// [rt] The part's frame in the organ's, in this tick.
@@ -148,7 +148,7 @@ class DistanceCache final {
   std::vector<Cached> cached_;
   std::vector<std::uint8_t> inside_;  // 1: inside
   std::size_t entry_count_ = 0;
-  std::array<EntryEvent, kMostEntries> entries_{};
+  std::array<EntryEvent, kMaxEntries> entries_{};
 };
 
 }  // namespace palpate::contact

@@ -35,8 +35,8 @@ double eighth_power(double x) noexcept {
 /// R_ref, however strong it is (docs/decisions/0010).
 double load_share(const Load& one, std::span<Load* const> contacts, double reference_radius,
                   bool with_fading) noexcept {
-  std::array<double, kMostContacts> overlap_weights;  // of contacts within R_ref
-  std::array<double, kMostContacts> relative_loads;   // c_ij (F_j/F_i)^8
+  std::array<double, kMaxContacts> overlap_weights;  // of contacts within R_ref
+  std::array<double, kMaxContacts> relative_loads;   // c_ij (F_j/F_i)^8
   std::size_t count = 0;
   double greatest = 0.0;
   for (const Load* const other : contacts) {
@@ -80,7 +80,7 @@ void share_load(double reference_radius, std::span<Load* const> contacts) noexce
 void merge_histories(Load& a, Load& b) noexcept {
   const double elastic = a.memory.elastic + b.memory.elastic;
   if (!(elastic > 0.0)) return;
-  for (std::size_t i = 0; i < model::kMostRelaxationTerms; ++i) {
+  for (std::size_t i = 0; i < model::kMaxRelaxationTerms; ++i) {
     const double kept = (a.memory.history[i] + b.memory.history[i]) / elastic;
     a.memory.history[i] = kept * a.memory.elastic;
     b.memory.history[i] = kept * b.memory.elastic;

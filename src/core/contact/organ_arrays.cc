@@ -18,7 +18,7 @@ constexpr std::uint64_t kArraysVersion = 3;
 // Approximate limit of triangles after refinement. It refines organs above 0.15 m^2 (with the default R_ref;
 // a large liver has 0.1 m^2) less finely. The normals' error is then up to 0.2 degrees at 450 mm and 1.3
 // degrees at 1 m (docs/decisions/0006).
-constexpr double kMostTriangles = 150e3;
+constexpr double kMaxTriangles = 150e3;
 
 double total_area(const geometry::TriangleMesh& mesh) {
   double doubled = 0.0;
@@ -58,7 +58,7 @@ void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sid
                             averaged[at(sides.of_corner[3 * t + f])].slope) *
                            edge);
         const double size = bend.norm();
-        if (size > kMostBend) bend *= kMostBend / size;
+        if (size > kMaxBend) bend *= kMaxBend / size;
         for (std::size_t i = 0; i < 3; ++i) {
           const double units = bend[static_cast<Eigen::Index>(i)] / kBendUnit;
           arrays.bends[t][e][i] = static_cast<std::int16_t>(std::lround(units));
@@ -91,7 +91,7 @@ std::vector<Vec3> face_normals_of(const geometry::TriangleMesh& mesh) {
 
 geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius) {
   // Longest-edge splitting gives triangles of about longest^2 / 4.
-  const double affordable = std::sqrt(4.0 * total_area(organ) / kMostTriangles);
+  const double affordable = std::sqrt(4.0 * total_area(organ) / kMaxTriangles);
   return geometry::refine(organ, std::max(reference_radius / 5.0, affordable));
 }
 

@@ -25,8 +25,8 @@ inline constexpr double kBlendWidth = 1e-3;  // m, distance over which the two s
 /// b_e b_f times the edge's bend, with e and f the edge's ends and b the barycentric coordinates.
 using NormalBends = std::array<std::array<std::int16_t, 3>, 3>;  // of the edge after each corner [kBendUnit]
 
-inline constexpr double kMostBend = 0.1;  // above any bend of a surface that is smooth within a triangle
-inline constexpr double kBendUnit = kMostBend / 32767.0;  // an error below 0.0001 degrees inside a triangle
+inline constexpr double kMaxBend = 0.1;  // above any bend of a surface that is smooth within a triangle
+inline constexpr double kBendUnit = kMaxBend / 32767.0;  // an error below 0.0001 degrees inside a triangle
 
 /// The refined surface with its precomputed data, organ frame, metres.
 struct OrganArrays {

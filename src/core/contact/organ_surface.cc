@@ -10,7 +10,7 @@
 namespace palpate::contact {
 namespace {
 
-constexpr int kMostCrossings = 64;  // edges that one walk may cross; real steps cross far fewer
+constexpr int kMaxCrossings = 64;  // edges that one walk may cross; real steps cross far fewer
 
 /// Normals of the sides beyond nearby sharp edges. Edges of one chain lead to the same side: the nearest one
 /// counts.
@@ -113,7 +113,7 @@ SurfacePoint OrganSurface::walk(const SurfacePoint& from, const Vec3& step,
   if (one_plus_cosine < 1e-3) return here;  // opposite normals: the direction is undefined
   Vec3 left = step - (start_normal.dot(step) / one_plus_cosine) * (normal + start_normal);
   std::int32_t came_from = -1;
-  for (int crossing = 0; crossing < kMostCrossings; ++crossing) {
+  for (int crossing = 0; crossing < kMaxCrossings; ++crossing) {
     const geometry::Triangle& corners = arrays_.mesh.triangles[at(here.triangle)];
     const Vec3& face = face_normal(here.triangle);
     double stop = 1.0;

@@ -10,7 +10,7 @@ constexpr double kShallow = 0.5e-3;      // m, an inside point up to this deep m
 constexpr double kDeepestSecond = 1e-3;  // m, largest D of a second contact of a part at its start
 // m, a part that loses its last contact below this distance starts none until it has been outside
 constexpr double kDeepInside = -1e-3;
-constexpr int kMostEvaluations = 8;         // patches evaluated for new contacts per tick and part
+constexpr int kMaxEvaluations = 8;          // patches evaluated for new contacts per tick and part
 constexpr std::uint32_t kPointsTried = 32;  // inside points tried in turn per tick and part
 
 void remove_contact(PartState& part, int index) noexcept {
@@ -75,7 +75,7 @@ class ContactStarter final {
   void try_shallow_points() noexcept {
     const auto count = static_cast<std::uint32_t>(points_.size());
     std::uint32_t left = std::min(kPointsTried, count);
-    while (left > 0 && evaluations_ < kMostEvaluations) {
+    while (left > 0 && evaluations_ < kMaxEvaluations) {
       const std::uint32_t first = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
       const std::uint32_t end = std::min(count, first + left);
       const std::uint32_t i = part_.distances.next_inside(first, end);
@@ -101,7 +101,7 @@ class ContactStarter final {
   /// Starts a contact at `at` if the point is near the centroid of its own patch; otherwise tries the point
   /// at that centroid.
   void try_at(std::size_t point, const SurfacePoint& at, int redirections) noexcept {
-    if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMostEvaluations) return;
+    if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMaxEvaluations) return;
     if (part_.contact_count == kContactsPerPart) {
       status_ |= kContactsFull;
       return;

@@ -15,7 +15,7 @@ namespace {
 constexpr double kSpacing = 2e-3;        // m (docs/model.md, section 4)
 constexpr double kSmallestArea = 1e-12;  // m^2; a point on a degenerate triangle keeps a weight
 constexpr std::uint32_t kClusterSize = PartPoints::kClusterSize;
-constexpr std::size_t kMostPoints = PartPoints::kMostPoints;
+constexpr std::size_t kMaxPoints = PartPoints::kMaxPoints;
 constexpr double kNormalWeight = 2e-3;      // m; normals that differ by 1 count as this distance
 constexpr double kCurvatureReach = 2.5e-3;  // m, radius of the neighbourhood that the curvature is fitted to
 constexpr double kWidthReach = 8e-3;        // m, radius of the neighbourhood of the half-width
@@ -216,9 +216,9 @@ void make_clusters(PartPoints& points) {
 PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
   if (part.mesh.triangles.empty()) throw InputError("tool part \"" + part.name + "\" has no triangles");
   std::vector<Sample> samples = samples_of(part.mesh);
-  if (samples.size() > kMostPoints) {
+  if (samples.size() > kMaxPoints) {
     std::vector<Sample> thinned;
-    thin_out(samples, kMostPoints, thinned);
+    thin_out(samples, kMaxPoints, thinned);
     samples = std::move(thinned);
   }
   std::vector<std::uint32_t> indices(samples.size());

@@ -14,7 +14,7 @@ inline constexpr double kBoundSlack = 1e-12;
 /// component. Neighbouring points are adjacent and form clusters, which a search can skip as a whole.
 struct PartPoints {
   static constexpr std::uint32_t kClusterSize = 32;
-  static constexpr std::size_t kMostPoints = 2000;  // per part; denser surfaces are thinned out
+  static constexpr std::size_t kMaxPoints = 2000;  // per part; denser surfaces are thinned out
 
   /// A run of kClusterSize points (the last one may be shorter), with a bounding box and a bounding sphere
   /// about the same centre.
@@ -26,7 +26,7 @@ struct PartPoints {
     std::uint32_t end = 0;
   };
 
-  static_assert(kMostPoints <= std::size_t{64} * kClusterSize);  // DepthSearch has one bit per cluster
+  static_assert(kMaxPoints <= std::size_t{64} * kClusterSize);  // DepthSearch has one bit per cluster
 
   std::vector<double> x, y, z;     // m
   std::vector<double> area;        // m^2, > 0, of the surface that the point represents

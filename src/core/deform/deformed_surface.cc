@@ -23,7 +23,7 @@ constexpr float kMaxError = 0.045e-3F;
 constexpr float kAlwaysWithin = 8e-3F;         // m from a contact; nearer vertices are always computed again
 constexpr float kEarliestEnd = 0.9F;           // u/D; the profile is cut off at most at this value
 constexpr double kImprintReach = 20e-3;        // m; fronts under a press go at least this far, for is_near()
-constexpr std::size_t kMostContacts = 24;      // kept with their fronts
+constexpr std::size_t kMaxContacts = 24;       // kept with their fronts
 constexpr double kFreeShareOfThickness = 0.7;  // as in limited_depth()
 
 std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh) {
@@ -178,7 +178,7 @@ DeformedSurface::TrackedContact& DeformedSurface::contact_for(const contact::Sur
     nearest = way;
     best = contact.get();
   }
-  if (best == nullptr && contacts_.size() >= kMostContacts) {
+  if (best == nullptr && contacts_.size() >= kMaxContacts) {
     for (const auto& contact : contacts_)
       if (!contact->used && (best == nullptr || contact->last_used < best->last_used)) best = contact.get();
     if (best != nullptr) best->begun = false;

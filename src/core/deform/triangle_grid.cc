@@ -11,7 +11,7 @@ namespace palpate::deform {
 namespace {
 
 constexpr double kEdgesACell = 2.0;
-constexpr double kMostCells = 4e6;
+constexpr double kMaxCells = 4e6;
 constexpr double kOwnFace = 1e-6;  // m; a nearer hit is the start's own triangle
 
 double mean_edge(const geometry::TriangleMesh& mesh) {
@@ -58,7 +58,7 @@ TriangleGrid::TriangleGrid(const geometry::TriangleMesh& mesh) : mesh_(mesh) {
   low_ = box.low;
   const double volume = std::max(1e-18, box.size().prod());
   width_ = std::max(
-      {kEdgesACell * mean_edge(mesh), std::cbrt(volume / kMostCells), box.size().maxCoeff() / 1000.0, 1e-9});
+      {kEdgesACell * mean_edge(mesh), std::cbrt(volume / kMaxCells), box.size().maxCoeff() / 1000.0, 1e-9});
   for (int k = 0; k < 3; ++k)
     count_[static_cast<std::size_t>(k)] = 1 + static_cast<int>(box.size()[k] / width_);
   start_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) *

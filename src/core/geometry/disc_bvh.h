@@ -30,8 +30,8 @@ struct alignas(16) TriangleNode {
 /// that each run of 4, 16, 64 ... is a compact patch. The four triangles of leaf k are at slots 4k to 4k + 3.
 class DiscBvh final {
  public:
-  static constexpr int kMostLevels = 16;  // 4^16 triangles are more than 32 bits can count
-  static constexpr int kMostVisits = 3 * kMostLevels + 4;
+  static constexpr int kMaxLevels = 16;  // 4^16 triangles are more than 32 bits can count
+  static constexpr int kMaxVisits = 3 * kMaxLevels + 4;
 
   /// [setup] `mesh` has at least one triangle and finite vertices.
   explicit DiscBvh(const TriangleMesh& mesh);
@@ -70,10 +70,10 @@ class DiscBvh final {
   void fill_lane(const TriangleMesh& mesh, std::size_t slot);
   void bound_level(const TriangleMesh& mesh, int level);
 
-  std::vector<TriangleNode> leaves_;                    // level 0
-  std::vector<DiscNode> nodes_;                         // level by level from 1, the root last
-  std::array<std::uint32_t, kMostLevels + 1> start_{};  // of each level
-  int levels_ = 0;                                      // without the leaves
+  std::vector<TriangleNode> leaves_;                   // level 0
+  std::vector<DiscNode> nodes_;                        // level by level from 1, the root last
+  std::array<std::uint32_t, kMaxLevels + 1> start_{};  // of each level
+  int levels_ = 0;                                     // without the leaves
   std::vector<std::int32_t> triangle_of_;
   Vec3 origin_ = Vec3::Zero();
   double extent_ = 0.0;  // largest coordinate relative to the origin [m]

@@ -96,7 +96,7 @@ void DiscBvh::each_within(const Vec3& p, Visit visit, Reach reach) const noexcep
     const double squared = reach();
     return static_cast<float>(squared < kMost ? squared : kMost) * (1.0F + DiscQuery::kRounding);
   };
-  std::array<Wait, kMostVisits> waiting;
+  std::array<Wait, kMaxVisits> waiting;
   std::size_t count = 0;
   Wait here{0.0F, 0, levels_};
   float within = limit();
@@ -178,7 +178,7 @@ void DiscBvh::each_along(const Vec3& a, const Vec3& b, double slack, Visit visit
     int level;
   };
   const DiscSegment segment(a - origin_, b - origin_, extent_, slack);
-  std::array<Wait, kMostVisits> waiting;
+  std::array<Wait, kMaxVisits> waiting;
   std::size_t count = 0;
   waiting[count++] = {0, levels_};
   while (count > 0) {

@@ -9,8 +9,8 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr int kMostDivisions = 2000;                   // of one side of a box
-constexpr std::size_t kMostBallTriangles = 5'242'880;  // 20 x 4^9
+constexpr int kMaxDivisions = 2000;                   // of one side of a box
+constexpr std::size_t kMaxBallTriangles = 5'242'880;  // 20 x 4^9
 
 TriangleMesh unit_icosahedron() {
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
@@ -44,7 +44,7 @@ TriangleMesh unit_icosahedron() {
 TriangleMesh make_ball(double radius, int triangles) {
   if (!std::isfinite(radius) || !(radius > 0.0))
     throw ParameterError("ball radius (m)", radius, "finite and > 0");
-  if (triangles > static_cast<int>(kMostBallTriangles)) {
+  if (triangles > static_cast<int>(kMaxBallTriangles)) {
     throw ParameterError("ball triangles", triangles, "at most 5242880");
   }
   TriangleMesh mesh = unit_icosahedron();
@@ -64,7 +64,7 @@ TriangleMesh make_box(const Vec3& size, double longest) {
       throw ParameterError("box size (m)", size[k], "finite and > 0");
     // Rounding must not add a cell to exact multiples.
     const double divisions = std::max(1.0, std::ceil(size[k] / longest - 1e-9));
-    if (divisions > kMostDivisions)
+    if (divisions > kMaxDivisions)
       throw ParameterError("box longest edge (m)", longest, "at least size / 2000");
     cells[static_cast<std::size_t>(k)] = static_cast<int>(divisions);
   }

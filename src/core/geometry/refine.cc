@@ -14,10 +14,10 @@ namespace palpate::geometry {
 namespace {
 
 // refine() throws beyond this many triangles: a wrong unit must not exhaust the memory.
-constexpr std::size_t kMostRefinedTriangles = 4'000'000;
+constexpr std::size_t kMaxRefinedTriangles = 4'000'000;
 
 [[noreturn]] void refuse_as_too_many() {
-  throw InputError("refining the mesh needs more than " + std::to_string(kMostRefinedTriangles) +
+  throw InputError("refining the mesh needs more than " + std::to_string(kMaxRefinedTriangles) +
                    " triangles: is its unit right?");
 }
 
@@ -48,7 +48,7 @@ class Refiner final {
       if (found == edges_.end()) continue;  // flipped meanwhile
       if (found->second.is_inner && turn(key)) continue;
       split(key);
-      if (mesh_.triangles.size() > kMostRefinedTriangles) refuse_as_too_many();
+      if (mesh_.triangles.size() > kMaxRefinedTriangles) refuse_as_too_many();
     }
     return std::move(mesh_);
   }
@@ -168,7 +168,7 @@ TriangleMesh refine(const TriangleMesh& mesh, double longest) {
   if (!(longest > 0.0)) throw ParameterError("longest edge (m)", longest, "> 0");
   // The equilateral triangle has the largest area of any in the result.
   const double most_area =
-      0.25 * std::sqrt(3.0) * longest * longest * static_cast<double>(kMostRefinedTriangles);
+      0.25 * std::sqrt(3.0) * longest * longest * static_cast<double>(kMaxRefinedTriangles);
   double doubled_area = 0.0;
   for (const Triangle& triangle : mesh.triangles) doubled_area += area_vector_doubled(mesh, triangle).norm();
   if (!(0.5 * doubled_area <= most_area)) refuse_as_too_many();

@@ -45,8 +45,8 @@ void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
   state.fault = fault;
   // After a reset and a new fault during a ramp-down, the ramp-down continues.
   if (state.fault_ticks_left > 0 && fault != Fault::kStalled) return;
-  constexpr double kMostTicks = 1e6;
-  const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMostTicks);
+  constexpr double kMaxTicks = 1e6;
+  const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMaxTicks);
   // after a stall the hand feels no force any more
   const double ticks = fault == Fault::kStalled ? 1.0 : whole;
   state.fault_ticks_left = static_cast<int>(ticks);
@@ -103,7 +103,7 @@ std::uint32_t limit_duty(const GateLimits& limits, GateState& state, bool warm,
 }  // namespace
 
 double GateLimits::max_sigma() const noexcept {
-  return std::min(noise::kMostSigma, max_force / noise::TouchNoise::kBound);
+  return std::min(noise::kMaxSigma, max_force / noise::TouchNoise::kBound);
 }
 
 GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput& input) noexcept {

@@ -38,7 +38,7 @@ struct GateLimits {
   // N, RMS force that the device can hold without a time limit
   double continuous_force = DeviceAbilities::kUnknown;
 
-  /// [any] Largest allowed sigma [N] of the touch noise in contact: noise::kMostSigma, or less, so that the
+  /// [any] Largest allowed sigma [N] of the touch noise in contact: noise::kMaxSigma, or less, so that the
   /// bound of the noise stays below max_force.
   [[nodiscard]] double max_sigma() const noexcept;
 };

@@ -57,7 +57,7 @@ ParameterUpdates::ParameterUpdates(const SimulationWorld& world, const model::Ti
       warnings_(std::move(warnings)),
       tissue_(tissue),
       noise_(noise_of_world(world)),
-      slots_(kMostWaiting, prepare_update(world, parameter_update(tissue, noise_of_world(world), 0))) {}
+      slots_(kMaxWaiting, prepare_update(world, parameter_update(tissue, noise_of_world(world), 0))) {}
 
 ParameterUpdates::~ParameterUpdates() = default;
 
@@ -65,11 +65,11 @@ void ParameterUpdates::hand_over(ParameterUpdate values) {
   values.number = offered_ + 1;
   PreparedUpdate prepared = prepare_update(world_, values);
   const std::uint64_t head = head_.load(std::memory_order_relaxed);
-  if (head - tail_.load(std::memory_order_acquire) == kMostWaiting) {
+  if (head - tail_.load(std::memory_order_acquire) == kMaxWaiting) {
     throw InputError("change of tissue or noise: the loop has not taken the last " +
-                     std::to_string(kMostWaiting) + " changes yet; try again when it has");
+                     std::to_string(kMaxWaiting) + " changes yet; try again when it has");
   }
-  slots_[head % kMostWaiting] = prepared;
+  slots_[head % kMaxWaiting] = prepared;
   offered_ = values.number;
   head_.store(head + 1, std::memory_order_release);
 }
@@ -104,7 +104,7 @@ LiveNoise ParameterUpdates::noise() const {
 
 const PreparedUpdate* ParameterUpdates::waiting() const noexcept {
   const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
-  return tail == head_.load(std::memory_order_acquire) ? nullptr : &slots_[tail % kMostWaiting];
+  return tail == head_.load(std::memory_order_acquire) ? nullptr : &slots_[tail % kMaxWaiting];
 }
 
 void ParameterUpdates::taken() noexcept {

@@ -44,10 +44,10 @@ bool control_passivity(const PassivityObserver& observer, const DeviceMotion& re
   const double way = relative.translation.squaredNorm();
   const double turn = relative.rotation.squaredNorm();
   if (way > 0.0) {
-    brake(tissue.force, relative.translation, std::min(kMostDamping, deficit * period / way), period);
+    brake(tissue.force, relative.translation, std::min(kMaxDamping, deficit * period / way), period);
   }
   if (turn > 0.0) {
-    brake(tissue.torque, relative.rotation, std::min(kMostAngularDamping, deficit * period / turn), period);
+    brake(tissue.torque, relative.rotation, std::min(kMaxAngularDamping, deficit * period / turn), period);
   }
   return true;
 }

@@ -19,8 +19,8 @@ inline constexpr double kEnergyTolerance = 20e-6;  // J
 
 /// Largest damping of the passivity controller. A sampled damper is passive on masses above its coefficient
 /// times T/2 (5 g at 1 kHz).
-inline constexpr double kMostDamping = 10.0;         // N s/m
-inline constexpr double kMostAngularDamping = 2e-3;  // N m s/rad
+inline constexpr double kMaxDamping = 10.0;         // N s/m
+inline constexpr double kMaxAngularDamping = 2e-3;  // N m s/rad
 
 /// The touch noise may give kNoisePower [W] continuously and kNoiseEnergy [J] beyond it. Above that it fades,
 /// to zero at twice the leeway. White noise of sigma on a mass m gives sigma^2 T / (2 m): 1 uW for the

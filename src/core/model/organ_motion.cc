@@ -50,8 +50,8 @@ void require_unit(const std::string& field, const Vec3& direction) {
 }
 
 void validate_one(const OrganMotionParameters& motion) {
-  require_within("amplitude_mm", motion.amplitude, 0.0, kMostOrganAmplitude, kMillimetre);
-  require_within("rotation_deg", motion.rotation, -kMostOrganRotation, kMostOrganRotation, kDegree);
+  require_within("amplitude_mm", motion.amplitude, 0.0, kMaxOrganAmplitude, kMillimetre);
+  require_within("rotation_deg", motion.rotation, -kMaxOrganRotation, kMaxOrganRotation, kDegree);
   require_within("period_s", motion.period, kShortestOrganPeriod, kLongestOrganPeriod, 1.0);
   if (!(motion.phase >= 0.0 && motion.phase < 1.0))
     throw ParameterError("phase", motion.phase, ">= 0 and < 1");
@@ -86,9 +86,9 @@ OrganSpeed greatest_speed(const OrganMotionParameters& motion) noexcept {
 }
 
 void validate(std::span<const OrganMotionParameters> motions) {
-  if (motions.size() > kMostOrganMotions) {
+  if (motions.size() > kMaxOrganMotions) {
     throw InputError(std::to_string(motions.size()) + " motions of one organ: must be at most " +
-                     std::to_string(kMostOrganMotions));
+                     std::to_string(kMaxOrganMotions));
   }
   OrganSpeed together;
   for (const OrganMotionParameters& motion : motions) {

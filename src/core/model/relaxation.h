@@ -9,8 +9,8 @@ namespace palpate::model {
 
 /// The history variables of relaxation, carried from sample to sample.
 struct RelaxationState {
-  std::array<double, kMostRelaxationTerms> history{};  // q_i, unrelaxed force of each Prony term [N]
-  double elastic = 0.0;                                // elastic force F_e at the last sample [N]
+  std::array<double, kMaxRelaxationTerms> history{};  // q_i, unrelaxed force of each Prony term [N]
+  double elastic = 0.0;                               // elastic force F_e at the last sample [N]
 };
 
 /// Quasi-linear viscoelasticity [Fung 1993, ch. 7]: F(t) = integral of G(t - s) dF_e with the Prony series
@@ -57,7 +57,7 @@ class Relaxation final {
   };
 
   std::size_t count_ = 0;
-  std::array<Term, kMostRelaxationTerms> terms_{};
+  std::array<Term, kMaxRelaxationTerms> terms_{};
   double lasting_ = 1.0;  // 1 - sum of the g_i
 };
 

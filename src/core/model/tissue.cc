@@ -12,7 +12,7 @@ namespace {
 
 [[noreturn]] void refuse_terms(std::size_t count) {
   throw ParameterError("relaxation", static_cast<double>(count),
-                       "at most " + std::to_string(kMostRelaxationTerms) + " terms");
+                       "at most " + std::to_string(kMaxRelaxationTerms) + " terms");
 }
 
 void require_positive(const std::string& field, double value) {
@@ -49,7 +49,7 @@ LawKind parse_law(std::string_view text) {
 }
 
 void RelaxationTerms::push_back(const RelaxationTerm& term) {
-  if (count_ == kMostRelaxationTerms) refuse_terms(count_ + 1);
+  if (count_ == kMaxRelaxationTerms) refuse_terms(count_ + 1);
   terms_[count_++] = term;
 }
 
@@ -77,7 +77,7 @@ void validate(const TissueParameters& tissue) {
 }
 
 void validate_relaxation(std::span<const RelaxationTerm> terms) {
-  if (terms.size() > kMostRelaxationTerms) refuse_terms(terms.size());
+  if (terms.size() > kMaxRelaxationTerms) refuse_terms(terms.size());
   double sum = 0.0;
   for (const RelaxationTerm& term : terms) {
     require_positive("relaxation.share", term.g);

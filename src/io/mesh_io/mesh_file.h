@@ -11,7 +11,7 @@
 // A mesh file in memory and its reader, for read_mesh.cc and formats/.
 namespace palpate::geometry {
 
-inline constexpr std::size_t kMostTriangles = 20'000'000;
+inline constexpr std::size_t kMaxTriangles = 20'000'000;
 /// Largest coordinate of a mesh; sums of its squares stay finite.
 inline constexpr double kLargestCoordinate = std::numeric_limits<float>::max();
 

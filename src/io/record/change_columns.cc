@@ -10,17 +10,17 @@ namespace palpate::record {
 namespace {
 
 using haptics::ParameterUpdate;
-using model::kMostRelaxationTerms;
+using model::kMaxRelaxationTerms;
 using model::kTissueFields;
 
 static_assert(std::is_standard_layout_v<ChangeRow> && std::is_trivially_copyable_v<ChangeRow>);
 static_assert(sizeof(ChangeRow) ==
-                  (6 + kTissueFields.size() + 2 * kMostRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
+                  (6 + kTissueFields.size() + 2 * kMaxRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
               "no padding");
 
-constexpr std::array<const char*, kMostRelaxationTerms> kShareColumns{
+constexpr std::array<const char*, kMaxRelaxationTerms> kShareColumns{
     "relaxation_1_share", "relaxation_2_share", "relaxation_3_share"};
-constexpr std::array<const char*, kMostRelaxationTerms> kTimeColumns{
+constexpr std::array<const char*, kMaxRelaxationTerms> kTimeColumns{
     "relaxation_1_time_s", "relaxation_2_time_s", "relaxation_3_time_s"};
 
 std::vector<Column> all_columns() {
@@ -39,8 +39,8 @@ std::vector<Column> all_columns() {
     }
   };
   add_tissue(false);
-  for (std::size_t i = 0; i < kMostRelaxationTerms; ++i) add(kShareColumns[i], offsetof(ChangeRow, share), i);
-  for (std::size_t i = 0; i < kMostRelaxationTerms; ++i) add(kTimeColumns[i], offsetof(ChangeRow, time), i);
+  for (std::size_t i = 0; i < kMaxRelaxationTerms; ++i) add(kShareColumns[i], offsetof(ChangeRow, share), i);
+  for (std::size_t i = 0; i < kMaxRelaxationTerms; ++i) add(kTimeColumns[i], offsetof(ChangeRow, time), i);
   add_tissue(true);
   columns.push_back({"noise_enabled", ColumnType::kU64, offsetof(ChangeRow, noise_enabled)});
   add("noise_gain_N_m", offsetof(ChangeRow, noise_gain), 0);
@@ -77,7 +77,7 @@ ParameterUpdate change_of(const ChangeRow& row) {
     const bool given = row.tissue[i] != 0.0 || !kTissueFields[i].optional();
     kTissueFields[i].at.set(change.tissue, given ? std::optional(row.tissue[i]) : std::nullopt);
   }
-  for (std::size_t i = 0; i < kMostRelaxationTerms && row.share[i] != 0.0; ++i) {
+  for (std::size_t i = 0; i < kMaxRelaxationTerms && row.share[i] != 0.0; ++i) {
     change.tissue.relaxation.push_back({row.share[i], row.time[i]});
   }
   change.noise = {row.noise_enabled != 0, row.noise_gain, row.noise_threshold};

@@ -16,8 +16,8 @@ struct ChangeRow {
   std::uint32_t what = 0;
   std::uint32_t law = 0;                                     // model::LawKind
   std::array<double, model::kTissueFields.size()> tissue{};  // 0 for an optional number without a value
-  std::array<double, model::kMostRelaxationTerms> share{};   // 0: no such relaxation term
-  std::array<double, model::kMostRelaxationTerms> time{};    // s
+  std::array<double, model::kMaxRelaxationTerms> share{};    // 0: no such relaxation term
+  std::array<double, model::kMaxRelaxationTerms> time{};     // s
   std::uint64_t noise_enabled = 0;                           // 0 or 1
   double noise_gain = 0.0;                                   // N m
   double noise_threshold = 0.0;                              // m

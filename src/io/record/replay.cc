@@ -190,7 +190,7 @@ std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
 
 struct RecordingFrames::Impl {
   Impl(const Recording& recorded, const contact::Preparation& how)
-      : recording(recorded), again(recorded, how), apart(std::max(kLeastApart, again.ticks() / kMostKept)) {
+      : recording(recorded), again(recorded, how), apart(std::max(kLeastApart, again.ticks() / kMaxKept)) {
     kept.push_back(again.place());
   }
 
@@ -210,7 +210,7 @@ struct RecordingFrames::Impl {
   }
 
   static constexpr std::uint64_t kLeastApart = 512;  // ticks
-  static constexpr std::uint64_t kMostKept = 512;
+  static constexpr std::uint64_t kMaxKept = 512;
   static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
   const Recording& recording;

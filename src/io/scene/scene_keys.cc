@@ -63,10 +63,10 @@ std::vector<SceneKey> make_keys() {
       {"noise.rate_Hz", kNumber, {1e-3, kFastestRate}},
       {"noise.user_threshold_N", kNumber},
       {"noise.share_of_threshold", kNumber},
-      {"safety.max_force_N", kNumber, up_to(SafetySetup::kMostForce)},
-      {"safety.max_slew_N_per_ms", kNumber, up_to(SafetySetup::kMostSlew / kPerMillisecond)},
-      {"safety.max_torque_N_m", kNumber, up_to(SafetySetup::kMostTorque)},
-      {"safety.max_slew_N_m_per_ms", kNumber, up_to(SafetySetup::kMostTorqueSlew / kPerMillisecond)},
+      {"safety.max_force_N", kNumber, up_to(SafetySetup::kMaxForce)},
+      {"safety.max_slew_N_per_ms", kNumber, up_to(SafetySetup::kMaxSlew / kPerMillisecond)},
+      {"safety.max_torque_N_m", kNumber, up_to(SafetySetup::kMaxTorque)},
+      {"safety.max_slew_N_m_per_ms", kNumber, up_to(SafetySetup::kMaxTorqueSlew / kPerMillisecond)},
       {"tissue.law", kText},
   };
   for (const model::TissueField& field : model::kTissueFields) {

@@ -34,9 +34,9 @@ model::RelaxationTerms read_relaxation(const TomlTable& table) {
     if (!(sum < 1.0)) {
       entry.fail("share", "the shares of all terms must sum to less than 1, these to " + shortest(sum));
     }
-    if (terms.size() == model::kMostRelaxationTerms) {
-      entry.fail("share", "one term too many, must be at most " +
-                              std::to_string(model::kMostRelaxationTerms) + " [[tissue.relaxation]]");
+    if (terms.size() == model::kMaxRelaxationTerms) {
+      entry.fail("share", "one term too many, must be at most " + std::to_string(model::kMaxRelaxationTerms) +
+                              " [[tissue.relaxation]]");
     }
     terms.push_back(term);
   }

@@ -79,7 +79,7 @@ class Loop final {
   /// What is latched on a hand, from its rows.
   struct Latched {
     Fault fault = Fault::kNone;
-    std::size_t entry = LoopReport::kMostFaults;  // in report_.faults
+    std::size_t entry = LoopReport::kMaxFaults;  // in report_.faults
   };
 
   void start() noexcept {
@@ -205,12 +205,12 @@ class Loop final {
     const bool reset = (row.events & kResetFault) != 0;
     if (fault == latched.fault && (fault == Fault::kNone || !reset)) return;
     if (latched.entry < report_.faults.size()) report_.faults[latched.entry].reset_tick = row.tick;
-    latched = {fault, LoopReport::kMostFaults};
+    latched = {fault, LoopReport::kMaxFaults};
     if (fault == Fault::kNone) return;
     if (report_.fault == Fault::kNone) report_.fault = fault;
     const FaultSeen seen{row.tick, row.hand, fault};
     for (TickObserver* observer : observers_) observer->on_fault(seen);
-    if (report_.faults.size() == LoopReport::kMostFaults) {
+    if (report_.faults.size() == LoopReport::kMaxFaults) {
       ++report_.further_faults;
       return;
     }
@@ -298,7 +298,7 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
     report.remarks.emplace_back(
         "the loop polled on the only core that this program may use: all else had to wait");
   }
-  report.faults.reserve(LoopReport::kMostFaults);
+  report.faults.reserve(LoopReport::kMaxFaults);
   std::optional<MemoryLock> memory;
   std::optional<Watchdog> watchdog;
   if (!options.offline) report.memory_locked = memory.emplace(report.remarks).granted();

@@ -111,7 +111,7 @@ SpecimenFit fit_of_json(const Json& json) {
   fit.shared = list_of(json.at("shared"));
   fit.own = list_of(json.at("own"));
   for (const Json& minimum : json.at("minima")) fit.minima.push_back(list_of(minimum));
-  if (fit.terms > model::kMostRelaxationTerms || fit.shared.size() != shared_count(fit.terms) ||
+  if (fit.terms > model::kMaxRelaxationTerms || fit.shared.size() != shared_count(fit.terms) ||
       fit.own.size() != kOwnParameters || !all_as_long(fit.minima, fit.shared.size() + kOwnParameters) ||
       fit.estimates.size() != fit.shared.size() + kOwnParameters) {
     throw InputError("results line: does not have as many parameters as it has relaxation terms");

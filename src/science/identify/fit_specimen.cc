@@ -45,7 +45,7 @@ Minima with_terms(const Part& part, const Settings& settings, const Progress& pr
   if (!settings.relaxation) return find_minima(make_problem(settings, 0, {part}));
   const Problem one = make_problem(settings, 1, {part});
   Minima best = search_minima(one, starts(one, kStarts));
-  for (std::size_t terms = 2; terms <= model::kMostRelaxationTerms; ++terms) {
+  for (std::size_t terms = 2; terms <= model::kMaxRelaxationTerms; ++terms) {
     if (progress) progress(0.1 * static_cast<double>(terms), "relaxation terms");
     // the optima with one term fewer, their slowest term split in two
     std::vector<Solution> from;

@@ -289,10 +289,10 @@ std::vector<double> arc_lengths(const Alignment& now) {
 }
 
 void add_points(const Alignment& now, const ImageSettings& settings, ImageMeasurement& measured) {
-  constexpr std::size_t kMostPoints = 400;
+  constexpr std::size_t kMaxPoints = 400;
   const double sign = settings.direction == model::Direction::kPress ? 1.0 : -1.0;
   const std::vector<double> along = arc_lengths(now);
-  const std::size_t stride = (now.shifts.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t stride = (now.shifts.size() + kMaxPoints - 1) / kMaxPoints;
   const double c = std::cos(now.after.turn);
   const double n = std::sin(now.after.turn);
   for (std::size_t i = 0; i < now.shifts.size(); i += stride) {

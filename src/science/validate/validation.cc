@@ -65,7 +65,7 @@ double Law::depth_under(double force) const {
 
 ForceComparison compare_force(const identify::Specimen& specimen, const Law& law, const Zeros& zeros) {
   ForceComparison comparison;
-  comparison.measured = identify::thinned(specimen, kMostPoints);
+  comparison.measured = identify::thinned(specimen, kMaxPoints);
   comparison.rows = specimen.size();
   comparison.zeros = zeros;
   const identify::Specimen& measured = comparison.measured;

@@ -17,7 +17,7 @@
 namespace palpate::report {
 namespace {
 
-constexpr std::size_t kMostPoints = 2500;  // per line, to keep the page small
+constexpr std::size_t kMaxPoints = 2500;   // per line, to keep the page small
 constexpr std::size_t kMostMarkers = 300;  // per scatter plot, so that the curve beneath stays visible
 constexpr std::size_t kLongestSegment = 1024;
 constexpr std::size_t kShortestSegment = 64;
@@ -119,7 +119,7 @@ std::string organ_panel(const OrganWay& way) {
 Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
                       const std::filesystem::path& file) {
   PlotData data{"rows.dat", {}};
-  const std::size_t stride = stride_for(hand.rows.size(), kMostPoints);
+  const std::size_t stride = stride_for(hand.rows.size(), kMaxPoints);
   for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
     const haptics::TickRow& row = hand.rows[i];
     data.rows.push_back({row.time, row.depth * kMilli, row.tissue_force, device_force(row)});

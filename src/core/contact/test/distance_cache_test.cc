@@ -206,7 +206,7 @@ TEST(DistanceCache, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
       const bool now = surface.nearest(part.point_S(i), -1).distance < kInside;
       ASSERT_EQ(part.is_inside(i), now) << "tick " << tick << ", point " << i;
       inside += now ? 1U : 0U;
-      if (now && !was_inside[i] && tick > 0 && part.entries().size() < DistanceCache::kMostEntries) {
+      if (now && !was_inside[i] && tick > 0 && part.entries().size() < DistanceCache::kMaxEntries) {
         ++entered;
         EXPECT_TRUE(std::any_of(part.entries().begin(), part.entries().end(),
                                 [&](const EntryEvent& entry) { return entry.point == i; }));

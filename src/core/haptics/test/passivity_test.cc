@@ -61,11 +61,11 @@ TEST(Passivity, ADeficitTakesWhatGivesMoreAndDampsInTheNextTick) {
 TEST(Passivity, DampingIsBounded) {
   ForceCommand tissue;
   EXPECT_TRUE(control_passivity({-1.0, 0.0, 0.0}, moved(1e-5), kPassivityPeriod, tissue));
-  EXPECT_NEAR(tissue.force.x(), -kMostDamping * 1e-5 / kPassivityPeriod, 1e-12);
+  EXPECT_NEAR(tissue.force.x(), -kMaxDamping * 1e-5 / kPassivityPeriod, 1e-12);
   ForceCommand turned;
   EXPECT_TRUE(
       control_passivity({-1.0, 0.0, 0.0}, {Vec3::Zero(), Vec3(0, 1e-5, 0)}, kPassivityPeriod, turned));
-  EXPECT_NEAR(turned.torque.y(), -kMostAngularDamping * 1e-5 / kPassivityPeriod, 1e-15);
+  EXPECT_NEAR(turned.torque.y(), -kMaxAngularDamping * 1e-5 / kPassivityPeriod, 1e-15);
 }
 
 TEST(Passivity, ADeviceThatStandsStillIsLeftAlone) {
@@ -117,9 +117,9 @@ TEST(Passivity, NoiseGivesNoMoreThanItsPowerAndTwiceItsLeeway) {
   constexpr int kTicks = 60'000;
   const double allowed = kNoisePower * kTicks * kPassivityPeriod + 2.0 * kNoiseEnergy;
   for (const double mass : {0.01, 0.02, 0.05}) {
-    EXPECT_LE(given_by_noise(noise::kMostSigma, mass, kTicks, true), allowed + 1e-4) << mass;
+    EXPECT_LE(given_by_noise(noise::kMaxSigma, mass, kTicks, true), allowed + 1e-4) << mass;
   }
-  EXPECT_GT(given_by_noise(noise::kMostSigma, 0.01, kTicks, false), 2.0 * allowed) << "the measure can fail";
+  EXPECT_GT(given_by_noise(noise::kMaxSigma, 0.01, kTicks, false), 2.0 * allowed) << "the measure can fail";
 }
 
 TEST(Passivity, NoiseOfTheDefaultStrengthIsNeverTouched) {

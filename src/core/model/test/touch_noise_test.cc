@@ -257,7 +257,7 @@ TEST(TouchNoise, RefusesBadSettings) {
 
 TEST(TouchNoise, SigmaInContactHasACeiling) {
   NoiseSettings settings;
-  settings.gain = kMostSigma * settings.threshold;
+  settings.gain = kMaxSigma * settings.threshold;
   EXPECT_NO_THROW(validate(settings, 1000.0));
   EXPECT_THROW(validate(settings, 1000.0, 0.4), ParameterError) << "a device's own ceiling may be lower";
   settings.gain *= 1.001;

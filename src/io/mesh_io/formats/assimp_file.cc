@@ -136,9 +136,9 @@ class SceneReader final {
 
   void add_part(const aiMesh& part, const Mat4& to_file) {
     TriangleMesh& mesh = imported_.mesh;
-    if (mesh.triangles.size() + part.mNumFaces > kMostTriangles ||
-        mesh.vertices.size() + part.mNumVertices > 3 * kMostTriangles) {
-      throw InputError(fmt::format("{}: more than {} triangles", file_.path.string(), kMostTriangles));
+    if (mesh.triangles.size() + part.mNumFaces > kMaxTriangles ||
+        mesh.vertices.size() + part.mNumVertices > 3 * kMaxTriangles) {
+      throw InputError(fmt::format("{}: more than {} triangles", file_.path.string(), kMaxTriangles));
     }
     const bool is_mirrored = to_file.topLeftCorner<3, 3>().determinant() < 0.0;
     mirrored_ += is_mirrored ? 1 : 0;

@@ -109,7 +109,7 @@ void SurfaceBuilder::add_polygon(std::span<const std::int32_t> corners) {
         "too many polygons as large as this one of {} corners: cut them into triangles first", count));
   }
   triangles_ += count - 2;
-  if (triangles_ > kMostTriangles) scan_.refuse_item(fmt::format("more than {} triangles", kMostTriangles));
+  if (triangles_ > kMaxTriangles) scan_.refuse_item(fmt::format("more than {} triangles", kMaxTriangles));
   corners_.insert(corners_.end(), corners.begin(), corners.end());
   starts_.push_back(corners_.size());
 }

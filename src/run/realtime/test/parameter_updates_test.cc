@@ -182,7 +182,7 @@ TEST(ParameterUpdates, BadValuesAreRefusedInWordsAndChangeNothing) {
 TEST(ParameterUpdates, NoMoreThanEightWaitAndTheNextIsRefused) {
   const SimulationWorld world = block_and_balls(1, 1000.0);
   ParameterUpdates changes(world, gallbladder(), {});
-  for (std::size_t i = 0; i < ParameterUpdates::kMostWaiting; ++i) (void)changes.offer(gallbladder());
+  for (std::size_t i = 0; i < ParameterUpdates::kMaxWaiting; ++i) (void)changes.offer(gallbladder());
   EXPECT_THAT(refusal_of(changes, twice_as_stiff()), HasSubstr("has not taken the last 8 changes"));
   EXPECT_EQ(changes.tissue().k1, gallbladder().k1);
   changes.taken();
