@@ -58,7 +58,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   report::make_report_folder(flags.folder);
   std::vector<std::unique_ptr<Session>> sessions;
   for (const Experiment& experiment : kExperiments) {
-    scene::Request request;
+    scene::Overrides request;
     request.task = experiment.task;
     sessions.push_back(prepare(scene::load(request), std::nullopt, flags.no_cache));
   }

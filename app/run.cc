@@ -34,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RunFlags {
-  scene::Request request;
+  scene::Overrides request;
   bool offline = false;
   bool headless = false;
   bool json = false;
@@ -47,7 +47,7 @@ struct RunFlags {
   OutputFiles files;
 };
 
-void check_outputs(const OutputFiles& files, const scene::Setup& setup) {
+void check_outputs(const OutputFiles& files, const scene::Scene& setup) {
   if (!files.recording.empty()) require_regular_file(files.recording, "--record");
   if (!files.screenshot.empty()) require_writable_file(files.screenshot, "--screenshot");
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
@@ -139,7 +139,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
-  scene::Setup setup = scene::load(flags.request);
+  scene::Scene setup = scene::load(flags.request);
   check_outputs(flags.files, setup);
   const std::shared_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);

@@ -104,7 +104,7 @@ void tell_account(const net::LiveAccount& account, std::uint64_t runs, bool json
 int serve(const ServeFlags& flags) {
   const net::LiveOptions options = server_options(flags);
   check_runs(flags.runs);
-  scene::Setup setup = scene::load(flags.runs.request);
+  scene::Scene setup = scene::load(flags.runs.request);
   require_windowless(setup);
   std::vector<NamedFile> inputs = sources_of(setup);
   inputs.push_back({"--page", flags.page});

@@ -36,7 +36,7 @@ void require_made_up(const std::string& device) {
 
 }  // namespace
 
-void require_windowless(const scene::Setup& setup) {
+void require_windowless(const scene::Scene& setup) {
   for (const scene::DeviceSetup& device : setup.devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind == nullptr || !kind->window) continue;
@@ -50,7 +50,7 @@ ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
       tissue_(first_->setup().tissue),
       noise_(first_->setup().noise) {}
 
-const scene::Setup& ServedRuns::setup() const {
+const scene::Scene& ServedRuns::setup() const {
   return run_ != nullptr ? run_->session().setup() : first_->setup();
 }
 
@@ -84,7 +84,7 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   surface_.reset();
   moved_ns_ = 0;
   first_.reset();
-  const scene::Setup& played = run_->session().setup();
+  const scene::Scene& played = run_->session().setup();
   tissue_ = played.tissue;
   noise_ = played.noise;
   say("run", {{"run", about_run()}});
@@ -220,11 +220,11 @@ std::string ServedRuns::file_below(const std::string& key, const std::string& na
   return file.string();
 }
 
-scene::Request ServedRuns::request_of(const net::Load& wanted) const {
+scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
   const auto name_or_file = [this](const char* key, const std::optional<std::string>& text) {
-    return text && scene::means_file(*text) ? file_below(key, *text) : text;
+    return text && scene::is_path(*text) ? file_below(key, *text) : text;
   };
-  scene::Request request;
+  scene::Overrides request;
   if (wanted.scene) request.scene = file_below("scene", *wanted.scene);
   request.task = wanted.task;
   request.organ = name_or_file("organ", wanted.organ);
@@ -242,7 +242,7 @@ scene::Request ServedRuns::request_of(const net::Load& wanted) const {
 }
 
 ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& asker) {
-  scene::Request request = request_of(wanted);
+  scene::Overrides request = request_of(wanted);
   break_off_loading("the load was broken off by the next load");
   load_next_ = std::move(request);
   next_asker_ = asker;

@@ -75,7 +75,7 @@ void refuse_overridden(const std::vector<study::Axis>& axes, const CLI::App& com
 void check_files_and_duration(const SweepFlags& flags) {
   const study::SweepRequest& request = flags.request;
   require_writable_folder(flags.out, "--out");
-  const scene::Setup setup = scene::load(request.scene);
+  const scene::Scene setup = scene::load(request.scene);
   if (request.duration_s) (void)session::ticks_in(*request.duration_s, setup.rate_Hz, "--duration-s");
   std::vector<NamedFile> outputs;
   for (const char* name : kFiles) outputs.push_back({"--out", fs::path(flags.out) / name});

@@ -127,7 +127,7 @@ class Bench final {
 
   void measure(const Subject& subject) {
     show(0.0, "preparing the " + subject.task + " scene");
-    const scene::Setup setup = bench::subject(subject.task, subject.organ_triangles, subject.tool_triangles);
+    const scene::Scene setup = bench::subject(subject.task, subject.organ_triangles, subject.tool_triangles);
     const Prepared prepared = prepare(setup);
     const std::string name = setup.name + ", " + std::to_string(setup.organ.triangles.size()) + " triangles";
     if (plan_.preparation && subject.tool_triangles == 0) account_.preparation.push_back(prepared.account);
@@ -144,7 +144,7 @@ class Bench final {
     done_ += 1.0;
   }
 
-  void ask_peers(const scene::Setup& setup, const std::vector<WayPoint>& way, const std::string& name) {
+  void ask_peers(const scene::Scene& setup, const std::vector<WayPoint>& way, const std::string& name) {
     const auto ratio = [](double theirs, double own) { return own > 0.0 ? theirs / own : 0.0; };
     const TickAccount& tick = account_.ticks.back();
     const double nearest_us = account_.nearest.back().times.p50_us;
@@ -174,7 +174,7 @@ class Bench final {
   }
 
   void measure_hands() {
-    const scene::Setup setup = subject("press", 0, 0);
+    const scene::Scene setup = subject("press", 0, 0);
     const Prepared prepared = prepare(setup);
     const scene::ToolPath path = hand_path(setup);
     account_.hands = most_hands(setup, prepared.world, path, plan_.waiting,
@@ -187,10 +187,10 @@ class Bench final {
   }
 
   void measure_loop(const std::string& task) {
-    scene::Request request;
+    scene::Overrides request;
     request.task = task;
     request.rate_Hz = kLoopRate;
-    const scene::Setup setup = scene::load(request);
+    const scene::Scene setup = scene::load(request);
     const Prepared prepared = prepare(setup);
     account_.loops.push_back(
         against_empty_loop(setup, prepared.world, scene::default_path(setup, 0), plan_.waiting,

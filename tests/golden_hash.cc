@@ -25,10 +25,10 @@ constexpr std::uint64_t kMaxTicks = 4000;
 
 /// Two instruments on an organ with breathing and heartbeat.
 Rig two_hands() {
-  scene::Request request;
+  scene::Overrides request;
   request.task = "press";
   request.organ_motion = {"breathing", "heartbeat"};
-  scene::Setup setup = scene::load(request);
+  scene::Scene setup = scene::load(request);
   setup.tools.push_back(setup.tools.front());
   setup.devices.push_back(setup.devices.front());
   return Rig(std::move(setup));

@@ -62,7 +62,7 @@ Viewer::~Viewer() {
 void Viewer::show(std::unique_ptr<OpenRecording> open) {
   ticks_.reset();
   open_ = std::move(open);
-  const scene::Setup& setup = view().recording().setup;
+  const scene::Scene& setup = view().recording().setup;
   playback_.emplace(view().ticks(), setup.rate_Hz);
   state_.hand = 0;
   snapshot_there_ = false;
@@ -176,7 +176,7 @@ void Viewer::compose() {
     if (layout_.left.width > 0.0F) draw_viewer_panels(layout_.left, seen, state_, wishes_);
     if (layout_.timeline.height > 0.0F) draw_timeline(layout_.timeline, seen, state_, wishes_);
     if (layout_.plots.height > 0.0F) {
-      const scene::Setup& setup = view().recording().setup;
+      const scene::Scene& setup = view().recording().setup;
       const bool pull = setup.task == scene::Task::kPull;
       Plotted plots{in_force_.tissue, pull ? model::Direction::kPull : model::Direction::kPress,
                     setup.rate_Hz};

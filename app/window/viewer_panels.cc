@@ -40,7 +40,7 @@ std::string recorded_microseconds(std::int64_t ns) {
 }
 
 void recording_rows(const Seen& seen, ViewerState& state) {
-  const scene::Setup& setup = seen.view.recording().setup;
+  const scene::Scene& setup = seen.view.recording().setup;
   const record::RunFacts& facts = seen.view.recording().facts;
   const Rows rows("recording", 0.30F);
   rows.name("File", "Ctrl + O, or drop another one on the window");
@@ -74,7 +74,7 @@ void choose_hand(const Seen& seen, const ViewerState& state, ViewerWishes& wishe
 
 void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
   const haptics::TickRow& row = seen.view.row(seen.tick, state.hand);
-  const scene::Setup& setup = seen.view.recording().setup;
+  const scene::Scene& setup = seen.view.recording().setup;
   const Rows rows("moment", 0.30F);
   if (seen.view.hands() > 1) {
     rows.name("Hand", "0 to 3");

@@ -43,7 +43,7 @@ std::string advice_on(haptics::Fault fault) {
 
 }  // namespace
 
-Window::Window(std::shared_ptr<Session> first, scene::Request request, WindowOptions options)
+Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowOptions options)
     : request_(std::move(request)),
       options_(std::move(options)),
       stage_("Palpate", options_.size, options_.scale) {
@@ -257,7 +257,7 @@ WindowOutcome Window::finish() {
   return outcome;
 }
 
-WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Request& request,
+WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Overrides& request,
                             const WindowOptions& options) {
   Window window(std::move(first), request, options);
   try {

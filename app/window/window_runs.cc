@@ -18,7 +18,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
                                            options_.igtl);
   ++runs_begun_;
   if (!run_->recording().empty()) last_recording_ = run_->recording();
-  const scene::Setup& setup = run_->session().setup();
+  const scene::Scene& setup = run_->session().setup();
   tissue_ = setup.tissue;
   noise_ = setup.noise;
   tissue_note_.clear();
@@ -46,7 +46,7 @@ void Window::make_renderer() {
 }
 
 render::Subject Window::subject() const {
-  const scene::Setup& setup = run_->session().setup();
+  const scene::Scene& setup = run_->session().setup();
   return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name};
 }
 
@@ -97,7 +97,7 @@ void Window::look_after_next() {
   }
 }
 
-void Window::restart(scene::Request request, bool keep_edits, fs::path recording) {
+void Window::restart(scene::Overrides request, bool keep_edits, fs::path recording) {
   if (next_ != nullptr) {
     stage_.say("the next session is being prepared already");
     return;
@@ -172,7 +172,7 @@ void Window::pause_run() {
 }
 
 void Window::take_file(const ChosenFile& file) {
-  scene::Request request = request_;
+  scene::Overrides request = request_;
   switch (file.use) {
     case FileUse::kOrgan:
       request.organ = file.path.string();

@@ -241,7 +241,7 @@ std::size_t greatest_that_fits(std::size_t first, std::size_t too_many,
   return most;
 }
 
-HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
+HandsAccount most_hands(const scene::Scene& setup, const haptics::SimulationWorld& world,
                         const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
   const Window window = contact_window(walk(setup, world, path));
   HandsAccount account;
@@ -270,7 +270,7 @@ HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorl
   return account;
 }
 
-HandsRun run_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
+HandsRun run_hands(const scene::Scene& setup, const haptics::SimulationWorld& world,
                    const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands,
                    std::uint64_t periods) {
   if (hands == 0) throw std::invalid_argument("bench: 0 hands: must be at least 1");

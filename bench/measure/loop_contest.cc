@@ -41,7 +41,7 @@ void take_turn(double rate_Hz, std::uint64_t ticks, haptics::TickWait& wait, Sid
 
 }  // namespace
 
-LoopAccount against_empty_loop(const scene::Setup& setup, const haptics::SimulationWorld& world,
+LoopAccount against_empty_loop(const scene::Scene& setup, const haptics::SimulationWorld& world,
                                const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
   devices::ScriptedDevice device(path);
   const std::uint64_t last = device.last_tick(world.rate_Hz);

@@ -9,7 +9,7 @@
 
 namespace palpate::bench {
 
-ScratchRecorder::ScratchRecorder(const scene::Setup& setup)
+ScratchRecorder::ScratchRecorder(const scene::Scene& setup)
     : folder_("palpate-bench-" + std::to_string(getpid()) + "-"),
       recorder_(folder_.path() / "ticks.h5", setup, false) {
   recorder_.on_start(unix_ns());

@@ -75,7 +75,7 @@ class Asked final {
   [[nodiscard]] const geometry::Tool& tool() const { return setup_->tools[0]; }
 
   const PalpatePeer* peer_;
-  const scene::Setup* setup_;
+  const scene::Scene* setup_;
   std::vector<Vec3> tips_;
   std::vector<std::array<double, 7>> poses_;  // of all parts, per point of the path
   void* opened_ = nullptr;

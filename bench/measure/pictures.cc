@@ -28,7 +28,7 @@ std::int64_t process_cpu_ns() {
 }
 
 // Snapshots from first contact on, one every kTicksAFrame ticks.
-std::vector<haptics::Snapshot> moments_of(const scene::Setup& setup) {
+std::vector<haptics::Snapshot> moments_of(const scene::Scene& setup) {
   const Prepared prepared = prepare(setup);
   OneHand hand(prepared.world);
   devices::ScriptedDevice device(scene::default_path(setup, 0));
@@ -45,7 +45,7 @@ std::vector<haptics::Snapshot> moments_of(const scene::Setup& setup) {
 }  // namespace
 
 PictureAccount time_pictures(const std::string& task, std::size_t organ_triangles) {
-  const scene::Setup setup = subject(task, 0, 0);
+  const scene::Scene setup = subject(task, 0, 0);
   const std::vector<haptics::Snapshot> moments = moments_of(setup);
   render::Subject drawn{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
   if (organ_triangles > 0) drawn.organ = subject(task, organ_triangles, 0).organ;

@@ -40,8 +40,8 @@ scene::ToolPath press_and_let_go(double lowest) {
   return scene::ToolPath(std::move(rows));
 }
 
-scene::Setup block_of(const model::TissueParameters& tissue, double rate_Hz) {
-  scene::Setup setup;
+scene::Scene block_of(const model::TissueParameters& tissue, double rate_Hz) {
+  scene::Scene setup;
   setup.name = "stability";
   setup.rate_Hz = rate_Hz;
   setup.organ_name = "box";

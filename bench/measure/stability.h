@@ -60,7 +60,7 @@ class StabilityBlock final {
   [[nodiscard]] StabilityResult run(const StabilityCase& the_case) const;
 
  private:
-  scene::Setup setup_;
+  scene::Scene setup_;
   haptics::SimulationWorld world_;
   double depth_at_hold_;      // m
   double force_at_hold_;      // N

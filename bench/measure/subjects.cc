@@ -147,10 +147,10 @@ std::size_t triangle_count(const geometry::Tool& tool) noexcept {
   return count;
 }
 
-scene::Setup subject(const std::string& task, std::size_t organ_triangles, std::size_t tool_triangles) {
-  scene::Request request;
+scene::Scene subject(const std::string& task, std::size_t organ_triangles, std::size_t tool_triangles) {
+  scene::Overrides request;
   request.task = task;
-  scene::Setup setup = scene::load(request);
+  scene::Scene setup = scene::load(request);
   if (organ_triangles > 0) {
     setup.organ =
         tessellate(setup.organ, parts_for(setup.organ.triangles.size(), organ_triangles), Shape::kCurved);
@@ -163,7 +163,7 @@ scene::Setup subject(const std::string& task, std::size_t organ_triangles, std::
   return setup;
 }
 
-scene::ToolPath hand_path(const scene::Setup& setup) {
+scene::ToolPath hand_path(const scene::Scene& setup) {
   const scene::ToolPath own = scene::default_path(setup, 0);
   std::vector<scene::PathRow> rows;
   const int steps = static_cast<int>(std::lround(kWay / kRowSpacing));

@@ -25,7 +25,7 @@ enum class Shape { kFlat, kCurved };
 
 /// [setup] The scene of a task (press: gallbladder, pull: heart), its organ with about `organ_triangles` and
 /// its tool with about `tool_triangles` triangles; 0: as built in. @throws InputError as scene::load.
-[[nodiscard]] scene::Setup subject(const std::string& task, std::size_t organ_triangles,
+[[nodiscard]] scene::Scene subject(const std::string& task, std::size_t organ_triangles,
                                    std::size_t tool_triangles);
 
 /// [any] Number of triangles of all parts.
@@ -34,6 +34,6 @@ enum class Shape { kFlat, kCurved };
 /// [setup] Path of hand 0: the scene's own (scene::default_path), with an approach from 10 mm higher and 20
 /// mm aside and the same way back. The handle always oscillates by 0.5 mm and two thirds of a degree. Begins
 /// and ends at the same pose. @throws InputError as scene::default_path.
-[[nodiscard]] scene::ToolPath hand_path(const scene::Setup& setup);
+[[nodiscard]] scene::ToolPath hand_path(const scene::Scene& setup);
 
 }  // namespace palpate::bench

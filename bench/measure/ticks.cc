@@ -50,7 +50,7 @@ class RepeatedTimes final {
 /// Runs the path repeatedly.
 class Passes final {
  public:
-  Passes(const haptics::SimulationWorld& world, const scene::Setup& setup, const scene::ToolPath& path)
+  Passes(const haptics::SimulationWorld& world, const scene::Scene& setup, const scene::ToolPath& path)
       : world_(world), device_(path), recorder_(setup) {}
 
   void run(int passes) {
@@ -96,7 +96,7 @@ class Passes final {
 
 }  // namespace
 
-std::vector<WayPoint> walk(const scene::Setup& setup, const haptics::SimulationWorld& world,
+std::vector<WayPoint> walk(const scene::Scene& setup, const haptics::SimulationWorld& world,
                            const scene::ToolPath& path) {
   OneHand hand(world);
   devices::ScriptedDevice device(path);
@@ -113,7 +113,7 @@ std::vector<WayPoint> walk(const scene::Setup& setup, const haptics::SimulationW
   return way;
 }
 
-TickAccount time_ticks(const scene::Setup& setup, const haptics::SimulationWorld& world,
+TickAccount time_ticks(const scene::Scene& setup, const haptics::SimulationWorld& world,
                        const scene::ToolPath& path, int passes) {
   Passes times(world, setup, path);
   times.run(passes);
@@ -129,7 +129,7 @@ TickAccount time_ticks(const scene::Setup& setup, const haptics::SimulationWorld
   return account;
 }
 
-std::vector<Vec3> tip_points(const scene::Setup& setup, const std::vector<WayPoint>& way) {
+std::vector<Vec3> tip_points(const scene::Scene& setup, const std::vector<WayPoint>& way) {
   Vec3 tip = Vec3::Zero();
   for (const geometry::ToolPart& part : setup.tools[0].parts) {
     for (const Vec3& vertex : part.mesh.vertices) {
@@ -143,7 +143,7 @@ std::vector<Vec3> tip_points(const scene::Setup& setup, const std::vector<WayPoi
   return points;
 }
 
-NearestAccount time_nearest(const scene::Setup& setup, const std::vector<WayPoint>& way) {
+NearestAccount time_nearest(const scene::Scene& setup, const std::vector<WayPoint>& way) {
   const geometry::SignedDistance surface(setup.organ);
   const std::vector<Vec3> points = tip_points(setup, way);
   std::vector<double> times_us;

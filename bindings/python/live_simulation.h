@@ -79,7 +79,7 @@ class LiveSimulation final {
   };
 
   /// [setup] Opens the devices and prepares the organ. @throws InputError, ParameterError.
-  LiveSimulation(scene::Setup setup, Options options);
+  LiveSimulation(scene::Scene setup, Options options);
   /// Ends the run as stop() does.
   ~LiveSimulation();
   LiveSimulation(const LiveSimulation&) = delete;
@@ -115,7 +115,7 @@ class LiveSimulation final {
   /// [any] Hands new tissue and noise to the loop.
   [[nodiscard]] haptics::ParameterUpdates& changes() noexcept { return session_.updates(); }
 
-  [[nodiscard]] const scene::Setup& setup() const noexcept { return session_.setup(); }
+  [[nodiscard]] const scene::Scene& setup() const noexcept { return session_.setup(); }
   [[nodiscard]] std::size_t hands() const noexcept { return session_.hands(); }
   /// [any] After the end: how it went; a run that broke off has the default values. @throws std::logic_error
   /// before the end.

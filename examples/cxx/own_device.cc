@@ -101,7 +101,7 @@ class Diary final : public palpate::haptics::TickObserver {
 }  // namespace
 
 int main() {
-  palpate::scene::Setup setup = palpate::scene::load({});
+  palpate::scene::Scene setup = palpate::scene::load({});
   // "host": a hand holds it. So the force waits until the hand has been still outside the tissue, rises by a
   // ramp, and the passivity controller acts. Never run a device that can push as an unheld kind.
   setup.devices[0].kind = "host";

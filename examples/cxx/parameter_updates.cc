@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// A hand that goes 8 mm into the organ within half a second and stays there.
-palpate::scene::ToolPath press_and_hold(const palpate::scene::Setup& setup) {
+palpate::scene::ToolPath press_and_hold(const palpate::scene::Scene& setup) {
   palpate::scene::PathRow above = palpate::scene::default_path(setup, 0).at(0.0);  // 10 mm clear of the organ
   palpate::scene::PathRow inside = above;
   inside.position.z() -= 18e-3;
@@ -64,7 +64,7 @@ class Watch final : public palpate::haptics::TickObserver {
 }  // namespace
 
 int main() {
-  palpate::scene::Setup setup = palpate::scene::load({});
+  palpate::scene::Scene setup = palpate::scene::load({});
   palpate::model::TissueParameters stiffer = setup.tissue;
   palpate::session::SessionOptions options{.duration_s = 2.0};
   options.devices.push_back(std::make_unique<palpate::devices::ScriptedDevice>(press_and_hold(setup)));

@@ -51,7 +51,7 @@ struct RunFacts {
 
 /// A complete recording in memory.
 struct Recording {
-  scene::Setup setup;
+  scene::Scene setup;
   RunFacts facts;
   std::vector<haptics::TickRow> rows;               // by tick, then hand
   std::vector<haptics::ParameterUpdate> changes{};  // of tissue and noise, by tick; at most one per tick

@@ -141,7 +141,7 @@ struct SourceFile {
 };
 
 /// One scene, resolved and checked: all that the simulation needs, in SI units, without files left to read.
-struct Setup {
+struct Scene {
   std::string name;
   Task task = Task::kPress;
   double rate_Hz = 1000.0;
@@ -175,7 +175,7 @@ struct Setting {
 };
 
 /// The scene file and the flags of a command line; flags override the file.
-struct Request {
+struct Overrides {
   std::optional<std::filesystem::path> scene;  // empty: the gallbladder press (task pull: the heart)
   std::optional<SceneText> scene_text;         // instead of `scene`
   std::optional<std::string> task;             // press | pull
@@ -199,7 +199,7 @@ struct Request {
 /// [setup] Reads and checks the scene and all its files, and resolves defaults. Paths in a scene are relative
 /// to the scene, paths in the request to the working folder. Writes nothing. @throws InputError in one line
 /// with file, field or line, value and what would be right; for an unknown key with the nearest valid one.
-[[nodiscard]] Setup load(const Request& request);
+[[nodiscard]] Scene load(const Overrides& request);
 
 /// [setup] A tissue by built-in name or from a tissue file. @throws InputError as load().
 [[nodiscard]] model::TissueParameters load_tissue(const std::string& name_or_file);

@@ -57,6 +57,6 @@ class ToolPath final {
 /// a single tool would slide off there, or start inside, it presses along the normal of a flat region
 /// (docs/model.md, section 4). Several hands are side by side, at most 30 mm apart. @throws InputError when
 /// the organ's mesh is not closed.
-[[nodiscard]] ToolPath default_path(const Setup& setup, std::size_t hand);
+[[nodiscard]] ToolPath default_path(const Scene& setup, std::size_t hand);
 
 }  // namespace palpate::scene

@@ -175,7 +175,7 @@ void IgtlServer::say_farewell() {
   }
 }
 
-IgtlRun::IgtlRun(IgtlServer* server, const scene::Setup& setup) : server_(server) {
+IgtlRun::IgtlRun(IgtlServer* server, const scene::Scene& setup) : server_(server) {
   if (server_ != nullptr) server_->begin(std::make_unique<IgtlStream>(setup));
 }
 

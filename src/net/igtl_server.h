@@ -85,7 +85,7 @@ class IgtlServer final : public haptics::TickObserver {
 class IgtlRun final {
  public:
   /// @param server null: nothing is shown
-  IgtlRun(IgtlServer* server, const scene::Setup& setup);
+  IgtlRun(IgtlServer* server, const scene::Scene& setup);
   ~IgtlRun();
   IgtlRun(const IgtlRun&) = delete;
   IgtlRun& operator=(const IgtlRun&) = delete;

@@ -81,7 +81,7 @@ std::string name_for_hand(const std::string& name, std::size_t hand) {
   return hand == 0 ? name : name + std::to_string(hand + 1);
 }
 
-IgtlStream::IgtlStream(const scene::Setup& setup)
+IgtlStream::IgtlStream(const scene::Scene& setup)
     : rate_Hz_(setup.rate_Hz),
       deformer_(finely_divided(setup.organ)),
       surface_("PalpateOrgan", deformer_.rest().triangles) {}

@@ -22,7 +22,7 @@ class IgtlStream final {
   static constexpr std::size_t kFewestTriangles = 6000;
 
   /// @param setup not kept
-  explicit IgtlStream(const scene::Setup& setup);
+  explicit IgtlStream(const scene::Scene& setup);
 
   /// Pose and contact of every hand.
   [[nodiscard]] static Bytes poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns);

@@ -106,7 +106,7 @@ Json noise_json(const haptics::LiveNoise& noise) {
       {"enabled", noise.enabled}, {"gain_N_m", noise.gain}, {"threshold_mm", noise.threshold / kMillimetre}};
 }
 
-Json scene_json(const scene::Setup& setup) {
+Json scene_json(const scene::Scene& setup) {
   Json hands = Json::array();
   for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
     hands.push_back({{"tool", setup.tools[hand].name}, {"device", setup.devices[hand].kind}});

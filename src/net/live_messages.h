@@ -26,7 +26,7 @@ struct LiveState {
 [[nodiscard]] nlohmann::ordered_json noise_json(const haptics::LiveNoise& noise);
 
 /// What a scene is, without its meshes.
-[[nodiscard]] nlohmann::ordered_json scene_json(const scene::Setup& setup);
+[[nodiscard]] nlohmann::ordered_json scene_json(const scene::Scene& setup);
 
 /// One tick: SI, world frame.
 [[nodiscard]] nlohmann::ordered_json state_json(const LiveState& state);

@@ -73,7 +73,7 @@ TEST(Playback, SpeedsEndAtATenthAndAtTwice) {
 }
 
 void record_a_press(const std::filesystem::path& file, double duration_s, double rate_Hz = 1000.0) {
-  scene::Request request;
+  scene::Overrides request;
   request.organ = "ball";
   request.tissue = "liver";
   request.tools = {"sphere:5"};

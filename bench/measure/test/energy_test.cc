@@ -66,8 +66,8 @@ scene::ToolPath way_of(const Attack& attack) {
   return scene::ToolPath(std::move(rows));
 }
 
-scene::Setup setup_of(const Attack& attack) {
-  scene::Setup setup;
+scene::Scene setup_of(const Attack& attack) {
+  scene::Scene setup;
   setup.name = "attack";
   setup.rate_Hz = attack.rate_Hz;
   setup.organ_name = "box";
@@ -135,7 +135,7 @@ class EnergyWatch final : public haptics::TickObserver {
 };
 
 Outcome outcome_of(const Attack& attack) {
-  const scene::Setup setup = setup_of(attack);
+  const scene::Scene setup = setup_of(attack);
   if (!scene::stability_remarks(setup).empty()) return {.warned = true};
   const haptics::SimulationWorld world = scene::make_world(setup);
   devices::EmulatedDevice device(way_of(attack), setup.devices.front(), attack.rate_Hz);

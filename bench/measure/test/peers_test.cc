@@ -11,8 +11,8 @@
 namespace palpate::bench {
 namespace {
 
-const scene::Setup& setup() {
-  static const scene::Setup setup = sample_scene();
+const scene::Scene& setup() {
+  static const scene::Scene setup = sample_scene();
   return setup;
 }
 

@@ -6,8 +6,8 @@
 namespace palpate::bench {
 
 /// A ball pressed by a ball: fast to prepare.
-inline scene::Setup sample_scene() {
-  scene::Request request;
+inline scene::Scene sample_scene() {
+  scene::Overrides request;
   request.organ = "ball";
   request.tissue = "liver";
   request.tools = {"sphere:5"};

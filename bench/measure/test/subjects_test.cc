@@ -65,7 +65,7 @@ TEST(Subjects, PartsComeNearestToTheWantedCount) {
 }
 
 TEST(Subjects, TheWayEndsAsItBeginsAndPassesTheScenesOwn) {
-  const scene::Setup setup = sample_scene();
+  const scene::Scene setup = sample_scene();
   const scene::ToolPath own = scene::default_path(setup, 0);
   const scene::ToolPath way = hand_path(setup);
   const scene::PathRow& first = way.rows().front();
@@ -87,8 +87,8 @@ TEST(Subjects, TheWayIsNeverStill) {
 }
 
 TEST(Subjects, AFinerToolKeepsItsShape) {
-  const scene::Setup coarse = subject("press", 0, 0);
-  const scene::Setup fine = subject("press", 0, 10'000);
+  const scene::Scene coarse = subject("press", 0, 0);
+  const scene::Scene fine = subject("press", 0, 10'000);
   EXPECT_GT(triangle_count(fine.tools[0]), 5'000U);
   EXPECT_EQ(fine.organ.triangles.size(), coarse.organ.triangles.size());
   ASSERT_EQ(fine.tools[0].parts.size(), coarse.tools[0].parts.size());

@@ -18,8 +18,8 @@ namespace {
 
 constexpr haptics::Waiting kSleep = haptics::Waiting::kSleep;
 
-const scene::Setup& ticks_setup() {
-  static const scene::Setup setup = sample_scene();
+const scene::Scene& ticks_setup() {
+  static const scene::Scene setup = sample_scene();
   return setup;
 }
 

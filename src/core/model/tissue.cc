@@ -16,7 +16,7 @@ namespace {
 }
 
 void require_positive(const std::string& field, double value) {
-  if (!kPositive.contains(value)) throw ParameterError(field, value, kPositive.in_words());
+  if (!kPositive.contains(value)) throw ParameterError(field, value, kPositive.to_string());
 }
 
 // The parameters of one preset; all others have their defaults.

@@ -31,7 +31,7 @@ struct FieldRange {
   }
   /// [setup] The range as text for messages, such as "finite and > 0" or "> 0 and <= 1". @param rest_length
   /// name of the rest length in the message
-  [[nodiscard]] std::string in_words(const std::string& rest_length = "`rest_length_mm`") const;
+  [[nodiscard]] std::string to_string(const std::string& rest_length = "`rest_length_mm`") const;
 };
 
 inline constexpr FieldRange kPositive{};

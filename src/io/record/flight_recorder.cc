@@ -14,13 +14,13 @@
 namespace palpate::record {
 namespace {
 
-std::size_t rows_in(double seconds, const scene::Setup& setup) {
+std::size_t rows_in(double seconds, const scene::Scene& setup) {
   return static_cast<std::size_t>(std::ceil(seconds * setup.rate_Hz)) * setup.tools.size();
 }
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(const scene::Setup& setup)
+FlightRecorder::FlightRecorder(const scene::Scene& setup)
     : setup_(setup),
       hands_(setup.tools.size()),
       rows_after_fault_(rows_in(kAfter, setup)),

@@ -18,7 +18,7 @@ class FlightRecorder final : public haptics::TickObserver {
   static constexpr std::size_t kChangesKept = 64;
 
   /// [setup] @param setup must outlive this
-  explicit FlightRecorder(const scene::Setup& setup);
+  explicit FlightRecorder(const scene::Scene& setup);
 
   void on_start(std::int64_t started_unix_ns) noexcept override;
   void on_update(const haptics::ParameterUpdate& change) noexcept override;
@@ -35,7 +35,7 @@ class FlightRecorder final : public haptics::TickObserver {
   void write(const std::filesystem::path& file, const haptics::LoopReport& report) const;
 
  private:
-  const scene::Setup& setup_;
+  const scene::Scene& setup_;
   std::size_t hands_;
   std::size_t rows_after_fault_;
   std::vector<haptics::TickRow> ring_;

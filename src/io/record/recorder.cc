@@ -42,7 +42,7 @@ constexpr std::int64_t kFlushEvery = 200'000'000;   // ns
 constexpr std::int64_t kToDiskEvery = 400'000'000;  // ns; such a flush waits for the disk
 
 /// Rows of `seconds` of a simulation, within the bounds of the ring.
-std::size_t ring_rows_in(double seconds, const scene::Setup& setup) {
+std::size_t ring_rows_in(double seconds, const scene::Scene& setup) {
   const double rows = setup.rate_Hz * static_cast<double>(setup.tools.size()) * seconds;
   if (!(rows < static_cast<double>(kRingMost))) return kRingMost;
   return std::max(kRingLeast, static_cast<std::size_t>(rows));
@@ -136,7 +136,7 @@ struct Recorder::Impl {
   std::size_t unflushed = 0;  // rows
   std::thread thread;
 
-  Impl(std::filesystem::path target, const scene::Setup& setup, bool is_offline,
+  Impl(std::filesystem::path target, const scene::Scene& setup, bool is_offline,
        std::function<void(const std::string&)> when_it_fails)
       : file(std::move(target)),
         partial(make_partial(file)),
@@ -289,7 +289,7 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
   writer.reset();
 }
 
-Recorder::Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline,
+Recorder::Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
                    std::function<void(const std::string&)> on_failure)
     : impl_(std::make_unique<Impl>(checked_target(file), setup, offline, std::move(on_failure))) {
   const hdf5::Quiet quiet;

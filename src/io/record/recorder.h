@@ -18,7 +18,7 @@ class Recorder final : public haptics::TickObserver {
   /// @param on_failure called once, on the recorder's thread, when writing fails (disk full), with the file,
   /// the rows that are safe in it and the reason; the run can continue
   /// @throws InputError naming the file when it cannot be created.
-  Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline,
+  Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
            std::function<void(const std::string&)> on_failure = {});
   ~Recorder() override;
 

@@ -173,8 +173,8 @@ RunFacts read_facts(hid_t file) {
   return facts;
 }
 
-scene::Setup read_setup(hid_t file, std::uint64_t file_bytes) {
-  scene::Setup setup = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
+scene::Scene read_setup(hid_t file, std::uint64_t file_bytes) {
+  scene::Scene setup = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
   if (!(std::isfinite(setup.rate_Hz) && setup.rate_Hz > 0.0)) {
     throw InputError("scene: rate_Hz is " + shortest(setup.rate_Hz) + ", want finite and > 0");
   }

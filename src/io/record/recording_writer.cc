@@ -62,7 +62,7 @@ std::int64_t mesh_bytes(const geometry::TriangleMesh& mesh) {
                                    mesh.triangles.size() * sizeof(geometry::Triangle));
 }
 
-std::int64_t mesh_bytes(const scene::Setup& setup) {
+std::int64_t mesh_bytes(const scene::Scene& setup) {
   std::int64_t bytes = mesh_bytes(setup.organ);
   for (const geometry::Tool& tool : setup.tools) {
     for (const geometry::ToolPart& part : tool.parts) bytes += mesh_bytes(part.mesh);
@@ -99,7 +99,7 @@ void write_tissue(hid_t file, const model::TissueParameters& tissue) {
   }
 }
 
-void write_facts(hid_t file, const scene::Setup& setup, const RunFacts& facts) {
+void write_facts(hid_t file, const scene::Scene& setup, const RunFacts& facts) {
   hdf5::write_attribute(file, "format", std::string(kFormatName));
   hdf5::write_attribute(file, "format_version", kFormatVersion);
   hdf5::write_attribute(file, "version", facts.version);
@@ -216,7 +216,7 @@ Handle change_row_type() {
   return type;
 }
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Setup& setup,
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Scene& setup,
                                  const RunFacts& facts)
     : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(change_row_type()) {
   const std::string scene = setup_to_json(setup);

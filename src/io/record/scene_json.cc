@@ -266,8 +266,8 @@ scene::Task task_from(const std::string& word) {
   throw InputError("task is \"" + word + "\", want press or pull");
 }
 
-scene::Setup setup_from(const Json& json) {
-  scene::Setup setup;
+scene::Scene setup_from(const Json& json) {
+  scene::Scene setup;
   setup.name = json.at("name").get<std::string>();
   setup.task = task_from(json.at("task").get<std::string>());
   setup.rate_Hz = json.at("rate_Hz").get<double>();
@@ -290,7 +290,7 @@ scene::Setup setup_from(const Json& json) {
 
 }  // namespace
 
-std::string setup_to_json(const scene::Setup& setup) {
+std::string setup_to_json(const scene::Scene& setup) {
   Json json = {{"name", setup.name},
                {"task", setup.task == scene::Task::kPress ? "press" : "pull"},
                {"rate_Hz", setup.rate_Hz},
@@ -313,7 +313,7 @@ std::string setup_to_json(const scene::Setup& setup) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-scene::Setup setup_from_json(const std::string& text) {
+scene::Scene setup_from_json(const std::string& text) {
   try {
     return setup_from(Json::parse(text));
   } catch (const Json::exception& error) {

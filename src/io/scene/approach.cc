@@ -119,7 +119,8 @@ bool ApproachFinder::is_free(const Approach& approach, double depth) const {
   return true;
 }
 
-ApproachFinder::Place ApproachFinder::place_at(const Vec3& point, const Vec3& outward, double depth) const {
+ApproachFinder::LocalShape ApproachFinder::local_shape(const Vec3& point, const Vec3& outward,
+                                                       double depth) const {
   const double radius = std::clamp(depth, kLeastRadius, kGreatestRadius);
   Vec3 sum = Vec3::Zero();
   Vec3 facing = Vec3::Zero();
@@ -149,9 +150,9 @@ ApproachFinder::Place ApproachFinder::place_at(const Vec3& point, const Vec3& ou
   return {facing.normalized(), sum.norm() / all, std::min(1.0, facing.norm() / disc)};
 }
 
-Judgement ApproachFinder::judge_from(const Approach& approach, std::int32_t start, double depth) const {
+ApproachCheck ApproachFinder::check_from(const Approach& approach, std::int32_t start, double depth) const {
   const double enough = kThickEnough * depth;
-  Judgement result;
+  ApproachCheck result;
   result.thickness = thickness(approach, enough);
   result.square = depth_reached(approach, start, kSure * depth) >= kDeepEnough * kSure * depth &&
                   is_free(approach, depth);
@@ -159,16 +160,16 @@ Judgement ApproachFinder::judge_from(const Approach& approach, std::int32_t star
   return result;
 }
 
-Judgement ApproachFinder::judge(const Approach& approach, double depth) const {
-  if (place_at(approach.touch, -approach.direction, depth).flatness < kFlat) return {};
+ApproachCheck ApproachFinder::check(const Approach& approach, double depth) const {
+  if (local_shape(approach.touch, -approach.direction, depth).flatness < kFlat) return {};
   const auto nearer = [&](const Vec3& a, const Vec3& b) {
     return (a - approach.touch).squaredNorm() < (b - approach.touch).squaredNorm();
   };
   const auto start = std::min_element(middles_.begin(), middles_.end(), nearer) - middles_.begin();
-  return judge_from(approach, static_cast<std::int32_t>(start), depth);
+  return check_from(approach, static_cast<std::int32_t>(start), depth);
 }
 
-JudgedApproach ApproachFinder::best(const Vec3& up, double depth) const {
+CheckedApproach ApproachFinder::best(const Vec3& up, double depth) const {
   struct Candidate {
     Approach approach;
     std::int32_t triangle = 0;
@@ -183,22 +184,21 @@ JudgedApproach ApproachFinder::best(const Vec3& up, double depth) const {
     passed += areas_[t].norm();
     if (passed < next) continue;
     next += whole / kPlaces;
-    const Place place = place_at(middles_[t], areas_[t].normalized(), depth);
-    if (place.flatness < kFlat) continue;
-    candidates.push_back({{middles_[t], -place.normal},
+    const LocalShape shape = local_shape(middles_[t], areas_[t].normalized(), depth);
+    if (shape.flatness < kFlat) continue;
+    candidates.push_back({{middles_[t], -shape.normal},
                           static_cast<std::int32_t>(t),
-                          place.flatness * place.breadth + kFromAbove * place.normal.dot(up)});
+                          shape.flatness * shape.breadth + kFromAbove * shape.normal.dot(up)});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.rank > b.rank; });
-  JudgedApproach best;
+  CheckedApproach best;
   for (const Candidate& candidate : candidates) {
     const bool too_thin = thickness(candidate.approach, kThickEnough * depth) < kThickEnough * depth;
-    if (too_thin && best.judgement.square) continue;  // cannot be better
-    const Judgement judgement = judge_from(candidate.approach, candidate.triangle, depth);
-    if (judgement.thick || (judgement.square && !best.judgement.square))
-      best = {candidate.approach, judgement};
-    if (judgement.thick) break;
+    if (too_thin && best.result.square) continue;  // cannot be better
+    const ApproachCheck result = check_from(candidate.approach, candidate.triangle, depth);
+    if (result.thick || (result.square && !best.result.square)) best = {candidate.approach, result};
+    if (result.thick) break;
   }
   return best;
 }

@@ -24,16 +24,16 @@ struct HangingTool {
 };
 
 /// Result of checking an approach down to some depth.
-struct Judgement {
+struct ApproachCheck {
   bool square = false;     // the tool starts outside, its path is free, the surface is flat, and only the tip
                            // presses, without sliding
   bool thick = false;      // square, and the organ continues behind the tip
   double thickness = 0.0;  // m, of the organ behind the touch, at most the thickness needed
 };
 
-struct JudgedApproach {
+struct CheckedApproach {
   Approach approach;
-  Judgement judgement;
+  ApproachCheck result;
 };
 
 /// Checks approaches to one organ and searches for good ones.
@@ -44,23 +44,23 @@ class ApproachFinder final {
                  const HangingTool& tool);
 
   /// [setup] Checks a press down to `depth` [m] behind the touch.
-  [[nodiscard]] Judgement judge(const Approach& approach, double depth) const;
+  [[nodiscard]] ApproachCheck check(const Approach& approach, double depth) const;
 
   /// [setup] Searches approaches along the normals of sample points all over the organ. Prefers a thick one,
   /// then a square one. Among those it takes the flattest; of two that are about as flat, the one nearer to
   /// `up` (unit).
-  [[nodiscard]] JudgedApproach best(const Vec3& up, double depth) const;
+  [[nodiscard]] CheckedApproach best(const Vec3& up, double depth) const;
 
  private:
-  struct Place {
+  struct LocalShape {
     Vec3 normal = Vec3::UnitZ();  // unit, mean around the point
     double flatness = 0.0;        // 0 .. 1: how well the normals on this side agree
     double breadth = 0.0;         // 0 .. 1: area around the point, relative to a flat disc
   };
 
-  /// As judge(), for a flat point; `start` is the triangle of fine_ that has the touch.
-  [[nodiscard]] Judgement judge_from(const Approach& approach, std::int32_t start, double depth) const;
-  [[nodiscard]] Place place_at(const Vec3& point, const Vec3& outward, double depth) const;
+  /// As check(), for a flat point; `start` is the triangle of fine_ that has the touch.
+  [[nodiscard]] ApproachCheck check_from(const Approach& approach, std::int32_t start, double depth) const;
+  [[nodiscard]] LocalShape local_shape(const Vec3& point, const Vec3& outward, double depth) const;
   [[nodiscard]] double depth_reached(const Approach& approach, std::int32_t start, double depth) const;
   [[nodiscard]] double thickness(const Approach& approach, double enough) const;
   [[nodiscard]] bool is_free(const Approach& approach, double depth) const;

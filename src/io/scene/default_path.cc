@@ -67,7 +67,7 @@ Vec3 lowest_point(const geometry::Tool& tool) {
   return {sum.x() / count, sum.y() / count, lowest};
 }
 
-geometry::Bounds world_bounds(const Setup& setup) {
+geometry::Bounds world_bounds(const Scene& setup) {
   geometry::TriangleMesh placed = setup.organ;
   geometry::transform(placed, setup.organ_pose);
   return geometry::bounds(placed);
@@ -85,7 +85,7 @@ Vec3 column_of(const geometry::Bounds& box, std::size_t hand, std::size_t hands)
 
 /// The highest point of the organ on the vertical line; its highest vertex if the line misses the organ (a
 /// ring's centre).
-Vec3 surface_below(const Setup& setup, const geometry::SignedDistance& surface, const geometry::Bounds& box,
+Vec3 surface_below(const Scene& setup, const geometry::SignedDistance& surface, const geometry::Bounds& box,
                    const Vec3& column) {
   constexpr double kMargin = 10e-3;  // m, beyond the bounding box at both ends
   const Pose to_organ = setup.organ_pose.inverse();
@@ -119,13 +119,13 @@ std::vector<Vec3> hanging_points(const geometry::Tool& tool, const Vec3& tip) {
 }
 
 /// The start of a hand's path, in the world.
-struct Place {
+struct PressPoint {
   Approach approach;
   double depth = kTravel;  // m, of the press
   std::string remark{};    // about a press at this point; empty: nothing to report
 };
 
-std::string told_thin(double thickness) {
+std::string thin_warning(double thickness) {
   return fmt::format(
       "the organ is {:.2g} mm thick where the default path presses it {:.3g} mm deep, and thicker nowhere "
       "that "
@@ -133,7 +133,7 @@ std::string told_thin(double thickness) {
       thickness / kMillimetre, kTravel / kMillimetre);
 }
 
-std::string told_shallow(double depth) {
+std::string depth_warning(double depth) {
   return fmt::format(
       "the organ is too thin or too curved for a default path {:.3g} mm deep: the tool meets it squarely "
       "nowhere; "
@@ -143,12 +143,12 @@ std::string told_shallow(double depth) {
 
 /// By default from above the organ's centre. A single tool that would slide off there, or start inside, gets
 /// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
-Place place_of(const Setup& setup, std::size_t hand, const Vec3& tip) {
+PressPoint press_point_of(const Scene& setup, std::size_t hand, const Vec3& tip) {
   constexpr int kDepths = 12;  // trial depths, 1 mm apart
   const geometry::SignedDistance surface(setup.organ);
   const geometry::Bounds box = world_bounds(setup);
   const Vec3 touch = surface_below(setup, surface, box, column_of(box, hand, setup.tools.size()));
-  Place place{{touch, -Vec3::UnitZ()}};
+  PressPoint place{{touch, -Vec3::UnitZ()}};
   if (setup.task != Task::kPress || setup.tools.size() > 1) return place;
 
   const HangingTool tool{hanging_points(setup.tools[hand], tip), kClearance};
@@ -157,22 +157,22 @@ Place place_of(const Setup& setup, std::size_t hand, const Vec3& tip) {
   const Approach above{to_organ * touch, to_organ.rotation * place.approach.direction};
   for (int k = kDepths; k > 0; --k) {
     const double depth = kTravel * k / kDepths;
-    const Judgement from_above = finder.judge(above, depth);
+    const ApproachCheck from_above = finder.check(above, depth);
     if (from_above.thick && k == kDepths) return place;
-    Judgement taken = from_above;
+    ApproachCheck taken = from_above;
     if (!from_above.thick) {
-      const auto [approach, judgement] = finder.best(-above.direction, depth);
-      if (judgement.thick || !from_above.square) {
-        if (!judgement.square) continue;
-        taken = judgement;
+      const auto [approach, result] = finder.best(-above.direction, depth);
+      if (result.thick || !from_above.square) {
+        if (!result.square) continue;
+        taken = result;
         place.approach = {setup.organ_pose * approach.touch, setup.organ_pose.rotation * approach.direction};
       }
     }
     place.depth = depth;
     if (k < kDepths) {
-      place.remark = told_shallow(depth);
+      place.remark = depth_warning(depth);
     } else if (!taken.thick) {
-      place.remark = told_thin(taken.thickness);
+      place.remark = thin_warning(taken.thickness);
     }
     return place;
   }
@@ -196,20 +196,20 @@ std::vector<Leg> legs_of(Task task, double depth) {
 
 }  // namespace
 
-std::vector<std::string> default_path_remarks(const Setup& setup) {
+std::vector<std::string> default_path_remarks(const Scene& setup) {
   std::vector<std::string> remarks;
   for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
     const DeviceKind* kind = find_device_kind(setup.devices[hand].kind);
     if (kind == nullptr || kind->path != DevicePath::kToolPath || !setup.devices[hand].path.empty()) continue;
-    const std::string remark = place_of(setup, hand, lowest_point(setup.tools[hand])).remark;
+    const std::string remark = press_point_of(setup, hand, lowest_point(setup.tools[hand])).remark;
     if (!remark.empty()) remarks.push_back("device " + setup.devices[hand].kind + ": " + remark);
   }
   return remarks;
 }
 
-ToolPath default_path(const Setup& setup, std::size_t hand) {
+ToolPath default_path(const Scene& setup, std::size_t hand) {
   const Vec3 tip = lowest_point(setup.tools[hand]);
-  const Place place = place_of(setup, hand, tip);
+  const PressPoint place = press_point_of(setup, hand, tip);
   const Vec3& direction = place.approach.direction;
   const Quat turn = turn_from_down(direction);
   const Vec3 handle_at_touch = place.approach.touch - turn * tip;

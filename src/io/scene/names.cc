@@ -7,7 +7,7 @@
 
 namespace palpate::scene {
 
-bool means_file(std::string_view text) {
+bool is_path(std::string_view text) {
   // Extensions of other files, and of formats without a reader: the error message then names the file.
   static constexpr std::array<std::string_view, 7> kEndings = {".toml", ".csv", ".h5", ".hdf5",
                                                                ".dae",  ".vtp", ".vtu"};

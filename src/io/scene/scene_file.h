@@ -15,7 +15,7 @@
 namespace palpate::scene {
 
 /// A name or file as a user wrote it, with its source for error messages.
-struct Stated {
+struct LocatedString {
   std::string value;
   std::string where;             // "FILE:LINE: organ.mesh", or a flag: "--organ"
   std::filesystem::path folder;  // base of a relative path
@@ -27,65 +27,65 @@ struct Stated {
   [[noreturn]] void fail(const std::string& want) const;
 };
 
-struct JawDescription {
-  Stated mesh;
+struct JawTable {
+  LocatedString mesh;
   Vec3 pivot = Vec3::Zero();  // m
   Vec3 axis = Vec3::UnitY();  // unit
   double open_angle = 0.0;    // rad
 };
 
-struct ToolDescription {
-  std::optional<Stated> mesh;
+struct ToolTable {
+  std::optional<LocatedString> mesh;
   std::optional<LengthUnit> unit;
   Pose mount;
   std::optional<double> tip_radius;  // m
-  std::vector<JawDescription> jaws;
+  std::vector<JawTable> jaws;
   bool jaws_by_flags = false;  // choose the axis and sign of the opening so that the jaws open apart
 };
 
-struct DeviceDescription {
-  Stated kind = {"scripted", "", {}};
-  std::optional<Stated> path;
+struct DeviceTable {
+  LocatedString kind = {"scripted", "", {}};
+  std::optional<LocatedString> path;
   DeviceSetup setup;  // except kind and path
 };
 
 /// The content of a scene file, checked except for the files that it names. SI units.
-struct SceneDescription {
+struct SceneFile {
   std::string name;
   Task task = Task::kPress;
   double rate_Hz = 1000.0;
   std::uint64_t seed = 1;
-  std::optional<Stated> organ;
+  std::optional<LocatedString> organ;
   std::optional<LengthUnit> organ_unit;
-  std::optional<Stated> tissue;
+  std::optional<LocatedString> tissue;
   Pose organ_pose;
   std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move
-  std::vector<ToolDescription> tools;
+  std::vector<ToolTable> tools;
   double path_speed = 1.0;  // factor of all tool paths
-  std::vector<DeviceDescription> devices;
-  noise::NoiseSettings noise;    // without its seed
-  std::string noise_rate_place;  // "FILE:LINE: noise.rate_Hz" if the file has that key, else empty
+  std::vector<DeviceTable> devices;
+  noise::NoiseSettings noise;       // without its seed
+  std::string noise_rate_location;  // "FILE:LINE: noise.rate_Hz" if the file has that key, else empty
   SafetySetup safety;
-  std::string organ_place;  // "FILE:LINE: organ.mesh", for the error when it is missing
-  std::string tool_place;
+  std::string organ_location;  // "FILE:LINE: organ.mesh", for the error when it is missing
+  std::string tool_location;
 };
 
 /// [setup] Reads and checks a scene file. @param settings override the file's values @throws InputError in
 /// one line, "FILE:LINE: field = value: what would be right"; for an unknown key with the nearest valid one.
-[[nodiscard]] SceneDescription read_scene_file(const std::filesystem::path& file,
-                                               std::span<const Setting> settings = {});
+[[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& file,
+                                        std::span<const Setting> settings = {});
 
 /// [setup] Reads and checks the text of a scene. @param folder base of relative paths in it
-[[nodiscard]] SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder,
-                                               std::span<const Setting> settings = {});
+[[nodiscard]] SceneFile read_scene_text(const std::string& text, const std::filesystem::path& folder,
+                                        std::span<const Setting> settings = {});
 
 /// [setup] "press" or "pull". @throws InputError naming where `stated` was written.
-[[nodiscard]] Task parse_task(const Stated& stated);
+[[nodiscard]] Task parse_task(const LocatedString& stated);
 
 /// [setup] The length unit that `stated` names. @throws InputError naming where `stated` was written.
-[[nodiscard]] LengthUnit parse_unit(const Stated& stated);
+[[nodiscard]] LengthUnit parse_unit(const LocatedString& stated);
 
 /// [setup] "linear" or "cubic". @throws InputError naming where `stated` was written.
-[[nodiscard]] PathInterpolation parse_interpolation(const Stated& stated);
+[[nodiscard]] PathInterpolation parse_interpolation(const LocatedString& stated);
 
 }  // namespace palpate::scene

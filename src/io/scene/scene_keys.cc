@@ -134,9 +134,9 @@ void SceneKey::check(const std::string& flag, const std::string& value) const {
     const std::optional<double> number = parse_number(value);
     const bool finite = number && std::isfinite(*number);
     if (tissue != nullptr) {
-      require(finite && tissue->range.contains(*number), tissue->range.in_words());
+      require(finite && tissue->range.contains(*number), tissue->range.to_string());
     } else {
-      require(finite && range.contains(*number), range.in_words());
+      require(finite && range.contains(*number), range.to_string());
     }
   }
   if (type == KeyType::kWhole) require(whole(value).has_value(), "a whole number >= 0");

@@ -24,7 +24,7 @@ struct Range {
     return (low_excluded ? value > low : value >= low) && value <= high;
   }
   /// [setup] "a finite number > 0", for messages.
-  [[nodiscard]] std::string in_words() const;
+  [[nodiscard]] std::string to_string() const;
 };
 
 inline constexpr Range kAnyNumber{};
@@ -78,7 +78,7 @@ class TomlTable final {
 
   /// "FILE:LINE" of a key, or of the table when the key is missing; "FILE with --set" for a key that a
   /// Setting added.
-  [[nodiscard]] std::string place(std::string_view key) const;
+  [[nodiscard]] std::string location(std::string_view key) const;
   /// The key with its table's path, "tool.jaw.pivot_mm".
   [[nodiscard]] std::string field(std::string_view key) const;
   /// @throws InputError for a ParameterError about a field of this table (dotted for a table inside it), with

@@ -16,7 +16,7 @@ namespace palpate::devices {
 /// (hands with one address take its arms in order) or "touch" (a name of Touch_Setup's). Reads its files and
 /// connects now. @throws InputError naming the kind, the file or address and what is wrong (a replayed
 /// recording's rate must be the scene's).
-[[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand);
+[[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand);
 
 /// [setup] What is there of every kind of device and why something is not, in the order of
 /// scene::device_kinds(). Opens no device. @param machine looked at for reasons

@@ -23,7 +23,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
   to.insert(to.end(), from.begin(), from.end());
 }
 
-RunResult result_of(const scene::Setup& setup, bool offline) {
+RunResult result_of(const scene::Scene& setup, bool offline) {
   RunResult result;
   result.scene = setup.name;
   result.rate_Hz = setup.rate_Hz;
@@ -62,7 +62,7 @@ std::uint64_t ticks_in(double duration_s, double rate_Hz, const std::string& nam
   return static_cast<std::uint64_t>(ticks);
 }
 
-Session::Session(scene::Setup setup, SessionOptions options)
+Session::Session(scene::Scene setup, SessionOptions options)
     : setup_(std::move(setup)),
       devices_(std::move(options.devices)),
       world_(prepare(options.preparation)),
@@ -94,7 +94,7 @@ std::unique_ptr<const haptics::SimulationWorld> Session::prepare(const contact::
   for (std::size_t hand = 0; hand < hands(); ++hand) {
     setup_.devices[hand].abilities = devices_[hand]->abilities();
   }
-  append(setup_.remarks, scene::follow_devices(setup_, *world));
+  append(setup_.remarks, scene::apply_device_abilities(setup_, *world));
   return world;
 }
 

@@ -20,7 +20,7 @@ double norm(const std::array<double, 3>& v) noexcept {
 
 }  // namespace
 
-StatisticsObserver::StatisticsObserver(const scene::Setup& setup)
+StatisticsObserver::StatisticsObserver(const scene::Scene& setup)
     : period_(1.0 / setup.rate_Hz),
       last_contact_tick_(kNever),
       last_limited_tick_(kNever),

@@ -52,8 +52,8 @@ std::vector<std::string> values_of(const std::vector<Axis>& axes, std::size_t ru
 }
 
 /// @throws InputError for a device that moves in real time: a sweep runs offline.
-scene::Setup load_offline(const scene::Request& request) {
-  scene::Setup setup = scene::load(request);
+scene::Scene load_offline(const scene::Overrides& request) {
+  scene::Scene setup = scene::load(request);
   for (const scene::DeviceSetup& device : setup.devices) {
     if (device.kind == "scripted" || device.kind == "emulated" || device.kind == "replay") continue;
     throw InputError("device " + device.kind + ": a sweep needs a scripted, emulated or replay device");
@@ -74,7 +74,7 @@ void add_file(ContentHasher& hasher, const std::filesystem::path& file) {
 /// Hash of all common inputs: program, scene, the files that it names, and the axes. @param scene receives
 /// the scene's name
 std::string fingerprint_of(const SweepRequest& request, std::string& scene) {
-  const scene::Setup setup = load_offline(request.scene);
+  const scene::Scene setup = load_offline(request.scene);
   scene = setup.name;
   ContentHasher hasher;
   add(hasher, kVersion);
@@ -142,7 +142,7 @@ SweepRow run_one(const SweepRequest& request, std::size_t run) {
   SweepRow row;
   row.settings = values_of(request.axes, run);
   try {
-    scene::Request scene = request.scene;
+    scene::Overrides scene = request.scene;
     for (std::size_t i = 0; i < request.axes.size(); ++i) {
       scene.settings.push_back({request.axes[i].key, row.settings[i]});
     }

@@ -35,7 +35,7 @@ struct Axis {
 
 /// The axes of a sweep and the settings of its runs.
 struct SweepRequest {
-  scene::Request scene;
+  scene::Overrides scene;
   std::optional<double> duration_s;  // as in SessionOptions
   std::vector<Axis> axes;
   contact::Preparation preparation;  // called on any thread

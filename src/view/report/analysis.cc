@@ -75,7 +75,7 @@ std::uint64_t first_noise_change(const record::Recording& recording) {
 /// Collects the noise of the rows before its first change, because afterwards a crossfade changes its gain
 /// gradually.
 void collect_noise(HandAnalysis& analysis, const record::Recording& recording) {
-  const scene::Setup& setup = recording.setup;
+  const scene::Scene& setup = recording.setup;
   if (!setup.noise.enabled) return;
   const noise::TouchNoise source(setup.noise, setup.rate_Hz);
   analysis.contact_sigma = source.sigma(0.0);
@@ -143,7 +143,7 @@ std::string moment(const haptics::TickRow& row) {
 
 }  // namespace
 
-model::SpringLaw law_of(const scene::Setup& setup, model::Direction direction) {
+model::SpringLaw law_of(const scene::Scene& setup, model::Direction direction) {
   return {setup.tissue, direction, 1.0 / setup.rate_Hz};
 }
 

@@ -65,7 +65,7 @@ struct Analysis {
 [[nodiscard]] Analysis analyse(const record::Recording& recording);
 
 /// [setup] Elastic law at the start of the run, before relaxation and parameter updates.
-[[nodiscard]] model::SpringLaw law_of(const scene::Setup& setup, model::Direction direction);
+[[nodiscard]] model::SpringLaw law_of(const scene::Scene& setup, model::Direction direction);
 
 /// [setup] Normal component of a row's tissue force [N], without friction.
 [[nodiscard]] double normal_force(const haptics::TickRow& row);

@@ -65,7 +65,7 @@ struct OrganWay {
 
 constexpr std::size_t kTurnColumn = 4;
 
-OrganWay organ_way(const HandAnalysis& hand, const scene::Setup& setup, std::size_t stride) {
+OrganWay organ_way(const HandAnalysis& hand, const scene::Scene& setup, std::size_t stride) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr std::array<double, 5> kNothing = {0.0, 1e-3, 1e-3, 1e-3, 1e-2};  // mm, degrees: below this a
                                                                              // column is constant
@@ -116,7 +116,7 @@ std::string organ_panel(const OrganWay& way) {
 
 }  // namespace
 
-Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
+Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
                       const std::filesystem::path& file) {
   PlotData data{"rows.dat", {}};
   const std::size_t stride = stride_for(hand.rows.size(), kMaxPoints);
@@ -160,7 +160,7 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
 
 Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, model::Direction direction,
                 const std::filesystem::path& file) {
-  const scene::Setup& setup = recording.setup;
+  const scene::Scene& setup = recording.setup;
   const model::SpringLaw law = law_of(setup, direction);
   PlotData in{"in.dat", {}};
   PlotData out{"out.dat", {}};
@@ -205,7 +205,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
   return drawn(figure, script, {curve, in, out});
 }
 
-Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
+Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& setup,
                            const std::filesystem::path& file) {
   Figure figure{file, "Power spectral density of the touch noise over frequency"};
   const bool contact = hand.contact_noise.size() >= 4 * kShortestSegment;

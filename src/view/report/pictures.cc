@@ -106,7 +106,7 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
               const std::filesystem::path& folder, const std::string& prefix, const ReportOptions& options,
               PictureSet& set) {
   const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
-  const scene::Setup& setup = recording.setup;
+  const scene::Scene& setup = recording.setup;
   const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
   render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
   set.driver = renderer.driver();

@@ -191,7 +191,7 @@ std::string tool_count(const std::vector<geometry::Tool>& tools) {
 /// Results of the paper beside these, for one experiment. [Zhang 2011, section 3]
 TableRows comparison(const WorkedExperiment& worked) {
   const bool pull = is_pull(worked);
-  const scene::Setup& setup = worked.experiment->recording->setup;
+  const scene::Scene& setup = worked.experiment->recording->setup;
   const Percentiles& tick = worked.analysis.tick_time.figures;
   constexpr double kNewtonPerCentimetre = 1e-2;  // in 1 N/m
   return {

@@ -62,7 +62,7 @@ std::string motion_in_words(const std::vector<model::OrganMotionParameters>& mot
   return text;
 }
 
-Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
+Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
   Facts facts{
       {"scene", setup.name},
       {"task", setup.task == scene::Task::kPull ? "pull" : "press"},
@@ -102,7 +102,7 @@ Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
   return facts;
 }
 
-Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
+Facts tissue_facts(const scene::Scene& setup, model::Direction direction) {
   const model::TissueParameters& tissue = setup.tissue;
   const model::SpringLaw law = law_of(setup, direction);
   Facts facts{
@@ -128,7 +128,7 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
   return facts;
 }
 
-Facts other_facts(const scene::Setup& setup) {
+Facts other_facts(const scene::Scene& setup) {
   const noise::NoiseSettings& noise = setup.noise;
   const scene::SafetySetup& safety = setup.safety;
   return {

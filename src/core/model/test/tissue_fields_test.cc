@@ -74,8 +74,8 @@ std::string default_in_words(const TissueField& field) {
 std::string table_for_documentation() {
   std::string text = "| key | default | must be | meaning |\n|---|---|---|---|\n";
   for (const TissueField& field : kTissueFields) {
-    text += "| `" + field.path() + "` | " + default_in_words(field) + " | " + field.range.in_words() + " | " +
-            field.meaning + " |\n";
+    text += "| `" + field.path() + "` | " + default_in_words(field) + " | " + field.range.to_string() +
+            " | " + field.meaning + " |\n";
   }
   return text;
 }

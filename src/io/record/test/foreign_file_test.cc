@@ -172,7 +172,7 @@ TEST(ForeignFile, RowsOutOfOrderInACompleteRecordingAreRefused) {
 
 TEST(ForeignFile, BadSceneIsRefusedWithTheFilesName) {
   const TemporaryFolder folder;
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.rate_Hz = 0.0;
   {
     Recorder recorder(folder / "a.h5", setup, true);

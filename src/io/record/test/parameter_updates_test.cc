@@ -29,8 +29,8 @@ using ::testing::StartsWith;
 
 constexpr double kBallRadius = 3e-3;  // m
 
-scene::Setup block_and_ball() {
-  scene::Setup setup;
+scene::Scene block_and_ball() {
+  scene::Scene setup;
   setup.name = "block and ball";
   setup.seed = 9;
   setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
@@ -84,7 +84,7 @@ class RestlessDevice final : public haptics::Device {
 /// A run with an update about every 40 ticks.
 Recording restless_run(std::uint64_t seed, std::uint64_t ticks, bool by_flight_recorder = false) {
   const TemporaryFolder folder;
-  const scene::Setup setup = block_and_ball();
+  const scene::Scene setup = block_and_ball();
   const haptics::SimulationWorld world = scene::make_world(setup);
   haptics::SimulationState state(world);
   const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
@@ -381,7 +381,7 @@ TEST(ParameterUpdatesRecorded, ANumberThatAnOldFileLacksHasItsDefault) {
 }
 
 TEST(ParameterUpdatesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
-  scene::Setup setup = block_and_ball();
+  scene::Scene setup = block_and_ball();
   setup.devices[0].kind = "emulated";
   setup.devices[0].dynamics = {0.1, 0.1, 1e-5};
   const haptics::SimulationWorld world = scene::make_world(setup);
@@ -393,7 +393,7 @@ TEST(ParameterUpdatesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
 }
 
 TEST(RadiusRemarks, NameAnIndenterOfAnotherSizeThanTheTip) {
-  scene::Setup setup = block_and_ball();
+  scene::Scene setup = block_and_ball();
   const haptics::SimulationWorld world = scene::make_world(setup);
   EXPECT_THAT(scene::radius_remarks(setup, world), testing::IsEmpty()) << "the tissue does not say";
   setup.tissue.source = model::SourceParameters{"ball", 0.6 * kBallRadius};

@@ -25,8 +25,8 @@ inline geometry::TriangleMesh tetrahedron(double size) {
 }
 
 /// A scene in which no field has its default, with numbers that need all their digits.
-inline scene::Setup sample_setup(std::size_t hands) {
-  scene::Setup setup;
+inline scene::Scene sample_setup(std::size_t hands) {
+  scene::Scene setup;
   setup.name = "an odd \"name\"\nwith \xc3\xa4";
   setup.task = scene::Task::kPull;
   setup.rate_Hz = 1000.0;

@@ -26,7 +26,7 @@ struct Hanging {
   Vec3 tip = Vec3::Zero();
 };
 
-Hanging hang(const Setup& setup, std::size_t hand, const PathRow& row, double gripper) {
+Hanging hang(const Scene& setup, std::size_t hand, const PathRow& row, double gripper) {
   const DeviceSetup& device = setup.devices[hand];
   const Pose handle = device.base * Pose{row.orientation, device.workspace_scale * row.position};
   Hanging result;
@@ -42,7 +42,7 @@ Hanging hang(const Setup& setup, std::size_t hand, const PathRow& row, double gr
 }
 
 /// Height of the organ's surface at (x, y), by brute force over all triangles.
-double surface_height(const Setup& setup, double x, double y) {
+double surface_height(const Scene& setup, double x, double y) {
   geometry::TriangleMesh organ = setup.organ;
   geometry::transform(organ, setup.organ_pose);
   double height = -std::numeric_limits<double>::infinity();
@@ -61,13 +61,13 @@ double surface_height(const Setup& setup, double x, double y) {
   return height;
 }
 
-Vec3 middle_of(const Setup& setup) {
+Vec3 middle_of(const Scene& setup) {
   geometry::TriangleMesh organ = setup.organ;
   geometry::transform(organ, setup.organ_pose);
   return geometry::bounds(organ).middle();
 }
 
-double lowest_over_time(const Setup& setup, const ToolPath& path) {
+double lowest_over_time(const Scene& setup, const ToolPath& path) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const PathRow& row : path.rows()) lowest = std::min(lowest, hang(setup, 0, row, 0.0).lowest);
   return lowest;
@@ -87,9 +87,9 @@ void expect_calm(const ToolPath& path) {
 
 TEST(DefaultPath, PressStarts10MmClearReaches12MmHoldsASecondAndComesBack) {
   for (const std::string organ : {"gallbladder", "liver", "kidney", "ball", "box"}) {
-    Request request;
+    Overrides request;
     request.organ = organ;
-    const scene::Setup setup = load(request);
+    const scene::Scene setup = load(request);
     const ToolPath path = default_path(setup, 0);
     const Vec3 middle = middle_of(setup);
     const double surface = surface_height(setup, middle.x(), middle.y());
@@ -105,9 +105,9 @@ TEST(DefaultPath, PressStarts10MmClearReaches12MmHoldsASecondAndComesBack) {
 }
 
 TEST(DefaultPath, TheTipComesDownOnTheOrgansMiddleWithItsZAxisDown) {
-  Request request;
+  Overrides request;
   request.tools = {"sphere:3"};
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   const ToolPath path = default_path(setup, 0);
   const PathRow& first = path.rows().front();
   const Vec3 middle = middle_of(setup);
@@ -117,9 +117,9 @@ TEST(DefaultPath, TheTipComesDownOnTheOrgansMiddleWithItsZAxisDown) {
 }
 
 TEST(DefaultPath, PullClosesAtTouchLifts12MmHoldsAndLetsGo) {
-  Request request;
+  Overrides request;
   request.task = "pull";
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   const ToolPath path = default_path(setup, 0);
   const Vec3 middle = middle_of(setup);
   const double surface = surface_height(setup, middle.x(), middle.y());
@@ -150,8 +150,8 @@ TEST(DefaultPath, PullClosesAtTouchLifts12MmHoldsAndLetsGo) {
 }
 
 TEST(DefaultPath, IsGivenInTheDevicesFrame) {
-  scene::Setup plain = load({});
-  scene::Setup mapped = plain;
+  scene::Scene plain = load({});
+  scene::Scene mapped = plain;
   mapped.devices[0].workspace_scale = 2.0;
   mapped.devices[0].base = {rotation_from_degrees({10.0, 20.0, 30.0}), {0.1, -0.2, 0.3}};
   const ToolPath a = default_path(plain, 0);
@@ -166,7 +166,7 @@ TEST(DefaultPath, IsGivenInTheDevicesFrame) {
 }
 
 TEST(DefaultPath, FollowsTheOrgansPose) {
-  scene::Setup setup = load({});
+  scene::Scene setup = load({});
   setup.organ_pose = {rotation_from_degrees({90.0, 0.0, 0.0}), {0.5, 0.0, -0.1}};
   const ToolPath path = default_path(setup, 0);
   const Vec3 middle = middle_of(setup);
@@ -175,7 +175,7 @@ TEST(DefaultPath, FollowsTheOrgansPose) {
 }
 
 TEST(DefaultPath, TwoHandsComeDownSideBySide) {
-  scene::Setup setup = load({});
+  scene::Scene setup = load({});
   setup.tools.push_back(setup.tools[0]);
   setup.devices.push_back(setup.devices[0]);
   const Vec3 left = default_path(setup, 0).rows().front().position;
@@ -186,7 +186,7 @@ TEST(DefaultPath, TwoHandsComeDownSideBySide) {
 }
 
 TEST(DefaultPath, RefusesAnOpenOrgan) {
-  scene::Setup setup = load({});
+  scene::Scene setup = load({});
   setup.organ.triangles.pop_back();
   EXPECT_THROW((void)default_path(setup, 0), InputError);
 }
@@ -227,11 +227,11 @@ geometry::TriangleMesh banana(double half_length, double half_width, double bend
   return mesh;
 }
 
-scene::Setup press_of(const geometry::TriangleMesh& organ, const Vec3& turned_deg = Vec3::Zero(),
+scene::Scene press_of(const geometry::TriangleMesh& organ, const Vec3& turned_deg = Vec3::Zero(),
                       const std::string& tool = "curved-forceps") {
-  Request request;
+  Overrides request;
   request.tools = {tool};
-  scene::Setup setup = load(request);
+  scene::Scene setup = load(request);
   setup.organ = organ;
   setup.organ_pose.rotation = rotation_from_degrees(turned_deg);
   return setup;
@@ -244,7 +244,7 @@ struct Pressed {
   double angle = 0.0;  // degrees, between the motion and the normal
 };
 
-Pressed pressed(const scene::Setup& setup, const ToolPath& path) {
+Pressed pressed(const scene::Scene& setup, const ToolPath& path) {
   const haptics::SimulationWorld world = make_world(setup, {});
   contact::State state(world.contact);
   contact::ToolResult result;
@@ -279,7 +279,7 @@ double turns_around(const geometry::TriangleMesh& mesh, const Vec3& p) {
   return sum / (4.0 * portable::kPi);
 }
 
-int points_inside(const scene::Setup& setup, const PathRow& row) {
+int points_inside(const scene::Scene& setup, const PathRow& row) {
   geometry::TriangleMesh organ = setup.organ;
   geometry::transform(organ, setup.organ_pose);
   const Pose handle{row.orientation, row.position};
@@ -316,7 +316,7 @@ TEST(DefaultPath, OnAnyShapeToolAndShaftStartOutsideAndAPressReachesItsDepthSqua
   for (const std::string tool : {"curved-forceps", "straight-forceps"}) {
     for (const Shape& shape : shapes()) {
       SCOPED_TRACE(tool + std::string(" on a ") + shape.name);
-      const scene::Setup setup = press_of(shape.mesh, shape.turned_deg, tool);
+      const scene::Scene setup = press_of(shape.mesh, shape.turned_deg, tool);
       const ToolPath path = default_path(setup, 0);
       EXPECT_EQ(points_inside(setup, path.rows().front()), 0);
       const Pressed press = pressed(setup, path);
@@ -338,13 +338,13 @@ geometry::TriangleMesh ridged_tube() {
 }
 
 TEST(DefaultPath, NoToolStartsInsideAnOrganThatIsFlatOnlyWhereItCannotGetTo) {
-  const scene::Setup setup = press_of(ridged_tube(), {90.0, 0.0, 0.0});
+  const scene::Scene setup = press_of(ridged_tube(), {90.0, 0.0, 0.0});
   const ToolPath path = default_path(setup, 0);
   EXPECT_EQ(points_inside(setup, path.rows().front()), 0);
 }
 
 TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsSaid) {
-  const scene::Setup setup = press_of(torus(40e-3, 12e-3));
+  const scene::Scene setup = press_of(torus(40e-3, 12e-3));
   const ToolPath path = default_path(setup, 0);
   const double way = (path.at(0.5 * path.end_time()).position - path.rows().front().position).norm();
   const double depth = way - 10e-3;
@@ -359,7 +359,7 @@ TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsSaid) {
 }
 
 TEST(DefaultPath, AnOrganThatIsPressedLessDeepIsPressedFromAboveItsMiddleWhereThatIsGood) {
-  const scene::Setup setup = press_of(geometry::make_ball(12e-3, 5120));
+  const scene::Scene setup = press_of(geometry::make_ball(12e-3, 5120));
   const ToolPath path = default_path(setup, 0);
   EXPECT_THAT(default_path_remarks(setup), testing::ElementsAre(testing::HasSubstr("mm deep")));
   for (const PathRow& row : {path.rows().front(), path.at(0.5 * path.end_time())})
@@ -392,7 +392,7 @@ TEST(DefaultPath, TrianglesWithoutAreaHideNothingOfTheSurfaceBeyondThem) {
 }
 
 TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsSaid) {
-  const scene::Setup setup = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
+  const scene::Scene setup = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
   EXPECT_THAT(default_path_remarks(setup),
               testing::ElementsAre(testing::HasSubstr(
                   "the organ is 6 mm thick where the default path presses it 12 mm deep")));
@@ -400,7 +400,7 @@ TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsSaid) {
 
 TEST(DefaultPath, NothingIsSaidOfAThickOrganOrOfAPathFromAFile) {
   EXPECT_THAT(default_path_remarks(load({})), testing::IsEmpty());
-  scene::Setup setup = press_of(torus(40e-3, 12e-3));
+  scene::Scene setup = press_of(torus(40e-3, 12e-3));
   setup.devices[0].path = "press.csv";
   EXPECT_THAT(default_path_remarks(setup), testing::IsEmpty());
 }

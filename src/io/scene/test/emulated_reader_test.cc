@@ -124,7 +124,7 @@ TEST(EmulatedReader, RefusesItsKeysForOtherKindsOfDevice) {
 
 TEST(EmulatedReader, AnEmulatedDevicesDynamicsAreAlwaysKnownAndAnothersOnlyWhenGiven) {
   const TemporaryFolder folder;
-  Request request;
+  Overrides request;
   request.scene = folder.write("press.toml", kShortEmulated + "kind = \"emulated\"\nfriction_N = 0.2\n");
   const DeviceDynamics emulated = load(request).devices.front().dynamics;
   EXPECT_EQ(emulated.damping, 1.5);

@@ -14,8 +14,8 @@ using test::error_of;
 using test::TemporaryFolder;
 using testing::HasSubstr;
 
-Setup loaded(const TemporaryFolder& folder, const std::vector<Setting>& settings) {
-  Request request;
+Scene loaded(const TemporaryFolder& folder, const std::vector<Setting>& settings) {
+  Overrides request;
   request.scene = folder.write("press.toml", "[organ]\nmesh = \"box\"\n[[tool]]\nmesh = \"sphere:3\"\n");
   request.settings = settings;
   return load(request);
@@ -62,7 +62,7 @@ TEST(SceneKeys, AValueThatDoesNotSuitTheOthersIsToldWithItsKey) {
 }
 
 TEST(SceneKeys, NeedASceneFile) {
-  Request request;
+  Overrides request;
   request.settings = {{"path.speed", "2"}};
   EXPECT_EQ(error_of([&] { (void)load(request); }), "--set path.speed: needs a scene file");
 }

@@ -425,7 +425,7 @@ TEST_F(ForceDimension, TwoHandsTakeTheDevicesInTheirOrder) {
   dhd_.library->count = 2;
   dhd_.device(0).position[0] = 0.01;
   dhd_.device(1).position[0] = 0.02;
-  scene::Setup setup;
+  scene::Scene setup;
   setup.devices.resize(3);
   setup.devices[0].kind = "forcedimension";
   setup.devices[0].path = dhd_.path;

@@ -339,7 +339,7 @@ TEST(Haply, TwoHandsTakeTheServicesArmsAndGripsInOrder) {
             {test::grip_json("g", Quat::Identity(), false), test::grip_json("h", turned, true)}}}
           .dump();
   HaplyService service(both, [&](std::size_t) { return Answer{both}; });
-  scene::Setup setup;
+  scene::Scene setup;
   setup.devices.push_back({"haply", service.address(), 1.0, {}});
   setup.devices.push_back({"haply", service.address() + "/", 1.0, {}});
   const auto left = open_device(setup, 0);

@@ -472,7 +472,7 @@ TEST_F(Touch, IsOpenedByAScenesHandsAndOutsideAScene) {
   EXPECT_TRUE(scene::find_device_kind("touch")->held);
   EXPECT_FALSE(scene::find_device_kind("touch")->torque);
   hd_.arm([](HdArm& arm) { arm.position[0] = 20.0; }, 1);
-  scene::Setup setup;
+  scene::Scene setup;
   setup.devices.resize(2);
   for (scene::DeviceSetup& device : setup.devices) device.kind = "touch";
   setup.devices[1].path = "Left";

@@ -34,7 +34,7 @@ class SyntheticRecording final {
 
   static record::Recording make(bool noise = true, int ticks = 4000) {
     record::Recording recording;
-    scene::Setup& setup = recording.setup;
+    scene::Scene& setup = recording.setup;
     setup.name = "synthetic press";
     setup.organ_name = "box <60 x 60>";
     setup.organ = geometry::make_box(Vec3(60e-3, 60e-3, 40e-3), 10e-3);
