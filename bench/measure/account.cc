@@ -8,7 +8,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Adds p50_us and so on, with `prefix` before each name.
-void add_times(Json& row, const TimeFigures& times, const std::string& prefix = "") {
+void add_times(Json& row, const TimeStatistics& times, const std::string& prefix = "") {
   row[prefix + "p50_us"] = times.p50_us;
   row[prefix + "p99_us"] = times.p99_us;
   row[prefix + "p999_us"] = times.p999_us;

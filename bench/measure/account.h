@@ -20,20 +20,20 @@ struct TickAccount {
                       // pull
   std::size_t organ_triangles = 0;
   std::size_t tool_triangles = 0;
-  TimeFigures contact;
-  TimeFigures approach;  // within 20 mm
+  TimeStatistics contact;
+  TimeStatistics approach;  // within 20 mm
   // The path is followed `repeats` times, and every tick is identical each time. The least time of a tick is
   // its own cost; the excess of single times comes from the machine: interrupts, and caches and tables to
   // fill again afterwards.
   int repeats = 0;
-  TimeFigures contact_least;
-  TimeFigures approach_least;
+  TimeStatistics contact_least;
+  TimeStatistics approach_least;
 };
 
 /// Time of one exact nearest-point query of the organ, along the path of the tool's tip.
 struct NearestAccount {
   std::size_t organ_triangles = 0;
-  TimeFigures times;
+  TimeStatistics times;
 };
 
 /// Cost of preparing an organ before its first tick: refined surface, normals, tree.
@@ -51,8 +51,8 @@ struct HandsRun {
   std::uint64_t periods = 0;   // on all threads
   std::uint64_t missed = 0;    // periods that began a full period late
   std::uint64_t lost = 0;      // rows lost because the ring was full
-  TimeFigures round;           // CPU time of all hands of one thread in one period
-  TimeFigures wall;            // wall time of the work in a period
+  TimeStatistics round;        // CPU time of all hands of one thread in one period
+  TimeStatistics wall;         // wall time of the work in a period
   double worst_p999_us = 0.0;  // p99.9 of `round`, on the thread where it is greatest
 };
 
@@ -71,8 +71,8 @@ struct LoopAccount {
   std::uint64_t ticks = 0;  // of each loop
   std::uint64_t missed = 0;
   std::uint64_t missed_empty = 0;
-  TimeFigures late;
-  TimeFigures late_empty;
+  TimeStatistics late;
+  TimeStatistics late_empty;
 };
 
 /// Rendering of a moving scene in contact, 1280 x 720 pixels.
@@ -81,9 +81,9 @@ struct PictureAccount {
   std::size_t organ_triangles = 0;  // of the organ's mesh; the renderer may subdivide it
   std::string driver;               // OpenGL's name of the renderer
   double fast_share = 0.0;          // fraction of pictures drawn with Quality::kFast to keep the frame time
-  TimeFigures deformation;          // CPU time of deformation and upload
-  TimeFigures frame;                // wall time of a picture
-  TimeFigures frame_computed;       // CPU time of all threads for a picture
+  TimeStatistics deformation;       // CPU time of deformation and upload
+  TimeStatistics frame;             // wall time of a picture
+  TimeStatistics frame_computed;    // CPU time of all threads for a picture
 };
 
 /// Time that another library needs for its own answer on the same organ and path.
@@ -93,8 +93,8 @@ struct PeerAccount {
   std::string scene;
   std::size_t organ_triangles = 0;
   std::size_t tool_triangles = 0;  // 0: one point
-  TimeFigures contact;
-  TimeFigures approach;
+  TimeStatistics contact;
+  TimeStatistics approach;
   double ratio = 0.0;           // p50 in contact relative to Palpate's
   double approach_ratio = 0.0;  // p50 in approach relative to Palpate's
 };
@@ -130,9 +130,9 @@ struct FigureRow {
   std::string phase{};
   std::size_t organ_triangles = 0;
   std::size_t tool_triangles = 0;
-  TimeFigures times{};     // without samples: `value` is used instead
-  TimeFigures least = {};  // least time of each tick over `repeats`; without samples: not measured
-  std::string note = {};   // only in the text
+  TimeStatistics times{};     // without samples: `value` is used instead
+  TimeStatistics least = {};  // least time of each tick over `repeats`; without samples: not measured
+  std::string note = {};      // only in the text
   double value = 0.0;
   std::string unit = "us";
   int repeats = 0;

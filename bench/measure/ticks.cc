@@ -38,8 +38,8 @@ class RepeatedTimes final {
     ++next_;
   }
 
-  [[nodiscard]] TimeFigures all() const { return figures_of(all_us_); }
-  [[nodiscard]] TimeFigures least() const { return figures_of(least_us_); }
+  [[nodiscard]] TimeStatistics all() const { return figures_of(all_us_); }
+  [[nodiscard]] TimeStatistics least() const { return figures_of(least_us_); }
 
  private:
   std::vector<double> all_us_;

@@ -12,7 +12,7 @@ namespace palpate::bench {
 inline constexpr double kNanosecondsPerMicrosecond = 1e3;
 
 /// Statistics of many times; zero without samples.
-struct TimeFigures {
+struct TimeStatistics {
   std::size_t samples = 0;
   double p50_us = 0.0;
   double p99_us = 0.0;
@@ -21,7 +21,7 @@ struct TimeFigures {
 };
 
 /// [setup] Statistics of times [us] in any order.
-[[nodiscard]] TimeFigures figures_of(std::vector<double> times_us);
+[[nodiscard]] TimeStatistics figures_of(std::vector<double> times_us);
 
 /// [setup] Median over batches of the CPU time of one call [ns].
 /// @param call call(i), i = 0 .. calls-1, returns a number; its use keeps the compiler from removing the call

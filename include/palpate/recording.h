@@ -14,7 +14,7 @@
 namespace palpate::record {
 
 /// Percentiles and maximum of a measured time; zero when unknown.
-struct TimeFigures {
+struct TimeStatistics {
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
   std::int64_t p999_ns = 0;
@@ -41,8 +41,8 @@ struct RunFacts {
   bool realtime_priority = false;
   bool memory_locked = false;
   bool polled = false;           // waited for ticks by polling; else the loop slept
-  TimeFigures tick_time;         // computing time of a tick
-  TimeFigures lateness;          // delay of the start of ticks
+  TimeStatistics tick_time;      // computing time of a tick
+  TimeStatistics lateness;       // delay of the start of ticks
   TimeHistogram tick_histogram;  // of tick_time and lateness; also of offline runs, whose rows have no times
   TimeHistogram late_histogram;
   std::uint64_t watchdog_stops = 0;
@@ -80,7 +80,7 @@ void export_csv(const Recording& recording, const std::filesystem::path& file, c
 
 /// [any] The file for the parameter updates of a recording that is exported to `csv`: NAME-changes.csv in the
 /// same folder.
-[[nodiscard]] std::filesystem::path changes_csv_beside(const std::filesystem::path& csv);
+[[nodiscard]] std::filesystem::path changes_csv_path(const std::filesystem::path& csv);
 
 /// [setup] Writes the updates of tissue and noise as CSV, one line per update with all parameters from its
 /// tick on. what is tissue or noise, law is layered or smooth. @throws InputError as export_csv().

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <type_traits>
 
-#include "io/record/change_columns.h"
 #include "io/record/tick_columns.h"
+#include "io/record/update_columns.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
@@ -84,22 +84,22 @@ std::string quoted(std::string_view name) {
 
 std::string changes_header() {
   std::string line;
-  for (const Column& column : change_columns()) line += std::string(column.name) + ",";
-  return line + kChangeName + '\n';
+  for (const Column& column : update_columns()) line += std::string(column.name) + ",";
+  return line + kUpdateName + '\n';
 }
 
-char* append_value(char* at, const ChangeRow& row, const Column& column) {
-  if (column.offset == offsetof(ChangeRow, what)) {
+char* append_value(char* at, const UpdateRow& row, const Column& column) {
+  if (column.offset == offsetof(UpdateRow, what)) {
     return append(at, (row.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
   }
-  if (column.offset == offsetof(ChangeRow, law)) return append(at, row.law == 0 ? "layered" : "smooth");
+  if (column.offset == offsetof(UpdateRow, law)) return append(at, row.law == 0 ? "layered" : "smooth");
   return append_column(at, row, column);
 }
 
 std::string change_line(const haptics::ParameterUpdate& change) {
-  const ChangeRow row = row_of(change);
+  const UpdateRow row = row_of(change);
   std::string line;
-  for (const Column& column : change_columns()) {
+  for (const Column& column : update_columns()) {
     char text[kLongestValue];
     line.append(text, append_value(text, row, column));
     line += ',';
@@ -153,7 +153,7 @@ void export_csv(const Recording& recording, const std::filesystem::path& file, c
   write_file(file, [&](std::FILE* out) { write_all(out, recording, file, progress); });
 }
 
-std::filesystem::path changes_csv_beside(const std::filesystem::path& csv) {
+std::filesystem::path changes_csv_path(const std::filesystem::path& csv) {
   return csv.parent_path() / (csv.stem().string() + "-changes.csv");
 }
 

@@ -72,7 +72,8 @@ void FlightRecorder::write(const std::filesystem::path& file, const haptics::Loo
   recorder.finish(report);
 }
 
-std::filesystem::path keep_flight(const FlightRecorder& flight, const haptics::LoopReport& report) {
+std::filesystem::path write_flight_recording(const FlightRecorder& flight,
+                                             const haptics::LoopReport& report) {
   constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files; the oldest are removed first
   const std::filesystem::path folder = user_state_folder() / "faults";
   if (!folder.is_absolute()) return {};

@@ -49,6 +49,6 @@ class FlightRecorder final : public haptics::TickObserver {
 /// [setup] After a run with a fault: writes the kept rows into the user's state folder, and removes the
 /// oldest such files beyond 256 MiB. @return the file; empty when no such folder exists @throws InputError
 /// when it cannot be written.
-std::filesystem::path keep_flight(const FlightRecorder& flight, const haptics::LoopReport& report);
+std::filesystem::path write_flight_recording(const FlightRecorder& flight, const haptics::LoopReport& report);
 
 }  // namespace palpate::record

@@ -52,13 +52,13 @@ std::string without_padding(std::string text) {
 
 }  // namespace
 
-Quiet::Quiet() {
+SilenceErrors::SilenceErrors() {
   H5dont_atexit();
   H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+SilenceErrors::~SilenceErrors() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
 
 Handle::Handle(hid_t id, const std::string& what) : id_(id) { check(id < 0 ? -1 : 0, what); }
 

@@ -21,12 +21,12 @@ class Error final : public std::runtime_error {
 
 /// While it exists, HDF5 does not print its error stack on this thread. Also stops HDF5 from closing files at
 /// exit: that crashes for a file on a full disk (HDF5 1.10.8).
-class Quiet final {
+class SilenceErrors final {
  public:
-  Quiet();
-  ~Quiet();
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
+  SilenceErrors();
+  ~SilenceErrors();
+  SilenceErrors(const SilenceErrors&) = delete;
+  SilenceErrors& operator=(const SilenceErrors&) = delete;
 
  private:
   H5E_auto2_t print_ = nullptr;

@@ -57,7 +57,7 @@ RunFacts facts_before(bool offline) {
   return facts;
 }
 
-TimeFigures figures(const haptics::Histogram& histogram) {
+TimeStatistics figures(const haptics::Histogram& histogram) {
   return {histogram.percentile(0.5), histogram.percentile(0.99), histogram.percentile(0.999),
           histogram.max()};
 }
@@ -184,7 +184,7 @@ void Recorder::Impl::fail(const std::string& why) {
 }
 
 void Recorder::Impl::run() {
-  const hdf5::Quiet quiet;
+  const hdf5::SilenceErrors quiet;
   for (bool last = false; !last;) {
     last = finishing.load(std::memory_order_acquire);
     if (!started && begun.load(std::memory_order_acquire)) start();
@@ -274,7 +274,7 @@ void Recorder::Impl::remove_partial() const noexcept {
 /// Call after the thread has ended.
 void Recorder::Impl::close_file(const RunFacts& facts) {
   if (!writer) return;
-  const hdf5::Quiet quiet;
+  const hdf5::SilenceErrors quiet;
   if (writer->damaged()) writer->abandon();
   if (writer->path() == partial) {
     remove_partial();  // the run never began, or the rename failed
@@ -292,7 +292,7 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
 Recorder::Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
                    std::function<void(const std::string&)> on_failure)
     : impl_(std::make_unique<Impl>(checked_target(file), setup, offline, std::move(on_failure))) {
-  const hdf5::Quiet quiet;
+  const hdf5::SilenceErrors quiet;
   try {
     impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, setup, facts_before(offline));
     impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });

@@ -17,10 +17,10 @@
 #include <unistd.h>
 
 #include "core/base/text.h"
-#include "io/record/change_columns.h"
 #include "io/record/recording_writer.h"
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
+#include "io/record/update_columns.h"
 #include "io/system/input_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
@@ -110,7 +110,7 @@ std::int64_t run_value(hid_t file, const char* name) {
   return value;
 }
 
-TimeFigures run_figures(hid_t file, const char* name) {
+TimeStatistics run_figures(hid_t file, const char* name) {
   std::array<std::int64_t, 4> values{};
   const std::string path = std::string("/run/") + name;
   const hid_t id = hdf5::open_dataset(file, path);
@@ -332,7 +332,7 @@ void RecordingReader::read_changes() {
   if (H5Lexists(file_.id(), "changes", H5P_DEFAULT) <= 0) return;
   try {
     const Handle dataset(hdf5::open_dataset(file_.id(), "changes"), "no /changes");
-    check_columns(dataset.id(), "/changes", change_columns());
+    check_columns(dataset.id(), "/changes", update_columns());
     const Handle space(H5Dget_space(dataset.id()), "/changes");
     hsize_t count = 0;
     if (H5Sget_simple_extent_ndims(space.id()) != 1 ||
@@ -341,11 +341,11 @@ void RecordingReader::read_changes() {
     }
     if (count > kMostChanges) throw hdf5::Error("/changes is too long");
     if (count == 0) return;
-    std::vector<ChangeRow> rows(count, row_of({}));  // a missing column keeps its default
-    const Handle type = change_row_type();
+    std::vector<UpdateRow> rows(count, row_of({}));  // a missing column keeps its default
+    const Handle type = update_row_type();
     check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()),
           "/changes cannot be read");
-    std::transform(rows.begin(), rows.end(), std::back_inserter(changes_), change_of);
+    std::transform(rows.begin(), rows.end(), std::back_inserter(changes_), update_of);
   } catch (const hdf5::Error&) {
     if (!cut_off_) throw;
     changes_.clear();

@@ -48,7 +48,7 @@ class RecordingReader final {
   void read_block(std::uint64_t start, std::span<haptics::TickRow> rows);
   [[noreturn]] void refuse(const std::string& why) const;
 
-  hdf5::Quiet quiet_;
+  hdf5::SilenceErrors quiet_;
   std::filesystem::path path_;
   std::uint64_t file_bytes_ = 0;
   hdf5::Handle file_;

@@ -11,9 +11,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "io/record/change_columns.h"
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
+#include "io/record/update_columns.h"
 
 namespace palpate::record {
 namespace {
@@ -177,7 +177,7 @@ void fill(hid_t run, const char* name, const void* values) {
   check(H5Dwrite(dataset.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
 }
 
-void fill(hid_t run, const char* name, const TimeFigures& figures) {
+void fill(hid_t run, const char* name, const TimeStatistics& figures) {
   const std::array<std::int64_t, 4> values = {figures.p50_ns, figures.p99_ns, figures.p999_ns,
                                               figures.max_ns};
   fill(run, name, static_cast<const void*>(values.data()));
@@ -206,19 +206,19 @@ Handle tick_row_type() {
   return type;
 }
 
-Handle change_row_type() {
-  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(ChangeRow)), "change type");
-  for (const Column& column : change_columns()) {
+Handle update_row_type() {
+  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(UpdateRow)), "change type");
+  for (const Column& column : update_columns()) {
     check(H5Tinsert(type.id(), column.name, column.offset, native_type(column.type)), column.name);
   }
   const Handle name = hdf5::text_type(haptics::ParameterUpdate::kNameBytes);
-  check(H5Tinsert(type.id(), kChangeName, offsetof(ChangeRow, name), name.id()), kChangeName);
+  check(H5Tinsert(type.id(), kUpdateName, offsetof(UpdateRow, name), name.id()), kUpdateName);
   return type;
 }
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Scene& setup,
                                  const RunFacts& facts)
-    : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(change_row_type()) {
+    : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(update_row_type()) {
   const std::string scene = setup_to_json(setup);
   reserve_space(static_cast<std::int64_t>(scene.size()) + mesh_bytes(setup));
   write_facts(file_.id(), setup, facts);
@@ -286,7 +286,7 @@ void RecordingWriter::append(std::span<const haptics::TickRow> rows) {
 }
 
 void RecordingWriter::append(std::span<const haptics::ParameterUpdate> changes) {
-  std::vector<ChangeRow> rows(changes.size());
+  std::vector<UpdateRow> rows(changes.size());
   std::transform(changes.begin(), changes.end(), rows.begin(), row_of);
   append_to(changes_.id(), change_type_.id(), change_rows_, rows.size(), rows.data());
   change_rows_ += changes.size();

@@ -78,8 +78,8 @@ class RecordingWriter final {
 /// [setup] The HDF5 type of a TickRow in memory, with the column names.
 [[nodiscard]] hdf5::Handle tick_row_type();
 
-/// [setup] The HDF5 type of a ChangeRow in memory, with the column names.
-[[nodiscard]] hdf5::Handle change_row_type();
+/// [setup] The HDF5 type of a UpdateRow in memory, with the column names.
+[[nodiscard]] hdf5::Handle update_row_type();
 
 /// Names of the datasets of the group /run, for writer and reader.
 namespace run_names {

@@ -78,16 +78,16 @@ class Replay final {
   [[nodiscard]] std::span<const TickRow> rows() const noexcept { return rows_; }
 
   /// All that the next tick depends on.
-  struct Place {
+  struct Checkpoint {
     haptics::SimulationState state;
     std::vector<haptics::ForceCommand> commands;
     std::size_t next_change = 0;
   };
-  [[nodiscard]] Place place() const { return {state_, commands_, next_change_}; }
-  void go_back_to(const Place& place) {
-    state_ = place.state;
-    commands_ = place.commands;
-    next_change_ = place.next_change;
+  [[nodiscard]] Checkpoint checkpoint() const { return {state_, commands_, next_change_}; }
+  void restore(const Checkpoint& checkpoint) {
+    state_ = checkpoint.state;
+    commands_ = checkpoint.commands;
+    next_change_ = checkpoint.next_change;
   }
 
   /// The snapshot that the loop publishes, but with the recording's own time.
@@ -191,33 +191,33 @@ std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
 struct RecordingFrames::Impl {
   Impl(const Recording& recorded, const contact::Preparation& how)
       : recording(recorded), again(recorded, how), apart(std::max(kLeastApart, again.ticks() / kMaxKept)) {
-    kept.push_back(again.place());
+    kept.push_back(again.checkpoint());
   }
 
   /// Continues from the nearest stored state before `tick`, unless the current state is nearer.
   void jump_towards(std::uint64_t tick) {
     const std::uint64_t from = std::min<std::uint64_t>(tick / apart, kept.size() - 1) * apart;
     if (next <= tick + 1 && next >= from) return;
-    again.go_back_to(kept[from / apart]);
+    again.restore(kept[from / apart]);
     next = from;
   }
 
   void run_one() {
-    const std::uint64_t tick = std::exchange(next, kNowhere);  // a failed tick leaves an invalid state
+    const std::uint64_t tick = std::exchange(next, kNoTick);  // a failed tick leaves an invalid state
     again.run_tick(tick);
     next = tick + 1;
-    if (next == kept.size() * apart) kept.push_back(again.place());
+    if (next == kept.size() * apart) kept.push_back(again.checkpoint());
   }
 
   static constexpr std::uint64_t kLeastApart = 512;  // ticks
   static constexpr std::uint64_t kMaxKept = 512;
-  static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
+  static constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
   const Recording& recording;
   Replay again;
-  std::uint64_t apart;              // ticks between two stored states
-  std::vector<Replay::Place> kept;  // the states before the ticks 0, apart, 2 apart ...
-  std::uint64_t next = 0;           // the next tick; kNowhere: a stored state must be restored first
+  std::uint64_t apart;                   // ticks between two stored states
+  std::vector<Replay::Checkpoint> kept;  // the states before the ticks 0, apart, 2 apart ...
+  std::uint64_t next = 0;                // the next tick; kNoTick: a stored state must be restored first
 };
 
 RecordingFrames::RecordingFrames(const Recording& recording, const contact::Preparation& how)

@@ -36,9 +36,9 @@ RunResult result_of(const scene::Scene& setup, bool offline) {
 }
 
 /// That the file cannot be written is a remark, not a failure.
-void keep_flight(const record::FlightRecorder& flight, RunResult& result) {
+void write_flight_recording(const record::FlightRecorder& flight, RunResult& result) {
   try {
-    result.fault_recording = record::keep_flight(flight, result.loop);
+    result.fault_recording = record::write_flight_recording(flight, result.loop);
   } catch (const InputError& failure) {
     result.loop.remarks.push_back(std::string("the ticks before the fault were not kept: ") + failure.what());
   }
@@ -129,7 +129,7 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
                                    .thread = options.thread,
                                    .stalled_after_ns = haptics::stall_limit_ns(*world_)});
   if (recorder) close_recording(*recorder, options, result);
-  if (flight && flight->fault_met()) keep_flight(*flight, result);
+  if (flight && flight->fault_met()) write_flight_recording(*flight, result);
   result.statistics = statistics.statistics();
   return result;
 }

@@ -112,7 +112,7 @@ std::string sweep_csv(const SweepResult& sweep) {
 }
 
 void write_sweep_hdf5(const SweepResult& sweep, const std::filesystem::path& file) {
-  const hdf5::Quiet quiet;
+  const hdf5::SilenceErrors quiet;
   try {
     hdf5::Handle opened(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), "the file");
     hdf5::write_attribute(opened.id(), "scene", sweep.scene);

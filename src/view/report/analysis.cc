@@ -122,7 +122,7 @@ HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand
 
 /// Prefers the loop's own counts, which exist for offline runs too and include lost rows. Recordings that
 /// were cut off or lack the counts use the rows.
-TimeAnalysis time_analysis(const record::TimeHistogram& counted, const record::TimeFigures& figures,
+TimeAnalysis time_analysis(const record::TimeHistogram& counted, const record::TimeStatistics& figures,
                            std::vector<std::int64_t> of_rows) {
   if (!counted.empty()) {
     std::uint64_t number = 0;

@@ -86,7 +86,7 @@ TEST(KeepFlight, PutsWhatLedToAFaultIntoTheUsersStateFolder) {
   FlightRecorder recorder(setup);
   recorder.on_row(row_of(0, 0, haptics::Fault::kDevice));
   recorder.on_row(row_of(0, 1));
-  const std::filesystem::path file = keep_flight(recorder, {});
+  const std::filesystem::path file = write_flight_recording(recorder, {});
   if (before == nullptr) {
     unsetenv("XDG_STATE_HOME");
   } else {

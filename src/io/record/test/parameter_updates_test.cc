@@ -10,11 +10,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/record/change_columns.h"
 #include "io/record/flight_recorder.h"
 #include "io/record/recording_frames.h"
 #include "io/record/recording_writer.h"
 #include "io/record/test/sample_recording.h"
+#include "io/record/update_columns.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
@@ -259,7 +259,7 @@ TEST(ParameterUpdatesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   EXPECT_EQ(lines[1],
             "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,1.1,0.43,1.8,0.58,0.5,"
             "0.2,0,0,0.5,0.01,8,1,5e-05,0.005,\"a,\"\"\"");
-  EXPECT_EQ(changes_csv_beside("x/run.csv"), std::filesystem::path("x/run-changes.csv"));
+  EXPECT_EQ(changes_csv_path("x/run.csv"), std::filesystem::path("x/run-changes.csv"));
   EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
 }
 
@@ -320,8 +320,8 @@ TEST(ParameterUpdatesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThe
 /// Writes updates without one of the columns, as recordings from before its parameter existed have them.
 void write_without(std::string_view left_out, hid_t file,
                    const std::vector<haptics::ParameterUpdate>& changes) {
-  const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(ChangeRow));
-  for (const Column& column : change_columns()) {
+  const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(UpdateRow));
+  for (const Column& column : update_columns()) {
     if (column.name == left_out) continue;
     const hid_t native = column.type == ColumnType::kU32   ? H5T_NATIVE_UINT32
                          : column.type == ColumnType::kU64 ? H5T_NATIVE_UINT64
@@ -329,15 +329,15 @@ void write_without(std::string_view left_out, hid_t file,
     H5Tinsert(type, column.name, column.offset, native);
   }
   const hdf5::Handle name = hdf5::text_type(haptics::ParameterUpdate::kNameBytes);
-  H5Tinsert(type, kChangeName, offsetof(ChangeRow, name), name.id());
+  H5Tinsert(type, kUpdateName, offsetof(UpdateRow, name), name.id());
   H5Tpack(type);
   const hsize_t count = changes.size();
   const hid_t space = H5Screate_simple(1, &count, nullptr);
   const hid_t set = H5Dcreate2(file, "changes", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  std::vector<ChangeRow> rows(changes.size());
+  std::vector<UpdateRow> rows(changes.size());
   std::transform(changes.begin(), changes.end(), rows.begin(),
                  [](const haptics::ParameterUpdate& change) { return record::row_of(change); });
-  H5Dwrite(set, change_row_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
+  H5Dwrite(set, update_row_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
   H5Dclose(set);
   H5Sclose(space);
   H5Tclose(type);

@@ -1,4 +1,4 @@
-#include "io/record/change_columns.h"
+#include "io/record/update_columns.h"
 
 #include <array>
 #include <cstddef>
@@ -13,8 +13,8 @@ using haptics::ParameterUpdate;
 using model::kMaxRelaxationTerms;
 using model::kTissueFields;
 
-static_assert(std::is_standard_layout_v<ChangeRow> && std::is_trivially_copyable_v<ChangeRow>);
-static_assert(sizeof(ChangeRow) ==
+static_assert(std::is_standard_layout_v<UpdateRow> && std::is_trivially_copyable_v<UpdateRow>);
+static_assert(sizeof(UpdateRow) ==
                   (6 + kTissueFields.size() + 2 * kMaxRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
               "no padding");
 
@@ -24,10 +24,10 @@ constexpr std::array<const char*, kMaxRelaxationTerms> kTimeColumns{
     "relaxation_1_time_s", "relaxation_2_time_s", "relaxation_3_time_s"};
 
 std::vector<Column> all_columns() {
-  std::vector<Column> columns{{"tick", ColumnType::kU64, offsetof(ChangeRow, tick)},
-                              {"number", ColumnType::kU64, offsetof(ChangeRow, number)},
-                              {"what", ColumnType::kU32, offsetof(ChangeRow, what)},
-                              {"law", ColumnType::kU32, offsetof(ChangeRow, law)}};
+  std::vector<Column> columns{{"tick", ColumnType::kU64, offsetof(UpdateRow, tick)},
+                              {"number", ColumnType::kU64, offsetof(UpdateRow, number)},
+                              {"what", ColumnType::kU32, offsetof(UpdateRow, what)},
+                              {"law", ColumnType::kU32, offsetof(UpdateRow, law)}};
   const auto add = [&](const char* name, std::size_t array, std::size_t index, bool added_later = false) {
     columns.push_back({name, ColumnType::kF64, array + index * sizeof(double), added_later});
   };
@@ -35,23 +35,23 @@ std::vector<Column> all_columns() {
     for (std::size_t i = 0; i < kTissueFields.size(); ++i) {
       const model::TissueField& field = kTissueFields[i];
       if (field.section.empty() == sections) continue;
-      add(field.column(), offsetof(ChangeRow, tissue), i, field.added_later);
+      add(field.column(), offsetof(UpdateRow, tissue), i, field.added_later);
     }
   };
   add_tissue(false);
-  for (std::size_t i = 0; i < kMaxRelaxationTerms; ++i) add(kShareColumns[i], offsetof(ChangeRow, share), i);
-  for (std::size_t i = 0; i < kMaxRelaxationTerms; ++i) add(kTimeColumns[i], offsetof(ChangeRow, time), i);
+  for (std::size_t i = 0; i < kMaxRelaxationTerms; ++i) add(kShareColumns[i], offsetof(UpdateRow, share), i);
+  for (std::size_t i = 0; i < kMaxRelaxationTerms; ++i) add(kTimeColumns[i], offsetof(UpdateRow, time), i);
   add_tissue(true);
-  columns.push_back({"noise_enabled", ColumnType::kU64, offsetof(ChangeRow, noise_enabled)});
-  add("noise_gain_N_m", offsetof(ChangeRow, noise_gain), 0);
-  add("noise_threshold_m", offsetof(ChangeRow, noise_threshold), 0);
+  columns.push_back({"noise_enabled", ColumnType::kU64, offsetof(UpdateRow, noise_enabled)});
+  add("noise_gain_N_m", offsetof(UpdateRow, noise_gain), 0);
+  add("noise_threshold_m", offsetof(UpdateRow, noise_threshold), 0);
   return columns;
 }
 
 }  // namespace
 
-ChangeRow row_of(const ParameterUpdate& change) noexcept {
-  ChangeRow row{.tick = change.tick, .number = change.number, .what = change.what};
+UpdateRow row_of(const ParameterUpdate& change) noexcept {
+  UpdateRow row{.tick = change.tick, .number = change.number, .what = change.what};
   row.law = static_cast<std::uint32_t>(change.tissue.law);
   for (std::size_t i = 0; i < kTissueFields.size(); ++i) {
     row.tissue[i] = kTissueFields[i].at.get(change.tissue).value_or(0.0);
@@ -67,7 +67,7 @@ ChangeRow row_of(const ParameterUpdate& change) noexcept {
   return row;
 }
 
-ParameterUpdate change_of(const ChangeRow& row) {
+ParameterUpdate update_of(const UpdateRow& row) {
   ParameterUpdate change;
   change.tick = row.tick;
   change.number = row.number;
@@ -85,7 +85,7 @@ ParameterUpdate change_of(const ChangeRow& row) {
   return change;
 }
 
-std::span<const Column> change_columns() {
+std::span<const Column> update_columns() {
   static const std::vector<Column> kAll = all_columns();
   return kAll;
 }

@@ -10,7 +10,7 @@
 namespace palpate::record {
 
 /// A parameter update as a recording stores it: SI units, no padding.
-struct ChangeRow {
+struct UpdateRow {
   std::uint64_t tick = 0;
   std::uint64_t number = 0;
   std::uint32_t what = 0;
@@ -25,14 +25,14 @@ struct ChangeRow {
 };
 
 /// [any] The row of a parameter update.
-[[nodiscard]] ChangeRow row_of(const haptics::ParameterUpdate& change) noexcept;
+[[nodiscard]] UpdateRow row_of(const haptics::ParameterUpdate& change) noexcept;
 /// [setup] The parameter update of a row, not validated.
-[[nodiscard]] haptics::ParameterUpdate change_of(const ChangeRow& row);
+[[nodiscard]] haptics::ParameterUpdate update_of(const UpdateRow& row);
 
-/// [setup] The columns of a ChangeRow, in the order of recording and export. The tissue's name, kChangeName,
+/// [setup] The columns of a UpdateRow, in the order of recording and export. The tissue's name, kUpdateName,
 /// follows them.
-[[nodiscard]] std::span<const Column> change_columns();
+[[nodiscard]] std::span<const Column> update_columns();
 
-inline constexpr const char* kChangeName = "tissue";
+inline constexpr const char* kUpdateName = "tissue";
 
 }  // namespace palpate::record
