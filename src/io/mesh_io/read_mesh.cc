@@ -29,7 +29,7 @@ struct Merged {
 
 /// For each vertex the first one with equal coordinates. Uses a sort: a hostile file could make all hashes of
 /// coordinates collide.
-std::vector<std::int32_t> first_in_place(const std::vector<Vec3>& vertices, std::size_t& places) {
+std::vector<std::int32_t> first_at_position(const std::vector<Vec3>& vertices, std::size_t& places) {
   std::vector<std::pair<std::array<double, 3>, std::int32_t>> sorted;
   sorted.reserve(vertices.size());
   for (const Vec3& vertex : vertices) {
@@ -50,7 +50,7 @@ std::vector<std::int32_t> first_in_place(const std::vector<Vec3>& vertices, std:
 /// equal positions are merged.
 Merged merge_equal_vertices(TriangleMesh mesh) {
   Merged merged;
-  const std::vector<std::int32_t> name = first_in_place(mesh.vertices, merged.distinct);
+  const std::vector<std::int32_t> name = first_at_position(mesh.vertices, merged.distinct);
   for (Triangle& triangle : mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[at(v)];
   }
@@ -61,8 +61,8 @@ Merged merge_equal_vertices(TriangleMesh mesh) {
   return merged;
 }
 
-void say_merged(const MeshFile& file, std::size_t vertices, const Merged& merged,
-                std::vector<std::string>& repairs) {
+void report_merged(const MeshFile& file, std::size_t vertices, const Merged& merged,
+                   std::vector<std::string>& repairs) {
   const std::size_t distinct = merged.distinct;
   const std::size_t kept = merged.mesh.vertices.size();
   if (file.format == MeshFormat::kStl) {  // triangles without a list of vertices
@@ -105,7 +105,7 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
   }
   const std::size_t vertices = imported.mesh.vertices.size();
   Merged merged = merge_equal_vertices(std::move(imported.mesh));
-  say_merged(file, vertices, merged, imported.repairs);
+  report_merged(file, vertices, merged, imported.repairs);
   if (merged.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: no triangles ({})", path.string(), joined(imported.repairs)));
   }

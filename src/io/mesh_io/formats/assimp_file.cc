@@ -33,18 +33,18 @@ std::string first_line(std::string_view text) {
 
 /// While it exists, keeps the first message about an index that the importer corrected instead of rejecting
 /// it.
-class Complaints final : public Assimp::LogStream {
+class IndexWarnings final : public Assimp::LogStream {
  public:
-  Complaints() {
+  IndexWarnings() {
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
     Assimp::DefaultLogger::get()->attachStream(this, kLevels);
   }
-  ~Complaints() override {
+  ~IndexWarnings() override {
     Assimp::DefaultLogger::get()->detachStream(this, kLevels);
     Assimp::DefaultLogger::kill();
   }
-  Complaints(const Complaints&) = delete;
-  Complaints& operator=(const Complaints&) = delete;
+  IndexWarnings(const IndexWarnings&) = delete;
+  IndexWarnings& operator=(const IndexWarnings&) = delete;
 
   void write(const char* message) override {
     std::string text = first_line(message);
@@ -185,7 +185,7 @@ std::string cannot_read(const MeshFile& file, const std::string& why) {
 }
 
 ImportedMesh read_by_assimp(const MeshFile& file) {
-  const Complaints complaints;
+  const IndexWarnings index_warnings;
   Assimp::Importer importer;
   auto* files = new CheckedFiles(file);  // now owned by the importer
   importer.SetIOHandler(files);
@@ -194,7 +194,7 @@ ImportedMesh read_by_assimp(const MeshFile& file) {
     throw InputError(
         cannot_read(file, files->refusal().empty() ? importer.GetErrorString() : files->refusal()));
   }
-  if (!complaints.first().empty()) throw InputError(cannot_read(file, complaints.first()));
+  if (!index_warnings.first().empty()) throw InputError(cannot_read(file, index_warnings.first()));
   return SceneReader(file, *scene).run();
 }
 

@@ -35,7 +35,7 @@ class MshReader final {
       const std::string end = "$End" + std::string(section.substr(1));
       if (section == "$Nodes") {
         if (!vertex_of_.empty()) scan_.refuse("$Nodes come twice");
-        const std::size_t place = scan_.place();
+        const std::size_t place = scan_.offset();
         begin_section();
         if (is_version_4()) {
           read_node_blocks();

@@ -76,7 +76,7 @@ class MeshScan final {
   void skip_bytes(std::size_t bytes);
 
   /// @return the offset [byte] of the last word or number
-  [[nodiscard]] std::size_t place() const { return last_; }
+  [[nodiscard]] std::size_t offset() const { return last_; }
   [[noreturn]] void refuse(const std::string& words) const { refuse_at(last_, words); }
   /// Rejects the file; the message names the current item.
   [[noreturn]] void refuse_item(const std::string& words) const { refuse(item() + ": " + words); }

@@ -166,7 +166,7 @@ void SurfaceBuilder::add_solid(Shape shape, std::span<const std::int32_t> corner
 
 /// Replaces the polygons by the faces that belong to only one solid cell, in the order of the file.
 void SurfaceBuilder::take_outer_faces() {
-  say(starts_.size() - 1, "skipped ", "flat cell", "flat cells", " among solid cells");
+  report(starts_.size() - 1, "skipped ", "flat cell", "flat cells", " among solid cells");
   corners_.clear();
   starts_.assign(1, 0);
   cut_ = strips_ = triangles_ = 0;
@@ -195,13 +195,13 @@ void SurfaceBuilder::take_outer_faces() {
                                           counted(outer.size(), "face", "faces")));
 }
 
-void SurfaceBuilder::say(std::size_t count, std::string_view done, std::string_view one,
-                         std::string_view more, std::string_view then) {
+void SurfaceBuilder::report(std::size_t count, std::string_view done, std::string_view one,
+                            std::string_view more, std::string_view then) {
   if (count > 0) imported_.repairs.push_back(fmt::format("{}{}{}", done, counted(count, one, more), then));
 }
 
 ImportedMesh SurfaceBuilder::take() {
-  say(curved_, "used only the corners of ", "curved cell", "curved cells", "");
+  report(curved_, "used only the corners of ", "curved cell", "curved cells", "");
   if (solids_ > 0) take_outer_faces();
   TriangleMesh& mesh = imported_.mesh;
   mesh.vertices = std::move(vertices);
@@ -218,9 +218,9 @@ ImportedMesh SurfaceBuilder::take() {
     }
   }
   if (solids_ > 0) drop_unused_vertices(mesh);  // those inside the solid
-  say(strips_, "took ", "triangle strip", "triangle strips", " apart");
-  say(cut_, "cut ", "polygon", "polygons", " into triangles");
-  say(lines_, "dropped ", "line or point", "lines or points", "");
+  report(strips_, "took ", "triangle strip", "triangle strips", " apart");
+  report(cut_, "cut ", "polygon", "polygons", " into triangles");
+  report(lines_, "dropped ", "line or point", "lines or points", "");
   return std::move(imported_);
 }
 

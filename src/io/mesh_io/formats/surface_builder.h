@@ -67,8 +67,8 @@ class SurfaceBuilder final {
 
   void add_solid(Shape shape, std::span<const std::int32_t> corners);
   void take_outer_faces();
-  void say(std::size_t count, std::string_view done, std::string_view one, std::string_view more,
-           std::string_view then);
+  void report(std::size_t count, std::string_view done, std::string_view one, std::string_view more,
+              std::string_view then);
 
   const MeshScan& scan_;
   ImportedMesh imported_;

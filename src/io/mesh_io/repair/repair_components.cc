@@ -45,9 +45,9 @@ void turn_outwards(WorkSurface& surface, const std::vector<std::uint32_t>& compo
   for (Component& component : components) component.volume = std::abs(component.volume);
 }
 
-Done drop_components(WorkSurface& surface, const std::vector<std::uint32_t>& component_of,
-                     const std::vector<std::uint8_t>& goes) {
-  Done done;
+RepairCount drop_components(WorkSurface& surface, const std::vector<std::uint32_t>& component_of,
+                            const std::vector<std::uint8_t>& goes) {
+  RepairCount done;
   std::vector<std::uint8_t> doomed(component_of.size());
   for (std::uint32_t t = 0; t < component_of.size(); ++t) {
     doomed[t] = goes[component_of[t]];
@@ -70,7 +70,7 @@ bool is_inside(const WorkSurface& surface, const std::vector<std::uint32_t>& com
   return half_angles > kHalfTurn;
 }
 
-void drop_small(WorkSurface& surface, ComponentsDone& done) {
+void drop_small(WorkSurface& surface, ComponentRepairs& done) {
   const std::vector<std::uint32_t> component_of = components_of(pair_half_edges(surface));
   std::vector<Component> components = measured(surface, component_of);
   turn_outwards(surface, component_of, components);
@@ -103,7 +103,8 @@ void drop_small(WorkSurface& surface, ComponentsDone& done) {
 }
 
 /// Drops components inside others, unless they intersect them.
-void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& component_of, ComponentsDone& done) {
+void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& component_of,
+                ComponentRepairs& done) {
   const std::vector<Component> components = measured(surface, component_of);
   std::vector<std::uint8_t> goes(components.size(), 0);
   for (std::uint32_t inner = 0; inner < components.size(); ++inner) {
@@ -119,7 +120,7 @@ void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& componen
   done.kept -= done.inner.times;
 }
 
-void account_for(const WorkSurface& surface, const Crossings& crossings, ComponentsDone& done) {
+void account_for(const WorkSurface& surface, const Crossings& crossings, ComponentRepairs& done) {
   done.crossing_pairs = crossings.pairs.size();
   std::vector<std::uint8_t> crosses(surface.mesh.triangles.size(), 0);
   for (const auto& [s, t] : crossings.pairs) crosses[s] = crosses[t] = 1;
@@ -130,7 +131,7 @@ void account_for(const WorkSurface& surface, const Crossings& crossings, Compone
 
 }  // namespace
 
-Done drop_small_open_components(WorkSurface& surface, const Opposites& opposite) {
+RepairCount drop_small_open_components(WorkSurface& surface, const Opposites& opposite) {
   const std::vector<std::uint32_t> component_of = components_of(opposite);
   std::vector<double> area(component_of.size(), 0.0);
   std::vector<std::uint8_t> is_open(component_of.size(), 0);
@@ -149,8 +150,8 @@ Done drop_small_open_components(WorkSurface& surface, const Opposites& opposite)
   return drop_components(surface, component_of, is_open);
 }
 
-ComponentsDone sort_out_components(WorkSurface& surface) {
-  ComponentsDone done;
+ComponentRepairs clean_components(WorkSurface& surface) {
+  ComponentRepairs done;
   drop_small(surface, done);
   if (!done.refusal.empty()) return done;
   Crossings crossings = find_crossings(surface.mesh);

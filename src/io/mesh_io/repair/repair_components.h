@@ -10,10 +10,10 @@
 namespace palpate::geometry {
 
 /// Result of the repairs of components and of intersecting triangles.
-struct ComponentsDone {
-  Done small;                // dropped: closed, with almost no volume
+struct ComponentRepairs {
+  RepairCount small;         // dropped: closed, with almost no volume
   double small_share = 0.0;  // of the volume, dropped with the small components
-  Done inner;                // dropped: inside another component
+  RepairCount inner;         // dropped: inside another component
   std::size_t kept = 0;
   std::size_t crossing_pairs = 0;  // remaining pairs of intersecting triangles
   double crossing_share = 0.0;     // of the surface's area that these triangles have
@@ -21,10 +21,10 @@ struct ComponentsDone {
 };
 
 /// Drops open components of at most a hundredth of the surface's area, but never the largest.
-Done drop_small_open_components(WorkSurface& surface, const Opposites& opposite);
+RepairCount drop_small_open_components(WorkSurface& surface, const Opposites& opposite);
 
 /// Orients each component outwards, drops components of at most a hundredth of the largest one's volume and
 /// those inside another, and searches for intersecting triangles.
-ComponentsDone sort_out_components(WorkSurface& surface);
+ComponentRepairs clean_components(WorkSurface& surface);
 
 }  // namespace palpate::geometry

@@ -26,7 +26,7 @@ class Round final {
   bool run() {
     bool changed = false;
     for (std::uint32_t t = 0; t < doomed_.size(); ++t) {
-      if (doomed_[t] != 0 || !is_flat(surface_.mesh, surface_.mesh.triangles[t])) continue;
+      if (doomed_[t] != 0 || !is_sliver(surface_.mesh, surface_.mesh.triangles[t])) continue;
       Corner shortest = 3 * t;
       Corner longest = 3 * t;
       for (Corner c = 3 * t + 1; c < 3 * t + 3; ++c) {
@@ -103,7 +103,7 @@ class Round final {
     for (const Corner corner : about_apex) {
       if (surface_.vertex_at(next_corner(corner)) == q) return false;
     }
-    const auto flat = [&](const Triangle& t) { return is_flat(surface_.mesh, t) ? 1 : 0; };
+    const auto flat = [&](const Triangle& t) { return is_sliver(surface_.mesh, t) ? 1 : 0; };
     const int before = 1 + flat(surface_.mesh.triangles[across / 3]);
     if (flat({a, q, p}) + flat({q, b, p}) >= before) return false;
     touch(about_apex);
@@ -121,7 +121,7 @@ class Round final {
 
 }  // namespace
 
-bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
+bool is_sliver(const TriangleMesh& mesh, const Triangle& triangle) {
   double longest_squared = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& a = mesh.vertices[static_cast<std::size_t>(triangle[k])];
@@ -131,18 +131,18 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
   return area_vector_doubled(mesh, triangle).norm() <= kFlat * longest_squared;
 }
 
-std::size_t count_flat(const TriangleMesh& mesh) {
+std::size_t count_slivers(const TriangleMesh& mesh) {
   return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
-                                                [&](const Triangle& t) { return is_flat(mesh, t); }));
+                                                [&](const Triangle& t) { return is_sliver(mesh, t); }));
 }
 
 std::size_t remove_slivers(WorkSurface& surface) {
-  const std::size_t before = count_flat(surface.mesh);
+  const std::size_t before = count_slivers(surface.mesh);
   if (before == 0) return 0;
   for (int round = 0; round < kMostRounds; ++round) {
     if (!Round(surface).run()) break;
   }
-  const std::size_t after = count_flat(surface.mesh);
+  const std::size_t after = count_slivers(surface.mesh);
   return before - std::min(before, after);
 }
 

@@ -9,9 +9,9 @@ namespace palpate::geometry {
 /// 32-bit coordinates.
 inline constexpr double kFlat = 2e-7;
 
-[[nodiscard]] bool is_flat(const TriangleMesh& mesh, const Triangle& triangle);
+[[nodiscard]] bool is_sliver(const TriangleMesh& mesh, const Triangle& triangle);
 
-[[nodiscard]] std::size_t count_flat(const TriangleMesh& mesh);
+[[nodiscard]] std::size_t count_slivers(const TriangleMesh& mesh);
 
 /// Removes slivers from a closed, consistently oriented surface: collapses very short edges, or flips the
 /// longest edge. The surface keeps its shape and stays closed and manifold. @return the number of removed

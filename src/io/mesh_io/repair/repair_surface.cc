@@ -24,7 +24,7 @@ struct Patch {
 
 /// One round of drop_patches(). @return the dropped patches
 template <typename IsDoomed>
-Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
+RepairCount drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   const std::size_t count = surface.mesh.triangles.size();
   DisjointSets sets(count);
   const std::vector<HalfEdge> half_edges = sorted_half_edges(surface.mesh.triangles);
@@ -35,7 +35,7 @@ Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   for (std::uint32_t t = 0; t < count; ++t) {
     Patch& patch = patches[sets.find(t)];
     patch.area += surface.area(t);
-    if ((surface.marks[t] & kDoubled) == 0) patch.was_doubled = false;
+    if ((surface.marks[t] & kDuplicated) == 0) patch.was_doubled = false;
   }
   for_each_edge(half_edges, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) return;
@@ -48,7 +48,7 @@ Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
       std::max_element(patches.begin(), patches.end(),
                        [](const Patch& a, const Patch& b) { return a.area < b.area; }) -
       patches.begin());
-  Done done;
+  RepairCount done;
   std::vector<std::uint8_t> doomed(count, 0);
   for (std::uint32_t t = 0; t < count; ++t) {
     const std::uint32_t own = sets.find(t);
@@ -62,11 +62,11 @@ Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
 
 /// Drops patches at non-manifold edges until nothing changes.
 template <typename IsDoomed>
-Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
+RepairCount drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
   constexpr int kMostRounds = 8;  // dropping one may make the next droppable
-  Done done;
+  RepairCount done;
   for (int round = 0; round < kMostRounds; ++round) {
-    const Done once = drop_patches_once(surface, is_doomed);
+    const RepairCount once = drop_patches_once(surface, is_doomed);
     if (once.triangles == 0) break;
     done.times += once.times;
     done.triangles += once.triangles;
@@ -75,7 +75,7 @@ Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
 }
 
 /// Grows with the angle from 0 to 4 for a full turn, without a trigonometric function.
-double turn_of(double x, double y) {
+double pseudo_angle(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (!(sum > 0.0)) return 0.0;
   if (y >= 0.0) return x >= 0.0 ? y / sum : 1.0 - x / sum;
@@ -83,7 +83,7 @@ double turn_of(double x, double y) {
 }
 
 struct Spoke {
-  double turn;  // angle of the triangle around the edge, by turn_of()
+  double turn;  // angle of the triangle around the edge, by pseudo_angle()
   Corner corner;
   bool ascends;  // along the edge, from its smaller to its larger vertex index
 };
@@ -103,7 +103,7 @@ void pair_around(const WorkSurface& surface, const HalfEdge* first, const HalfEd
     const Vec3 out = surface.point_at(previous_corner(side->corner)) - surface.point(low);
     const Vec3 across = out - axis.dot(out) * axis;
     if (u.isZero()) u = across.normalized();
-    spokes.push_back({turn_of(across.dot(u), across.dot(axis.cross(u))), side->corner,
+    spokes.push_back({pseudo_angle(across.dot(u), across.dot(axis.cross(u))), side->corner,
                       surface.vertex_at(side->corner) == low});
   }
   std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
@@ -145,7 +145,7 @@ double WorkSurface::area() const {
 
 void WorkSurface::turn(std::size_t triangle) {
   std::swap(mesh.triangles[triangle][1], mesh.triangles[triangle][2]);
-  marks[triangle] ^= kTurned;
+  marks[triangle] ^= kReversed;
 }
 
 std::size_t WorkSurface::drop(const std::vector<std::uint8_t>& doomed) {
@@ -261,7 +261,7 @@ std::size_t drop_duplicates(WorkSurface& surface) {
       continue;
     }
     doomed[faces[i].triangle] = 1;
-    if (faces[i].is_even != faces[first].is_even) surface.marks[faces[first].triangle] |= kDoubled;
+    if (faces[i].is_even != faces[first].is_even) surface.marks[faces[first].triangle] |= kDuplicated;
   }
   return surface.drop(doomed);
 }
@@ -303,14 +303,14 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
   return joined;
 }
 
-Done drop_dangling_faces(WorkSurface& surface) {
+RepairCount drop_dangling_faces(WorkSurface& surface) {
   constexpr double kMostOfArea = 0.05;
   const double most = kMostOfArea * surface.area();
   return drop_patches(surface, [&](const Patch& p) { return p.has_boundary && p.area <= most; });
 }
 
-Done drop_internal_faces(WorkSurface& surface) {
-  const auto was_doubled = [](std::uint8_t mark) { return (mark & kDoubled) != 0; };
+RepairCount drop_internal_faces(WorkSurface& surface) {
+  const auto was_doubled = [](std::uint8_t mark) { return (mark & kDuplicated) != 0; };
   if (std::none_of(surface.marks.begin(), surface.marks.end(), was_doubled)) return {};
   return drop_patches(surface, [](const Patch& p) { return p.was_doubled; });
 }

@@ -11,9 +11,9 @@
 // The mesh under repair, its edges, and the repairs that need only its connectivity; for repair.cc.
 namespace palpate::geometry {
 
-inline constexpr std::uint8_t kTurned = 1;   // reversed against the input
-inline constexpr std::uint8_t kAdded = 2;    // not in the input
-inline constexpr std::uint8_t kDoubled = 4;  // in the input twice, with opposite orientations
+inline constexpr std::uint8_t kReversed = 1;    // reversed against the input
+inline constexpr std::uint8_t kAdded = 2;       // not in the input
+inline constexpr std::uint8_t kDuplicated = 4;  // in the input twice, with opposite orientations
 
 struct WorkSurface {
   TriangleMesh mesh;
@@ -88,7 +88,7 @@ using Opposites = std::vector<Corner>;
 [[nodiscard]] Opposites pair_half_edges(const WorkSurface& surface);
 
 /// How often a repair was made, and the number of its triangles.
-struct Done {
+struct RepairCount {
   std::size_t times = 0;
   std::size_t triangles = 0;
 };
@@ -100,10 +100,10 @@ std::size_t drop_duplicates(WorkSurface& surface);
 /// Welds boundary vertices within `tolerance` [m]. @return the number of removed vertices
 std::size_t weld_boundaries(WorkSurface& surface, double tolerance);
 /// Drops patches at non-manifold edges that have a boundary.
-Done drop_dangling_faces(WorkSurface& surface);
+RepairCount drop_dangling_faces(WorkSurface& surface);
 /// Drops patches at non-manifold edges whose triangles existed with both orientations: faces between two
 /// solids.
-Done drop_internal_faces(WorkSurface& surface);
+RepairCount drop_internal_faces(WorkSurface& surface);
 /// Gives each fan of triangles around a bow-tie vertex its own vertex. @return the number of new vertices
 std::size_t split_bow_tie_vertices(WorkSurface& surface, const Opposites& opposite);
 /// For edges that are still non-manifold after that: divides the triangles of each pair of half-edges at
