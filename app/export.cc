@@ -25,8 +25,8 @@ struct ExportFlags {
 int export_file(const ExportFlags& flags) {
   const std::filesystem::path changes = record::changes_csv_path(flags.csv);
   const bool has_place_beside = may_have_files_beside(flags.csv);
-  refuse_overwriting(std::vector<NamedFile>{{"--csv", flags.csv}, {"beside --csv", changes}},
-                     std::vector<NamedFile>{{"the recording", flags.file}});
+  require_no_overwrite(std::vector<NamedFile>{{"--csv", flags.csv}, {"beside --csv", changes}},
+                       std::vector<NamedFile>{{"the recording", flags.file}});
   require_writable_file(flags.csv, "--csv");
   record::Recording recording;
   {

@@ -129,7 +129,7 @@ void check_fit_outputs(const FitFlags& flags, const std::string& results) {
   if (!flags.report.empty()) outputs.push_back({"--report", flags.report + "/report.html"});
   std::vector<NamedFile> inputs;
   for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
-  refuse_overwriting(outputs, inputs);
+  require_no_overwrite(outputs, inputs);
 }
 
 void fit_all(const FitFlags& flags, const std::string& command_line) {

@@ -34,7 +34,7 @@ NextSession::NextSession(scene::Overrides request, Kept kept, std::filesystem::p
     if (check_) check_(setup);
     if (!recording_.empty()) {
       require_regular_file(recording_, "recording");
-      refuse_overwriting(std::vector<NamedFile>{{"recording", recording_}}, sources_of(setup));
+      require_no_overwrite(std::vector<NamedFile>{{"recording", recording_}}, sources_of(setup));
     }
     setup_ = std::move(setup);
   });

@@ -57,7 +57,7 @@ void check_outputs(const OutputFiles& files, const scene::Scene& setup) {
     require_regular_output(files.report / "recording.h5", "--report");
     outputs.push_back({"--report", files.report / "recording.h5"});
   }
-  refuse_overwriting(outputs, sources_of(setup));
+  require_no_overwrite(outputs, sources_of(setup));
 }
 
 /// Whether this run has a window. Without a display a run in real time says that it has none.

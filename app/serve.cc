@@ -109,7 +109,7 @@ int serve(const ServeFlags& flags) {
   std::vector<NamedFile> inputs = sources_of(setup);
   inputs.push_back({"--page", flags.page});
   inputs.push_back({"--token-file", flags.token_file});
-  refuse_overwriting(std::vector<NamedFile>{{"--record", flags.runs.recording}}, inputs);
+  require_no_overwrite(std::vector<NamedFile>{{"--record", flags.runs.recording}}, inputs);
   ServedRuns runs(flags.runs, prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache));
   net::LiveServer server(options, runs);
   const StopOnSignal signals;

@@ -86,7 +86,7 @@ void check_files_and_duration(const SweepFlags& flags) {
         inputs.push_back({"--set " + axis.key, file});
     }
   }
-  refuse_overwriting(outputs, inputs);
+  require_no_overwrite(outputs, inputs);
 }
 
 /// Least and largest value of a quantity over the runs that did not fail.

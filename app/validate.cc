@@ -183,7 +183,7 @@ void check_validate_outputs(const ValidateFlags& flags) {
   for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
   for (const std::string& file : flags.profiles) inputs.push_back({"--profile", file});
   for (const std::string& file : flags.image.files) inputs.push_back({"--image", file});
-  refuse_overwriting(outputs, inputs);
+  require_no_overwrite(outputs, inputs);
   if (!flags.out.empty()) require_writable_file(flags.out, "--out");
   if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
 }

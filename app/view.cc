@@ -78,8 +78,8 @@ ViewFlags checked(ViewFlags flags) {
                                  flags.size.height));
   if (!flags.screenshot.empty()) require_writable_file(flags.screenshot, "--screenshot");
   if (!flags.video.empty()) require_regular_file(flags.video, "--video");
-  refuse_overwriting(std::vector<NamedFile>{{"--screenshot", flags.screenshot}, {"--video", flags.video}},
-                     std::vector<NamedFile>{{"the recording", flags.file}});
+  require_no_overwrite(std::vector<NamedFile>{{"--screenshot", flags.screenshot}, {"--video", flags.video}},
+                       std::vector<NamedFile>{{"the recording", flags.file}});
   return flags;
 }
 

@@ -62,7 +62,7 @@ class OrganCache final {
 
   void store(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays) const {
     const ContentHash key = contact::organ_key(organ, reference_radius);
-    if (!make_own_folder(folder_)) {
+    if (!make_private_folder(folder_)) {
       report("the prepared organ could not be kept in " + folder_.string());
       return;
     }
@@ -133,7 +133,7 @@ void use_organ_cache(contact::Preparation& how, fs::path folder,
                      std::function<void(const std::string&)> remark,
                      const std::function<void(const std::string&)>& distrusted) {
   if (folder.empty()) return;
-  if (const std::string why = why_not_trusted(folder); !why.empty()) {
+  if (const std::string why = distrust_reason(folder); !why.empty()) {
     if (distrusted) distrusted("the cache of prepared organs is not used: " + why);
     return;
   }

@@ -159,7 +159,7 @@ bool ArrayFileReader::read_at(std::uint64_t offset, std::span<std::byte> bytes) 
 
 bool ArrayFileReader::read_directory(const ContentHash& key) {
   struct stat facts {};
-  if (fstat(descriptor_, &facts) != 0 || !S_ISREG(facts.st_mode) || !is_own(facts)) return false;
+  if (fstat(descriptor_, &facts) != 0 || !S_ISREG(facts.st_mode) || !is_private(facts)) return false;
   const auto file_size = static_cast<std::uint64_t>(facts.st_size);
   Header header;
   if (!read_at(0, std::as_writable_bytes(std::span(&header, 1)))) return false;

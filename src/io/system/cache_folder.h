@@ -23,19 +23,19 @@ namespace palpate {
 
 /// [setup] Whether a file or folder belongs to this process's user and no other user may write to it, so that
 /// its content can be trusted. @param facts of stat()
-[[nodiscard]] bool is_own(const struct stat& facts) noexcept;
+[[nodiscard]] bool is_private(const struct stat& facts) noexcept;
 
 /// [setup] The reason why the content of `folder` cannot be trusted, for a message; empty when it can, or the
 /// folder does not exist.
-[[nodiscard]] std::string why_not_trusted(const std::filesystem::path& folder);
+[[nodiscard]] std::string distrust_reason(const std::filesystem::path& folder);
 
 /// [setup] Creates a folder that only this user may read, and its parent folders with usual rights. @return
 /// whether it exists and can be trusted
-[[nodiscard]] bool make_own_folder(const std::filesystem::path& folder);
+[[nodiscard]] bool make_private_folder(const std::filesystem::path& folder);
 
 /// [setup] Removes files of `folder` whose names end in `ending`, the oldest first, until the rest has at
-/// most `most_bytes`. Also removes temporary files (`ending`, a dot and six letters) of writers that were
+/// most `max_bytes`. Also removes temporary files (`ending`, a dot and six letters) of writers that were
 /// killed over an hour ago. Files that cannot be removed are no error.
-void trim_cache(const std::filesystem::path& folder, std::string_view ending, std::uint64_t most_bytes);
+void trim_cache(const std::filesystem::path& folder, std::string_view ending, std::uint64_t max_bytes);
 
 }  // namespace palpate

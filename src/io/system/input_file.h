@@ -9,8 +9,8 @@ namespace palpate {
 
 /// A kind of input file and its largest size (docs/file-formats.md, "Files that are read").
 struct InputKind {
-  const char* name;          // name in error messages: "a CSV file"
-  std::uint64_t most_bytes;  // larger files are rejected
+  const char* name;         // name in error messages: "a CSV file"
+  std::uint64_t max_bytes;  // larger files are rejected
 };
 
 inline constexpr InputKind kTomlInput{"a TOML file", std::uint64_t{16} << 20};
@@ -27,7 +27,7 @@ inline constexpr InputKind kPageInput{"an HTML file", std::uint64_t{4} << 20};
 class InputFile final {
  public:
   /// [setup] @throws InputError naming the file, the defect and the remedy, when the file does not exist, is
-  /// not regular, cannot be read, or is larger than `kind.most_bytes`.
+  /// not regular, cannot be read, or is larger than `kind.max_bytes`.
   InputFile(const std::filesystem::path& file, const InputKind& kind);
   ~InputFile();
   InputFile(const InputFile&) = delete;
@@ -38,7 +38,7 @@ class InputFile final {
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
 
   /// [setup] Reads the file's next bytes. @return their number, 0 at the end of the file @throws InputError
-  /// when the file cannot be read, or has grown beyond `kind.most_bytes`.
+  /// when the file cannot be read, or has grown beyond `kind.max_bytes`.
   [[nodiscard]] std::size_t read(std::span<char> bytes);
   /// [setup] Reads the rest of the file. @throws InputError as read().
   [[nodiscard]] std::string read_rest();

@@ -37,7 +37,7 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-void refuse_overwriting(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs) {
+void require_no_overwrite(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].path.empty()) continue;
     for (const NamedFile& input : inputs) {

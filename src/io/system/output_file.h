@@ -14,7 +14,7 @@ struct NamedFile {
 
 /// [setup] Checks that no output is one of the inputs or another output, also through a hard or symbolic
 /// link. Devices and FIFOs may be repeated. Changes no file. @throws InputError naming both flags.
-void refuse_overwriting(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs);
+void require_no_overwrite(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs);
 
 /// [setup] The file that a program changes when it writes to `file`: symbolic links are followed, also to a
 /// file that does not exist yet. @throws InputError when the links form a cycle.

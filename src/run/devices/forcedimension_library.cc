@@ -58,7 +58,7 @@ void DhdLibrary::open(const std::string& path) {
   for (const char* name : {"libdhd.so.3", "libdhd.so"}) {
     std::error_code error;
     if (!folder.empty() && std::filesystem::exists(folder / name, error)) {
-      const std::string doubt = why_not_trusted(folder);
+      const std::string doubt = distrust_reason(folder);
       if (!doubt.empty()) throw InputError(in_front((folder / name).string()) + "is not loaded: " + doubt);
       return open_file(folder / name);
     }

@@ -107,7 +107,7 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
     const std::vector<NamedFile> outputs = {{"the recording", options.recording}};
     std::vector<NamedFile> inputs;
     for (const scene::SourceFile& file : setup_.files) inputs.push_back({file.named_by, file.path});
-    refuse_overwriting(outputs, inputs);
+    require_no_overwrite(outputs, inputs);
     all.push_back(
         &recorder.emplace(options.recording, setup_, options.offline, options.on_recording_failure));
   } else if (options.keep_fault) {
