@@ -105,9 +105,9 @@ TriangleMesh make_gallbladder(Detail detail) {
   constexpr double kSpacing = 0.0025;  // fine enough for the duct
   const TriangleMesh start = polygonise(plain, box, kSpacing);
   if (detail == Detail::kPaper) return remesh(plain, start, {.vertices = kGallbladderVertices});
-  RemeshGoal goal{.vertices = 15002, .bend_radius = 0.004, .finest = 0.2};
+  RemeshParameters goal{.vertices = 15002, .bend_radius = 0.004, .finest = 0.2};
   if (detail == Detail::k75k)
-    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.003, .finest = 0.2};
+    goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.003, .finest = 0.2};
   return remesh(Gallbladder(true), start, goal);
 }
 

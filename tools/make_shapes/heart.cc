@@ -317,10 +317,10 @@ TriangleMesh make_heart(Detail detail) {
   const Bounds box{Vec3(-0.070, -0.070, -0.065), Vec3(0.070, 0.085, 0.050)};
   constexpr double kSpacing = 0.003;  // too coarse for the rims of the cut vessels, which remeshing adds
   const TriangleMesh start = polygonise(SolidHeart(), box, kSpacing);
-  RemeshGoal goal{.vertices = kHeartVertices, .bend_radius = 0.012, .finest = 0.2};
+  RemeshParameters goal{.vertices = kHeartVertices, .bend_radius = 0.012, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.006, .finest = 0.2};
   if (detail == Detail::k75k)
-    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.005, .finest = 0.2};
+    goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.005, .finest = 0.2};
   return remesh(Heart(detail != Detail::kPaper), start, goal);
 }
 

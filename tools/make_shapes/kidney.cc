@@ -111,10 +111,10 @@ TriangleMesh make_kidney(Detail detail) {
   const Bounds box{Vec3(-0.036, -0.062, -0.027), Vec3(0.048, 0.062, 0.028)};
   constexpr double kSpacing = 0.0018;  // fine enough for the ureter
   const TriangleMesh start = polygonise(Kidney(false), box, kSpacing);
-  RemeshGoal goal{.vertices = kKidneyVertices, .bend_radius = 0.008, .finest = 0.2};
+  RemeshParameters goal{.vertices = kKidneyVertices, .bend_radius = 0.008, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.005, .finest = 0.2};
   if (detail == Detail::k75k)
-    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.005, .finest = 0.2};
+    goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.005, .finest = 0.2};
   return remesh(Kidney(true), start, goal);
 }
 

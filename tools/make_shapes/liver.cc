@@ -41,7 +41,7 @@ Vec3 visceral_normal(double x, double z) {
 
 /// An ellipsoid that presses `depth` [mm] into the visceral surface at (x, z): half axes along `first`,
 /// across it, and away from the surface.
-Ellipsoid dent(double x, double z, double depth, const Vec3& half_axes, const Vec3& first) {
+Ellipsoid impression(double x, double z, double depth, const Vec3& half_axes, const Vec3& first) {
   const Vec3 out = visceral_normal(x, z);
   const Vec3 along = first - first.dot(out) * out;
   return ellipsoid(under(x, z) + (half_axes.z() - depth) * out, half_axes, along, out.cross(along));
@@ -126,9 +126,9 @@ class Liver final : public ImplicitSolid {
   Ellipsoid heart_ = ellipsoid({28.0, 102.0, 2.0}, {58.0, 42.0, 50.0}, Vec3::UnitX(), Vec3::UnitY());
 
   std::vector<Ellipsoid> impressions_{
-      dent(-62.0, -30.0, 11.0, {46.0, 32.0, 34.0}, {0.0, 0.6, -1.0}),  // right kidney
-      dent(-76.0, 26.0, 5.0, {64.0, 36.0, 40.0}, {1.0, 0.0, 0.0}),     // right flexure of the colon
-      dent(72.0, 4.0, 10.0, {56.0, 46.0, 52.0}, {1.0, 0.0, -0.2})};    // stomach
+      impression(-62.0, -30.0, 11.0, {46.0, 32.0, 34.0}, {0.0, 0.6, -1.0}),  // right kidney
+      impression(-76.0, 26.0, 5.0, {64.0, 36.0, 40.0}, {1.0, 0.0, 0.0}),     // right flexure of the colon
+      impression(72.0, 4.0, 10.0, {56.0, 46.0, 52.0}, {1.0, 0.0, -0.2})};    // stomach
   // Quadrate lobe and tuber omentale.
   std::vector<Ellipsoid> swellings_{swelling(8.0, 21.0, 7.0, {24.0, 16.0, 18.0}, {0.0, 0.0, 1.0}),
                                     swelling(42.0, -14.0, 5.0, {16.0, 14.0, 14.0}, {1.0, 0.0, 0.0})};
@@ -154,7 +154,7 @@ class Liver final : public ImplicitSolid {
                                     {under(32.0, -52.0, 6.0), 5.0},
                                     {under(31.0, -66.0, 14.0), 6.0}},
                                    kLiverFar)};
-  Ellipsoid fossa_ = dent(-16.0, 18.0, 11.0, {38.0, 17.0, 17.0}, {-0.22, 0.0, 1.0});
+  Ellipsoid fossa_ = impression(-16.0, 18.0, 11.0, {38.0, 17.0, 17.0}, {-0.22, 0.0, 1.0});
   CutVessel cava_{{{{-3.0, 78.0, -38.8}, 11.0},
                    {{-3.0, 56.0, -47.5}, 12.0},
                    {{-3.5, 30.0, -55.0}, 12.5},
@@ -195,10 +195,10 @@ TriangleMesh make_liver(Detail detail) {
   const Bounds box{Vec3(-0.125, -0.105, -0.095), Vec3(0.130, 0.098, 0.085)};
   constexpr double kSpacing = 0.003;  // fine enough for the cut vessels
   const TriangleMesh start = polygonise(Liver(Liver::kNoLumens), box, kSpacing);
-  RemeshGoal goal{.vertices = kLiverVertices, .bend_radius = 0.0115, .finest = 0.2};
+  RemeshParameters goal{.vertices = kLiverVertices, .bend_radius = 0.0115, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.010, .finest = 0.2};
   if (detail == Detail::k75k)
-    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.010, .finest = 0.2};
+    goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.010, .finest = 0.2};
   return remesh(Liver(detail == Detail::kPaper ? Liver::kCoarse : Liver::kFine), start, goal);
 }
 

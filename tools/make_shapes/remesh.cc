@@ -25,7 +25,7 @@ constexpr double kCollapseBelow = 4.0 / 5.0;
 
 class Remesher final {
  public:
-  Remesher(const ImplicitSolid& solid, const TriangleMesh& start, const RemeshGoal& goal)
+  Remesher(const ImplicitSolid& solid, const TriangleMesh& start, const RemeshParameters& goal)
       : solid_(solid), goal_(goal), surface_(start) {
     for (int step = 0; step < 3; ++step) project();
     measure_sizes();
@@ -41,7 +41,7 @@ class Remesher final {
     }
     reach_count();
     for (int round = 0; round < goal_.polish; ++round) relax();
-    for (int level = 0; level < goal_.quadruplings; ++level) divide();
+    for (int level = 0; level < goal_.subdivisions; ++level) divide();
     for (int step = 0; step < 3; ++step) project();
     return surface_.mesh();
   }
@@ -196,13 +196,13 @@ class Remesher final {
   }
 
   const ImplicitSolid& solid_;
-  RemeshGoal goal_;
+  RemeshParameters goal_;
   EditableSurface surface_;
 };
 
 }  // namespace
 
-TriangleMesh remesh(const ImplicitSolid& solid, const TriangleMesh& start, const RemeshGoal& goal) {
+TriangleMesh remesh(const ImplicitSolid& solid, const TriangleMesh& start, const RemeshParameters& goal) {
   return Remesher(solid, start, goal).run();
 }
 

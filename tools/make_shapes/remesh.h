@@ -6,9 +6,9 @@
 namespace palpate::geometry {
 
 /// Parameters of remesh().
-struct RemeshGoal {
-  int vertices = 0;      // exact number, before `quadruplings`
-  int quadruplings = 0;  // midpoint subdivisions after that, each with relaxation: V -> 4 V - 6
+struct RemeshParameters {
+  int vertices = 0;      // exact number, before `subdivisions`
+  int subdivisions = 0;  // midpoint subdivisions after that, each with relaxation: V -> 4 V - 6
   double bend_radius =
       0.015;            // [m] an edge is half as long where the surface bends by this radius as on a plane
   double finest = 0.3;  // smallest ratio of the shortest to the longest target edge
@@ -23,6 +23,6 @@ struct RemeshGoal {
 /// change. Deterministic: fixed order, only + - * / and sqrt. @param start closed manifold mesh near the
 /// solid's surface, oriented outwards (see polygonise) @throws InputError when the count cannot be reached.
 [[nodiscard]] TriangleMesh remesh(const ImplicitSolid& solid, const TriangleMesh& start,
-                                  const RemeshGoal& goal);
+                                  const RemeshParameters& goal);
 
 }  // namespace palpate::geometry

@@ -97,9 +97,9 @@ TEST(Remesh, BallGetsTheExactCountOnTheSurfaceWithGoodTriangles) {
   }
 }
 
-TEST(Remesh, QuadruplingsMultiplyTheTrianglesByFourOnTheSurface) {
+TEST(Remesh, SubdivisionsMultiplyTheTrianglesByFourOnTheSurface) {
   const TriangleMesh start = polygonise(Ball(), kAroundBall, 0.003);
-  const TriangleMesh mesh = remesh(Ball(), start, {.vertices = 301, .quadruplings = 2});
+  const TriangleMesh mesh = remesh(Ball(), start, {.vertices = 301, .subdivisions = 2});
   EXPECT_EQ(mesh.triangles.size(), 16U * 598U);
   EXPECT_TRUE(test::is_closed(mesh));
   EXPECT_GT(test::smallest_angle(mesh), 30.0);
