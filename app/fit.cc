@@ -154,18 +154,19 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   }
   if (ranks->rank() != 0) return;
   if (many.resumed > 0) {
-    tell(fmt::format("{} of {} specimens were finished before: taken from {}", many.resumed,
-                     many.specimens.size(), results));
+    report_message(fmt::format("{} of {} specimens were finished before: taken from {}", many.resumed,
+                               many.specimens.size(), results));
   }
   if (sweeps.resumed > 0) {
-    tell(fmt::format("{} pieces of sweeps were finished before: taken from {}", sweeps.resumed, results));
+    report_message(
+        fmt::format("{} pieces of sweeps were finished before: taken from {}", sweeps.resumed, results));
   }
   if (!flags.sweep_csv.empty()) write_output(flags.sweep_csv, sweeps_csv(sweeps.all), "--sweep-csv");
   if (!flags.out.empty()) write_tissue(flags.out, many.pooled.tissue);
   if (!flags.report.empty()) {
     const auto page = report::write_fit_report(many.specimens, many.pooled, sweeps.all, settings,
                                                command_line, flags.report);
-    tell("report: " + page.string());
+    report_message("report: " + page.string());
   }
   std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, sweeps.all, settings)
                               : fit_text(many.specimens, many.pooled, settings) + sweeps_text(sweeps.all));

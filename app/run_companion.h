@@ -25,7 +25,7 @@ class RunCompanion final : public haptics::TickObserver {
   RunCompanion& operator=(const RunCompanion&) = delete;
 
   /// [setup] Writes an error to standard error within a tenth of a second; from any thread.
-  void tell(std::string error) {
+  void queue_error(std::string error) {
     const std::scoped_lock lock(mutex_);
     errors_.push_back(std::move(error));
   }
@@ -43,8 +43,8 @@ class RunCompanion final : public haptics::TickObserver {
   static constexpr std::size_t kFaultsKept = 64;
 
   void accompany(const std::stop_token& stop);
-  void tell_fault(const haptics::FaultSeen& seen) const;
-  [[nodiscard]] std::string words_of_warm_motors(std::size_t hand) const;
+  void report_fault(const haptics::FaultSeen& seen) const;
+  [[nodiscard]] std::string describe_warm_motors(std::size_t hand) const;
 
   const session::Session& session_;
   std::atomic<std::uint64_t> done_{0};  // ticks

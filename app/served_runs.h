@@ -78,8 +78,8 @@ class ServedRuns final : public net::LiveHost {
   void begin(std::unique_ptr<Session> session, std::filesystem::path recording);
   void look_after_next();
   void account_for_run();
-  void tell_faults();
-  void say(const std::string& event, nlohmann::ordered_json members);
+  void report_faults();
+  void send_event(const std::string& event, nlohmann::ordered_json members);
 
   ServedOptions options_;
   std::unique_ptr<Session> first_;  // until one is played; without devices once another is to come

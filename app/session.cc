@@ -164,7 +164,7 @@ RunResult play(Session& session, const PlayOptions& how) {
   if (how.igtl != nullptr) observers.push_back(how.igtl);
   session::RunOptions options = how.run;
   options.on_recording_failure = [&companion](const std::string& failure) {
-    companion.tell(failure + "; the run goes on and is not recorded: make room, then record again");
+    companion.queue_error(failure + "; the run goes on and is not recorded: make room, then record again");
   };
   return session.run(options, observers);
 }

@@ -278,7 +278,8 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
     const report::Validation validation = validation_of(*flags);
     if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
     if (!flags->report.empty()) {
-      tell("report: " + report::write_validation_report(validation, command_line, flags->report).string());
+      report_message("report: " +
+                     report::write_validation_report(validation, command_line, flags->report).string());
     }
     std::cout << (flags->as_json ? validation_json(validation) : validation_text(validation));
     exit_code = validation.missed.empty() ? kDone : kGoalMissed;

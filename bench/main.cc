@@ -271,10 +271,10 @@ int main(int argc, char** argv) {
     palpate::bench::run(flags, app::quoted_command_line("palpate bench", argc, argv));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
-    app::tell_error(app::describe(program, error, argc, argv));
+    app::report_error(app::describe(program, error, argc, argv));
     return app::kBadInput;
   } catch (const std::exception& error) {
-    app::tell_error(error.what());
+    app::report_error(error.what());
     return app::kBadInput;
   }
   return app::kDone;

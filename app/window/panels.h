@@ -121,7 +121,7 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
 [[nodiscard]] Plotted plotted(const Shown& shown);
 
 /// [any] The words for a moment of one hand, with so many decimals: "pressing, 4.2 mm deep".
-[[nodiscard]] std::string moment_words(const haptics::TickRow& row, int decimals);
+[[nodiscard]] std::string moment_text(const haptics::TickRow& row, int decimals);
 
 /// A key and what it does.
 struct KeyLine {

@@ -130,8 +130,8 @@ class Window final {
   void draw_picture();
   void mind_graphics();
   [[nodiscard]] Shown shown() const;
-  [[nodiscard]] std::vector<HandWords> hand_words() const;
-  [[nodiscard]] std::string banner_words(bool& fault) const;
+  [[nodiscard]] std::vector<HandWords> hand_texts() const;
+  [[nodiscard]] std::string banner_text(bool& fault) const;
 
   scene::Overrides request_;
   WindowOptions options_;

@@ -255,7 +255,7 @@ py::dict dictionary_of(const imaging::ImageSet& image) {
   result["u"] = array_of(u);
   result["u_uncertainty"] = array_of(uncertainty);
   result["confidence"] = measured.confidence;
-  result["confidence_words"] = measured.confidence_words;
+  result["confidence_text"] = measured.confidence_text;
   result["uncertainty"] = measured.uncertainty;
   result["far_uncertainty"] = measured.far_uncertainty;
   result["within_uncertainty"] = image.within_uncertainty;

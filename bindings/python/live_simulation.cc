@@ -145,8 +145,8 @@ std::vector<haptics::TickRow> LiveSimulation::newest() {
 std::string LiveSimulation::fault_words(const haptics::TickRow& row) const {
   const auto fault = static_cast<haptics::Fault>(row.fault);
   if (fault == haptics::Fault::kNone) return {};
-  const std::string trouble = session_.devices()[row.hand]->trouble();
-  return haptics::words_of(fault) + (trouble.empty() ? std::string() : " (" + trouble + ")");
+  const std::string trouble = session_.devices()[row.hand]->last_error();
+  return haptics::describe(fault) + (trouble.empty() ? std::string() : " (" + trouble + ")");
 }
 
 std::uint64_t LiveSimulation::change() {

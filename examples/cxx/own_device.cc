@@ -77,7 +77,7 @@ class ToyDevice final : public palpate::haptics::Device {
   /// [any] Hardware has always more to say: the run ends by Ctrl-C or --duration-s.
   std::uint64_t last_tick(double /*rate_Hz*/) const noexcept override { return ~0ULL; }
 
-  std::string trouble() const override { return broken_.load() ? "the cable is broken" : ""; }
+  std::string last_error() const override { return broken_.load() ? "the cable is broken" : ""; }
   bool stopped() const { return stopped_.load(); }
 
  private:
@@ -115,8 +115,8 @@ int main() {
   const auto result = session.run({.offline = true, .keep_fault = false}, {&diary});
 
   for (const palpate::haptics::FaultSeen& fault : result.loop.faults) {
-    std::cout << "tick " << fault.tick << ": " << palpate::haptics::words_of(fault.fault) << ": "
-              << device.trouble() << '\n';
+    std::cout << "tick " << fault.tick << ": " << palpate::haptics::describe(fault.fault) << ": "
+              << device.last_error() << '\n';
   }
   std::cout << (device.stopped() ? "stopped at the end\n" : "never stopped\n");
   return result.loop.fault == Fault::kDevice && device.stopped() ? 0 : 1;

@@ -24,7 +24,7 @@ inline constexpr double kStalledAfter = 20e-3;  // s
 [[nodiscard]] const char* name_of(Fault fault) noexcept;
 
 /// [any] For people: "the device gave no new sample for 5 ms".
-[[nodiscard]] const char* words_of(Fault fault) noexcept;
+[[nodiscard]] const char* describe(Fault fault) noexcept;
 
 /// What a user or the device adds to a sample; bits of DeviceState::events.
 inline constexpr std::uint32_t kResetFault = 1U << 0;        // clear a latched fault
@@ -82,7 +82,7 @@ class Device {
   [[nodiscard]] virtual DeviceAbilities abilities() const { return {}; }
   /// [any] What was last wrong with the device, in words for its user; empty: nothing. Not for the tick: may
   /// allocate.
-  [[nodiscard]] virtual std::string trouble() const { return {}; }
+  [[nodiscard]] virtual std::string last_error() const { return {}; }
 };
 
 }  // namespace palpate::haptics

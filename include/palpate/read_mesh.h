@@ -27,7 +27,7 @@ struct LoadedMesh {
 };
 
 /// [setup] File name extensions of the meshes that read_mesh() reads: ".stl", ".obj", ...
-[[nodiscard]] std::vector<std::string> mesh_file_endings();
+[[nodiscard]] std::vector<std::string> mesh_file_extensions();
 /// [setup] Whether a path has one of these extensions, in lower or upper case.
 [[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
 

@@ -56,7 +56,7 @@ class IgtlServer final : public haptics::TickObserver {
   void pack(std::int64_t now, bool last);
   void send_next(std::size_t channel, Bytes bytes);
   void pack_surface(std::int64_t now, std::int64_t stamp);
-  void say_farewell();
+  void send_goodbye();
   [[nodiscard]] std::int64_t stamp() const noexcept;
   [[nodiscard]] bool faults_changed() noexcept;
 

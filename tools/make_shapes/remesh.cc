@@ -101,7 +101,7 @@ class Remesher final {
 
   /// Divides every triangle into four, interpolates the target sizes, and relaxes `touch` times.
   void divide() {
-    surface_ = EditableSurface(quadruple(surface_.mesh()));
+    surface_ = EditableSurface(subdivide(surface_.mesh()));
     for (int step = 0; step < 3; ++step) project();
     measure_sizes();
     for (int round = 0; round < goal_.touch; ++round) relax();

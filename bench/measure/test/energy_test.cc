@@ -152,7 +152,7 @@ Outcome outcome_of(const Attack& attack) {
   return watch.outcome;
 }
 
-std::string in_words(const Attack& a) {
+std::string to_string(const Attack& a) {
   return fmt::format(
       "k1 {:g} N/m, k_t {:g} N/m, friction {:g}, b {:g}, c_t {:g} N s/m; {:g} Hz, scale {:g}; device {:g} N "
       "s/m, "
@@ -164,8 +164,8 @@ std::string in_words(const Attack& a) {
 }
 
 void expect_within_bound(const Attack& attack, const Outcome& outcome) {
-  EXPECT_FALSE(outcome.faulted) << in_words(attack);
-  EXPECT_LE(outcome.given, outcome.bound) << in_words(attack);
+  EXPECT_FALSE(outcome.faulted) << to_string(attack);
+  EXPECT_LE(outcome.given, outcome.bound) << to_string(attack);
 }
 
 Attack random_attack(std::mt19937& random) {
@@ -225,7 +225,7 @@ TEST(Energy, NoStiffRoughOrBreathingCaseBreaksTheBoundUnwarned) {
           const Outcome outcome = outcome_of(attack);
           expect_within_bound(attack, outcome);
           if (k1 >= 2e4 || (tangential > 1e4 && friction > 0.0)) {
-            EXPECT_TRUE(outcome.warned) << in_words(attack);
+            EXPECT_TRUE(outcome.warned) << to_string(attack);
           }
           ++cases;
         }

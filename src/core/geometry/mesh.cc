@@ -37,7 +37,7 @@ void transform(TriangleMesh& mesh, const Pose& pose) {
   for (Vec3& vertex : mesh.vertices) vertex = pose * vertex;
 }
 
-TriangleMesh quadruple(const TriangleMesh& mesh) {
+TriangleMesh subdivide(const TriangleMesh& mesh) {
   TriangleMesh fine;
   fine.vertices = mesh.vertices;
   fine.triangles.reserve(4 * mesh.triangles.size());

@@ -49,7 +49,7 @@ TriangleMesh make_ball(double radius, int triangles) {
   }
   TriangleMesh mesh = unit_icosahedron();
   while (static_cast<int>(mesh.triangles.size()) < triangles) {
-    mesh = quadruple(mesh);
+    mesh = subdivide(mesh);
     for (Vec3& vertex : mesh.vertices) vertex /= vertex.norm();
   }
   for (Vec3& vertex : mesh.vertices) vertex *= radius;

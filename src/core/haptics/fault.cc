@@ -20,7 +20,7 @@ const char* name_of(Fault fault) noexcept {
   return "none";
 }
 
-const char* words_of(Fault fault) noexcept {
+const char* describe(Fault fault) noexcept {
   switch (fault) {
     case Fault::kNotFinite:
       return "a device sample or a force was not finite";

@@ -132,7 +132,7 @@ TriangleMesh unpack_mesh(std::span<const unsigned char> archive, const std::stri
   const auto head = columns.take<std::uint32_t>(4);
   if (head[2] == 0) return exact_mesh(columns, head[0], head[1]);
   TriangleMesh mesh = grown_mesh(columns, head[0], head[1], std::ldexp(1.0, -static_cast<int>(head[2])));
-  for (std::uint32_t k = 0; k < head[3]; ++k) mesh = quadruple(mesh);
+  for (std::uint32_t k = 0; k < head[3]; ++k) mesh = subdivide(mesh);
   return mesh;
 }
 

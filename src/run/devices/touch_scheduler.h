@@ -37,7 +37,7 @@ struct TouchArm {
   std::atomic<bool> opening{true};        // its calibration is looked after
   std::atomic<std::uint32_t> trouble{0};  // TouchTrouble << 16 | code, what was last wrong
 
-  /// [rt] Keeps what is wrong for TouchDevice::trouble().
+  /// [rt] Keeps what is wrong for TouchDevice::last_error().
   void note(TouchTrouble what, unsigned code = 0) noexcept {
     trouble.store(static_cast<std::uint32_t>(what) << 16U | (code & 0xFFFFU), std::memory_order_relaxed);
   }

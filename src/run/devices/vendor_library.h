@@ -31,6 +31,6 @@ class VendorFunctions final {
 };
 
 /// [setup] What the system's loader says of its last failure, on one line.
-[[nodiscard]] std::string loader_words();
+[[nodiscard]] std::string loader_text();
 
 }  // namespace palpate::devices

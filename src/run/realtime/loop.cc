@@ -323,14 +323,14 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
     report.stops = watchdog->finish();
     report.watchdog_stops = watchdog->stops();
   }
-  if (report.pauses > 0) report.remarks.push_back(told_pauses(report.pauses, report.paused_ns));
+  if (report.pauses > 0) report.remarks.push_back(describe_pauses(report.pauses, report.paused_ns));
   if (report.watchdog_stops > 0) {
     report.remarks.push_back(describe_stops(report.watchdog_stops, report.stops, stalled_after));
   }
   return report;
 }
 
-std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns) {
+std::string describe_pauses(std::uint64_t pauses, std::int64_t paused_ns) {
   const std::string times = pauses == 1 ? "once" : std::to_string(pauses) + " times";
   const double tenths = std::round(static_cast<double>(paused_ns) * 1e-8);
   const std::string time = tenths < 1.0 ? "less than 0.1 s" : shortest(tenths / 10.0) + " s";

@@ -30,14 +30,14 @@ class Fitting final {
     };
     const auto run = [&](std::size_t i) {
       const Progress within = [&](double share, const std::string& what) {
-        tell((static_cast<double>(done) + share), specimens_[i].name + ": " + what);
+        report_progress((static_cast<double>(done) + share), specimens_[i].name + ": " + what);
       };
       return fitted(i, ranks_.size() == 1 ? within : Progress{}, nullptr);
     };
     const auto arrived = [&](std::size_t i) {
-      tell(static_cast<double>(++done), specimens_[i].name + ": done");
+      report_progress(static_cast<double>(++done), specimens_[i].name + ": done");
     };
-    if (ranks_.rank() == 0) tell(0.0, "fits");
+    if (ranks_.rank() == 0) report_progress(0.0, "fits");
     auto [lines, resumed] = for_each_task(&ranks_, {specimens_.size(), run, key, arrived}, &record_);
     lines_ = std::move(lines);
     resumed_ = resumed;
@@ -47,7 +47,8 @@ class Fitting final {
   void by_resample() {
     for (std::size_t i = 0; i < specimens_.size(); ++i) {
       const Progress within = [&](double share, const std::string& what) {
-        if (ranks_.rank() == 0) tell(static_cast<double>(i) + share, specimens_[i].name + ": " + what);
+        if (ranks_.rank() == 0)
+          report_progress(static_cast<double>(i) + share, specimens_[i].name + ": " + what);
       };
       const std::string* line = record_.find(key_of(specimens_[i], settings_, static_cast<std::uint32_t>(i)));
       lines_.push_back(line != nullptr ? *line : fitted(i, within, &ranks_));
@@ -62,7 +63,7 @@ class Fitting final {
     for (const std::string& line : lines_) many.specimens.push_back(fit_of(line));
     const auto count = static_cast<double>(specimens_.size());
     const Progress pooled = [&](double share, const std::string& what) {
-      if (ranks_.rank() == 0) tell(count * (1.0 + kPooledShare * share), what);
+      if (ranks_.rank() == 0) report_progress(count * (1.0 + kPooledShare * share), what);
     };
     many.pooled = fit_pooled(specimens_, many.specimens, settings_, pooled, &ranks_);
     return many;
@@ -77,7 +78,7 @@ class Fitting final {
                    fit_specimen(specimens_[i], settings_, job, progress, ranks));
   }
 
-  void tell(double done, const std::string& what) const {
+  void report_progress(double done, const std::string& what) const {
     const double pooled = specimens_.size() > 1 ? kPooledShare : 0.0;
     if (progress_) progress_(done / (static_cast<double>(specimens_.size()) * (1.0 + pooled)), what);
   }

@@ -381,7 +381,7 @@ void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   }
   measured.confidence = static_cast<int>(std::lround(100.0 * left));
   const char* word = measured.confidence >= 70 ? "good" : measured.confidence >= 40 ? "fair" : "poor";
-  measured.confidence_words = std::string(word) + ": " + weakest->words;
+  measured.confidence_text = std::string(word) + ": " + weakest->words;
 }
 
 void refuse_unless_alike(const SurfaceLine& before, const SurfaceLine& after, const std::string& name) {

@@ -42,7 +42,7 @@ struct ImageMeasurement {
   double uncertainty = 0.0;         // median over the points [m]
   double asymmetry = 0.0;           // RMS difference of left and right, divided by the depth
   int confidence = 0;               // 0 .. 100
-  std::string confidence_words;     // what limits it
+  std::string confidence_text;      // what limits it
 };
 
 /// [setup] Measures the displacement of a surface between two side views of equal size, with the tissue below

@@ -185,7 +185,7 @@ Analysis analyse(const record::Recording& recording) {
   return analysis;
 }
 
-std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& rows) {
+std::vector<std::string> faults_text(const std::vector<haptics::TickRow>& rows) {
   std::vector<std::string> words;
   std::uint32_t latched = 0;
   for (const haptics::TickRow& row : rows) {
@@ -196,12 +196,12 @@ std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& ro
     if (latched == 0) continue;
     const auto fault = static_cast<haptics::Fault>(latched);
     words.push_back(fmt::format("fault at {}: {} ({}); zero force from there on", moment(row),
-                                haptics::words_of(fault), haptics::name_of(fault)));
+                                haptics::describe(fault), haptics::name_of(fault)));
   }
   return words;
 }
 
-std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& rows) {
+std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) {
   static constexpr std::array<std::pair<std::uint32_t, const char*>, 10> kWords{{
       {contact::kStartedInside, "a part of the tool was inside at the start and gave no force until outside"},
       {contact::kContactsFull, "more than four contacts wanted on one part"},

@@ -74,9 +74,9 @@ struct Analysis {
 [[nodiscard]] bool in_contact(const haptics::TickRow& row, model::Direction direction);
 
 /// [setup] Describes each fault in a hand's rows: when and why it was latched, when it was reset.
-[[nodiscard]] std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& rows);
+[[nodiscard]] std::vector<std::string> faults_text(const std::vector<haptics::TickRow>& rows);
 
 /// [setup] Describes the status bits and faults of a run, with the number of ticks of each.
-[[nodiscard]] std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& rows);
+[[nodiscard]] std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows);
 
 }  // namespace palpate::report

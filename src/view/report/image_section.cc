@@ -158,7 +158,7 @@ std::string image_text(const ImageSet& set) {
       "pictures: {} places, uncertain by {} mm ({} px); confidence {} of 100, {}; the model lies within the "
       "uncertainty at {} of them{}\n",
       measured.points.size(), digits(measured.uncertainty / kMillimetre),
-      digits(measured.uncertainty / pixel), measured.confidence, measured.confidence_words,
+      digits(measured.uncertainty / pixel), measured.confidence, measured.confidence_text,
       percent(set.within_uncertainty, 1),
       set.depth_fitted ? "; the tool hides the deepest place: the depth is the one that suits the line best"
                        : "");
@@ -172,7 +172,7 @@ void write_image_section(Page& page, const ImageSet& set, const std::filesystem:
                        draw_profile(set, folder / "image-profile.svg")});
   constexpr double kDegree = 0.017453292519943295;
   page.facts(
-      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_words))},
+      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_text))},
        {"scale", digits(set.settings.pixel / kMillimetre) + " mm a pixel"},
        {"uncertain by (95 %, median)",
         fmt::format("{} mm, {} pixels", digits(measured.uncertainty / kMillimetre),

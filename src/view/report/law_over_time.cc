@@ -10,13 +10,13 @@
 namespace palpate::report {
 namespace {
 
-std::string noise_in_words(const haptics::LiveNoise& noise) {
+std::string noise_text(const haptics::LiveNoise& noise) {
   if (!noise.enabled) return "touch noise off";
   return fmt::format("touch noise on, K {} N m, d\u2080 {} mm", shortest(noise.gain),
                      shortest(noise.threshold / kMillimetre));
 }
 
-std::string tissue_in_words(const model::TissueParameters& tissue) {
+std::string tissue_text(const model::TissueParameters& tissue) {
   std::string text =
       fmt::format("tissue {}, {}: k1 {} N/m, beta {}, q {}", tissue.name, model::to_string(tissue.law),
                   shortest(tissue.k1), shortest(tissue.beta), shortest(tissue.q));
@@ -55,7 +55,7 @@ double LawOverTime::force_at(const haptics::TickRow& row) {
   return relaxation_.next(memory_, law_.force_at(row.depth).force);
 }
 
-std::vector<std::string> changes_in_words(const record::Recording& recording) {
+std::vector<std::string> changes_text(const record::Recording& recording) {
   constexpr std::size_t kMostTold = 20;
   std::vector<std::string> words;
   for (const haptics::ParameterUpdate& change : recording.changes) {
@@ -64,10 +64,10 @@ std::vector<std::string> changes_in_words(const record::Recording& recording) {
       break;
     }
     const double time = static_cast<double>(change.tick) / recording.setup.rate_Hz;
-    words.push_back(
-        fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick, fixed(time, 3),
-                    (change.what & haptics::kTissueChanged) != 0 ? tissue_in_words(tissue_of(change))
-                                                                 : noise_in_words(change.noise)));
+    words.push_back(fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick,
+                                fixed(time, 3),
+                                (change.what & haptics::kTissueChanged) != 0 ? tissue_text(tissue_of(change))
+                                                                             : noise_text(change.noise)));
   }
   return words;
 }

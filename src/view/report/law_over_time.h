@@ -30,6 +30,6 @@ class LawOverTime final {
 };
 
 /// [setup] Describes each parameter update of tissue or noise in a recording.
-[[nodiscard]] std::vector<std::string> changes_in_words(const record::Recording& recording);
+[[nodiscard]] std::vector<std::string> changes_text(const record::Recording& recording);
 
 }  // namespace palpate::report

@@ -70,7 +70,7 @@ std::string all_faults(const Analysis& analysis) {
   std::string text;
   std::size_t told = 0;
   for (const HandAnalysis& hand : analysis.hands) {
-    for (const std::string& words : faults_in_words(hand.rows)) {
+    for (const std::string& words : faults_text(hand.rows)) {
       if (++told > kMostTold) continue;
       text += fmt::format("{}{}: {}", text.empty() ? "Hand " : "; hand ", hand.hand, words);
     }

@@ -34,7 +34,7 @@ std::string point_mm(const Vec3& p) {
   return fmt::format("{}, {}, {} mm", bare(p.x()), bare(p.y()), bare(p.z()));
 }
 
-std::string mesh_in_words(const geometry::TriangleMesh& mesh) {
+std::string mesh_text(const geometry::TriangleMesh& mesh) {
   const Vec3 size = geometry::bounds(mesh).size() * kMilli;
   return fmt::format("{} vertices, {} triangles, {} × {} × {} mm", grouped(mesh.vertices.size()),
                      grouped(mesh.triangles.size()), fixed(size.x(), 1), fixed(size.y(), 1),
@@ -42,7 +42,7 @@ std::string mesh_in_words(const geometry::TriangleMesh& mesh) {
 }
 
 /// Example: "breathing, 8 mm along 0, 0, 1, every 4 s".
-std::string motion_in_words(const std::vector<model::OrganMotionParameters>& motions) {
+std::string motion_text(const std::vector<model::OrganMotionParameters>& motions) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   const auto vector = [](const Vec3& v) {
     return fmt::format("{}, {}, {}", fixed(v.x(), 2), fixed(v.y(), 2), fixed(v.z(), 2));
@@ -66,17 +66,17 @@ Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
   Facts facts{
       {"scene", setup.name},
       {"task", setup.task == scene::Task::kPull ? "pull" : "press"},
-      {"organ", setup.organ_name + ": " + mesh_in_words(setup.organ)},
+      {"organ", setup.organ_name + ": " + mesh_text(setup.organ)},
       {"organ's position", point_mm(setup.organ_pose.position)},
   };
   if (!setup.organ_motion.empty()) {
-    facts.emplace_back("organ's motion", motion_in_words(setup.organ_motion));
+    facts.emplace_back("organ's motion", motion_text(setup.organ_motion));
   }
   for (const geometry::Tool& tool : setup.tools) {
     std::string text = tool.name;
     for (const geometry::ToolPart& part : tool.parts) {
       text += fmt::format("; {}{}: {}", part.is_jaw ? "jaw" : "part",
-                          part.name.empty() ? "" : " " + part.name, mesh_in_words(part.mesh));
+                          part.name.empty() ? "" : " " + part.name, mesh_text(part.mesh));
     }
     if (tool.tip_radius) text += "; tip radius " + millimetres(*tool.tip_radius);
     facts.emplace_back("tool", text);
@@ -183,8 +183,8 @@ void write_what_was_run(Page& page, const WorkedExperiment& worked) {
     remarks.insert(remarks.end(), more.begin(), more.end());
   };
   add(recording.facts.remarks);
-  add(changes_in_words(recording));
-  for (const HandAnalysis& hand : worked.analysis.hands) add(status_in_words(hand.rows));
+  add(changes_text(recording));
+  for (const HandAnalysis& hand : worked.analysis.hands) add(status_text(hand.rows));
   if (!remarks.empty()) page.paragraph("<strong>Remarks</strong>");
   page.list(remarks);
 }

@@ -271,7 +271,7 @@ TEST(ContactPatch, IsThatOfAPlainLoopOverAllPointsToTheBitWhateverTheGuess) {
 TEST(ToolPoints, OfADensePartAreThinnedOutAndStandOutAsFar) {
   geometry::ToolPart coarse = geometry::make_tool("curved-forceps").parts.front();
   geometry::ToolPart dense = coarse;
-  for (int i = 0; i < 4; ++i) dense.mesh = geometry::quadruple(dense.mesh);
+  for (int i = 0; i < 4; ++i) dense.mesh = geometry::subdivide(dense.mesh);
   const PartPoints points = sample_part(dense, 0.0);
   ASSERT_GT(dense.mesh.vertices.size(), 40'000U);
   EXPECT_LE(points.size(), 2000U);

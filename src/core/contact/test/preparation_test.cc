@@ -139,7 +139,7 @@ Deviation deviation(const Surface& surface, const std::vector<NormalAndSlope>& n
 }
 
 TriangleMesh divided(TriangleMesh mesh, int times) {
-  for (int i = 0; i < times; ++i) mesh = geometry::quadruple(mesh);
+  for (int i = 0; i < times; ++i) mesh = geometry::subdivide(mesh);
   return mesh;
 }
 

@@ -285,8 +285,8 @@ TEST(Press, TheSameShapesAtFourTimesTheTrianglesGiveTheSameForceAndTorque) {
   const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 320);
   ToolResult results[2];
   for (int fine = 0; fine < 2; ++fine) {
-    Rig rig(fine != 0 ? geometry::quadruple(organ) : organ,
-            one_part_tool(fine != 0 ? geometry::quadruple(ball) : ball), plain_tissue());
+    Rig rig(fine != 0 ? geometry::subdivide(organ) : organ,
+            one_part_tool(fine != 0 ? geometry::subdivide(ball) : ball), plain_tissue());
     const double top = geometry::bounds(organ).high.z();
     rig.tick(place(Vec3(6e-3, 2e-3, top + 4e-3)));
     rig.move_to(Vec3(6e-3, 2e-3, top - 6e-3), 20e-3);

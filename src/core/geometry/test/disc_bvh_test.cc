@@ -58,7 +58,7 @@ TEST(DiscBvh, VisitsEveryTriangleWithinReach) {
 
 TEST(DiscBvh, LooksAtLittleMoreThanTheTrianglesUnderAPoint) {
   std::mt19937 random(4);
-  const TriangleMesh mesh = quadruple(make_organ("gallbladder"));
+  const TriangleMesh mesh = subdivide(make_organ("gallbladder"));
   const DiscBvh tree(mesh);
   int visits = 0;
   constexpr int kQueries = 400;

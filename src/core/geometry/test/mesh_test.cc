@@ -212,9 +212,9 @@ TEST(Mesh, RefineGivesUpOnABoundlessMesh) {
   EXPECT_THAT([&] { (void)refine(mesh, 1e-3); }, ThrowsMessage<InputError>(HasSubstr("unit")));
 }
 
-TEST(Mesh, QuadrupleKeepsSurfaceAndClosedness) {
+TEST(Mesh, SubdivisionKeepsSurfaceAndClosedness) {
   const TriangleMesh coarse = make_ball(0.02, 80);
-  const TriangleMesh fine = quadruple(coarse);
+  const TriangleMesh fine = subdivide(coarse);
   EXPECT_EQ(fine.triangles.size(), 320U);
   EXPECT_EQ(fine.vertices.size(), 162U);  // V - E + F = 2
   EXPECT_EQ(boundary_edges(fine), 0);

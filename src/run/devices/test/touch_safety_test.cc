@@ -143,7 +143,7 @@ std::vector<TickRow> run_touch_with(const TouchCase& bad, std::string& trouble) 
   scene::Scene setup = test::block_and_hand();
   setup.devices[0].kind = "touch";
   std::vector<TickRow> rows = test::run_through(setup, stepped);
-  trouble = device.trouble();
+  trouble = device.last_error();
   hd.set([](HdWorld& world) { world.stepped = false; });
   return rows;
 }

@@ -258,9 +258,10 @@ TEST(Loop, APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
 }
 
 TEST(Loop, SaysPausesInTenthsOfASecond) {
-  EXPECT_EQ(told_pauses(1, 300'000'000), "the run was paused once, for 0.3 s; its times leave that out");
-  EXPECT_EQ(told_pauses(2, 2'260'000'000), "the run was paused 2 times, for 2.3 s; its times leave that out");
-  EXPECT_EQ(told_pauses(1, 49'000'000),
+  EXPECT_EQ(describe_pauses(1, 300'000'000), "the run was paused once, for 0.3 s; its times leave that out");
+  EXPECT_EQ(describe_pauses(2, 2'260'000'000),
+            "the run was paused 2 times, for 2.3 s; its times leave that out");
+  EXPECT_EQ(describe_pauses(1, 49'000'000),
             "the run was paused once, for less than 0.1 s; its times leave that out");
 }
 

@@ -148,7 +148,7 @@ TEST(Analysis, SaysStatusBitsAndFaultsInWords) {
   rows[2].status = haptics::kForceClamped | contact::kGripReleased;
   rows[3].status = haptics::kForceClamped;
   rows[4].fault = 1;
-  const std::vector<std::string> words = status_in_words(rows);
+  const std::vector<std::string> words = status_text(rows);
   ASSERT_EQ(words.size(), 3U);
   EXPECT_EQ(words[0], "the grip let go, past its limit (1 ticks)");
   EXPECT_EQ(words[1], "the force was clamped at max_force_N (2 ticks)");
@@ -164,7 +164,7 @@ TEST(Analysis, SaysOfEachFaultWhenItWasLatchedWhyAndWhenItWasReset) {
   for (const std::size_t i : {3U, 4U}) rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStalled);
   for (const std::size_t i : {7U, 8U, 9U}) rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStale);
   rows[9].events = haptics::kResetFault;  // and latched again at once
-  const std::vector<std::string> words = faults_in_words(rows);
+  const std::vector<std::string> words = faults_text(rows);
   ASSERT_EQ(words.size(), 3U);
   EXPECT_EQ(words[0],
             "fault at tick 3 (0.003 s): the loop stood still for 20 ms (stalled-loop); zero force from there "
@@ -177,7 +177,7 @@ TEST(Analysis, SaysOfEachFaultWhenItWasLatchedWhyAndWhenItWasReset) {
       words[2],
       "fault at tick 9 (0.009 s): the device gave no new sample for 5 ms (stale-sample); zero force from "
       "there on");
-  EXPECT_TRUE(faults_in_words(std::vector<haptics::TickRow>(3)).empty());
+  EXPECT_TRUE(faults_text(std::vector<haptics::TickRow>(3)).empty());
 }
 
 TEST(Analysis, TakesTheLoopsOwnCountsOfTimesWhereThereAreSomeAndElseTheRows) {
