@@ -162,7 +162,7 @@ TEST(Remesh, CountThatNoClosedSurfaceHasIsRefused) {
   EXPECT_THROW((void)remesh(Ball(), start, {.vertices = 3}), InputError);
 }
 
-TEST(Loft, PrismHasItsVolumeAndIsTurnedOutwards) {
+TEST(Loft, PrismHasItsVolumeAndIsOrientedOutwards) {
   std::vector<std::vector<Vec3>> rings;
   for (const double z : {0.0, 1.0, 3.0}) rings.push_back({{0, 0, z}, {2, 0, z}, {2, 1, z}, {0, 1, z}});
   const TriangleMesh mesh = loft(rings, {1.0, 0.5, 0.0}, {1.0, 0.5, 3.0});

@@ -67,7 +67,7 @@ TEST(Findings, ATriangleTurnedOver) {
   EXPECT_THAT(findings_of(mesh).defects, ElementsAre("3 edges whose two triangles differ in orientation"));
 }
 
-TEST(Findings, ASurfaceTurnedInwards) {
+TEST(Findings, ASurfaceOrientedInwards) {
   TriangleMesh mesh = make_ball(0.02, 320);
   for (Triangle& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_THAT(findings_of(mesh).defects, ElementsAre("1 shell oriented inwards"));
@@ -114,7 +114,7 @@ TEST(Findings, ACavityIsNoDefectButAShellWithinAShellIs) {
               ElementsAre("1 shell inside another and not a cavity"));
 }
 
-TEST(Findings, SeparateShellsMustEachBeTurnedOutwards) {
+TEST(Findings, SeparateShellsMustEachBeOrientedOutwards) {
   EXPECT_THAT(findings_of(two_boxes({0.1, 0, 0}, false)).defects, IsEmpty());
   EXPECT_EQ(findings_of(two_boxes({0.1, 0, 0}, false)).shells, 2);
   EXPECT_THAT(findings_of(two_boxes({0.1, 0, 0}, true)).defects, ElementsAre("1 shell oriented inwards"));
@@ -124,7 +124,7 @@ TEST(RequireOrgan, TakesASoundMesh) {
   EXPECT_NO_THROW(require_organ(with_findings(make_ball(0.02, 320)), "ball"));
 }
 
-TEST(RequireOrgan, RefusesAnOpenMeshAndSaysWhatIsWrong) {
+TEST(RequireOrgan, RefusesAnOpenMeshAndReportsWhatIsWrong) {
   TriangleMesh mesh = make_ball(0.02, 320);
   mesh.triangles.pop_back();
   EXPECT_THAT([&] { require_organ(with_findings(mesh), "x.stl"); },

@@ -174,7 +174,7 @@ std::string msh(const MshForm& form, const std::vector<Vec3>& points, const std:
 
 ImportedMesh read_msh_bytes(const std::string& bytes) { return read_msh({"a.msh", MeshFormat::kMsh, bytes}); }
 
-TEST(Msh, TakesTheSurfaceOfSolidElementsTurnedOutwards) {
+TEST(Msh, TakesTheSurfaceOfSolidElementsOrientedOutwards) {
   for (const MshForm& form : all_msh_forms()) {
     for (const Solid& solid : test::solids()) {
       if (solid.cells.front().gmsh == 0) continue;
@@ -190,7 +190,7 @@ TEST(Msh, TakesTheSurfaceOfSolidElementsTurnedOutwards) {
   }
 }
 
-TEST(Msh, IsReadByItsEndingWithItsUnitAndSaysWhatWasDone) {
+TEST(Msh, IsReadByItsEndingWithItsUnitAndReportsWhatWasDone) {
   const palpate::test::TemporaryFolder folder;
   const Solid solid = test::solids().front();
   const LoadedMesh loaded = read_mesh(
@@ -212,7 +212,7 @@ TEST(Msh, KeepsNoNodesFromWithinASolid) {
   EXPECT_NEAR(signed_volume(read.mesh), 8.0, 1e-12);
 }
 
-TEST(Msh, SaysThatCurvedElementsAreTakenByTheirCorners) {
+TEST(Msh, ReportsThatCurvedElementsAreTakenByTheirCorners) {
   const Solid solid = test::solids().back();
   EXPECT_THAT(
       read_msh_bytes(msh({"2.2", false, false}, solid.points, solid.cells)).repairs,
@@ -277,7 +277,7 @@ void expect_msh_refused(const std::string& bytes, const std::string& place, cons
               ThrowsMessage<InputError>(AllOf(StartsWith("a.msh, " + place + ": "), HasSubstr(words))));
 }
 
-TEST(Msh, SaysLineFieldAndValueOfWhatItRefuses) {
+TEST(Msh, ReportsLineFieldAndValueOfWhatItRefuses) {
   const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
   const std::string nodes = head + "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n";
   expect_msh_refused("$NOD\n1\n", "line 1", "\"$NOD\": must be $MeshFormat here");

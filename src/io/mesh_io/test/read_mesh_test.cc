@@ -226,7 +226,7 @@ TEST_F(ReadMesh, NodeTransformsAreApplied) {
   EXPECT_LT((bounds(turned.mesh).high - Vec3(10, 0, 4)).norm(), 1e-5);
 }
 
-TEST_F(ReadMesh, MirroredPartsStayTurnedOutwards) {
+TEST_F(ReadMesh, MirroredPartsStayOrientedOutwards) {
   const LoadedMesh loaded = read("a.glb", glb(R"([{"mesh":0,"scale":[-1,1,1]}])"));
   EXPECT_NEAR(loaded.findings.volume, 4.0, 1e-6);
   EXPECT_THAT(loaded.findings.repairs, Contains(HasSubstr("1 mirrored part")));
@@ -247,7 +247,7 @@ TEST_F(ReadMesh, AMissingUnitIsAnError) {
               ThrowsMessage<InputError>(HasSubstr("unit is missing")));
 }
 
-TEST_F(ReadMesh, DuplicateAndUnusedVerticesAreMergedOrDroppedAndSaid) {
+TEST_F(ReadMesh, DuplicateAndUnusedVerticesAreMergedOrDroppedAndReported) {
   const LoadedMesh loaded = read(
       "a.obj",
       "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 4\nv 0 0 -0\nv 2 0 0\nv 9 9 9\nf 1 3 2\nf 5 2 4\nf 6 3 4\nf 1 4 3\n");
@@ -262,7 +262,7 @@ TEST_F(ReadMesh, NearVerticesAreNotMerged) {
   EXPECT_EQ(read("a.obj", text).mesh.vertices.size(), 5U);
 }
 
-TEST_F(ReadMesh, PolygonsAreCutIntoTrianglesAndSaid) {
+TEST_F(ReadMesh, PolygonsAreCutIntoTrianglesAndReported) {
   const LoadedMesh loaded = read("a.obj",
                                  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\n"
                                  "f 1 4 3 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
@@ -272,13 +272,13 @@ TEST_F(ReadMesh, PolygonsAreCutIntoTrianglesAndSaid) {
   EXPECT_THAT(loaded.findings.repairs, ElementsAre("cut 1 polygon into triangles"));
 }
 
-TEST_F(ReadMesh, LinesBesideTrianglesAreDroppedAndSaid) {
+TEST_F(ReadMesh, LinesBesideTrianglesAreDroppedAndReported) {
   const LoadedMesh loaded = read("a.obj", kObj + "l 1 2\n");
   expect_tetrahedron(loaded);
   EXPECT_THAT(loaded.findings.repairs, Contains(HasSubstr("dropped 1 line or point")));
 }
 
-TEST_F(ReadMesh, AnOpenMeshIsReadAndItsDefectsAreSaid) {
+TEST_F(ReadMesh, AnOpenMeshIsReadAndItsDefectsAreReported) {
   const LoadedMesh loaded =
       read("a.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 4\nv 1 0 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 1 5 2\n");
   EXPECT_FALSE(loaded.findings.closed);
@@ -528,7 +528,7 @@ TEST_F(ReadMesh, MergesPlacesWhateverTheirBitsHaveInCommon) {
               ElementsAre("dropped 499997 vertices that no triangle uses"));
 }
 
-TEST_F(ReadMesh, SaysControlCharactersOfAFileAsBlanks) {
+TEST_F(ReadMesh, ReportsControlCharactersOfAFileAsBlanks) {
   expect_refused("a.vtk", "# vtk DataFile Version 3\1\1.0\na\nASCII\n", "version \"3  .0\"");
 }
 

@@ -86,14 +86,14 @@ INSTANTIATE_TEST_SUITE_P(Each, BuiltinRepair, ::testing::ValuesIn(builtin_organ_
                            return name;
                          });
 
-TEST(Repair, TurnsASurfaceThatIsTurnedInwards) {
+TEST(Repair, OrientsASurfaceThatIsOrientedInwards) {
   TriangleMesh mesh = ball();
   turn_all(mesh);
   EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs,
               ElementsAre("turned all 320 triangles outwards"));
 }
 
-TEST(Repair, TurnsTheTrianglesThatAreTurnedAgainstTheRest) {
+TEST(Repair, OrientsTheTrianglesThatAreOrientedAgainstTheRest) {
   TriangleMesh mesh = ball();
   for (const std::size_t t : {3U, 77U, 78U, 200U}) turn(mesh.triangles[t]);
   const RepairedSurface result = repaired(mesh, signed_volume(ball()));
@@ -184,7 +184,7 @@ TEST(Repair, PartsSolidsThatTouchInAVertex) {
   EXPECT_THAT(result.remarks, ElementsAre("2 separate components"));
 }
 
-TEST(Repair, PartsSolidsThatTouchInAnEdgeWhicheverWayTheyAreTurned) {
+TEST(Repair, PartsSolidsThatTouchInAnEdgeWithAnyOrientation) {
   TriangleMesh mesh;  // two tetrahedra with the common edge 0-1, volume 1/6 cm^3 each
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, -1}};
   for (Vec3& v : mesh.vertices) v *= 0.01;
@@ -223,7 +223,7 @@ TEST(Repair, ClosesAHoleInAFlatSideWithoutChangingTheVolume) {
   (void)repaired(mesh, signed_volume(whole));
 }
 
-TEST(Repair, RefusesALargeHoleAndSaysHowLargeAndWhere) {
+TEST(Repair, RefusesALargeHoleAndReportsHowLargeAndWhere) {
   TriangleMesh mesh = ball();
   std::erase_if(mesh.triangles,
                 [&](const Triangle& t) { return mesh.vertices[static_cast<std::size_t>(t[0])].z() > 0.005; });
@@ -319,7 +319,7 @@ TEST(Repair, ShrinksAnEdgeWithoutLength) {
   EXPECT_EQ(result.mesh.vertices.size(), ball().vertices.size());
 }
 
-TEST(Repair, DropsInnerShellsWhicheverWayTheyAreTurned) {
+TEST(Repair, DropsInnerShellsWithAnyOrientation) {
   for (const bool is_turned : {false, true}) {
     TriangleMesh inner = ball();
     if (is_turned) turn_all(inner);
@@ -332,7 +332,7 @@ TEST(Repair, DropsInnerShellsWhicheverWayTheyAreTurned) {
   }
 }
 
-TEST(Repair, DropsSmallComponentsAndKeepsLargeOnesAndSaysSo) {
+TEST(Repair, DropsSmallComponentsAndKeepsLargeOnesAndReportsIt) {
   TriangleMesh mesh = ball();
   add(mesh, ball(), {0.05, 0.0, 0.0}, 0.1);
   add(mesh, ball(), {-0.05, 0.0, 0.0}, 0.5);
@@ -362,7 +362,7 @@ TEST(Repair, RefusesManyComponentsOfLikeSize) {
   EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("40 separate components"));
 }
 
-TEST(Repair, KeepsAFewCrossingTrianglesAndSaysSo) {
+TEST(Repair, KeepsAFewCrossingTrianglesAndReportsIt) {
   // One vertex is moved through the inside and out again, 10 mm away.
   TriangleMesh mesh = make_ball(0.02, 5120);
   Vec3& drawn = mesh.vertices[static_cast<std::size_t>(mesh.triangles[0][0])];

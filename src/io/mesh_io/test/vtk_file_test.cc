@@ -217,7 +217,7 @@ TEST(Vtk, ReadsPixelsAsTheSquaresTheyAre) {
     EXPECT_NEAR(area_vector_doubled(squares.mesh, t).z(), 1.0, 1e-12);
 }
 
-TEST(Vtk, TakesTheSurfaceOfSolidCellsTurnedOutwards) {
+TEST(Vtk, TakesTheSurfaceOfSolidCellsOrientedOutwards) {
   for (const Form& form : all_forms()) {
     if (!form.is_grid) continue;
     for (const test::Solid& solid : test::solids()) {
@@ -322,7 +322,7 @@ void expect_refused(const std::string& bytes, const std::string& place, const st
 const std::string kHead = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET POLYDATA\n";  // four lines
 const std::string kPoints = "POINTS 3 float\n0 0 0\n1 0 0\n0 1 0\n";                       // four more
 
-TEST(Vtk, SaysLineFieldAndValueOfWhatItRefuses) {
+TEST(Vtk, ReportsLineFieldAndValueOfWhatItRefuses) {
   expect_refused("<?xml version=\"1.0\"?>\n", "line 1", "save it as legacy VTK");
   expect_refused("# vtk DataFile Version 9.0\n", "line 1", "version \"9.0\"");
   expect_refused("# vtk DataFile Version 3.0\ntitle\nTEXT\n", "line 3", "ASCII or BINARY");
@@ -354,7 +354,7 @@ TEST(Vtk, SaysLineFieldAndValueOfWhatItRefuses) {
   expect_refused(kHead + kPoints + "QUADS 1 4\n", "line 9", "\"QUADS\" is not a part");
 }
 
-TEST(Vtk, SaysTheByteInABinaryFile) {
+TEST(Vtk, ReportsTheByteInABinaryFile) {
   Writer writer({true, false, false, false});
   writer.points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   const std::size_t begin = writer.bytes().size() + std::string("POLYGONS 1 4\n").size();

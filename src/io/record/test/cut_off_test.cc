@@ -309,7 +309,7 @@ TEST(DamagedRecording, OneOfBeforeThereWereChecksumsOpensWithAllRows) {
   EXPECT_EQ(read_recording(folder / "a.h5").rows.size(), kRows);
 }
 
-TEST(DamagedRecording, AFlippedBitInARowIsToldAndRepairKeepsTheRowsBeforeItsChunk) {
+TEST(DamagedRecording, AFlippedBitInARowIsReportedAndRepairKeepsTheRowsBeforeItsChunk) {
   constexpr std::uint64_t kChunk = RecordingWriter::kChunkRows;
   for (const std::size_t member : {offsetof(haptics::TickRow, force), sizeof(haptics::TickRow) / 2}) {
     const TemporaryFolder folder;

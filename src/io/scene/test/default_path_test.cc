@@ -343,7 +343,7 @@ TEST(DefaultPath, NoToolStartsInsideAnOrganThatIsFlatOnlyWhereItCannotGetTo) {
   EXPECT_EQ(points_inside(setup, path.rows().front()), 0);
 }
 
-TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsSaid) {
+TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsReported) {
   const scene::Scene setup = press_of(torus(40e-3, 12e-3));
   const ToolPath path = default_path(setup, 0);
   const double way = (path.at(0.5 * path.end_time()).position - path.rows().front().position).norm();
@@ -391,14 +391,14 @@ TEST(DefaultPath, TrianglesWithoutAreaHideNothingOfTheSurfaceBeyondThem) {
   EXPECT_EQ(default_path_remarks(press_of(with_flat_triangles(ball))), plain);
 }
 
-TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsSaid) {
+TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsReported) {
   const scene::Scene setup = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
   EXPECT_THAT(default_path_remarks(setup),
               testing::ElementsAre(testing::HasSubstr(
                   "the organ is 6 mm thick where the default path presses it 12 mm deep")));
 }
 
-TEST(DefaultPath, NothingIsSaidOfAThickOrganOrOfAPathFromAFile) {
+TEST(DefaultPath, NothingIsReportedForAThickOrganOrOfAPathFromAFile) {
   EXPECT_THAT(default_path_remarks(load({})), testing::IsEmpty());
   scene::Scene setup = press_of(torus(40e-3, 12e-3));
   setup.devices[0].path = "press.csv";

@@ -120,7 +120,7 @@ TEST(LoadInstrument, PlacesMeshesPivotsAndAxesByTheMount) {
   EXPECT_EQ(tool.tip_radius, 2e-3);
 }
 
-TEST(LoadInstrument, SaysOfAnOpenMeshThatItIsUsedAllTheSame) {
+TEST(LoadInstrument, ReportsOfAnOpenMeshThatItIsUsedAllTheSame) {
   const TemporaryFolder folder;
   ToolTable description;
   description.unit = LengthUnit::kMillimetre;

@@ -41,7 +41,7 @@ TEST(SceneKeys, ASettingTakesThePlaceOfTheScenesValue) {
   EXPECT_EQ(setup.tissue.law, model::LawKind::kSmooth);
 }
 
-TEST(SceneKeys, AValueThatDoesNotSuitTheOthersIsToldWithItsKey) {
+TEST(SceneKeys, AValueThatDoesNotSuitTheOthersIsReportedWithItsKey) {
   const TemporaryFolder folder;
   EXPECT_THAT(error_of([&] {
                 (void)loaded(folder, {{"device.mass_kg", "1"}});

@@ -86,7 +86,7 @@ class FineOrgan : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Each, FineOrgan, ::testing::Values("gallbladder", "heart", "liver", "kidney"),
                          [](const auto& each) { return each.param; });
 
-TEST_P(FineOrgan, IsOneClosedShellOfItsCountTurnedOutwardsWithEvenTriangles) {
+TEST_P(FineOrgan, IsOneClosedShellOfItsCountOrientedOutwardsWithEvenTriangles) {
   for (const auto& [ending, count] : {std::pair{"-30k", 30000U}, std::pair{"-300k", 300000U}}) {
     SCOPED_TRACE(ending);
     expect_even_closed_shell(organ(GetParam() + ending), 2);

@@ -67,7 +67,7 @@ TEST(BuiltinOrgan, LiverHas7000TrianglesAndKidney6000) {
   EXPECT_EQ(kidney().triangles.size(), 6000U);
 }
 
-TEST(BuiltinOrgan, EveryOneIsOneClosedShellTurnedOutwardsAboutTheOrigin) {
+TEST(BuiltinOrgan, EveryOneIsOneClosedShellOrientedOutwardsAboutTheOrigin) {
   for (const std::string& name : kOrgans) {
     SCOPED_TRACE(name);
     const TriangleMesh mesh = make_organ(name);

@@ -92,7 +92,7 @@ TEST(CsvTable, RefusesAnEmptyName) {
   EXPECT_EQ(error_in("depth_mm,specimen\n1,\n"), "a.csv:2: specimen: empty, must be a name");
 }
 
-TEST(CsvTable, TellsDecimalCommasAndSemicolonsFromBadRows) {
+TEST(CsvTable, DistinguishesDecimalCommasAndSemicolonsFromBadRows) {
   EXPECT_THAT(error_in("time_s;depth_mm\n0,5;0,1\n"), HasSubstr("a.csv:1: semicolons"));
   EXPECT_THAT(error_in(kHeader + "0,5,0,1\n"), HasSubstr("a decimal comma must be a point"));
 }
