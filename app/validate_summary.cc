@@ -76,7 +76,7 @@ Json profile_json(const report::ProfileSet& set) {
 
 /// Calls `take(key, value)` for each number of a reach.
 template <typename Take>
-void for_each_number(const model::ProfileParameters& reach, Take take) {
+void for_each_number(const model::FalloffRatios& reach, Take take) {
   model::TissueNumbers numbers;
   numbers.reach = reach;
   for (const model::TissueField& field : model::kTissueFields) {

@@ -27,7 +27,7 @@ void write_validation_curve(const Folder& folder, const std::string& name, doubl
 }
 
 /// What u(r) gives for a reach, pressed by a ball of 5 mm to 1 and 4 mm.
-void write_profiles(const Folder& folder, const std::string& name, const model::ProfileParameters& reach) {
+void write_profiles(const Folder& folder, const std::string& name, const model::FalloffRatios& reach) {
   std::ofstream out(folder / name);
   out << "depth_mm,r_mm,u_mm\n";
   for (const double depth : {1.0, 4.0}) {

@@ -127,7 +127,7 @@ void bind_tissue(py::module_& module) {
       .def_property(
           "reach",
           [](const TissueParameters& tissue) {
-            const model::ProfileParameters& reach = tissue.reach;
+            const model::FalloffRatios& reach = tissue.reach;
             return std::tuple(reach.contact_ratio, reach.first_bar_ratio, reach.bar_ratio,
                               reach.weight_ratio);
           },

@@ -70,7 +70,7 @@ void write_png(const Image& image, const std::filesystem::path& file);
 struct Subject {
   geometry::TriangleMesh organ;  // rest surface, organ frame
   std::vector<geometry::Tool> tools;
-  model::ProfileParameters reach;
+  model::FalloffRatios reach;
   std::string tissue_name;  // selects the colours: gallbladder, heart, liver, kidney; else a neutral tissue
 };
 

@@ -31,7 +31,7 @@ class DisplacementProfile final {
   /// [any] @param reach checked by model::validate
   /// @param depth D [m]; <= 0 (or NaN): nothing moves
   /// @param tip_radius R [m]; @param half_width bound of R_1 [m], 0: none
-  DisplacementProfile(const model::ProfileParameters& reach, double depth, double tip_radius,
+  DisplacementProfile(const model::FalloffRatios& reach, double depth, double tip_radius,
                       double half_width = 0.0) noexcept;
   /// [rt] Displacement [m] at distance r [m] along the surface. at(0) is D exactly.
   [[nodiscard]] double at(double r) const noexcept;
@@ -39,7 +39,7 @@ class DisplacementProfile final {
   /// that u has at each R_i, which a light would show as rings.
   [[nodiscard]] double rounded_at(double r, double share) const noexcept;
   /// [rt] Beyond this distance [m] nothing moves (R_6; 0 when D <= 0).
-  [[nodiscard]] double reach() const noexcept { return radius_[kLayers - 1]; }
+  [[nodiscard]] double outer_radius() const noexcept { return radius_[kLayers - 1]; }
   /// [rt] Largest |du/dr|, without unit.
   [[nodiscard]] double steepest() const noexcept;
   /// [rt] The same depth with every R_i `factor` times as long.
@@ -94,13 +94,13 @@ class SurfaceDeformer final {
   /// [setup] Displaced vertices under all indentations together, to single precision; as many as the rest
   /// mesh has, organ frame. For the picture's thread. Vertices out of reach equal the rest bit for bit. The
   /// result does not depend on what was before.
-  void deform(const model::ProfileParameters& reach, std::span<const Indentation> indentations,
+  void deform(const model::FalloffRatios& reach, std::span<const Indentation> indentations,
               std::vector<Vec3>& vertices);
 
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept;
 
  private:
-  model::ProfileParameters reach_;  // that the surface is made for
+  model::FalloffRatios reach_;  // that the surface is made for
   std::unique_ptr<DeformedSurface> surface_;
 };
 

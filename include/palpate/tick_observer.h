@@ -30,7 +30,7 @@ struct Snapshot {
   std::array<ForceCommand, kMaxHands> commands{};  // world frame
   std::array<Fault, kMaxHands> faults{};           // latched
   std::uint64_t change = 0;                        // number of the last live change in force; 0: none
-  model::ProfileParameters reach;                  // of the tissue in force
+  model::FalloffRatios reach;                      // of the tissue in force
 
   /// [rt] The contact of each hand.
   [[nodiscard]] std::span<const contact::ToolResult> hand_results() const noexcept {

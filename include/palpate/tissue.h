@@ -66,14 +66,14 @@ class RelaxationTerms final {
 };
 
 /// How the surface gives way around a contact (docs/model.md, section 3); all without unit.
-struct ProfileParameters {
+struct FalloffRatios {
   double contact_ratio = 1.1;     // c: R_1 = c R (D/R)^p
   double first_bar_ratio = 0.43;  // a
   double bar_ratio = 1.8;         // s > 1
   double weight_ratio = 0.58;     // g, in (0, 1)
   double depth_exponent = 0.5;    // p, in (0, 1]; 1/2: R_1 = c sqrt(R D)
 
-  bool operator==(const ProfileParameters&) const = default;
+  bool operator==(const FalloffRatios&) const = default;
 };
 
 /// What the contact rules need of a tissue (docs/model.md, section 4).
@@ -107,7 +107,7 @@ struct TissueNumbers {
   double t1 = 0.0;           // delay of the first layer [s], eq. 6
   LawKind law = LawKind::kLayered;
   RelaxationTerms relaxation;  // none, or up to kMaxRelaxationTerms
-  ProfileParameters reach;
+  FalloffRatios reach;
   ContactParameters contact;
 
   /// [any] L_1 [m]: X_1max - X_1o when pulled, X_1o - X_1min when pressed.

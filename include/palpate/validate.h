@@ -55,7 +55,7 @@ struct SurfaceRule {
 class BallSurface final {
  public:
   /// [any] @param depth D [m]; <= 0: no displacement @param radius R of the ball [m]
-  BallSurface(const model::ProfileParameters& reach, double depth, double radius,
+  BallSurface(const model::FalloffRatios& reach, double depth, double radius,
               const SurfaceRule& rule) noexcept;
 
   /// [rt] Displacement [m] at distance r [m] along the surface; at(0) is D.
@@ -135,7 +135,7 @@ struct DeformationComparison {
 /// InputError when there is no depth, or the largest displacement exceeds twice the depth (a wrong unit or
 /// depth).
 [[nodiscard]] DeformationComparison compare_deformation(const Deformation& deformation,
-                                                        const model::ProfileParameters& reach, double depth,
+                                                        const model::FalloffRatios& reach, double depth,
                                                         double tip_radius, const SurfaceRule& rule = {});
 
 }  // namespace palpate::validate

@@ -37,7 +37,7 @@ class IgtlStream final {
   struct Shape {
     std::vector<deform::Indentation> indentations;
     Pose organ_W;
-    model::ProfileParameters reach;
+    model::FalloffRatios reach;
   };
   [[nodiscard]] static bool same(const Shape& a, const Shape& b);
 

@@ -42,7 +42,7 @@ Json LiveSurface::at_rest() const {
   return {{"vertices_mm", vertices}, {"triangles", triangles}};
 }
 
-Json LiveSurface::moved(const model::ProfileParameters& reach,
+Json LiveSurface::moved(const model::FalloffRatios& reach,
                         const std::vector<deform::Indentation>& indentations) {
   deformer_.deform(reach, indentations, vertices_);
   Json moved = Json::array();

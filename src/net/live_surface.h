@@ -21,7 +21,7 @@ class LiveSurface final {
   /// {"vertices_mm": [x, y, z, ...], "triangles": [a, b, c, ...]}, at rest.
   [[nodiscard]] nlohmann::ordered_json at_rest() const;
   /// {"moved": [vertex, ...], "vertices_mm": [x, y, z, ...]}: the vertices that are not where they rest.
-  [[nodiscard]] nlohmann::ordered_json moved(const model::ProfileParameters& reach,
+  [[nodiscard]] nlohmann::ordered_json moved(const model::FalloffRatios& reach,
                                              const std::vector<deform::Indentation>& indentations);
 
  private:

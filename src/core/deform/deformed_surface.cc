@@ -88,7 +88,7 @@ struct DeformedSurface::TrackedContact {
   }
 };
 
-DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::ProfileParameters& reach,
+DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::FalloffRatios& reach,
                                  double rounding, float least_share)
     : rest_(std::move(rest)),
       grid_(rest_),
@@ -210,8 +210,8 @@ void DeformedSurface::prepare(TrackedContact& contact, const Indentation& indent
   field.side_part = drawn * direction - field.normal_part;
   const double side_share = static_cast<double>(field.side_part.norm()) / depth;
   const double fold = std::max(1.0, side_share * profile.steepest() / kMaxTangentialSlope);
-  field.reach = static_cast<float>(profile.reach());
-  field.side_reach = static_cast<float>(fold * profile.reach());
+  field.reach = static_cast<float>(profile.outer_radius());
+  field.side_reach = static_cast<float>(fold * profile.outer_radius());
   field.limit = end_ * field.side_reach;
   contact.wanted =
       along_normal < 0.0F ? std::max(field.limit, static_cast<float>(kImprintReach)) : field.limit;

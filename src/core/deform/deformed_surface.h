@@ -34,7 +34,7 @@ class DeformedSurface final {
 
   /// [setup] @param rest is kept; may be open @param rounding as in DisplacementProfile::rounded_at
   /// @param least_share fraction of the depth at which the profile ends; below 0.9
-  DeformedSurface(geometry::TriangleMesh rest, const model::ProfileParameters& reach, double rounding,
+  DeformedSurface(geometry::TriangleMesh rest, const model::FalloffRatios& reach, double rounding,
                   float least_share = kLeastShare);
   ~DeformedSurface();
   DeformedSurface(const DeformedSurface&) = delete;
@@ -94,7 +94,7 @@ class DeformedSurface final {
   geometry::TriangleMesh rest_;
   TriangleGrid grid_;
   FrontSurface surface_;
-  model::ProfileParameters reach_;
+  model::FalloffRatios reach_;
   ProfileTable profile_;
   float least_share_;  // u/D
   float end_;          // r/R_6 at which the profile ends

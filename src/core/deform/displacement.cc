@@ -18,7 +18,7 @@ constexpr double kOpposed = -0.3;
 
 // R_1 [m] before its bound: c R (D/R)^p = c sqrt(R D) (D/R)^(p - 1/2), so that p = 1/2 needs the square root
 // only.
-double contact_radius(const model::ProfileParameters& reach, double depth, double tip_radius) noexcept {
+double contact_radius(const model::FalloffRatios& reach, double depth, double tip_radius) noexcept {
   constexpr double kRoot = 0.5;
   const double root = reach.contact_ratio * std::sqrt(tip_radius * depth);
   if (reach.depth_exponent == kRoot || root == 0.0) return root;
@@ -60,8 +60,8 @@ double mean_direction_gain(double squared) noexcept {
   return (1.5 - 0.5 * squared / kAlike) / std::sqrt(kAlike);
 }
 
-DisplacementProfile::DisplacementProfile(const model::ProfileParameters& reach, double depth,
-                                         double tip_radius, double half_width) noexcept {
+DisplacementProfile::DisplacementProfile(const model::FalloffRatios& reach, double depth, double tip_radius,
+                                         double half_width) noexcept {
   if (!(depth > 0.0)) return;
   depth_ = depth;
   double first = contact_radius(reach, depth, std::max(0.0, tip_radius));
@@ -138,7 +138,7 @@ SurfaceDeformer& SurfaceDeformer::operator=(SurfaceDeformer&& other) noexcept = 
 
 const geometry::TriangleMesh& SurfaceDeformer::rest() const noexcept { return surface_->rest(); }
 
-void SurfaceDeformer::deform(const model::ProfileParameters& reach, std::span<const Indentation> indentations,
+void SurfaceDeformer::deform(const model::FalloffRatios& reach, std::span<const Indentation> indentations,
                              std::vector<Vec3>& vertices) {
   if (!(reach == reach_)) {
     reach_ = reach;

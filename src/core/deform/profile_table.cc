@@ -13,12 +13,13 @@ constexpr std::size_t kTableSize = 1024;  // entries per R_6
 
 }  // namespace
 
-ProfileTable::ProfileTable(const model::ProfileParameters& reach, double rounding)
+ProfileTable::ProfileTable(const model::FalloffRatios& reach, double rounding)
     : per_entry_(static_cast<float>(kTableSize)) {
   const DisplacementProfile profile(reach, 1.0, 1.0);
   const auto count = static_cast<std::size_t>(std::ceil(static_cast<double>(kTableSize) / (1.0 - rounding)));
   const auto u_at = [&](double i) {
-    return profile.rounded_at(std::abs(i) / static_cast<double>(kTableSize) * profile.reach(), rounding);
+    return profile.rounded_at(std::abs(i) / static_cast<double>(kTableSize) * profile.outer_radius(),
+                              rounding);
   };
   for (std::size_t i = 0; i <= count + 1; ++i) {
     const double x = static_cast<double>(i);

@@ -21,7 +21,7 @@ class ProfileTable final {
   };
 
   /// [setup] @param rounding as in DisplacementProfile::rounded_at
-  ProfileTable(const model::ProfileParameters& reach, double rounding);
+  ProfileTable(const model::FalloffRatios& reach, double rounding);
 
   /// [any] At r/R_6 >= 0, also at infinity; zero from the profile's end.
   [[nodiscard]] Value at(float y) const noexcept {

@@ -54,8 +54,8 @@ struct SimulationState {
   // Values that parameter updates (parameter_updates.h) have changed:
   noise::TouchNoise touch_noise;  // in force
   NoiseCrossfade noise_crossfade;
-  model::ProfileParameters reach;  // for pictures
-  std::uint64_t change = 0;        // number of the last parameter update; 0: none
+  model::FalloffRatios reach;  // for pictures
+  std::uint64_t change = 0;    // number of the last parameter update; 0: none
 };
 
 /// [any] The device sample of a row, bit for bit.

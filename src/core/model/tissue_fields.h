@@ -142,7 +142,7 @@ inline constexpr std::array kTissueSections{TissueSection{"reach", "Reach of the
 // clang-format off
 inline constexpr auto kTissueFields = [] {
   using T = TissueNumbers;
-  using R = ProfileParameters;
+  using R = FalloffRatios;
   using C = ContactParameters;
   return std::to_array<TissueField>({
     {"", "k1_N_per_m", "k1", kNewtonPerMetre, kAt<&T::k1>,

@@ -10,7 +10,7 @@
 namespace palpate::imaging {
 namespace {
 
-double squares(const validate::Deformation& deformation, const model::ProfileParameters& reach, double depth,
+double squares(const validate::Deformation& deformation, const model::FalloffRatios& reach, double depth,
                double tip_radius) {
   const deform::DisplacementProfile profile(reach, depth, tip_radius, tip_radius);
   double sum = 0.0;
@@ -50,7 +50,7 @@ validate::Deformation deformation_of(const ImageMeasurement& measured, const std
   return deformation;
 }
 
-double nearest_depth(const validate::Deformation& deformation, const model::ProfileParameters& reach,
+double nearest_depth(const validate::Deformation& deformation, const model::FalloffRatios& reach,
                      double tip_radius) {
   constexpr int kSteps = 100;
   constexpr double kMost = 10.0;  // a tool may hide most of the depth

@@ -35,7 +35,7 @@ struct Validation : validate::Validation {
 /// [setup] Least-squares depth D [m] of u(r) of model.md for a profile, between its largest u and ten times
 /// that; for pictures in which the tool hides the deepest point.
 [[nodiscard]] double nearest_depth(const validate::Deformation& deformation,
-                                   const model::ProfileParameters& reach, double tip_radius);
+                                   const model::FalloffRatios& reach, double tip_radius);
 
 /// [setup] Measures the displacement in two photographs and compares it with the tissue's u(r).
 /// @param depth D [m]; 0: the largest u or, where the tool hides it, the fitted depth @param tip_radius R [m]

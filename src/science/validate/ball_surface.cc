@@ -17,7 +17,7 @@ double sag(double radius, double aside) noexcept {
 
 }  // namespace
 
-BallSurface::BallSurface(const model::ProfileParameters& reach, double depth, double radius,
+BallSurface::BallSurface(const model::FalloffRatios& reach, double depth, double radius,
                          const SurfaceRule& rule) noexcept
     : profile_(reach, depth, radius, rule.as_drawn ? 0.0 : radius),
       depth_(depth),

@@ -20,7 +20,7 @@ constexpr std::size_t kExponent = 4;
 const identify::Point kLow = {std::log(0.2), std::log(0.02), std::log(0.05), 0.02, 0.02};
 const identify::Point kHigh = {std::log(4.0), std::log(5.0), std::log(4.0), 0.98, 1.0};
 
-model::ProfileParameters reach_of(std::span<const double> shape) {
+model::FalloffRatios reach_of(std::span<const double> shape) {
   return {std::exp(shape[0]), std::exp(shape[1]), 1.0 + std::exp(shape[2]), shape[3], shape[kExponent]};
 }
 
@@ -95,7 +95,7 @@ ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& r
   }
   ReachFit fit;
   fit.exponent_kept = !depths_differ(samples);
-  const double start = fit.exponent_kept ? exponent : model::ProfileParameters{}.depth_exponent;
+  const double start = fit.exponent_kept ? exponent : model::FalloffRatios{}.depth_exponent;
   const identify::Point best = best_shape(samples, rule, fit.exponent_kept, start);
   fit.reach = reach_of(best);
   for (std::size_t i = 0; i < kParameters; ++i) {

@@ -15,7 +15,7 @@ struct ReachSample {
 
 /// Falloff ratios of the displacement profile that fit all samples together.
 struct ReachFit {
-  model::ProfileParameters reach;
+  model::FalloffRatios reach;
   std::vector<double> nrmse;   // RMS error divided by the depth, one per sample
   std::vector<bool> at_limit;  // c, a, s, g, p: the optimum lies at a bound of the search, so the data do not
                                // determine this parameter
@@ -31,6 +31,6 @@ inline constexpr double kLeastSpreadOfDepths = 1.2;
 /// @param exponent value of p where the samples do not determine it (kLeastSpreadOfDepths)
 /// @throws InputError when there is no sample, or one without depth or radius.
 [[nodiscard]] ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& rule = {},
-                                 double exponent = model::ProfileParameters{}.depth_exponent);
+                                 double exponent = model::FalloffRatios{}.depth_exponent);
 
 }  // namespace palpate::validate

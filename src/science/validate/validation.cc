@@ -89,9 +89,8 @@ ForceComparison compare_force(const identify::Specimen& specimen, const Law& law
   return comparison;
 }
 
-DeformationComparison compare_deformation(const Deformation& deformation,
-                                          const model::ProfileParameters& reach, double depth,
-                                          double tip_radius, const SurfaceRule& rule) {
+DeformationComparison compare_deformation(const Deformation& deformation, const model::FalloffRatios& reach,
+                                          double depth, double tip_radius, const SurfaceRule& rule) {
   DeformationComparison comparison;
   comparison.rule = rule;
   comparison.measured = deformation;

@@ -70,7 +70,7 @@ ForceSet compare_forces(const identify::Specimen& specimen, const Law& law, cons
 
 void compare_profiles(const std::vector<Deformation>& profiles, const std::vector<double>& depths,
                       double tip_radius, bool fit_first, Validation& validation, const SurfaceRule& rule) {
-  model::ProfileParameters& reach = validation.law.tissue.reach;
+  model::FalloffRatios& reach = validation.law.tissue.reach;
   std::vector<ReachSample> samples;
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     // Rejects a profile without depth.

@@ -82,7 +82,7 @@ void order_by_place(geometry::TriangleMesh& mesh) {
 
 }  // namespace
 
-OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::ProfileParameters& reach,
+OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
                            Detail detail)
     : reach_(reach), detail_(detail) {
   double edge = std::clamp(geometry::bounds(rest).size().norm() / kEdgesAcross, kShortestEdge, kLongestEdge);

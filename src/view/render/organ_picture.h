@@ -18,7 +18,7 @@ enum class Detail {
 class OrganPicture final {
  public:
   /// [setup] @param rest rest surface, organ frame, metres
-  OrganPicture(const geometry::TriangleMesh& rest, const model::ProfileParameters& reach,
+  OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
                Detail detail = Detail::kStill);
 
   /// [setup] Updates the deformation for the current contacts. With Detail::kStill the result depends on this
@@ -44,7 +44,7 @@ class OrganPicture final {
   void take_surface(geometry::TriangleMesh rest);
   void lower_onto(const ToolImprint& imprint, std::span<const deform::Indentation> indentations);
 
-  model::ProfileParameters reach_;
+  model::FalloffRatios reach_;
   Detail detail_;
   geometry::TriangleMesh base_;
   std::vector<Vec3> centres_;  // where the surface is refined

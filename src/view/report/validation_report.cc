@@ -135,7 +135,7 @@ void write_summary(Page& page, const Validation& validation, const std::string& 
   }
   page.table(rows);
   if (validation.reach) {
-    const model::ProfileParameters& reach = validation.reach->reach;
+    const model::FalloffRatios& reach = validation.reach->reach;
     page.paragraph(
         fmt::format("The reach was fitted to these profiles: c = {}, a = {}, s = {}, g = {}, p = {}{}",
                     brief(reach.contact_ratio, 3), brief(reach.first_bar_ratio, 3), brief(reach.bar_ratio, 3),

@@ -40,7 +40,7 @@ ContactField field(const Vector3f& direction, float depth, float tip_radius, flo
   f.normal_part = depth * direction.z() * Vector3f::UnitZ();
   f.side_part = depth * direction - f.normal_part;
   f.reach = static_cast<float>(
-      DisplacementProfile({}, static_cast<double>(depth), static_cast<double>(tip_radius)).reach());
+      DisplacementProfile({}, static_cast<double>(depth), static_cast<double>(tip_radius)).outer_radius());
   f.side_reach = spread * f.reach;
   f.lowered = f.lowered_side = kShare;
   f.limit = table().where(kShare) * f.side_reach;

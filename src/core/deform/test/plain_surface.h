@@ -202,7 +202,7 @@ class PlainDeformer final {
  public:
   explicit PlainDeformer(const geometry::TriangleMesh& rest) : geodesic_(rest), sums_(rest.vertices.size()) {}
 
-  [[nodiscard]] std::vector<Vec3> deformed(const model::ProfileParameters& reach,
+  [[nodiscard]] std::vector<Vec3> deformed(const model::FalloffRatios& reach,
                                            std::span<const Indentation> indentations, double rounding = 0.0) {
     std::vector<Vec3> vertices = geodesic_.mesh().vertices;
     sums_.assign(vertices.size(), {});
@@ -247,7 +247,7 @@ class PlainDeformer final {
     return nearest;
   }
 
-  void add(const model::ProfileParameters& reach, const Indentation& indentation, double rounding) {
+  void add(const model::FalloffRatios& reach, const Indentation& indentation, double rounding) {
     const PlainPoint contact = geodesic_.nearest(indentation.point);
     const double along_normal = indentation.direction.dot(contact.normal);
     double depth = indentation.depth;
@@ -260,7 +260,7 @@ class PlainDeformer final {
     const DisplacementProfile side_profile = profile.widened(std::max(1.0, fold));
 
     // The profile ends at its reach, the rounded one at reach / (1 - rounding).
-    const double limit = side_profile.reach() / (1.0 - rounding);
+    const double limit = side_profile.outer_radius() / (1.0 - rounding);
     geodesic_.compute(contact, limit);
     for (const std::int32_t v : geodesic_.reached()) {
       const double r = geodesic_.at(v);

@@ -22,7 +22,7 @@ std::size_t bytes_of(std::string_view section) {
 }
 
 TEST(TissueFields, EveryNumberOfATissueHasALine) {
-  EXPECT_EQ(bytes_of("reach"), sizeof(ProfileParameters));
+  EXPECT_EQ(bytes_of("reach"), sizeof(FalloffRatios));
   EXPECT_EQ(bytes_of("contact"), sizeof(ContactParameters));
   EXPECT_EQ(bytes_of(""), offsetof(TissueNumbers, law));
 }

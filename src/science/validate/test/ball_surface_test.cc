@@ -8,7 +8,7 @@
 namespace palpate::validate {
 namespace {
 
-constexpr model::ProfileParameters kReach{1.1, 0.43, 1.8, 0.58};
+constexpr model::FalloffRatios kReach{1.1, 0.43, 1.8, 0.58};
 
 TEST(BallSurface, IsTheModelsProfileWithItsBound) {
   const BallSurface surface(kReach, 8e-3, 5e-3, {});
@@ -34,7 +34,7 @@ TEST(BallSurface, AsDrawnKnowsHowASurfaceBulges) {
 // A rest surface of radius 3 mm faces away from the ball beyond 3 pi/2 = 4.71 mm. At 30 degrees it is 1.5 mm
 // from the axis and 3 - sqrt(6.75) mm lower, and the ball is 5 - sqrt(22.75) mm above its lowest point.
 TEST(BallSurface, AsDrawnOnASurfaceThatBulgesMoreThanTheBallEndsWhereThatFacesAway) {
-  const model::ProfileParameters reach{0.2, 0.43, 1.8, 0.58};
+  const model::FalloffRatios reach{0.2, 0.43, 1.8, 0.58};
   const BallSurface surface(reach, 10e-3, 5e-3, {true, 3e-3});
   const deform::DisplacementProfile profile(reach, 10e-3, 5e-3);
   const double behind = 5.0 - std::sqrt(22.75) + 3.0 - std::sqrt(6.75);
@@ -44,7 +44,7 @@ TEST(BallSurface, AsDrawnOnASurfaceThatBulgesMoreThanTheBallEndsWhereThatFacesAw
 }
 
 TEST(BallSurface, AsDrawnBeyondTheBallsEdgeIsTheProfile) {
-  const model::ProfileParameters reach{0.2, 0.43, 1.8, 0.58};
+  const model::FalloffRatios reach{0.2, 0.43, 1.8, 0.58};
   const BallSurface surface(reach, 8e-3, 5e-3, {true, 10e-3});
   const deform::DisplacementProfile profile(reach, 8e-3, 5e-3);
   // The ball's edge, 5 mm from the axis, is 10 asin(0.5) = 5.24 mm along the surface.

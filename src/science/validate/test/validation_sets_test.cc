@@ -10,7 +10,7 @@ namespace palpate::validate {
 namespace {
 
 /// u(r) for given falloff ratios under a ball of 5 mm.
-Deformation profile_of(const model::ProfileParameters& reach, double depth) {
+Deformation profile_of(const model::FalloffRatios& reach, double depth) {
   Deformation made;
   made.name = "side";
   made.depth = depth;
@@ -30,7 +30,7 @@ Validation of_liver() {
 
 TEST(CompareProfiles, FindsNoErrorInTheTissuesOwnProfiles) {
   Validation validation = of_liver();
-  const model::ProfileParameters reach = validation.law.tissue.reach;
+  const model::FalloffRatios reach = validation.law.tissue.reach;
   compare_profiles({profile_of(reach, 2e-3), profile_of(reach, 4e-3)}, {0.0, 4e-3}, 5e-3, false, validation);
   ASSERT_EQ(validation.profiles.size(), 2U);
   EXPECT_EQ(validation.profiles[0].ours.depth, 2e-3) << "its own";
@@ -41,7 +41,7 @@ TEST(CompareProfiles, FindsNoErrorInTheTissuesOwnProfiles) {
 
 TEST(CompareProfiles, ComparesWithTheReachThatItFittedFirst) {
   Validation validation = of_liver();
-  const model::ProfileParameters wide{1.3, 0.5, 1.7, 0.6};
+  const model::FalloffRatios wide{1.3, 0.5, 1.7, 0.6};
   compare_profiles({profile_of(wide, 2e-3), profile_of(wide, 4e-3)}, {0.0, 0.0}, 5e-3, true, validation);
   ASSERT_TRUE(validation.reach.has_value());
   EXPECT_EQ(validation.law.tissue.reach.contact_ratio, validation.reach->reach.contact_ratio);

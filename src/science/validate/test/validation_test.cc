@@ -94,7 +94,7 @@ TEST(LawOfValidation, GivesTheDepthUnderAForceAndRefusesWhatItCannotTake) {
 }
 
 TEST(CompareDeformation, LeavesNothingOfTheModelsOwnProfile) {
-  const model::ProfileParameters reach;
+  const model::FalloffRatios reach;
   Deformation own = places(4e-3);
   const deform::DisplacementProfile profile(reach, 4e-3, 5e-3, 5e-3);
   for (const double r : own.distance) own.displacement.push_back(profile.at(r));
@@ -122,7 +122,7 @@ TEST(CompareDeformation, RefusesAMissingDepthAndAMistakenOne) {
 }
 
 TEST(FitReach, FindsTheReachThatMadeTheProfiles) {
-  const model::ProfileParameters truth{0.9, 0.5, 1.7, 0.6};
+  const model::FalloffRatios truth{0.9, 0.5, 1.7, 0.6};
   std::vector<ReachSample> samples;
   for (const double depth : {1e-3, 3e-3}) {
     Deformation made = places(depth);
@@ -139,8 +139,7 @@ TEST(FitReach, FindsTheReachThatMadeTheProfiles) {
 }
 
 /// Profiles for given falloff ratios under a ball of 5 mm, as displayed (R_1 without a bound).
-std::vector<ReachSample> samples_of(const model::ProfileParameters& reach,
-                                    const std::vector<double>& depths) {
+std::vector<ReachSample> samples_of(const model::FalloffRatios& reach, const std::vector<double>& depths) {
   std::vector<ReachSample> samples;
   for (const double depth : depths) {
     Deformation made = places(depth);
@@ -153,7 +152,7 @@ std::vector<ReachSample> samples_of(const model::ProfileParameters& reach,
 
 TEST(FitReach, FindsTheExponentThatMadeTheProfilesOfSeveralDepths) {
   for (const double exponent : {0.25, 0.37, 0.5, 0.8}) {
-    const model::ProfileParameters truth{0.9, 0.5, 1.7, 0.6, exponent};
+    const model::FalloffRatios truth{0.9, 0.5, 1.7, 0.6, exponent};
     const ReachFit fit = fit_reach(samples_of(truth, {1e-3, 2e-3, 4e-3, 8e-3}), {true, 0.0});
     EXPECT_NEAR(fit.reach.depth_exponent, exponent, 1e-3);
     EXPECT_NEAR(fit.reach.contact_ratio, 0.9, 0.01);
@@ -163,7 +162,7 @@ TEST(FitReach, FindsTheExponentThatMadeTheProfilesOfSeveralDepths) {
 }
 
 TEST(FitReach, KeepsTheExponentAsGivenWhereTheDepthsAreTooAlikeToDetermineIt) {
-  const model::ProfileParameters truth{0.9, 0.5, 1.7, 0.6, 0.3};
+  const model::FalloffRatios truth{0.9, 0.5, 1.7, 0.6, 0.3};
   for (const std::vector<double>& depths : {std::vector{3e-3}, std::vector{3e-3, 3.5e-3}}) {
     const ReachFit fit = fit_reach(samples_of(truth, depths), {true, 0.0}, 0.7);
     EXPECT_TRUE(fit.exponent_kept);
