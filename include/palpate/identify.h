@@ -166,7 +166,7 @@ struct SpecimenFit {
   std::vector<Estimate> estimates;  // in the order of labels(terms)
   double rms = 0.0;                 // N, over all points
   double nrmse = 0.0;               // rms / force range
-  double leave_out = 0.0;           // error of k-fold cross-validation: nrmse of points that their fit did
+  double cross_validation = 0.0;    // error of k-fold cross-validation: nrmse of points that their fit did
                                     // not use
   std::size_t points = 0;           // number of points fitted
   std::size_t rows = 0;             // number of rows in the file
@@ -174,7 +174,7 @@ struct SpecimenFit {
   Curve curve;
   Point shared;  // of the best fit
   Point own;
-  std::vector<Point> minima;  // other local optima, best first: shared, then own parameters
+  std::vector<Point> local_optima;  // other local optima, best first: shared, then own parameters
 };
 
 /// Pooled fit of all specimens: one set of shared parameters, own parameters for each specimen.

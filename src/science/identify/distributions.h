@@ -7,6 +7,6 @@ namespace palpate::identify {
 [[nodiscard]] double normal_cdf(double z) noexcept;
 
 /// [any] 97.5 % quantile of Student's t distribution. `freedom` below 3 is treated as 3.
-[[nodiscard]] double student(double freedom);
+[[nodiscard]] double student_t_quantile(double freedom);
 
 }  // namespace palpate::identify

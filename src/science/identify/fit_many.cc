@@ -26,7 +26,7 @@ class Fitting final {
   void by_specimen() {
     std::size_t done = 0;
     const auto key = [&](std::size_t i) {
-      return key_of(specimens_[i], settings_, static_cast<std::uint32_t>(i));
+      return record_key(specimens_[i], settings_, static_cast<std::uint32_t>(i));
     };
     const auto run = [&](std::size_t i) {
       const Progress within = [&](double share, const std::string& what) {
@@ -50,7 +50,8 @@ class Fitting final {
         if (ranks_.rank() == 0)
           report_progress(static_cast<double>(i) + share, specimens_[i].name + ": " + what);
       };
-      const std::string* line = record_.find(key_of(specimens_[i], settings_, static_cast<std::uint32_t>(i)));
+      const std::string* line =
+          record_.find(record_key(specimens_[i], settings_, static_cast<std::uint32_t>(i)));
       lines_.push_back(line != nullptr ? *line : fitted(i, within, &ranks_));
       if (line == nullptr) record_.add(lines_.back());
       if (line != nullptr) ++resumed_;
@@ -60,7 +61,7 @@ class Fitting final {
   ManyFits finish() {
     ManyFits many;
     many.resumed = resumed_;
-    for (const std::string& line : lines_) many.specimens.push_back(fit_of(line));
+    for (const std::string& line : lines_) many.specimens.push_back(parse_record_line(line));
     const auto count = static_cast<double>(specimens_.size());
     const Progress pooled = [&](double share, const std::string& what) {
       if (ranks_.rank() == 0) report_progress(count * (1.0 + kPooledShare * share), what);
@@ -74,8 +75,8 @@ class Fitting final {
  private:
   std::string fitted(std::size_t i, const Progress& progress, tasks::Ranks* ranks) const {
     const auto job = static_cast<std::uint32_t>(i);
-    return line_of(key_of(specimens_[i], settings_, job),
-                   fit_specimen(specimens_[i], settings_, job, progress, ranks));
+    return record_line(record_key(specimens_[i], settings_, job),
+                       fit_specimen(specimens_[i], settings_, job, progress, ranks));
   }
 
   void report_progress(double done, const std::string& what) const {

@@ -10,18 +10,18 @@ namespace palpate::identify {
 
 /// [setup] Hash of all inputs of a specimen's fit (data, index, settings, program version) as 32 hexadecimal
 /// digits.
-[[nodiscard]] std::string key_of(const Specimen& specimen, const Settings& settings, std::uint32_t job);
+[[nodiscard]] std::string record_key(const Specimen& specimen, const Settings& settings, std::uint32_t job);
 
-/// [setup] A fit as one line of JSON without line end. fit_of() restores it bit for bit.
-[[nodiscard]] std::string line_of(const std::string& key, const SpecimenFit& fit);
+/// [setup] A fit as one line of JSON without line end. parse_record_line() restores it bit for bit.
+[[nodiscard]] std::string record_line(const std::string& key, const SpecimenFit& fit);
 
-/// [setup] Parses a line of line_of(). @throws InputError when the line is invalid.
-[[nodiscard]] SpecimenFit fit_of(const std::string& line);
+/// [setup] Parses a line of record_line(). @throws InputError when the line is invalid.
+[[nodiscard]] SpecimenFit parse_record_line(const std::string& line);
 
 /// [setup] Hash of all inputs of a sweep piece: the request (as text), the index of the piece, the specimens
 /// and the settings.
-[[nodiscard]] std::string sweep_key_of(const std::string& request, std::size_t piece,
-                                       const std::vector<Specimen>& specimens, const Settings& settings);
+[[nodiscard]] std::string sweep_record_key(const std::string& request, std::size_t piece,
+                                           const std::vector<Specimen>& specimens, const Settings& settings);
 
 /// [setup] Checks that a line is a complete fit or sweep piece. @throws InputError or an exception of the
 /// JSON library.

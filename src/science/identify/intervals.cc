@@ -9,7 +9,7 @@
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "science/identify/distributions.h"
-#include "science/identify/valley.h"
+#include "science/identify/profile_path.h"
 
 namespace palpate::identify {
 namespace {
@@ -73,14 +73,14 @@ double likelihood_limit(double effective, std::size_t parameters) {
   // Widens the test for laws with several local optima, which a test at one of them does not cover. With 1,
   // in some rows of tools/update_accuracy 88 of 100 intervals contain the true value.
   constexpr double kWider = 1.2;
-  return kWider * student(effective - static_cast<double>(parameters));
+  return kWider * student_t_quantile(effective - static_cast<double>(parameters));
 }
 
-std::vector<Point> profile_points(const Minima& minima, double effective,
+std::vector<Point> profile_points(const LocalOptima& optima, double effective,
                                   const std::function<void(double)>& progress) {
-  const Problem& problem = minima.problem;
+  const Problem& problem = optima.problem;
   const std::size_t parameters = problem.bounds.low.size() + kOwnParameters;
-  const double best = log_posterior_of(problem, minima.all.front(), effective);
+  const double best = log_posterior_of(problem, optima.all.front(), effective);
   const double t = likelihood_limit(effective, parameters);
   // square root of the likelihood ratio, divided by the limit of the test
   const auto ratio = [&](const Solution& at) {
@@ -88,22 +88,22 @@ std::vector<Point> profile_points(const Minima& minima, double effective,
   };
   std::vector<Point> points;
   const auto keep = [&points](const Solution& at) { points.push_back(joined(at)); };
-  for (std::size_t m = 0; m < minima.all.size(); ++m) {
-    if (progress) progress(static_cast<double>(m) / static_cast<double>(minima.all.size()));
-    if (!(ratio(minima.all[m]) <= 1.0) || enclosed(joined(minima.all[m]), points)) continue;
-    keep(minima.all[m]);
+  for (std::size_t m = 0; m < optima.all.size(); ++m) {
+    if (progress) progress(static_cast<double>(m) / static_cast<double>(optima.all.size()));
+    if (!(ratio(optima.all[m]) <= 1.0) || enclosed(joined(optima.all[m]), points)) continue;
+    keep(optima.all[m]);
     for (std::size_t i = 0; i < parameters; ++i) {
       for (const double direction : {-1.0, 1.0})
-        walk_valley(problem, minima.all[m], i, direction, ratio, keep);
+        follow_profile_path(problem, optima.all[m], i, direction, ratio, keep);
     }
   }
   return points;
 }
 
-Curvature curvature_of(const Minima& minima) {
-  const Problem& problem = minima.problem;
+Curvature curvature_of(const LocalOptima& optima) {
+  const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
-  const Solution& best = minima.all.front();
+  const Solution& best = optima.all.front();
   const std::vector<double> derivatives = jacobian(problem, part, best.shared, best.own.front());
   const auto rows = static_cast<Eigen::Index>(residual_count(part));
   const auto columns = static_cast<Eigen::Index>(best.shared.size() + kOwnParameters);
@@ -115,8 +115,8 @@ Curvature curvature_of(const Minima& minima) {
   const Eigen::ArrayXd room = svd.singularValues().array().max(smallest).inverse();
   const Eigen::MatrixXd reach = svd.matrixV() * room.matrix().asDiagonal();
   const Eigen::MatrixXd covariance = reach * reach.transpose();
-  const double inflate = static_cast<double>(part.specimen->size()) / std::max(1.0, minima.effective);
-  const double t = student(minima.effective - static_cast<double>(columns));
+  const double inflate = static_cast<double>(part.specimen->size()) / std::max(1.0, optima.effective);
+  const double t = student_t_quantile(optima.effective - static_cast<double>(columns));
   Curvature curvature;
   for (Eigen::Index c = 0; c < columns; ++c) {
     std::vector<double>& row = curvature.correlations.emplace_back();

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "palpate/identify.h"
-#include "science/identify/minima.h"
+#include "science/identify/local_optima.h"
 
 namespace palpate::identify {
 
@@ -28,7 +28,7 @@ namespace palpate::identify {
 /// [setup] Points along the profile likelihood of each parameter [Raue 2009]: one parameter is moved away
 /// from the optimum and all others are fitted again, as far as likelihood_limit() allows. Profiles start at
 /// each local optimum within that limit that the previous points do not enclose.
-[[nodiscard]] std::vector<Point> profile_points(const Minima& minima, double effective,
+[[nodiscard]] std::vector<Point> profile_points(const LocalOptima& optima, double effective,
                                                 const std::function<void(double)>& progress);
 
 /// Intervals and correlations from the curvature (the covariance matrix) at the best local optimum.
@@ -38,6 +38,6 @@ struct Curvature {
 };
 
 /// [setup]
-[[nodiscard]] Curvature curvature_of(const Minima& minima);
+[[nodiscard]] Curvature curvature_of(const LocalOptima& optima);
 
 }  // namespace palpate::identify

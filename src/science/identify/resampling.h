@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "science/identify/minima.h"
+#include "science/identify/local_optima.h"
 #include "science/tasks/ranks.h"
 
 namespace palpate::identify {
@@ -13,12 +13,12 @@ namespace palpate::identify {
 /// resample is fitted from the best optima.
 /// @param ranks share the resamples and must all make this call; null: this process only
 /// @return one point per resample, shared parameters first
-[[nodiscard]] std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed,
+[[nodiscard]] std::vector<Point> bootstrap(const LocalOptima& optima, int count, std::uint64_t seed,
                                            std::uint32_t job, const std::function<void(double)>& progress,
                                            tasks::Ranks* ranks = nullptr);
 
 /// [setup] Error of 5-fold cross-validation: RMS residual of the points left out (every fifth point in each
 /// fold), divided by the force range.
-[[nodiscard]] double leave_out_error(const Minima& minima);
+[[nodiscard]] double cross_validation_error(const LocalOptima& optima);
 
 }  // namespace palpate::identify

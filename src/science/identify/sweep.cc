@@ -139,8 +139,8 @@ class Sweeping final {
 
  private:
   [[nodiscard]] std::string key_of_piece(std::size_t i) const {
-    return sweep_key_of(text_of(pieces_[i].request), 2 * pieces_[i].target + (pieces_[i].upwards ? 1 : 0),
-                        specimens_, settings_);
+    return sweep_record_key(text_of(pieces_[i].request), 2 * pieces_[i].target + (pieces_[i].upwards ? 1 : 0),
+                            specimens_, settings_);
   }
 
   [[nodiscard]] std::string name_of(const SweepPiece& piece) const {

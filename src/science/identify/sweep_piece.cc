@@ -13,11 +13,11 @@
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "science/identify/intervals.h"
-#include "science/identify/minima.h"
+#include "science/identify/local_optima.h"
+#include "science/identify/multistart.h"
 #include "science/identify/number_json.h"
 #include "science/identify/parts.h"
-#include "science/identify/starts.h"
-#include "science/identify/valley.h"
+#include "science/identify/profile_path.h"
 
 namespace palpate::identify {
 namespace {
@@ -45,9 +45,9 @@ class Target final {
       used_ = {as_fitted(specimens[number], settings)};
       problem_ = make_problem(settings, fit.terms, {make_part(used_.front())});
       best_ = {fit.shared, {fit.own}};
-      for (const Point& minimum : fit.minima) {
+      for (const Point& minimum : fit.local_optima) {
         const auto own = minimum.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
-        minima_.push_back({Point(minimum.begin(), own), {Point(own, minimum.end())}});
+        optima_.push_back({Point(minimum.begin(), own), {Point(own, minimum.end())}});
       }
     }
     set_loss(problem_, best_);
@@ -57,7 +57,7 @@ class Target final {
       effective_ +=
           effective_sample_size(plain_residuals(problem_, problem_.parts[p], best_.shared, best_.own[p]));
     }
-    effective_ = trusted_count(effective_, used_.front().size(), best_.shared.size() + kOwnParameters);
+    effective_ = limited_sample_size(effective_, used_.front().size(), best_.shared.size() + kOwnParameters);
   }
 
   Target(const Target&) = delete;  // problem_ points into used_
@@ -85,22 +85,22 @@ class Target final {
       problem_.bounds.low[index] = std::min(problem_.bounds.low[index], value);
       problem_.bounds.high[index] = std::max(problem_.bounds.high[index], value);
       const bool own = value == best_.shared[index];
-      found.push_back(own ? best_ : moved_to(problem_, found.empty() ? best_ : found.back(), index, value));
+      found.push_back(own ? best_ : profile_at(problem_, found.empty() ? best_ : found.back(), index, value));
     }
-    for (const Solution& minimum : minima_) {
+    for (const Solution& minimum : optima_) {
       if (found.empty()) break;
       const std::size_t i = nearest(values, minimum.shared[index]);
-      take_better(moved_to(problem_, minimum, index, values[i]), found[i]);
+      take_better(profile_at(problem_, minimum, index, values[i]), found[i]);
     }
     for (std::size_t i = 0; i < found.size(); ++i) {
       const bool searched = !pooled_ || i + 1 == found.size();  // expensive for the pooled problem
       if (searched) search_at(index, values[i], found[i]);
     }
     for (std::size_t i = found.size(); i-- > 1;) {
-      take_better(moved_to(problem_, found[i], index, values[i - 1]), found[i - 1]);
+      take_better(profile_at(problem_, found[i], index, values[i - 1]), found[i - 1]);
     }
     for (std::size_t i = 1; i < found.size(); ++i) {
-      take_better(moved_to(problem_, found[i - 1], index, values[i]), found[i]);
+      take_better(profile_at(problem_, found[i - 1], index, values[i]), found[i]);
     }
     free_stuck(index, values, found);
     return found;
@@ -114,7 +114,7 @@ class Target final {
     std::vector<Solution> found;
     for (int n = 0; n < kMost && (found.empty() || !point_of(found.back(), index).within_95); ++n) {
       value = 0.5 * (best + value);
-      found.push_back(moved_to(problem_, best_, index, value));
+      found.push_back(profile_at(problem_, best_, index, value));
     }
     return found;
   }
@@ -131,7 +131,7 @@ class Target final {
       for (const double end : {values[i - 1], values[i + 1]}) {
         for (const double share : {0.2, 0.4, 0.6, 0.8}) {
           const double value = values[i] + share * (end - values[i]);
-          Solution tried = moved_to(problem_, found[i], index, value);
+          Solution tried = profile_at(problem_, found[i], index, value);
           search_at(index, value, tried);
           take_better(std::move(tried), lowest);
         }
@@ -150,7 +150,7 @@ class Target final {
     point.nrmse = nrmse_of(solution);
     if (pooled_) {
       point.deviance = std::numeric_limits<double>::quiet_NaN();
-      point.within_95 = specimens_leave(best_costs_, part_costs(problem_, solution));
+      point.within_95 = in_confidence_set(best_costs_, part_costs(problem_, solution));
     } else {
       const double t = likelihood_limit(effective_, shared_count(problem_.terms) + kOwnParameters);
       point.deviance = 2.0 * (posterior_of(best_) - posterior_of(solution));
@@ -173,7 +173,8 @@ class Target final {
   /// Replaces `kept` by the result of a search with the parameter held at `value`, when it is better.
   void search_at(std::size_t index, double value, Solution& kept) const {
     const Point relaxation(best_.shared.begin() + kLawParameters, best_.shared.end());
-    for (Solution start : pooled_ ? more_ : starts_at(problem_, index, value, relaxation, kStarts)) {
+    for (Solution start :
+         pooled_ ? more_ : multistart_points_at(problem_, index, value, relaxation, kStarts)) {
       start.shared[index] = value;
       take_better(solve(problem_, start, kSteps, static_cast<int>(index)), kept);
     }
@@ -205,7 +206,7 @@ class Target final {
   Solution best_;
   std::vector<double> best_costs_;
   std::vector<Solution> more_;    // pooled: the fits of single specimens
-  std::vector<Solution> minima_;  // local optima of the fit other than the best
+  std::vector<Solution> optima_;  // local optima of the fit other than the best
   double effective_ = 0.0;
 };
 

@@ -13,11 +13,11 @@ namespace palpate::identify {
 namespace {
 
 /// Three digits are enough for a sentence.
-void add_undetermined(const std::vector<Determined>& determined, const SpecimenFit& fit,
+void add_undetermined(const std::vector<Identifiability>& determined, const SpecimenFit& fit,
                       std::vector<std::string>& out) {
   const std::vector<ParameterLabel> names = labels(fit.terms);
   for (std::size_t i = 0; i < determined.size(); ++i) {
-    if (determined[i] == Determined::kYes) continue;
+    if (determined[i] == Identifiability::kIdentifiable) continue;
     out.push_back(undetermined_warning(determined[i], names[i], fit.estimates[i].interval));
   }
 }
@@ -70,8 +70,8 @@ bool turns_back(const Specimen& specimen, double range) {
   return !specimen.time.empty() && back > 0.5 * range;
 }
 
-void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::string>& out) {
-  const Problem& problem = minima.problem;
+void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std::string>& out) {
+  const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
   if (fit.rows > fit.points) {
     out.push_back(fmt::format("{} rows were averaged to {} points", fit.rows, fit.points));
@@ -101,11 +101,11 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
   if (fit.layers_reached < 2) {
     out.emplace_back("the data stay within the first layer: they do not determine beta and q");
   }
-  if (minima.effective < 0.5 * static_cast<double>(fit.points)) {
+  if (optima.effective < 0.5 * static_cast<double>(fit.points)) {
     out.push_back(
         fmt::format("residuals are autocorrelated, so {} points count as {} in the intervals: the law "
                     "does not fit the curve's shape everywhere",
-                    fit.points, brief(minima.effective, 3)));
+                    fit.points, brief(optima.effective, 3)));
   }
   if (fit.terms == 0 && turns_back(*part.specimen, part.ranges.displacement)) {
     out.emplace_back(
@@ -115,38 +115,38 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
 
 }  // namespace
 
-Determined determined_by(double low, double high, double lowest, double highest) {
+Identifiability identifiability_of_interval(double low, double high, double lowest, double highest) {
   const double whole = highest - lowest;
-  if (high - low > 0.5 * whole) return Determined::kSpansMost;
+  if (high - low > 0.5 * whole) return Identifiability::kSpansSearchRange;
   const bool at_end = low - lowest < 0.03 * whole || highest - high < 0.03 * whole;
-  return at_end ? Determined::kEndsWhereTheSearchEnds : Determined::kYes;
+  return at_end ? Identifiability::kAtSearchBound : Identifiability::kIdentifiable;
 }
 
-std::string undetermined_warning(Determined how, const ParameterLabel& label, const Interval& interval) {
+std::string undetermined_warning(Identifiability how, const ParameterLabel& label, const Interval& interval) {
   return fmt::format("{} is not determined by the data: its interval, {} to {}{}", label.name,
                      brief(interval.low / label.unit, 3), brief(interval.high / label.unit, 3),
-                     how == Determined::kSpansMost ? ", spans most of the searched range"
-                                                   : ", ends at a bound of the search");
+                     how == Identifiability::kSpansSearchRange ? ", spans most of the searched range"
+                                                               : ", ends at a bound of the search");
 }
 
-std::vector<Determined> determined_of(const Minima& minima, const std::vector<Point>& points) {
-  const Bounds& bounds = minima.problem.bounds;
-  std::vector<Determined> determined;
+std::vector<Identifiability> identifiability_of(const LocalOptima& optima, const std::vector<Point>& points) {
+  const Bounds& bounds = optima.problem.bounds;
+  std::vector<Identifiability> determined;
   for (std::size_t i = 0; i < bounds.low.size(); ++i) {
     const auto [low, high] = std::minmax_element(points.begin(), points.end(),
                                                  [i](const Point& a, const Point& b) { return a[i] < b[i]; });
-    determined.push_back(determined_by((*low)[i], (*high)[i], bounds.low[i], bounds.high[i]));
+    determined.push_back(identifiability_of_interval((*low)[i], (*high)[i], bounds.low[i], bounds.high[i]));
   }
   return determined;
 }
 
-std::vector<std::string> warnings_of(const Minima& minima, const std::vector<Point>& points,
+std::vector<std::string> warnings_of(const LocalOptima& optima, const std::vector<Point>& points,
                                      const Curvature& curvature, const SpecimenFit& fit) {
   std::vector<std::string> out;
-  add_undetermined(determined_of(minima, points), fit, out);
+  add_undetermined(identifiability_of(optima, points), fit, out);
   add_correlated(curvature.correlations, fit, out);
-  add_wide_law(fit, minima.problem.parts.front(), out);
-  add_data(minima, fit, out);
+  add_wide_law(fit, optima.problem.parts.front(), out);
+  add_data(optima, fit, out);
   return out;
 }
 

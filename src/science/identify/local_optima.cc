@@ -1,4 +1,4 @@
-#include "science/identify/minima.h"
+#include "science/identify/local_optima.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "science/identify/forward.h"
-#include "science/identify/starts.h"
-#include "science/identify/valley.h"
+#include "science/identify/multistart.h"
+#include "science/identify/profile_path.h"
 
 namespace palpate::identify {
 namespace {
@@ -101,7 +101,7 @@ std::vector<Solution> neighbours(const Problem& problem, const Solution& minimum
 }
 
 /// Normalised median absolute deviation of all residuals of a solution.
-double robust_spread(const Problem& problem, const Solution& solution) {
+double residual_mad(const Problem& problem, const Solution& solution) {
   std::vector<double> all;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     const std::vector<double> values =
@@ -122,14 +122,14 @@ double sigma_of(const Problem& problem, const Solution& solution) {
 
 /// Refines an optimum to convergence, and sets the loss scale and sigma from its residuals. Sigma weights the
 /// priors, and many outliers widen the loss, so this repeats until both are constant.
-void polish(Problem& problem, Solution& best) {
+void refine_optimum(Problem& problem, Solution& best) {
   constexpr int kMostRounds = 10;
   constexpr int kSteps = 400;  // many, for a narrow optimum where parameters are hardly determined
   constexpr double kSame = 0.8;
   for (int round = 0; round < kMostRounds; ++round) {
     best = solve(problem, best, kSteps);
     const double sigma = sigma_of(problem, best);
-    const double loss_scale = kLoss * robust_spread(problem, best);
+    const double loss_scale = kLoss * residual_mad(problem, best);
     const bool settled = sigma > kSame * problem.sigma && loss_scale > kSame * problem.loss_scale;
     problem.sigma = sigma;
     if (settled) return;
@@ -140,7 +140,7 @@ void polish(Problem& problem, Solution& best) {
 /// The best solution near an optimum, from short steps along each parameter of the law. For a law with
 /// corners the cost has a kink wherever a corner passes a data point, hence many local optima close together;
 /// a descent finds only the nearest.
-Solution best_beside(const Problem& problem, const Solution& from) {
+Solution best_nearby(const Problem& problem, const Solution& from) {
   constexpr int kMostRounds = 6;
   constexpr double kStep = 0.05;                 // logarithm: about the spacing of data points
   const int steps = problem.terms == 0 ? 4 : 1;  // with relaxation each step is expensive
@@ -151,7 +151,7 @@ Solution best_beside(const Problem& problem, const Solution& from) {
       for (const double step : {-kStep, kStep}) {
         Solution at = centre;
         for (int n = 0; n < steps; ++n) {
-          at = moved_along(problem, at, index, step);
+          at = profile_step(problem, at, index, step);
           Solution found = descend(problem, {at}, effort_for(problem).steps).front();
           if (found.cost < best.cost) best = std::move(found);
         }
@@ -179,11 +179,11 @@ std::vector<Solution> search(const Problem& problem, const std::vector<Solution>
 void settle(Problem& problem, std::vector<Solution>& found) {
   constexpr int kMostRounds = 3;
   for (int round = 0; round < kMostRounds; ++round) {
-    polish(problem, found.front());
+    refine_optimum(problem, found.front());
     const double polished = found.front().cost;
     if (!std::isfinite(polished) || problem.parts.size() > 1) return;  // only for one specimen
     for (Solution& other : neighbours(problem, found.front())) found.push_back(std::move(other));
-    found.insert(found.begin(), best_beside(problem, found.front()));
+    found.insert(found.begin(), best_nearby(problem, found.front()));
     found = distinct(descend(problem, found, effort_for(problem).steps), kKept);
     if (!(found.front().cost < (1.0 - kGain) * polished)) return;
   }
@@ -223,7 +223,7 @@ double farthest(const Problem& problem, const Solution& solution) {
 
 void set_loss(Problem& problem, Solution best) {
   constexpr int kRounds = 3;  // the weight of the priors depends on sigma
-  problem.loss_scale = kLoss * robust_spread(problem, best);
+  problem.loss_scale = kLoss * residual_mad(problem, best);
   for (int round = 0; round < kRounds; ++round) {
     best.cost = cost_of(problem, best.shared, best.own);
     problem.sigma = sigma_of(problem, best);
@@ -247,16 +247,16 @@ std::vector<double> plain_residuals(const Problem& problem, const Part& part, co
   return values;
 }
 
-double trusted_count(double effective, std::size_t points, std::size_t parameters) {
+double limited_sample_size(double effective, std::size_t points, std::size_t parameters) {
   const double fewest = std::min(static_cast<double>(points), 3.0 * static_cast<double>(parameters));
   return std::max(effective, fewest);
 }
 
-Minima search_minima(Problem problem, const std::vector<Solution>& from) {
+LocalOptima run_multistart(Problem problem, const std::vector<Solution>& from) {
   std::vector<Solution> found = search(problem, from);
   if (found.empty()) found = {at_lowest(problem)};
   for (int round = 0; round < 2; ++round) {
-    problem.loss_scale = kLoss * robust_spread(problem, found.front());
+    problem.loss_scale = kLoss * residual_mad(problem, found.front());
     problem.sigma = sigma_of(problem, found.front());
     // Outliers may have misled the search without a loss.
     if (round == 0 && farthest(problem, found.front()) > 2.0 * problem.loss_scale) {
@@ -270,26 +270,26 @@ Minima search_minima(Problem problem, const std::vector<Solution>& from) {
   return {std::move(problem), std::move(found), effective};
 }
 
-void settle_minima(Minima& minima) {
-  settle(minima.problem, minima.all);
-  minima.effective = effective_at(minima.problem, minima.all.front());
+void refine_optima(LocalOptima& optima) {
+  settle(optima.problem, optima.all);
+  optima.effective = effective_at(optima.problem, optima.all.front());
 }
 
-Minima find_minima(Problem problem, const std::vector<Solution>& more) {
-  std::vector<Solution> from = starts(problem, kStarts);
+LocalOptima find_local_optima(Problem problem, const std::vector<Solution>& more) {
+  std::vector<Solution> from = multistart_points(problem, kStarts);
   from.insert(from.begin(), more.begin(), more.end());
-  Minima minima = search_minima(std::move(problem), from);
-  settle_minima(minima);
-  return minima;
+  LocalOptima optima = run_multistart(std::move(problem), from);
+  refine_optima(optima);
+  return optima;
 }
 
-bool descend_further(Minima& minima, const std::vector<Solution>& from) {
-  std::vector<Solution> found = descend(minima.problem, from, effort_for(minima.problem).steps);
-  found.insert(found.end(), minima.all.begin(), minima.all.end());
+bool try_more_starts(LocalOptima& optima, const std::vector<Solution>& from) {
+  std::vector<Solution> found = descend(optima.problem, from, effort_for(optima.problem).steps);
+  found.insert(found.end(), optima.all.begin(), optima.all.end());
   found = distinct(std::move(found), kKept);
-  if (!(found.front().cost < (1.0 - kGain) * minima.all.front().cost)) return false;
-  minima.all = std::move(found);
-  settle_minima(minima);
+  if (!(found.front().cost < (1.0 - kGain) * optima.all.front().cost)) return false;
+  optima.all = std::move(found);
+  refine_optima(optima);
   return true;
 }
 

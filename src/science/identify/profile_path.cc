@@ -1,4 +1,4 @@
-#include "science/identify/valley.h"
+#include "science/identify/profile_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ Solution between(const Solution& from, const Solution& to, double share) {
 
 }  // namespace
 
-Point tangent(const Problem& problem, const Solution& at, std::size_t index) {
+Point profile_tangent(const Problem& problem, const Solution& at, std::size_t index) {
   const auto shared = static_cast<Eigen::Index>(at.shared.size());
   const auto moved = static_cast<Eigen::Index>(index);
   std::vector<Eliminated> parts;
@@ -106,26 +106,26 @@ double parameter_of(const Solution& solution, std::size_t index) {
   return index < shared ? solution.shared[index] : solution.own.front()[index - shared];
 }
 
-Solution moved_along(const Problem& problem, const Solution& at, std::size_t index, double step) {
-  const Solution next = moved_by(problem, at, tangent(problem, at, index), step);
+Solution profile_step(const Problem& problem, const Solution& at, std::size_t index, double step) {
+  const Solution next = moved_by(problem, at, profile_tangent(problem, at, index), step);
   return solve(problem, next, kIterations, static_cast<int>(index));
 }
 
-Solution moved_to(const Problem& problem, Solution at, std::size_t index, double value) {
+Solution profile_at(const Problem& problem, Solution at, std::size_t index, double value) {
   constexpr double kLongest = 0.4;
   const double longest = kLongest * unit_of(at, index);
   const double way = value - parameter_of(at, index);
   const auto steps = static_cast<int>(std::max(1.0, std::ceil(std::abs(way) / longest)));
   for (int n = 0; n < steps; ++n) {
     const double left = value - parameter_of(at, index);
-    at = moved_along(problem, at, index, left / (steps - n));
+    at = profile_step(problem, at, index, left / (steps - n));
   }
   return at;
 }
 
-void walk_valley(const Problem& problem, const Solution& from, std::size_t index, double direction,
-                 const std::function<double(const Solution&)>& excess,
-                 const std::function<void(const Solution&)>& visit) {
+void follow_profile_path(const Problem& problem, const Solution& from, std::size_t index, double direction,
+                         const std::function<double(const Solution&)>& excess,
+                         const std::function<void(const Solution&)>& visit) {
   constexpr int kMostSteps = 40;
   constexpr double kFirst = 0.1;
   constexpr double kLongest = 0.6;
@@ -139,7 +139,8 @@ void walk_valley(const Problem& problem, const Solution& from, std::size_t index
   double step = kFirst;
   double gone = 0.0;
   for (int n = 0; n < kMostSteps && step >= std::clamp(kEnd * gone, kShortest, 0.03); ++n) {
-    const Solution start = moved_by(problem, at, tangent(problem, at, index), direction * step * unit);
+    const Solution start =
+        moved_by(problem, at, profile_tangent(problem, at, index), direction * step * unit);
     if (parameter_of(start, index) == parameter_of(at, index)) return;
     Solution next = solve(problem, start, kIterations, static_cast<int>(index), kTolerance);
     const double there = excess(next);
@@ -169,7 +170,7 @@ std::vector<double> part_costs(const Problem& problem, const Solution& solution)
   return costs;
 }
 
-bool specimens_leave(const std::vector<double>& best, const std::vector<double>& other) {
+bool in_confidence_set(const std::vector<double>& best, const std::vector<double>& other) {
   constexpr double kNoWorse = 1e-3;  // of the sum of squares: not distinguishable
   const auto count = static_cast<double>(best.size());
   double all = 0.0;
@@ -187,7 +188,7 @@ bool specimens_leave(const std::vector<double>& best, const std::vector<double>&
   const double variance = std::max(0.0, squares - worse * worse / count) / (count - 1.0);
   // factor 0.5: the cost is quadratic, so its increase is half of its slope at the interval's end times the
   // step
-  return worse <= 0.5 * student(count - 1.0) * std::sqrt(count * variance);
+  return worse <= 0.5 * student_t_quantile(count - 1.0) * std::sqrt(count * variance);
 }
 
 }  // namespace palpate::identify

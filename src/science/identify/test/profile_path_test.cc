@@ -1,4 +1,4 @@
-#include "science/identify/valley.h"
+#include "science/identify/profile_path.h"
 
 #include <cmath>
 #include <span>
@@ -38,7 +38,7 @@ TEST(Tangent, LeavesNothingThatAnyOtherParameterCouldTakeUp) {
                     {{0.01, 0.0}, {-0.02, 0.01}, {0.0, -0.01}}};
   const std::size_t shared = at.shared.size();
   for (std::size_t index = 0; index < shared + kOwnParameters; ++index) {
-    const Point way = tangent(problem, at, index);
+    const Point way = profile_tangent(problem, at, index);
     ASSERT_EQ(way.size(), shared + kOwnParameters * parts.size());
     EXPECT_EQ(way[index], 1.0);
     std::vector<double> along(way.size(), 0.0);

@@ -1,4 +1,4 @@
-#include "science/identify/starts.h"
+#include "science/identify/multistart.h"
 
 #include <algorithm>
 #include <array>
@@ -168,7 +168,7 @@ void add_starts(const Problem& problem, const Grid& grid, bool stiffness_held, c
 
 }  // namespace
 
-std::vector<Solution> starts(const Problem& problem, std::size_t most) {
+std::vector<Solution> multistart_points(const Problem& problem, std::size_t most) {
   const std::vector<Point> relaxations = relaxation_guesses(problem);
   const Grid whole = whole_grid(problem);
   std::vector<Solution> chosen;
@@ -183,8 +183,8 @@ std::vector<Solution> starts(const Problem& problem, std::size_t most) {
   return chosen;
 }
 
-std::vector<Solution> starts_at(const Problem& problem, std::size_t held, double value,
-                                const Point& relaxation, std::size_t most) {
+std::vector<Solution> multistart_points_at(const Problem& problem, std::size_t held, double value,
+                                           const Point& relaxation, std::size_t most) {
   Grid grid = whole_grid(problem);
   *std::array{&grid.stiffness, &grid.beta, &grid.q, &grid.limit}.at(held) = {value};
   std::vector<Solution> all;
