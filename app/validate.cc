@@ -15,8 +15,8 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
-#include "science/validate/reach_fit.h"
-#include "science/validate/rivals.h"
+#include "science/validate/baselines.h"
+#include "science/validate/falloff_fit.h"
 #include "view/report/validation_report.h"
 
 #include "app/commands.h"
@@ -162,7 +162,7 @@ report::Validation validation_of(const ValidateFlags& flags) {
   report::Validation validation;
   const validate::Zeros zeros{flags.first_contact.value_or(0.0), flags.offset.value_or(0.0)};
   validation.law = {flags.law.load(), flags.law.direction, 1.0 / flags.law.rate_Hz};
-  const std::vector<validate::RivalKind> rivals = validate::parse_rivals(flags.against);
+  const std::vector<validate::BaselineKind> baselines = validate::parse_baselines(flags.against);
   const std::vector<identify::Specimen> specimens = read_forces(flags);
   const std::vector<validate::Deformation> profiles = read_profiles(flags);
   for (const identify::Specimen& specimen : specimens) {
@@ -171,7 +171,7 @@ report::Validation validation_of(const ValidateFlags& flags) {
   }
   if (!profiles.empty()) compare_profiles(flags, profiles, validation);
   if (!flags.image.files.empty()) add_image(flags, validation);
-  if (!rivals.empty()) validate::compare_with_rivals(rivals, validation);
+  if (!baselines.empty()) validate::compare_with_baselines(baselines, validation);
   hold_goals(flags, validation);
   return validation;
 }

@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "palpate/validate.h"
-#include "science/validate/reach_fit.h"
-#include "science/validate/rivals.h"
+#include "science/validate/baselines.h"
+#include "science/validate/falloff_fit.h"
 #include "science/validate/zeros_fit.h"
 
 namespace palpate::validate {
 
 /// A baseline model on the same data.
-struct RivalResult {
-  RivalFit fit;
+struct BaselineResult {
+  BaselineFit fit;
   double cost_ns = 0.0;  // CPU time of one evaluation
 };
 
@@ -23,14 +23,14 @@ struct ForceSet {
   ZeroedErrors given;         // errors with the given zeros
   ZeroedErrors fitted;        // errors with the fitted zeros
   double cost_ns = 0.0;
-  std::vector<RivalResult> rivals;
+  std::vector<BaselineResult> baselines;
 };
 
 /// A measured displacement profile with the results of the model and of the baseline models.
 struct ProfileSet {
   DeformationComparison ours;
   double cost_ns = 0.0;
-  std::vector<RivalResult> rivals;
+  std::vector<BaselineResult> baselines;
 };
 
 /// All results of `palpate validate`.
@@ -38,7 +38,7 @@ struct Validation {
   Law law;
   std::vector<ForceSet> forces;
   std::vector<ProfileSet> profiles;
-  std::optional<ReachFit> reach;    // fitted to the profiles, which are then compared with it
+  std::optional<FalloffFit> reach;  // fitted to the profiles, which are then compared with it
   std::vector<std::string> missed;  // goals that were missed, one sentence each
 };
 
@@ -50,13 +50,13 @@ struct Validation {
 /// [setup] Compares profiles with the law's surface and adds them to `validation`.
 /// @param depths one per profile [m]; 0: the profile's own @param tip_radius R [m]
 /// @param fit_first first fit the falloff ratios to all profiles @throws InputError as compare_deformation()
-/// and fit_reach().
+/// and fit_falloff().
 void compare_profiles(const std::vector<Deformation>& profiles, const std::vector<double>& depths,
                       double tip_radius, bool fit_first, Validation& validation,
                       const SurfaceRule& rule = {});
 
 /// [setup] Fits the baseline models to each data set of `validation` and measures the CPU time of one
 /// evaluation of each, and of the law.
-void compare_with_rivals(const std::vector<RivalKind>& kinds, Validation& validation);
+void compare_with_baselines(const std::vector<BaselineKind>& kinds, Validation& validation);
 
 }  // namespace palpate::validate

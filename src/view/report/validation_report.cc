@@ -100,16 +100,17 @@ std::string zeros_of(const validate::ZeroedErrors& with) {
 }
 
 TableRows error_table(const validate::Errors& ours, double cost_ns, const std::string& words,
-                      const std::vector<RivalResult>& rivals, double unit, const std::string& unit_name) {
+                      const std::vector<BaselineResult>& baselines, double unit,
+                      const std::string& unit_name) {
   TableRows rows = {{"law", "parameters", "RMS, " + unit_name, "largest, " + unit_name, "RMS, relative",
                      "one evaluation, ns"}};
   rows.push_back({"ours", escaped(words), brief(ours.rms / unit, 3), brief(ours.max / unit, 3),
                   percent(ours.nrmse), cost_ns > 0.0 ? brief(cost_ns, 3) : "not measured"});
-  for (const RivalResult& rival : rivals) {
-    const validate::Errors& errors = rival.fit.errors;
-    rows.push_back({validate::to_string(rival.fit.kind), escaped(rival.fit.parameters),
+  for (const BaselineResult& baseline : baselines) {
+    const validate::Errors& errors = baseline.fit.errors;
+    rows.push_back({validate::to_string(baseline.fit.kind), escaped(baseline.fit.parameters),
                     brief(errors.rms / unit, 3), brief(errors.max / unit, 3), percent(errors.nrmse),
-                    brief(rival.cost_ns, 3)});
+                    brief(baseline.cost_ns, 3)});
   }
   return rows;
 }
@@ -148,11 +149,11 @@ void write_summary(Page& page, const Validation& validation, const std::string& 
 }
 
 void write_set(Page& page, const std::string& name, std::size_t number, const Figure& figure,
-               const TableRows& table, bool rivals, const std::string& note) {
+               const TableRows& table, bool baselines, const std::string& note) {
   page.section("set-" + std::to_string(number), name);
   page.figures("one", {figure});
   page.table(table);
-  if (rivals) {
+  if (baselines) {
     page.paragraph("The other laws were each fitted to these very data; ours is the tissue as it was given.");
   }
   if (!note.empty()) page.paragraph(note);
@@ -170,14 +171,14 @@ void write_sets(Page& page, const Validation& validation, const std::filesystem:
               " points are deeper than the tissue's layers go: the law holds its largest force there.";
     }
     const TableRows table =
-        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.rivals, 1.0, "N");
-    write_set(page, set.ours.measured.name, number, figure, table, !set.rivals.empty(), note);
+        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.baselines, 1.0, "N");
+    write_set(page, set.ours.measured.name, number, figure, table, !set.baselines.empty(), note);
   }
   for (const ProfileSet& set : validation.profiles) {
     const Figure figure = draw_profile(set, file());
     const TableRows table =
-        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.rivals, kMillimetre, "mm");
-    write_set(page, set.ours.measured.name, number, figure, table, !set.rivals.empty(),
+        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.baselines, kMillimetre, "mm");
+    write_set(page, set.ours.measured.name, number, figure, table, !set.baselines.empty(),
               fmt::format("Tip of {} mm radius, {} mm deep.", brief(set.ours.tip_radius / kMillimetre, 3),
                           brief(set.ours.depth / kMillimetre, 3)));
   }

@@ -8,9 +8,9 @@
 namespace palpate::report {
 
 using imaging::Validation;
+using validate::BaselineResult;
 using validate::ForceSet;
 using validate::ProfileSet;
-using validate::RivalResult;
 
 /// [setup] Given and fitted zeros of a force curve with the errors of the law for each, as indented lines.
 [[nodiscard]] std::string zeros_text(const ForceSet& set);

@@ -9,7 +9,7 @@
 #include "palpate/identify.h"
 #include "palpate/validate.h"
 #include "science/validate/closed_forms.h"
-#include "science/validate/reach_fit.h"
+#include "science/validate/falloff_fit.h"
 
 namespace palpate::validate {
 namespace {
@@ -25,8 +25,8 @@ std::string file_of(const std::string& name, const char* ending) {
 }
 
 /// The profiles of a reference at depths from `from` to `to` [m].
-std::vector<ReachSample> reference_samples_of(const std::string& name, double from, double to) {
-  std::vector<ReachSample> samples;
+std::vector<ProfileSample> reference_samples_of(const std::string& name, double from, double to) {
+  std::vector<ProfileSample> samples;
   for (const Deformation& profile : read_deformations(file_of(name, "-profiles.csv"))) {
     if (profile.depth > from - 1e-9 && profile.depth < to + 1e-9) {
       samples.push_back({profile, profile.depth, kRadius});
@@ -37,10 +37,10 @@ std::vector<ReachSample> reference_samples_of(const std::string& name, double fr
 }
 
 /// Largest error over the profiles, as a fraction of their depth, with falloff ratios fitted to each.
-double worst_alone(const std::vector<ReachSample>& samples, const SurfaceRule& rule = {}) {
+double worst_alone(const std::vector<ProfileSample>& samples, const SurfaceRule& rule = {}) {
   double worst = 0.0;
-  for (const ReachSample& sample : samples) {
-    const double error = fit_reach({sample}, rule).nrmse.front();
+  for (const ProfileSample& sample : samples) {
+    const double error = fit_falloff({sample}, rule).nrmse.front();
     std::printf("%s, own reach: %.2f %%\n", sample.deformation.name.c_str(), 100.0 * error);
     worst = std::max(worst, error);
   }
@@ -48,8 +48,8 @@ double worst_alone(const std::vector<ReachSample>& samples, const SurfaceRule& r
 }
 
 /// Largest error with the same falloff ratios for all profiles.
-double worst_together(const std::vector<ReachSample>& samples, const SurfaceRule& rule = {}) {
-  const ReachFit fit = fit_reach(samples, rule);
+double worst_together(const std::vector<ProfileSample>& samples, const SurfaceRule& rule = {}) {
+  const FalloffFit fit = fit_falloff(samples, rule);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     std::printf("%s, one reach: %.2f %%\n", samples[i].deformation.name.c_str(), 100.0 * fit.nrmse[i]);
   }

@@ -65,14 +65,14 @@ TEST(CompareProfiles, RefusesAProfileWithoutDepth) {
   EXPECT_THROW(compare_profiles({without}, {0.0}, 5e-3, false, validation), InputError);
 }
 
-TEST(CompareWithRivals, FitsEachAndSaysWhatAnEvaluationCosts) {
+TEST(CompareWithBaselines, FitsEachAndSaysWhatAnEvaluationCosts) {
   Validation validation = of_liver();
   compare_profiles({profile_of(validation.law.tissue.reach, 3e-3)}, {0.0}, 5e-3, false, validation);
-  compare_with_rivals({RivalKind::kHertz, RivalKind::kLinear}, validation);
-  ASSERT_EQ(validation.profiles[0].rivals.size(), 2U);
-  for (const RivalResult& rival : validation.profiles[0].rivals) {
-    EXPECT_GT(rival.cost_ns, 0.0);
-    EXPECT_GT(rival.fit.errors.rms, validation.profiles[0].ours.errors.rms);
+  compare_with_baselines({BaselineKind::kHertz, BaselineKind::kLinear}, validation);
+  ASSERT_EQ(validation.profiles[0].baselines.size(), 2U);
+  for (const BaselineResult& baseline : validation.profiles[0].baselines) {
+    EXPECT_GT(baseline.cost_ns, 0.0);
+    EXPECT_GT(baseline.fit.errors.rms, validation.profiles[0].ours.errors.rms);
   }
   EXPECT_GT(validation.profiles[0].cost_ns, 0.0);
 }

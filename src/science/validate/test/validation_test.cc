@@ -7,8 +7,8 @@
 #include "palpate/error.h"
 #include "palpate/surface.h"
 #include "palpate/validate.h"
-#include "science/validate/reach_fit.h"
-#include "science/validate/rivals.h"
+#include "science/validate/baselines.h"
+#include "science/validate/falloff_fit.h"
 
 namespace palpate::validate {
 namespace {
@@ -123,14 +123,14 @@ TEST(CompareDeformation, RefusesAMissingDepthAndAMistakenOne) {
 
 TEST(FitReach, FindsTheReachThatMadeTheProfiles) {
   const model::FalloffRatios truth{0.9, 0.5, 1.7, 0.6};
-  std::vector<ReachSample> samples;
+  std::vector<ProfileSample> samples;
   for (const double depth : {1e-3, 3e-3}) {
     Deformation made = places(depth);
     const deform::DisplacementProfile profile(truth, depth, 5e-3, 5e-3);
     for (const double r : made.distance) made.displacement.push_back(profile.at(r));
     samples.push_back({made, depth, 5e-3});
   }
-  const ReachFit fit = fit_reach(samples);
+  const FalloffFit fit = fit_falloff(samples);
   EXPECT_NEAR(fit.reach.contact_ratio, 0.9, 0.01);
   EXPECT_NEAR(fit.reach.weight_ratio, 0.6, 0.01);
   EXPECT_LT(fit.nrmse[0], 1e-3);
@@ -139,8 +139,8 @@ TEST(FitReach, FindsTheReachThatMadeTheProfiles) {
 }
 
 /// Profiles for given falloff ratios under a ball of 5 mm, as displayed (R_1 without a bound).
-std::vector<ReachSample> samples_of(const model::FalloffRatios& reach, const std::vector<double>& depths) {
-  std::vector<ReachSample> samples;
+std::vector<ProfileSample> samples_of(const model::FalloffRatios& reach, const std::vector<double>& depths) {
+  std::vector<ProfileSample> samples;
   for (const double depth : depths) {
     Deformation made = places(depth);
     const BallSurface surface(reach, depth, 5e-3, {true, 0.0});
@@ -153,7 +153,7 @@ std::vector<ReachSample> samples_of(const model::FalloffRatios& reach, const std
 TEST(FitReach, FindsTheExponentThatMadeTheProfilesOfSeveralDepths) {
   for (const double exponent : {0.25, 0.37, 0.5, 0.8}) {
     const model::FalloffRatios truth{0.9, 0.5, 1.7, 0.6, exponent};
-    const ReachFit fit = fit_reach(samples_of(truth, {1e-3, 2e-3, 4e-3, 8e-3}), {true, 0.0});
+    const FalloffFit fit = fit_falloff(samples_of(truth, {1e-3, 2e-3, 4e-3, 8e-3}), {true, 0.0});
     EXPECT_NEAR(fit.reach.depth_exponent, exponent, 1e-3);
     EXPECT_NEAR(fit.reach.contact_ratio, 0.9, 0.01);
     EXPECT_FALSE(fit.exponent_kept);
@@ -164,24 +164,24 @@ TEST(FitReach, FindsTheExponentThatMadeTheProfilesOfSeveralDepths) {
 TEST(FitReach, KeepsTheExponentAsGivenWhereTheDepthsAreTooAlikeToDetermineIt) {
   const model::FalloffRatios truth{0.9, 0.5, 1.7, 0.6, 0.3};
   for (const std::vector<double>& depths : {std::vector{3e-3}, std::vector{3e-3, 3.5e-3}}) {
-    const ReachFit fit = fit_reach(samples_of(truth, depths), {true, 0.0}, 0.7);
+    const FalloffFit fit = fit_falloff(samples_of(truth, depths), {true, 0.0}, 0.7);
     EXPECT_TRUE(fit.exponent_kept);
     EXPECT_EQ(fit.reach.depth_exponent, 0.7);
     EXPECT_FALSE(fit.at_limit[4]);
   }
   // A fixed exponent is not bounded.
-  EXPECT_EQ(fit_reach(samples_of(truth, {3e-3}), {true, 0.0}, 0.01).reach.depth_exponent, 0.01);
+  EXPECT_EQ(fit_falloff(samples_of(truth, {3e-3}), {true, 0.0}, 0.01).reach.depth_exponent, 0.01);
   // At a single depth c compensates p: c (3/5)^0.7 = 0.9 (3/5)^0.3.
-  const ReachFit fit = fit_reach(samples_of(truth, {3e-3}), {true, 0.0}, 0.7);
+  const FalloffFit fit = fit_falloff(samples_of(truth, {3e-3}), {true, 0.0}, 0.7);
   EXPECT_NEAR(fit.reach.contact_ratio, 0.9 * std::pow(0.6, -0.4), 0.01);
   EXPECT_LT(fit.nrmse[0], 1e-3);
-  EXPECT_FALSE(fit_reach(samples_of(truth, {3e-3, 3.7e-3}), {true, 0.0}).exponent_kept);
+  EXPECT_FALSE(fit_falloff(samples_of(truth, {3e-3, 3.7e-3}), {true, 0.0}).exponent_kept);
 }
 
 TEST(FitReach, SaysThatTheExponentIsAtTheLimitWhereProfilesGrowFasterThanTheirDepth) {
-  std::vector<ReachSample> samples = samples_of({0.9, 0.5, 1.7, 0.6, 1.0}, {2e-3, 4e-3});
+  std::vector<ProfileSample> samples = samples_of({0.9, 0.5, 1.7, 0.6, 1.0}, {2e-3, 4e-3});
   for (double& r : samples[0].deformation.distance) r *= 0.5;  // half as wide as with p = 1
-  const ReachFit fit = fit_reach(samples, {true, 0.0});
+  const FalloffFit fit = fit_falloff(samples, {true, 0.0});
   EXPECT_TRUE(fit.at_limit[4]);
   EXPECT_NEAR(fit.reach.depth_exponent, 1.0, 1e-5);
 }
@@ -189,13 +189,13 @@ TEST(FitReach, SaysThatTheExponentIsAtTheLimitWhereProfilesGrowFasterThanTheirDe
 TEST(FitReach, SaysWhichParametersTheDataDoNotDetermine) {
   Deformation near = places(5e-3);  // so narrow that it needs a c below its bound
   for (const double r : near.distance) near.displacement.push_back(r < 0.1e-3 ? 5e-3 : 0.0);
-  EXPECT_THAT(fit_reach({{near, 5e-3, 5e-3}}).at_limit, testing::Contains(true));
+  EXPECT_THAT(fit_falloff({{near, 5e-3, 5e-3}}).at_limit, testing::Contains(true));
 }
 
 TEST(FitReach, RefusesNoSampleAndOneWithoutDepthOrRadius) {
-  EXPECT_THROW((void)fit_reach({}), InputError);
-  EXPECT_THROW((void)fit_reach({{places(1e-3), 0.0, 5e-3}}), InputError);
-  EXPECT_THROW((void)fit_reach({{places(1e-3), 1e-3, 0.0}}), InputError);
+  EXPECT_THROW((void)fit_falloff({}), InputError);
+  EXPECT_THROW((void)fit_falloff({{places(1e-3), 0.0, 5e-3}}), InputError);
+  EXPECT_THROW((void)fit_falloff({{places(1e-3), 1e-3, 0.0}}), InputError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "science/validate/rivals.h"
+#include "science/validate/baselines.h"
 
 #include <algorithm>
 #include <array>
@@ -18,11 +18,11 @@ namespace {
 
 using Function = std::function<double(double)>;
 
-constexpr std::array<std::pair<const char*, RivalKind>, 4> kRivals = {
-    {{"hertz", RivalKind::kHertz},
-     {"linear", RivalKind::kLinear},
-     {"exponential", RivalKind::kExponential},
-     {"mass-spring", RivalKind::kMassSpring}}};
+constexpr std::array<std::pair<const char*, BaselineKind>, 4> kRivals = {
+    {{"hertz", BaselineKind::kHertz},
+     {"linear", BaselineKind::kLinear},
+     {"exponential", BaselineKind::kExponential},
+     {"mass-spring", BaselineKind::kMassSpring}}};
 
 /// Minimises `cost` between two logarithms by a coarse search and golden sections. @return the argument, not
 /// its logarithm
@@ -119,9 +119,10 @@ ForceCurve measured_curve(const ForceComparison& comparison) {
   return curve;
 }
 
-RivalFit scaled_force(RivalKind kind, const ForceCurve& curve, const Function& shape, const char* words) {
+BaselineFit scaled_force(BaselineKind kind, const ForceCurve& curve, const Function& shape,
+                         const char* words) {
   const double factor = scaled(mapped(curve.depth, shape), curve.force).factor;
-  RivalFit fit;
+  BaselineFit fit;
   fit.kind = kind;
   fit.parameters = worded(words, factor);
   fit.evaluate = [factor, shape](double depth) { return factor * shape(depth); };
@@ -129,18 +130,18 @@ RivalFit scaled_force(RivalKind kind, const ForceCurve& curve, const Function& s
   return fit;
 }
 
-RivalFit exponential_force(const ForceCurve& curve) {
+BaselineFit exponential_force(const ForceCurve& curve) {
   const auto shape = [](double b) { return [b](double depth) { return std::expm1(b * depth); }; };
   const double b =
       least_of([&](double tried) { return scaled(mapped(curve.depth, shape(tried)), curve.force).squares; },
                1e-3 / curve.deepest, 50.0 / curve.deepest);
-  RivalFit fit = scaled_force(RivalKind::kExponential, curve, shape(b), "");
+  BaselineFit fit = scaled_force(BaselineKind::kExponential, curve, shape(b), "");
   const double a = scaled(mapped(curve.depth, shape(b)), curve.force).factor;
   fit.parameters = worded("a = %.4g N, b = %.4g 1/m", a, b);
   return fit;
 }
 
-RivalFit mass_spring_force(const ForceCurve& curve) {
+BaselineFit mass_spring_force(const ForceCurve& curve) {
   const auto shape = [&](const std::vector<double>& table) {
     return [&table, &curve](double depth) { return in_table(table, curve.deepest, depth); };
   };
@@ -151,7 +152,7 @@ RivalFit mass_spring_force(const ForceCurve& curve) {
       },
       1e-3, 1e4);
   const std::vector<double> table = patch_table(ratio, curve.deepest);
-  RivalFit fit = scaled_force(RivalKind::kMassSpring, curve, shape(table), "");
+  BaselineFit fit = scaled_force(BaselineKind::kMassSpring, curve, shape(table), "");
   const double home = scaled(mapped(curve.depth, shape(table)), curve.force).factor;
   fit.parameters = worded("home spring %.4g N/m, others %.4g N/m", home, home * ratio);
   fit.evaluate = [home, patch = std::make_shared<MassSpringPatch>(ratio)](double depth) {
@@ -160,15 +161,15 @@ RivalFit mass_spring_force(const ForceCurve& curve) {
   return fit;
 }
 
-Function profile_shape(RivalKind kind, double depth, double width) {
+Function profile_shape(BaselineKind kind, double depth, double width) {
   switch (kind) {
-    case RivalKind::kHertz:
+    case BaselineKind::kHertz:
       return [=](double r) { return hertz_displacement(depth, width, r); };
-    case RivalKind::kLinear:
+    case BaselineKind::kLinear:
       return [=](double r) { return depth * std::max(0.0, 1.0 - r / width); };
-    case RivalKind::kExponential:
+    case BaselineKind::kExponential:
       return [=](double r) { return depth * std::exp(-r / width); };
-    case RivalKind::kMassSpring:
+    case BaselineKind::kMassSpring:
       break;
   }
   constexpr int kSteps = 10;  // steps to the depth, so that the relaxation converges
@@ -179,20 +180,20 @@ Function profile_shape(RivalKind kind, double depth, double width) {
 
 }  // namespace
 
-const char* to_string(RivalKind kind) noexcept {
+const char* to_string(BaselineKind kind) noexcept {
   for (const auto& [name, known] : kRivals) {
     if (known == kind) return name;
   }
   return "";
 }
 
-std::vector<RivalKind> parse_rivals(std::string_view text) {
-  std::vector<RivalKind> kinds;
+std::vector<BaselineKind> parse_baselines(std::string_view text) {
+  std::vector<BaselineKind> kinds;
   while (!text.empty()) {
     const std::size_t comma = text.find(',');
     const std::string_view word = text.substr(0, comma);
     const auto* const known = std::find_if(kRivals.begin(), kRivals.end(),
-                                           [word](const auto& rival) { return rival.first == word; });
+                                           [word](const auto& baseline) { return baseline.first == word; });
     if (known == kRivals.end()) {
       throw InputError("--against " + std::string(word) +
                        ": must be hertz, linear, exponential or mass-spring, several between commas");
@@ -203,25 +204,25 @@ std::vector<RivalKind> parse_rivals(std::string_view text) {
   return kinds;
 }
 
-RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison) {
+BaselineFit fit_force_baseline(BaselineKind kind, const ForceComparison& comparison) {
   const ForceCurve curve = measured_curve(comparison);
-  RivalFit fit;
+  BaselineFit fit;
   if (!(curve.deepest > 0.0)) {
     throw InputError(comparison.measured.name + ": no point is deeper than the first contact");
   }
   switch (kind) {
-    case RivalKind::kHertz:
+    case BaselineKind::kHertz:
       fit = scaled_force(
           kind, curve, [](double depth) { return depth * std::sqrt(depth); }, "a = %.4g N/m^1.5");
       break;
-    case RivalKind::kLinear:
+    case BaselineKind::kLinear:
       fit = scaled_force(
           kind, curve, [](double depth) { return depth; }, "a = %.4g N/m");
       break;
-    case RivalKind::kExponential:
+    case BaselineKind::kExponential:
       fit = exponential_force(curve);
       break;
-    case RivalKind::kMassSpring:
+    case BaselineKind::kMassSpring:
       fit = mass_spring_force(curve);
       break;
   }
@@ -230,18 +231,18 @@ RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison) {
   return fit;
 }
 
-RivalFit fit_profile_rival(RivalKind kind, const DeformationComparison& comparison) {
+BaselineFit fit_profile_baseline(BaselineKind kind, const DeformationComparison& comparison) {
   const Deformation& measured = comparison.measured;
   const auto cost = [&](double width) {
     const std::vector<double> computed =
         mapped(measured.distance, profile_shape(kind, comparison.depth, width));
     return errors_of(measured.displacement, computed, 1.0).rms;
   };
-  const bool patch = kind == RivalKind::kMassSpring;
+  const bool patch = kind == BaselineKind::kMassSpring;
   const double width = patch
                            ? least_of(cost, 1e-3, 1e4)
                            : least_of(cost, 1e-3 * measured.distance.back(), 10.0 * measured.distance.back());
-  RivalFit fit;
+  BaselineFit fit;
   fit.kind = kind;
   fit.parameters = patch ? worded("springs %.4g times the home springs", width)
                          : worded("width %.4g mm", width / kMillimetre);

@@ -9,7 +9,7 @@
 namespace palpate::validate {
 
 /// Baseline models, for comparison.
-enum class RivalKind {
+enum class BaselineKind {
   kHertz,        // F = a d^1.5; surface of a half-space around a ball with a fitted contact radius
   kLinear,       // F = a d; profile: a cone
   kExponential,  // F = a (e^(b d) - 1); profile: u = D e^(-r/b)
@@ -17,14 +17,14 @@ enum class RivalKind {
 };
 
 /// [any] "hertz", "linear", "exponential", "mass-spring".
-[[nodiscard]] const char* to_string(RivalKind kind) noexcept;
+[[nodiscard]] const char* to_string(BaselineKind kind) noexcept;
 /// [setup] Parses a comma-separated list of kinds, each once. @throws InputError that names the invalid one
 /// and all valid ones.
-[[nodiscard]] std::vector<RivalKind> parse_rivals(std::string_view text);
+[[nodiscard]] std::vector<BaselineKind> parse_baselines(std::string_view text);
 
 /// A baseline model fitted to one data set by least squares.
-struct RivalFit {
-  RivalKind kind = RivalKind::kHertz;
+struct BaselineFit {
+  BaselineKind kind = BaselineKind::kHertz;
   std::string parameters;                  // formatted for output
   Errors errors;                           // on the same scale as those of the law
   std::vector<double> computed;            // N, or m for a profile
@@ -34,9 +34,9 @@ struct RivalFit {
 
 /// [setup] Fits the compared force curve: depths and forces with the zeros subtracted. Baseline models have
 /// no relaxation.
-[[nodiscard]] RivalFit fit_force_rival(RivalKind kind, const ForceComparison& comparison);
+[[nodiscard]] BaselineFit fit_force_baseline(BaselineKind kind, const ForceComparison& comparison);
 
 /// [setup] Fits the compared profile; the depth is given.
-[[nodiscard]] RivalFit fit_profile_rival(RivalKind kind, const DeformationComparison& comparison);
+[[nodiscard]] BaselineFit fit_profile_baseline(BaselineKind kind, const DeformationComparison& comparison);
 
 }  // namespace palpate::validate

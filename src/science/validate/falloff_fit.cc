@@ -1,4 +1,4 @@
-#include "science/validate/reach_fit.h"
+#include "science/validate/falloff_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,10 +26,10 @@ model::FalloffRatios reach_of(std::span<const double> shape) {
 
 /// (u of the model - u of the sample)/D at each point of each sample, divided by the square root of the
 /// number of points.
-void reach_errors(const std::vector<ReachSample>& samples, const SurfaceRule& rule,
-                  std::span<const double> shape, std::span<double> errors) {
+void profile_errors(const std::vector<ProfileSample>& samples, const SurfaceRule& rule,
+                    std::span<const double> shape, std::span<double> errors) {
   std::size_t at = 0;
-  for (const ReachSample& sample : samples) {
+  for (const ProfileSample& sample : samples) {
     const BallSurface surface(reach_of(shape), sample.depth, sample.tip_radius, rule);
     const Deformation& measured = sample.deformation;
     const double scale = sample.depth * std::sqrt(static_cast<double>(measured.size()));
@@ -39,22 +39,22 @@ void reach_errors(const std::vector<ReachSample>& samples, const SurfaceRule& ru
   }
 }
 
-double solve_from(const std::vector<ReachSample>& samples, const SurfaceRule& rule, bool keep_exponent,
+double solve_from(const std::vector<ProfileSample>& samples, const SurfaceRule& rule, bool keep_exponent,
                   identify::Point& shape) {
   identify::Bounds bounds{kLow, kHigh};
   bounds.low[kExponent] = std::min(kLow[kExponent], shape[kExponent]);  // a fixed p may be below the bound
   identify::SmallProblem problem{bounds, 0, [&](std::span<const double> at, std::span<double> errors) {
-                                   reach_errors(samples, rule, at, errors);
+                                   profile_errors(samples, rule, at, errors);
                                  }};
-  for (const ReachSample& sample : samples) problem.residuals += sample.deformation.size();
+  for (const ProfileSample& sample : samples) problem.residuals += sample.deformation.size();
   return identify::minimise(problem, shape, 100, keep_exponent ? static_cast<int>(kExponent) : -1);
 }
 
 /// Whether the depths of the samples differ enough to determine p.
-bool depths_differ(const std::vector<ReachSample>& samples) {
+bool depths_differ(const std::vector<ProfileSample>& samples) {
   double least = std::numeric_limits<double>::infinity();
   double most = 0.0;
-  for (const ReachSample& sample : samples) {
+  for (const ProfileSample& sample : samples) {
     least = std::min(least, sample.depth / sample.tip_radius);
     most = std::max(most, sample.depth / sample.tip_radius);
   }
@@ -62,7 +62,7 @@ bool depths_differ(const std::vector<ReachSample>& samples) {
 }
 
 /// The best result of several starts.
-identify::Point best_shape(const std::vector<ReachSample>& samples, const SurfaceRule& rule,
+identify::Point best_shape(const std::vector<ProfileSample>& samples, const SurfaceRule& rule,
                            bool keep_exponent, double exponent) {
   double best_cost = std::numeric_limits<double>::infinity();
   identify::Point best = kLow;
@@ -86,14 +86,14 @@ identify::Point best_shape(const std::vector<ReachSample>& samples, const Surfac
 
 }  // namespace
 
-ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& rule, double exponent) {
+FalloffFit fit_falloff(const std::vector<ProfileSample>& samples, const SurfaceRule& rule, double exponent) {
   if (samples.empty()) throw InputError("a reach needs at least one deformation");
-  for (const ReachSample& sample : samples) {
+  for (const ProfileSample& sample : samples) {
     if (!(sample.depth > 0.0) || !(sample.tip_radius > 0.0)) {
       throw InputError(sample.deformation.name + ": a reach needs the tool's depth and radius, both > 0");
     }
   }
-  ReachFit fit;
+  FalloffFit fit;
   fit.exponent_kept = !depths_differ(samples);
   const double start = fit.exponent_kept ? exponent : model::FalloffRatios{}.depth_exponent;
   const identify::Point best = best_shape(samples, rule, fit.exponent_kept, start);
@@ -103,7 +103,7 @@ ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& r
     const bool at_bound = best[i] < kLow[i] + margin || best[i] > kHigh[i] - margin;
     fit.at_limit.push_back(at_bound && !(i == kExponent && fit.exponent_kept));
   }
-  for (const ReachSample& sample : samples) {
+  for (const ProfileSample& sample : samples) {
     fit.nrmse.push_back(
         compare_deformation(sample.deformation, fit.reach, sample.depth, sample.tip_radius, rule)
             .errors.nrmse);

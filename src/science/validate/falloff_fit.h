@@ -7,14 +7,14 @@
 namespace palpate::validate {
 
 /// A displacement profile and its tool. SI units.
-struct ReachSample {
+struct ProfileSample {
   Deformation deformation;
   double depth = 0.0;       // D [m] > 0
   double tip_radius = 0.0;  // R [m] > 0
 };
 
 /// Falloff ratios of the displacement profile that fit all samples together.
-struct ReachFit {
+struct FalloffFit {
   model::FalloffRatios reach;
   std::vector<double> nrmse;   // RMS error divided by the depth, one per sample
   std::vector<bool> at_limit;  // c, a, s, g, p: the optimum lies at a bound of the search, so the data do not
@@ -30,7 +30,7 @@ inline constexpr double kLeastSpreadOfDepths = 1.2;
 /// their number of points and depth. Several starts, Ceres in one thread: the same data give the same bits.
 /// @param exponent value of p where the samples do not determine it (kLeastSpreadOfDepths)
 /// @throws InputError when there is no sample, or one without depth or radius.
-[[nodiscard]] ReachFit fit_reach(const std::vector<ReachSample>& samples, const SurfaceRule& rule = {},
-                                 double exponent = model::FalloffRatios{}.depth_exponent);
+[[nodiscard]] FalloffFit fit_falloff(const std::vector<ProfileSample>& samples, const SurfaceRule& rule = {},
+                                     double exponent = model::FalloffRatios{}.depth_exponent);
 
 }  // namespace palpate::validate
