@@ -218,28 +218,28 @@ Rigid fit_rigid(std::span<const Shifted> shifts, const Flanks& flanks) {
   return rigid;
 }
 
-Dent find_dent(std::span<const Shifted> shifts, double sign) {
-  Dent dent;
-  if (shifts.size() < 10) return dent;
+IndentationExtent find_indentation(std::span<const Shifted> shifts, double sign) {
+  IndentationExtent indentation;
+  if (shifts.size() < 10) return indentation;
   const std::vector<double> d = calmed(shifts, sign);
   const auto top = std::max_element(d.begin(), d.end());
-  dent.peak = *top;
-  dent.opposite = -*std::min_element(d.begin(), d.end());
+  indentation.peak = *top;
+  indentation.opposite = -*std::min_element(d.begin(), d.end());
   auto middle = static_cast<std::size_t>(top - d.begin());
-  double left_peak = dent.peak;
-  double right_peak = dent.peak;
+  double left_peak = indentation.peak;
+  double right_peak = indentation.peak;
   // a hidden stretch next to the largest d seen, with a large d on its other side: it hides the tip
   double widest = 2.0 * kGap;
   const std::size_t top_at = middle;
   for (std::size_t i = top_at < 5 ? 0 : top_at - 5; i + 1 < d.size() && i < top_at + 5; ++i) {
     const double gap = shifts[i + 1].after.s - shifts[i].after.s;
-    if (gap > widest && std::min(d[i], d[i + 1]) > 0.4 * dent.peak) {
+    if (gap > widest && std::min(d[i], d[i + 1]) > 0.4 * indentation.peak) {
       widest = gap;
-      dent.tip_hidden = true;
+      indentation.tip_hidden = true;
       middle = i;
     }
   }
-  if (dent.tip_hidden) {
+  if (indentation.tip_hidden) {
     const auto split = d.begin() + static_cast<std::ptrdiff_t>(middle) + 1;
     left_peak = *std::max_element(d.begin(), split);
     right_peak = *std::max_element(split, d.end());
@@ -258,16 +258,16 @@ Dent find_dent(std::span<const Shifted> shifts, double sign) {
     middles.push_back(0.5 * (left + right));
     if (std::abs(share - 0.5) < nearest) {
       nearest = std::abs(share - 0.5);
-      dent.half_width = 0.5 * (right - left);
+      indentation.half_width = 0.5 * (right - left);
     }
   }
-  if (middles.size() < 3) return dent;
-  dent.centre = median(middles);
+  if (middles.size() < 3) return indentation;
+  indentation.centre = median(middles);
   std::vector<double> off;
-  for (const double m : middles) off.push_back(std::abs(m - dent.centre));
-  dent.centre_spread = 1.5 * median(off) + 0.1;
-  dent.found = true;
-  return dent;
+  for (const double m : middles) off.push_back(std::abs(m - indentation.centre));
+  indentation.centre_spread = 1.5 * median(off) + 0.1;
+  indentation.found = true;
+  return indentation;
 }
 
 }  // namespace palpate::imaging

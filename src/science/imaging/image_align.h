@@ -85,7 +85,7 @@ struct Flanks {
 [[nodiscard]] Rigid fit_rigid(std::span<const Shifted> shifts, const Flanks& flanks);
 
 /// Position and width of an indentation.
-struct Dent {
+struct IndentationExtent {
   bool found = false;   // whether both sides are seen
   double centre = 0.0;  // s
   double centre_spread = 0.0;
@@ -100,6 +100,6 @@ struct Dent {
 };
 
 /// [setup] @param sign +1: into the tissue, -1: out of it
-[[nodiscard]] Dent find_dent(std::span<const Shifted> shifts, double sign);
+[[nodiscard]] IndentationExtent find_indentation(std::span<const Shifted> shifts, double sign);
 
 }  // namespace palpate::imaging

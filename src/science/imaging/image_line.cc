@@ -103,7 +103,7 @@ double plausibility(const Candidate& candidate) {
 
 struct Best {
   Candidate line;
-  double rival = 0.0;
+  double runner_up = 0.0;
 };
 
 /// The most plausible line of either sign, and the plausibility of the next one elsewhere.
@@ -119,7 +119,7 @@ Best choose(const cv::Mat& gray) {
   for (int i = 0; i < 2; ++i) {
     close_around(rewards[i], best.line.path, kApart);
     const Candidate other = candidate_of(gray, best_path(rewards[i]), kSigns[i]);
-    if (most > 0.0) best.rival = std::max(best.rival, plausibility(other) / most);
+    if (most > 0.0) best.runner_up = std::max(best.runner_up, plausibility(other) / most);
   }
   return best;
 }
@@ -260,13 +260,13 @@ void refuse_unless_plausible(const Best& best, const std::string& name) {
 }
 
 void refuse_unless_sure(const SurfaceLine& surface, const std::string& name) {
-  constexpr double kMostRival = 0.5;
+  constexpr double kMaxRunnerUp = 0.5;
   constexpr double kLeastCoverage = 0.5;
-  if (surface.rival > kMostRival) {
+  if (surface.runner_up > kMaxRunnerUp) {
     throw InputError(
         fmt::format("{}: two lines across the picture are about as plausible (the second {} % of the first); "
                     "crop both pictures to the tissue's upper outline",
-                    name, static_cast<int>(std::lround(100.0 * surface.rival))));
+                    name, static_cast<int>(std::lround(100.0 * surface.runner_up))));
   }
   if (surface.coverage < kLeastCoverage) {
     throw InputError(
@@ -304,7 +304,7 @@ SurfaceLine find_surface_line(const Picture& picture, const std::string& name) {
   surface.dark_below = line.sign < 0.0;
   surface.contrast = line.contrast;
   surface.noise = line.residual;
-  surface.rival = best.rival;
+  surface.runner_up = best.runner_up;
   const auto good = std::count_if(surface.points.begin(), surface.points.end(),
                                   [](const LinePoint& point) { return point.trusted; });
   surface.coverage = static_cast<double>(good) / static_cast<double>(surface.points.size());

@@ -22,7 +22,7 @@ struct SurfaceLine {
   double contrast = 0.0;          // median difference of brightness between below and above, 1 = white; > 0
   double noise = 0.0;             // RMS residual of the edge profiles, 1 = white
   double coverage = 0.0;          // fraction of trusted columns
-  double rival = 0.0;             // plausibility of the next best line: 0 none .. 1 equal to this one
+  double runner_up = 0.0;         // plausibility of the next best line: 0 none .. 1 equal to this one
 };
 
 /// [setup] Finds the line from the left to the right side of a picture where the brightness changes. Steps:

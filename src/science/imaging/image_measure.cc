@@ -29,7 +29,7 @@ struct Alignment {
   Frame after;
   std::vector<AlignedPoint> rest;
   std::vector<Shifted> shifts;  // after the correction of rigid motion
-  Dent dent;
+  IndentationExtent indentation;
   bool still = false;   // the camera did not move
   Rigid rigid;          // remaining correction (nearly 0), with its uncertainty
   double far_at = 0.0;  // px: difference between likely far fields at the centre
@@ -61,10 +61,10 @@ double width_of(std::span<const Shifted> shifts) {
 /// Distance from the centre where the flanks begin: outside the indentation, but leaving enough of the
 /// shorter side.
 double flank_from(const Alignment& now, double half_widths, double least_share) {
-  const double left = now.dent.centre - now.shifts.front().after.s;
-  const double right = now.shifts.back().after.s - now.dent.centre;
+  const double left = now.indentation.centre - now.shifts.front().after.s;
+  const double right = now.shifts.back().after.s - now.indentation.centre;
   const double most = std::min(left, right) - least_share * width_of(now.shifts);
-  return std::min(half_widths * now.dent.half_width, most);
+  return std::min(half_widths * now.indentation.half_width, most);
 }
 
 void shift_again(const SurfaceLine& after, Alignment& now) {
@@ -72,7 +72,7 @@ void shift_again(const SurfaceLine& after, Alignment& now) {
 }
 
 /// Applies a fitted motion to the frame of the second picture; the rotation is about the frame's pivot.
-void take_out(const Rigid& rigid, Frame& frame) {
+void apply_correction(const Rigid& rigid, Frame& frame) {
   frame.turn += std::atan(rigid.turn);
   frame.shift_h += rigid.shift_h;
   frame.shift_s += rigid.shift_s;
@@ -88,49 +88,49 @@ void align_ends(const SurfaceLine& after, Alignment& now) {
     ends.centre = middle;
     ends.from = 0.3 * width_of(now.shifts);
     ends.shifted = now.after.shift_s;
-    take_out(fit_rigid(now.shifts, ends), now.after);
+    apply_correction(fit_rigid(now.shifts, ends), now.after);
   }
   shift_again(after, now);
 }
 
-void refuse_unless_moved(const Dent& dent, std::span<const Shifted> shifts, const ImageSettings& settings,
-                         const std::string& name) {
+void refuse_unless_moved(const IndentationExtent& indentation, std::span<const Shifted> shifts,
+                         const ImageSettings& settings, const std::string& name) {
   std::vector<double> spreads;
   for (const Shifted& shifted : shifts) spreads.push_back(shifted.spread);
   const double least = std::max(1.0, 6.0 * median(spreads));
   constexpr double kMostOpposite = 0.2;  // bulging beside an indentation is smaller
   const char* way = settings.direction == model::Direction::kPress ? "into" : "out of";
   const char* other = settings.direction == model::Direction::kPress ? "pull" : "press";
-  if (dent.opposite > 2.0 * dent.peak && dent.opposite > least) {
+  if (indentation.opposite > 2.0 * indentation.peak && indentation.opposite > least) {
     throw InputError(fmt::format(
         "{}: the surface moved the other way, not {} the tissue; give --direction {}, or the pictures in "
         "their order (before, after), or an instrument that does not look like the tissue",
         name, way, other));
   }
-  if (dent.opposite > kMostOpposite * dent.peak && dent.opposite > least) {
+  if (indentation.opposite > kMostOpposite * indentation.peak && indentation.opposite > least) {
     throw InputError(
         fmt::format("{}: parts of the line moved {} the tissue, others by {} % of that the other way; must "
                     "be one indentation, and the instrument must not look like the tissue",
-                    name, way, rounded(100.0 * dent.opposite / dent.peak)));
+                    name, way, rounded(100.0 * indentation.opposite / indentation.peak)));
   }
-  if (dent.peak < least) {
+  if (indentation.peak < least) {
     throw InputError(
         fmt::format("{}: the surface moved by no more than {} px, must be at least {} px to be measured",
-                    name, rounded(std::max(0.0, dent.peak)), rounded(least)));
+                    name, rounded(std::max(0.0, indentation.peak)), rounded(least)));
   }
 }
 
 void refuse_unless_between_flanks(const Alignment& now, const std::string& name) {
   constexpr double kLeastSide = 2.5;  // half widths of the indentation: undisturbed beyond
-  if (!now.dent.found) {
+  if (!now.indentation.found) {
     throw InputError(
         name +
         ": the two sides of the indentation are not both visible; must show the line on both sides of "
         "the instrument");
   }
-  const double left = now.dent.centre - now.shifts.front().after.s;
-  const double right = now.shifts.back().after.s - now.dent.centre;
-  const double side = std::min(left, right) / now.dent.half_width;
+  const double left = now.indentation.centre - now.shifts.front().after.s;
+  const double right = now.shifts.back().after.s - now.indentation.centre;
+  const double side = std::min(left, right) / now.indentation.half_width;
   if (side < kLeastSide) {
     throw InputError(fmt::format(
         "{}: the picture ends {} half widths beside the indentation, must show at least {} of the "
@@ -150,10 +150,11 @@ std::vector<Shifted> with_sign(std::vector<Shifted> shifts, double sign) {
 
 Flanks flanks_of(const Alignment& now, double sign) {
   Flanks flanks;
-  flanks.centre = now.dent.centre;
-  flanks.reach = nearest_reach(with_sign(now.shifts, sign), now.dent.centre, now.dent.half_width);
+  flanks.centre = now.indentation.centre;
+  flanks.reach =
+      nearest_reach(with_sign(now.shifts, sign), now.indentation.centre, now.indentation.half_width);
   flanks.from = flank_from(now, 2.5, 0.12);
-  flanks.most_far = now.dent.peak * std::min(1.0, now.dent.half_width / flanks.from);
+  flanks.most_far = now.indentation.peak * std::min(1.0, now.indentation.half_width / flanks.from);
   flanks.shifted = sign * now.after.shift_s;
   return flanks;
 }
@@ -203,7 +204,8 @@ Rigid fit_far_fields(const std::vector<Shifted>& shifts, Flanks flanks, double p
 /// Whether the flanks coincide except for a far field: then the camera was fixed, as on a tripod. A hand-held
 /// camera would hardly return to within a fraction of a pixel and 0.01 degrees.
 bool unmoved(const Alignment& now, double sign) {
-  const double still = std::hypot(0.15, 0.006 * now.dent.peak);  // px RMS: accuracy of a far field's shape
+  const double still =
+      std::hypot(0.15, 0.006 * now.indentation.peak);  // px RMS: accuracy of a far field's shape
   const std::vector<Shifted> positive = with_sign(now.shifts, sign);
   Flanks flanks = flanks_of(now, sign);
   double least = 1e300;
@@ -222,26 +224,27 @@ bool unmoved(const Alignment& now, double sign) {
 void align_flanks(const SurfaceLine& after, double sign, Alignment& now) {
   for (int pass = 0; pass < 4; ++pass) {
     const std::vector<Shifted> positive = with_sign(now.shifts, sign);
-    now.rigid = fit_far_fields(positive, flanks_of(now, sign), now.dent.peak, now.far_at);
+    now.rigid = fit_far_fields(positive, flanks_of(now, sign), now.indentation.peak, now.far_at);
     Rigid out = now.rigid;
     out.shift_h *= sign;
     out.turn *= sign;
     out.shift_s *= sign;
-    take_out(out, now.after);
+    apply_correction(out, now.after);
     shift_again(after, now);
-    now.dent = find_dent(now.shifts, sign);
-    if (!now.dent.found) return;
+    now.indentation = find_indentation(now.shifts, sign);
+    if (!now.indentation.found) return;
   }
 }
 
 /// For a fixed camera the only uncertainty is that of this assumption.
-bool stands_still(double sign, Alignment& now) {
-  now.dent = find_dent(now.shifts, sign);
-  if (!now.dent.found || now.dent.peak < 2.0 * now.dent.opposite || !unmoved(now, sign)) return false;
+bool fix_camera_if_unmoved(double sign, Alignment& now) {
+  now.indentation = find_indentation(now.shifts, sign);
+  if (!now.indentation.found || now.indentation.peak < 2.0 * now.indentation.opposite || !unmoved(now, sign))
+    return false;
   const std::vector<Shifted> positive = with_sign(now.shifts, sign);
   double differ = 0.0;
-  const Rigid found = fit_far_fields(positive, flanks_of(now, sign), now.dent.peak, differ);
-  now.far_at = std::abs(found.shift_h + found.turn * now.dent.centre);
+  const Rigid found = fit_far_fields(positive, flanks_of(now, sign), now.indentation.peak, differ);
+  now.far_at = std::abs(found.shift_h + found.turn * now.indentation.centre);
   now.still = true;
   return true;
 }
@@ -258,16 +261,16 @@ Alignment align(const SurfaceLine& before, const SurfaceLine& after, const Image
     now.after = now.before;
     now.rest = aligned(before, now.before);
     shift_again(after, now);
-    const bool still = settings.fixed_camera || stands_still(sign, now);
+    const bool still = settings.fixed_camera || fix_camera_if_unmoved(sign, now);
     if (!still) align_ends(after, now);
-    now.dent = find_dent(now.shifts, sign);
-    refuse_unless_moved(now.dent, now.shifts, settings, name);
+    now.indentation = find_indentation(now.shifts, sign);
+    refuse_unless_moved(now.indentation, now.shifts, settings, name);
     refuse_unless_between_flanks(now, name);
     if (!still) align_flanks(after, sign, now);
     refuse_unless_between_flanks(now, name);
-    const double centre = now.before.pivot_x + now.dent.centre * std::cos(now.before.turn);
-    from = std::max(from, centre - 3.0 * now.dent.half_width);
-    to = std::min(to, centre + 3.0 * now.dent.half_width);
+    const double centre = now.before.pivot_x + now.indentation.centre * std::cos(now.before.turn);
+    from = std::max(from, centre - 3.0 * now.indentation.half_width);
+    to = std::min(to, centre + 3.0 * now.indentation.half_width);
   }
   return now;
 }
@@ -281,7 +284,7 @@ std::vector<double> arc_lengths(const Alignment& now) {
     const double slope = 0.5 * (now.shifts[i].before_slope + now.shifts[i - 1].before_slope);
     const double stretch = std::hypot(1.0, slope);
     length[i] = length[i - 1] + step * stretch;
-    const double into = now.dent.centre - now.shifts[i - 1].after.s;
+    const double into = now.indentation.centre - now.shifts[i - 1].after.s;
     if (into >= 0.0 && into <= step) centre = length[i - 1] + into * stretch;
   }
   for (double& l : length) l -= centre;
@@ -304,7 +307,7 @@ void add_points(const Alignment& now, const ImageSettings& settings, ImageMeasur
     point.u = sign * shifted.d * settings.pixel;
     const double lever = std::hypot(now.rigid.uncertainty, now.rigid.turn_uncertainty * along[i]);
     const double aside = (shifted.after.slope - shifted.before_slope) *
-                         now.dent.centre_spread;  // contribution of the uncertainty of r
+                         now.indentation.centre_spread;  // contribution of the uncertainty of r
     const double random = kConfident * std::hypot(shifted.spread, lever, aside);
     point.uncertainty = (random + now.far_at) * settings.pixel;
     const double s = shifted.after.s + now.after.shift_s;
@@ -362,14 +365,14 @@ void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   };
   const double share = measured.uncertainty / measured.depth;
   const double coverage = std::min(measured.before.coverage, measured.after.coverage);
-  const double rival = std::max(measured.before.rival, measured.after.rival);
+  const double runner_up = std::max(measured.before.runner_up, measured.after.runner_up);
   std::vector<Link> links;
   links.push_back({std::min(0.9, 4.0 * share),
                    fmt::format("u is uncertain by {} % of the depth ({} px)", rounded(100.0 * share),
                                rounded(measured.uncertainty / settings.pixel))});
   links.push_back(
       {0.8 * (1.0 - coverage), "the line is seen on " + rounded(100.0 * coverage) + " % of the width"});
-  links.push_back({0.8 * rival, "another line is " + rounded(100.0 * rival) + " % as plausible"});
+  links.push_back({0.8 * runner_up, "another line is " + rounded(100.0 * runner_up) + " % as plausible"});
   links.push_back({std::min(0.6, 2.0 * measured.asymmetry),
                    "left and right differ by " + rounded(100.0 * measured.asymmetry) + " % of the depth"});
   if (measured.tip_hidden) links.push_back({0.1, "the deepest point is hidden"});
@@ -443,9 +446,9 @@ ImageMeasurement measure_pictures(const Picture& before, const Picture& after, c
     measured.depth = std::max(measured.depth, point.u);
   }
   measured.uncertainty = median(uncertainties);
-  measured.tip_hidden = now.dent.tip_hidden;
-  measured.centre_uncertainty = kConfident * now.dent.centre_spread * settings.pixel;
-  const double s = now.dent.centre + now.after.shift_s;
+  measured.tip_hidden = now.indentation.tip_hidden;
+  measured.centre_uncertainty = kConfident * now.indentation.centre_spread * settings.pixel;
+  const double s = now.indentation.centre + now.after.shift_s;
   measured.centre_x = now.after.pivot_x + s * std::cos(now.after.turn);
   measured.tilt = now.before.turn;
   measured.turn = now.after.turn - now.before.turn;
