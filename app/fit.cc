@@ -16,7 +16,7 @@
 #include "palpate/units.h"
 #include "science/identify/fit_many.h"
 #include "science/identify/sweep.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 #include "view/report/fit_report.h"
 
 #include "app/commands.h"
@@ -97,9 +97,9 @@ void require_writable(const FitFlags& flags) {
 }
 
 /// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
-std::vector<identify::Specimen> read_for(tasks::Ranks& ranks, const FitFlags& flags) {
+std::vector<identify::Specimen> read_for(tasks::Communicator& ranks, const FitFlags& flags) {
   std::vector<identify::Specimen> specimens;
-  tasks::on_first(ranks, [&] {
+  tasks::on_rank_zero(ranks, [&] {
     require_writable(flags);  // here: processors elsewhere need not have these folders
     specimens = read_all(flags.files, flags.relaxation);
   });
@@ -138,7 +138,7 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   const std::string results =
       flags.out.empty() || !may_have_files_beside(flags.out) ? "" : flags.out + ".fits.jsonl";
   check_fit_outputs(flags, results);
-  const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
+  const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   std::vector<identify::Specimen> specimens = read_for(*ranks, flags);
   identify::ManyFits many;
   {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "palpate/version.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 #include "app/command_line.h"
 #include "app/commands.h"

@@ -19,7 +19,7 @@
 #include "io/system/cache_folder.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 #include "view/report/study_figure.h"
 
 #include "app/commands.h"
@@ -181,8 +181,8 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
   const fs::path folder = flags.out;
   request.record = folder / kFiles[3];
   if (!flags.no_cache) scene::use_organ_cache(request.preparation, user_cache_folder());
-  const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
-  tasks::on_first(*ranks, [&flags] { check_files_and_duration(flags); });
+  const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
+  tasks::on_rank_zero(*ranks, [&flags] { check_files_and_duration(flags); });
   study::SweepResult result;
   {
     Progress bar("sweep");

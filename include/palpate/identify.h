@@ -11,7 +11,7 @@
 #include "palpate/tissue.h"
 
 namespace palpate::tasks {
-class Ranks;
+class Communicator;
 }
 
 namespace palpate::identify {
@@ -200,7 +200,7 @@ using Progress = std::function<void(double, const std::string&)>;
 /// @param ranks share the bootstrap and must all make this call; null: this process only
 /// @throws InputError when relaxation is requested without times, or the specimen has too few points.
 [[nodiscard]] SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
-                                       const Progress& progress, tasks::Ranks* ranks = nullptr);
+                                       const Progress& progress, tasks::Communicator* ranks = nullptr);
 
 /// [setup] Fits all specimens together. `fits` holds the fit of each specimen; the pooled fit starts from
 /// them and uses the most frequent number of relaxation terms. All specimens have the same weight. The
@@ -209,6 +209,6 @@ using Progress = std::function<void(double, const std::string&)>;
 /// @param ranks share the resamples and must all make this call; null: this process only
 [[nodiscard]] PooledFit fit_pooled(const std::vector<Specimen>& specimens,
                                    const std::vector<SpecimenFit>& fits, const Settings& settings,
-                                   const Progress& progress, tasks::Ranks* ranks = nullptr);
+                                   const Progress& progress, tasks::Communicator* ranks = nullptr);
 
 }  // namespace palpate::identify

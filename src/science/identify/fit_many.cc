@@ -14,7 +14,7 @@ constexpr double kPooledShare = 0.15;  // of the total time of the specimens' fi
 
 class Fitting final {
  public:
-  Fitting(std::vector<Specimen> specimens, const Settings& settings, tasks::Ranks& ranks,
+  Fitting(std::vector<Specimen> specimens, const Settings& settings, tasks::Communicator& ranks,
           const std::string& results_file, const Progress& progress)
       : specimens_(std::move(specimens)),
         settings_(settings),
@@ -73,7 +73,7 @@ class Fitting final {
   [[nodiscard]] std::size_t count() const noexcept { return specimens_.size(); }
 
  private:
-  std::string fitted(std::size_t i, const Progress& progress, tasks::Ranks* ranks) const {
+  std::string fitted(std::size_t i, const Progress& progress, tasks::Communicator* ranks) const {
     const auto job = static_cast<std::uint32_t>(i);
     return record_line(record_key(specimens_[i], settings_, job),
                        fit_specimen(specimens_[i], settings_, job, progress, ranks));
@@ -86,7 +86,7 @@ class Fitting final {
 
   std::vector<Specimen> specimens_;
   const Settings& settings_;
-  tasks::Ranks& ranks_;
+  tasks::Communicator& ranks_;
   const Progress& progress_;
   tasks::Record record_;
   std::vector<std::string> lines_;  // fits of the specimens, in their order
@@ -95,7 +95,7 @@ class Fitting final {
 
 }  // namespace
 
-ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings, tasks::Ranks& ranks,
+ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings, tasks::Communicator& ranks,
                   const std::string& results_file, const Progress& progress) {
   if (ranks.size() > 1) {
     specimens = specimens_of(ranks.broadcast(ranks.rank() == 0 ? bytes_of(specimens) : std::string()));

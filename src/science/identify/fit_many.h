@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "palpate/identify.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace palpate::identify {
 
@@ -23,7 +23,7 @@ struct ManyFits {
 /// @param progress called on rank 0
 /// @throws InputError on all ranks: as fit_specimen(), or when the file cannot be written.
 [[nodiscard]] ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings,
-                                tasks::Ranks& ranks, const std::string& results_file,
+                                tasks::Communicator& ranks, const std::string& results_file,
                                 const Progress& progress);
 
 }  // namespace palpate::identify

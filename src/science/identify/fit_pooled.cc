@@ -62,7 +62,7 @@ std::vector<Solution> specimen_starts(const Problem& problem, const std::vector<
 
 /// Shared parameters fitted to bootstrap resamples of the set of specimens.
 std::vector<Point> resampled(const LocalOptima& optima, std::uint64_t seed, const Progress& progress,
-                             tasks::Ranks* ranks) {
+                             tasks::Communicator* ranks) {
   const Solution& best = optima.all.front();
   const std::size_t count = optima.problem.parts.size();
   const auto resample = [&](std::size_t b) {
@@ -116,7 +116,7 @@ PooledFit of_one(const SpecimenFit& fit, const Settings& settings) {
 /// the confidence set. The bootstrap misses this range, because a refit from the optimum stays there when the
 /// cost is flat.
 std::vector<Interval> profile_intervals(const LocalOptima& optima, const Progress& progress,
-                                        tasks::Ranks* ranks) {
+                                        tasks::Communicator* ranks) {
   const Problem& problem = optima.problem;
   const Solution& best = optima.all.front();
   const std::vector<double> costs = part_costs(problem, best);
@@ -192,7 +192,7 @@ void add_errors(const LocalOptima& optima, PooledFit& pooled) {
 }  // namespace
 
 PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
-                     const Settings& settings, const Progress& progress, tasks::Ranks* ranks) {
+                     const Settings& settings, const Progress& progress, tasks::Communicator* ranks) {
   if (specimens.empty() || specimens.size() != fits.size()) {
     throw InputError("pooled fit: needs at least one specimen, and a fit of each");
   }

@@ -163,7 +163,7 @@ void add_errors(const LocalOptima& optima, SpecimenFit& fit) {
 }  // namespace
 
 SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
-                         const Progress& progress, tasks::Ranks* ranks) {
+                         const Progress& progress, tasks::Communicator* ranks) {
   check(specimen, settings);
   const auto told = [&progress](double from, double to, const char* what) {
     return [&progress, from, to, what](double share) {

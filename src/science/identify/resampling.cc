@@ -27,7 +27,7 @@ Solution best_from(const Problem& problem, const std::vector<Solution>& optima) 
 }  // namespace
 
 std::vector<Point> bootstrap(const LocalOptima& optima, int count, std::uint64_t seed, std::uint32_t job,
-                             const std::function<void(double)>& progress, tasks::Ranks* ranks) {
+                             const std::function<void(double)>& progress, tasks::Communicator* ranks) {
   const Part& part = optima.problem.parts.front();
   const Specimen& specimen = *part.specimen;
   const Solution& best = optima.all.front();

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "science/identify/local_optima.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace palpate::identify {
 
@@ -15,7 +15,7 @@ namespace palpate::identify {
 /// @return one point per resample, shared parameters first
 [[nodiscard]] std::vector<Point> bootstrap(const LocalOptima& optima, int count, std::uint64_t seed,
                                            std::uint32_t job, const std::function<void(double)>& progress,
-                                           tasks::Ranks* ranks = nullptr);
+                                           tasks::Communicator* ranks = nullptr);
 
 /// [setup] Error of 5-fold cross-validation: RMS residual of the points left out (every fifth point in each
 /// fold), divided by the force range.

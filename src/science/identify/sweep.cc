@@ -96,7 +96,7 @@ class Sweeping final {
         settings_(settings),
         pieces_(pieces_of(requests, specimens_.size())) {}
 
-  [[nodiscard]] Sweeps compute(tasks::Ranks& ranks, const std::string& results_file,
+  [[nodiscard]] Sweeps compute(tasks::Communicator& ranks, const std::string& results_file,
                                const Progress& progress) const {
     std::size_t done = 0;
     const auto key = [&](std::size_t i) { return key_of_piece(i); };
@@ -178,8 +178,8 @@ std::vector<SweepRequest> sweep_requests(const std::string& flag, const std::str
 }
 
 Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
-                  const std::vector<SweepRequest>& requests, const Settings& settings, tasks::Ranks& ranks,
-                  const std::string& results_file, const Progress& progress) {
+                  const std::vector<SweepRequest>& requests, const Settings& settings,
+                  tasks::Communicator& ranks, const std::string& results_file, const Progress& progress) {
   if (ranks.size() > 1) {
     specimens = specimens_of(ranks.broadcast(ranks.rank() == 0 ? bytes_of(specimens) : std::string()));
   }

@@ -7,7 +7,7 @@
 
 #include "palpate/identify.h"
 #include "science/identify/fit_many.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace palpate::identify {
 
@@ -63,7 +63,7 @@ struct Sweeps {
 /// @throws InputError on all ranks when the file cannot be written.
 [[nodiscard]] Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
                                 const std::vector<SweepRequest>& requests, const Settings& settings,
-                                tasks::Ranks& ranks, const std::string& results_file,
+                                tasks::Communicator& ranks, const std::string& results_file,
                                 const Progress& progress);
 
 }  // namespace palpate::identify

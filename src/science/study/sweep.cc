@@ -201,11 +201,11 @@ std::vector<std::filesystem::path> files_of(const SweepRequest& request, const A
   return files;
 }
 
-SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks, const Progress& progress) {
+SweepResult run_sweep(const SweepRequest& request, tasks::Communicator& ranks, const Progress& progress) {
   const std::size_t runs = count_of(request.axes);
   SweepResult result{"", request.axes, {}, 0, {}};
   std::string lines_of_keys;
-  tasks::on_first(ranks, [&] {
+  tasks::on_rank_zero(ranks, [&] {
     const std::string fingerprint = fingerprint_of(request, result.scene);
     check_record(request.record, fingerprint);
     lines_of_keys = keys_of(request, fingerprint);

@@ -10,7 +10,7 @@
 #include "palpate/preparation.h"
 #include "palpate/scene.h"
 #include "run/session/run_quantities.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace palpate::scene {
 enum class KeyType;  // scene_keys.h
@@ -79,7 +79,7 @@ using Progress = std::function<void(double, const std::string&)>;
 /// reason, and is repeated by the next call.
 /// @throws InputError on all ranks when the scene cannot be loaded or uses a real device, when there are no
 /// or too many runs, or when the record belongs to another sweep.
-[[nodiscard]] SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks,
+[[nodiscard]] SweepResult run_sweep(const SweepRequest& request, tasks::Communicator& ranks,
                                     const Progress& progress);
 
 /// A column of the table. Columns: run, axes, quantities, missed_contact, faults, fault, ended.

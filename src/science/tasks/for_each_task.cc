@@ -76,7 +76,7 @@ class OwnWork final {
 /// Hands out tasks on request. A message to rank 0 is the index of a task, a blank and its outcome, or is
 /// empty at first; the answer is the next index.
 template <typename Arrived>
-void serve(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing,
+void serve(Communicator& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing,
            const Arrived& arrived) {
   OwnWork own(tasks, missing);
   std::size_t waiting = missing.size();
@@ -98,7 +98,7 @@ void serve(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& mis
   }
 }
 
-void work_for_first(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing) {
+void work_for_first(Communicator& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing) {
   std::string answer;
   for (;;) {
     ranks.send(0, answer);
@@ -111,7 +111,7 @@ void work_for_first(Ranks& ranks, const Tasks& tasks, const std::vector<std::siz
 /// noexcept: if a rank threw here, the others would wait for ever; instead it terminates, and the launcher
 /// ends all.
 template <typename Arrived>
-std::vector<Outcome> run_all(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing,
+std::vector<Outcome> run_all(Communicator& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing,
                              const Arrived& arrived) noexcept {
   std::vector<Outcome> outcomes(missing.size());
   if (missing.empty()) return outcomes;
@@ -134,9 +134,9 @@ std::vector<Outcome> run_all(Ranks& ranks, const Tasks& tasks, const std::vector
 
 }  // namespace
 
-TaskResults for_each_task(Ranks* ranks, const Tasks& tasks, Record* record) {
-  Ranks alone;
-  Ranks& all = ranks == nullptr ? alone : *ranks;
+TaskResults for_each_task(Communicator* ranks, const Tasks& tasks, Record* record) {
+  Communicator alone;
+  Communicator& all = ranks == nullptr ? alone : *ranks;
   TaskResults found;
   found.results.resize(tasks.count);
   std::vector<std::size_t> missing;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 #include "science/tasks/record.h"
 
 namespace palpate::tasks {
@@ -31,6 +31,6 @@ struct TaskResults {
 /// @param ranks null: this process only @param record null: nothing is recorded; needs tasks.key
 /// @throws InputError on all ranks, after all tasks are done, with the message of the first task that threw;
 /// on rank 0 the record's failure() is appended. Its result is not recorded.
-TaskResults for_each_task(Ranks* ranks, const Tasks& tasks, Record* record = nullptr);
+TaskResults for_each_task(Communicator* ranks, const Tasks& tasks, Record* record = nullptr);
 
 }  // namespace palpate::tasks

@@ -32,9 +32,9 @@ std::map<std::string, std::string> read_record(const std::string& file, const Ch
   return lines;
 }
 
-Record::Record(std::string file, Ranks& ranks, const CheckLine& check) : file_(std::move(file)) {
+Record::Record(std::string file, Communicator& ranks, const CheckLine& check) : file_(std::move(file)) {
   std::string text;
-  on_first(ranks, [&] {
+  on_rank_zero(ranks, [&] {
     if (file_.empty()) return;
     lines_ = read_record(file_, check);
     out_.open(file_, std::ios::binary | std::ios::app);

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace palpate::tasks {
 
@@ -22,7 +22,7 @@ class Record final {
  public:
   /// [setup] All ranks must construct it together. @param file empty: nothing is recorded @throws InputError
   /// on all ranks when the file cannot be read or written
-  Record(std::string file, Ranks& ranks, const CheckLine& check);
+  Record(std::string file, Communicator& ranks, const CheckLine& check);
 
   /// [setup] The line with this key; null when the key is not in the record.
   [[nodiscard]] const std::string* find(const std::string& key) const;

@@ -143,7 +143,7 @@ TEST(FitMany, GoesOnWhereABrokenOffRunWas) {
   const std::vector<Specimen> specimens = {measured_curve(1), measured_curve(2)};
   Settings settings;
   settings.bootstrap = 2;
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   const ManyFits whole = fit_many(specimens, settings, alone, file, {});
   EXPECT_EQ(whole.resumed, 0U);
   const std::vector<std::string> lines = lines_in(file);
@@ -163,7 +163,7 @@ TEST(FitMany, NamesASpecimenThatCannotBeFitted) {
   Specimen few = measured_curve(1);
   few.force.resize(4);
   few.displacement.resize(4);
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   EXPECT_THROW((void)fit_many({few}, Settings{}, alone, "", {}), InputError);
   EXPECT_THROW((void)fit_many({measured_curve(1)}, Settings{}, alone, "/nowhere/fits.jsonl", {}), InputError);
 }

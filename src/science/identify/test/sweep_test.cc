@@ -24,12 +24,12 @@ constexpr std::size_t kLimit = 3;
 Specimen bent(std::uint32_t number) { return springs({}, number); }
 
 ManyFits fits_of(const std::vector<Specimen>& specimens) {
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   return fit_many(specimens, Settings{}, alone, "", {});
 }
 
 Sweeps sweeps_of(const std::vector<Specimen>& specimens, const ManyFits& fits, const std::string& request) {
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   return sweep_many(specimens, fits, sweep_requests("--sweep", request), Settings{}, alone, "", {});
 }
 
@@ -203,7 +203,7 @@ TEST(Sweep, GoesOnWhereABrokenOffRunWas) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:5");
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   EXPECT_EQ(whole.resumed, 0U);
   std::string text;
@@ -243,7 +243,7 @@ TEST(Sweep, ComputesAgainWhatALineOfTheResultsFileLacks) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:2:5");
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   std::string emptied;
   {
@@ -265,7 +265,7 @@ TEST(Sweep, RefusesLinesThatSayThemselvesThatTheyHaveNoValues) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:3");
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   (void)sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   std::string emptied;
   {

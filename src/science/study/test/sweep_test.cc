@@ -81,7 +81,7 @@ class Bench final {
 };
 
 SweepResult swept(const SweepRequest& request) {
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   return run_sweep(request, alone, {});
 }
 

@@ -1,25 +1,26 @@
-// The ranks of an mpirun. A separate library, loaded by make_ranks(), so that a single process needs no MPI.
+// The ranks of an mpirun. A separate library, loaded by make_communicator(), so that a single process needs
+// no MPI.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 #include <mpi.h>
 
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace {
 
 using palpate::tasks::Message;
 
-class MpiRanks final : public palpate::tasks::Ranks {
+class MpiCommunicator final : public palpate::tasks::Communicator {
  public:
-  MpiRanks() {
+  MpiCommunicator() {
     int provided = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
   }
-  ~MpiRanks() override { MPI_Finalize(); }
+  ~MpiCommunicator() override { MPI_Finalize(); }
 
   [[nodiscard]] int rank() const override { return rank_; }
   [[nodiscard]] int size() const override { return size_; }
@@ -64,4 +65,4 @@ class MpiRanks final : public palpate::tasks::Ranks {
 }  // namespace
 
 /// [setup] Communicator of all ranks, to be deleted by the caller. Once per process.
-extern "C" palpate::tasks::Ranks* palpate_make_mpi_ranks() { return new MpiRanks; }
+extern "C" palpate::tasks::Communicator* palpate_make_mpi_ranks() { return new MpiCommunicator; }

@@ -14,12 +14,12 @@ struct Message {
 
 /// Communicator: the processes that share a calculation, as all ranks in MPI. This class is a single process;
 /// the ranks of an `mpirun` derive from it. [setup], one thread.
-class Ranks {
+class Communicator {
  public:
-  Ranks() = default;
-  virtual ~Ranks() = default;
-  Ranks(const Ranks&) = delete;
-  Ranks& operator=(const Ranks&) = delete;
+  Communicator() = default;
+  virtual ~Communicator() = default;
+  Communicator(const Communicator&) = delete;
+  Communicator& operator=(const Communicator&) = delete;
 
   /// Number of this process, from 0; rank 0 reads, writes and prints.
   [[nodiscard]] virtual int rank() const { return 0; }
@@ -34,7 +34,7 @@ class Ranks {
 
 /// [setup] Calls `act` on rank 0 only. All ranks must make this call. @throws InputError on all ranks, with
 /// the message of the exception of `act`
-void on_first(Ranks& ranks, const std::function<void()>& act);
+void on_rank_zero(Communicator& ranks, const std::function<void()>& act);
 
 /// Rank and number of processes of a launcher such as mpirun.
 struct Launch {
@@ -48,6 +48,6 @@ struct Launch {
 /// [setup] The communicator of this process: a single process or, when launched as one of several, MPI,
 /// loaded from palpate_mpi.so beside the program or in ../lib/palpate. @throws InputError when launched as
 /// one of several and that library is missing or fails to start.
-[[nodiscard]] std::unique_ptr<Ranks> make_ranks();
+[[nodiscard]] std::unique_ptr<Communicator> make_communicator();
 
 }  // namespace palpate::tasks

@@ -1,4 +1,4 @@
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 #include <algorithm>
 #include <array>
@@ -46,7 +46,7 @@ std::vector<std::filesystem::path> places() {
 
 }  // namespace
 
-void on_first(Ranks& ranks, const std::function<void()>& act) {
+void on_rank_zero(Communicator& ranks, const std::function<void()>& act) {
   std::string error;
   try {
     if (ranks.rank() == 0) act();
@@ -72,18 +72,18 @@ Launch launch_of_environment() {
   return {};
 }
 
-std::unique_ptr<Ranks> make_ranks() {
+std::unique_ptr<Communicator> make_communicator() {
   const Launch launch = launch_of_environment();
-  if (launch.size == 1) return std::make_unique<Ranks>();
+  if (launch.size == 1) return std::make_unique<Communicator>();
   for (const std::filesystem::path& file : places()) {
     std::error_code failed;
     if (!std::filesystem::exists(file, failed)) continue;
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);  // plug-ins of Open MPI need its symbols
     if (library == nullptr) fail(launch, file.string() + " cannot be loaded: " + dlerror());
-    using Make = Ranks* (*)();
+    using Make = Communicator* (*)();
     const auto make = reinterpret_cast<Make>(dlsym(library, "palpate_make_mpi_ranks"));
     if (make == nullptr) fail(launch, file.string() + " is not of this program");
-    std::unique_ptr<Ranks> ranks(make());
+    std::unique_ptr<Communicator> ranks(make());
     if (ranks->size() != launch.size) {
       fail(launch, fmt::format("{} sees {}: it is of another MPI than mpirun", file.string(), ranks->size()));
     }
