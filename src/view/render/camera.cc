@@ -24,8 +24,8 @@ constexpr double kFront = 0.08;         // weight of the world's front side (-y)
 constexpr double kBesideTool = 0.35;    // weight of a view across the tool's axis
 
 // Fraction of the points that the organ does not hide from a distant camera in direction `to_eye`.
-double share_in_sight(const geometry::TriangleMesh& organ, const std::vector<Vec3>& points,
-                      const Vec3& to_eye) {
+double visible_fraction(const geometry::TriangleMesh& organ, const std::vector<Vec3>& points,
+                        const Vec3& to_eye) {
   std::size_t hidden = 0;
   for (const Vec3& p : points) {
     const bool hit = std::any_of(organ.triangles.begin(), organ.triangles.end(), [&](const auto& t) {
@@ -73,7 +73,7 @@ Vec3 best_side(const Subject& subject, const haptics::Snapshot& snapshot, const 
     const Vec3 level = std::cos(a) * front + std::sin(a) * side;
     const Vec3 to_eye = std::cos(elevation) * level + std::sin(elevation) * normal_W;
     const double in_front_of_dent = std::abs(tool_axis.dot(level));
-    const double score = share_in_sight(subject.organ, points_S, world_S.rotation * to_eye) -
+    const double score = visible_fraction(subject.organ, points_S, world_S.rotation * to_eye) -
                          kBesideTool * in_front_of_dent + kStanding * std::min(0.5, to_eye.z()) +
                          kFront * std::cos(a);
     if (score > best + 1e-9) {

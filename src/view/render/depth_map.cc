@@ -58,7 +58,7 @@ void DepthMap::add_triangle(const Vector3f& a, const Vector3f& b, const Vector3f
       const Float4 share_c = from_c + y * to_c;
       const Float4Mask covered =
           (share_b >= least) & (share_c >= least) & (share_b + share_c <= Float4(1.0F + kOverlap));
-      float* const cell = &cells_[place(i, j)];
+      float* const cell = &cells_[index(i, j)];
       const Float4 depth = Float4(a.z()) + share_b * Float4(ab.z()) + share_c * Float4(ac.z());
       const Float4 deepest = max(load(cell), min(depth, Float4(most)));
       select(covered, deepest, load(cell)).store_unaligned(cell);
@@ -67,16 +67,16 @@ void DepthMap::add_triangle(const Vector3f& a, const Vector3f& b, const Vector3f
 }
 
 void DepthMap::clear_margins(int i) noexcept {
-  float* const row = &cells_[place(i, 0)];
+  float* const row = &cells_[index(i, 0)];
   std::fill(row - kLeft, row, kNothing);
   std::fill(row + kSide, row + kStride - kLeft, kNothing);
 }
 
 // Applies the slope from the two neighbouring rows on the side given by `step`.
 void DepthMap::slopes_from_rows(int i, int step, float rise) noexcept {
-  const float* const near = &cells_[place(i + step, -kLeft)];
-  const float* const far = &cells_[place(i + 2 * step, -kLeft)];
-  float* const row = &cells_[place(i, -kLeft)];
+  const float* const near = &cells_[index(i + step, -kLeft)];
+  const float* const far = &cells_[index(i + 2 * step, -kLeft)];
+  float* const row = &cells_[index(i, -kLeft)];
   const Float4 straight(rise);
   const Float4 diagonal(kDiagonal * rise);
   const Float4 knight(kKnight * rise);
@@ -91,7 +91,7 @@ void DepthMap::slopes_from_rows(int i, int step, float rise) noexcept {
 
 // Applies the slope along a row, from each cell to the next.
 void DepthMap::slopes_along(int i, bool forwards, float rise) noexcept {
-  float* const row = &cells_[place(i, -kLeft)];
+  float* const row = &cells_[index(i, -kLeft)];
   const Float4 one(rise);
   const Float4 two(2.0F * rise);
   Float4 before(kNothing);
@@ -131,13 +131,13 @@ void DepthMap::add_slopes(float rise) {
   }
 }
 
-void DepthMap::even_out(int rounds) {
+void DepthMap::smooth(int rounds) {
   // Separable: along the rows, then the columns. Cells beyond the map repeat the edge.
   const Float4 third(1.0F / 3.0F);
   constexpr std::size_t kGroups = kStride / kLanes;
   std::array<float, kStride + 2> line{};
   for (int i = 0; i < kSide; ++i) {
-    float* const row = &cells_[place(i, -kLeft)];
+    float* const row = &cells_[index(i, -kLeft)];
     std::fill(row, row + kLeft, row[kLeft]);
     std::fill(row + kLeft + kSide, row + kStride, row[kLeft + kSide - 1]);
     for (int round = 0; round < rounds; ++round) {
@@ -152,7 +152,7 @@ void DepthMap::even_out(int rounds) {
   }
   for (std::size_t g = 0; g < kGroups; ++g) {
     std::array<Float4, kSide + 2> column;
-    float* const top = &cells_[place(0, -kLeft) + g * kLanes];
+    float* const top = &cells_[index(0, -kLeft) + g * kLanes];
     for (std::size_t i = 0; i < kSide; ++i) column[i + 1] = load(top + i * kStride);
     for (int round = 0; round < rounds; ++round) {
       column.front() = column[1];

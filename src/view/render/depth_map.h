@@ -23,10 +23,10 @@ class DepthMap final {
   /// chamfer transform (two sweeps), at most 3 % too long.
   void add_slopes(float rise);
   /// [setup] Replaces each cell by the mean of its 3 x 3 neighbourhood, `rounds` times.
-  void even_out(int rounds);
+  void smooth(int rounds);
 
   /// [any] Depth [m] of the cell in row i and column j, 0 .. kSide - 1.
-  [[nodiscard]] float at(int i, int j) const noexcept { return cells_[place(i, j)]; }
+  [[nodiscard]] float at(int i, int j) const noexcept { return cells_[index(i, j)]; }
 
  private:
   // A margin around the map, so that neighbours always exist.
@@ -34,7 +34,7 @@ class DepthMap final {
                                         // valid
   static constexpr int kLeft = 4;
   static constexpr int kStride = 96;
-  [[nodiscard]] static constexpr std::size_t place(int i, int j) noexcept {
+  [[nodiscard]] static constexpr std::size_t index(int i, int j) noexcept {
     const int cell = (i + kRowMargin) * kStride + j + kLeft;
     return static_cast<std::size_t>(cell);
   }

@@ -160,7 +160,7 @@ TriangleMesh refine_smoothly(const TriangleMesh& mesh, const RefineRule& rule) {
   return fine;
 }
 
-void even_out(TriangleMesh& mesh, double limit, double crease_deg) {
+void smooth_bumps(TriangleMesh& mesh, double limit, double crease_deg) {
   const Edges edges = find_edges(mesh, crease_deg);
   const std::vector<Vec3> original = mesh.vertices;
   std::vector<Vec3> sum(original.size());

@@ -23,7 +23,7 @@ struct RefineRule {
 
 /// [setup] Smooths the small bumps of a coarse mesh. No vertex moves by more than `limit` [m]; vertices on
 /// edges with a dihedral angle above `crease_deg` stay.
-void even_out(geometry::TriangleMesh& mesh, double limit, double crease_deg);
+void smooth_bumps(geometry::TriangleMesh& mesh, double limit, double crease_deg);
 
 /// [setup] Unit vertex normals: means of the triangles' normals weighted by their angle at the vertex; zero
 /// for a vertex without triangles.

@@ -110,12 +110,12 @@ GpuMesh::GpuMesh() {
                                             {1, GL_FLOAT, offsetof(deform::SurfaceVertex, moved)}}};
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
   describe(0, moving, sizeof(deform::SurfaceVertex));
-  const std::array<Attribute, 4> still = {{{3, GL_FLOAT, offsetof(StillVertex, rest)},
-                                           {4, GL_UNSIGNED_BYTE, offsetof(StillVertex, colour)},
-                                           {3, GL_FLOAT, offsetof(StillVertex, vessel)},
-                                           {4, GL_UNSIGNED_BYTE, offsetof(StillVertex, light)}}};
+  const std::array<Attribute, 4> still = {{{3, GL_FLOAT, offsetof(StaticVertex, rest)},
+                                           {4, GL_UNSIGNED_BYTE, offsetof(StaticVertex, colour)},
+                                           {3, GL_FLOAT, offsetof(StaticVertex, vessel)},
+                                           {4, GL_UNSIGNED_BYTE, offsetof(StaticVertex, light)}}};
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[2]);
-  describe(3, still, sizeof(StillVertex));
+  describe(3, still, sizeof(StaticVertex));
 }
 
 GpuMesh::~GpuMesh() {
@@ -130,7 +130,7 @@ void GpuMesh::set_triangles(std::span<const std::uint32_t> corners) {
   count_ = static_cast<GLsizei>(corners.size());
 }
 
-void GpuMesh::set_still(std::span<const StillVertex> vertices) {
+void GpuMesh::set_static(std::span<const StaticVertex> vertices) {
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[2]);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
                GL_STATIC_DRAW);

@@ -13,7 +13,7 @@
 namespace palpate::render {
 
 /// Static attributes of a vertex, as the shaders read them. 32 bytes.
-struct StillVertex {
+struct StaticVertex {
   Eigen::Vector3f rest;                // rest position [m], where the material's pattern is evaluated
   std::array<std::uint8_t, 4> colour;  // square roots of linear red, green, blue; fraction of fat
   Eigen::Vector3f vessel;              // position in the pattern of vessels
@@ -50,7 +50,7 @@ class GpuMesh final {
   GpuMesh& operator=(const GpuMesh&) = delete;
 
   void set_triangles(std::span<const std::uint32_t> corners);
-  void set_still(std::span<const StillVertex> vertices);
+  void set_static(std::span<const StaticVertex> vertices);
   void set_moving(std::span<const deform::SurfaceVertex> vertices);
   /// Replaces vertices, starting at index `first`.
   void change_moving(std::size_t first, std::span<const deform::SurfaceVertex> vertices);

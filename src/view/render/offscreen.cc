@@ -32,7 +32,7 @@ void check_size(int width, int height) {
 
 struct OffscreenRenderer::Impl {
   Impl(const Subject& subject, int width, int height, Quality quality)
-      : look(tissue_look(subject.tissue_name)),
+      : look(tissue_appearance(subject.tissue_name)),
         painter(look, width, height, quality),
         organ(subject.organ, subject.reach, quality == Quality::kFull ? Detail::kStill : Detail::kLive) {
     for (const geometry::Tool& tool : subject.tools) {
@@ -53,7 +53,7 @@ struct OffscreenRenderer::Impl {
     for (const geometry::Triangle& t : organ.rest().triangles)
       for (const std::int32_t v : t) corners.push_back(static_cast<std::uint32_t>(v));
     mesh.set_triangles(corners);
-    mesh.set_still(tissue_pattern(organ.rest(), look));
+    mesh.set_static(tissue_pattern(organ.rest(), look));
     mesh.set_moving(organ.vertices());
     static_cast<void>(organ.take_changes());
   }
@@ -62,15 +62,15 @@ struct OffscreenRenderer::Impl {
     for (const ToolPicture& tool : tools) {
       for (std::size_t part = 0; part < tool.parts(); ++part) {
         const std::vector<deform::SurfaceVertex> vertices = tool.corners(part);
-        std::vector<StillVertex> still(vertices.size());
+        std::vector<StaticVertex> still(vertices.size());
         std::vector<std::uint32_t> corners(vertices.size());
         for (std::size_t i = 0; i < vertices.size(); ++i) {
-          still[i] = StillVertex{vertices[i].position, {}, Eigen::Vector3f::Zero(), {255, 0, 0, 0}};
+          still[i] = StaticVertex{vertices[i].position, {}, Eigen::Vector3f::Zero(), {255, 0, 0, 0}};
           corners[i] = static_cast<std::uint32_t>(i);
         }
         auto solid = std::make_unique<Solid>();
         solid->mesh.set_triangles(corners);
-        solid->mesh.set_still(still);
+        solid->mesh.set_static(still);
         solid->mesh.set_moving(vertices);
         painter.tools().push_back(std::move(solid));
       }
@@ -78,13 +78,13 @@ struct OffscreenRenderer::Impl {
   }
 
   void show(const haptics::Snapshot& snapshot) {
-    painter.organ().place_W = snapshot.organ_W;
+    painter.organ().pose_W = snapshot.organ_W;
     std::size_t solid = 0;
     for (std::size_t hand = 0; hand < tools.size(); ++hand) {
       const bool there = hand < std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
       for (std::size_t part = 0; part < tools[hand].parts(); ++part, ++solid) {
-        painter.tools()[solid]->place_W =
-            there ? tools[hand].place(part, snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper)
+        painter.tools()[solid]->pose_W =
+            there ? tools[hand].part_pose(part, snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper)
                   : Pose{Quat::Identity(), kNowhere};
       }
     }
@@ -120,7 +120,7 @@ struct OffscreenRenderer::Impl {
     painter.set_quality(choice->now());
   }
 
-  TissueLook look;
+  TissueAppearance look;
   Painter painter;
   OrganPicture organ;
   std::vector<ToolShape> shapes;

@@ -38,7 +38,7 @@ double area_of(const geometry::TriangleMesh& mesh) {
 
 // Splits a set of vertices at the middle of its longest side until each part is one range, so that changed
 // ranges are compact.
-void order_in_halves(const geometry::TriangleMesh& mesh, std::span<std::int32_t> vertices) {
+void sort_in_halves(const geometry::TriangleMesh& mesh, std::span<std::int32_t> vertices) {
   constexpr std::size_t kRun = deform::SurfaceBlocks::kBlock;
   if (vertices.size() <= kRun) return;
   const auto place = [&mesh](std::int32_t v) -> const Vec3& {
@@ -57,15 +57,15 @@ void order_in_halves(const geometry::TriangleMesh& mesh, std::span<std::int32_t>
                    [&](std::int32_t a, std::int32_t b) {
                      return std::pair(place(a)[axis], a) < std::pair(place(b)[axis], b);
                    });
-  order_in_halves(mesh, vertices.first(half));
-  order_in_halves(mesh, vertices.subspan(half));
+  sort_in_halves(mesh, vertices.first(half));
+  sort_in_halves(mesh, vertices.subspan(half));
 }
 
 // Sorts vertices so that neighbours in space are close in memory: a change then affects few ranges.
-void order_by_place(geometry::TriangleMesh& mesh) {
+void sort_by_position(geometry::TriangleMesh& mesh) {
   std::vector<std::int32_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0);
-  order_in_halves(mesh, order);
+  sort_in_halves(mesh, order);
   std::vector<Vec3> vertices;
   std::vector<std::int32_t> now_at(order.size());
   for (const std::int32_t v : order) {
@@ -89,13 +89,13 @@ OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::Fall
   if (detail == Detail::kLive) edge = std::max(edge, 1.75 * std::sqrt(area_of(rest) / kLiveTriangles));
   const RefineRule rule{kCreaseDeg, [edge](const Vec3&, double length, double) { return length > edge; }};
   base_ = refine_smoothly(rest, rule);
-  even_out(base_, kEvenShare * mean_edge(rest), kCreaseDeg);
+  smooth_bumps(base_, kEvenShare * mean_edge(rest), kCreaseDeg);
   take_surface(base_);
   if (detail == Detail::kLive) base_ = {};
 }
 
 void OrganPicture::take_surface(geometry::TriangleMesh rest) {
-  order_by_place(rest);
+  sort_by_position(rest);
   surface_ = std::make_unique<deform::DeformedSurface>(std::move(rest), reach_, kRounding);
 }
 

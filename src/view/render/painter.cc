@@ -84,7 +84,7 @@ struct Painter::View {
 // For kFull: shadow and occlusion of everything in its current position, four samples per pixel.
 struct Painter::Still {
   Still(int width, int height)
-      : depth(shaders::place_vertex(), shaders::depth_fragment()),
+      : depth(shaders::position_vertex(), shaders::depth_fragment()),
         occlusion(shaders::fullscreen_vertex(), shaders::occlusion_fragment()),
         blur(shaders::fullscreen_vertex(), shaders::blur_fragment()),
         shadow(Target::Kind::kShadow, kShadowSize, kShadowSize),
@@ -106,9 +106,9 @@ struct Painter::Still {
 // For moving pictures: soft shadow of the tools, a background drawn once, antialiasing at the end.
 struct Painter::Live {
   Live(int width, int height)
-      : moments(shaders::place_vertex(), shaders::moments_fragment()),
-        soften(shaders::fullscreen_vertex(), shaders::soften_fragment()),
-        smooth_edges(shaders::fullscreen_vertex(), shaders::smooth_edges_fragment()),
+      : moments(shaders::position_vertex(), shaders::moments_fragment()),
+        soften(shaders::fullscreen_vertex(), shaders::blur_moments_fragment()),
+        smooth_edges(shaders::fullscreen_vertex(), shaders::antialias_fragment()),
         copy(shaders::fullscreen_vertex(), shaders::copy_fragment()),
         shadow(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
         softer(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
@@ -136,7 +136,7 @@ struct Painter::Materials {
   Program steel;
 };
 
-Painter::Painter(const TissueLook& look, int width, int height, Quality quality)
+Painter::Painter(const TissueAppearance& look, int width, int height, Quality quality)
     : look_(look),
       quality_(quality),
       width_(width),
@@ -174,13 +174,13 @@ void Painter::resize(int width, int height) {
 
 void Painter::draw_tools(const Program& program) const {
   for (const auto& tool : tools_) {
-    program.set("model", matrix_of(tool->place_W));
+    program.set("model", matrix_of(tool->pose_W));
     tool->mesh.draw();
   }
 }
 
 void Painter::draw_scene(const Program& program) const {
-  program.set("model", matrix_of(organ_.place_W));
+  program.set("model", matrix_of(organ_.pose_W));
   organ_.mesh.draw();
   draw_tools(program);
 }
@@ -255,7 +255,7 @@ void Painter::draw_materials(const View& view, bool each_sample) {
   tissue.set("vessel_colour", look_.vessel);
   tissue.set("vessel_share", look_.vessel_share);
   tissue.set("map_range", static_cast<float>(map_range_));
-  tissue.set("model", matrix_of(organ_.place_W));
+  tissue.set("model", matrix_of(organ_.pose_W));
   organ_.mesh.draw();
   const Program& steel = materials()->steel;
   set_studio(steel, view);

@@ -6,7 +6,7 @@
 #include "palpate/offscreen.h"
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
-#include "view/render/tissue_look.h"
+#include "view/render/tissue_appearance.h"
 
 namespace palpate::render {
 
@@ -19,7 +19,7 @@ struct LitRegion {
 /// A mesh and its pose.
 struct Solid {
   GpuMesh mesh;
-  Pose place_W;
+  Pose pose_W;
 };
 
 /// [setup] Reads the bound framebuffer from its upper left corner.
@@ -28,7 +28,7 @@ struct Solid {
 /// Draws tissue and steel in studio lighting. All members: [setup], with the context current.
 class Painter final {
  public:
-  Painter(const TissueLook& look, int width, int height, Quality quality);
+  Painter(const TissueAppearance& look, int width, int height, Quality quality);
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
@@ -73,7 +73,7 @@ class Painter final {
   void draw_soft_shadow(const View& view);
   void draw_live(const View& view);
 
-  TissueLook look_;
+  TissueAppearance look_;
   Quality quality_;
   int width_;
   int height_;

@@ -58,7 +58,7 @@ void main() {
 )";
 }
 
-std::string place_vertex() {
+std::string position_vertex() {
   return std::string(kVersion) + R"(
 layout(location = 0) in vec3 position;
 uniform mat4 projection;
@@ -86,7 +86,7 @@ void main() { moments = vec2(gl_FragCoord.z, gl_FragCoord.z * gl_FragCoord.z); }
 )";
 }
 
-std::string soften_fragment() {
+std::string blur_moments_fragment() {
   return std::string(kVersion) + R"(
 out vec2 result;
 uniform sampler2D source;
@@ -173,7 +173,7 @@ void main() {
 )";
 }
 
-std::string smooth_edges_fragment() {
+std::string antialias_fragment() {
   // Blends a pixel with its two neighbours across an edge in brightness.
   return std::string(kVersion) + R"(
 out vec4 pixel;

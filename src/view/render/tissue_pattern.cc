@@ -37,7 +37,7 @@ std::uint8_t byte_of(float share) {
 
 Vector3f shifted(const Vector3f& p, float by) { return p + Vector3f::Constant(by); }
 
-StillVertex pattern_at(const Vector3f& rest, const TissueLook& look, float sky) {
+StaticVertex pattern_at(const Vector3f& rest, const TissueAppearance& look, float sky) {
   const Vector3f s = turned(rest);
   const Vector3f bend = 0.55F * smooth_noise(turned(s) * look.vessel_per_m * 1.7F).gradient;
   const float patches = 0.62F * smooth_noise(s * look.mottle_per_m * 0.35F).value +
@@ -51,7 +51,7 @@ StillVertex pattern_at(const Vector3f& rest, const TissueLook& look, float sky) 
   // with a longer wavelength.
   const float region = smooth_noise(shifted(s * look.vessel_per_m * 0.45F, 31.0F)).value;
   const float width = smoothstep(-0.35F, 0.65F, region + 0.25F * pads);
-  StillVertex vertex;
+  StaticVertex vertex;
   vertex.rest = rest;
   for (Eigen::Index k = 0; k < 3; ++k)
     vertex.colour[static_cast<std::size_t>(k)] = byte_of(std::sqrt(colour[k]));
@@ -148,7 +148,7 @@ NoiseValue smooth_noise(const Vector3f& p) {
   return noise;
 }
 
-std::vector<float> sky_in_sight(const geometry::TriangleMesh& mesh, const geometry::TriangleMesh& blocker) {
+std::vector<float> sky_visibility(const geometry::TriangleMesh& mesh, const geometry::TriangleMesh& blocker) {
   const geometry::Bounds box = geometry::bounds(blocker);
   const Vector3f middle = box.middle().cast<float>();
   const float radius = std::max(1e-6F, 0.5F * static_cast<float>(box.size().norm()));
@@ -181,9 +181,9 @@ std::vector<float> sky_in_sight(const geometry::TriangleMesh& mesh, const geomet
   return open;
 }
 
-std::vector<StillVertex> tissue_pattern(const geometry::TriangleMesh& rest, const TissueLook& look) {
-  const std::vector<float> sky = sky_in_sight(rest, rest);
-  std::vector<StillVertex> vertices;
+std::vector<StaticVertex> tissue_pattern(const geometry::TriangleMesh& rest, const TissueAppearance& look) {
+  const std::vector<float> sky = sky_visibility(rest, rest);
+  std::vector<StaticVertex> vertices;
   vertices.reserve(rest.vertices.size());
   for (std::size_t v = 0; v < rest.vertices.size(); ++v)
     vertices.push_back(pattern_at(rest.vertices[v].cast<float>(), look, sky[v]));

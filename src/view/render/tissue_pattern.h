@@ -3,7 +3,7 @@
 
 #include "palpate/mesh.h"
 #include "view/render/gl_objects.h"
-#include "view/render/tissue_look.h"
+#include "view/render/tissue_appearance.h"
 
 namespace palpate::render {
 
@@ -15,14 +15,14 @@ struct NoiseValue {
 [[nodiscard]] NoiseValue smooth_noise(const Eigen::Vector3f& p);
 
 /// [setup] Static attributes of an organ's vertices: colours of its tissue, position in the pattern of
-/// vessels, and visible fraction of the sky (sky_in_sight).
-[[nodiscard]] std::vector<StillVertex> tissue_pattern(const geometry::TriangleMesh& rest,
-                                                      const TissueLook& look);
+/// vessels, and visible fraction of the sky (sky_visibility).
+[[nodiscard]] std::vector<StaticVertex> tissue_pattern(const geometry::TriangleMesh& rest,
+                                                       const TissueAppearance& look);
 
 /// [setup] Visible fraction of the sky for each vertex of `mesh`, 0 to 1: the part of the hemisphere above it
 /// that `blocker` does not hide, weighted by the cosine to its normal. Computed from depth maps of the
 /// blocker from many directions; linear in the size of both meshes.
-[[nodiscard]] std::vector<float> sky_in_sight(const geometry::TriangleMesh& mesh,
-                                              const geometry::TriangleMesh& blocker);
+[[nodiscard]] std::vector<float> sky_visibility(const geometry::TriangleMesh& mesh,
+                                                const geometry::TriangleMesh& blocker);
 
 }  // namespace palpate::render

@@ -48,7 +48,7 @@ ToolImprint::ToolImprint(std::span<const Vec3> triangles, const Vec3& point, con
   for (std::size_t i = 0; i + 2 < triangles.size(); i += 3)
     map_.add_triangle(in_map(triangles[i]), in_map(triangles[i + 1]), in_map(triangles[i + 2]), depth_);
   map_.add_slopes(kSlope * kCell);
-  map_.even_out(kRounds);
+  map_.smooth(kRounds);
 }
 
 float ToolImprint::lowering(const Eigen::Vector3f& now, const Eigen::Vector3f& rest,

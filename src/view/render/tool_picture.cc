@@ -39,7 +39,7 @@ std::vector<deform::SurfaceVertex> ToolPicture::corners(std::size_t part) const 
   return corners;
 }
 
-Pose ToolPicture::place(std::size_t part, const Pose& handle_W, double gripper) const {
+Pose ToolPicture::part_pose(std::size_t part, const Pose& handle_W, double gripper) const {
   return handle_W * geometry::part_pose(parts_.at(part).part, gripper);
 }
 

@@ -17,7 +17,7 @@ class ToolPicture final {
   /// [setup] Corners of a part's triangles (three per triangle), in the part's frame.
   [[nodiscard]] std::vector<deform::SurfaceVertex> corners(std::size_t part) const;
   /// [any] World pose of a part.
-  [[nodiscard]] Pose place(std::size_t part, const Pose& handle_W, double gripper) const;
+  [[nodiscard]] Pose part_pose(std::size_t part, const Pose& handle_W, double gripper) const;
 
  private:
   struct Part {

@@ -67,7 +67,7 @@ TEST(EvenOut, MovesNoVertexByMoreThanTheLimitAndNoSharpOne) {
   for (std::size_t v = 0; v < box.vertices.size(); ++v)
     box.vertices[v] *= 1.0 + 0.002 * std::sin(static_cast<double>(v));
   const geometry::TriangleMesh before = box;
-  even_out(box, 5e-5, 50.0);
+  smooth_bumps(box, 5e-5, 50.0);
   double largest = 0.0;
   for (std::size_t v = 0; v < box.vertices.size(); ++v)
     largest = std::max(largest, (box.vertices[v] - before.vertices[v]).norm());

@@ -1,9 +1,9 @@
-#include "view/render/tissue_look.h"
+#include "view/render/tissue_appearance.h"
 
 namespace palpate::render {
 
-TissueLook tissue_look(const std::string& tissue_name) {
-  TissueLook look;
+TissueAppearance tissue_appearance(const std::string& tissue_name) {
+  TissueAppearance look;
   if (tissue_name == "gallbladder") {  // bile looks grey-green through the pale wall
     look.base = {0.320F, 0.350F, 0.200F};
     look.mottle = {0.185F, 0.265F, 0.215F};

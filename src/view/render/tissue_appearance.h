@@ -6,7 +6,7 @@
 namespace palpate::render {
 
 /// Colours and surface appearance of a tissue; linear colours, 0..1.
-struct TissueLook {
+struct TissueAppearance {
   Eigen::Vector3f base;       // main colour
   Eigen::Vector3f mottle;     // colour of patches
   Eigen::Vector3f vessel;     // colour of vessels
@@ -18,6 +18,6 @@ struct TissueLook {
 };
 
 /// [setup] Appearance by tissue name (gallbladder, heart, liver, kidney); any other name: pink tissue.
-[[nodiscard]] TissueLook tissue_look(const std::string& tissue_name);
+[[nodiscard]] TissueAppearance tissue_appearance(const std::string& tissue_name);
 
 }  // namespace palpate::render
