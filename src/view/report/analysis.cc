@@ -25,29 +25,29 @@ bool touching(const haptics::TickRow& row) {
 
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
 
-Moments find_moments(const std::vector<haptics::TickRow>& rows, model::Direction direction) {
-  Moments moments;
-  moments.after = rows.size() - 1;
+KeyTicks find_key_ticks(const std::vector<haptics::TickRow>& rows, model::Direction direction) {
+  KeyTicks key_ticks;
+  key_ticks.after = rows.size() - 1;
   std::size_t nearest = 0;
   bool deep = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].distance < rows[nearest].distance) nearest = i;
-    if (!moments.contact && touching(rows[i])) {
-      moments.contact = true;
-      moments.touch = i;
+    if (!key_ticks.contact && touching(rows[i])) {
+      key_ticks.contact = true;
+      key_ticks.touch = i;
     }
-    if (in_contact(rows[i], direction) && (!deep || rows[i].depth > rows[moments.deepest].depth)) {
+    if (in_contact(rows[i], direction) && (!deep || rows[i].depth > rows[key_ticks.deepest].depth)) {
       deep = true;
-      moments.deepest = i;
+      key_ticks.deepest = i;
     }
   }
-  if (!moments.contact) {
-    moments.touch = nearest;
+  if (!key_ticks.contact) {
+    key_ticks.touch = nearest;
   } else {
-    moments.rest = moments.touch / 2;
+    key_ticks.rest = key_ticks.touch / 2;
   }
-  if (!deep) moments.deepest = moments.touch;
-  return moments;
+  if (!deep) key_ticks.deepest = key_ticks.touch;
+  return key_ticks;
 }
 
 LawDeparture departure(const std::vector<haptics::TickRow>& rows, const record::Recording& recording,
@@ -102,7 +102,7 @@ HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand
   for (const haptics::TickRow& row : recording.rows) {
     if (row.hand == hand) result.rows.push_back(row);
   }
-  result.moments = find_moments(result.rows, direction);
+  result.key_ticks = find_key_ticks(result.rows, direction);
   const haptics::TickRow* previous = nullptr;
   for (const haptics::TickRow& row : result.rows) {
     if (touching(row)) result.peak_depth = std::max(result.peak_depth, row.depth);

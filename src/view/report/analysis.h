@@ -10,7 +10,7 @@
 namespace palpate::report {
 
 /// Key ticks of one hand's run, as indices of its rows.
-struct Moments {
+struct KeyTicks {
   bool contact = false;     // whether the run has a contact
   std::size_t rest = 0;     // half-way to the first contact (without contact: the first row)
   std::size_t touch = 0;    // first row in contact (without contact: the row nearest to the organ)
@@ -32,7 +32,7 @@ struct LawDeparture {
 struct HandAnalysis {
   std::uint32_t hand = 0;
   std::vector<haptics::TickRow> rows;
-  Moments moments;
+  KeyTicks key_ticks;
   double peak_depth = 0.0;         // m, press or pull
   double peak_tissue_force = 0.0;  // N
   double peak_device_force = 0.0;  // N, noise included

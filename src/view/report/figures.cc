@@ -56,7 +56,7 @@ PlotData steps(const Bins& bins, double scale, const std::string& name) {
 }
 
 /// Displacement of the organ from its rest pose, for a plot.
-struct OrganWay {
+struct OrganMotionPlot {
   PlotData data{"organ.dat", {}};  // s; x, y, z of its centre [mm]; rotation [degrees]
   std::vector<std::size_t> lines;  // columns of `data` that vary, counted from 1
   double turned = 0.0;             // largest rotation [degrees]
@@ -65,11 +65,11 @@ struct OrganWay {
 
 constexpr std::size_t kTurnColumn = 4;
 
-OrganWay organ_way(const HandAnalysis& hand, const scene::Scene& setup, std::size_t stride) {
+OrganMotionPlot organ_motion_plot(const HandAnalysis& hand, const scene::Scene& setup, std::size_t stride) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr std::array<double, 5> kNothing = {0.0, 1e-3, 1e-3, 1e-3, 1e-2};  // mm, degrees: below this a
                                                                              // column is constant
-  OrganWay way;
+  OrganMotionPlot way;
   const model::OrganMotion motion = scene::organ_motion_of(setup);
   if (!motion.moves()) return way;
   const Vec3 middle_S = geometry::bounds(setup.organ).middle();
@@ -95,7 +95,7 @@ std::string panel(const std::string& bottom, const std::string& top) {
 }
 
 /// Draws the organ's motion; resets the gnuplot settings that it changes.
-std::string organ_panel(const OrganWay& way) {
+std::string organ_panel(const OrganMotionPlot& way) {
   static constexpr std::array<const char*, 5> kTitles = {"", "x", "y", "z", "turned (°, right)"};
   static constexpr std::array<const char*, 5> kColours = {"", kOrange, kBlue, kGreen, kGrey};
   // Leaves room above the lines for their names.
@@ -124,16 +124,16 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
     const haptics::TickRow& row = hand.rows[i];
     data.rows.push_back({row.time, row.depth * kMilli, row.tissue_force, device_force(row)});
   }
-  const OrganWay way = organ_way(hand, setup, stride);
+  const OrganMotionPlot way = organ_motion_plot(hand, setup, stride);
   const bool moving = !way.lines.empty();
   const double end = std::max(hand.rows.back().time, 1e-3);
   std::string script = preamble(860, moving ? 720 : 520, kKey);
   script +=
       fmt::format("set multiplot\nset lmargin at screen 0.095\nset rmargin at screen {}\nset xrange [0:{}]\n",
                   way.turns ? "0.925" : "0.985", shortest(end));
-  if (hand.moments.contact) {
-    script += vertical(hand.rows[hand.moments.touch].time, "contact", "0.95");
-    script += vertical(hand.rows[hand.moments.deepest].time, "deepest", "0.95");
+  if (hand.key_ticks.contact) {
+    script += vertical(hand.rows[hand.key_ticks.touch].time, "contact", "0.95");
+    script += vertical(hand.rows[hand.key_ticks.deepest].time, "deepest", "0.95");
   }
   script += moving ? panel("0.71", "0.98") : panel("0.585", "0.975");
   script += "set format x ''\nset ylabel 'depth (mm)' offset 1\nset yrange [0:1<*]\nset key off\n";
@@ -170,7 +170,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
     const haptics::TickRow& row = hand.rows[i];
     if (!in_contact(row, direction)) continue;
     deepest = std::max(deepest, row.depth);
-    (i <= hand.moments.deepest ? in : out).rows.push_back({row.depth * kMilli, normal_force(row)});
+    (i <= hand.key_ticks.deepest ? in : out).rows.push_back({row.depth * kMilli, normal_force(row)});
   }
   PlotData curve{"law.dat", {}};
   constexpr int kCurvePoints = 400;

@@ -23,17 +23,17 @@ struct NamedMoment {
   std::size_t row;
 };
 
-std::array<NamedMoment, 4> named(const Moments& moments) {
-  return {{{"before contact", "1-before", moments.rest},
-           {moments.contact ? "at contact" : "at its nearest", "2-contact", moments.touch},
-           {"at depth", "3-depth", moments.deepest},
-           {"after", "4-after", moments.after}}};
+std::array<NamedMoment, 4> named(const KeyTicks& moments) {
+  return {{{"before contact", "1-before", key_ticks.rest},
+           {key_ticks.contact ? "at contact" : "at its nearest", "2-contact", key_ticks.touch},
+           {"at depth", "3-depth", key_ticks.deepest},
+           {"after", "4-after", key_ticks.after}}};
 }
 
 /// Snapshots at the given moments, in their order; a tick may occur twice.
 std::vector<haptics::Snapshot> take_snapshots(const record::Recording& recording, const HandAnalysis& hand) {
   std::vector<std::uint64_t> ticks;
-  for (const NamedMoment& moment : named(hand.moments)) ticks.push_back(hand.rows[moment.row].tick);
+  for (const NamedMoment& moment : named(hand.key_ticks)) ticks.push_back(hand.rows[moment.row].tick);
   std::vector<std::uint64_t> ascending = ticks;
   std::sort(ascending.begin(), ascending.end());
   ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
@@ -116,8 +116,8 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
   // The same two cameras for all moments, chosen at the largest depth, so that only organ and tool differ.
   const haptics::Snapshot& deepest = snapshots[2];
   const contact::ToolResult& result = deepest.results[hand.hand];
-  const Vec3 focus = hand.moments.contact ? result.contact_W : result.nearest_W;
-  const Vec3 normal = hand.moments.contact ? result.normal_W : result.away_W;
+  const Vec3 focus = hand.key_ticks.contact ? result.contact_W : result.nearest_W;
+  const Vec3 normal = hand.key_ticks.contact ? result.normal_W : result.away_W;
   const render::Camera near = render::frame_contact(subject, deepest, focus, normal, true);
   const render::Camera wide =
       with_room(render::frame_contact(subject, deepest, focus, normal, false), subject, setup.organ_motion);
@@ -125,7 +125,7 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
 
   const Vec3 middle = geometry::bounds(setup.organ).middle();
   std::size_t i = 0;
-  for (const NamedMoment& moment : named(hand.moments)) {
+  for (const NamedMoment& moment : named(hand.key_ticks)) {
     const std::string what = setup.organ_name + " and tool " + moment.name;
     const double moved = (snapshots[i].organ_W * middle - setup.organ_pose * middle).norm();
     const auto file = [&](const char* end) { return folder / (prefix + moment.file + end); };

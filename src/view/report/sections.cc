@@ -20,10 +20,10 @@ std::string microseconds(std::int64_t ns) { return fixed(static_cast<double>(ns)
 /// Whether the recording has tick times; an offline one has them when it was closed properly.
 bool is_timed(const Analysis& analysis) { return analysis.tick_time.figures.max > 0; }
 
-bool is_pull(const WorkedExperiment& worked) { return worked.analysis.direction == model::Direction::kPull; }
+bool is_pull(const ExperimentResults& worked) { return worked.analysis.direction == model::Direction::kPull; }
 
 /// The hand with the largest depth.
-const HandAnalysis& main_hand(const WorkedExperiment& worked) {
+const HandAnalysis& main_hand(const ExperimentResults& worked) {
   return *std::max_element(
       worked.analysis.hands.begin(), worked.analysis.hands.end(),
       [](const HandAnalysis& a, const HandAnalysis& b) { return a.peak_depth < b.peak_depth; });
@@ -80,7 +80,7 @@ std::string all_faults(const Analysis& analysis) {
 }
 
 /// The results in sentences, each marked as met or not.
-std::vector<std::string> marks_of(const WorkedExperiment& worked) {
+std::vector<std::string> marks_of(const ExperimentResults& worked) {
   const Analysis& analysis = worked.analysis;
   const HandAnalysis& hand = main_hand(worked);
   const record::Recording& recording = *worked.experiment->recording;
@@ -148,7 +148,7 @@ void write_hand(Page& page, const HandAnalysis& hand, const HandFigures& figures
   page.figures("two", {figures.noise_spectrum, figures.noise_histogram});
 }
 
-void write_timing(Page& page, const WorkedExperiment& worked) {
+void write_timing(Page& page, const ExperimentResults& worked) {
   const Analysis& analysis = worked.analysis;
   const bool offline = worked.experiment->recording->facts.offline;
   page.heading("Timing");
@@ -189,7 +189,7 @@ std::string tool_count(const std::vector<geometry::Tool>& tools) {
 }
 
 /// Results of the paper beside these, for one experiment. [Zhang 2011, section 3]
-TableRows comparison(const WorkedExperiment& worked) {
+TableRows comparison(const ExperimentResults& worked) {
   const bool pull = is_pull(worked);
   const scene::Scene& setup = worked.experiment->recording->setup;
   const Percentiles& tick = worked.analysis.tick_time.figures;
@@ -219,12 +219,12 @@ TableRows comparison(const WorkedExperiment& worked) {
 
 }  // namespace
 
-void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
+void write_summary(Page& page, const std::vector<ExperimentResults>& all) {
   page.section("summary", "What came out");
   TableRows rows{{"experiment", "largest depth", "largest tissue force", "tick p50 / p99",
                   "lateness p50 / p99", "missed deadlines"}};
   std::size_t number = 0;
-  for (const WorkedExperiment& worked : all) {
+  for (const ExperimentResults& worked : all) {
     const bool offline = worked.experiment->recording->facts.offline;
     const HandAnalysis& hand = main_hand(worked);
     const Analysis& analysis = worked.analysis;
@@ -240,13 +240,13 @@ void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
          offline ? "offline" : grouped(analysis.missed) + " of " + grouped(analysis.ticks)});
   }
   page.table(rows);
-  for (const WorkedExperiment& worked : all) {
+  for (const ExperimentResults& worked : all) {
     if (all.size() > 1) page.heading(worked.experiment->title);
     page.html_list(marks_of(worked), "marks");
   }
 }
 
-void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t number) {
+void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number) {
   page.section(anchor(number), worked.experiment->title);
   write_what_was_run(page, worked);
   write_pictures(page, worked.pictures);
@@ -256,12 +256,12 @@ void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t nu
   write_timing(page, worked);
 }
 
-void write_comparison(Page& page, const std::vector<WorkedExperiment>& all) {
+void write_comparison(Page& page, const std::vector<ExperimentResults>& all) {
   page.section("paper", "Beside the paper");
   page.paragraph(
       "X. Zhang, W. Sun, A. Song, J. Li, J. Liu: Enhanced haptic model for real-time "
       "human-computer interaction, 2011. Its figures are of its own machine of that time.");
-  for (const WorkedExperiment& worked : all) page.table(comparison(worked));
+  for (const ExperimentResults& worked : all) page.table(comparison(worked));
 }
 
 }  // namespace palpate::report

@@ -18,7 +18,7 @@ struct HandFigures {
 };
 
 /// An experiment with its results, figures and pictures.
-struct WorkedExperiment {
+struct ExperimentResults {
   const Experiment* experiment = nullptr;
   Analysis analysis;
   PictureSet pictures;
@@ -28,12 +28,12 @@ struct WorkedExperiment {
 };
 
 /// [setup] Title and results, as a table and a list.
-void write_summary(Page& page, const std::vector<WorkedExperiment>& all);
+void write_summary(Page& page, const std::vector<ExperimentResults>& all);
 /// [setup] One experiment in full. @param number counts from 1
-void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t number);
+void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number);
 /// [setup] The results of the paper beside these.
-void write_comparison(Page& page, const std::vector<WorkedExperiment>& all);
+void write_comparison(Page& page, const std::vector<ExperimentResults>& all);
 /// [setup] Conditions of the run: scene, organ, tissue parameters, tool, device, noise, limits, machine.
-void write_what_was_run(Page& page, const WorkedExperiment& worked);
+void write_what_was_run(Page& page, const ExperimentResults& worked);
 
 }  // namespace palpate::report

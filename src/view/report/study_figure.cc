@@ -57,7 +57,7 @@ View view_of(const study::SweepResult& sweep) {
 }
 
 /// Position of a value on the x axis: the number, or the index of a text, counted from 0.
-double place_of(const study::Axis& axis, const std::string& value) {
+double axis_position(const study::Axis& axis, const std::string& value) {
   if (axis.number()) return parse_number(value).value();
   return static_cast<double>(std::find(axis.values.begin(), axis.values.end(), value) - axis.values.begin());
 }
@@ -90,7 +90,7 @@ std::vector<PlotData> tables_of(const study::SweepResult& sweep, const View& vie
       }
       if (!shown) continue;
       (row.missed_contact ? missed : touched)
-          .rows.push_back(points_of(row, place_of(sweep.axes[view.x_axis], row.settings[view.x_axis])));
+          .rows.push_back(points_of(row, axis_position(sweep.axes[view.x_axis], row.settings[view.x_axis])));
     }
     for (PlotData* table : {&touched, &missed}) {
       std::sort(table->rows.begin(), table->rows.end());

@@ -160,7 +160,7 @@ Facts run_facts(const record::RunFacts& facts) {
 
 }  // namespace
 
-void write_what_was_run(Page& page, const WorkedExperiment& worked) {
+void write_what_was_run(Page& page, const ExperimentResults& worked) {
   const record::Recording& recording = *worked.experiment->recording;
   page.heading("What was run");
   page.code(worked.experiment->command);

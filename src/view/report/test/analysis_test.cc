@@ -14,22 +14,22 @@ using test::SyntheticRecording;
 TEST(Analysis, FindsTheMomentsOfAPress) {
   const record::Recording recording = SyntheticRecording::make();
   const HandAnalysis hand = analyse(recording).hands.at(0);
-  ASSERT_TRUE(hand.moments.contact);
+  ASSERT_TRUE(hand.key_ticks.contact);
   // The path goes 22 mm in 1.5 s and meets the surface after 10 mm, at 0.6818 s: the first tick below it is
   // 682.
-  EXPECT_EQ(hand.rows[hand.moments.touch].tick, 682U);
-  EXPECT_EQ(hand.rows[hand.moments.rest].tick, 341U);
-  EXPECT_EQ(hand.rows[hand.moments.deepest].tick, 1500U);
-  EXPECT_EQ(hand.rows[hand.moments.after].tick, 3999U);
+  EXPECT_EQ(hand.rows[hand.key_ticks.touch].tick, 682U);
+  EXPECT_EQ(hand.rows[hand.key_ticks.rest].tick, 341U);
+  EXPECT_EQ(hand.rows[hand.key_ticks.deepest].tick, 1500U);
+  EXPECT_EQ(hand.rows[hand.key_ticks.after].tick, 3999U);
   EXPECT_DOUBLE_EQ(hand.peak_depth, SyntheticRecording::kDeepest);
 }
 
 TEST(Analysis, WithoutContactItTakesTheNearestTick) {
   const record::Recording recording = SyntheticRecording::make(true, 500);
   const HandAnalysis hand = analyse(recording).hands.at(0);
-  EXPECT_FALSE(hand.moments.contact);
-  EXPECT_EQ(hand.moments.touch, 499U);
-  EXPECT_EQ(hand.moments.deepest, 499U);
+  EXPECT_FALSE(hand.key_ticks.contact);
+  EXPECT_EQ(hand.key_ticks.touch, 499U);
+  EXPECT_EQ(hand.key_ticks.deepest, 499U);
   EXPECT_EQ(hand.peak_depth, 0.0);
 }
 
