@@ -13,8 +13,8 @@
 #include "palpate/spring_law.h"
 #include "palpate/touch_noise.h"
 
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"
-#include "bench/measure/subjects.h"
 
 namespace {
 
@@ -78,7 +78,7 @@ bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted,
 /// Counts ticks shortly before and after first contact. @return false when the path has none
 template <typename Approach, typename Contact>
 bool count_tick(std::size_t tool_triangles, Approach dump_approach, Contact dump_contact) {
-  const scene::Scene setup = bench::subject("press", 0, tool_triangles);
+  const scene::Scene setup = bench::bench_scene("press", 0, tool_triangles);
   const haptics::SimulationWorld world = scene::make_world(setup);
   devices::ScriptedDevice device(bench::hand_path(setup));
   const std::uint64_t last = device.last_tick(world.rate_Hz);

@@ -25,12 +25,12 @@
 #include "app/progress.h"
 #include "app/session.h"
 #include "bench/measure/account.h"
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/hands.h"
-#include "bench/measure/loop_contest.h"
+#include "bench/measure/loop_comparison.h"
 #include "bench/measure/peers.h"
 #include "bench/measure/pictures.h"
 #include "bench/measure/preparation.h"
-#include "bench/measure/subjects.h"
 #include "bench/measure/ticks.h"
 
 namespace palpate::bench {
@@ -50,7 +50,7 @@ struct Plan {
   bool parts = false;
   bool preparation = false;
   bool peers = false;
-  bool most_hands = false;
+  bool hand_capacity = false;
   std::size_t hands = 0;
   bool loop = false;
   bool pictures = false;
@@ -59,10 +59,10 @@ struct Plan {
   std::filesystem::path csv;
 
   void complete() {
-    most_hands = most_hands || hands > 0;
-    if (!(ticks || parts || preparation || peers || most_hands || loop || pictures)) {
+    hand_capacity = hand_capacity || hands > 0;
+    if (!(ticks || parts || preparation || peers || hand_capacity || loop || pictures)) {
       ticks = parts = preparation = true;
-      peers = most_hands = !quick;
+      peers = hand_capacity = !quick;
       loop = pictures = full;
     }
     ticks = ticks || peers;
@@ -101,7 +101,7 @@ class Bench final {
     account_.build = "palpate " + record::palpate_version() + ", " + record::compiler_version();
     account_.command = std::move(command_line);
     account_.polled = plan_.waiting == haptics::Waiting::kPoll;
-    steps_ = static_cast<double>(subjects_.size()) + (plan_.most_hands ? 2.0 : 0.0) +
+    steps_ = static_cast<double>(subjects_.size()) + (plan_.hand_capacity ? 2.0 : 0.0) +
              (plan_.loop ? 2.0 : 0.0) + static_cast<double>(pictures_.size()) + 1.0;
   }
 
@@ -113,7 +113,7 @@ class Bench final {
     }
     for (const Subject& subject : subjects_) measure(subject);
     if (plan_.parts) measure_parts();
-    if (plan_.most_hands) measure_hands();
+    if (plan_.hand_capacity) measure_hands();
     if (plan_.loop) {
       for (const char* task : {"press", "pull"}) measure_loop(task);
     }
@@ -127,7 +127,8 @@ class Bench final {
 
   void measure(const Subject& subject) {
     show(0.0, "preparing the " + subject.task + " scene");
-    const scene::Scene setup = bench::subject(subject.task, subject.organ_triangles, subject.tool_triangles);
+    const scene::Scene setup =
+        bench::bench_scene(subject.task, subject.organ_triangles, subject.tool_triangles);
     const Prepared prepared = prepare(setup);
     const std::string name = setup.name + ", " + std::to_string(setup.organ.triangles.size()) + " triangles";
     if (plan_.preparation && subject.tool_triangles == 0) account_.preparation.push_back(prepared.account);
@@ -136,7 +137,7 @@ class Bench final {
       show(0.3, "ticks of " + name);
       account_.ticks.push_back(time_ticks(setup, prepared.world, path, plan_.quick ? 3 : 5));
       if (subject.tool_triangles == 0) {
-        const std::vector<WayPoint> way = walk(setup, prepared.world, path);
+        const std::vector<PathPoint> way = run_path(setup, prepared.world, path);
         account_.nearest.push_back(time_nearest(setup, way));
         if (plan_.peers) ask_peers(setup, way, name);
       }
@@ -144,13 +145,13 @@ class Bench final {
     done_ += 1.0;
   }
 
-  void ask_peers(const scene::Scene& setup, const std::vector<WayPoint>& way, const std::string& name) {
+  void ask_peers(const scene::Scene& setup, const std::vector<PathPoint>& way, const std::string& name) {
     const auto ratio = [](double theirs, double own) { return own > 0.0 ? theirs / own : 0.0; };
     const TickAccount& tick = account_.ticks.back();
     const double nearest_us = account_.nearest.back().times.p50_us;
     for (const PalpatePeer& peer : peers_->all()) {
       show(0.6, std::string(peer.name) + " on " + name);
-      PeerAccount theirs = ask_peer(peer, {setup, way, kPeerSeconds});
+      PeerAccount theirs = measure_peer(peer, {setup, way, kPeerSeconds});
       const bool point = peer.one_point != 0;
       theirs.ratio = ratio(theirs.contact.p50_us, point ? nearest_us : tick.contact.p50_us);
       theirs.approach_ratio = ratio(theirs.approach.p50_us, point ? nearest_us : tick.approach.p50_us);
@@ -174,11 +175,12 @@ class Bench final {
   }
 
   void measure_hands() {
-    const scene::Scene setup = subject("press", 0, 0);
+    const scene::Scene setup = bench_scene("press", 0, 0);
     const Prepared prepared = prepare(setup);
     const scene::ToolPath path = hand_path(setup);
-    account_.hands = most_hands(setup, prepared.world, path, plan_.waiting,
-                                [this](double share, const std::string& what) { show(1.5 * share, what); });
+    account_.hands =
+        hand_capacity(setup, prepared.world, path, plan_.waiting,
+                      [this](double share, const std::string& what) { show(1.5 * share, what); });
     if (plan_.hands > 0) {
       show(1.5, std::to_string(plan_.hands) + " hands");
       account_.hands->asked = run_hands(setup, prepared.world, path, plan_.waiting, plan_.hands);
@@ -193,8 +195,8 @@ class Bench final {
     const scene::Scene setup = scene::load(request);
     const Prepared prepared = prepare(setup);
     account_.loops.push_back(
-        against_empty_loop(setup, prepared.world, scene::default_path(setup, 0), plan_.waiting,
-                           [this](double share, const std::string& what) { show(share, what); }));
+        compare_with_empty_loop(setup, prepared.world, scene::default_path(setup, 0), plan_.waiting,
+                                [this](double share, const std::string& what) { show(share, what); }));
     done_ += 1.0;
   }
 

@@ -18,7 +18,7 @@
 #include "palpate/organ_motion.h"
 #include "palpate/scene.h"
 
-#include "bench/measure/subjects.h"
+#include "bench/measure/bench_scene.h"
 #include "tests/hash_file.h"
 
 namespace palpate::tests {

@@ -44,8 +44,8 @@ struct Window {
   }
 };
 
-Window contact_window(const std::vector<WayPoint>& way) {
-  const auto touches = [](const WayPoint& at) { return at.phase != contact::Phase::kApproach; };
+Window contact_window(const std::vector<PathPoint>& way) {
+  const auto touches = [](const PathPoint& at) { return at.phase != contact::Phase::kApproach; };
   const auto first = std::find_if(way.begin(), way.end(), touches);
   const auto end = std::find_if_not(first, way.end(), touches);
   if (end - first < 2) throw std::runtime_error("bench: the hands never came into contact");
@@ -132,10 +132,10 @@ struct Rounds {
 double limit_us() { return kPeriodShare * 1e6 / kHandsRate; }
 
 /// The same number of hands on every core at once, as far as the number divides evenly.
-class Crowd final {
+class ParallelHands final {
  public:
-  Crowd(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path,
-        haptics::Waiting waiting)
+  ParallelHands(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path,
+                haptics::Waiting waiting)
       : world_(world), window_(window), path_(path), waiting_(waiting), cores_(haptics::usable_cores()) {
     if (cores_.empty()) cores_.push_back(-1);  // cores unknown: one thread without affinity
   }
@@ -241,14 +241,14 @@ std::size_t greatest_that_fits(std::size_t first, std::size_t too_many,
   return most;
 }
 
-HandsAccount most_hands(const scene::Scene& setup, const haptics::SimulationWorld& world,
-                        const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
-  const Window window = contact_window(walk(setup, world, path));
+HandsAccount hand_capacity(const scene::Scene& setup, const haptics::SimulationWorld& world,
+                           const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
+  const Window window = contact_window(run_path(setup, world, path));
   HandsAccount account;
   account.bytes_per_hand = bytes_per_hand(world, window, path);
-  Crowd crowd(world, window, path, waiting);
-  const std::string where = " hands on each of " + std::to_string(crowd.cores()) + " cores";
-  const HandsRun gauged = crowd.run(kGaugedHands * crowd.cores(), kGaugedPeriods, false);
+  ParallelHands parallel(world, window, path, waiting);
+  const std::string where = " hands on each of " + std::to_string(parallel.cores()) + " cores";
+  const HandsRun gauged = parallel.run(kGaugedHands * parallel.cores(), kGaugedPeriods, false);
   // With more hands even the median period exceeds the limit.
   const double bound = std::min(limit_us() / gauged.round.p50_us * static_cast<double>(kGaugedHands),
                                 static_cast<double>(kMostHandsTried));
@@ -259,8 +259,8 @@ HandsAccount most_hands(const scene::Scene& setup, const haptics::SimulationWorl
     watch(std::min(1.0, done / halvings), std::to_string(count) + where);
     done += 1.0;
     for (int turn = 0; turn < 2; ++turn) {  // a second try, because other load may have disturbed the first
-      const HandsRun run = crowd.run(count * crowd.cores(), kPeriodsHeld, true);
-      if (crowd.gave_up()) continue;
+      const HandsRun run = parallel.run(count * parallel.cores(), kPeriodsHeld, true);
+      if (parallel.gave_up()) continue;
       account.most = run;
       return true;
     }
@@ -274,8 +274,8 @@ HandsRun run_hands(const scene::Scene& setup, const haptics::SimulationWorld& wo
                    const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands,
                    std::uint64_t periods) {
   if (hands == 0) throw std::invalid_argument("bench: 0 hands: must be at least 1");
-  const Window window = contact_window(walk(setup, world, path));
-  return Crowd(world, window, path, waiting).run(hands, periods, false);
+  const Window window = contact_window(run_path(setup, world, path));
+  return ParallelHands(world, window, path, waiting).run(hands, periods, false);
 }
 
 }  // namespace palpate::bench

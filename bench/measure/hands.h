@@ -22,13 +22,13 @@ inline constexpr std::size_t kMostHandsTried = 4000;
 /// period at p99.9 while all other cores have the same load, and the memory per hand. One thread per core
 /// runs all of its hands once a period, in real time, for 10,000 periods; at most 10 periods per core may
 /// exceed the limit. The number is found by bisection; a number that fails is tried twice, because other load
-/// on the machine comes in bursts. @throws as walk().
-[[nodiscard]] HandsAccount most_hands(const scene::Scene& setup, const haptics::SimulationWorld& world,
-                                      const scene::ToolPath& path, haptics::Waiting waiting,
-                                      const Watch& watch);
+/// on the machine comes in bursts. @throws as run_path().
+[[nodiscard]] HandsAccount hand_capacity(const scene::Scene& setup, const haptics::SimulationWorld& world,
+                                         const scene::ToolPath& path, haptics::Waiting waiting,
+                                         const Watch& watch);
 
 /// [setup] Runs `hands` hands at 1 kHz, distributed evenly over all cores, for `periods` each. @throws as
-/// walk(), and std::invalid_argument for no hands
+/// run_path(), and std::invalid_argument for no hands
 [[nodiscard]] HandsRun run_hands(const scene::Scene& setup, const haptics::SimulationWorld& world,
                                  const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands,
                                  std::uint64_t periods = kPeriodsHeld);

@@ -12,13 +12,13 @@
 namespace palpate::bench {
 
 /// A library that can be compared, and its Debian package.
-struct KnownPeer {
+struct SupportedPeer {
   std::string name;
   std::string package;
 };
 
 /// [any] All of them, in the order of the tables.
-[[nodiscard]] const std::vector<KnownPeer>& known_peers();
+[[nodiscard]] const std::vector<SupportedPeer>& supported_peers();
 
 /// [setup] Path of libpalpate_peers.so beside the running program palpate-bench.
 [[nodiscard]] std::filesystem::path peers_library();
@@ -39,9 +39,9 @@ class Peers final {
 };
 
 /// A comparison of one peer along a path.
-struct PeerQuestion {
+struct PeerComparison {
   const scene::Scene& setup;
-  const std::vector<WayPoint>& way;
+  const std::vector<PathPoint>& way;
   double seconds = 0.0;  // time limit: beyond it only every n-th point of the path is used
 };
 
@@ -49,6 +49,6 @@ struct PeerQuestion {
 /// there are no figures for contact. @throws std::runtime_error when it rejects the organ, or when its
 /// distances differ from Palpate's by more than 20 um (single precision) while the tool is outside, so that
 /// it does not answer the same question.
-[[nodiscard]] PeerAccount ask_peer(const PalpatePeer& peer, const PeerQuestion& question);
+[[nodiscard]] PeerAccount measure_peer(const PalpatePeer& peer, const PeerComparison& question);
 
 }  // namespace palpate::bench

@@ -8,9 +8,9 @@
 #include "palpate/scripted_device.h"
 #include "run/realtime/loop.h"
 
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"
 #include "bench/measure/preparation.h"
-#include "bench/measure/subjects.h"
 
 namespace palpate::bench {
 namespace {
@@ -45,10 +45,10 @@ std::vector<haptics::Snapshot> moments_of(const scene::Scene& setup) {
 }  // namespace
 
 PictureAccount time_pictures(const std::string& task, std::size_t organ_triangles) {
-  const scene::Scene setup = subject(task, 0, 0);
+  const scene::Scene setup = bench_scene(task, 0, 0);
   const std::vector<haptics::Snapshot> moments = moments_of(setup);
   render::Subject drawn{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
-  if (organ_triangles > 0) drawn.organ = subject(task, organ_triangles, 0).organ;
+  if (organ_triangles > 0) drawn.organ = bench_scene(task, organ_triangles, 0).organ;
 
   PictureAccount account;
   account.scene = setup.name;

@@ -11,8 +11,8 @@
 #include "io/system/clock.h"
 #include "palpate/scripted_device.h"
 
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"
-#include "bench/measure/subjects.h"
 
 namespace palpate::bench {
 namespace {
@@ -96,12 +96,12 @@ class Passes final {
 
 }  // namespace
 
-std::vector<WayPoint> walk(const scene::Scene& setup, const haptics::SimulationWorld& world,
-                           const scene::ToolPath& path) {
+std::vector<PathPoint> run_path(const scene::Scene& setup, const haptics::SimulationWorld& world,
+                                const scene::ToolPath& path) {
   OneHand hand(world);
   devices::ScriptedDevice device(path);
   const std::uint64_t last = device.last_tick(world.rate_Hz);
-  std::vector<WayPoint> way;
+  std::vector<PathPoint> way;
   way.reserve(last);
   for (std::uint64_t number = 0; number < last; ++number) {
     const haptics::TickRow& row = hand.tick(device, number);
@@ -129,7 +129,7 @@ TickAccount time_ticks(const scene::Scene& setup, const haptics::SimulationWorld
   return account;
 }
 
-std::vector<Vec3> tip_points(const scene::Scene& setup, const std::vector<WayPoint>& way) {
+std::vector<Vec3> tip_points(const scene::Scene& setup, const std::vector<PathPoint>& way) {
   Vec3 tip = Vec3::Zero();
   for (const geometry::ToolPart& part : setup.tools[0].parts) {
     for (const Vec3& vertex : part.mesh.vertices) {
@@ -139,11 +139,11 @@ std::vector<Vec3> tip_points(const scene::Scene& setup, const std::vector<WayPoi
   const Pose to_organ = setup.organ_pose.inverse();
   std::vector<Vec3> points;
   points.reserve(way.size());
-  for (const WayPoint& at : way) points.push_back(to_organ * (at.handle_W * tip));
+  for (const PathPoint& at : way) points.push_back(to_organ * (at.handle_W * tip));
   return points;
 }
 
-NearestAccount time_nearest(const scene::Scene& setup, const std::vector<WayPoint>& way) {
+NearestAccount time_nearest(const scene::Scene& setup, const std::vector<PathPoint>& way) {
   const geometry::SignedDistance surface(setup.organ);
   const std::vector<Vec3> points = tip_points(setup, way);
   std::vector<double> times_us;

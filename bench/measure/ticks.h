@@ -15,7 +15,7 @@ namespace palpate::bench {
 inline constexpr double kNear = 20e-3;
 
 /// Pose of the tool at a tick and Palpate's result, as reference for peers.
-struct WayPoint {
+struct PathPoint {
   Pose handle_W;
   double gripper = 0.0;
   contact::Phase phase = contact::Phase::kApproach;
@@ -23,8 +23,9 @@ struct WayPoint {
 };
 
 /// [setup] Runs all ticks of the path without timing.
-[[nodiscard]] std::vector<WayPoint> walk(const scene::Scene& setup, const haptics::SimulationWorld& world,
-                                         const scene::ToolPath& path);
+[[nodiscard]] std::vector<PathPoint> run_path(const scene::Scene& setup,
+                                              const haptics::SimulationWorld& world,
+                                              const scene::ToolPath& path);
 
 /// [setup] CPU time of whole ticks along the path, `passes` times from a new state: device sample, tick,
 /// gate, and the row into the ring of a recorder that writes a file meanwhile. @throws std::runtime_error
@@ -33,10 +34,10 @@ struct WayPoint {
                                      const scene::ToolPath& path, int passes);
 
 /// [setup] CPU time of OrganSurface::nearest() at the tool's tip along the path, sixteen queries at a time.
-[[nodiscard]] NearestAccount time_nearest(const scene::Scene& setup, const std::vector<WayPoint>& way);
+[[nodiscard]] NearestAccount time_nearest(const scene::Scene& setup, const std::vector<PathPoint>& way);
 
 /// [setup] Positions of the tool's tip along the path: its farthest vertex along +z, in the organ's frame.
-[[nodiscard]] std::vector<Vec3> tip_points(const scene::Scene& setup, const std::vector<WayPoint>& way);
+[[nodiscard]] std::vector<Vec3> tip_points(const scene::Scene& setup, const std::vector<PathPoint>& way);
 
 /// Queries between two readings of the clock, because a reading takes as long as one query.
 inline constexpr std::size_t kPointsAtOnce = 16;

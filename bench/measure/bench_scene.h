@@ -25,8 +25,8 @@ enum class Shape { kFlat, kCurved };
 
 /// [setup] The scene of a task (press: gallbladder, pull: heart), its organ with about `organ_triangles` and
 /// its tool with about `tool_triangles` triangles; 0: as built in. @throws InputError as scene::load.
-[[nodiscard]] scene::Scene subject(const std::string& task, std::size_t organ_triangles,
-                                   std::size_t tool_triangles);
+[[nodiscard]] scene::Scene bench_scene(const std::string& task, std::size_t organ_triangles,
+                                       std::size_t tool_triangles);
 
 /// [any] Number of triangles of all parts.
 [[nodiscard]] std::size_t triangle_count(const geometry::Tool& tool) noexcept;

@@ -1,4 +1,4 @@
-#include "bench/measure/subjects.h"
+#include "bench/measure/bench_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -87,8 +87,8 @@ TEST(Subjects, TheWayIsNeverStill) {
 }
 
 TEST(Subjects, AFinerToolKeepsItsShape) {
-  const scene::Scene coarse = subject("press", 0, 0);
-  const scene::Scene fine = subject("press", 0, 10'000);
+  const scene::Scene coarse = bench_scene("press", 0, 0);
+  const scene::Scene fine = bench_scene("press", 0, 10'000);
   EXPECT_GT(triangle_count(fine.tools[0]), 5'000U);
   EXPECT_EQ(fine.organ.triangles.size(), coarse.organ.triangles.size());
   ASSERT_EQ(fine.tools[0].parts.size(), coarse.tools[0].parts.size());

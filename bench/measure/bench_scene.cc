@@ -1,4 +1,4 @@
-#include "bench/measure/subjects.h"
+#include "bench/measure/bench_scene.h"
 
 #include <algorithm>
 #include <array>
@@ -147,7 +147,7 @@ std::size_t triangle_count(const geometry::Tool& tool) noexcept {
   return count;
 }
 
-scene::Scene subject(const std::string& task, std::size_t organ_triangles, std::size_t tool_triangles) {
+scene::Scene bench_scene(const std::string& task, std::size_t organ_triangles, std::size_t tool_triangles) {
   scene::Overrides request;
   request.task = task;
   scene::Scene setup = scene::load(request);

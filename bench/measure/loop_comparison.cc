@@ -1,4 +1,4 @@
-#include "bench/measure/loop_contest.h"
+#include "bench/measure/loop_comparison.h"
 
 #include <algorithm>
 #include <optional>
@@ -41,8 +41,9 @@ void take_turn(double rate_Hz, std::uint64_t ticks, haptics::TickWait& wait, Sid
 
 }  // namespace
 
-LoopAccount against_empty_loop(const scene::Scene& setup, const haptics::SimulationWorld& world,
-                               const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
+LoopAccount compare_with_empty_loop(const scene::Scene& setup, const haptics::SimulationWorld& world,
+                                    const scene::ToolPath& path, haptics::Waiting waiting,
+                                    const Watch& watch) {
   devices::ScriptedDevice device(path);
   const std::uint64_t last = device.last_tick(world.rate_Hz);
   const auto turn = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kTurn * world.rate_Hz));
