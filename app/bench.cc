@@ -39,9 +39,9 @@ int execute_bench(char** arguments) {
     execute(folder / kBenchProgram, arguments);
     execute(folder.parent_path() / "bench" / kBenchProgram, arguments);
   }
-  tell_error(std::string(kBenchProgram) + " is not in " + folder.string() +
-             ": build the target palpate_bench (cmake --build DIR --target palpate_bench), or install the "
-             "package palpate");
+  report_error(std::string(kBenchProgram) + " is not in " + folder.string() +
+               ": build the target palpate_bench (cmake --build DIR --target palpate_bench), or install the "
+               "package palpate");
   return kBadInput;
 }
 

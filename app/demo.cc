@@ -58,7 +58,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   report::make_report_folder(flags.folder);
   std::vector<std::unique_ptr<Session>> sessions;
   for (const Experiment& experiment : kExperiments) {
-    scene::Request request;
+    scene::Overrides request;
     request.task = experiment.task;
     sessions.push_back(prepare(scene::load(request), std::nullopt, flags.no_cache));
   }
@@ -85,7 +85,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   if (stopped) {
     if (flags.json)
       std::cout << nlohmann::ordered_json{{"experiments", summaries}, {"report", nullptr}}.dump(2) << '\n';
-    tell("the demo is not whole; no report was written");
+    report_message("the demo is not whole; no report was written");
     return exit_code;
   }
   const fs::path page = write_demo_report(sessions, files, flags.folder, command_line);

@@ -83,7 +83,7 @@ Look look_at(const std::string& what) {
     age = look.last.age;
   }
   opened.device->stop();
-  look.trouble = opened.device->trouble();
+  look.trouble = opened.device->last_error();
   return look;
 }
 
@@ -129,7 +129,7 @@ void print_lines(const Look& look) {
             << "  gripper      " << shortest(look.last.gripper) << " (0 closed, 1 open)\n"
             << "  buttons      " << (pressed.empty() ? "none pressed" : list(pressed) + " pressed") << '\n'
             << "  state        "
-            << (look.last.fault == haptics::Fault::kNone ? "in order" : haptics::words_of(look.last.fault))
+            << (look.last.fault == haptics::Fault::kNone ? "in order" : haptics::describe(look.last.fault))
             << '\n';
   if (!look.trouble.empty()) std::cout << "  trouble      " << look.trouble << '\n';
 }

@@ -84,7 +84,7 @@ void print_percentiles(const haptics::Histogram& late) {
             << ", max " << microseconds(late.max()) << '\n';
 }
 
-void print_words(const std::vector<haptics::MachineCheck>& checks, const Lateness& lateness) {
+void print_text(const std::vector<haptics::MachineCheck>& checks, const Lateness& lateness) {
   for (const haptics::MachineCheck& check : checks) {
     std::cout << std::left << std::setw(8) << word(check.verdict) << std::setw(24) << check.name
               << check.found << '\n'
@@ -133,7 +133,7 @@ void doctor(bool json) {
   if (json) {
     print_json(checks, lateness);
   } else {
-    print_words(checks, lateness);
+    print_text(checks, lateness);
   }
 }
 

@@ -23,10 +23,10 @@ struct ExportFlags {
 };
 
 int export_file(const ExportFlags& flags) {
-  const std::filesystem::path changes = record::changes_csv_beside(flags.csv);
+  const std::filesystem::path changes = record::changes_csv_path(flags.csv);
   const bool has_place_beside = may_have_files_beside(flags.csv);
-  refuse_overwriting(std::vector<NamedFile>{{"--csv", flags.csv}, {"beside --csv", changes}},
-                     std::vector<NamedFile>{{"the recording", flags.file}});
+  require_no_overwrite(std::vector<NamedFile>{{"--csv", flags.csv}, {"beside --csv", changes}},
+                       std::vector<NamedFile>{{"the recording", flags.file}});
   require_writable_file(flags.csv, "--csv");
   record::Recording recording;
   {
@@ -37,12 +37,14 @@ int export_file(const ExportFlags& flags) {
                        [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + flags.csv); });
   }
   if (!recording.changes.empty() && has_place_beside) record::export_changes_csv(recording, changes);
-  tell(fmt::format("{}: {} rows{}", flags.csv, recording.rows.size(),
-                   recording.facts.complete ? "" : "; the recording was cut off after the last of them"));
+  report_message(
+      fmt::format("{}: {} rows{}", flags.csv, recording.rows.size(),
+                  recording.facts.complete ? "" : "; the recording was cut off after the last of them"));
   if (!recording.changes.empty()) {
-    tell(fmt::format("{}: {} changes of tissue or noise while it ran",
-                     has_place_beside ? changes.string() : "left out, for want of a file beside --csv",
-                     recording.changes.size()));
+    report_message(
+        fmt::format("{}: {} changes of tissue or noise while it ran",
+                    has_place_beside ? changes.string() : "left out, for want of a file beside --csv",
+                    recording.changes.size()));
   }
   return kDone;
 }

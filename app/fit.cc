@@ -16,7 +16,7 @@
 #include "palpate/units.h"
 #include "science/identify/fit_many.h"
 #include "science/identify/sweep.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 #include "view/report/fit_report.h"
 
 #include "app/commands.h"
@@ -97,9 +97,9 @@ void require_writable(const FitFlags& flags) {
 }
 
 /// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
-std::vector<identify::Specimen> read_for(tasks::Ranks& ranks, const FitFlags& flags) {
+std::vector<identify::Specimen> read_for(tasks::Communicator& ranks, const FitFlags& flags) {
   std::vector<identify::Specimen> specimens;
-  tasks::on_first(ranks, [&] {
+  tasks::on_rank_zero(ranks, [&] {
     require_writable(flags);  // here: processors elsewhere need not have these folders
     specimens = read_all(flags.files, flags.relaxation);
   });
@@ -129,7 +129,7 @@ void check_fit_outputs(const FitFlags& flags, const std::string& results) {
   if (!flags.report.empty()) outputs.push_back({"--report", flags.report + "/report.html"});
   std::vector<NamedFile> inputs;
   for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
-  refuse_overwriting(outputs, inputs);
+  require_no_overwrite(outputs, inputs);
 }
 
 void fit_all(const FitFlags& flags, const std::string& command_line) {
@@ -138,7 +138,7 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   const std::string results =
       flags.out.empty() || !may_have_files_beside(flags.out) ? "" : flags.out + ".fits.jsonl";
   check_fit_outputs(flags, results);
-  const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
+  const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   std::vector<identify::Specimen> specimens = read_for(*ranks, flags);
   identify::ManyFits many;
   {
@@ -154,18 +154,19 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   }
   if (ranks->rank() != 0) return;
   if (many.resumed > 0) {
-    tell(fmt::format("{} of {} specimens were finished before: taken from {}", many.resumed,
-                     many.specimens.size(), results));
+    report_message(fmt::format("{} of {} specimens were finished before: taken from {}", many.resumed,
+                               many.specimens.size(), results));
   }
   if (sweeps.resumed > 0) {
-    tell(fmt::format("{} pieces of sweeps were finished before: taken from {}", sweeps.resumed, results));
+    report_message(
+        fmt::format("{} pieces of sweeps were finished before: taken from {}", sweeps.resumed, results));
   }
   if (!flags.sweep_csv.empty()) write_output(flags.sweep_csv, sweeps_csv(sweeps.all), "--sweep-csv");
   if (!flags.out.empty()) write_tissue(flags.out, many.pooled.tissue);
   if (!flags.report.empty()) {
     const auto page = report::write_fit_report(many.specimens, many.pooled, sweeps.all, settings,
                                                command_line, flags.report);
-    tell("report: " + page.string());
+    report_message("report: " + page.string());
   }
   std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, sweeps.all, settings)
                               : fit_text(many.specimens, many.pooled, settings) + sweeps_text(sweeps.all));

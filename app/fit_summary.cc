@@ -86,7 +86,7 @@ Json specimen_json(const identify::SpecimenFit& fit) {
   json["not_determined"] = open_json(fit.estimates, fit.terms);
   json["rms_N"] = fit.rms;
   json["nrmse"] = fit.nrmse;
-  json["leave_out_nrmse"] = fit.leave_out;
+  json["leave_out_nrmse"] = fit.cross_validation;
   json["points"] = fit.points;
   json["rows"] = fit.rows;
   json["warnings"] = fit.warnings;
@@ -150,7 +150,7 @@ std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const ident
         "reached; parameter, best, 95 % interval:\n"
         "{}{}",
         fit.name, model::to_string(fit.law), fit.points, percent(fit.nrmse), brief(fit.rms),
-        percent(fit.leave_out), fit.layers_reached, fit.layers_allowed,
+        percent(fit.cross_validation), fit.layers_reached, fit.layers_allowed,
         estimate_lines(fit.estimates, fit.terms), warning_lines(fit.warnings));
   }
   if (fits.size() > 1) {

@@ -13,13 +13,14 @@ IgtlService::IgtlService(const std::optional<std::string>& where) {
   server_ = std::make_unique<net::IgtlServer>(address_);
 }
 
-void IgtlService::tell_where() const {
+void IgtlService::report_where() const {
   if (server_ == nullptr) return;
   const std::string port = std::to_string(address_.port);
   const bool local = address_.host.rfind("127.", 0) == 0;
-  tell(fmt::format("OpenIGTLink: listening at {}:{}{}", address_.host, port,
-                   local ? ", for programs on this machine alone (for others: --igtl 0.0.0.0:" + port + ")"
-                         : ": whoever can reach it over the network sees the run; there is no password"));
+  report_message(
+      fmt::format("OpenIGTLink: listening at {}:{}{}", address_.host, port,
+                  local ? ", for programs on this machine alone (for others: --igtl 0.0.0.0:" + port + ")"
+                        : ": whoever can reach it over the network sees the run; there is no password"));
 }
 
 std::optional<net::IgtlTally> IgtlService::finish() {
@@ -32,7 +33,7 @@ std::optional<net::IgtlTally> IgtlService::finish() {
   if (tally.given_up > 0) text += fmt::format("; {} let go that took nothing any more", tally.given_up);
   if (tally.refused > 0) text += fmt::format("; {} refused, as all places were taken", tally.refused);
   if (!tally.failure.empty()) text += "; it ended early: " + tally.failure;
-  tell(text);
+  report_message(text);
   return tally;
 }
 

@@ -22,7 +22,7 @@ class IgtlService final {
   /// Null: there is none.
   [[nodiscard]] net::IgtlServer* server() noexcept { return server_.get(); }
   /// Tells people where it is, and who can reach it.
-  void tell_where() const;
+  void report_where() const;
   /// After the last run: ends the server and tells how it went. @return that; nothing without a server
   std::optional<net::IgtlTally> finish();
 

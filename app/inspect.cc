@@ -159,7 +159,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<InspectOptions>();
   command
       ->add_option("mesh", options->mesh,
-                   "a file (" + joined(geometry::mesh_file_endings(), " ") +
+                   "a file (" + joined(geometry::mesh_file_extensions(), " ") +
                        ") or a built-in organ (gallbladder, heart, liver, kidney, each also -30k and -300k; "
                        "ball, box)")
       ->required();
@@ -172,7 +172,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
   command->callback([options, &exit_code] {
     const Inspected inspected = inspect(*options);
     if (is_path(options->mesh) && options->unit.empty()) {
-      tell(options->mesh + ": no --unit given: its numbers are taken as mm");
+      report_message(options->mesh + ": no --unit given: its numbers are taken as mm");
     }
     if (options->as_json) {
       print_json(inspected);

@@ -51,7 +51,7 @@ class LiveRun final {
   [[nodiscard]] Session& session() noexcept { return *session_; }
   [[nodiscard]] const Session& session() const noexcept { return *session_; }
   [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
-  [[nodiscard]] SnapshotCell<haptics::Snapshot>& snapshots() noexcept { return snapshots_.cell(); }
+  [[nodiscard]] TripleBuffer<haptics::Snapshot>& snapshots() noexcept { return snapshots_.cell(); }
   [[nodiscard]] Tap& tap() noexcept { return tap_; }
   [[nodiscard]] const Tap& tap() const noexcept { return tap_; }
 

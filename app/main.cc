@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "palpate/version.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 #include "app/command_line.h"
 #include "app/commands.h"
@@ -15,8 +15,8 @@
 namespace {
 
 /// Of several that mpirun started, the first speaks for all: they find the same errors.
-void tell_once(const std::string& error) {
-  if (palpate::tasks::launch_of_environment().rank == 0) palpate::app::tell_error(error);
+void report_once(const std::string& error) {
+  if (palpate::tasks::launch_of_environment().rank == 0) palpate::app::report_error(error);
 }
 
 }  // namespace
@@ -56,10 +56,10 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
-    tell_once(describe(program, error, argc, argv));
+    report_once(describe(program, error, argc, argv));
     return kBadInput;
   } catch (const std::exception& error) {
-    tell_once(error.what());
+    report_once(error.what());
     return kBadInput;
   }
   return exit_code;

@@ -23,10 +23,10 @@ spdlog::logger& messages() {
 
 }  // namespace
 
-void tell(std::string_view message) { messages().info("{}", message); }
+void report_message(std::string_view message) { messages().info("{}", message); }
 
-void tell_detail(std::string_view message) { messages().debug("{}", message); }
+void report_detail(std::string_view message) { messages().debug("{}", message); }
 
-void tell_error(std::string_view message) { messages().error("{}", message); }
+void report_error(std::string_view message) { messages().error("{}", message); }
 
 }  // namespace palpate::app

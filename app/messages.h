@@ -4,12 +4,12 @@
 namespace palpate::app {
 
 /// A line for people on standard error, after the program's name; coloured on a terminal. [setup]
-void tell(std::string_view message);
+void report_message(std::string_view message);
 
 /// The same for details, which only who set PALPATE_LOG=debug sees.
-void tell_detail(std::string_view message);
+void report_detail(std::string_view message);
 
 /// The same for what went wrong.
-void tell_error(std::string_view message);
+void report_error(std::string_view message);
 
 }  // namespace palpate::app

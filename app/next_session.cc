@@ -18,13 +18,13 @@ NextSession::State NextSession::state() {
   return state_;
 }
 
-NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::path recording, Check check)
+NextSession::NextSession(scene::Overrides request, Kept kept, std::filesystem::path recording, Check check)
     : request_(std::move(request)),
       kept_(std::move(kept)),
       recording_(std::move(recording)),
       check_(std::move(check)) {
   work_ = std::async(std::launch::async, [this] {
-    scene::Setup setup = scene::load(request_);
+    scene::Scene setup = scene::load(request_);
     if (kept_.tissue) setup.tissue = *kept_.tissue;
     if (kept_.noise) {
       const double rate_Hz = setup.noise.rate_Hz;
@@ -34,7 +34,7 @@ NextSession::NextSession(scene::Request request, Kept kept, std::filesystem::pat
     if (check_) check_(setup);
     if (!recording_.empty()) {
       require_regular_file(recording_, "recording");
-      refuse_overwriting(std::vector<NamedFile>{{"recording", recording_}}, sources_of(setup));
+      require_no_overwrite(std::vector<NamedFile>{{"recording", recording_}}, sources_of(setup));
     }
     setup_ = std::move(setup);
   });

@@ -20,11 +20,11 @@ class NextSession final {
     std::optional<noise::NoiseSettings> noise;
   };
   /// Refuses a scene that was read, before the session before it ends. @throws InputError
-  using Check = std::function<void(const scene::Setup&)>;
+  using Check = std::function<void(const scene::Scene&)>;
   enum class State { kReading, kRead, kPreparing, kReady, kFailed };
 
   /// Begins to read.
-  NextSession(scene::Request request, Kept kept, std::filesystem::path recording, Check check = {});
+  NextSession(scene::Overrides request, Kept kept, std::filesystem::path recording, Check check = {});
 
   [[nodiscard]] State state();
   /// It is wanted no more: what its thread does ends after the file that is being read, or with the organ's
@@ -39,15 +39,15 @@ class NextSession final {
   [[nodiscard]] std::unique_ptr<Session> take() { return std::move(session_); }
   /// In kFailed: why, in words.
   [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
-  [[nodiscard]] const scene::Request& request() const noexcept { return request_; }
+  [[nodiscard]] const scene::Overrides& request() const noexcept { return request_; }
   [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
 
  private:
-  scene::Request request_;
+  scene::Overrides request_;
   Kept kept_;
   std::filesystem::path recording_;
   Check check_;
-  std::optional<scene::Setup> setup_;
+  std::optional<scene::Scene> setup_;
   std::unique_ptr<Session> session_;
   std::string failure_;
   std::atomic<bool> broken_off_{false};

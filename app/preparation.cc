@@ -22,9 +22,9 @@ OrganPreparation::OrganPreparation(bool no_cache)
     if (monotonic_ns() >= show_from_ns_) bar_.update(share, what);
   };
   if (no_cache) return;
-  scene::use_organ_cache(how_, user_cache_folder(), tell_detail, [](const std::string& why) {
+  scene::use_organ_cache(how_, user_cache_folder(), report_detail, [](const std::string& why) {
     static std::once_flag warned;  // a process may prepare many organs
-    std::call_once(warned, [&why] { tell(why); });
+    std::call_once(warned, [&why] { report_message(why); });
   });
 }
 

@@ -29,7 +29,7 @@ std::uint32_t RecordedView::hands() const noexcept {
 }
 
 render::Subject RecordedView::subject() const {
-  const scene::Setup& setup = recording_.setup;
+  const scene::Scene& setup = recording_.setup;
   return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
 }
 

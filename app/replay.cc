@@ -44,8 +44,8 @@ void print_json(const record::Recording& recording, const record::ReplayResult& 
   std::cout << json.dump(2) << '\n';
 }
 
-void print_words(const record::Recording& recording, const record::ReplayResult& result, std::uint64_t ticks,
-                 bool verify) {
+void print_text(const record::Recording& recording, const record::ReplayResult& result, std::uint64_t ticks,
+                bool verify) {
   std::cout << "ticks  " << ticks << (recording.facts.complete ? "" : "  (the recording was cut off)") << '\n'
             << "hash   " << hexadecimal(result.hash) << '\n';
   if (result.rows_different == 0) {
@@ -77,7 +77,7 @@ int replay_file(const ReplayFlags& flags) {
   if (flags.json) {
     print_json(recording, result, ticks);
   } else {
-    print_words(recording, result, ticks, flags.verify);
+    print_text(recording, result, ticks, flags.verify);
   }
   return flags.verify && result.rows_different > 0 ? kGoalMissed : kDone;
 }

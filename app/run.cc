@@ -34,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RunFlags {
-  scene::Request request;
+  scene::Overrides request;
   bool offline = false;
   bool headless = false;
   bool json = false;
@@ -47,7 +47,7 @@ struct RunFlags {
   OutputFiles files;
 };
 
-void check_outputs(const OutputFiles& files, const scene::Setup& setup) {
+void check_outputs(const OutputFiles& files, const scene::Scene& setup) {
   if (!files.recording.empty()) require_regular_file(files.recording, "--record");
   if (!files.screenshot.empty()) require_writable_file(files.screenshot, "--screenshot");
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
@@ -57,14 +57,14 @@ void check_outputs(const OutputFiles& files, const scene::Setup& setup) {
     require_regular_output(files.report / "recording.h5", "--report");
     outputs.push_back({"--report", files.report / "recording.h5"});
   }
-  refuse_overwriting(outputs, sources_of(setup));
+  require_no_overwrite(outputs, sources_of(setup));
 }
 
 /// Whether this run has a window. Without a display a run in real time says that it has none.
 bool wants_window(const RunFlags& flags) {
   if (flags.headless || flags.offline) return false;
   if (display_there()) return true;
-  tell("there is no display: the run has no window (--headless asks for that)");
+  report_message("there is no display: the run has no window (--headless asks for that)");
   return false;
 }
 
@@ -107,11 +107,12 @@ Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& f
   options.igtl = igtl;
   WindowOutcome outcome = run_in_window(session, flags.request, options);
   const auto in_ms = [](double time) { return shortest(std::round(1e3 * time)) + " ms"; };
-  tell("the window showed " + std::to_string(outcome.frames) + " frames of the run; what they showed was " +
-       in_ms(outcome.median_age) + " old in the median, at most " + in_ms(outcome.largest_age));
+  report_message("the window showed " + std::to_string(outcome.frames) +
+                 " frames of the run; what they showed was " + in_ms(outcome.median_age) +
+                 " old in the median, at most " + in_ms(outcome.largest_age));
   if (outcome.more_runs > 0) {
-    tell(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
-         " in the window; what follows is the first");
+    report_message(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
+                   " in the window; what follows is the first");
   }
   return {std::move(outcome.result), outcome.later_fault, outcome.display_lost};
 }
@@ -124,7 +125,7 @@ Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& fl
     try {
       return play_in_window(session, flags, recording, igtl, signals.flag());
     } catch (const NoWindow& error) {
-      tell(std::string(error.what()) + "; the run has none");
+      report_message(std::string(error.what()) + "; the run has none");
       require_window(*session, flags, false);
     }
   }
@@ -139,7 +140,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
-  scene::Setup setup = scene::load(flags.request);
+  scene::Scene setup = scene::load(flags.request);
   check_outputs(flags.files, setup);
   const std::shared_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
   const bool window = wants_window(flags);
@@ -160,18 +161,18 @@ int run(const RunFlags& flags, const std::string& command_line) {
   }
 
   const std::string title = title_of(session->setup());
-  igtl.tell_where();
+  igtl.report_where();
   const Played played = play_as_asked(session, flags, recorded, window, igtl.server());
   const std::optional<net::IgtlTally> tally = igtl.finish();
   const RunResult& result = played.result;
   bool draw = result.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
   // SDL holds on to a display that is gone, and cannot have another.
   if (draw && (played.display_lost || !result.recording_failure.empty())) {
-    tell((played.display_lost ? "no pictures can be drawn now" : "the recording is not whole") +
-         std::string(": no report and no screenshot were made") +
-         (files.recording.empty() || !std::filesystem::exists(files.recording)
-              ? std::string()
-              : "; palpate view " + files.recording.string() + " --screenshot does that"));
+    report_message((played.display_lost ? "no pictures can be drawn now" : "the recording is not whole") +
+                   std::string(": no report and no screenshot were made") +
+                   (files.recording.empty() || !std::filesystem::exists(files.recording)
+                        ? std::string()
+                        : "; palpate view " + files.recording.string() + " --screenshot does that"));
     draw = false;
     files.report.clear();
     files.screenshot.clear();

@@ -42,19 +42,19 @@ void RunCompanion::accompany(const std::stop_token& stop) {
     haptics::FaultSeen seen;
     while (faults_.pop(seen)) {
       bar.clear();
-      tell_fault(seen);
+      report_fault(seen);
     }
     const int hand = warm_hand_.load(std::memory_order_relaxed);
     if (hand >= 0 && !told_warm &&
         session_.setup().devices[static_cast<std::size_t>(hand)].kind != "replay") {
       bar.clear();
-      app::tell(words_of_warm_motors(static_cast<std::size_t>(hand)));
+      app::report_message(describe_warm_motors(static_cast<std::size_t>(hand)));
       told_warm = true;
     }
     {
       const std::scoped_lock errors(mutex_);
       if (!errors_.empty()) bar.clear();
-      for (const std::string& error : std::exchange(errors_, {})) tell_error(error);
+      for (const std::string& error : std::exchange(errors_, {})) report_error(error);
     }
     if (last) break;
     const auto ticks = static_cast<double>(done_.load(std::memory_order_relaxed));
@@ -62,7 +62,7 @@ void RunCompanion::accompany(const std::stop_token& stop) {
   }
 }
 
-std::string RunCompanion::words_of_warm_motors(std::size_t hand) const {
+std::string RunCompanion::describe_warm_motors(std::size_t hand) const {
   const bool lowers = std::isfinite(session_.setup().devices[hand].abilities.continuous_force);
   return "hand " + std::to_string(hand) + ": the device's motors are warm: rest for some minutes; " +
          (lowers
@@ -70,13 +70,13 @@ std::string RunCompanion::words_of_warm_motors(std::size_t hand) const {
               : "its force is not lowered, because it does not report the force that it bears without end");
 }
 
-void RunCompanion::tell_fault(const haptics::FaultSeen& seen) const {
-  const std::string trouble = session_.devices()[seen.hand]->trouble();
-  tell_error("fault at tick " + std::to_string(seen.tick) + " (" +
-             shortest(static_cast<double>(seen.tick) / session_.setup().rate_Hz) + " s), hand " +
-             std::to_string(seen.hand) + ": " + haptics::words_of(seen.fault) +
-             (trouble.empty() ? "" : " (" + trouble + ")") +
-             "; the force stays zero until it is reset: kill -USR1 " + std::to_string(getpid()));
+void RunCompanion::report_fault(const haptics::FaultSeen& seen) const {
+  const std::string trouble = session_.devices()[seen.hand]->last_error();
+  report_error("fault at tick " + std::to_string(seen.tick) + " (" +
+               shortest(static_cast<double>(seen.tick) / session_.setup().rate_Hz) + " s), hand " +
+               std::to_string(seen.hand) + ": " + haptics::describe(seen.fault) +
+               (trouble.empty() ? "" : " (" + trouble + ")") +
+               "; the force stays zero until it is reset: kill -USR1 " + std::to_string(getpid()));
 }
 
 }  // namespace palpate::app

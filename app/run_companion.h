@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "palpate/session.h"
 
 namespace palpate::app {
@@ -25,7 +25,7 @@ class RunCompanion final : public haptics::TickObserver {
   RunCompanion& operator=(const RunCompanion&) = delete;
 
   /// [setup] Writes an error to standard error within a tenth of a second; from any thread.
-  void tell(std::string error) {
+  void queue_error(std::string error) {
     const std::scoped_lock lock(mutex_);
     errors_.push_back(std::move(error));
   }
@@ -43,13 +43,13 @@ class RunCompanion final : public haptics::TickObserver {
   static constexpr std::size_t kFaultsKept = 64;
 
   void accompany(const std::stop_token& stop);
-  void tell_fault(const haptics::FaultSeen& seen) const;
-  [[nodiscard]] std::string words_of_warm_motors(std::size_t hand) const;
+  void report_fault(const haptics::FaultSeen& seen) const;
+  [[nodiscard]] std::string describe_warm_motors(std::size_t hand) const;
 
   const session::Session& session_;
   std::atomic<std::uint64_t> done_{0};  // ticks
   std::atomic<int> warm_hand_{-1};      // whose device's motors were warm last; -1: none
-  Ring<haptics::FaultSeen> faults_{kFaultsKept};
+  SpscQueue<haptics::FaultSeen> faults_{kFaultsKept};
   std::mutex mutex_;  // of errors_
   std::vector<std::string> errors_;
   std::jthread thread_;  // last: it uses all of the above

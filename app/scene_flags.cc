@@ -2,7 +2,7 @@
 
 namespace palpate::app {
 
-void add_scene_flags(CLI::App& command, scene::Request& request) {
+void add_scene_flags(CLI::App& command, scene::Overrides& request) {
   command.add_option("SCENE", request.scene, "scene file (.toml); none: the gallbladder press");
   command.add_option("--task", request.task, "press or pull");
   command.add_option("--organ", request.organ, "built-in organ or mesh file");

@@ -48,7 +48,7 @@ std::string read_page(const fs::path& file) try {
 /// What the flags say of who may connect. @throws InputError.
 net::LiveOptions server_options(const ServeFlags& flags) {
   net::LiveOptions options = flags.server;
-  options.log = [](const std::string& line) { tell(line); };
+  options.log = [](const std::string& line) { report_message(line); };
   if (flags.port < 0 || flags.port > 65535) {
     throw ParameterError("--port", flags.port, "0 (the system chooses) to 65535");
   }
@@ -72,18 +72,18 @@ void check_runs(const ServedOptions& options) {
 }
 
 /// Where clients find the server; for scripts the one line of JSON that comes first.
-void tell_place(const net::LiveServer& server, const ServeFlags& flags, const net::LiveOptions& options) {
+void report_place(const net::LiveServer& server, const ServeFlags& flags, const net::LiveOptions& options) {
   const std::string place = fmt::format("{}:{}", server.host(), server.port());
-  tell("serves ws://" + place + "/; Ctrl-C ends");
-  if (!options.page.empty()) tell("a browser finds the page at http://" + place + "/");
-  if (flags.new_token) tell("token for hello: " + options.token);
+  report_message("serves ws://" + place + "/; Ctrl-C ends");
+  if (!options.page.empty()) report_message("a browser finds the page at http://" + place + "/");
+  if (flags.new_token) report_message("token for hello: " + options.token);
   if (!flags.runs.json) return;
   nlohmann::ordered_json line{{"address", server.host()}, {"port", server.port()}};
   if (flags.new_token) line["token"] = options.token;
   std::cout << net::text_of({{"listening", line}}) << std::endl;
 }
 
-void tell_account(const net::LiveAccount& account, std::uint64_t runs, bool json) {
+void report_account(const net::LiveAccount& account, std::uint64_t runs, bool json) {
   if (json) {
     std::cout << net::text_of({{"served",
                                 {{"runs", runs},
@@ -104,21 +104,21 @@ void tell_account(const net::LiveAccount& account, std::uint64_t runs, bool json
 int serve(const ServeFlags& flags) {
   const net::LiveOptions options = server_options(flags);
   check_runs(flags.runs);
-  scene::Setup setup = scene::load(flags.runs.request);
+  scene::Scene setup = scene::load(flags.runs.request);
   require_windowless(setup);
   std::vector<NamedFile> inputs = sources_of(setup);
   inputs.push_back({"--page", flags.page});
   inputs.push_back({"--token-file", flags.token_file});
-  refuse_overwriting(std::vector<NamedFile>{{"--record", flags.runs.recording}}, inputs);
+  require_no_overwrite(std::vector<NamedFile>{{"--record", flags.runs.recording}}, inputs);
   ServedRuns runs(flags.runs, prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache));
   net::LiveServer server(options, runs);
   const StopOnSignal signals;
   runs.stop_with(signals.flag());
-  tell_place(server, flags, options);
+  report_place(server, flags, options);
   if (!flags.wait) runs.begin_first();
   server.run(signals.flag());
   runs.finish();
-  tell_account(server.account(), runs.runs(), flags.runs.json);
+  report_account(server.account(), runs.runs(), flags.runs.json);
   if (runs.fault()) return kFault;
   return runs.failed() ? kBadInput : kDone;
 }

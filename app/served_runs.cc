@@ -36,7 +36,7 @@ void require_made_up(const std::string& device) {
 
 }  // namespace
 
-void require_windowless(const scene::Setup& setup) {
+void require_windowless(const scene::Scene& setup) {
   for (const scene::DeviceSetup& device : setup.devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind == nullptr || !kind->window) continue;
@@ -50,11 +50,11 @@ ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
       tissue_(first_->setup().tissue),
       noise_(first_->setup().noise) {}
 
-const scene::Setup& ServedRuns::setup() const {
+const scene::Scene& ServedRuns::setup() const {
   return run_ != nullptr ? run_->session().setup() : first_->setup();
 }
 
-void ServedRuns::say(const std::string& event, Json members) {
+void ServedRuns::send_event(const std::string& event, Json members) {
   news_.push_back({std::nullopt, event, std::move(members)});
 }
 
@@ -84,10 +84,10 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   surface_.reset();
   moved_ns_ = 0;
   first_.reset();
-  const scene::Setup& played = run_->session().setup();
+  const scene::Scene& played = run_->session().setup();
   tissue_ = played.tissue;
   noise_ = played.noise;
-  say("run", {{"run", about_run()}});
+  send_event("run", {{"run", about_run()}});
 }
 
 void ServedRuns::begin_first() { begin_first(options_.recording); }
@@ -220,11 +220,11 @@ std::string ServedRuns::file_below(const std::string& key, const std::string& na
   return file.string();
 }
 
-scene::Request ServedRuns::request_of(const net::Load& wanted) const {
+scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
   const auto name_or_file = [this](const char* key, const std::optional<std::string>& text) {
-    return text && scene::means_file(*text) ? file_below(key, *text) : text;
+    return text && scene::is_path(*text) ? file_below(key, *text) : text;
   };
-  scene::Request request;
+  scene::Overrides request;
   if (wanted.scene) request.scene = file_below("scene", *wanted.scene);
   request.task = wanted.task;
   request.organ = name_or_file("organ", wanted.organ);
@@ -242,7 +242,7 @@ scene::Request ServedRuns::request_of(const net::Load& wanted) const {
 }
 
 ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& asker) {
-  scene::Request request = request_of(wanted);
+  scene::Overrides request = request_of(wanted);
   break_off_loading("the load was broken off by the next load");
   load_next_ = std::move(request);
   next_asker_ = asker;
@@ -279,12 +279,12 @@ ServedRuns::Answer ServedRuns::set_tissue(const net::TissueEdit& edit) {
   model::validate(tissue);
   Json answer{{"change", nullptr}, {"warnings", Json::array()}};
   if (running()) {
-    const haptics::LiveChanges::Accepted accepted = run_->session().updates().offer(tissue);
+    const haptics::ParameterUpdates::Accepted accepted = run_->session().updates().offer(tissue);
     answer["change"] = accepted.number;
     answer["warnings"] = accepted.warnings;
   }
   tissue_ = tissue;
-  say("tissue", {{"change", answer["change"]}, {"tissue", net::tissue_json(tissue_)}});
+  send_event("tissue", {{"change", answer["change"]}, {"tissue", net::tissue_json(tissue_)}});
   return answer;
 }
 
@@ -298,13 +298,13 @@ ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
   Json answer{{"change", nullptr}};
   if (running()) answer["change"] = run_->session().updates().offer(noise).number;
   noise_ = settings;
-  say("noise", {{"change", answer["change"]}, {"noise", net::noise_json(noise)}});
+  send_event("noise", {{"change", answer["change"]}, {"noise", net::noise_json(noise)}});
   return answer;
 }
 
 std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
   if (clients == 0 && had_clients_ && options_.stop_when_alone && running()) {
-    tell("the last client has gone: the run ends (--stop-when-alone)");
+    report_message("the last client has gone: the run ends (--stop-when-alone)");
     run_->session().control().stop();
   }
   had_clients_ = clients > 0;
@@ -312,24 +312,24 @@ std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
     run_->session().control().stop();
   if (running()) {
     const bool ended = run_->ended();  // first, so that no fault is told after the end
-    tell_faults();
+    report_faults();
     if (ended) account_for_run();
   }
   look_after_next();
   return std::exchange(news_, {});
 }
 
-void ServedRuns::tell_faults() {
+void ServedRuns::report_faults() {
   while (const std::optional<net::FaultTurn> turn = run_->tap().take_fault()) {
-    const std::string trouble = run_->session().devices()[turn->hand]->trouble();
+    const std::string trouble = run_->session().devices()[turn->hand]->last_error();
     Json fault{{"run", runs_},
                {"tick", turn->tick},
                {"time_s", static_cast<double>(turn->tick) / setup().rate_Hz},
                {"hand", turn->hand},
                {"fault", haptics::name_of(turn->fault)},
-               {"words", haptics::words_of(turn->fault)}};
+               {"words", haptics::describe(turn->fault)}};
     if (turn->fault != haptics::Fault::kNone && !trouble.empty()) fault["trouble"] = trouble;
-    say("fault", {{"fault", fault}});
+    send_event("fault", {{"fault", fault}});
   }
 }
 
@@ -349,9 +349,9 @@ void ServedRuns::account_for_run() {
     }
   } else {
     failed_ = true;
-    tell_error(run_->failure());
+    report_error(run_->failure());
   }
-  say("run", {{"run", about_run()}});
+  send_event("run", {{"run", about_run()}});
   for (const net::Asker& asker : std::exchange(stop_askers_, {})) {
     news_.push_back({asker, "", {{"run", about_run()}}});
   }
@@ -394,7 +394,7 @@ void ServedRuns::look_after_next() {
 /// with them is for whoever started the program: a message may quote a line of them.
 std::string ServedRuns::next_failure() const {
   if (next_is_clients_) return next_->failure();
-  tell_error(next_->failure());
+  report_error(next_->failure());
   return "the scene that the server was started with cannot be played; the server's own messages say why";
 }
 

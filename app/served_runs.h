@@ -21,7 +21,7 @@ namespace palpate::app {
 
 /// How the runs of `palpate serve` are played.
 struct ServedOptions {
-  scene::Request request;            // of the first, and of every one that is started anew
+  scene::Overrides request;          // of the first, and of every one that is started anew
   std::filesystem::path scenes;      // files that clients may name are below it; empty: none may be named
   std::filesystem::path recording;   // of the first run, the others get a number; empty: none
   std::optional<double> duration_s;  // of every run
@@ -59,7 +59,7 @@ class ServedRuns final : public net::LiveHost {
   using Answer = std::optional<nlohmann::ordered_json>;
 
   [[nodiscard]] bool running() const noexcept { return run_ != nullptr && !accounted_; }
-  [[nodiscard]] const scene::Setup& setup() const;
+  [[nodiscard]] const scene::Scene& setup() const;
   Answer describe() const;
   Answer surface(bool at_rest);
   Answer load(const net::Load& wanted, const net::Asker& asker);
@@ -67,7 +67,7 @@ class ServedRuns final : public net::LiveHost {
   Answer stop(const net::Asker& asker);
   Answer set_tissue(const net::TissueEdit& edit);
   Answer set_noise(const net::NoiseEdit& edit);
-  [[nodiscard]] scene::Request request_of(const net::Load& wanted) const;
+  [[nodiscard]] scene::Overrides request_of(const net::Load& wanted) const;
   [[nodiscard]] std::string file_below(const std::string& key, const std::string& name) const;
   [[nodiscard]] std::filesystem::path next_recording() const;
   [[nodiscard]] bool is_loading() const noexcept;
@@ -78,8 +78,8 @@ class ServedRuns final : public net::LiveHost {
   void begin(std::unique_ptr<Session> session, std::filesystem::path recording);
   void look_after_next();
   void account_for_run();
-  void tell_faults();
-  void say(const std::string& event, nlohmann::ordered_json members);
+  void report_faults();
+  void send_event(const std::string& event, nlohmann::ordered_json members);
 
   ServedOptions options_;
   std::unique_ptr<Session> first_;  // until one is played; without devices once another is to come
@@ -92,7 +92,7 @@ class ServedRuns final : public net::LiveHost {
   std::unique_ptr<NextSession> next_;
   bool next_is_clients_ = false;
   std::optional<net::Asker> next_asker_;
-  std::optional<scene::Request> load_next_;  // once next_, which is broken off, has ended: for next_asker_
+  std::optional<scene::Overrides> load_next_;  // once next_, which is broken off, has ended: for next_asker_
   std::vector<net::Asker> stop_askers_;
   model::TissueParameters tissue_;  // in force, or of the next run
   noise::NoiseSettings noise_;
@@ -105,6 +105,6 @@ class ServedRuns final : public net::LiveHost {
 };
 
 /// [setup] Refuses devices that the window of `palpate run` feeds. @throws InputError
-void require_windowless(const scene::Setup& setup);
+void require_windowless(const scene::Scene& setup);
 
 }  // namespace palpate::app

@@ -79,7 +79,7 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
 
 }  // namespace
 
-std::unique_ptr<Session> prepare(scene::Setup setup, std::optional<double> duration_s, bool no_cache,
+std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s, bool no_cache,
                                  const std::atomic<bool>* broken_off) {
   if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "--duration-s");
   const OrganPreparation preparation(no_cache);
@@ -111,7 +111,7 @@ void require_regular_file(const fs::path& file, const std::string& flag) {
   require_regular_output(file, flag);
 }
 
-std::vector<NamedFile> sources_of(const scene::Setup& setup) {
+std::vector<NamedFile> sources_of(const scene::Scene& setup) {
   std::vector<NamedFile> files;
   for (const scene::SourceFile& file : setup.files) files.push_back({file.named_by, file.path});
   return files;
@@ -164,7 +164,7 @@ RunResult play(Session& session, const PlayOptions& how) {
   if (how.igtl != nullptr) observers.push_back(how.igtl);
   session::RunOptions options = how.run;
   options.on_recording_failure = [&companion](const std::string& failure) {
-    companion.tell(failure + "; the run goes on and is not recorded: make room, then record again");
+    companion.queue_error(failure + "; the run goes on and is not recorded: make room, then record again");
   };
   return session.run(options, observers);
 }
@@ -181,7 +181,7 @@ int exit_code_of(const RunResult& run, std::optional<std::uint64_t> max_missed) 
   return kDone;
 }
 
-std::string title_of(const scene::Setup& setup) {
+std::string title_of(const scene::Scene& setup) {
   std::string organ = fs::path(setup.organ_name).stem().string();
   if (organ.empty()) organ = "organ";
   organ.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(organ.front())));

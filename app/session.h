@@ -28,7 +28,7 @@ using session::Session;
 /// time [s], rounded to whole ticks; none: until the devices have no more samples. @param no_cache ignores
 /// the cache of prepared organs. @param broken_off once another thread has set it, the organ's next stage
 /// ends with an InputError @throws InputError; ParameterError naming --duration-s.
-[[nodiscard]] std::unique_ptr<Session> prepare(scene::Setup setup, std::optional<double> duration_s,
+[[nodiscard]] std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s,
                                                bool no_cache, const std::atomic<bool>* broken_off = nullptr);
 
 /// [setup] Whether a file or folder could be written there, without touching anything. @throws InputError
@@ -40,7 +40,7 @@ void require_regular_file(const std::filesystem::path& file, const std::string& 
 void require_writable_folder(const std::filesystem::path& folder, const std::string& flag);
 
 /// [setup] The files that a scene was read from, which no output may replace.
-[[nodiscard]] std::vector<NamedFile> sources_of(const scene::Setup& setup);
+[[nodiscard]] std::vector<NamedFile> sources_of(const scene::Scene& setup);
 
 /// Ctrl-C and SIGTERM end the run in good order while this lives; the second one ends the program.
 class StopOnSignal final {
@@ -77,7 +77,7 @@ struct PlayOptions {
 [[nodiscard]] int exit_code_of(const RunResult& run, std::optional<std::uint64_t> max_missed);
 
 /// [setup] "Gallbladder pressed with curved-forceps".
-[[nodiscard]] std::string title_of(const scene::Setup& setup);
+[[nodiscard]] std::string title_of(const scene::Scene& setup);
 
 /// [setup] The picture of a recording's deepest moment as a PNG. @throws InputError when it cannot be
 /// written, std::runtime_error without OpenGL. @param no_cache as for prepare().

@@ -82,12 +82,12 @@ std::string moment(std::uint64_t tick, double rate_Hz) {
 
 /// "a fault was latched (stalled-loop) at tick 12 (0.012 s), hand 0: the loop stood still for 20 ms; zero
 /// force from there on".
-std::string fault_in_words(const RunResult& run, const haptics::FaultSeen& seen) {
+std::string fault_text(const RunResult& run, const haptics::FaultSeen& seen) {
   const double rate = run.rate_Hz;
   const bool reset = seen.reset_tick != haptics::FaultSeen::kNotReset;
   return fmt::format("a fault was latched ({}) at {}, hand {}: {}; zero force {}",
                      haptics::name_of(seen.fault), moment(seen.tick, rate), seen.hand,
-                     haptics::words_of(seen.fault),
+                     haptics::describe(seen.fault),
                      reset ? "until it was reset at " + moment(seen.reset_tick, rate) : "from there on");
 }
 
@@ -136,7 +136,7 @@ std::vector<std::string> remarks(const RunResult& run) {
     all.emplace_back(fmt::format("force or torque was held back by the limits under [safety] in {} ticks",
                                  run.statistics.limited_ticks));
   }
-  for (const haptics::FaultSeen& seen : run.loop.faults) all.push_back(fault_in_words(run, seen));
+  for (const haptics::FaultSeen& seen : run.loop.faults) all.push_back(fault_text(run, seen));
   if (!run.recording_failure.empty()) all.push_back(run.recording_failure);
   if (run.loop.further_faults > 0) {
     all.emplace_back(fmt::format("and {} more faults", run.loop.further_faults));

@@ -19,7 +19,7 @@
 #include "io/system/cache_folder.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 #include "view/report/study_figure.h"
 
 #include "app/commands.h"
@@ -75,7 +75,7 @@ void refuse_overridden(const std::vector<study::Axis>& axes, const CLI::App& com
 void check_files_and_duration(const SweepFlags& flags) {
   const study::SweepRequest& request = flags.request;
   require_writable_folder(flags.out, "--out");
-  const scene::Setup setup = scene::load(request.scene);
+  const scene::Scene setup = scene::load(request.scene);
   if (request.duration_s) (void)session::ticks_in(*request.duration_s, setup.rate_Hz, "--duration-s");
   std::vector<NamedFile> outputs;
   for (const char* name : kFiles) outputs.push_back({"--out", fs::path(flags.out) / name});
@@ -86,7 +86,7 @@ void check_files_and_duration(const SweepFlags& flags) {
         inputs.push_back({"--set " + axis.key, file});
     }
   }
-  refuse_overwriting(outputs, inputs);
+  require_no_overwrite(outputs, inputs);
 }
 
 /// Least and largest value of a quantity over the runs that did not fail.
@@ -143,12 +143,12 @@ nlohmann::ordered_json sweep_json(const study::SweepResult& sweep, const std::st
 }
 
 /// What the user should know of the runs.
-void tell_findings(const study::SweepResult& sweep, const std::string& record) {
+void report_findings(const study::SweepResult& sweep, const std::string& record) {
   if (sweep.resumed > 0) {
-    tell(fmt::format("{} of {} runs were finished before: taken from {}", sweep.resumed, sweep.rows.size(),
-                     record));
+    report_message(fmt::format("{} of {} runs were finished before: taken from {}", sweep.resumed,
+                               sweep.rows.size(), record));
   }
-  const auto tell_first = [&sweep](std::size_t count, const char* what, auto which) {
+  const auto report_first = [&sweep](std::size_t count, const char* what, auto which) {
     if (count == 0) return;
     const auto first = std::find_if(sweep.rows.begin(), sweep.rows.end(), which);
     std::string values;
@@ -156,14 +156,14 @@ void tell_findings(const study::SweepResult& sweep, const std::string& record) {
       values += (i == 0 ? "" : ", ") + sweep.axes[i].key + " = " + first->settings[i];
     }
     const std::string why = first->failed() ? first->ended.substr(first->ended.find(':')) : "";
-    tell(fmt::format("{} of {} {}, the first with {}{}", count, counted(sweep.rows.size(), "run", "runs"),
-                     what, values, why));
+    report_message(fmt::format("{} of {} {}, the first with {}{}", count,
+                               counted(sweep.rows.size(), "run", "runs"), what, values, why));
   };
-  tell_first(sweep.failed(), "failed", [](const study::SweepRow& row) { return row.failed(); });
-  tell_first(sweep.with_fault(), "latched a fault",
-             [](const study::SweepRow& row) { return row.faults > 0; });
-  tell_first(sweep.missed(), "never touched the organ (missed_contact)",
-             [](const study::SweepRow& row) { return row.missed_contact; });
+  report_first(sweep.failed(), "failed", [](const study::SweepRow& row) { return row.failed(); });
+  report_first(sweep.with_fault(), "latched a fault",
+               [](const study::SweepRow& row) { return row.faults > 0; });
+  report_first(sweep.missed(), "never touched the organ (missed_contact)",
+               [](const study::SweepRow& row) { return row.missed_contact; });
 }
 
 int sweep(SweepFlags& flags, const CLI::App& command) {
@@ -181,8 +181,8 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
   const fs::path folder = flags.out;
   request.record = folder / kFiles[3];
   if (!flags.no_cache) scene::use_organ_cache(request.preparation, user_cache_folder());
-  const std::unique_ptr<tasks::Ranks> ranks = tasks::make_ranks();
-  tasks::on_first(*ranks, [&flags] { check_files_and_duration(flags); });
+  const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
+  tasks::on_rank_zero(*ranks, [&flags] { check_files_and_duration(flags); });
   study::SweepResult result;
   {
     Progress bar("sweep");
@@ -190,12 +190,12 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
                               [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
   if (ranks->rank() == 0) {
-    if (!result.record_failure.empty()) tell_error(result.record_failure);
+    if (!result.record_failure.empty()) report_error(result.record_failure);
     write_output(folder / kFiles[0], study::sweep_csv(result), "--out");
     study::write_sweep_hdf5(result, folder / kFiles[1]);
     const std::string missing = report::draw_sweep(result, folder / kFiles[2]);
-    if (!missing.empty()) tell(std::string("there is no ") + kFiles[2] + ": " + missing);
-    tell_findings(result, request.record.string());
+    if (!missing.empty()) report_message(std::string("there is no ") + kFiles[2] + ": " + missing);
+    report_findings(result, request.record.string());
     std::cout << (flags.as_json ? sweep_json(result, flags.out).dump(2) + '\n'
                                 : sweep_text(result, flags.out));
   }

@@ -15,8 +15,8 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
-#include "science/validate/reach_fit.h"
-#include "science/validate/rivals.h"
+#include "science/validate/baselines.h"
+#include "science/validate/falloff_fit.h"
 #include "view/report/validation_report.h"
 
 #include "app/commands.h"
@@ -82,7 +82,7 @@ std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
   std::vector<validate::Deformation> all;
   for (const std::string& file : flags.profiles) {
     for (const validate::Deformation& profile : validate::read_deformations(file))
-      all.push_back(validate::thinned(profile, validate::kMostPoints));
+      all.push_back(validate::thinned(profile, validate::kMaxPoints));
   }
   return all;
 }
@@ -162,7 +162,7 @@ report::Validation validation_of(const ValidateFlags& flags) {
   report::Validation validation;
   const validate::Zeros zeros{flags.first_contact.value_or(0.0), flags.offset.value_or(0.0)};
   validation.law = {flags.law.load(), flags.law.direction, 1.0 / flags.law.rate_Hz};
-  const std::vector<validate::RivalKind> rivals = validate::parse_rivals(flags.against);
+  const std::vector<validate::BaselineKind> baselines = validate::parse_baselines(flags.against);
   const std::vector<identify::Specimen> specimens = read_forces(flags);
   const std::vector<validate::Deformation> profiles = read_profiles(flags);
   for (const identify::Specimen& specimen : specimens) {
@@ -171,7 +171,7 @@ report::Validation validation_of(const ValidateFlags& flags) {
   }
   if (!profiles.empty()) compare_profiles(flags, profiles, validation);
   if (!flags.image.files.empty()) add_image(flags, validation);
-  if (!rivals.empty()) validate::compare_with_rivals(rivals, validation);
+  if (!baselines.empty()) validate::compare_with_baselines(baselines, validation);
   hold_goals(flags, validation);
   return validation;
 }
@@ -183,7 +183,7 @@ void check_validate_outputs(const ValidateFlags& flags) {
   for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
   for (const std::string& file : flags.profiles) inputs.push_back({"--profile", file});
   for (const std::string& file : flags.image.files) inputs.push_back({"--image", file});
-  refuse_overwriting(outputs, inputs);
+  require_no_overwrite(outputs, inputs);
   if (!flags.out.empty()) require_writable_file(flags.out, "--out");
   if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
 }
@@ -278,7 +278,8 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
     const report::Validation validation = validation_of(*flags);
     if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
     if (!flags->report.empty()) {
-      tell("report: " + report::write_validation_report(validation, command_line, flags->report).string());
+      report_message("report: " +
+                     report::write_validation_report(validation, command_line, flags->report).string());
     }
     std::cout << (flags->as_json ? validation_json(validation) : validation_text(validation));
     exit_code = validation.missed.empty() ? kDone : kGoalMissed;

@@ -49,7 +49,7 @@ nlohmann::ordered_json image_json(const report::ImageSet& set) {
                       {"uncertainty_mm", point.uncertainty / kMillimetre}});
   }
   return {{"confidence", measured.confidence},
-          {"confidence_words", measured.confidence_words},
+          {"confidence_text", measured.confidence_text},
           {"uncertainty_mm", measured.uncertainty / kMillimetre},
           {"far_uncertainty_mm", measured.far_uncertainty / kMillimetre},
           {"within_uncertainty", set.within_uncertainty},

@@ -23,17 +23,18 @@ Json errors_json(const std::string& name, const char* kind, const validate::Erro
 }
 
 /// Adds what the comparison with others found, when there was one.
-void add_rivals(Json& json, double cost_ns, const std::vector<report::RivalResult>& rivals, double unit) {
-  if (rivals.empty()) return;
+void add_baselines(Json& json, double cost_ns, const std::vector<report::BaselineResult>& baselines,
+                   double unit) {
+  if (baselines.empty()) return;
   json["evaluation_ns"] = cost_ns;
   json["against"] = Json::array();
-  for (const report::RivalResult& rival : rivals) {
-    json["against"].push_back({{"name", validate::to_string(rival.fit.kind)},
-                               {"parameters", rival.fit.parameters},
-                               {"rms", rival.fit.errors.rms / unit},
-                               {"max", rival.fit.errors.max / unit},
-                               {"nrmse", rival.fit.errors.nrmse},
-                               {"evaluation_ns", rival.cost_ns}});
+  for (const report::BaselineResult& baseline : baselines) {
+    json["against"].push_back({{"name", validate::to_string(baseline.fit.kind)},
+                               {"parameters", baseline.fit.parameters},
+                               {"rms", baseline.fit.errors.rms / unit},
+                               {"max", baseline.fit.errors.max / unit},
+                               {"nrmse", baseline.fit.errors.nrmse},
+                               {"evaluation_ns", baseline.cost_ns}});
   }
 }
 
@@ -57,7 +58,7 @@ Json force_json(const report::ForceSet& set) {
   json["zeros_given"] = zeros_json(set.given);
   json["zeros_fitted"] = zeros_json(set.fitted);
   json["zeros_fitted"]["at_limit"] = set.fitted.at_limit;
-  add_rivals(json, set.cost_ns, set.rivals, 1.0);
+  add_baselines(json, set.cost_ns, set.baselines, 1.0);
   return json;
 }
 
@@ -70,13 +71,13 @@ Json profile_json(const report::ProfileSet& set) {
   json["tip_radius_mm"] = profile.tip_radius / kMillimetre;
   json["as_drawn"] = profile.rule.as_drawn;
   if (profile.rule.as_drawn) json["surface_radius_mm"] = profile.rule.rest_radius / kMillimetre;
-  add_rivals(json, set.cost_ns, set.rivals, kMillimetre);
+  add_baselines(json, set.cost_ns, set.baselines, kMillimetre);
   return json;
 }
 
 /// Calls `take(key, value)` for each number of a reach.
 template <typename Take>
-void for_each_number(const model::ReachParameters& reach, Take take) {
+void for_each_number(const model::FalloffRatios& reach, Take take) {
   model::TissueNumbers numbers;
   numbers.reach = reach;
   for (const model::TissueField& field : model::kTissueFields) {
@@ -84,7 +85,7 @@ void for_each_number(const model::ReachParameters& reach, Take take) {
   }
 }
 
-Json reach_json(const validate::ReachFit& fit) {
+Json reach_json(const validate::FalloffFit& fit) {
   Json json;
   for_each_number(fit.reach, [&json](const char* key, double value) { json[key] = value; });
   json["depth_exponent_kept"] = fit.exponent_kept;
@@ -92,16 +93,16 @@ Json reach_json(const validate::ReachFit& fit) {
   return json;
 }
 
-std::string rivals_text(double cost_ns, const std::vector<report::RivalResult>& rivals, double unit,
-                        const char* unit_name) {
-  if (rivals.empty()) return "";
+std::string baselines_text(double cost_ns, const std::vector<report::BaselineResult>& baselines, double unit,
+                           const char* unit_name) {
+  if (baselines.empty()) return "";
   std::string text = "  one evaluation " + brief(cost_ns) + " ns; others, each fitted to these data:\n";
-  for (const report::RivalResult& rival : rivals) {
-    const validate::Errors& errors = rival.fit.errors;
+  for (const report::BaselineResult& baseline : baselines) {
+    const validate::Errors& errors = baseline.fit.errors;
     text += fmt::format("    {}: RMS {} {}, largest {} {}; RMS {}; one evaluation {} ns ({})\n",
-                        validate::to_string(rival.fit.kind), brief(errors.rms / unit), unit_name,
-                        brief(errors.max / unit), unit_name, percent(errors.nrmse), brief(rival.cost_ns),
-                        rival.fit.parameters);
+                        validate::to_string(baseline.fit.kind), brief(errors.rms / unit), unit_name,
+                        brief(errors.max / unit), unit_name, percent(errors.nrmse), brief(baseline.cost_ns),
+                        baseline.fit.parameters);
   }
   return text;
 }
@@ -122,7 +123,7 @@ std::string force_text(const report::ForceSet& set) {
         "  ! {} points are deeper than the tissue's layers go: the law holds its largest force there\n",
         force.beyond);
   }
-  return text + rivals_text(set.cost_ns, set.rivals, 1.0, "N");
+  return text + baselines_text(set.cost_ns, set.baselines, 1.0, "N");
 }
 
 // Which surface under the ball was compared, where it is not the model's own.
@@ -140,10 +141,10 @@ std::string profile_text(const report::ProfileSet& set) {
       profile.measured.name, profile.measured.size(), brief(profile.tip_radius / kMillimetre),
       brief(profile.depth / kMillimetre), surface_text(profile.rule), brief(profile.errors.rms / kMillimetre),
       brief(profile.errors.max / kMillimetre), percent(profile.errors.nrmse),
-      rivals_text(set.cost_ns, set.rivals, kMillimetre, "mm"));
+      baselines_text(set.cost_ns, set.baselines, kMillimetre, "mm"));
 }
 
-std::string reach_text(const validate::ReachFit& fit) {
+std::string reach_text(const validate::FalloffFit& fit) {
   std::string text = "reach fitted to all profiles together:\n";
   std::size_t i = 0;
   for_each_number(fit.reach, [&](const char* key, double value) {

@@ -78,8 +78,8 @@ ViewFlags checked(ViewFlags flags) {
                                  flags.size.height));
   if (!flags.screenshot.empty()) require_writable_file(flags.screenshot, "--screenshot");
   if (!flags.video.empty()) require_regular_file(flags.video, "--video");
-  refuse_overwriting(std::vector<NamedFile>{{"--screenshot", flags.screenshot}, {"--video", flags.video}},
-                     std::vector<NamedFile>{{"the recording", flags.file}});
+  require_no_overwrite(std::vector<NamedFile>{{"--screenshot", flags.screenshot}, {"--video", flags.video}},
+                       std::vector<NamedFile>{{"the recording", flags.file}});
   return flags;
 }
 
@@ -132,7 +132,7 @@ void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags
   }
   const std::string made = film.finish();
   bar.clear();
-  tell(made);
+  report_message(made);
 }
 
 int view_in_window(std::unique_ptr<RecordedView> seen, const ViewFlags& flags) {
@@ -169,8 +169,8 @@ int view(const ViewFlags& asked) {
     const double time = flags.at.value_or(seen->time_of(seen->frames().deepest()));
     render::write_png(pictures.at(time), flags.screenshot);
     bar.clear();
-    tell(fmt::format("{} shows {} s{}", flags.screenshot, shortest(time),
-                     flags.at ? "" : ", where the contact is deepest"));
+    report_message(fmt::format("{} shows {} s{}", flags.screenshot, shortest(time),
+                               flags.at ? "" : ", where the contact is deepest"));
   }
   if (!flags.video.empty()) make_film(pictures, *seen, flags, bar);
   return kDone;

@@ -1,6 +1,6 @@
-// What tools/check_counts counts the instructions of, under callgrind: the law both ways, the noise, and a
-// tick in approach and in contact, of the built-in tool and of one of 97,000 triangles. Run alone it does the
-// same and prints nothing.
+// The work whose instructions tools/check_counts counts with callgrind: the law in both directions, the
+// noise, and a tick in approach and in contact, with the built-in tool and with one of 97,000 triangles.
+// Without callgrind it does the same work and prints nothing.
 #include <cstdint>
 #include <cstdio>
 #include <vector>
@@ -13,8 +13,8 @@
 #include "palpate/spring_law.h"
 #include "palpate/touch_noise.h"
 
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"
-#include "bench/measure/subjects.h"
 
 namespace {
 
@@ -23,10 +23,10 @@ using namespace palpate;
 constexpr std::uint64_t kCalls = 1000;
 constexpr std::uint64_t kTicks = 200;
 
-// A client request takes a text that stays; each dump says what and how many calls it counts.
+// A client request needs a static text; each dump names the work and the number of calls.
 #define PALPATE_COUNTED(what, calls) CALLGRIND_DUMP_STATS_AT(what " calls=" #calls)
 
-/// Counts what `work` does, a thousand times.
+/// Counts a thousand calls of `work`.
 template <typename Work>
 double thousand(Work work) {
   double sum = 0.0;
@@ -54,14 +54,15 @@ void count_law_and_noise() {
   static_cast<void>(kept);
 }
 
-/// The next 200 ticks of the way.
+/// Counts the next 200 ticks of the path.
 void count_ticks(bench::OneHand& hand, haptics::Device& device, std::uint64_t& next) {
   CALLGRIND_START_INSTRUMENTATION;
   CALLGRIND_ZERO_STATS;
   for (const std::uint64_t end = next + kTicks; next < end; ++next) hand.tick(device, next);
 }
 
-/// Goes on until the phase is `wanted` and, in contact, a millimetre deep. @return false at the way's end
+/// Advances until the phase is `wanted` and, in contact, the depth is a millimetre. @return false at the end
+/// of the path
 bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted, std::uint64_t& next,
            std::uint64_t last) {
   constexpr double kDeep = 1e-3;  // m
@@ -74,10 +75,10 @@ bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted,
   return false;
 }
 
-/// Counts ticks shortly before and shortly after the touch. @return false when the path has none
+/// Counts ticks shortly before and after first contact. @return false when the path has none
 template <typename Approach, typename Contact>
 bool count_tick(std::size_t tool_triangles, Approach dump_approach, Contact dump_contact) {
-  const scene::Setup setup = bench::subject("press", 0, tool_triangles);
+  const scene::Scene setup = bench::bench_scene("press", 0, tool_triangles);
   const haptics::SimulationWorld world = scene::make_world(setup);
   devices::ScriptedDevice device(bench::hand_path(setup));
   const std::uint64_t last = device.last_tick(world.rate_Hz);
@@ -105,6 +106,6 @@ int main() {
                            97'000, [] { PALPATE_COUNTED("dense tool in approach", 200); },
                            [] { PALPATE_COUNTED("dense tool in contact", 200); });
   if (counted) return 0;
-  std::fputs("palpate_counted: the way never came into contact\n", stderr);
+  std::fputs("palpate_counted: the path never came into contact\n", stderr);
   return 1;
 }

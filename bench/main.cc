@@ -1,5 +1,5 @@
-// The program palpate-bench, which `palpate bench` executes: measures ticks, preparation, many hands and the
-// parts of a tick on this machine, beside installed peers.
+// The program palpate-bench, which `palpate bench` executes: measures ticks, preparation, many hands, the
+// parts of a tick, and installed peers on this machine.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -25,12 +25,12 @@
 #include "app/progress.h"
 #include "app/session.h"
 #include "bench/measure/account.h"
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/hands.h"
-#include "bench/measure/loop_contest.h"
+#include "bench/measure/loop_comparison.h"
 #include "bench/measure/peers.h"
 #include "bench/measure/pictures.h"
 #include "bench/measure/preparation.h"
-#include "bench/measure/subjects.h"
 #include "bench/measure/ticks.h"
 
 namespace palpate::bench {
@@ -42,7 +42,7 @@ constexpr double kPeerSeconds = 4.0;
 constexpr double kLoopRate = 10'000.0;  // Hz
 constexpr std::size_t kMostHands = 100'000;
 
-/// What is measured, as the flags choose: none of them, all.
+/// The measurements selected by flags; without flags all.
 struct Plan {
   bool quick = false;
   bool full = false;
@@ -50,19 +50,19 @@ struct Plan {
   bool parts = false;
   bool preparation = false;
   bool peers = false;
-  bool most_hands = false;
+  bool hand_capacity = false;
   std::size_t hands = 0;
   bool loop = false;
   bool pictures = false;
-  haptics::Waiting waiting = haptics::Waiting::kSleep;  // of hands and loop
+  haptics::Waiting waiting = haptics::Waiting::kSleep;  // for hands and loop
   bool json = false;
   std::filesystem::path csv;
 
   void complete() {
-    most_hands = most_hands || hands > 0;
-    if (!(ticks || parts || preparation || peers || most_hands || loop || pictures)) {
+    hand_capacity = hand_capacity || hands > 0;
+    if (!(ticks || parts || preparation || peers || hand_capacity || loop || pictures)) {
       ticks = parts = preparation = true;
-      peers = most_hands = !quick;
+      peers = hand_capacity = !quick;
       loop = pictures = full;
     }
     ticks = ticks || peers;
@@ -92,7 +92,7 @@ std::vector<Subject> pictures_of(const Plan& plan) {
   return {{"press", 0, 0}, {"pull", 0, 0}, {"press", kFine, 0}, {"press", kFinest, 0}};
 }
 
-/// Takes the measurements of a plan one after the other.
+/// Runs the measurements of a plan one after the other.
 class Bench final {
  public:
   Bench(Plan plan, std::string command_line)
@@ -101,7 +101,7 @@ class Bench final {
     account_.build = "palpate " + record::palpate_version() + ", " + record::compiler_version();
     account_.command = std::move(command_line);
     account_.polled = plan_.waiting == haptics::Waiting::kPoll;
-    steps_ = static_cast<double>(subjects_.size()) + (plan_.most_hands ? 2.0 : 0.0) +
+    steps_ = static_cast<double>(subjects_.size()) + (plan_.hand_capacity ? 2.0 : 0.0) +
              (plan_.loop ? 2.0 : 0.0) + static_cast<double>(pictures_.size()) + 1.0;
   }
 
@@ -113,7 +113,7 @@ class Bench final {
     }
     for (const Subject& subject : subjects_) measure(subject);
     if (plan_.parts) measure_parts();
-    if (plan_.most_hands) measure_hands();
+    if (plan_.hand_capacity) measure_hands();
     if (plan_.loop) {
       for (const char* task : {"press", "pull"}) measure_loop(task);
     }
@@ -122,12 +122,13 @@ class Bench final {
   }
 
  private:
-  /// Shows `share` of the step that is under way.
+  /// Shows the progress `share` of the current step.
   void show(double share, const std::string& what) { bar_.update((done_ + share) / steps_, what); }
 
   void measure(const Subject& subject) {
     show(0.0, "preparing the " + subject.task + " scene");
-    const scene::Setup setup = bench::subject(subject.task, subject.organ_triangles, subject.tool_triangles);
+    const scene::Scene setup =
+        bench::bench_scene(subject.task, subject.organ_triangles, subject.tool_triangles);
     const Prepared prepared = prepare(setup);
     const std::string name = setup.name + ", " + std::to_string(setup.organ.triangles.size()) + " triangles";
     if (plan_.preparation && subject.tool_triangles == 0) account_.preparation.push_back(prepared.account);
@@ -136,7 +137,7 @@ class Bench final {
       show(0.3, "ticks of " + name);
       account_.ticks.push_back(time_ticks(setup, prepared.world, path, plan_.quick ? 3 : 5));
       if (subject.tool_triangles == 0) {
-        const std::vector<WayPoint> way = walk(setup, prepared.world, path);
+        const std::vector<PathPoint> way = run_path(setup, prepared.world, path);
         account_.nearest.push_back(time_nearest(setup, way));
         if (plan_.peers) ask_peers(setup, way, name);
       }
@@ -144,13 +145,13 @@ class Bench final {
     done_ += 1.0;
   }
 
-  void ask_peers(const scene::Setup& setup, const std::vector<WayPoint>& way, const std::string& name) {
+  void ask_peers(const scene::Scene& setup, const std::vector<PathPoint>& way, const std::string& name) {
     const auto ratio = [](double theirs, double own) { return own > 0.0 ? theirs / own : 0.0; };
     const TickAccount& tick = account_.ticks.back();
     const double nearest_us = account_.nearest.back().times.p50_us;
     for (const PalpatePeer& peer : peers_->all()) {
       show(0.6, std::string(peer.name) + " on " + name);
-      PeerAccount theirs = ask_peer(peer, {setup, way, kPeerSeconds});
+      PeerAccount theirs = measure_peer(peer, {setup, way, kPeerSeconds});
       const bool point = peer.one_point != 0;
       theirs.ratio = ratio(theirs.contact.p50_us, point ? nearest_us : tick.contact.p50_us);
       theirs.approach_ratio = ratio(theirs.approach.p50_us, point ? nearest_us : tick.approach.p50_us);
@@ -161,8 +162,8 @@ class Bench final {
   void measure_parts() {
     show(0.0, "law and noise");
     const model::LayeredSpringLaw law(model::tissue_preset("gallbladder"), model::Direction::kPress, 1e-3);
-    constexpr double kDeepest = 20e-3;  // m, into the fourth layer
-    constexpr double kSpread = 1e-4;    // so that ten thousand calls cover all depths
+    constexpr double kDeepest = 20e-3;  // m, in the fourth layer
+    constexpr double kSpread = 1e-4;    // step that spreads ten thousand calls over all depths
     const double largest = law.force_at(kDeepest).force;
     account_.law_ns = median_call_ns(
         [&](std::uint64_t i) { return law.force_at(kDeepest * kSpread * static_cast<double>(i)).force; });
@@ -174,11 +175,12 @@ class Bench final {
   }
 
   void measure_hands() {
-    const scene::Setup setup = subject("press", 0, 0);
+    const scene::Scene setup = bench_scene("press", 0, 0);
     const Prepared prepared = prepare(setup);
     const scene::ToolPath path = hand_path(setup);
-    account_.hands = most_hands(setup, prepared.world, path, plan_.waiting,
-                                [this](double share, const std::string& what) { show(1.5 * share, what); });
+    account_.hands =
+        hand_capacity(setup, prepared.world, path, plan_.waiting,
+                      [this](double share, const std::string& what) { show(1.5 * share, what); });
     if (plan_.hands > 0) {
       show(1.5, std::to_string(plan_.hands) + " hands");
       account_.hands->asked = run_hands(setup, prepared.world, path, plan_.waiting, plan_.hands);
@@ -187,14 +189,14 @@ class Bench final {
   }
 
   void measure_loop(const std::string& task) {
-    scene::Request request;
+    scene::Overrides request;
     request.task = task;
     request.rate_Hz = kLoopRate;
-    const scene::Setup setup = scene::load(request);
+    const scene::Scene setup = scene::load(request);
     const Prepared prepared = prepare(setup);
     account_.loops.push_back(
-        against_empty_loop(setup, prepared.world, scene::default_path(setup, 0), plan_.waiting,
-                           [this](double share, const std::string& what) { show(share, what); }));
+        compare_with_empty_loop(setup, prepared.world, scene::default_path(setup, 0), plan_.waiting,
+                                [this](double share, const std::string& what) { show(share, what); }));
     done_ += 1.0;
   }
 
@@ -247,8 +249,8 @@ void add_flags(CLI::App& command, Plan& flags) {
       "  palpate bench --full --csv bench.csv");
 }
 
-/// [setup] Measures what the flags ask for, writes the CSV file and prints the account.
-/// @throws InputError when the file cannot be written, before anything is measured.
+/// [setup] Runs the selected measurements, writes the CSV file and prints the account. @throws InputError
+/// when the file cannot be written, before anything is measured.
 void run(Plan plan, std::string command_line) {
   plan.complete();
   if (!plan.csv.empty()) app::require_writable_file(plan.csv, "--csv");
@@ -271,10 +273,10 @@ int main(int argc, char** argv) {
     palpate::bench::run(flags, app::quoted_command_line("palpate bench", argc, argv));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
-    app::tell_error(app::describe(program, error, argc, argv));
+    app::report_error(app::describe(program, error, argc, argv));
     return app::kBadInput;
   } catch (const std::exception& error) {
-    app::tell_error(error.what());
+    app::report_error(error.what());
     return app::kBadInput;
   }
   return app::kDone;

@@ -1,7 +1,6 @@
-// Runs the emulated hand over devices, grips, tissues and rates and writes what every case did as CSV;
-// tools/plot_stability draws docs/pictures/stability.png of it. Minutes on one core; the same figures
-// everywhere, since nothing in it depends on the clock.
-// Usage: palpate_stability_sweep FILE.csv
+// Runs the emulated hand over devices, grips, tissues and rates, and writes the result of each case as CSV.
+// tools/plot_stability draws docs/pictures/stability.png from it. Takes minutes on one core. Results do not
+// depend on machine or clock. Usage: palpate_stability_sweep FILE.csv
 #include <array>
 #include <cstdio>
 #include <exception>

@@ -10,12 +10,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const auto& [key, line] :
        tasks::read_record(input.hold({data, size}).string(), identify::check_line)) {
     if (line.find("points_swept") != std::string::npos) continue;  // a sweep's: check_line() has read it
-    const identify::SpecimenFit fit = identify::fit_of(line);
+    const identify::SpecimenFit fit = identify::parse_record_line(line);
     const identify::Curve& curve = fit.curve;
     fuzz::require(curve.low.size() == curve.fitted.size() && curve.high.size() == curve.fitted.size(),
                   "a band is as long as its curve");
-    const std::string written = identify::line_of(key, fit);
-    fuzz::require(identify::line_of(key, identify::fit_of(written)) == written,
+    const std::string written = identify::record_line(key, fit);
+    fuzz::require(identify::record_line(key, identify::parse_record_line(written)) == written,
                   "a fit that was read is read again when written", written);
   }
   return 0;

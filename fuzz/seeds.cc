@@ -415,10 +415,10 @@ std::string fit_lines() {
   fit.own = {5, 6};
   fit.estimates.resize(6);
   fit.estimates[0].covariance = identify::Interval{1, 2};
-  fit.minima = {{1, 2, 3, 4, 5, 6}};
+  fit.local_optima = {{1, 2, 3, 4, 5, 6}};
   fit.curve = {{0, 1}, {1e-3, 2e-3}, {0.1, 0.2}, {0.1, 0.2}, {0, 0.1}, {0.2, 0.3}};
   fit.warnings = {"a"};
-  return identify::line_of("a", fit) +
+  return identify::record_line("a", fit) +
          "\n{\"key\":\"b\",\"best_nrmse\":0.1,\"found_better\":false,\"values\":1,\"points_swept\":"
          "[[1,\"nan\",1.0,0.5,1,2,3,4]]}\n";
 }

@@ -19,8 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     part.name = file.string();
     part.mesh = std::move(loaded.mesh);
     const contact::PartPoints points = contact::sample_part(part, 0.0);
-    fuzz::require(points.size() > 0 && points.size() <= contact::PartPoints::kMostPoints,
-                  "a tool has points");
+    fuzz::require(points.size() > 0 && points.size() <= contact::PartPoints::kMaxPoints, "a tool has points");
     for (const auto* values :
          {&points.x, &points.y, &points.z, &points.tip_radius, &points.half_width, &points.area}) {
       for (const double x : *values) fuzz::require(std::isfinite(x), "a tool's points are finite");

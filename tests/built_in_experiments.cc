@@ -10,7 +10,7 @@
 
 namespace palpate::tests {
 
-Rig::Rig(scene::Setup resolved) : setup(std::move(resolved)), world(scene::make_world(setup)) {
+Rig::Rig(scene::Scene resolved) : setup(std::move(resolved)), world(scene::make_world(setup)) {
   for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
     devices.push_back(devices::open_device(setup, hand));
   }
@@ -31,7 +31,7 @@ haptics::LoopReport Rig::run(const std::vector<haptics::TickObserver*>& observer
 }
 
 Rig built_in(const std::string& task) {
-  scene::Request request;
+  scene::Overrides request;
   request.task = task;
   if (task == "moving") {
     request.task = "press";

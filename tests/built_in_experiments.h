@@ -12,9 +12,9 @@ namespace palpate::tests {
 
 /// A scene with its devices, ready to run.
 struct Rig {
-  explicit Rig(scene::Setup resolved);
+  explicit Rig(scene::Scene resolved);
 
-  scene::Setup setup;
+  scene::Scene setup;
   haptics::SimulationWorld world;
   std::vector<std::unique_ptr<haptics::Device>> devices;
 

@@ -201,7 +201,7 @@ TEST(NoiseCommand, PrintsTheSameSamplesForTheSameSeedWithTheStatedSpread) {
 
 /// A recording of a hand that holds still and reads NaN at one tick.
 void record_broken_hand(const std::string& file, std::uint64_t broken_tick) {
-  const scene::Setup setup = scene::load({});
+  const scene::Scene setup = scene::load({});
   record::Recorder recorder(file, setup, true);
   recorder.on_start(1);
   for (std::uint64_t tick = 0; tick < 200; ++tick) {

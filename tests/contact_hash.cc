@@ -1,9 +1,8 @@
-// Hashes contact on 32 tool paths, to prove that a change of src/core/contact changes no bit of a result: one
-// and three tools of 968 to 97,000 triangles on the gallbladder (press) and the heart (pull), on the scene's
-// path and shaken with leaps, with the organ at rest and moving. It takes about half a minute.
-//
-// Usage: palpate_contact_hash [tests/contact_hashes.txt]   exit 1 when a hash differs from its line in the
-// file
+// Hashes contact results on 32 tool paths, to show that a change of src/core/contact changes no bit. One and
+// three tools of 968 to 97,000 triangles press the gallbladder or pull the heart, on the scene's path and on
+// a shaken path with jumps, with the organ at rest and moving. Takes about half a minute.
+// Usage: palpate_contact_hash [tests/contact_hashes.txt]
+// Exits with 1 when a hash differs from its line in the file.
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -19,7 +18,7 @@
 #include "palpate/organ_motion.h"
 #include "palpate/scene.h"
 
-#include "bench/measure/subjects.h"
+#include "bench/measure/bench_scene.h"
 #include "tests/hash_file.h"
 
 namespace palpate::tests {
@@ -64,9 +63,9 @@ class BitHash final {
   std::uint64_t hash_ = 14695981039346656037ULL;
 };
 
-/// Moves a hand about its path: 3 mm and 0.03 rad of shaking, 20 um of jitter, and every 997 ticks a leap for
-/// five ticks: 12 mm down, through the organ, 12 mm up, out of it, and every fourth time 60 mm, which counts
-/// as placed anew.
+/// Adds to a pose: 3 mm and 0.03 rad of slow shaking, 20 um of jitter and jumps. A jump comes every 997 ticks
+/// and lasts five: 12 mm down through the organ, 12 mm up out of it, and every fourth time 60 mm, which is
+/// faster than a hand (DistanceCache::move).
 Pose shaken(const Pose& pose, std::uint64_t tick, std::size_t hand) noexcept {
   const double time = 1e-3 * static_cast<double>(tick) + static_cast<double>(hand);
   const auto wave = [time](double rate_Hz) {
@@ -82,12 +81,12 @@ Pose shaken(const Pose& pose, std::uint64_t tick, std::size_t hand) noexcept {
                     rotation_about(Vec3::UnitY(), 0.03 * wave(1.9).sine) * pose.rotation)
                        .normalized();
   if (tick % 997 >= 5) return moved;
-  constexpr std::array<double, 4> kLeaps{12e-3, -12e-3, 12e-3, 60e-3};  // m, down
+  constexpr std::array<double, 4> kLeaps{12e-3, -12e-3, 12e-3, 60e-3};  // m, downwards
   moved.position += kLeaps[tick / 997 % kLeaps.size()] * Vec3(0.6, 0.0, -0.8);
   return moved;
 }
 
-/// Hands stand so close together that their contacts share tissue.
+/// Shifts each hand so that the contacts are close together and share tissue.
 Pose beside(const Pose& pose, std::size_t hand) noexcept {
   constexpr std::array<double, 3> kAside{0.0, 6e-3, -9e-3};  // m
   constexpr std::array<double, 3> kTurned{0.0, 0.7, -1.3};   // rad about the vertical
@@ -117,7 +116,7 @@ std::string hash_of(const haptics::SimulationWorld& world, const scene::ToolPath
   return std::to_string(ticks) + " " + hexadecimal(hash.hash());
 }
 
-/// The tools of one world, by their triangles; 0: as built in.
+/// The tools of one world by number of triangles; 0: the built-in mesh.
 struct Tools {
   const char* name;
   std::vector<std::size_t> triangles;
@@ -131,7 +130,7 @@ int run(const char* expected_file) {
   int differing = 0;
   for (const std::string task : {"press", "pull"}) {
     for (const Tools& tools : all) {
-      scene::Setup setup = bench::subject(task, 0, tools.triangles[0]);
+      scene::Scene setup = bench::subject(task, 0, tools.triangles[0]);
       const scene::ToolPath path = bench::hand_path(setup);
       for (std::size_t hand = 1; hand < tools.triangles.size(); ++hand) {
         setup.tools.push_back(bench::subject(task, 0, tools.triangles[hand]).tools[0]);

@@ -1,9 +1,9 @@
-// Runs built-in experiments offline and prints a hash of all their rows, to be compared between builds and
+// Runs built-in experiments offline and prints a hash of all rows of each, for comparison between builds and
 // processors (docs/decisions/0001-determinism.md).
-//
-// Usage: palpate_golden_hash [EXPECTED]   exit 1 when a hash differs from its line in the file EXPECTED
-// The last line is of the C library's own exp, log, sin and cos: it may differ from processor to processor,
-// and shows that the comparison would notice (no tick uses them).
+// Usage: palpate_golden_hash [EXPECTED]
+// Exits with 1 when a hash differs from its line in the file EXPECTED. The last line is a hash of the C
+// library's own exp, log, sin and cos. It may differ between processors, which shows that the comparison
+// detects such differences; ticks do not use these functions.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -21,14 +21,14 @@
 namespace palpate::tests {
 namespace {
 
-constexpr std::uint64_t kMostTicks = 4000;
+constexpr std::uint64_t kMaxTicks = 4000;
 
-/// Two instruments on an organ that breathes and beats at once.
+/// Two instruments on an organ with breathing and heartbeat.
 Rig two_hands() {
-  scene::Request request;
+  scene::Overrides request;
   request.task = "press";
   request.organ_motion = {"breathing", "heartbeat"};
-  scene::Setup setup = scene::load(request);
+  scene::Scene setup = scene::load(request);
   setup.tools.push_back(setup.tools.front());
   setup.devices.push_back(setup.devices.front());
   return Rig(std::move(setup));
@@ -36,7 +36,7 @@ Rig two_hands() {
 
 /// "TICKS HASH" of a run.
 std::string hash_of(Rig rig) {
-  const std::uint64_t ticks = std::min(rig.whole_path(), kMostTicks);
+  const std::uint64_t ticks = std::min(rig.whole_path(), kMaxTicks);
   RowKeeper rows(ticks * rig.world.hands());
   (void)rig.run({&rows}, {.ticks = ticks, .offline = true});
   return std::to_string(ticks) + " " + hexadecimal(record::hash_rows(rows.rows));

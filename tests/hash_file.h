@@ -1,5 +1,5 @@
 #pragma once
-// Hashes by name, as programs print them and as they are committed: "NAME HASH" a line, # begins a comment.
+// Hashes by name, as printed and as committed: one "NAME HASH" per line, # begins a comment.
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -16,7 +16,7 @@ inline std::string hexadecimal(std::uint64_t value) {
   return text.data();
 }
 
-/// The hashes of a file by name. A file that cannot be read has none.
+/// The hashes of a file by name; empty when the file cannot be read.
 inline std::map<std::string, std::string> hashes_in(const char* file) {
   std::map<std::string, std::string> hashes;
   std::ifstream in(file);
@@ -28,8 +28,8 @@ inline std::map<std::string, std::string> hashes_in(const char* file) {
   return hashes;
 }
 
-/// Prints a hash and compares it with the committed one. @param file nullptr: nothing is compared
-/// @return whether they are the same, or nothing was to be compared
+/// Prints a hash and compares it with the committed one. @param file nullptr: no comparison
+/// @return whether both are equal, or there was no comparison
 inline bool check_hash(const std::string& name, const std::string& hash, const char* file) {
   std::cout << name << ' ' << hash << std::endl;
   if (file == nullptr) return true;

@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 /// A hand at rest over the gallbladder for `ticks` ticks, whose sample `broken_tick` is no number.
 void record_broken_hand_in_real_time(const std::string& file, std::uint64_t ticks,
                                      std::uint64_t broken_tick) {
-  record::Recorder recorder(file, scene::load(scene::Request{}), true);
+  record::Recorder recorder(file, scene::load(scene::Overrides{}), true);
   recorder.on_start(1);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     haptics::TickRow row;

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/statistics.h"
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 #include "palpate/mesh.h"
 #include "palpate/offscreen.h"
 #include "palpate/surface.h"
@@ -69,11 +69,11 @@ render::Camera from_the_side() {
 }
 
 /// What the renderer draws at a distance from the contact: u(r) with its corners rounded by a fifth of r,
-/// lowered so that it ends where it has fallen to 1.5 % of the depth (LiveSurface), and nowhere above the
+/// lowered so that it ends where it has fallen to 1.5 % of the depth (DeformedSurface), and nowhere above the
 /// ball.
 double drawn_at(double r) {
-  const deform::SurfaceProfile profile({}, kDepth, kBall);
-  constexpr double kShare = deform::LiveSurface::kLeastShare;
+  const deform::DisplacementProfile profile({}, kDepth, kBall);
+  constexpr double kShare = deform::DeformedSurface::kLeastShare;
   const double u = std::max(0.0, (profile.rounded_at(r, 0.2) - kShare * kDepth) / (1.0 - kShare));
   const double ball = kDepth - kBall + std::sqrt(std::max(0.0, kBall * kBall - r * r));
   return std::max(u, r < kBall ? ball : 0.0);

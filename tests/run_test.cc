@@ -36,8 +36,8 @@ class PathFile final {
 };
 
 /// A 3 mm ball over a block whose top is at z = 0, along a path.
-scene::Setup ball_and_block(double rate_Hz, const std::string& path) {
-  scene::Setup setup;
+scene::Scene ball_and_block(double rate_Hz, const std::string& path) {
+  scene::Scene setup;
   setup.name = "ball and block";
   setup.rate_Hz = rate_Hz;
   setup.seed = 5;
@@ -84,7 +84,7 @@ TEST(Run, NoiseThreeMillimetresOffTheSurfaceIsTheSameAtOneAndFourKilohertz) {
 TEST(Run, InContactTheForceIsTheLawsAtTheDepthAndUpwards) {
   const PathFile pressed(
       "time_s,x_m,y_m,z_m\n0,0.001,0.002,0.006\n0.5,0.001,0.002,-0.002\n1,0.001,0.002,-0.002\n");
-  scene::Setup setup = ball_and_block(1000.0, pressed.name());
+  scene::Scene setup = ball_and_block(1000.0, pressed.name());
   setup.noise.enabled = false;
   Rig rig(std::move(setup));
   const auto rows = rows_of(rig, 1000);

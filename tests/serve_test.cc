@@ -154,7 +154,7 @@ TEST(Serve, AFaultIsToldToClientsInWordsAndTheyMayResetIt) {
   const json fault = client.hear_until(fault_event)["fault"];
   EXPECT_EQ(fault["fault"], "not-finite") << fault;
   EXPECT_EQ(fault["tick"], 200);
-  EXPECT_EQ(fault["words"], "a sample of the device, or a force, was no finite number");
+  EXPECT_EQ(fault["words"], "a device sample or a force was not finite");
   client.say(R"({"do": "reset_faults"})");
   EXPECT_EQ(client.hear_until(fault_event)["fault"]["fault"], "none");
   EXPECT_EQ(serve.end().exit_code, 3) << "also when it was reset";

@@ -60,11 +60,11 @@ TEST_P(TickPurity, NoHeapUseAndNoLockInTenThousandTicks) {
 
 TEST_P(TickPurity, NoHeapUseAndNoLockWhileTissueAndNoiseChange) {
   Rig rig = built_in(GetParam());
-  haptics::LiveChanges changes(rig.world, rig.setup.tissue, {});
+  haptics::ParameterUpdates changes(rig.world, rig.setup.tissue, {});
   model::TissueParameters tissue = rig.setup.tissue;
   tissue.law = model::LawKind::kSmooth;
   tissue.relaxation = {{0.2, 0.05}, {0.2, 0.5}, {0.1, 5.0}};
-  for (std::size_t i = 1; i < haptics::LiveChanges::kMostWaiting; ++i) {
+  for (std::size_t i = 1; i < haptics::ParameterUpdates::kMaxWaiting; ++i) {
     tissue.k1 *= 1.02;
     (void)changes.offer(tissue);
   }

@@ -27,11 +27,11 @@ void write_validation_curve(const Folder& folder, const std::string& name, doubl
 }
 
 /// What u(r) gives for a reach, pressed by a ball of 5 mm to 1 and 4 mm.
-void write_profiles(const Folder& folder, const std::string& name, const model::ReachParameters& reach) {
+void write_profiles(const Folder& folder, const std::string& name, const model::FalloffRatios& reach) {
   std::ofstream out(folder / name);
   out << "depth_mm,r_mm,u_mm\n";
   for (const double depth : {1.0, 4.0}) {
-    const deform::SurfaceProfile profile(reach, depth * 1e-3, 5e-3, 5e-3);
+    const deform::DisplacementProfile profile(reach, depth * 1e-3, 5e-3, 5e-3);
     for (int i = 0; i <= 60; ++i)
       out << depth << ',' << 0.5 * i << ',' << profile.at(0.5e-3 * i) * 1e3 << '\n';
   }

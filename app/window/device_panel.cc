@@ -32,7 +32,7 @@ void choose_device(const Shown& shown, Wishes& wishes) {
     if (kind.path == scene::DevicePath::kRecording) continue;  // a replay needs its file
     const std::string name(kind.name);
     if (!ImGui::Selectable(name.c_str(), name == now)) continue;
-    scene::Request request = shown.request;
+    scene::Overrides request = shown.request;
     request.device = name;
     wishes.request = std::move(request);
   }

@@ -46,7 +46,7 @@ Overview overview_of(RecordedView& seen) {
   for (std::uint32_t hand = 0; hand < seen.hands(); ++hand) {
     all.hands.push_back(overview_of_hand(seen, hand, all.column_width));
   }
-  for (const haptics::LiveChange& change : seen.recording().changes) all.changes.push_back(change.tick);
+  for (const haptics::ParameterUpdate& change : seen.recording().changes) all.changes.push_back(change.tick);
   return all;
 }
 
@@ -57,8 +57,8 @@ std::optional<std::uint64_t> next_fault(const HandOverview& hand, std::uint64_t 
 }
 
 InForce in_force(const record::Recording& recording, std::uint64_t tick) {
-  const haptics::LiveChange* last = nullptr;
-  for (const haptics::LiveChange& change : recording.changes) {
+  const haptics::ParameterUpdate* last = nullptr;
+  for (const haptics::ParameterUpdate& change : recording.changes) {
     if (change.tick <= tick) last = &change;
   }
   const noise::NoiseSettings& noise = recording.setup.noise;

@@ -36,7 +36,7 @@ void begin_column(const char* name, const Rectangle& place) {
                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoBackground);
 }
 
-std::string moment_words(const haptics::TickRow& row, int decimals) {
+std::string moment_text(const haptics::TickRow& row, int decimals) {
   const auto mm = [decimals](double metres) { return fmt::format("{:.{}f} mm", 1e3 * metres, decimals); };
   if (row.phase == static_cast<std::uint32_t>(contact::Phase::kPress))
     return "pressing, " + mm(row.depth) + " deep";

@@ -36,8 +36,8 @@ struct HandWords {
 
 /// What the panels show in one frame; valid for that frame.
 struct Shown {
-  const scene::Setup& setup;
-  const scene::Request& request;
+  const scene::Scene& setup;
+  const scene::Overrides& request;
   const Traces& traces;
   const haptics::Snapshot& snapshot;
   const model::TissueParameters& tissue;  // as felt
@@ -62,7 +62,7 @@ struct Shown {
 struct Wishes {
   std::optional<model::TissueParameters> tissue;
   std::optional<noise::NoiseSettings> noise;
-  std::optional<scene::Request> request;  // another session; tissue and noise as that says
+  std::optional<scene::Overrides> request;  // another session; tissue and noise as that says
   std::optional<ChosenFile> file;
   bool again = false;  // the same session anew; tissue and noise as they are
   std::optional<bool> record;
@@ -121,7 +121,7 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
 [[nodiscard]] Plotted plotted(const Shown& shown);
 
 /// [any] The words for a moment of one hand, with so many decimals: "pressing, 4.2 mm deep".
-[[nodiscard]] std::string moment_words(const haptics::TickRow& row, int decimals);
+[[nodiscard]] std::string moment_text(const haptics::TickRow& row, int decimals);
 
 /// A key and what it does.
 struct KeyLine {

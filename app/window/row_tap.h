@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "palpate/tick_observer.h"
 
 namespace palpate::app {
@@ -31,7 +31,7 @@ class RowTap final : public haptics::TickObserver {
  private:
   static constexpr std::size_t kRoom = 1U << 14U;  // rows: 16 s of one hand at 1 kHz
 
-  Ring<haptics::TickRow> ring_;
+  SpscQueue<haptics::TickRow> ring_;
   std::atomic<std::uint64_t> left_out_{0};
 };
 

@@ -24,7 +24,7 @@ void choose_organ(const Shown& shown, PanelState& state, Wishes& wishes) {
   if (!ImGui::BeginCombo("##organ", short_name(shown.setup.organ_name).c_str())) return;
   for (const std::string& name : geometry::builtin_organ_names()) {
     if (!ImGui::Selectable(name.c_str(), name == shown.setup.organ_name)) continue;
-    scene::Request request = shown.request;
+    scene::Overrides request = shown.request;
     request.organ = name;
     request.organ_unit.reset();
     request.tissue.reset();  // the organ's own
@@ -43,7 +43,7 @@ void choose_tool(const Shown& shown, PanelState& state, Wishes& wishes) {
   for (const char* ball : {"sphere:3", "sphere:5", "sphere:10"}) names.emplace_back(ball);
   for (const std::string& name : names) {
     if (!ImGui::Selectable(name.c_str(), name == now)) continue;
-    scene::Request request = shown.request;
+    scene::Overrides request = shown.request;
     request.tools = {name};
     request.tool_unit.reset();
     wishes.request = std::move(request);
@@ -56,7 +56,7 @@ void choose_tool(const Shown& shown, PanelState& state, Wishes& wishes) {
 void choose_task(const Shown& shown, Wishes& wishes) {
   const bool pull = shown.setup.task == scene::Task::kPull;
   const auto want = [&](const char* task) {
-    scene::Request request = shown.request;
+    scene::Overrides request = shown.request;
     request.task = task;
     if (!request.scene && !request.organ) request.organ = shown.setup.organ_name;
     wishes.request = std::move(request);

@@ -217,7 +217,7 @@ bool Stage::out_of_memory() {
   return ran_out;
 }
 
-void Stage::say(std::string message) {
+void Stage::show_message(std::string message) {
   constexpr std::int64_t kShown_ns = 8'000'000'000;
   message_ = std::move(message);
   message_until_ns_ = monotonic_ns() + kShown_ns;
@@ -227,9 +227,9 @@ void Stage::save(const render::Image& image) {
   const std::filesystem::path file = named_by_time(".png");
   try {
     render::write_png(image, file);
-    say("the picture is in " + file.string());
+    show_message("the picture is in " + file.string());
   } catch (const InputError& error) {
-    say(error.what());
+    show_message(error.what());
   }
 }
 

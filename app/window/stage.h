@@ -73,7 +73,7 @@ class Stage final {
   void show() { display_.swap(); }
 
   /// Words at the picture's lower edge for some seconds.
-  void say(std::string message);
+  void show_message(std::string message);
   /// What is said now; empty: nothing.
   [[nodiscard]] const std::string& message() const noexcept { return message_; }
   /// Saves a picture in the working folder under the time, and says where, or why not.

@@ -53,18 +53,18 @@ bool relaxation_rows(model::TissueParameters& tissue) {
   for (std::size_t i = 0; i < tissue.relaxation.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
     const Rows rows("term");
-    changed |= rows.number("Share", tissue.relaxation[i].share, 1.0, 0.005, 0.001, 0.95, "%.3f",
+    changed |= rows.number("Share", tissue.relaxation[i].g, 1.0, 0.005, 0.001, 0.95, "%.3f",
                            "of the elastic force that goes");
-    changed |= rows.number("Time", tissue.relaxation[i].time, 1.0, 0.02, 0.001, 1000.0, "%.2f s",
+    changed |= rows.number("Time", tissue.relaxation[i].tau, 1.0, 0.02, 0.001, 1000.0, "%.2f s",
                            "constant of its going");
     ImGui::PopID();
   }
-  if (tissue.relaxation.size() < model::kMostRelaxationTerms && ImGui::SmallButton("One more term")) {
+  if (tissue.relaxation.size() < model::kMaxRelaxationTerms && ImGui::SmallButton("One more term")) {
     tissue.relaxation.push_back({0.1, 1.0});
     changed = true;
   }
   if (!tissue.relaxation.empty()) {
-    if (tissue.relaxation.size() < model::kMostRelaxationTerms) ImGui::SameLine();
+    if (tissue.relaxation.size() < model::kMaxRelaxationTerms) ImGui::SameLine();
     if (ImGui::SmallButton("One less")) {
       tissue.relaxation.pop_back();
       changed = true;

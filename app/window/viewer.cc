@@ -62,7 +62,7 @@ Viewer::~Viewer() {
 void Viewer::show(std::unique_ptr<OpenRecording> open) {
   ticks_.reset();
   open_ = std::move(open);
-  const scene::Setup& setup = view().recording().setup;
+  const scene::Scene& setup = view().recording().setup;
   playback_.emplace(view().ticks(), setup.rate_Hz);
   state_.hand = 0;
   snapshot_there_ = false;
@@ -83,7 +83,7 @@ const render::Camera& Viewer::first_camera() const {
 
 void Viewer::begin_to_open(const std::filesystem::path& file) {
   if (next_.valid()) {
-    stage_.say("another recording is being opened already");
+    stage_.show_message("another recording is being opened already");
     return;
   }
   next_name_ = file.filename().string();
@@ -97,7 +97,7 @@ void Viewer::look_after_opening() {
   try {
     show(next_.get());
   } catch (const std::exception& error) {
-    stage_.say(error.what());
+    stage_.show_message(error.what());
   }
 }
 
@@ -131,9 +131,9 @@ void Viewer::save_memory() {
   if (still_ != nullptr) {
     still_.reset();
     stills_fit_ = false;
-    stage_.say("the graphics card's memory ran out: pictures at rest are as when they move");
+    stage_.show_message("the graphics card's memory ran out: pictures at rest are as when they move");
   } else if (live_.shrink()) {
-    stage_.say("the graphics card's memory ran out: the picture is coarser");
+    stage_.show_message("the graphics card's memory ran out: the picture is coarser");
   }
 }
 
@@ -176,7 +176,7 @@ void Viewer::compose() {
     if (layout_.left.width > 0.0F) draw_viewer_panels(layout_.left, seen, state_, wishes_);
     if (layout_.timeline.height > 0.0F) draw_timeline(layout_.timeline, seen, state_, wishes_);
     if (layout_.plots.height > 0.0F) {
-      const scene::Setup& setup = view().recording().setup;
+      const scene::Scene& setup = view().recording().setup;
       const bool pull = setup.task == scene::Task::kPull;
       Plotted plots{in_force_.tissue, pull ? model::Direction::kPull : model::Direction::kPress,
                     setup.rate_Hz};
@@ -196,21 +196,21 @@ void Viewer::compose() {
   Stage::end_panels();
 }
 
-std::string Viewer::banner_words() const {
+std::string Viewer::banner_text() const {
   std::string failure = ticks_->failure();
   if (!failure.empty()) return failure;
   for (std::uint32_t hand = 0; snapshot_there_ && hand < view().hands(); ++hand) {
     const auto fault = static_cast<haptics::Fault>(view().row(shown_.tick, hand).fault);
     if (fault == haptics::Fault::kNone) continue;
     const std::string whose = view().hands() > 1 ? fmt::format("Hand {}: zero force", hand) : "Zero force";
-    return whose + ": " + haptics::words_of(fault);
+    return whose + ": " + haptics::describe(fault);
   }
   return {};
 }
 
 /// Title, banner, scale of the map and message over the picture.
 void Viewer::draw_overlay() {
-  banner_ = banner_words();
+  banner_ = banner_text();
   std::vector<Banner> banners = {{banner_, true}};
   if (next_.valid()) banners.push_back({next_name_ + " is being opened ..."});
   const float y = stage_.draw_overlay(layout_.picture, banners,
@@ -283,7 +283,7 @@ void view_in_window(std::unique_ptr<RecordedView> seen, const ViewerOptions& opt
     while (viewer.frame()) {
     }
   } catch (const DisplayLost& lost) {
-    tell(std::string(lost.what()) + ": the viewer ends");
+    report_message(std::string(lost.what()) + ": the viewer ends");
   }
 }
 

@@ -101,7 +101,7 @@ class Viewer final {
   void draw_picture();
   void draw_still(const PixelRectangle& place, const render::Camera& camera);
   [[nodiscard]] const render::Camera& first_camera() const;
-  [[nodiscard]] std::string banner_words() const;
+  [[nodiscard]] std::string banner_text() const;
 
   ViewerOptions options_;
   Stage stage_;

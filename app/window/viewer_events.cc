@@ -39,8 +39,8 @@ void Viewer::take_event(const SDL_Event& event, std::pair<int, int> way) {
       if (use_of_file(file) == FileUse::kRecording) {
         wishes_.open = file.string();
       } else {
-        stage_.say(file.filename().string() +
-                   ": a recording (.h5) can be looked at here; palpate run takes other files");
+        stage_.show_message(file.filename().string() +
+                            ": a recording (.h5) can be looked at here; palpate run takes other files");
       }
       break;
     }
@@ -116,10 +116,10 @@ void Viewer::time_key(const SDL_KeyboardEvent& key) {
 void Viewer::letter_key(SDL_Keycode which) {
   const HandOverview& hand = overview().hands[state_.hand];
   if (which == SDLK_c && !hand.contacts.empty()) wishes_.go_to = hand.contacts.front().first;
-  if (which == SDLK_c && hand.contacts.empty()) stage_.say("this hand never touches the tissue");
+  if (which == SDLK_c && hand.contacts.empty()) stage_.show_message("this hand never touches the tissue");
   if (which == SDLK_d) wishes_.go_to = hand.deepest;
   if (which == SDLK_f && !hand.faults.empty()) wishes_.go_to = next_fault(hand, shown_.tick);
-  if (which == SDLK_f && hand.faults.empty()) stage_.say("no fault was latched on this hand");
+  if (which == SDLK_f && hand.faults.empty()) stage_.show_message("no fault was latched on this hand");
   if (which == SDLK_m) state_.map = !state_.map;
   if (which == SDLK_p) wishes_.save_window = true;
   if (which == SDLK_v) wishes_.home = true;

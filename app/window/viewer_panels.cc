@@ -40,7 +40,7 @@ std::string recorded_microseconds(std::int64_t ns) {
 }
 
 void recording_rows(const Seen& seen, ViewerState& state) {
-  const scene::Setup& setup = seen.view.recording().setup;
+  const scene::Scene& setup = seen.view.recording().setup;
   const record::RunFacts& facts = seen.view.recording().facts;
   const Rows rows("recording", 0.30F);
   rows.name("File", "Ctrl + O, or drop another one on the window");
@@ -74,7 +74,7 @@ void choose_hand(const Seen& seen, const ViewerState& state, ViewerWishes& wishe
 
 void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
   const haptics::TickRow& row = seen.view.row(seen.tick, state.hand);
-  const scene::Setup& setup = seen.view.recording().setup;
+  const scene::Scene& setup = seen.view.recording().setup;
   const Rows rows("moment", 0.30F);
   if (seen.view.hands() > 1) {
     rows.name("Hand", "0 to 3");
@@ -82,7 +82,7 @@ void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishe
   }
   rows.words("Device", setup.devices[state.hand].kind);
   rows.words("Time", formatted("%.3f s, ", row.time) + formatted("tick %.0f", static_cast<double>(row.tick)));
-  rows.words("State", moment_words(row, 2));
+  rows.words("State", moment_text(row, 2));
   rows.words("Force", formatted("%.3f N", device_force(row)), "what went to the hand, after the gate");
   rows.words("Tissue", formatted("%.3f N", row.tissue_force), "before the gate");
   rows.words("Noise", formatted("%+.1f mN", 1e3 * row.noise_force), "along the normal");
@@ -92,7 +92,7 @@ void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishe
              "the tissue in force at this moment");
   if (row.fault != 0) {
     rows.name("Fault");
-    ImGui::TextColored(colour::kWarning, "%s", haptics::words_of(static_cast<haptics::Fault>(row.fault)));
+    ImGui::TextColored(colour::kWarning, "%s", haptics::describe(static_cast<haptics::Fault>(row.fault)));
   }
 }
 

@@ -43,7 +43,7 @@ std::string advice_on(haptics::Fault fault) {
 
 }  // namespace
 
-Window::Window(std::shared_ptr<Session> first, scene::Request request, WindowOptions options)
+Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowOptions options)
     : request_(std::move(request)),
       options_(std::move(options)),
       stage_("Palpate", options_.size, options_.scale) {
@@ -132,8 +132,8 @@ void Window::take_newest() {
 void Window::mind_graphics() {
   if (Stage::out_of_memory()) {
     const bool smaller = live_.shrink();
-    stage_.say(std::string("the graphics card's memory ran out") +
-               (smaller ? ": the picture is coarser" : ""));
+    stage_.show_message(std::string("the graphics card's memory ran out") +
+                        (smaller ? ": the picture is coarser" : ""));
   }
   if (stage_.graphics_lost()) stage_.display().give_up();
 }
@@ -153,7 +153,7 @@ void Window::draw_picture() {
   live_.show(shown_, camera_.camera(), place, stage_);
 }
 
-std::vector<HandWords> Window::hand_words() const {
+std::vector<HandWords> Window::hand_texts() const {
   const Session& session = run_->session();
   std::vector<HandWords> all(session.setup().devices.size());
   for (std::size_t hand = 0; hand < all.size(); ++hand) {
@@ -161,23 +161,23 @@ std::vector<HandWords> Window::hand_words() const {
     const haptics::TickRow& newest = traces_->newest(static_cast<std::uint32_t>(hand));
     HandWords& words = all[hand];
     words.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
-    words.state = run_->ended() ? "the run has ended" : moment_words(newest, 1);
+    words.state = run_->ended() ? "the run has ended" : moment_text(newest, 1);
     words.engagement = newest.engagement;
     words.limited = (newest.status & (haptics::kForceClamped | haptics::kForceSlewed |
                                       haptics::kTorqueClamped | haptics::kTorqueSlewed)) != 0;
     const auto fault = static_cast<haptics::Fault>(newest.fault);
     if (fault == haptics::Fault::kNone) continue;
-    words.fault = haptics::words_of(fault);
+    words.fault = haptics::describe(fault);
     const std::string trouble =
-        hand < session.devices().size() ? session.devices()[hand]->trouble() : std::string();
+        hand < session.devices().size() ? session.devices()[hand]->last_error() : std::string();
     if (!trouble.empty()) words.fault += " (" + trouble + ")";
     words.advice = advice_on(fault);
   }
   return all;
 }
 
-std::string Window::banner_words(bool& fault) const {
-  const std::vector<HandWords> hands = hand_words();
+std::string Window::banner_text(bool& fault) const {
+  const std::vector<HandWords> hands = hand_texts();
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {
     if (hands[hand].fault.empty()) continue;
     fault = true;
@@ -196,7 +196,7 @@ std::string Window::banner_words(bool& fault) const {
 }
 
 Shown Window::shown() const {
-  Shown shown{run_->session().setup(), request_, *traces_, shown_, tissue_, noise_, hand_words()};
+  Shown shown{run_->session().setup(), request_, *traces_, shown_, tissue_, noise_, hand_texts()};
   shown.recording = run_->recording().string();
   shown.looked_at = last_recording_.string();
   shown.ended = run_->ended();
@@ -230,7 +230,7 @@ void Window::compose() {
 /// Title, banner and message over the picture.
 void Window::draw_overlay() {
   bool fault = false;
-  banner_ = banner_words(fault);
+  banner_ = banner_text(fault);
   stage_.draw_overlay(layout_.picture, {{banner_, fault}},
                       title_of(run_->session().setup()) + formatted("   %.1f s", traces_->newest_time()));
 }
@@ -257,14 +257,14 @@ WindowOutcome Window::finish() {
   return outcome;
 }
 
-WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Request& request,
+WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Overrides& request,
                             const WindowOptions& options) {
   Window window(std::move(first), request, options);
   try {
     while (window.frame()) {
     }
   } catch (const DisplayLost& lost) {
-    tell(std::string(lost.what()) + ": the run ends as when its window is closed");
+    report_message(std::string(lost.what()) + ": the run ends as when its window is closed");
   }
   return window.finish();
 }

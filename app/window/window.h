@@ -59,7 +59,7 @@ class Window final {
  public:
   /// Opens the window; the first frame begins to play. @param request what `first` was made from
   /// @throws NoWindow
-  Window(std::shared_ptr<Session> first, scene::Request request, WindowOptions options);
+  Window(std::shared_ptr<Session> first, scene::Overrides request, WindowOptions options);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -115,7 +115,7 @@ class Window final {
   void pause_run();
   void apply_tissue(const model::TissueParameters& tissue);
   void apply_noise(const noise::NoiseSettings& noise);
-  void restart(scene::Request request, bool keep_edits, std::filesystem::path recording);
+  void restart(scene::Overrides request, bool keep_edits, std::filesystem::path recording);
   void look_at(const std::filesystem::path& recording);
   void make_renderer();
   [[nodiscard]] render::Subject subject() const;
@@ -130,10 +130,10 @@ class Window final {
   void draw_picture();
   void mind_graphics();
   [[nodiscard]] Shown shown() const;
-  [[nodiscard]] std::vector<HandWords> hand_words() const;
-  [[nodiscard]] std::string banner_words(bool& fault) const;
+  [[nodiscard]] std::vector<HandWords> hand_texts() const;
+  [[nodiscard]] std::string banner_text(bool& fault) const;
 
-  scene::Request request_;
+  scene::Overrides request_;
   WindowOptions options_;
   std::filesystem::path last_recording_;
   Stage stage_;
@@ -176,7 +176,7 @@ class Window final {
 
 /// [setup] Opens a window, plays the session in it and whatever the user begins there, until the user leaves.
 /// @throws as Window and finish().
-[[nodiscard]] WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Request& request,
+[[nodiscard]] WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Overrides& request,
                                           const WindowOptions& options);
 
 }  // namespace palpate::app

@@ -141,8 +141,9 @@ void Window::file_dropped(const std::filesystem::path& file) {
   if (use == FileUse::kRecording) {
     look_at(file);
   } else if (!use) {
-    stage_.say(file.filename().string() +
-               ": palpate reads meshes, scenes and tissues (.toml), tool paths (.csv) and recordings (.h5)");
+    stage_.show_message(
+        file.filename().string() +
+        ": palpate reads meshes, scenes and tissues (.toml), tool paths (.csv) and recordings (.h5)");
   } else if (*use == FileUse::kOrgan) {
     panels_.files.open(*use, file);  // its unit is to be asked for
   } else {

@@ -18,7 +18,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
                                            options_.igtl);
   ++runs_begun_;
   if (!run_->recording().empty()) last_recording_ = run_->recording();
-  const scene::Setup& setup = run_->session().setup();
+  const scene::Scene& setup = run_->session().setup();
   tissue_ = setup.tissue;
   noise_ = setup.noise;
   tissue_note_.clear();
@@ -46,7 +46,7 @@ void Window::make_renderer() {
 }
 
 render::Subject Window::subject() const {
-  const scene::Setup& setup = run_->session().setup();
+  const scene::Scene& setup = run_->session().setup();
   return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name};
 }
 
@@ -88,7 +88,7 @@ void Window::look_after_next() {
       break;
     }
     case NextSession::State::kFailed:
-      stage_.say(next_->failure());
+      stage_.show_message(next_->failure());
       next_.reset();
       break;
     case NextSession::State::kReading:
@@ -97,9 +97,9 @@ void Window::look_after_next() {
   }
 }
 
-void Window::restart(scene::Request request, bool keep_edits, fs::path recording) {
+void Window::restart(scene::Overrides request, bool keep_edits, fs::path recording) {
   if (next_ != nullptr) {
-    stage_.say("the next session is being prepared already");
+    stage_.show_message("the next session is being prepared already");
     return;
   }
   NextSession::Kept kept;
@@ -115,9 +115,9 @@ void Window::restart(scene::Request request, bool keep_edits, fs::path recording
 void Window::look_at(const fs::path& recording) {
   try {
     onlookers_.open(options_.viewer, recording);
-    stage_.say(recording.filename().string() + " opens in a window of its own");
+    stage_.show_message(recording.filename().string() + " opens in a window of its own");
   } catch (const InputError& error) {
-    stage_.say(error.what());
+    stage_.show_message(error.what());
   }
 }
 
@@ -154,14 +154,14 @@ void Window::apply_noise(const noise::NoiseSettings& noise) {
     }
     noise_ = noise;
   } catch (const InputError& error) {
-    stage_.say(error.what());
+    stage_.show_message(error.what());
   }
 }
 
 /// A loop that is paused takes no changes: they wait here, the newest of each kind.
 void Window::pause_run() {
   if (!run_->session().may_pause()) {
-    stage_.say("a hand holds the device: its run is never paused; Space holds the picture");
+    stage_.show_message("a hand holds the device: its run is never paused; Space holds the picture");
     return;
   }
   if (run_->ended()) return;
@@ -172,7 +172,7 @@ void Window::pause_run() {
 }
 
 void Window::take_file(const ChosenFile& file) {
-  scene::Request request = request_;
+  scene::Overrides request = request_;
   switch (file.use) {
     case FileUse::kOrgan:
       request.organ = file.path.string();
@@ -195,7 +195,7 @@ void Window::take_file(const ChosenFile& file) {
       try {
         apply_tissue(scene::read_tissue_file(file.path));
       } catch (const InputError& error) {
-        stage_.say(error.what());
+        stage_.show_message(error.what());
       }
       return;
     case FileUse::kRecording:
@@ -204,7 +204,8 @@ void Window::take_file(const ChosenFile& file) {
     case FileUse::kSaveTissue: {
       std::ofstream out(file.path);
       out << scene::to_toml(tissue_) << std::flush;
-      stage_.say(out ? "the tissue is in " + file.path.string() : file.path.string() + ": cannot be written");
+      stage_.show_message(out ? "the tissue is in " + file.path.string()
+                              : file.path.string() + ": cannot be written");
       return;
     }
   }
@@ -222,7 +223,7 @@ void Window::grant(const Wishes& wishes) {
   if (wishes.full_screen) stage_.display().toggle_full_screen();
   if (wishes.look) {
     if (last_recording_.empty()) {
-      stage_.say("nothing is recorded yet: Ctrl + R records");
+      stage_.show_message("nothing is recorded yet: Ctrl + R records");
     } else {
       look_at(last_recording_);
     }

@@ -7,8 +7,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// p50_us and so on, each name after `prefix`.
-void add_times(Json& row, const TimeFigures& times, const std::string& prefix = "") {
+/// Adds p50_us and so on, with `prefix` before each name.
+void add_times(Json& row, const TimeStatistics& times, const std::string& prefix = "") {
   row[prefix + "p50_us"] = times.p50_us;
   row[prefix + "p99_us"] = times.p99_us;
   row[prefix + "p999_us"] = times.p999_us;
@@ -19,7 +19,7 @@ Json or_null(const std::optional<double>& value) { return value ? Json(*value) :
 
 }  // namespace
 
-// nlohmann::json finds these by the type of a result.
+// nlohmann::json finds these by argument-dependent lookup.
 
 void to_json(Json& row, const TickAccount& tick) {
   row = {{"scene", tick.scene},

@@ -1,4 +1,4 @@
-// The figures of an account row by row, as CSV and as tables.
+// The rows of an account, as CSV and as tables of text.
 #include <map>
 #include <string>
 #include <utility>
@@ -59,7 +59,7 @@ void add_loop(Rows& rows, const LoopAccount& loop) {
 }
 
 void add_picture(Rows& rows, const PictureAccount& picture) {
-  const auto add = [&](const char* name, const TimeFigures& times) {
+  const auto add = [&](const char* name, const TimeStatistics& times) {
     rows.push_back({"picture", name, picture.scene, "contact", picture.organ_triangles, 0, times});
   };
   add("deformation and upload", picture.deformation);
@@ -69,7 +69,7 @@ void add_picture(Rows& rows, const PictureAccount& picture) {
 }
 
 void add_peer(Rows& rows, const PeerAccount& peer) {
-  const auto add = [&](const char* phase, const TimeFigures& times, double ratio) {
+  const auto add = [&](const char* phase, const TimeStatistics& times, double ratio) {
     if (times.samples == 0) return;
     rows.push_back({"peer", peer.name, peer.scene, phase, peer.organ_triangles, peer.tool_triangles, times});
     rows.back().note = fmt::format("{:.3g} times palpate's p50", ratio);
@@ -78,7 +78,7 @@ void add_peer(Rows& rows, const PeerAccount& peer) {
   add("approach", peer.approach, peer.approach_ratio);
 }
 
-/// A comment stays one line.
+/// Replaces line ends, because a comment is one line.
 std::string one_line(std::string text) {
   for (char& letter : text) {
     if (letter == '\n' || letter == '\r') letter = ' ';
@@ -86,7 +86,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// A cell: in quotes where a comma or a quote needs it.
+/// A CSV cell, quoted where it contains a comma or a quote.
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -95,7 +95,7 @@ std::string cell(const std::string& text) {
 }
 
 /// Four cells; empty ones without samples.
-std::string time_cells(const TimeFigures& times) {
+std::string time_cells(const TimeStatistics& times) {
   if (times.samples == 0) return ",,,";
   return fmt::format("{},{},{},{}", shortest(times.p50_us), shortest(times.p99_us), shortest(times.p999_us),
                      shortest(times.max_us));
@@ -107,7 +107,7 @@ std::string brief(double value) {
   return fmt::format("{:.{}f}", value, size < 10.0 ? 2 : size < 100.0 ? 1 : 0);
 }
 
-std::string time_columns(const TimeFigures& times) {
+std::string time_columns(const TimeStatistics& times) {
   return fmt::format("{:>10}{:>10}{:>10}{:>10}", brief(times.p50_us), brief(times.p99_us),
                      brief(times.p999_us), brief(times.max_us));
 }

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "core/haptics/simulation.h"
 #include "palpate/scripted_device.h"
 #include "run/realtime/realtime.h"
@@ -25,18 +25,18 @@ namespace palpate::bench {
 namespace {
 
 constexpr std::uint64_t kWarmUp = 50;     // periods that are not counted
-constexpr std::size_t kGaugedHands = 20;  // whose median period bounds the search
+constexpr std::size_t kGaugedHands = 20;  // their median period bounds the search
 constexpr std::uint64_t kGaugedPeriods = 500;
 constexpr double kFirstTry = 0.75;        // of that bound
-constexpr std::size_t kPeriodsKept = 64;  // rows of so many periods wait for who takes them
+constexpr std::size_t kPeriodsKept = 64;  // capacity of the ring, in periods
 constexpr std::size_t kHandsForMemory = 64;
 
-/// The ticks of the way in which the tool is in contact, [first, last].
+/// Ticks of the path with contact, [first, last].
 struct Window {
   std::uint64_t first = 0;
   std::uint64_t last = 0;
 
-  /// There and back, for ever: the tick of the way at step `step`.
+  /// Tick of the path at step `step`, going back and forth.
   [[nodiscard]] std::uint64_t at(std::uint64_t step) const noexcept {
     const std::uint64_t length = last - first;
     const std::uint64_t place = step % (2 * length);
@@ -44,24 +44,24 @@ struct Window {
   }
 };
 
-Window contact_window(const std::vector<WayPoint>& way) {
-  const auto touches = [](const WayPoint& at) { return at.phase != contact::Phase::kApproach; };
+Window contact_window(const std::vector<PathPoint>& way) {
+  const auto touches = [](const PathPoint& at) { return at.phase != contact::Phase::kApproach; };
   const auto first = std::find_if(way.begin(), way.end(), touches);
   const auto end = std::find_if_not(first, way.end(), touches);
   if (end - first < 2) throw std::runtime_error("bench: the hands never came into contact");
   return {static_cast<std::uint64_t>(first - way.begin()), static_cast<std::uint64_t>(end - way.begin()) - 1};
 }
 
-/// One of many, somewhere on the path.
+/// One of many hands, at some tick of the path.
 class Hand final {
  public:
-  /// [setup] Follows the path from its begin to where contact does.
+  /// [setup] Follows the path to its first contact.
   Hand(const haptics::SimulationWorld& world, const Window& window, haptics::Device& device)
       : window_(window), hand_(world) {
     for (std::uint64_t number = 0; number < window.first; ++number) hand_.tick(device, number);
   }
 
-  /// [setup] Goes there and back to the window's step `offset` and stays a hand that starts there.
+  /// [setup] Advances to step `offset` of the window, which becomes its start.
   void go_to(haptics::Device& device, std::uint64_t offset) {
     while (offset_ < offset) hand_.tick(device, window_.at(offset_++));
   }
@@ -77,7 +77,7 @@ class Hand final {
   OneHand hand_;
 };
 
-/// Hands spread evenly over the window, there and back: one walks, and leaves a copy at each place.
+/// Hands distributed evenly over the window: one hand advances and is copied at each start.
 std::vector<Hand> make_hands(const haptics::SimulationWorld& world, const Window& window,
                              const scene::ToolPath& path, std::size_t count) {
   devices::ScriptedDevice device(path);
@@ -92,7 +92,7 @@ std::vector<Hand> make_hands(const haptics::SimulationWorld& world, const Window
   return hands;
 }
 
-/// What takes the rows of one thread's hands, as a recorder's thread does.
+/// A thread that consumes the rows of one thread's hands, like a recorder's thread.
 class RowTaker final {
  public:
   explicit RowTaker(std::size_t hands) : ring_(hands * kPeriodsKept), thread_([this] { run(); }) {}
@@ -115,15 +115,15 @@ class RowTaker final {
     }
   }
 
-  Ring<haptics::TickRow> ring_;
+  SpscQueue<haptics::TickRow> ring_;
   std::uint64_t lost_ = 0;
   std::atomic<bool> done_{false};
   std::thread thread_;
 };
 
-/// What one thread's periods took.
+/// Times of one thread's periods.
 struct Rounds {
-  std::vector<double> times_us;  // processor time
+  std::vector<double> times_us;  // CPU time
   std::vector<double> wall_us;
   std::uint64_t missed = 0;
   std::uint64_t lost = 0;
@@ -131,18 +131,18 @@ struct Rounds {
 
 double limit_us() { return kPeriodShare * 1e6 / kHandsRate; }
 
-/// The same number of hands on every core at once, or as nearly as can be.
-class Crowd final {
+/// The same number of hands on every core at once, as far as the number divides evenly.
+class ParallelHands final {
  public:
-  Crowd(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path,
-        haptics::Waiting waiting)
+  ParallelHands(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path,
+                haptics::Waiting waiting)
       : world_(world), window_(window), path_(path), waiting_(waiting), cores_(haptics::usable_cores()) {
-    if (cores_.empty()) cores_.push_back(-1);  // unknown: one thread, wherever it may run
+    if (cores_.empty()) cores_.push_back(-1);  // cores unknown: one thread without affinity
   }
 
   [[nodiscard]] std::size_t cores() const noexcept { return cores_.size(); }
 
-  /// @param give_up ends the run as soon as one thread was over the limit more often than it may
+  /// @param give_up ends the run once a thread exceeds the limit too often
   HandsRun run(std::size_t hands, std::uint64_t periods, bool give_up) {
     stop_.store(false, std::memory_order_relaxed);
     const std::size_t threads = std::min(cores_.size(), hands);
@@ -157,15 +157,16 @@ class Crowd final {
     return run_of(hands, rounds);
   }
 
-  /// Whether the last run was given up.
+  /// Whether the last run ended early.
   [[nodiscard]] bool gave_up() const noexcept { return stop_.load(std::memory_order_relaxed); }
 
  private:
-  /// All hands once a period, on the calling thread, in real time.
+  /// Runs all hands once a period on the calling thread, in real time.
   Rounds go(int core, std::size_t count, std::uint64_t periods, bool give_up) {
     std::vector<Hand> hands = make_hands(world_, window_, path_, count);
     devices::ScriptedDevice device(path_);
-    RowTaker taker(hands.size());  // first: it shall have neither this thread's priority nor its core
+    RowTaker taker(hands.size());  // started first, so that it does not inherit this thread's priority and
+                                   // core
     (void)haptics::pin_to_core(core);
     (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
     Rounds rounds;
@@ -240,15 +241,15 @@ std::size_t greatest_that_fits(std::size_t first, std::size_t too_many,
   return most;
 }
 
-HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                        const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
-  const Window window = contact_window(walk(setup, world, path));
+HandsAccount hand_capacity(const scene::Scene& setup, const haptics::SimulationWorld& world,
+                           const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
+  const Window window = contact_window(run_path(setup, world, path));
   HandsAccount account;
   account.bytes_per_hand = bytes_per_hand(world, window, path);
-  Crowd crowd(world, window, path, waiting);
-  const std::string where = " hands on each of " + std::to_string(crowd.cores()) + " cores";
-  const HandsRun gauged = crowd.run(kGaugedHands * crowd.cores(), kGaugedPeriods, false);
-  // With more than this even the median period is over.
+  ParallelHands parallel(world, window, path, waiting);
+  const std::string where = " hands on each of " + std::to_string(parallel.cores()) + " cores";
+  const HandsRun gauged = parallel.run(kGaugedHands * parallel.cores(), kGaugedPeriods, false);
+  // With more hands even the median period exceeds the limit.
   const double bound = std::min(limit_us() / gauged.round.p50_us * static_cast<double>(kGaugedHands),
                                 static_cast<double>(kMostHandsTried));
   const auto too_many = static_cast<std::size_t>(bound) + 1;
@@ -257,9 +258,9 @@ HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorl
   const auto fits = [&](std::size_t count) {
     watch(std::min(1.0, done / halvings), std::to_string(count) + where);
     done += 1.0;
-    for (int turn = 0; turn < 2; ++turn) {  // once more where something else may have been in the way
-      const HandsRun run = crowd.run(count * crowd.cores(), kPeriodsHeld, true);
-      if (crowd.gave_up()) continue;
+    for (int turn = 0; turn < 2; ++turn) {  // a second try, because other load may have disturbed the first
+      const HandsRun run = parallel.run(count * parallel.cores(), kPeriodsHeld, true);
+      if (parallel.gave_up()) continue;
       account.most = run;
       return true;
     }
@@ -269,12 +270,12 @@ HandsAccount most_hands(const scene::Setup& setup, const haptics::SimulationWorl
   return account;
 }
 
-HandsRun run_hands(const scene::Setup& setup, const haptics::SimulationWorld& world,
+HandsRun run_hands(const scene::Scene& setup, const haptics::SimulationWorld& world,
                    const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands,
                    std::uint64_t periods) {
   if (hands == 0) throw std::invalid_argument("bench: 0 hands: must be at least 1");
-  const Window window = contact_window(walk(setup, world, path));
-  return Crowd(world, window, path, waiting).run(hands, periods, false);
+  const Window window = contact_window(run_path(setup, world, path));
+  return ParallelHands(world, window, path, waiting).run(hands, periods, false);
 }
 
 }  // namespace palpate::bench

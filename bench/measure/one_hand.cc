@@ -9,7 +9,7 @@
 
 namespace palpate::bench {
 
-ScratchRecorder::ScratchRecorder(const scene::Setup& setup)
+ScratchRecorder::ScratchRecorder(const scene::Scene& setup)
     : folder_("palpate-bench-" + std::to_string(getpid()) + "-"),
       recorder_(folder_.path() / "ticks.h5", setup, false) {
   recorder_.on_start(unix_ns());
@@ -19,7 +19,7 @@ ScratchRecorder::~ScratchRecorder() {
   try {
     recorder_.finish(haptics::LoopReport{});
   } catch (const InputError&) {
-    // A disk that cannot keep up with ticks back to back says nothing about the ticks.
+    // Errors of a disk that is too slow for ticks back to back do not concern the ticks.
   }
 }
 

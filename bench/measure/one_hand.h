@@ -10,13 +10,13 @@
 
 namespace palpate::bench {
 
-/// One hand in a world of one hand, tick by tick, without a loop around it.
+/// One hand in a world of one hand, advanced tick by tick without a loop.
 class OneHand final {
  public:
-  /// [setup] @param world outlives it
+  /// [setup] @param world must outlive this object
   explicit OneHand(const haptics::SimulationWorld& world) : world_(&world), state_(world) {}
 
-  /// [rt] The next tick, from the device's sample at tick `way` of its path. @return its row
+  /// [rt] Runs the next tick with the device's sample at tick `way` of its path. @return its row
   haptics::TickRow& tick(haptics::Device& device, std::uint64_t way) noexcept {
     samples_[0] = device.read(way, static_cast<double>(way) / world_->rate_Hz);
     haptics::tick(*world_, state_, number_++, samples_, commands_, rows_);
@@ -35,11 +35,11 @@ class OneHand final {
   std::array<haptics::TickRow, 1> rows_{};
 };
 
-/// A recorder, as a run in real time has one, on a temporary file that is gone at the end.
+/// A recorder with its writer thread, as in a real-time run, on a temporary file that is deleted at the end.
 class ScratchRecorder final {
  public:
   /// [setup] @throws InputError when the file cannot be made.
-  explicit ScratchRecorder(const scene::Setup& setup);
+  explicit ScratchRecorder(const scene::Scene& setup);
   ~ScratchRecorder();
   ScratchRecorder(const ScratchRecorder&) = delete;
   ScratchRecorder& operator=(const ScratchRecorder&) = delete;

@@ -11,20 +11,20 @@
 #include <dlfcn.h>
 
 #include "core/base/text.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/system/clock.h"
 
-#include "bench/measure/subjects.h"
+#include "bench/measure/bench_scene.h"
 
 namespace palpate::bench {
 namespace {
 
-constexpr double kSameAnswer = 20e-6;  // m, of a distance in single precision and one in double
-constexpr std::size_t kTrial = 24;     // answers that say how many there is time for
+constexpr double kSameAnswer = 20e-6;  // m, difference allowed between single and double precision
+constexpr std::size_t kTrial = 24;     // queries that estimate how many there is time for
 constexpr std::size_t kTrialInOrder = 3;
 constexpr std::size_t kChecks = 60;
 
-/// A mesh as the shared library takes it.
+/// A mesh in the form of the shared library.
 struct PlainMesh {
   std::vector<double> vertices;
   std::vector<std::int32_t> triangles;
@@ -38,10 +38,10 @@ struct PlainMesh {
   }
 };
 
-/// A peer with the organ and the tool of a question in it, and the question in its terms.
-class Asked final {
+/// A peer with organ and tool loaded, and the poses in its terms.
+class LoadedPeer final {
  public:
-  Asked(const PalpatePeer& peer, const PeerQuestion& question)
+  LoadedPeer(const PalpatePeer& peer, const PeerComparison& question)
       : peer_(&peer), setup_(&question.setup), tips_(tip_points(question.setup, question.way)) {
     const PlainMesh organ(question.setup.organ);
     std::vector<PlainMesh> parts;
@@ -53,7 +53,7 @@ class Asked final {
     if (opened_ == nullptr)
       throw std::runtime_error(std::string("bench: ") + peer.name + " refused the organ");
     const Pose to_organ = question.setup.organ_pose.inverse();
-    for (const WayPoint& at : question.way) {
+    for (const PathPoint& at : question.way) {
       for (const geometry::ToolPart& part : tool().parts) {
         const Pose pose = to_organ * at.handle_W * geometry::part_pose(part, at.gripper);
         poses_.push_back({pose.position.x(), pose.position.y(), pose.position.z(), pose.rotation.w(),
@@ -61,11 +61,11 @@ class Asked final {
       }
     }
   }
-  ~Asked() { peer_->close(opened_); }
-  Asked(const Asked&) = delete;
-  Asked& operator=(const Asked&) = delete;
+  ~LoadedPeer() { peer_->close(opened_); }
+  LoadedPeer(const LoadedPeer&) = delete;
+  LoadedPeer& operator=(const LoadedPeer&) = delete;
 
-  /// The answer at place `i` of the way.
+  /// The peer's answer at point `i` of the path.
   double at(std::size_t i) {
     return peer_->ask(opened_, poses_[i * tool().parts.size()].data(), tips_[i].data());
   }
@@ -75,33 +75,33 @@ class Asked final {
   [[nodiscard]] const geometry::Tool& tool() const { return setup_->tools[0]; }
 
   const PalpatePeer* peer_;
-  const scene::Setup* setup_;
+  const scene::Scene* setup_;
   std::vector<Vec3> tips_;
-  std::vector<std::array<double, 7>> poses_;  // of all parts, place by place
+  std::vector<std::array<double, 7>> poses_;  // of all parts, per point of the path
   void* opened_ = nullptr;
 };
 
-/// Every how many points of the way there is time to ask.
-std::size_t stride_for(Asked& asked, const PalpatePeer& peer, const PeerQuestion& question) {
+/// Stride along the path for which the time suffices.
+std::size_t stride_for(LoadedPeer& loaded, const PalpatePeer& peer, const PeerComparison& question) {
   const std::size_t count = question.way.size();
   const std::size_t trials = peer.in_order != 0 ? kTrialInOrder : kTrial;
   const std::int64_t begun = thread_cpu_ns();
-  for (std::size_t i = 0; i < trials; ++i) asked.at(peer.in_order != 0 ? 0 : i * count / trials);
+  for (std::size_t i = 0; i < trials; ++i) loaded.at(peer.in_order != 0 ? 0 : i * count / trials);
   const double each = static_cast<double>(thread_cpu_ns() - begun) * 1e-9 / static_cast<double>(trials);
   return std::max<std::size_t>(
       1, static_cast<std::size_t>(std::ceil(each * static_cast<double>(count) / question.seconds)));
 }
 
-/// The distance that palpate finds there: of the tool's tip, or as the way says, of the whole tool.
-void check_answers(Asked& asked, const PalpatePeer& peer, const PeerQuestion& question) {
-  if (peer.in_order != 0) return;  // it says no distance
-  const geometry::SurfaceDistance surface(question.setup.organ);
+/// Compares with Palpate's distance: of the tool's tip, or of the whole tool.
+void check_answers(LoadedPeer& loaded, const PalpatePeer& peer, const PeerComparison& question) {
+  if (peer.in_order != 0) return;  // it returns no distance
+  const geometry::SignedDistance surface(question.setup.organ);
   const std::size_t step = std::max<std::size_t>(1, question.way.size() / kChecks);
   for (std::size_t i = 0; i < question.way.size(); i += step) {
     const double own =
-        peer.one_point != 0 ? std::abs(surface.nearest(asked.tip(i)).distance) : question.way[i].distance;
+        peer.one_point != 0 ? std::abs(surface.nearest(loaded.tip(i)).distance) : question.way[i].distance;
     const bool outside = question.way[i].phase == contact::Phase::kApproach && own > 1e-3;
-    const double answer = asked.at(i);
+    const double answer = loaded.at(i);
     if ((peer.one_point == 0 && !outside) || std::abs(answer - own) <= kSameAnswer) continue;
     throw std::runtime_error(std::string("bench: ") + peer.name + " finds " + shortest(answer * 1e3) +
                              " mm where palpate finds " + shortest(own * 1e3) + " mm");
@@ -110,8 +110,8 @@ void check_answers(Asked& asked, const PalpatePeer& peer, const PeerQuestion& qu
 
 }  // namespace
 
-const std::vector<KnownPeer>& known_peers() {
-  static const std::vector<KnownPeer> known = {
+const std::vector<SupportedPeer>& supported_peers() {
+  static const std::vector<SupportedPeer> known = {
       {"Bullet", "libbullet-dev"}, {"FCL", "libfcl-dev"}, {"Embree", "libembree-dev"}};
   return known;
 }
@@ -123,7 +123,7 @@ std::filesystem::path peers_library() {
 }
 
 Peers::Peers(const std::filesystem::path& library) {
-  // It stays open to the program's end: threads that a peer started may live as long.
+  // It stays open until the program ends, because threads of a peer may live that long.
   void* opened = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (opened == nullptr) return;
   using List = const PalpatePeer* (*)(std::size_t*);
@@ -136,7 +136,7 @@ Peers::Peers(const std::filesystem::path& library) {
 
 std::vector<std::string> Peers::missing() const {
   std::vector<std::string> lines;
-  for (const KnownPeer& known : known_peers()) {
+  for (const SupportedPeer& known : supported_peers()) {
     const bool there = std::any_of(all_.begin(), all_.end(),
                                    [&](const PalpatePeer& peer) { return known.name == peer.name; });
     if (there) continue;
@@ -146,18 +146,18 @@ std::vector<std::string> Peers::missing() const {
   return lines;
 }
 
-PeerAccount ask_peer(const PalpatePeer& peer, const PeerQuestion& question) {
-  Asked asked(peer, question);
-  check_answers(asked, peer, question);
+PeerAccount measure_peer(const PalpatePeer& peer, const PeerComparison& question) {
+  LoadedPeer loaded(peer, question);
+  check_answers(loaded, peer, question);
   const std::size_t at_once = peer.one_point != 0 ? kPointsAtOnce : 1;
-  const std::size_t stride = peer.one_point != 0 ? 1 : stride_for(asked, peer, question);
+  const std::size_t stride = peer.one_point != 0 ? 1 : stride_for(loaded, peer, question);
   std::vector<double> contact_us;
   std::vector<double> approach_us;
   bool touched = peer.one_point != 0;
   for (std::size_t first = 0; first + at_once <= question.way.size(); first += std::max(stride, at_once)) {
     const std::int64_t begun = thread_cpu_ns();
     double answer = 0.0;
-    for (std::size_t i = first; i < first + at_once; ++i) answer = asked.at(i);
+    for (std::size_t i = first; i < first + at_once; ++i) answer = loaded.at(i);
     const double spent = static_cast<double>(thread_cpu_ns() - begun) / kNanosecondsPerMicrosecond /
                          static_cast<double>(at_once);
     if (question.way[first].phase != contact::Phase::kApproach) {
@@ -167,7 +167,7 @@ PeerAccount ask_peer(const PalpatePeer& peer, const PeerQuestion& question) {
       approach_us.push_back(spent);
     }
   }
-  if (!touched) contact_us.clear();  // no step of it had the tool on the organ
+  if (!touched) contact_us.clear();  // the tool never touched the organ in its simulation
   PeerAccount account;
   account.name = peer.name;
   account.does = peer.does;

@@ -11,16 +11,16 @@
 
 namespace palpate::bench {
 
-/// A library that palpate knows how to ask, and Debian's package of it.
-struct KnownPeer {
+/// A library that can be compared, and its Debian package.
+struct SupportedPeer {
   std::string name;
   std::string package;
 };
 
 /// [any] All of them, in the order of the tables.
-[[nodiscard]] const std::vector<KnownPeer>& known_peers();
+[[nodiscard]] const std::vector<SupportedPeer>& supported_peers();
 
-/// [setup] libpalpate_peers.so beside the running program, palpate-bench.
+/// [setup] Path of libpalpate_peers.so beside the running program palpate-bench.
 [[nodiscard]] std::filesystem::path peers_library();
 
 /// The peers in a shared library of peers/plugin.h; none when it cannot be opened.
@@ -29,26 +29,26 @@ class Peers final {
   /// [setup]
   explicit Peers(const std::filesystem::path& library);
 
-  /// [any] Those that were built in.
+  /// [any] The peers that were built.
   [[nodiscard]] const std::vector<PalpatePeer>& all() const noexcept { return all_; }
-  /// [any] One line each on those that were not.
+  /// [any] One line for each peer that was not built.
   [[nodiscard]] std::vector<std::string> missing() const;
 
  private:
   std::vector<PalpatePeer> all_;
 };
 
-/// One peer asked along a way.
-struct PeerQuestion {
-  const scene::Setup& setup;
-  const std::vector<WayPoint>& way;
-  double seconds = 0.0;  // about so long at most: else only every n-th point of the way is asked
+/// A comparison of one peer along a path.
+struct PeerComparison {
+  const scene::Scene& setup;
+  const std::vector<PathPoint>& way;
+  double seconds = 0.0;  // time limit: beyond it only every n-th point of the path is used
 };
 
-/// [setup] Processor time of a peer's answers along the way; ratios are left at 0.
-/// @throws std::runtime_error when it refuses the organ, or its distances are not palpate's within 20 um
-/// (single precision) while the tool is outside: then it was asked another question. No figures in contact
-/// when it never was in touch with the organ.
-[[nodiscard]] PeerAccount ask_peer(const PalpatePeer& peer, const PeerQuestion& question);
+/// [setup] CPU time of a peer's queries along the path; ratios stay 0. Without contact between tool and organ
+/// there are no figures for contact. @throws std::runtime_error when it rejects the organ, or when its
+/// distances differ from Palpate's by more than 20 um (single precision) while the tool is outside, so that
+/// it does not answer the same question.
+[[nodiscard]] PeerAccount measure_peer(const PalpatePeer& peer, const PeerComparison& question);
 
 }  // namespace palpate::bench

@@ -8,16 +8,16 @@
 #include "palpate/scripted_device.h"
 #include "run/realtime/loop.h"
 
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"
 #include "bench/measure/preparation.h"
-#include "bench/measure/subjects.h"
 
 namespace palpate::bench {
 namespace {
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
-constexpr std::uint64_t kTicksAFrame = 16;  // 1 kHz, about 60 pictures a second
+constexpr std::uint64_t kTicksAFrame = 16;  // 1 kHz, about 60 pictures per second
 constexpr std::size_t kMostFrames = 240;
 constexpr std::size_t kPictureWarmUp = 3;  // frames: shaders are compiled at their first use
 
@@ -27,8 +27,8 @@ std::int64_t process_cpu_ns() {
   return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-// From the touch on, as a picture each kTicksAFrame ticks sees it.
-std::vector<haptics::Snapshot> moments_of(const scene::Setup& setup) {
+// Snapshots from first contact on, one every kTicksAFrame ticks.
+std::vector<haptics::Snapshot> moments_of(const scene::Scene& setup) {
   const Prepared prepared = prepare(setup);
   OneHand hand(prepared.world);
   devices::ScriptedDevice device(scene::default_path(setup, 0));
@@ -45,10 +45,10 @@ std::vector<haptics::Snapshot> moments_of(const scene::Setup& setup) {
 }  // namespace
 
 PictureAccount time_pictures(const std::string& task, std::size_t organ_triangles) {
-  const scene::Setup setup = subject(task, 0, 0);
+  const scene::Scene setup = bench_scene(task, 0, 0);
   const std::vector<haptics::Snapshot> moments = moments_of(setup);
   render::Subject drawn{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
-  if (organ_triangles > 0) drawn.organ = subject(task, organ_triangles, 0).organ;
+  if (organ_triangles > 0) drawn.organ = bench_scene(task, organ_triangles, 0).organ;
 
   PictureAccount account;
   account.scene = setup.name;

@@ -15,9 +15,9 @@ std::size_t bytes_in_use() {
   return held.uordblks + held.hblkhd;
 }
 
-Prepared prepare(const scene::Setup& setup) {
+Prepared prepare(const scene::Scene& setup) {
   constexpr std::size_t kTimes = 5;
-  constexpr double kLongest = 1.0;  // s, for all but the first
+  constexpr double kLongest = 1.0;  // s, for all runs but the first
   std::vector<double> seconds;
   std::optional<haptics::SimulationWorld> world;
   std::size_t bytes = 0;

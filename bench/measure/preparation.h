@@ -8,17 +8,17 @@
 
 namespace palpate::bench {
 
-/// [setup] Bytes that the program has asked the C library for and not given back, in all threads.
+/// [setup] Heap memory in use [bytes], over all threads.
 [[nodiscard]] std::size_t bytes_in_use();
 
-/// A scene's organ and tools, ready for the first tick, and what that took.
+/// A prepared scene, and the cost of its preparation.
 struct Prepared {
   haptics::SimulationWorld world;
   PreparationAccount account;
 };
 
-/// [setup] Prepares a scene: the median time of up to five times within a second, and the memory that one
-/// keeps. @throws InputError as scene::make_world.
-[[nodiscard]] Prepared prepare(const scene::Setup& setup);
+/// [setup] Prepares a scene: median time of up to five runs within a second, and the memory that one keeps.
+/// @throws InputError as scene::make_world.
+[[nodiscard]] Prepared prepare(const scene::Scene& setup);
 
 }  // namespace palpate::bench

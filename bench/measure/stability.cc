@@ -16,8 +16,8 @@ namespace palpate::bench {
 namespace {
 
 constexpr double kBallRadius = 5e-3;  // m
-constexpr double kClear = 5e-3;       // m, above the block at begin and end
-// The way of the hand [s]: still, so that the force is let through; down, hold for 2 s, up.
+constexpr double kClear = 5e-3;       // m, above the block at start and end
+// Path of the hand [s]: rest for the soft start, down, hold for 2 s, up.
 constexpr double kDown = 1.0;
 constexpr double kHoldBegin = 2.0;
 constexpr double kMeasureBegin = 3.0;
@@ -26,7 +26,7 @@ constexpr double kUpEnd = 5.0;
 constexpr double kEncoder = 1e-5;  // m
 constexpr double kSweepRowSpacing = 5e-3;
 
-/// Where the hand wants to be: from kClear above the block to `lowest` [m] below its top and back.
+/// Desired path of the hand: from kClear above the block to `lowest` [m] below its top and back.
 scene::ToolPath press_and_let_go(double lowest) {
   std::vector<scene::PathRow> rows;
   const auto steps = static_cast<int>(std::lround(kUpEnd / kSweepRowSpacing));
@@ -40,8 +40,8 @@ scene::ToolPath press_and_let_go(double lowest) {
   return scene::ToolPath(std::move(rows));
 }
 
-scene::Setup block_of(const model::TissueParameters& tissue, double rate_Hz) {
-  scene::Setup setup;
+scene::Scene block_of(const model::TissueParameters& tissue, double rate_Hz) {
+  scene::Scene setup;
   setup.name = "stability";
   setup.rate_Hz = rate_Hz;
   setup.organ_name = "box";
@@ -55,7 +55,7 @@ scene::Setup block_of(const model::TissueParameters& tissue, double rate_Hz) {
   return setup;
 }
 
-/// Watches the rows and the hand itself.
+/// Observes the rows and the hand model.
 class ForceWatch final : public haptics::TickObserver {
  public:
   explicit ForceWatch(const devices::EmulatedDevice& device) : device_(device) {}
@@ -96,7 +96,7 @@ class ForceWatch final : public haptics::TickObserver {
 }  // namespace
 
 double energy_bound(const StabilityResult& result) noexcept {
-  return haptics::kEnergyLeeway + 2.0 * result.most_in_a_tick;
+  return haptics::kEnergyTolerance + 2.0 * result.most_in_a_tick;
 }
 
 model::TissueParameters linear_tissue(double stiffness) {
@@ -104,7 +104,7 @@ model::TissueParameters linear_tissue(double stiffness) {
   tissue.name = "linear";
   tissue.k1 = stiffness;
   tissue.rest_length = 50e-3;
-  tissue.min_length = 20e-3;  // the first spring gives way by 30 mm, so no other layer is reached
+  tissue.min_length = 20e-3;  // the first layer's limit is 30 mm, so the next layer is not reached
   tissue.max_length = 80e-3;
   tissue.contact.friction = 0.0;
   return tissue;

@@ -7,18 +7,18 @@
 #include <thread>
 #include <utility>
 
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/system/clock.h"
 #include "palpate/scripted_device.h"
 
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"
-#include "bench/measure/subjects.h"
 
 namespace palpate::bench {
 namespace {
 
-// Back to back, ticks come a hundred times as fast as the recorder is made for: after so many the bench
-// waits, outside the measured time, until its writer has taken them.
+// Ticks back to back are a hundred times faster than the recorder is designed for. Every kTicksAtOnce ticks
+// the bench waits for its writer, outside the measured time.
 constexpr std::uint64_t kTicksAtOnce = 2000;
 constexpr std::chrono::milliseconds kWriterTakes{25};
 
@@ -26,7 +26,7 @@ bool approaching(const haptics::TickRow& row) {
   return row.phase == static_cast<std::uint32_t>(contact::Phase::kApproach);
 }
 
-/// Times of one kind of work, which is done again and again in the same order.
+/// Times of identical work that is repeated in the same order.
 class RepeatedTimes final {
  public:
   void begin() { next_ = 0; }
@@ -38,8 +38,8 @@ class RepeatedTimes final {
     ++next_;
   }
 
-  [[nodiscard]] TimeFigures all() const { return figures_of(all_us_); }
-  [[nodiscard]] TimeFigures least() const { return figures_of(least_us_); }
+  [[nodiscard]] TimeStatistics all() const { return figures_of(all_us_); }
+  [[nodiscard]] TimeStatistics least() const { return figures_of(least_us_); }
 
  private:
   std::vector<double> all_us_;
@@ -47,10 +47,10 @@ class RepeatedTimes final {
   std::size_t next_ = 0;
 };
 
-/// Goes the way again and again.
+/// Runs the path repeatedly.
 class Passes final {
  public:
-  Passes(const haptics::SimulationWorld& world, const scene::Setup& setup, const scene::ToolPath& path)
+  Passes(const haptics::SimulationWorld& world, const scene::Scene& setup, const scene::ToolPath& path)
       : world_(world), device_(path), recorder_(setup) {}
 
   void run(int passes) {
@@ -66,7 +66,8 @@ class Passes final {
   }
 
  private:
-  /// @param shift where the writer is waited for: each time at other ticks, which are slow after it
+  /// @param shift of the ticks before which the writer is waited for; ticks after a wait are slow, so each
+  /// pass uses others
   void go(std::uint64_t shift) {
     contact_.begin();
     approach_.begin();
@@ -95,12 +96,12 @@ class Passes final {
 
 }  // namespace
 
-std::vector<WayPoint> walk(const scene::Setup& setup, const haptics::SimulationWorld& world,
-                           const scene::ToolPath& path) {
+std::vector<PathPoint> run_path(const scene::Scene& setup, const haptics::SimulationWorld& world,
+                                const scene::ToolPath& path) {
   OneHand hand(world);
   devices::ScriptedDevice device(path);
   const std::uint64_t last = device.last_tick(world.rate_Hz);
-  std::vector<WayPoint> way;
+  std::vector<PathPoint> way;
   way.reserve(last);
   for (std::uint64_t number = 0; number < last; ++number) {
     const haptics::TickRow& row = hand.tick(device, number);
@@ -108,11 +109,11 @@ std::vector<WayPoint> walk(const scene::Setup& setup, const haptics::SimulationW
     way.push_back({world.mappings[0].apply(sample.position_D, sample.orientation_D), sample.gripper,
                    static_cast<contact::Phase>(row.phase), row.distance});
   }
-  if (way.empty()) throw std::runtime_error("bench: the way of the " + setup.name + " scene is empty");
+  if (way.empty()) throw std::runtime_error("bench: the path of the " + setup.name + " scene is empty");
   return way;
 }
 
-TickAccount time_ticks(const scene::Setup& setup, const haptics::SimulationWorld& world,
+TickAccount time_ticks(const scene::Scene& setup, const haptics::SimulationWorld& world,
                        const scene::ToolPath& path, int passes) {
   Passes times(world, setup, path);
   times.run(passes);
@@ -128,7 +129,7 @@ TickAccount time_ticks(const scene::Setup& setup, const haptics::SimulationWorld
   return account;
 }
 
-std::vector<Vec3> tip_points(const scene::Setup& setup, const std::vector<WayPoint>& way) {
+std::vector<Vec3> tip_points(const scene::Scene& setup, const std::vector<PathPoint>& way) {
   Vec3 tip = Vec3::Zero();
   for (const geometry::ToolPart& part : setup.tools[0].parts) {
     for (const Vec3& vertex : part.mesh.vertices) {
@@ -138,12 +139,12 @@ std::vector<Vec3> tip_points(const scene::Setup& setup, const std::vector<WayPoi
   const Pose to_organ = setup.organ_pose.inverse();
   std::vector<Vec3> points;
   points.reserve(way.size());
-  for (const WayPoint& at : way) points.push_back(to_organ * (at.handle_W * tip));
+  for (const PathPoint& at : way) points.push_back(to_organ * (at.handle_W * tip));
   return points;
 }
 
-NearestAccount time_nearest(const scene::Setup& setup, const std::vector<WayPoint>& way) {
-  const geometry::SurfaceDistance surface(setup.organ);
+NearestAccount time_nearest(const scene::Scene& setup, const std::vector<PathPoint>& way) {
+  const geometry::SignedDistance surface(setup.organ);
   const std::vector<Vec3> points = tip_points(setup, way);
   std::vector<double> times_us;
   std::int32_t guess = -1;

@@ -7,9 +7,9 @@
 
 namespace palpate::bench {
 
-TimeFigures figures_of(std::vector<double> times_us) {
+TimeStatistics figures_of(std::vector<double> times_us) {
   std::sort(times_us.begin(), times_us.end());
-  TimeFigures figures;
+  TimeStatistics figures;
   figures.samples = times_us.size();
   if (times_us.empty()) return figures;
   figures.p50_us = times_us[quantile_index(0.5, times_us.size())];

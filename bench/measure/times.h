@@ -11,8 +11,8 @@ namespace palpate::bench {
 
 inline constexpr double kNanosecondsPerMicrosecond = 1e3;
 
-/// What is said of many times of one thing; zero without any.
-struct TimeFigures {
+/// Statistics of many times; zero without samples.
+struct TimeStatistics {
   std::size_t samples = 0;
   double p50_us = 0.0;
   double p99_us = 0.0;
@@ -20,11 +20,11 @@ struct TimeFigures {
   double max_us = 0.0;
 };
 
-/// [setup] Figures of times [us] in any order.
-[[nodiscard]] TimeFigures figures_of(std::vector<double> times_us);
+/// [setup] Statistics of times [us] in any order.
+[[nodiscard]] TimeStatistics figures_of(std::vector<double> times_us);
 
-/// [setup] Median over batches of the processor time of one call [ns]. @param call call(i), i = 0 .. calls-1,
-/// gives a number, which is kept so that no call can be left out
+/// [setup] Median over batches of the CPU time of one call [ns].
+/// @param call call(i), i = 0 .. calls-1, returns a number; its use keeps the compiler from removing the call
 template <typename Call>
 [[nodiscard]] double median_call_ns(Call call) {
   constexpr std::size_t kBatches = 101;
@@ -41,7 +41,7 @@ template <typename Call>
   return median(std::move(batches));
 }
 
-/// [setup] What reading the clock twice costs [ns], median: it is in every single time of this library.
+/// [setup] Median cost [ns] of reading the clock twice; every single time of this library contains it.
 [[nodiscard]] double clock_cost_ns();
 
 }  // namespace palpate::bench

@@ -1,4 +1,4 @@
-// Bullet: one 1 ms step of the organ as a soft body under the tool's parts as moved convex bodies.
+// Bullet: one 1 ms step with the organ as a soft body and the tool's parts as moving convex bodies.
 #include <limits>
 #include <vector>
 
@@ -13,13 +13,13 @@
 namespace palpate::bench::peers {
 namespace {
 
-// Bullet is made for bodies of about a metre: the scene is ten times as large in it.
+// Bullet is designed for bodies of about a metre, so the scene is scaled by ten.
 constexpr double kScale = 10.0;
 constexpr btScalar kMargin = 0.005F;     // 0.5 mm
-constexpr btScalar kVoxel = 0.05F;       // 5 mm; its own 25 mm would not see a jaw, finer ones cost it more
-constexpr btScalar kStiffness = 0.5F;    // of its links, 0..1
+constexpr btScalar kVoxel = 0.05F;       // 5 mm; the default of 25 mm would miss a jaw, a finer one is slower
+constexpr btScalar kStiffness = 0.5F;    // of the links, 0..1
 constexpr btScalar kMass = 0.1F;         // kg
-constexpr btScalar kPinnedShare = 0.3F;  // of the organ's height, from below, does not move
+constexpr btScalar kPinnedShare = 0.3F;  // lower part of the organ that is fixed, as a fraction of its height
 constexpr btScalar kStep = 1e-3F;        // s
 
 btVector3 scaled(const double* p) {
@@ -46,7 +46,7 @@ struct Scene {
   Scene& operator=(const Scene&) = delete;
 };
 
-/// Nodes, links along the edges, and faces: what CreateFromTriMesh makes, without its square of the nodes.
+/// Nodes, links along edges, and faces, as CreateFromTriMesh makes them, but without its quadratic cost.
 std::unique_ptr<btSoftBody> soft_body(btSoftBodyWorldInfo& info, const PalpatePeerMesh& mesh) {
   std::vector<btVector3> nodes;
   for (size_t v = 0; v < mesh.vertex_count; ++v) nodes.push_back(scaled(mesh.vertices + 3 * v));
@@ -55,7 +55,7 @@ std::unique_ptr<btSoftBody> soft_body(btSoftBodyWorldInfo& info, const PalpatePe
       std::make_unique<btSoftBody>(&info, static_cast<int>(nodes.size()), nodes.data(), masses.data());
   for (size_t t = 0; t < mesh.triangle_count; ++t) {
     const int32_t* corner = mesh.triangles + 3 * t;
-    for (int e = 0; e < 3; ++e) {  // of a closed surface each edge runs upwards in one of its two triangles
+    for (int e = 0; e < 3; ++e) {  // in a closed surface each edge occurs once in each direction
       if (corner[e] < corner[(e + 1) % 3]) body->appendLink(corner[e], corner[(e + 1) % 3]);
     }
     body->appendFace(corner[0], corner[1], corner[2]);
@@ -102,7 +102,7 @@ void* open_scene(const PalpatePeerMesh* organ, const PalpatePeerMesh* parts, siz
   info.m_gravity.setValue(0, 0, 0);
   info.m_sparsesdf.Initialize();
   info.m_sparsesdf.setDefaultVoxelsz(kVoxel);
-  info.m_sparsesdf.Reset();  // takes the size over
+  info.m_sparsesdf.Reset();  // applies the size
   add_organ(*scene, *organ);
   for (size_t part = 0; part < part_count; ++part) add_part(*scene, parts[part]);
   return scene.release();

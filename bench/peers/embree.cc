@@ -1,4 +1,4 @@
-// Embree: one exact nearest point of the organ.
+// Embree: one exact nearest-point query of the organ.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -55,7 +55,7 @@ struct Organ {
   }
 };
 
-/// Called for the triangles that may hold the nearest point; without it Embree finds nothing on triangles.
+/// Called for candidate triangles; without a callback Embree finds nothing on triangles.
 bool look_at(RTCPointQueryFunctionArguments* arguments) {
   const auto* organ = static_cast<const Organ*>(arguments->userPtr);
   const auto& corners = organ->triangles[arguments->primID];

@@ -1,4 +1,4 @@
-// FCL: distance between the tool's meshes and the organ's.
+// FCL: distance between the meshes of tool and organ.
 #include <algorithm>
 #include <limits>
 #include <vector>
@@ -57,7 +57,7 @@ double ask(void* opened, const double* poses, const double* /*point*/) {
     fcl::Transform3d at = fcl::Transform3d::Identity();
     at.linear() = fcl::Quaterniond(pose[3], pose[4], pose[5], pose[6]).toRotationMatrix();
     at.translation() = fcl::Vector3d(pose[0], pose[1], pose[2]);
-    const fcl::DistanceRequestd request(true);  // the nearest points too
+    const fcl::DistanceRequestd request(true);  // with nearest points
     fcl::DistanceResultd result;
     least = std::min(least,
                      fcl::distance(scene->parts[part].get(), at, scene->organ.get(), still, request, result));

@@ -5,7 +5,7 @@
 
 #include "bench/peers/plugin.h"
 
-// One function a peer, each in a file of its own; only those that were found are compiled.
+// One function per peer, each in its own file; only the peers found are compiled.
 namespace palpate::bench::peers {
 
 [[nodiscard]] PalpatePeer bullet();

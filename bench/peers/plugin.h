@@ -1,13 +1,13 @@
 #pragma once
-// What the shared library libpalpate_peers.so offers: plain C, so that the peers' own settings (Eigen with or
-// without vectors, floats) stay in it and nothing of them is linked into the program. `palpate bench` opens
-// it only when peers are asked.
+// Interface of the shared library libpalpate_peers.so. It is plain C, so that the peers' own settings (Eigen
+// alignment, precision) stay inside and none of them is linked into the program. `palpate bench` opens it
+// only for a comparison with peers.
 #include <stddef.h>  // NOLINT(modernize-deprecated-headers)
 #include <stdint.h>  // NOLINT(modernize-deprecated-headers)
 
 extern "C" {
 
-/// A triangle surface: x y z [m] a vertex, three indices a triangle.
+/// A triangle mesh: x y z [m] per vertex, three indices per triangle.
 struct PalpatePeerMesh {
   const double* vertices;
   size_t vertex_count;
@@ -15,20 +15,20 @@ struct PalpatePeerMesh {
   size_t triangle_count;
 };
 
-/// One library that can be asked. Everything is in the organ's frame.
+/// One library to compare. Everything is in the organ's frame.
 struct PalpatePeer {
   const char* name;
   const char* does;
-  int one_point;  // asks the first point only, no tool
-  int in_order;   // must see the way from its begin, in even steps
-  /// What is prepared once; null when the library refuses.
+  int one_point;  // queries the first point only, without a tool
+  int in_order;   // simulates: needs the path from its start, in even steps
+  /// Prepares its data once; null when the library rejects the mesh.
   void* (*open)(const PalpatePeerMesh* organ, const PalpatePeerMesh* parts, size_t part_count);
-  /// One tick. `poses`: x y z, then the rotation w x y z, a part; `point`: x y z of the tool's tip.
-  /// @return the distance [m] it found, negative or 0 in contact; NaN when it says none.
+  /// One tick. `poses`: x y z, then the quaternion w x y z, per part; `point`: x y z of the tool's tip.
+  /// @return its distance [m], negative or 0 in contact; NaN when it computes none.
   double (*ask)(void* opened, const double* poses, const double* point);
   void (*close)(void* opened);
 };
 
-/// The peers that were found when this was built.
+/// The peers that were found at build time.
 const PalpatePeer* palpate_peers(size_t* count);
 }

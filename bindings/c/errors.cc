@@ -45,7 +45,7 @@ const char* palpate_last_error(void) { return palpate::c_interface::last_error.d
 
 const char* palpate_fault_words(uint32_t fault) {
   if (fault > PALPATE_FAULT_FORCE_OFF) return "no fault of that number is known";
-  return palpate::haptics::words_of(static_cast<palpate::haptics::Fault>(fault));
+  return palpate::haptics::describe(static_cast<palpate::haptics::Fault>(fault));
 }
 
 }  // extern "C"

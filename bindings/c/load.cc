@@ -17,8 +17,8 @@
 namespace palpate::c_interface {
 namespace {
 
-scene::Request request_of(const palpate_options& options) {
-  scene::Request request;
+scene::Overrides request_of(const palpate_options& options) {
+  scene::Overrides request;
   if (options.scene_file != nullptr && options.scene_text != nullptr) {
     throw UseError("palpate_options: scene_file and scene_text are both given, must be at most one");
   }
@@ -41,7 +41,7 @@ contact::Preparation preparation_of(const palpate_options& options) {
 }
 
 /// What the hand's device would give if nobody held it.
-std::unique_ptr<haptics::Device> scripted_device(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> scripted_device(const scene::Scene& setup, std::size_t hand) {
   const scene::DeviceSetup& device = setup.devices[hand];
   if (device.kind == "replay") return devices::open_device(setup, hand);
   const bool has_path =
@@ -63,7 +63,7 @@ Loaded load(const palpate_options& options) {
   return load(scene::load(request_of(options)), preparation_of(options), options.no_hand != 0);
 }
 
-Loaded load(scene::Setup setup, const contact::Preparation& how, bool no_hand) {
+Loaded load(scene::Scene setup, const contact::Preparation& how, bool no_hand) {
   std::vector<std::unique_ptr<haptics::Device>> scripted;
   for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
     scripted.push_back(scripted_device(setup, hand));

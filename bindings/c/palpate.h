@@ -74,7 +74,7 @@ typedef int32_t palpate_status;
 /// [any] PALPATE_ABI_VERSION of the library that was found at run time. A program compares it with its own.
 PALPATE_API uint32_t palpate_abi_version(void);
 
-/// [any] "0.1.0". Lives for ever.
+/// [any] "0.2.0". Lives for ever.
 PALPATE_API const char* palpate_version(void);
 
 /// [any] What was wrong with the calling thread's last call that did not return PALPATE_OK; "" before. Lives

@@ -71,7 +71,7 @@ const char* palpate_name(const palpate_simulation* simulation) {
 
 const char* palpate_remark(const palpate_simulation* simulation, size_t index) {
   if (simulation == nullptr) return nullptr;
-  const palpate::scene::Setup& setup = simulation->setup();
+  const palpate::scene::Scene& setup = simulation->setup();
   if (index < setup.repairs.size()) return setup.repairs[index].c_str();
   const std::size_t after = index - setup.repairs.size();
   return after < setup.remarks.size() ? setup.remarks[after].c_str() : nullptr;

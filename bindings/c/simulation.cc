@@ -56,7 +56,7 @@ haptics::DeviceState state_of(const palpate_sample& sample) noexcept {
   return state;
 }
 
-geometry::TriangleMesh visible_surface(const scene::Setup& setup, double longest_edge) {
+geometry::TriangleMesh visible_surface(const scene::Scene& setup, double longest_edge) {
   return longest_edge > 0.0 ? geometry::refine(setup.organ, longest_edge) : setup.organ;
 }
 

@@ -10,9 +10,9 @@
 #include "io/record/recorder.h"
 #include "palpate/preparation.h"
 #include "palpate/scene.h"
-#include "palpate/snapshot_cell.h"
 #include "palpate/surface.h"
 #include "palpate/tick_observer.h"
+#include "palpate/triple_buffer.h"
 
 #include "bindings/c/palpate.h"
 
@@ -20,7 +20,7 @@ namespace palpate::c_interface {
 
 /// A scene that is loaded and prepared.
 struct Loaded {
-  scene::Setup setup;
+  scene::Scene setup;
   std::vector<std::unique_ptr<haptics::Device>> scripted;  // what palpate_scripted_sample() gives, one a hand
   haptics::SimulationWorld world;
 };
@@ -29,7 +29,7 @@ struct Loaded {
 [[nodiscard]] Loaded load(const palpate_options& options);
 
 /// [setup] The same of a scene that is read already. @param no_hand as palpate_options.no_hand
-[[nodiscard]] Loaded load(scene::Setup setup, const contact::Preparation& how, bool no_hand);
+[[nodiscard]] Loaded load(scene::Scene setup, const contact::Preparation& how, bool no_hand);
 
 }  // namespace palpate::c_interface
 
@@ -58,7 +58,7 @@ struct palpate_simulation {
 
   [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
   [[nodiscard]] bool recording() const noexcept { return recorder_.has_value(); }
-  [[nodiscard]] const palpate::scene::Setup& setup() const noexcept { return setup_; }
+  [[nodiscard]] const palpate::scene::Scene& setup() const noexcept { return setup_; }
   /// [picture] As of the last update_surface().
   [[nodiscard]] const std::vector<palpate::Vec3>& vertices() const noexcept { return vertices_; }
   [[nodiscard]] const palpate::geometry::TriangleMesh& rest_surface() const noexcept {
@@ -70,7 +70,7 @@ struct palpate_simulation {
   void give_result(std::size_t hand, palpate_result& result) const noexcept;
   void publish() noexcept;
 
-  palpate::scene::Setup setup_;
+  palpate::scene::Scene setup_;
   std::vector<std::unique_ptr<palpate::haptics::Device>> scripted_;
   palpate::haptics::SimulationWorld world_;
   palpate::haptics::SimulationState state_;
@@ -80,7 +80,7 @@ struct palpate_simulation {
   std::uint64_t next_tick_ = 0;
   std::atomic<std::uint32_t> resets_{0};  // a bit a hand
   std::optional<palpate::record::Recorder> recorder_;
-  palpate::SnapshotCell<palpate::haptics::Snapshot> snapshots_;
+  palpate::TripleBuffer<palpate::haptics::Snapshot> snapshots_;
   // Of the picture's thread:
   palpate::deform::SurfaceDeformer deformer_;
   std::vector<palpate::Vec3> vertices_;

@@ -60,7 +60,7 @@ py::dict dictionary_of(const identify::SpecimenFit& one) {
   result["parameters"] = parameters_of(one.estimates, one.terms);
   result["rms_N"] = one.rms;
   result["nrmse"] = one.nrmse;
-  result["leave_out_nrmse"] = one.leave_out;
+  result["leave_out_nrmse"] = one.cross_validation;
   result["points"] = one.points;
   result["warnings"] = one.warnings;
   result["displacement"] = array_of(one.curve.displacement);

@@ -147,7 +147,7 @@ py::list faults_of(const haptics::LoopReport& loop) {
     py::dict fault;
     fault["tick"] = seen.tick;
     fault["hand"] = seen.hand;
-    fault["fault"] = haptics::words_of(seen.fault);
+    fault["fault"] = haptics::describe(seen.fault);
     fault["reset_tick"] = seen.reset_tick == haptics::FaultSeen::kNotReset
                               ? py::object(py::none())
                               : py::object(py::int_(seen.reset_tick));

@@ -114,7 +114,7 @@ void bind_tissue(py::module_& module) {
           [](const TissueParameters& tissue) {
             py::list terms;
             for (const model::RelaxationTerm& term : tissue.relaxation)
-              terms.append(py::make_tuple(term.share, term.time));
+              terms.append(py::make_tuple(term.g, term.tau));
             return terms;
           },
           [](TissueParameters& tissue, const std::vector<std::pair<double, double>>& terms) {
@@ -127,7 +127,7 @@ void bind_tissue(py::module_& module) {
       .def_property(
           "reach",
           [](const TissueParameters& tissue) {
-            const model::ReachParameters& reach = tissue.reach;
+            const model::FalloffRatios& reach = tissue.reach;
             return std::tuple(reach.contact_ratio, reach.first_bar_ratio, reach.bar_ratio,
                               reach.weight_ratio);
           },

@@ -30,7 +30,7 @@ class RowKeeper final : public haptics::TickObserver {
 };
 
 /// @throws InputError for a real device: this loop keeps no time.
-void require_no_real_device(const scene::Setup& setup) {
+void require_no_real_device(const scene::Scene& setup) {
   for (const scene::DeviceSetup& device : setup.devices) {
     if (device.kind == "scripted" || device.kind == "replay" || device.kind == "emulated") continue;
     throw InputError("device kind = \"" + device.kind +
@@ -41,10 +41,10 @@ void require_no_real_device(const scene::Setup& setup) {
 /// The rows of a scene's run, as fast as possible.
 std::vector<TickRow> run(const SceneWish& wish, std::optional<double> duration_s,
                          const std::optional<fs::path>& recording, bool cache) {
-  constexpr double kMostTicks = 1e9;  // a million seconds; the memory is gone long before
-  scene::Setup setup = wish.load();
+  constexpr double kMaxTicks = 1e9;  // a million seconds; the memory is gone long before
+  scene::Scene setup = wish.load();
   require_no_real_device(setup);
-  if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "duration_s", kMostTicks);
+  if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "duration_s", kMaxTicks);
   session::SessionOptions options;
   options.duration_s = duration_s;
   options.preparation = preparation_of(cache);

@@ -68,7 +68,7 @@ struct ValidationWish {
   bool fit_reach = false;
   bool as_drawn = false;
   std::optional<double> surface_radius;  // m
-  std::vector<validate::RivalKind> rivals;
+  std::vector<validate::BaselineKind> baselines;
 };
 
 /// Refuses zeros that would do nothing or contradict each other.
@@ -154,7 +154,7 @@ imaging::Validation compare(const ValidationWish& wish, const validate::Law& law
   if (!wish.profiles.empty()) {
     std::vector<Deformation> profiles;
     for (const Deformation& profile : wish.profiles) {
-      profiles.push_back(validate::thinned(profile, validate::kMostPoints));
+      profiles.push_back(validate::thinned(profile, validate::kMaxPoints));
     }
     validate::compare_profiles(profiles, depths_of(wish, law, profiles.size()), tip_radius_of(wish, law),
                                wish.fit_reach, validation,
@@ -169,7 +169,7 @@ imaging::Validation compare(const ValidationWish& wish, const validate::Law& law
     set.ours = validation.image->comparison;
     validation.profiles.push_back(std::move(set));
   }
-  if (!wish.rivals.empty()) validate::compare_with_rivals(wish.rivals, validation);
+  if (!wish.baselines.empty()) validate::compare_with_baselines(wish.baselines, validation);
   return validation;
 }
 
@@ -180,16 +180,16 @@ void put(const validate::Errors& errors, py::dict& result) {
 }
 
 /// What others' laws make of the same data, when there are any.
-void put(const std::vector<validate::RivalResult>& rivals, double cost_ns, py::dict& result) {
-  if (rivals.empty()) return;
+void put(const std::vector<validate::BaselineResult>& baselines, double cost_ns, py::dict& result) {
+  if (baselines.empty()) return;
   py::list others;
-  for (const validate::RivalResult& rival : rivals) {
+  for (const validate::BaselineResult& baseline : baselines) {
     py::dict other;
-    other["name"] = validate::to_string(rival.fit.kind);
-    other["parameters"] = rival.fit.parameters;
-    put(rival.fit.errors, other);
-    other["computed"] = array_of(rival.fit.computed);
-    other["evaluation_ns"] = rival.cost_ns;
+    other["name"] = validate::to_string(baseline.fit.kind);
+    other["parameters"] = baseline.fit.parameters;
+    put(baseline.fit.errors, other);
+    other["computed"] = array_of(baseline.fit.computed);
+    other["evaluation_ns"] = baseline.cost_ns;
     others.append(other);
   }
   result["evaluation_ns"] = cost_ns;
@@ -220,7 +220,7 @@ py::dict dictionary_of(const validate::ForceSet& set) {
   result["displacement"] = array_of(ours.measured.displacement);
   result["measured"] = array_of(ours.measured.force);
   result["computed"] = array_of(ours.computed);
-  put(set.rivals, set.cost_ns, result);
+  put(set.baselines, set.cost_ns, result);
   return result;
 }
 
@@ -236,7 +236,7 @@ py::dict dictionary_of(const validate::ProfileSet& set) {
   result["distance"] = array_of(ours.measured.distance);
   result["measured"] = array_of(ours.measured.displacement);
   result["computed"] = array_of(ours.computed);
-  put(set.rivals, set.cost_ns, result);
+  put(set.baselines, set.cost_ns, result);
   return result;
 }
 
@@ -255,7 +255,7 @@ py::dict dictionary_of(const imaging::ImageSet& image) {
   result["u"] = array_of(u);
   result["u_uncertainty"] = array_of(uncertainty);
   result["confidence"] = measured.confidence;
-  result["confidence_words"] = measured.confidence_words;
+  result["confidence_text"] = measured.confidence_text;
   result["uncertainty"] = measured.uncertainty;
   result["far_uncertainty"] = measured.far_uncertainty;
   result["within_uncertainty"] = image.within_uncertainty;
@@ -265,7 +265,7 @@ py::dict dictionary_of(const imaging::ImageSet& image) {
   return result;
 }
 
-py::dict dictionary_of(const validate::ReachFit& fit) {
+py::dict dictionary_of(const validate::FalloffFit& fit) {
   static constexpr std::array kNames = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio",
                                         "depth_exponent"};
   const std::array values = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
@@ -321,7 +321,7 @@ py::dict validate(const TissueWish& tissue, std::vector<identify::Specimen> forc
                       {}};
   std::string names;
   for (const std::string& name : against) names += (names.empty() ? "" : ",") + name;
-  wish.rivals = validate::parse_rivals(names);
+  wish.baselines = validate::parse_baselines(names);
   imaging::Validation validation;
   {
     const py::gil_scoped_release others_may_run;

@@ -13,14 +13,14 @@ namespace palpate::python {
 namespace {
 
 /// Rows that are kept of so many seconds.
-std::size_t rows_in(double seconds, const scene::Setup& setup) {
+std::size_t rows_in(double seconds, const scene::Scene& setup) {
   const double rows = seconds * setup.rate_Hz * static_cast<double>(setup.tools.size());
   if (!(seconds >= 0.0) || rows > 1e10) throw ParameterError("keep_s", seconds, ">= 0 and not endless");
   return static_cast<std::size_t>(rows);
 }
 
 /// What can be refused before the organ is prepared. @return the scene
-scene::Setup checked(scene::Setup setup, const LiveSimulation::Options& options) {
+scene::Scene checked(scene::Scene setup, const LiveSimulation::Options& options) {
   session::require_usable_core(options.thread.core, "core");
   (void)rows_in(options.keep_s, setup);
   check_surface_edge(options.surface_edge);
@@ -92,7 +92,7 @@ void RowCollector::collect(const std::stop_token& stop) {
   }
 }
 
-LiveSimulation::LiveSimulation(scene::Setup setup, Options options)
+LiveSimulation::LiveSimulation(scene::Scene setup, Options options)
     : options_(std::move(options)),
       session_(checked(std::move(setup), options_), session_options(options_)),
       rows_(hands(), rows_in(options_.keep_s, session_.setup())) {}
@@ -145,8 +145,8 @@ std::vector<haptics::TickRow> LiveSimulation::newest() {
 std::string LiveSimulation::fault_words(const haptics::TickRow& row) const {
   const auto fault = static_cast<haptics::Fault>(row.fault);
   if (fault == haptics::Fault::kNone) return {};
-  const std::string trouble = session_.devices()[row.hand]->trouble();
-  return haptics::words_of(fault) + (trouble.empty() ? std::string() : " (" + trouble + ")");
+  const std::string trouble = session_.devices()[row.hand]->last_error();
+  return haptics::describe(fault) + (trouble.empty() ? std::string() : " (" + trouble + ")");
 }
 
 std::uint64_t LiveSimulation::change() {

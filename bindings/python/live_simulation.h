@@ -13,9 +13,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "palpate/session.h"
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 
 #include "bindings/python/surface.h"
 
@@ -52,9 +52,9 @@ class RowCollector final : public haptics::TickObserver {
 
   std::size_t hands_;
   std::size_t kept_;
-  SnapshotCell<Newest> newest_;
+  TripleBuffer<Newest> newest_;
   bool any_ = false;  // a newest was seen
-  Ring<haptics::TickRow> ring_{kRoom};
+  SpscQueue<haptics::TickRow> ring_{kRoom};
   std::atomic<std::uint64_t> left_out_{0};
   std::mutex readers_;  // one at a time; the loop never takes it
   std::deque<haptics::TickRow> rows_;
@@ -79,7 +79,7 @@ class LiveSimulation final {
   };
 
   /// [setup] Opens the devices and prepares the organ. @throws InputError, ParameterError.
-  LiveSimulation(scene::Setup setup, Options options);
+  LiveSimulation(scene::Scene setup, Options options);
   /// Ends the run as stop() does.
   ~LiveSimulation();
   LiveSimulation(const LiveSimulation&) = delete;
@@ -113,9 +113,9 @@ class LiveSimulation final {
   /// again after it has been still outside the tissue.
   void reset_faults(std::uint32_t hand_bits) noexcept { session_.control().reset_faults(hand_bits); }
   /// [any] Hands new tissue and noise to the loop.
-  [[nodiscard]] haptics::LiveChanges& changes() noexcept { return session_.updates(); }
+  [[nodiscard]] haptics::ParameterUpdates& changes() noexcept { return session_.updates(); }
 
-  [[nodiscard]] const scene::Setup& setup() const noexcept { return session_.setup(); }
+  [[nodiscard]] const scene::Scene& setup() const noexcept { return session_.setup(); }
   [[nodiscard]] std::size_t hands() const noexcept { return session_.hands(); }
   /// [any] After the end: how it went; a run that broke off has the default values. @throws std::logic_error
   /// before the end.

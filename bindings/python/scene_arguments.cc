@@ -9,8 +9,8 @@ namespace palpate::python {
 
 namespace fs = std::filesystem;
 
-scene::Setup SceneWish::load() const {
-  scene::Setup setup = scene::load(request);
+scene::Scene SceneWish::load() const {
+  scene::Scene setup = scene::load(request);
   if (tissue) setup.tissue = *tissue;
   return setup;
 }
@@ -31,7 +31,7 @@ SceneWish wish_of(const std::optional<fs::path>& scene, const std::optional<std:
                   std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise) {
   if (scene && scene_text) throw InputError("scene and scene_text are both given, must be at most one");
   SceneWish wish;
-  scene::Request& request = wish.request;
+  scene::Overrides& request = wish.request;
   request.scene = scene;
   if (scene_text) request.scene_text = {*scene_text, {}};
   request.task = task;

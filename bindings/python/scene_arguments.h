@@ -19,11 +19,11 @@ namespace palpate::python {
 
 /// What a call says of its scene; what it does not say is the scene file's.
 struct SceneWish {
-  scene::Request request;
+  scene::Overrides request;
   std::optional<model::TissueParameters> tissue;  // in place of a name or file
 
   /// [setup] @throws InputError as scene::load(), ParameterError for a bad tissue.
-  [[nodiscard]] scene::Setup load() const;
+  [[nodiscard]] scene::Scene load() const;
 };
 
 /// What stands for a tissue in a call: an object, a built-in name or a tissue file.

@@ -10,7 +10,7 @@ void check_surface_edge(double longest_edge) {
   throw ParameterError("surface_edge", longest_edge, "0, or 1e-4 to 1 (m)");
 }
 
-geometry::TriangleMesh visible_surface(const scene::Setup& setup, double longest_edge) {
+geometry::TriangleMesh visible_surface(const scene::Scene& setup, double longest_edge) {
   check_surface_edge(longest_edge);
   if (longest_edge == 0.0) return setup.organ;
   return geometry::refine(setup.organ, longest_edge);

@@ -24,7 +24,7 @@ void check_surface_edge(double longest_edge);
 
 /// [setup] The organ's rest surface, divided until no edge is longer. @param longest_edge m; 0: as it is
 /// @throws ParameterError as check_surface_edge().
-[[nodiscard]] geometry::TriangleMesh visible_surface(const scene::Setup& setup, double longest_edge);
+[[nodiscard]] geometry::TriangleMesh visible_surface(const scene::Scene& setup, double longest_edge);
 
 /// [setup] The surface at a snapshot's tick.
 [[nodiscard]] Surface surface_at(const haptics::Snapshot& snapshot, deform::SurfaceDeformer& deformer);

@@ -15,7 +15,7 @@ namespace {
 using palpate::Vec3;
 
 /// Runs the first 3 s of the scripted hand and returns the newest snapshot.
-palpate::haptics::Snapshot press(const palpate::scene::Setup& setup) {
+palpate::haptics::Snapshot press(const palpate::scene::Scene& setup) {
   palpate::haptics::SnapshotPublisher newest;
   palpate::session::Session(setup, {.duration_s = 3.0}).run({.offline = true}, {&newest});
   newest.cell().refresh();
@@ -32,7 +32,7 @@ void write_obj(const char* file, const std::vector<Vec3>& vertices,
 }  // namespace
 
 int main(int argc, char** argv) {
-  const palpate::scene::Setup setup = palpate::scene::load({});
+  const palpate::scene::Scene setup = palpate::scene::load({});
   // Each contact pushes (or pulls) the surface at one place, by its depth, as wide as the tool is there.
   const palpate::haptics::Snapshot snapshot = press(setup);
   const auto indentations = palpate::deform::indentations_of({snapshot.results.data(), snapshot.hands});

@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    palpate::scene::Request request;
+    palpate::scene::Overrides request;
     request.scene = argv[1];
     const auto result = palpate::session::Session::open(palpate::scene::load(request))
                             .run({.recording = argv[2], .offline = true});

@@ -10,7 +10,7 @@
 namespace {
 
 /// The newest snapshot after the first 3 s of the scripted hand.
-palpate::haptics::Snapshot press(const palpate::scene::Setup& setup) {
+palpate::haptics::Snapshot press(const palpate::scene::Scene& setup) {
   // The loop leaves each snapshot here and never waits for whoever draws.
   palpate::haptics::SnapshotPublisher publisher;
   palpate::session::Session(setup, {.duration_s = 3.0}).run({.offline = true}, {&publisher});
@@ -18,7 +18,7 @@ palpate::haptics::Snapshot press(const palpate::scene::Setup& setup) {
   return publisher.cell().value();
 }
 
-void draw(const palpate::scene::Setup& setup, const char* file) {
+void draw(const palpate::scene::Scene& setup, const char* file) {
   const palpate::haptics::Snapshot snapshot = press(setup);
   const palpate::render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
   palpate::render::OffscreenRenderer renderer(subject, 960, 720);
@@ -35,7 +35,7 @@ void draw(const palpate::scene::Setup& setup, const char* file) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const palpate::scene::Setup setup = palpate::scene::load({});
+  const palpate::scene::Scene setup = palpate::scene::load({});
   try {
     draw(setup, argc > 1 ? argv[1] : nullptr);
   } catch (const std::runtime_error& error) {

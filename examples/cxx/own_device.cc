@@ -77,7 +77,7 @@ class ToyDevice final : public palpate::haptics::Device {
   /// [any] Hardware has always more to say: the run ends by Ctrl-C or --duration-s.
   std::uint64_t last_tick(double /*rate_Hz*/) const noexcept override { return ~0ULL; }
 
-  std::string trouble() const override { return broken_.load() ? "the cable is broken" : ""; }
+  std::string last_error() const override { return broken_.load() ? "the cable is broken" : ""; }
   bool stopped() const { return stopped_.load(); }
 
  private:
@@ -101,7 +101,7 @@ class Diary final : public palpate::haptics::TickObserver {
 }  // namespace
 
 int main() {
-  palpate::scene::Setup setup = palpate::scene::load({});
+  palpate::scene::Scene setup = palpate::scene::load({});
   // "host": a hand holds it. So the force waits until the hand has been still outside the tissue, rises by a
   // ramp, and the passivity controller acts. Never run a device that can push as an unheld kind.
   setup.devices[0].kind = "host";
@@ -115,8 +115,8 @@ int main() {
   const auto result = session.run({.offline = true, .keep_fault = false}, {&diary});
 
   for (const palpate::haptics::FaultSeen& fault : result.loop.faults) {
-    std::cout << "tick " << fault.tick << ": " << palpate::haptics::words_of(fault.fault) << ": "
-              << device.trouble() << '\n';
+    std::cout << "tick " << fault.tick << ": " << palpate::haptics::describe(fault.fault) << ": "
+              << device.last_error() << '\n';
   }
   std::cout << (device.stopped() ? "stopped at the end\n" : "never stopped\n");
   return result.loop.fault == Fault::kDevice && device.stopped() ? 0 : 1;

@@ -24,12 +24,12 @@ int press(const std::string& file, const std::string& unit, const std::string& t
   show_findings(file, unit);
 
   // A request is what a user says on the command line; what it leaves out has defaults.
-  palpate::scene::Request request;
+  palpate::scene::Overrides request;
   request.organ = file;
   request.organ_unit = unit;
   request.tissue = tissue;
   request.tools = {"sphere:5"};
-  palpate::scene::Setup setup = palpate::scene::load(request);  // repairs, or refuses in one line
+  palpate::scene::Scene setup = palpate::scene::load(request);  // repairs, or refuses in one line
   for (const std::string& repair : setup.repairs) std::cout << "  repaired: " << repair << '\n';
 
   // The hand is scripted: it goes to 12 mm of depth and back.

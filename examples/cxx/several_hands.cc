@@ -38,7 +38,7 @@ class LargestForces final : public palpate::haptics::TickObserver {
 };
 
 void press_with_both() {
-  palpate::scene::Request request;
+  palpate::scene::Overrides request;
   request.scene_text = palpate::scene::SceneText{kScene, "."};
   auto session = palpate::session::Session::open(palpate::scene::load(request));
 

@@ -7,20 +7,20 @@
 
 namespace palpate::geometry {
 
-/// [setup] Names of the built-in organs: "gallbladder", "heart", "liver", "kidney", "ball", "box"; the first
-/// four also with "-30k" or "-300k" behind them, that many triangles.
+/// [setup] Names of the built-in organs: "gallbladder", "heart", "liver", "kidney", "ball", "box". The first
+/// four also with the suffix "-30k" or "-300k", for that many triangles.
 [[nodiscard]] const std::vector<std::string>& builtin_organ_names();
 
-/// [setup] A built-in organ, metres, middle of its bounding box at the origin.
-/// @throws InputError listing the names.
+/// [setup] A built-in organ in metres, with the centre of its bounding box at the origin. @throws InputError
+/// listing the names.
 [[nodiscard]] TriangleMesh make_organ(const std::string& name);
 
-/// [setup] Names of the built-in instruments: "curved-forceps", "straight-forceps" (two jaws each);
-/// also with "-30k" or "-300k" behind; "sphere:R" (mm) is one too.
+/// [setup] Names of the built-in instruments: "curved-forceps" and "straight-forceps" (two jaws each), also
+/// with the suffix "-30k" or "-300k". "sphere:R" (R in mm) is a tool too, but not listed.
 [[nodiscard]] const std::vector<std::string>& builtin_tool_names();
 
-/// [setup] A built-in instrument in its handle frame (origin at the jaw pivot, +z towards the tips).
-/// @throws InputError listing the names.
+/// [setup] A built-in instrument in its handle frame (origin at the jaw pivot, +z towards the tips). @throws
+/// InputError listing the names.
 [[nodiscard]] Tool make_tool(const std::string& name);
 
 }  // namespace palpate::geometry

@@ -24,11 +24,11 @@ inline constexpr double kStalledAfter = 20e-3;  // s
 [[nodiscard]] const char* name_of(Fault fault) noexcept;
 
 /// [any] For people: "the device gave no new sample for 5 ms".
-[[nodiscard]] const char* words_of(Fault fault) noexcept;
+[[nodiscard]] const char* describe(Fault fault) noexcept;
 
 /// What a user or the device adds to a sample; bits of DeviceState::events.
-inline constexpr std::uint32_t kResetFault = 1U << 0;  // clear a latched fault
-inline constexpr std::uint32_t kLiveChange = 1U << 1;  // from this tick on: a change of tissue or noise
+inline constexpr std::uint32_t kResetFault = 1U << 0;        // clear a latched fault
+inline constexpr std::uint32_t kParameterUpdated = 1U << 1;  // from this tick on: a change of tissue or noise
 inline constexpr std::uint32_t kMotorsWarm = 1U << 2;  // the device's motors are: the gate lowers the force
 
 /// One reading of a device, taken as ONE sample, in the device's frame D. SI.
@@ -40,7 +40,7 @@ struct DeviceState {
   double age = 0.0;                // s since the device took this sample; 0: for this tick
   std::uint32_t buttons = 0;       // a bit a button
   Fault fault = Fault::kNone;      // kDevice: could not be read; kForceOff; kStalled (set by the loop)
-  std::uint32_t events = 0;        // kResetFault and kLiveChange are the loop's, kMotorsWarm is the device's
+  std::uint32_t events = 0;  // kResetFault and kParameterUpdated are the loop's, kMotorsWarm is the device's
 };
 
 /// What goes to the hand. SI. World frame from the tick; the loop turns it into the device's frame.
@@ -82,7 +82,7 @@ class Device {
   [[nodiscard]] virtual DeviceAbilities abilities() const { return {}; }
   /// [any] What was last wrong with the device, in words for its user; empty: nothing. Not for the tick: may
   /// allocate.
-  [[nodiscard]] virtual std::string trouble() const { return {}; }
+  [[nodiscard]] virtual std::string last_error() const { return {}; }
 };
 
 }  // namespace palpate::haptics

@@ -45,7 +45,7 @@ void transform(TriangleMesh& mesh, const Pose& pose);
 [[nodiscard]] TriangleMesh refine(const TriangleMesh& mesh, double longest);
 
 /// [setup] Every triangle into four, by the middles of its edges (the surface stays where it is).
-[[nodiscard]] TriangleMesh quadruple(const TriangleMesh& mesh);
+[[nodiscard]] TriangleMesh subdivide(const TriangleMesh& mesh);
 
 /// [setup] Ball of `radius` [m] about the origin: an icosahedron divided until it has at least `triangles`
 /// (20, 80, 320, 1280, ...). Every vertex lies on the sphere.

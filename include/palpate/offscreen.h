@@ -13,29 +13,30 @@
 
 namespace palpate::render {
 
-/// How much work a picture may be. All draw the same things in the same light.
+/// Rendering quality. All levels draw the same objects in the same light.
 enum class Quality : std::uint8_t {
-  kFull,      // pictures for reports and files: finest surface, shadows and occlusion of everything, four
-              // samples a pixel
-  kBalanced,  // moving pictures: occlusion of the organ at rest, the tools' soft shadow, smoothed edges
-  kFast,      // the same without the finest pattern, and edges as they come
+  kFull,      // for reports and files: finest surface, shadows and occlusion of everything, four samples per
+              // pixel
+  kBalanced,  // for moving pictures: occlusion of the organ at rest, soft shadow of the tools, antialiasing
+  kFast,      // as kBalanced without the finest pattern and without antialiasing
 };
 
-/// Chooses between kBalanced and kFast by how long pictures take, so that they stay within a budget; or kFull
-/// where there is time for that. Goes down when pictures are slow in the mean or three in a row are, and up
-/// only when there is clearly room, more rarely each time that it had to go down again, so that it does not
-/// swing. The first picture of a level does not count: it may have had to be prepared for.
+/// Chooses the quality from measured frame times, so that they stay within a budget: between kBalanced and
+/// kFast, or kFull where there is time. The quality goes down when the mean is over the budget or three
+/// pictures in a row are. It goes up when the mean is clearly below the budget; each time it has to go down
+/// again, the wait doubles, so that it does not oscillate. The first picture of a level is ignored, because
+/// it may include preparation.
 class QualityChoice final {
  public:
-  static constexpr double kBudget_ms = 32.0;  // the paper's own frame time
+  static constexpr double kBudget_ms = 32.0;  // frame time of the paper
 
-  /// [any] @param best the best level that it may choose
+  /// [any] @param best highest level that it may choose
   explicit QualityChoice(Quality best = Quality::kBalanced, double budget_ms = kBudget_ms) noexcept
       : best_(best), now_(best), budget_ms_(budget_ms) {}
 
-  /// [any] Takes the time of one picture at now().
+  /// [any] Adds the frame time of one picture at now().
   void add(double frame_ms) noexcept;
-  /// [any] From here on no better level than this.
+  /// [any] Limits all further pictures to this level.
   void limit(Quality best) noexcept;
   [[nodiscard]] Quality now() const noexcept { return now_; }
 
@@ -43,37 +44,37 @@ class QualityChoice final {
   Quality best_;
   Quality now_;
   double budget_ms_;
-  double mean_ms_ = 0.0;  // of late, at now_
-  int seen_ = 0;          // pictures at now_
-  int slow_ = 0;          // of them over the budget without one between them that was not
-  int wait_ = 0;          // pictures before a better level is tried again
+  double mean_ms_ = 0.0;  // running mean at now_
+  int seen_ = 0;          // number of pictures at now_
+  int slow_ = 0;          // consecutive pictures over the budget
+  int wait_ = 0;          // pictures until a higher level is tried again
   int next_wait_ = 120;
 };
 
 class GlContext;
 
-/// 8-bit RGB, top row first.
+/// 8-bit RGB image, top row first.
 struct Image {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> rgb;
 };
 
-/// A picture's sides are 1 to this many pixels.
+/// Largest width and height of a picture, in pixels.
 inline constexpr int kLargestSide = 8192;
 
-/// [setup] Writes a PNG. @throws InputError naming the file when it cannot be written.
+/// [setup] Writes a PNG file. @throws InputError that names the file when it cannot be written.
 void write_png(const Image& image, const std::filesystem::path& file);
 
-/// What a picture shows that does not change from tick to tick.
+/// The scene data that stay constant between ticks.
 struct Subject {
-  geometry::TriangleMesh organ;  // rest, organ frame
+  geometry::TriangleMesh organ;  // rest surface, organ frame
   std::vector<geometry::Tool> tools;
-  model::ReachParameters reach;
-  std::string tissue_name;  // chooses the colour: gallbladder, heart, liver, kidney; else a neutral tissue
+  model::FalloffRatios reach;
+  std::string tissue_name;  // selects the colours: gallbladder, heart, liver, kidney; else a neutral tissue
 };
 
-/// Where the picture is seen from. World frame.
+/// Position and direction of view. World frame.
 struct Camera {
   Vec3 eye = Vec3(0.1, -0.2, 0.1);
   Vec3 target = Vec3::Zero();
@@ -81,70 +82,70 @@ struct Camera {
   double vertical_view_deg = 30.0;
 };
 
-/// [setup] A camera that frames organ and tool tip from the side on which the contact is best seen, 33
-/// degrees above the tangent plane, the normal upright. The same for equal focus, normal, organ pose and
-/// direction of the tool's axis, so that pictures before, at and after contact compare: keep it for all of
-/// them.
-/// @param focus_W the contact (or nearest) point; @param normal_W outward there
-/// @param close_up true: the contact fills the picture; false: the whole organ is in it
+/// [setup] A camera that frames organ and tool tip from the direction with the best view of the contact, 33
+/// degrees above the tangent plane, with the normal upright. It depends only on focus, normal, organ pose and
+/// direction of the tool's axis: keep it for pictures before, during and after a contact that are to be
+/// compared.
+/// @param focus_W contact point (or nearest point) @param normal_W outward normal there
+/// @param close_up true: the contact fills the picture; false: the whole organ is visible
 [[nodiscard]] Camera frame_contact(const Subject& subject, const haptics::Snapshot& snapshot,
                                    const Vec3& focus_W, const Vec3& normal_W, bool close_up);
 
-/// Draws snapshots without a display: SDL's offscreen video driver over Mesa EGL, OpenGL 3.3 core or later.
+/// Renders snapshots without a display: SDL's offscreen video driver over Mesa EGL, OpenGL 3.3 core or later.
 /// Any thread may call it, one at a time.
 class OffscreenRenderer final {
  public:
   /// [setup] @param width, height of the pictures, 1 to 8192 pixels
-  /// @throws std::runtime_error naming the missing packages when no OpenGL context can be had, InputError for
-  /// a bad size.
+  /// @throws std::runtime_error that names the missing packages when there is no OpenGL context, InputError
+  /// for an invalid size.
   OffscreenRenderer(const Subject& subject, int width, int height, Quality quality = Quality::kFull);
-  /// [setup] The same without a context of its own: it draws in the one that is current on this thread (a
-  /// window's) now and at every later call, and that outlives this. The quality follows the time that
-  /// pictures take (QualityChoice).
+  /// [setup] Renders in the context that is current on this thread (a window's) at this and every later call;
+  /// the context must outlive this object. The quality adapts to the frame time (QualityChoice).
   struct InCurrentContext {};
   OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here);
-  /// [setup] The same, but all pictures have this quality and are those of a context of its own.
+  /// [setup] Renders in the current context like the constructor above, but with a fixed quality and with the
+  /// same pictures as a renderer that has its own context.
   OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here, Quality quality);
   ~OffscreenRenderer();
 
-  /// [setup] The picture of one snapshot; organ deformed as model.md section 3 says, tool at its pose and
+  /// [setup] Renders one snapshot: the deformed organ (model.md section 3), each tool at its pose and jaw
   /// opening.
   [[nodiscard]] Image draw(const haptics::Snapshot& snapshot, const Camera& camera);
 
-  /// [setup] draw() in two steps: draws and keeps the picture, and reads what was kept.
+  /// [setup] The two steps of draw(): renders and keeps the picture; reads the kept picture.
   void draw_and_keep(const haptics::Snapshot& snapshot, const Camera& camera);
   [[nodiscard]] Image kept();
-  /// [setup] Copies the kept picture, stretched, to a rectangle of the window [pixels, y up from its lower
+  /// [setup] Copies the kept picture, scaled, to a rectangle of the window [pixels, y up from its lower
   /// edge].
   void show_at(int x, int y, int width, int height);
-  /// [setup] The size of all pictures from here on, 1 to 8192 pixels. @throws InputError for a bad size.
+  /// [setup] Sets the size of all further pictures, 1 to 8192 pixels. @throws InputError for an invalid size.
   void resize(int width, int height);
 
-  /// [setup] Colours the organ by how far it has moved, up to `range` [m]; 0: its own colours.
+  /// [setup] Colours the organ by displacement, up to `range` [m]; 0: natural colours.
   void set_map_range(double range);
-  /// [setup] Switches the studio's lamps, which are on at first: off, only the light from everywhere is left.
+  /// [setup] Switches the studio lamps, initially on. Off: ambient light only.
   void switch_lamps(bool on);
-  /// [setup] From here on the quality follows the time that pictures take, as in a window.
+  /// [setup] Adapts the quality to the frame time, as in a window.
   void adapt_to_time();
 
-  /// [setup] From here on all pictures have this quality, however long they take.
+  /// [setup] Fixes the quality of all further pictures.
   void hold_quality(Quality quality);
-  /// [setup] Where the quality follows time: no better one than this from here on.
+  /// [setup] Limits the adaptive quality to this level.
   void limit_quality(Quality best);
   /// [any] The quality of the next picture.
   [[nodiscard]] Quality quality() const;
-  /// [any] Computing time [ms] that deformation and upload took in the last picture.
+  /// [any] CPU time [ms] of deformation and upload for the last picture.
   [[nodiscard]] double update_ms() const;
-  /// [setup] Waits until what was drawn is there.
+  /// [setup] Waits until all drawing is complete.
   void finish();
 
-  /// [any] The renderer's name as OpenGL gives it, for the report.
+  /// [any] Name of the renderer as OpenGL reports it, for the report.
   [[nodiscard]] std::string driver() const;
 
  private:
   struct Impl;
   class Current;
-  std::unique_ptr<GlContext> context_;  // goes last; null: the window's
+  std::unique_ptr<GlContext> context_;  // destroyed last; null: the window's context
   std::unique_ptr<Impl> impl_;
 };
 

@@ -27,11 +27,11 @@ struct OrganMotionParameters {
   double phase = 0.0;                // share of a cycle that has passed at tick 0, in [0, 1)
 };
 
-inline constexpr std::size_t kMostOrganMotions = 4;
-inline constexpr double kMostOrganAmplitude = 0.1;                                     // m
-inline constexpr double kMostOrganRotation = 45.0 * (3.14159265358979323846 / 180.0);  // rad
-inline constexpr double kShortestOrganPeriod = 0.2;                                    // s: 300 a minute
-inline constexpr double kLongestOrganPeriod = 60.0;                                    // s
+inline constexpr std::size_t kMaxOrganMotions = 4;
+inline constexpr double kMaxOrganAmplitude = 0.1;                                     // m
+inline constexpr double kMaxOrganRotation = 45.0 * (3.14159265358979323846 / 180.0);  // rad
+inline constexpr double kShortestOrganPeriod = 0.2;                                   // s: 300 a minute
+inline constexpr double kLongestOrganPeriod = 60.0;                                   // s
 inline constexpr double kFastestOrgan = 1.0;      // m/s, below it: all motions together
 inline constexpr double kFastestOrganTurn = 5.0;  // rad/s: 1 m/s at 200 mm from the organ's middle
 

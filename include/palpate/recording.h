@@ -14,103 +14,104 @@
 namespace palpate::record {
 
 /// Percentiles and maximum of a measured time; zero when unknown.
-struct TimeFigures {
+struct TimeStatistics {
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
   std::int64_t p999_ns = 0;
   std::int64_t max_ns = 0;
 };
 
-/// Counts of a measured time: buckets at most 0.1 % wide, those that are not empty, ascending.
+/// Histogram of a measured time: its buckets that are not empty, ascending, each at most 0.1 % wide.
 using TimeHistogram = std::vector<haptics::Histogram::Bucket>;
 
-/// How far a long operation is, 0..1; may be empty.
+/// Called with the progress of a long operation, 0..1; may be empty.
 using Progress = std::function<void(double)>;
 
-/// What a recording tells about the run itself.
+/// Facts about a recorded run.
 struct RunFacts {
   std::string version;  // of palpate
   std::string compiler;
   std::string machine;               // processor, kernel
   std::int64_t started_unix_ns = 0;  // wall time of tick 0; 0 when no tick was due yet
   bool offline = false;
-  bool complete = false;  // closed in good order (false: cut off)
-  // The loop's own account, zero when cut off:
+  bool complete = false;  // properly closed; false: truncated
+  // The loop's report, zero in a truncated file:
   std::uint64_t missed_deadlines = 0;
   std::int64_t longest_gap_ns = 0;
   bool realtime_priority = false;
   bool memory_locked = false;
-  bool polled = false;           // between ticks; else the loop slept
-  TimeFigures tick_time;         // the tick's own computing time
-  TimeFigures lateness;          // how late ticks began
-  TimeHistogram tick_histogram;  // of the same; also of offline runs, whose rows hold no times
+  bool polled = false;           // waited for ticks by polling; else the loop slept
+  TimeStatistics tick_time;      // computing time of a tick
+  TimeStatistics lateness;       // delay of the start of ticks
+  TimeHistogram tick_histogram;  // of tick_time and lateness; also of offline runs, whose rows have no times
   TimeHistogram late_histogram;
   std::uint64_t watchdog_stops = 0;
-  std::vector<std::string> remarks;  // what the loop was not granted and what the watchdog did, in words
+  std::vector<std::string> remarks;  // what the system did not grant to the loop, and stops by the watchdog
 };
 
-/// A whole recording in memory.
+/// A complete recording in memory.
 struct Recording {
-  scene::Setup setup;
+  scene::Scene setup;
   RunFacts facts;
-  std::vector<haptics::TickRow> rows;          // by tick, then hand
-  std::vector<haptics::LiveChange> changes{};  // to tissue and noise, by tick; at most one a tick
+  std::vector<haptics::TickRow> rows;               // by tick, then hand
+  std::vector<haptics::ParameterUpdate> changes{};  // of tissue and noise, by tick; at most one per tick
 };
 
-/// [setup] Reads a recording, also one that was cut off (kill -9, full disk, a copy that broke off) or is
-/// still being written: rows up to the last whole tick before the damage. @throws InputError naming the file
-/// and what is missing or wrong.
+/// [setup] Reads a recording. A truncated file (kill -9, full disk, interrupted copy), or one that is still
+/// being written, gives the rows up to the last complete tick before the damage. @throws InputError naming
+/// the file and the defect.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& file, const Progress& progress = {});
 
-/// What repair_recording() did.
+/// Result of repair_recording().
 struct RepairResult {
-  std::uint64_t rows = 0;    // in the file now
-  bool was_damaged = false;  // false: nothing was wrong and the file is untouched
+  std::uint64_t rows = 0;    // in the file after the repair
+  bool was_damaged = false;  // false: the file was valid and is unchanged
 };
 
-/// [setup] Makes a recording that was cut off open in every HDF5 tool: writes what can be read into a new
-/// file beside it and puts that in its place. @throws InputError, with the old file as it was, when it is no
-/// recording, is still being written, or the new file cannot be made.
+/// [setup] Makes a truncated recording readable for every HDF5 tool: writes the readable rows to a new file
+/// in the same folder, which then replaces the old one. @throws InputError, with the old file unchanged, when
+/// it is no recording, is still being written, or the new file cannot be created.
 RepairResult repair_recording(const std::filesystem::path& file, const Progress& progress = {});
 
-/// [setup] Writes the ticks as CSV with the contract's columns, numbers in shortest round-trip form;
-/// then the device's own sample (device_*). phase is approach, press or pull; fault is 0, not-finite or
-/// device. @throws InputError when the file cannot be written, naming it.
+/// [setup] Writes the ticks as CSV with the columns of docs/file-formats.md, numbers in shortest round-trip
+/// form, then the device's sample (device_*). phase is approach, press or pull; fault is 0 or a name such as
+/// not-finite. @throws InputError naming the file when it cannot be written.
 void export_csv(const Recording& recording, const std::filesystem::path& file, const Progress& progress = {});
 
-/// [any] Where the changes of a recording go that is exported to `csv`: beside it, as NAME-changes.csv.
-[[nodiscard]] std::filesystem::path changes_csv_beside(const std::filesystem::path& csv);
+/// [any] The file for the parameter updates of a recording that is exported to `csv`: NAME-changes.csv in the
+/// same folder.
+[[nodiscard]] std::filesystem::path changes_csv_path(const std::filesystem::path& csv);
 
-/// [setup] Writes the changes to tissue and noise as CSV, one line a change: all that is in force from its
+/// [setup] Writes the updates of tissue and noise as CSV, one line per update with all parameters from its
 /// tick on. what is tissue or noise, law is layered or smooth. @throws InputError as export_csv().
 void export_changes_csv(const Recording& recording, const std::filesystem::path& file);
 
-/// What a replay found.
+/// Result of a replay.
 struct ReplayResult {
   std::uint64_t rows_compared = 0;
   std::uint64_t rows_different = 0;
-  std::string first_difference;  // in words: tick, hand, column, recorded and replayed value; empty: none
-  std::uint64_t hash = 0;        // of the replayed rows' bits without tick_ns and late_ns
+  std::string first_difference;  // tick, hand, column, recorded and replayed value; empty: none
+  std::uint64_t hash = 0;        // of the replayed rows' bits, without tick_ns and late_ns
 };
 
-/// [setup] The first column, in words, whose bits differ (tick_ns and late_ns do not count); empty: none.
+/// [setup] The first column whose bits differ, as text; tick_ns and late_ns do not count. Empty: none.
 [[nodiscard]] std::string row_difference(const haptics::TickRow& recorded, const haptics::TickRow& replayed);
 
 inline constexpr std::uint64_t kHashStart = 14695981039346656037ULL;
 
-/// [any] 64-bit FNV-1a (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns, going on from
-/// `hash`, that of the rows before.
+/// [any] 64-bit FNV-1a hash (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns; `hash` is that
+/// of the previous rows.
 [[nodiscard]] std::uint64_t hash_rows(std::span<const haptics::TickRow> rows,
                                       std::uint64_t hash = kHashStart) noexcept;
 
-/// [setup] Feeds the recorded device samples through the tick again and compares every row bit for bit (all
-/// columns but tick_ns and late_ns). @throws InputError when rows are missing in the middle or the scene is
-/// bad. @param how as for contact::World
+/// [setup] Replays the recorded device samples and compares all rows bit for bit, except tick_ns and late_ns.
+/// @param how as for contact::World @throws InputError when rows are missing in the middle or the scene is
+/// invalid.
 [[nodiscard]] ReplayResult replay(const Recording& recording, const Progress& progress = {},
                                   const contact::Preparation& how = {});
 
-/// [setup] Runs the recording again and returns the snapshots at `ticks` (ascending), for pictures; their
-/// taken_ns is the time since tick 0. @throws InputError as replay(), or when a tick is past the end or out
+/// [setup] Replays the recording and returns the snapshots at `ticks` (ascending), for pictures; their
+/// taken_ns is the time since tick 0. @throws InputError as replay(), or when a tick is after the end or out
 /// of order.
 [[nodiscard]] std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
                                                           const std::vector<std::uint64_t>& ticks,

@@ -12,7 +12,7 @@
 
 namespace palpate::haptics {
 
-class LiveChanges;
+class ParameterUpdates;
 
 /// How a loop waits for its next tick.
 enum class Waiting {
@@ -32,7 +32,7 @@ class RunControl final {
   static constexpr std::uint32_t kAllHands = std::numeric_limits<std::uint32_t>::max();
 
   /// [setup] @param updates takes new tissue and noise parameters; null: the run has none; outlives this
-  explicit RunControl(LiveChanges* updates = nullptr) noexcept : updates_(updates) {}
+  explicit RunControl(ParameterUpdates* updates = nullptr) noexcept : updates_(updates) {}
 
   /// [any] Ends the run before its next tick, with zero force. Does not wait.
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
@@ -52,13 +52,13 @@ class RunControl final {
     return resets_.exchange(0, std::memory_order_relaxed);
   }
   /// [rt] For the loop.
-  [[nodiscard]] LiveChanges* updates() noexcept { return updates_; }
+  [[nodiscard]] ParameterUpdates* updates() noexcept { return updates_; }
 
  private:
   std::atomic<bool> stop_{false};
   std::atomic<bool> pause_{false};
   std::atomic<std::uint32_t> resets_{0};
-  LiveChanges* updates_;
+  ParameterUpdates* updates_;
 };
 
 /// A fault that was latched on one hand.
@@ -73,7 +73,7 @@ struct FaultSeen {
 
 /// One time that the watchdog stopped the devices.
 struct WatchdogStop {
-  static constexpr std::size_t kMostKept = 64;  // further ones are counted only
+  static constexpr std::size_t kMaxKept = 64;  // further ones are counted only
 
   std::uint64_t tick = 0;     // the last tick that had begun
   std::int64_t after_ns = 0;  // since the first tick began
@@ -81,12 +81,12 @@ struct WatchdogStop {
 
 /// How a run went.
 struct LoopReport {
-  static constexpr std::size_t kMostFaults = 64;
+  static constexpr std::size_t kMaxFaults = 64;
 
   std::uint64_t ticks = 0;
   bool stopped_early = false;
   Fault fault = Fault::kNone;          // the first
-  std::vector<FaultSeen> faults;       // the first kMostFaults
+  std::vector<FaultSeen> faults;       // the first kMaxFaults
   std::uint64_t further_faults = 0;    // beyond those
   Histogram tick_time;                 // ns; also measured offline
   Histogram lateness;                  // ns; empty offline
@@ -98,7 +98,7 @@ struct LoopReport {
   std::uint64_t pauses = 0;            // how often it was paused
   std::int64_t paused_ns = 0;          // for how long, in all
   std::uint64_t watchdog_stops = 0;    // how often the watchdog stopped the devices
-  std::vector<WatchdogStop> stops;     // the first WatchdogStop::kMostKept
+  std::vector<WatchdogStop> stops;     // the first WatchdogStop::kMaxKept
   std::vector<std::string> remarks;    // what was not granted, what the watchdog did, in words
 };
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "palpate/device.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/preparation.h"
 #include "palpate/run_control.h"
 #include "palpate/scene.h"
@@ -134,9 +134,9 @@ class Session final {
   /// [setup] Prepares the organ and opens the devices. What the user should know of the scene (a tip of
   /// another size than the tissue was fitted with, a device that may be unstable) is added to its remarks.
   /// @throws InputError, ParameterError.
-  explicit Session(scene::Setup setup, SessionOptions options = {});
+  explicit Session(scene::Scene setup, SessionOptions options = {});
   /// [setup] `Session::open(scene::load(request)).run({.recording = "press.h5"})` records a scene.
-  [[nodiscard]] static Session open(scene::Setup setup, SessionOptions options = {}) {
+  [[nodiscard]] static Session open(scene::Scene setup, SessionOptions options = {}) {
     return Session(std::move(setup), std::move(options));
   }
   ~Session();
@@ -154,11 +154,11 @@ class Session final {
   /// [any] Stops, pauses, and resets faults of the run.
   [[nodiscard]] haptics::RunControl& control() noexcept { return control_; }
   /// [any] Takes new tissue and noise parameters for the run.
-  [[nodiscard]] haptics::LiveChanges& updates() noexcept { return *updates_; }
+  [[nodiscard]] haptics::ParameterUpdates& updates() noexcept { return *updates_; }
   /// [any] Whether the run may be paused: no hand holds one of its devices.
   [[nodiscard]] bool may_pause() const noexcept;
 
-  [[nodiscard]] const scene::Setup& setup() const noexcept { return setup_; }
+  [[nodiscard]] const scene::Scene& setup() const noexcept { return setup_; }
   [[nodiscard]] const haptics::SimulationWorld& world() const noexcept { return *world_; }
   [[nodiscard]] std::size_t hands() const noexcept { return setup_.tools.size(); }
   /// [any] How many ticks the run has; 2^64-1: until it is stopped.
@@ -173,11 +173,11 @@ class Session final {
  private:
   [[nodiscard]] std::unique_ptr<const haptics::SimulationWorld> prepare(const contact::Preparation& how);
 
-  scene::Setup setup_;
+  scene::Scene setup_;
   std::vector<std::unique_ptr<haptics::Device>> devices_;
   std::unique_ptr<const haptics::SimulationWorld> world_;
   std::uint64_t ticks_ = 0;
-  std::unique_ptr<haptics::LiveChanges> updates_;
+  std::unique_ptr<haptics::ParameterUpdates> updates_;
   haptics::RunControl control_;
   bool ran_ = false;
 };

@@ -5,13 +5,13 @@
 #include <span>
 
 #include "palpate/device.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/pose.h"
 #include "palpate/run_control.h"
-#include "palpate/snapshot_cell.h"
 #include "palpate/tick_row.h"
 #include "palpate/tissue.h"
 #include "palpate/tool_contact.h"
+#include "palpate/triple_buffer.h"
 
 namespace palpate::haptics {
 
@@ -30,7 +30,7 @@ struct Snapshot {
   std::array<ForceCommand, kMaxHands> commands{};  // world frame
   std::array<Fault, kMaxHands> faults{};           // latched
   std::uint64_t change = 0;                        // number of the last live change in force; 0: none
-  model::ReachParameters reach;                    // of the tissue in force
+  model::FalloffRatios reach;                      // of the tissue in force
 
   /// [rt] The contact of each hand.
   [[nodiscard]] std::span<const contact::ToolResult> hand_results() const noexcept {
@@ -57,7 +57,7 @@ class TickObserver {
   /// [rt] The first tick is due now. @param started_unix_ns wall-clock time of tick 0
   virtual void on_start(std::int64_t /*started_unix_ns*/) noexcept {}
   /// [rt] Tissue or noise parameters change at update.tick.
-  virtual void on_update(const LiveChange& /*update*/) noexcept {}
+  virtual void on_update(const ParameterUpdate& /*update*/) noexcept {}
   /// [rt] The row of one hand.
   virtual void on_row(const TickRow& /*row*/) noexcept {}
   /// [rt] A fault was latched; a fault that is latched again after a reset is a new one.
@@ -74,11 +74,11 @@ class SnapshotPublisher final : public TickObserver {
     cell_.publish();
   }
   /// [any] Where the one reader takes it from.
-  [[nodiscard]] SnapshotCell<Snapshot>& cell() noexcept { return cell_; }
-  [[nodiscard]] const SnapshotCell<Snapshot>& cell() const noexcept { return cell_; }
+  [[nodiscard]] TripleBuffer<Snapshot>& cell() noexcept { return cell_; }
+  [[nodiscard]] const TripleBuffer<Snapshot>& cell() const noexcept { return cell_; }
 
  private:
-  SnapshotCell<Snapshot> cell_;
+  TripleBuffer<Snapshot> cell_;
 };
 
 }  // namespace palpate::haptics

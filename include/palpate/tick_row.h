@@ -33,7 +33,7 @@ struct TickRow {
   std::uint32_t fault = 0;   // Fault that is latched
   double energy = 0.0;       // J that hand and organ's own motion have put into the tissue's force so far and
                              // not got back
-  double engagement = 1.0;   // share of force and noise that is let through, 0 to 1
+  double engagement = 1.0;   // gain of force and noise (force ramp), 0 to 1
   // The device's own sample, so that the tick can be run again:
   std::array<double, 3> device{};           // m, device frame
   std::array<double, 4> device_q{};         // w x y z

@@ -23,22 +23,22 @@ enum class LawKind : std::uint32_t { kLayered, kSmooth };
 /// [setup] The law of that name. @throws InputError naming the two.
 [[nodiscard]] LawKind parse_law(std::string_view text);
 
-/// One way in which a held tissue lets go: the force falls by `share` of the elastic one, with time constant
-/// `time`.
+/// One way in which a held tissue lets go: the force falls by `g` of the elastic one, with time constant
+/// `tau`.
 struct RelaxationTerm {
-  double share = 0.0;  // > 0; those of all terms sum to less than 1
-  double time = 0.0;   // [s]
+  double g = 0.0;    // > 0; those of all terms sum to less than 1
+  double tau = 0.0;  // [s]
 
   bool operator==(const RelaxationTerm&) const = default;
 };
 
-inline constexpr std::size_t kMostRelaxationTerms = 3;
+inline constexpr std::size_t kMaxRelaxationTerms = 3;
 
-/// Up to kMostRelaxationTerms terms, without memory of their own: a copy is a copy of plain data.
+/// Up to kMaxRelaxationTerms terms, without memory of their own: a copy is a copy of plain data.
 class RelaxationTerms final {
  public:
   RelaxationTerms() = default;
-  /// [setup] @throws ParameterError for more than kMostRelaxationTerms.
+  /// [setup] @throws ParameterError for more than kMaxRelaxationTerms.
   RelaxationTerms(std::initializer_list<RelaxationTerm> terms) {
     for (const RelaxationTerm& term : terms) push_back(term);
   }
@@ -52,7 +52,7 @@ class RelaxationTerms final {
   [[nodiscard]] const RelaxationTerm& operator[](std::size_t index) const noexcept { return terms_[index]; }
   [[nodiscard]] RelaxationTerm& operator[](std::size_t index) noexcept { return terms_[index]; }
 
-  /// [setup] @throws ParameterError when there are kMostRelaxationTerms already.
+  /// [setup] @throws ParameterError when there are kMaxRelaxationTerms already.
   void push_back(const RelaxationTerm& term);
   /// [any] Takes the last term away; there must be one.
   void pop_back() noexcept { terms_[--count_] = {}; }
@@ -61,19 +61,19 @@ class RelaxationTerms final {
   bool operator==(const RelaxationTerms&) const = default;
 
  private:
-  std::array<RelaxationTerm, kMostRelaxationTerms> terms_{};
+  std::array<RelaxationTerm, kMaxRelaxationTerms> terms_{};
   std::size_t count_ = 0;
 };
 
 /// How the surface gives way around a contact (docs/model.md, section 3); all without unit.
-struct ReachParameters {
+struct FalloffRatios {
   double contact_ratio = 1.1;     // c: R_1 = c R (D/R)^p
   double first_bar_ratio = 0.43;  // a
   double bar_ratio = 1.8;         // s > 1
   double weight_ratio = 0.58;     // g, in (0, 1)
   double depth_exponent = 0.5;    // p, in (0, 1]; 1/2: R_1 = c sqrt(R D)
 
-  bool operator==(const ReachParameters&) const = default;
+  bool operator==(const FalloffRatios&) const = default;
 };
 
 /// What the contact rules need of a tissue (docs/model.md, section 4).
@@ -106,8 +106,8 @@ struct TissueNumbers {
   double min_length = 0.0;   // X_1min [m]
   double t1 = 0.0;           // delay of the first layer [s], eq. 6
   LawKind law = LawKind::kLayered;
-  RelaxationTerms relaxation;  // none, or up to kMostRelaxationTerms
-  ReachParameters reach;
+  RelaxationTerms relaxation;  // none, or up to kMaxRelaxationTerms
+  FalloffRatios reach;
   ContactParameters contact;
 
   /// [any] L_1 [m]: X_1max - X_1o when pulled, X_1o - X_1min when pressed.

@@ -17,33 +17,33 @@ struct PathRow {
   double gripper = 0.0;
 };
 
-/// A path in time: positions by PathInterpolation, rotations slerped between rows, the gripper linear; the
-/// pose holds before the first and after the last row.
+/// A motion in time: positions by PathInterpolation, orientations by slerp, the gripper linearly. Before the
+/// first and after the last row the pose is constant.
 class ToolPath final {
  public:
-  /// [setup] Orientations must be unit quaternions. @throws InputError when there is no row or times do not
+  /// [setup] @param rows with unit quaternions @throws InputError when there is no row, or times do not
   /// strictly increase.
   explicit ToolPath(std::vector<PathRow> rows, bool has_gripper = true,
                     PathInterpolation interpolation = PathInterpolation::kLinear);
 
-  /// [setup] The same path in 1 / `factor` of its time; factor > 0.
+  /// [setup] The same motion, `factor` times as fast; factor > 0.
   [[nodiscard]] ToolPath faster(double factor) const;
 
-  /// [rt] The row at `time` [s].
+  /// [rt] The interpolated row at `time` [s].
   [[nodiscard]] PathRow at(double time) const noexcept;
-  /// [rt] Velocity [m/s] at `time` [s]; at a corner that of the piece that begins there, 0 outside the path.
+  /// [rt] Velocity [m/s] at `time` [s]; at a row the one after it, outside the path 0.
   [[nodiscard]] Vec3 velocity_at(double time) const noexcept;
   [[nodiscard]] double end_time() const noexcept { return rows_.back().time; }
   [[nodiscard]] bool has_gripper() const noexcept { return has_gripper_; }
   [[nodiscard]] const std::vector<PathRow>& rows() const noexcept { return rows_; }
 
  private:
-  /// Index of the last row at or before `time`, which is not before the first row's.
+  /// Index of the last row at or before `time`; `time` is not before the first row.
   [[nodiscard]] std::size_t row_before(double time) const noexcept;
 
   std::vector<PathRow> rows_;
-  std::vector<Vec3> slopes_;      // m/s, at each row; empty: linear
-  double rows_per_second_ = 0.0;  // on average; 0 with one row
+  std::vector<Vec3> slopes_;      // m/s, at each row; empty if linear
+  double rows_per_second_ = 0.0;  // mean rate; 0 with one row
   bool has_gripper_;
 };
 
@@ -51,12 +51,12 @@ class ToolPath final {
 [[nodiscard]] ToolPath read_tool_path(const std::filesystem::path& file,
                                       PathInterpolation interpolation = PathInterpolation::kLinear);
 
-/// [setup] The path that a scripted device without a file takes: tool +z down, from above the organ's middle
-/// with the tool's lowest point 10 mm clear, to 12 mm of depth (press) or, closed at touch, 12 mm of lift
-/// (pull), hold 1 s, back. Where a single tool's press from there would slide off, or start inside, it goes
-/// along the normal to a flat place instead (docs/model.md, section 4). Several hands stand side by side,
-/// 30 mm apart at most. In the device's frame (the mapping of `setup` is undone).
-/// @throws InputError when the organ's mesh is not closed.
-[[nodiscard]] ToolPath default_path(const Setup& setup, std::size_t hand);
+/// [setup] The path of a scripted device without a file, in the device's frame. The tool points down (+z
+/// down) and starts above the organ's centre, with its lowest point 10 mm above the surface. It moves to 12
+/// mm of depth (press) or closes at touch and lifts 12 mm (pull), holds for 1 s, and returns. If the press of
+/// a single tool would slide off there, or start inside, it presses along the normal of a flat region
+/// (docs/model.md, section 4). Several hands are side by side, at most 30 mm apart. @throws InputError when
+/// the organ's mesh is not closed.
+[[nodiscard]] ToolPath default_path(const Scene& setup, std::size_t hand);
 
 }  // namespace palpate::scene

@@ -14,11 +14,11 @@ struct NoiseSettings {
 
 /// Standard deviation [N] in contact that no settings exceed: 50 times that of the default, and above what a
 /// fingertip or a hand on a stylus detects.
-inline constexpr double kMostSigma = 0.5;
+inline constexpr double kMaxSigma = 0.5;
 
-/// [setup] @param most_sigma K/d0 may not exceed it [N]
+/// [setup] @param max_sigma K/d0 may not exceed it [N]
 /// @throws ParameterError naming gain_N_m, threshold_mm or rate_Hz (the noise's or the loop's).
-void validate(const NoiseSettings& settings, double loop_rate_Hz, double most_sigma = kMostSigma);
+void validate(const NoiseSettings& settings, double loop_rate_Hz, double max_sigma = kMaxSigma);
 
 /// [setup] K [N m] that puts sigma in contact at `share` (0..1) of the user's own detection threshold [N].
 /// @throws ParameterError naming user_threshold_N, share_of_threshold.

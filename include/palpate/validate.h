@@ -10,117 +10,118 @@
 
 namespace palpate::validate {
 
-/// A measured deformation of the surface around one contact: how far each place moved along the tool's
-/// direction. SI.
+/// A measured displacement profile: displacement of the surface around one contact along the tool's
+/// direction. SI units.
 struct Deformation {
   std::string name;
-  double depth = 0.0;                // D [m], of the tool into the rest surface; 0: the file does not say
-  std::vector<double> distance;      // r [m] from the contact along the surface at rest, rising from >= 0
-  std::vector<double> displacement;  // u [m], with the tool counts positive
+  double depth = 0.0;                // D [m], indentation depth below the rest surface; 0: not in the file
+  std::vector<double> distance;      // r [m] from the contact along the rest surface, >= 0, increasing
+  std::vector<double> displacement;  // u [m], positive in the tool's direction
 
   [[nodiscard]] std::size_t size() const noexcept { return distance.size(); }
 };
 
 inline constexpr std::size_t kFewestPlaces = 5;
 
-/// [setup] The deformations of one CSV file with columns r_mm, u_mm and optionally depth_mm, by header name;
-/// lines that begin with # and blank lines do not count. Rows of one depth_mm are one deformation, named
-/// after the file and its depth. r_mm < 0 is the other side of the contact and counts as its distance. Rows
-/// may stand in any order.
-/// @throws InputError naming file, line, column and value: no such file, a header that is missing or unknown,
-/// a value that is no finite number, a depth that is not > 0, fewer than kFewestPlaces rows, places or
-/// displacements that are all the same, displacements that grow away from the contact (a wrong sign).
+/// [setup] Reads the displacement profiles of a CSV file. Columns, by header name: r_mm, u_mm and optionally
+/// depth_mm. Lines that begin with # and blank lines are ignored. Rows with equal depth_mm form one profile,
+/// named after the file and its depth. r_mm < 0 is the other side of the contact and counts as its absolute
+/// value. Rows may be in any order.
+/// @throws InputError that names file, line, column and value. Causes: no such file, a missing or unknown
+/// header, a value that is not a finite number, a depth that is not > 0, fewer than kFewestPlaces rows.
+/// Causes in a profile: constant positions or displacements, displacements that grow away from the contact (a
+/// wrong sign).
 [[nodiscard]] std::vector<Deformation> read_deformations(const std::filesystem::path& file);
 
-/// [setup] Refuses what no profile can be compared with, and sorts by distance. @param where for the message
-/// @throws InputError as read_deformations().
+/// [setup] Sorts a profile by distance. @param where for the message @throws InputError as
+/// read_deformations(), when it cannot be compared.
 void check_deformation(Deformation& deformation, const std::string& where);
 
-/// [setup] At most `most` places, each the mean of as many neighbours as that takes. A deformation, sorted by
-/// distance, that has no more is returned as it is.
+/// [setup] Reduces a profile, sorted by distance, to at most `most` points, each the mean of neighbours. A
+/// profile with no more points is returned unchanged.
 [[nodiscard]] Deformation thinned(const Deformation& deformation, std::size_t most);
 
-/// Which surface under a ball is meant.
+/// Which form of the surface under a ball is used.
 struct SurfaceRule {
-  /// False: u(r) of model.md, section 3, R_1 at most the ball's radius. True: as the picture shows it, R_1
-  /// without a bound, and nowhere above the ball itself.
+  /// False: u(r) of model.md, section 3, with R_1 limited to the ball's radius. True: the displayed surface,
+  /// with unlimited R_1 and nowhere above the ball.
   bool as_drawn = false;
-  /// Of the surface at rest, bulging towards the ball [m]; 0: flat. Past a quarter turn it faces away from
-  /// the ball and u(r) alone holds.
+  /// Radius of the convex rest surface [m]; 0: flat. Beyond a quarter turn it faces away from the ball, and
+  /// u(r) applies unchanged.
   double rest_radius = 0.0;
 };
 
-/// How far the surface moves around a ball that is pressed into it.
+/// Displacement of the surface around an indenting ball.
 class BallSurface final {
  public:
-  /// [any] @param depth D [m]; <= 0: nothing moves @param radius R of the ball [m]
-  BallSurface(const model::ReachParameters& reach, double depth, double radius,
+  /// [any] @param depth D [m]; <= 0: no displacement @param radius R of the ball [m]
+  BallSurface(const model::FalloffRatios& reach, double depth, double radius,
               const SurfaceRule& rule) noexcept;
 
   /// [rt] Displacement [m] at distance r [m] along the surface; at(0) is D.
   [[nodiscard]] double at(double r) const noexcept;
 
  private:
-  deform::SurfaceProfile profile_;
+  deform::DisplacementProfile profile_;
   double depth_;
   double radius_;
   SurfaceRule rule_;
 };
 
-/// The smallest change of a force that a hand notices, in shares of the force [Jones 2000; model.md].
+/// Just-noticeable difference of force, as a fraction of the force [Jones 2000; model.md].
 inline constexpr double kForceJnd = 0.07;
 
-/// What a computed curve leaves of a measured one, in the measured one's unit.
+/// Errors of a computed curve, in the unit of the measured one.
 struct Errors {
   double rms = 0.0;
-  double max = 0.0;    // the largest, without sign
-  double scale = 0.0;  // what they are compared with: the range of force, or the depth
+  double max = 0.0;    // largest absolute error
+  double scale = 0.0;  // reference: the force range, or the depth
   double nrmse = 0.0;  // rms / scale
 };
 
-/// [setup] Errors of `computed` over `scale` > 0; both as long, not empty.
+/// [setup] Errors of `computed`, with `scale` > 0; both of equal size, not empty.
 [[nodiscard]] Errors errors_of(const std::vector<double>& measured, const std::vector<double>& computed,
                                double scale);
 
-/// A tissue's law as validation uses it.
+/// The law of a tissue, for validation.
 struct Law {
   model::TissueParameters tissue;
   model::Direction direction = model::Direction::kPress;
-  double period = 1e-3;  // T of the loop [s]: decides how many layers move
+  double period = 1e-3;  // T of the loop [s]: it influences the number of layers
 
-  /// [setup] Elastic force [N] at each depth [m], 0 at depths <= 0; `beyond` gets how many are past the
-  /// layers' end. @throws ParameterError as the laws do.
+  /// [setup] Elastic force [N] at each depth [m]; 0 at depths <= 0. `beyond` receives the number of depths
+  /// beyond the last layer. @throws ParameterError as the laws do.
   [[nodiscard]] std::vector<double> forces_at(const std::vector<double>& depths, std::size_t& beyond) const;
-  /// [setup] Depth [m] under a force [N]. @throws InputError when the layers cannot take it.
+  /// [setup] Depth [m] at a force [N]. @throws InputError when the force exceeds what the layers carry.
   [[nodiscard]] double depth_under(double force) const;
 };
 
-/// Where a measurement's zeros are.
+/// Zeros of a measurement.
 struct Zeros {
-  double first_contact = 0.0;  // displacement [m] at which the tool touched
-  double force = 0.0;          // what the sensor showed without load [N]
+  double first_contact = 0.0;  // displacement [m] at first contact
+  double force = 0.0;          // sensor reading without load [N]
 };
 
-/// One measured force curve beside the law's. SI.
+/// Comparison of a measured force curve with the law. SI units.
 struct ForceComparison {
-  identify::Specimen measured;   // at most kMostPoints points, as they were compared
-  std::vector<double> computed;  // N, what the sensor would have shown
-  Errors errors;                 // scale: the range of the measured force
-  double within_jnd = 0.0;       // share of the points with an error of at most kForceJnd of their force
-  std::size_t beyond = 0;        // points deeper than the tissue's layers go: extrapolated
-  std::size_t rows = 0;          // of the file
-  Zeros zeros;                   // that were taken
+  identify::Specimen measured;   // the points compared, at most kMaxPoints
+  std::vector<double> computed;  // N, predicted sensor reading
+  Errors errors;                 // scale: the measured force range
+  double within_jnd = 0.0;       // fraction of the points with a relative error of at most kForceJnd
+  std::size_t beyond = 0;        // points beyond the last layer, where the law is extrapolated
+  std::size_t rows = 0;          // number of rows in the file
+  Zeros zeros;                   // the zeros used
 };
 
-/// Files with more rows are thinned to this many by means of neighbours.
-inline constexpr std::size_t kMostPoints = 20'000;
+/// Files with more rows are reduced to this many by means of neighbours.
+inline constexpr std::size_t kMaxPoints = 20'000;
 
-/// [setup] The law's force at every point of a measurement, relaxed over its times when the tissue relaxes.
-/// Nothing is fitted. @throws ParameterError as the laws do.
+/// [setup] Computes the law's force at each point of a measurement, with relaxation over its times when the
+/// tissue relaxes. Nothing is fitted. @throws ParameterError as the laws do.
 [[nodiscard]] ForceComparison compare_force(const identify::Specimen& specimen, const Law& law,
                                             const Zeros& zeros);
 
-/// One measured deformation beside the model's u(r). SI.
+/// Comparison of a measured displacement profile with the model's u(r). SI units.
 struct DeformationComparison {
   Deformation measured;
   double depth = 0.0;       // D [m]
@@ -130,11 +131,11 @@ struct DeformationComparison {
   Errors errors;                 // scale: D
 };
 
-/// [setup] The surface around a ball at every place. @param depth D [m], 0: the deformation's own
-/// @throws InputError when there is no depth, or the largest displacement is more than twice the depth (a
-/// mistaken unit or depth).
+/// [setup] Computes the surface around a ball at each point. @param depth D [m]; 0: the profile's own @throws
+/// InputError when there is no depth, or the largest displacement exceeds twice the depth (a wrong unit or
+/// depth).
 [[nodiscard]] DeformationComparison compare_deformation(const Deformation& deformation,
-                                                        const model::ReachParameters& reach, double depth,
+                                                        const model::FalloffRatios& reach, double depth,
                                                         double tip_radius, const SurfaceRule& rule = {});
 
 }  // namespace palpate::validate

@@ -43,7 +43,7 @@ sockaddr_in socket_address(const IgtlAddress& address) {
 }
 
 /// Why a port cannot be listened at, in words.
-std::string words_of(int error, const IgtlAddress& address) {
+std::string describe(int error, const IgtlAddress& address) {
   switch (error) {
     case EADDRINUSE:
       return "the port is taken by another program; choose another port";
@@ -65,7 +65,7 @@ Descriptor listen_at(const IgtlAddress& address) {
   if (listener.number() < 0 ||
       bind(listener.number(), reinterpret_cast<const sockaddr*>(&where), sizeof where) != 0 ||
       listen(listener.number(), SOMAXCONN) != 0) {
-    throw wrong_address(text, words_of(errno, address));
+    throw wrong_address(text, describe(errno, address));
   }
   return listener;
 }

@@ -89,7 +89,7 @@ void IgtlServer::serve_until_finish() {
       next = std::move(next_);
     }
     const std::int64_t now = monotonic_ns();
-    if (asked == Ask::kFinish) return say_farewell();
+    if (asked == Ask::kFinish) return send_goodbye();
     if (asked == Ask::kBegin) begin_stream(std::move(next));
     if (asked == Ask::kEnd || now >= due) frame(now, asked == Ask::kEnd);
     if (asked == Ask::kEnd) stream_.reset();
@@ -164,7 +164,7 @@ void IgtlServer::pack_surface(std::int64_t now, std::int64_t stamp) {
 }
 
 /// Whatever clients have not had yet, and that it was the last.
-void IgtlServer::say_farewell() {
+void IgtlServer::send_goodbye() {
   send_next(kWordsChannel, words_without_run(true, unix_ns()));
   const std::int64_t until = monotonic_ns() + kFarewell;
   clients_.look_after();
@@ -175,7 +175,7 @@ void IgtlServer::say_farewell() {
   }
 }
 
-IgtlRun::IgtlRun(IgtlServer* server, const scene::Setup& setup) : server_(server) {
+IgtlRun::IgtlRun(IgtlServer* server, const scene::Scene& setup) : server_(server) {
   if (server_ != nullptr) server_->begin(std::make_unique<IgtlStream>(setup));
 }
 

@@ -58,7 +58,7 @@ class IgtlServer final : public haptics::TickObserver {
   void pack(std::int64_t now, bool last);
   void send_next(std::size_t channel, Bytes bytes);
   void pack_surface(std::int64_t now, std::int64_t stamp);
-  void say_farewell();
+  void send_goodbye();
   [[nodiscard]] std::int64_t stamp() const noexcept;
   [[nodiscard]] bool faults_changed() noexcept;
 
@@ -87,7 +87,7 @@ class IgtlServer final : public haptics::TickObserver {
 class IgtlRun final {
  public:
   /// @param server null: nothing is sent
-  IgtlRun(IgtlServer* server, const scene::Setup& setup);
+  IgtlRun(IgtlServer* server, const scene::Scene& setup);
   ~IgtlRun();
   IgtlRun(const IgtlRun&) = delete;
   IgtlRun& operator=(const IgtlRun&) = delete;

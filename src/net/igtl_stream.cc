@@ -18,7 +18,7 @@ constexpr const char* kStatusNames = "PalpateStatus";
 /// Finer, so that a dent is a dent and not one corner pushed in; the surface stays where it is.
 geometry::TriangleMesh finely_divided(geometry::TriangleMesh mesh) {
   while (!mesh.triangles.empty() && mesh.triangles.size() <= IgtlStream::kFewestTriangles) {
-    mesh = geometry::quadruple(mesh);
+    mesh = geometry::subdivide(mesh);
   }
   return mesh;
 }
@@ -81,7 +81,7 @@ std::string name_for_hand(const std::string& name, std::size_t hand) {
   return hand == 0 ? name : name + std::to_string(hand + 1);
 }
 
-IgtlStream::IgtlStream(const scene::Setup& setup)
+IgtlStream::IgtlStream(const scene::Scene& setup)
     : rate_Hz_(setup.rate_Hz),
       deformer_(finely_divided(setup.organ)),
       surface_("PalpateOrgan", deformer_.rest().triangles) {}
@@ -122,7 +122,7 @@ Bytes IgtlStream::words(const haptics::Snapshot& snapshot, std::int64_t unix_ns)
     messages.add_status(
         name_for_hand(kStatusNames, hand), code_of(fault), static_cast<std::int64_t>(fault),
         haptics::name_of(fault),
-        faulty ? std::string(haptics::words_of(fault)) + "; the force stays zero until it is reset"
+        faulty ? std::string(haptics::describe(fault)) + "; the force stays zero until it is reset"
                : "no fault");
   }
   return messages.bytes();

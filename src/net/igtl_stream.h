@@ -22,7 +22,7 @@ class IgtlStream final {
   static constexpr std::size_t kFewestTriangles = 6000;
 
   /// @param setup not kept
-  explicit IgtlStream(const scene::Setup& setup);
+  explicit IgtlStream(const scene::Scene& setup);
 
   /// Pose and contact of every hand.
   [[nodiscard]] static Bytes poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns);
@@ -37,7 +37,7 @@ class IgtlStream final {
   struct Shape {
     std::vector<deform::Indentation> indentations;
     Pose organ_W;
-    model::ReachParameters reach;
+    model::FalloffRatios reach;
   };
   [[nodiscard]] static bool same(const Shape& a, const Shape& b);
 

@@ -129,7 +129,7 @@ void LiveConnection::count_control() {
 
 void LiveConnection::send(std::string text) {
   if (!is_open()) return;
-  if (waiting_.size() >= kMostWaiting) return drop();
+  if (waiting_.size() >= kMaxWaiting) return drop();
   waiting_.push_back(std::move(text));
   write();
 }

@@ -66,10 +66,9 @@ class LiveConnection final {
 
   static constexpr double kMessagesPerSecond = 100.0;
   static constexpr double kMessagesAtOnce = 200.0;
-  static constexpr int kMostExcess =
-      100;  // more consecutive messages above the rate limit end the connection
-  static constexpr std::size_t kMostWaiting = 256;  // answers and events; more end the connection
-  static constexpr std::size_t kReadOnBelow = 32;   // nothing is read while more answers wait
+  static constexpr int kMostExcess = 100;          // more in a row above the rate limit end the connection
+  static constexpr std::size_t kMaxWaiting = 256;  // answers and events; more end the connection
+  static constexpr std::size_t kReadOnBelow = 32;  // nothing is read while more answers wait
   // Network bytes of one message, at most. The largest message in fragments of one byte takes 114,688.
   static constexpr std::uint64_t kMostOfMessage = 131'072;
   static constexpr std::chrono::seconds kOpening{5};   // for the request, and for the handshakes

@@ -96,7 +96,7 @@ Json tissue_json(const model::TissueParameters& tissue) {
   }
   json["relaxation"] = Json::array();
   for (const model::RelaxationTerm& term : tissue.relaxation) {
-    json["relaxation"].push_back({{"share", term.share}, {"time_s", term.time}});
+    json["relaxation"].push_back({{"share", term.g}, {"time_s", term.tau}});
   }
   return json;
 }
@@ -106,7 +106,7 @@ Json noise_json(const haptics::LiveNoise& noise) {
       {"enabled", noise.enabled}, {"gain_N_m", noise.gain}, {"threshold_mm", noise.threshold / kMillimetre}};
 }
 
-Json scene_json(const scene::Setup& setup) {
+Json scene_json(const scene::Scene& setup) {
   Json hands = Json::array();
   for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
     hands.push_back({{"tool", setup.tools[hand].name}, {"device", setup.devices[hand].kind}});

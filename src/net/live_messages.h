@@ -6,7 +6,7 @@
 
 #include "net/live_protocol.h"
 #include "net/live_tap.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/pose.h"
 #include "palpate/scene.h"
 #include "palpate/tissue.h"
@@ -26,7 +26,7 @@ struct LiveState {
 [[nodiscard]] nlohmann::ordered_json noise_json(const haptics::LiveNoise& noise);
 
 /// A scene without its meshes.
-[[nodiscard]] nlohmann::ordered_json scene_json(const scene::Setup& setup);
+[[nodiscard]] nlohmann::ordered_json scene_json(const scene::Scene& setup);
 
 /// One tick: SI, world frame.
 [[nodiscard]] nlohmann::ordered_json state_json(const LiveState& state);

@@ -174,15 +174,15 @@ TissueEdit read_tissue(Members& root) {
     }
   }
   if (const json* terms = tissue.find("relaxation"); terms != nullptr) {
-    if (!terms->is_array() || terms->size() > model::kMostRelaxationTerms) {
+    if (!terms->is_array() || terms->size() > model::kMaxRelaxationTerms) {
       fail("tissue.relaxation", *terms, "an array of at most three {\"share\": ..., \"time_s\": ...}");
     }
     edit.relaxation.emplace();
     for (std::size_t i = 0; i < terms->size(); ++i) {
       Members term((*terms)[i], "tissue.relaxation[" + std::to_string(i) + "]");
       model::RelaxationTerm read;
-      read.share = term.required_number("share");
-      read.time = term.required_number("time_s");
+      read.g = term.required_number("share");
+      read.tau = term.required_number("time_s");
       edit.relaxation->push_back(read);
       term.allow_no_more();
     }

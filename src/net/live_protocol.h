@@ -9,7 +9,7 @@
 
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/tissue.h"
 
 // Commands of clients of the live interface (docs/live-interface.md): one JSON object per message.

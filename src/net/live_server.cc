@@ -302,10 +302,10 @@ class LiveServer::Desk final : public LiveDesk {
     const std::size_t clients =
         std::max<std::size_t>(static_cast<std::size_t>(present), someone_came_ ? 1 : 0);
     someone_came_ = false;
-    for (const News& news : host_.look_after(clients)) tell(news);
+    for (const News& news : host_.look_after(clients)) send_event(news);
     for (const auto& [number, connection] : connections_) watch(*connection);
     forget_the_gone();
-    if (ends) return say_farewell();
+    if (ends) return send_goodbye();
     if (std::exchange(accept_later_, false)) accept();
     timer_.expires_after(std::chrono::milliseconds(kLookAfterMs));
     timer_.async_wait([this, &stop](const error_code&) { look_after(stop); });
@@ -327,7 +327,7 @@ class LiveServer::Desk final : public LiveDesk {
     }
   }
 
-  void tell(const News& news) {
+  void send_event(const News& news) {
     if (!news.to) {
       const std::string text = event_text(news.event, news.members);
       for (const auto& [number, connection] : connections_) {
@@ -348,7 +348,7 @@ class LiveServer::Desk final : public LiveDesk {
     }
   }
 
-  void say_farewell() {
+  void send_goodbye() {
     error_code ignored;
     acceptor_.close(ignored);
     for (const auto& [number, connection] : connections_) {

@@ -15,10 +15,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 const geometry::TriangleMesh& checked(const geometry::TriangleMesh& organ) {
-  if (organ.triangles.size() <= LiveSurface::kMostTriangles) return organ;
+  if (organ.triangles.size() <= LiveSurface::kMaxTriangles) return organ;
   throw LiveError("refused",
                   fmt::format("surface: the organ has {} triangles, must have at most {} to be sent",
-                              organ.triangles.size(), LiveSurface::kMostTriangles));
+                              organ.triangles.size(), LiveSurface::kMaxTriangles));
 }
 
 void append(Json& list, const Vec3& point) {
@@ -42,7 +42,7 @@ Json LiveSurface::at_rest() const {
   return {{"vertices_mm", vertices}, {"triangles", triangles}};
 }
 
-Json LiveSurface::moved(const model::ReachParameters& reach,
+Json LiveSurface::moved(const model::FalloffRatios& reach,
                         const std::vector<deform::Indentation>& indentations) {
   deformer_.deform(reach, indentations, vertices_);
   Json moved = Json::array();

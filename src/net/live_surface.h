@@ -13,15 +13,15 @@ namespace palpate::net {
 class LiveSurface final {
  public:
   /// Limit of triangles, because larger answers take clients and the server's thread too long.
-  static constexpr std::size_t kMostTriangles = 20'000;
+  static constexpr std::size_t kMaxTriangles = 20'000;
 
-  /// @throws LiveError when the organ has more triangles than kMostTriangles.
+  /// @throws LiveError when the organ has more triangles than kMaxTriangles.
   explicit LiveSurface(const geometry::TriangleMesh& organ);
 
   /// {"vertices_mm": [x, y, z, ...], "triangles": [a, b, c, ...]}, at rest.
   [[nodiscard]] nlohmann::ordered_json at_rest() const;
   /// {"moved": [vertex, ...], "vertices_mm": [x, y, z, ...]}: the vertices that are displaced.
-  [[nodiscard]] nlohmann::ordered_json moved(const model::ReachParameters& reach,
+  [[nodiscard]] nlohmann::ordered_json moved(const model::FalloffRatios& reach,
                                              const std::vector<deform::Indentation>& indentations);
 
  private:

@@ -7,7 +7,7 @@ namespace palpate::net {
 LiveTap::LiveTap(std::size_t hands)
     : hands_(static_cast<std::uint32_t>(std::min(hands, haptics::Snapshot::kMaxHands))) {}
 
-void LiveTap::on_update(const haptics::LiveChange& change) noexcept { change_ = change.number; }
+void LiveTap::on_update(const haptics::ParameterUpdate& change) noexcept { change_ = change.number; }
 
 void LiveTap::on_row(const haptics::TickRow& row) noexcept {
   if (row.hand >= hands_) return;

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/base/ring.h"
-#include "palpate/snapshot_cell.h"
+#include "core/base/spsc_queue.h"
 #include "palpate/tick_observer.h"
+#include "palpate/triple_buffer.h"
 
 namespace palpate::net {
 
@@ -30,7 +30,7 @@ class LiveTap final : public haptics::TickObserver {
  public:
   /// [setup] @param hands of the scene
   explicit LiveTap(std::size_t hands);
-  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_update(const haptics::ParameterUpdate& change) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [any] The newest tick; null before the first. Call from one thread.
@@ -44,8 +44,8 @@ class LiveTap final : public haptics::TickObserver {
   std::uint32_t hands_;
   std::uint64_t change_ = 0;
   std::array<std::uint32_t, haptics::Snapshot::kMaxHands> faults_{};
-  SnapshotCell<LiveTick> ticks_;
-  Ring<FaultTurn> turns_{kTurnsKept};
+  TripleBuffer<LiveTick> ticks_;
+  SpscQueue<FaultTurn> turns_{kTurnsKept};
   bool seen_ = false;  // a tick was read
 };
 

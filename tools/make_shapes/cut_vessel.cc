@@ -4,7 +4,7 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr double kLumen = 0.62;  // of the outer radius
+constexpr double kLumen = 0.62;  // of the lumen, relative to the outer radius
 constexpr double kDepth = 0.45;
 
 }  // namespace

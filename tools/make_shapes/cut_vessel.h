@@ -6,17 +6,17 @@
 
 namespace palpate::geometry {
 
-/// A vessel that has been cut across: flat at its end, with the lumen showing as a pit. In millimetres.
+/// A vessel that was cut across: a flat end with the lumen as a pit. In millimetres.
 class CutVessel final {
  public:
-  static constexpr double kRim = 2.0;  // [mm] rounding of the cut's edge
+  static constexpr double kRim = 2.0;  // [mm] rounding radius of the cut's edge
 
-  /// [setup] Along `knots`, cut at the last one; `far` as a tube's.
+  /// [setup] A vessel along `knots`, cut at the last one; `far` as for Tube.
   CutVessel(const std::vector<TubeKnot>& knots, double far);
 
   [[nodiscard]] FieldValue at(const Vec3& p) const noexcept;
 
-  /// [setup] The lumen: a bowl sunk into the cut, to be taken out of the whole.
+  /// [setup] The lumen: an ellipsoid at the cut, to be subtracted from the solid.
   [[nodiscard]] Ellipsoid lumen() const;
 
  private:

@@ -2,8 +2,8 @@
 
 namespace palpate::geometry {
 
-/// How finely a built-in shape is meshed: with the paper's counts, 30,000 or 75,000 triangles. The library
-/// divides each of the 75,000 into four (src/io/shapes/mesh_archive.h).
+/// Resolution of a built-in mesh: the paper's counts, 30,000 or 75,000 triangles. The library divides each of
+/// the 75,000 triangles into four (src/io/shapes/mesh_archive.h).
 enum class Detail { kPaper, k30k, k75k };
 
 }  // namespace palpate::geometry

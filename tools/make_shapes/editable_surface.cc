@@ -10,9 +10,10 @@ namespace palpate::geometry {
 
 namespace {
 
-// A triangle counts as folded when it leans more than 60 degrees from the surface's normal at its corners.
+// A triangle counts as folded when its normal is more than 60 degrees from the surface's normal at its
+// corners.
 constexpr double kLeanCosine = 0.5;
-// Collapses leave no triangle with an angle under about 12 degrees.
+// Collapses make no triangle with an angle below about 12 degrees.
 constexpr double kSliverCosine = 0.978;
 
 }  // namespace
@@ -60,7 +61,7 @@ double EditableSurface::relative_length(const Edge& edge) const {
 }
 
 double EditableSurface::sharpest(const Vec3& a, const Vec3& b, const Vec3& c) const {
-  // Plain numbers: called millions of times, and vector expressions make unoptimised builds crawl.
+  // Scalars, because this runs millions of times and Eigen expressions are slow in unoptimised builds.
   const double abx = b.x() - a.x();
   const double aby = b.y() - a.y();
   const double abz = b.z() - a.z();
@@ -131,7 +132,7 @@ bool EditableSurface::collapse_allowed(const Edge& edge, const Wing& left, const
   if (left.opposite == right.opposite) return false;
   if (around(left.opposite).size() <= 3 || around(right.opposite).size() <= 3) return false;
   if (around(edge.a).size() + around(edge.b).size() < 8) return false;
-  int common = 0;  // neighbours of both ends: must be the two opposite corners only
+  int common = 0;  // neighbours of both ends; only the two opposite corners are allowed
   for (const std::int32_t t : around(edge.a)) {
     for (const std::int32_t v : triangles_[at(t)]) {
       if (v == edge.a || v == edge.b) continue;
@@ -141,8 +142,8 @@ bool EditableSurface::collapse_allowed(const Edge& edge, const Wing& left, const
       }
     }
   }
-  // Each common neighbour is met in two triangles at a and two at b, less the edge's own: 2 x (2 + 1 + 1)
-  // = 8.
+  // Each common neighbour is counted in two triangles at a and two at b, minus the edge's own ones: 2 x (2 +
+  // 1 + 1) = 8.
   return common == 8;
 }
 

@@ -6,8 +6,8 @@
 
 namespace palpate::geometry {
 
-/// A closed manifold triangle surface that can be split, collapsed and flipped edge by edge, and knows the
-/// triangles around each vertex. Dead vertices and triangles stay in the arrays until compact().
+/// A closed manifold triangle surface with edge splits, collapses and flips. It stores the triangles around
+/// each vertex. Removed vertices and triangles stay in the arrays until compact().
 class EditableSurface final {
  public:
   struct Edge {
@@ -19,8 +19,8 @@ class EditableSurface final {
   explicit EditableSurface(const TriangleMesh& mesh);
 
   std::vector<Vec3> points;   // [m]
-  std::vector<Vec3> normals;  // unit, of the true surface at each point; set by the owner
-  std::vector<double> sizes;  // wanted edge length, relative; set by the owner
+  std::vector<Vec3> normals;  // unit, of the exact surface at each point; set by the caller
+  std::vector<double> sizes;  // target edge length, relative; set by the caller
 
   [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
   [[nodiscard]] const std::vector<std::int32_t>& around(std::int32_t v) const {
@@ -30,22 +30,22 @@ class EditableSurface final {
     return triangles_[static_cast<std::size_t>(triangle)][0] >= 0;
   }
   [[nodiscard]] int living_vertices() const { return living_; }
-  /// Each edge once, a < b, in a fixed order.
+  /// All edges once, a < b, in a fixed order.
   [[nodiscard]] std::vector<Edge> edges() const;
   [[nodiscard]] bool has_edge(const Edge& edge) const;
   [[nodiscard]] double length(const Edge& edge) const { return (point(edge.a) - point(edge.b)).norm(); }
-  /// Length over the mean wanted one.
+  /// Length divided by the mean target length of its ends.
   [[nodiscard]] double relative_length(const Edge& edge) const;
 
-  /// Puts a vertex in the middle of an edge.
+  /// Inserts a vertex at the midpoint of an edge.
   void split(const Edge& edge);
-  /// Merges both ends in the middle, unless that would break the topology, fold a triangle, leave a sliver or
-  /// make an edge longer than `longest` (relative). @return whether it did.
+  /// Merges both ends at the midpoint, unless that changes the topology, folds a triangle, makes a sliver or
+  /// an edge longer than `longest` (relative). @return whether it merged them
   bool collapse(const Edge& edge, double longest);
-  /// Turns the edge inside its two triangles if that makes their smallest angle larger and folds nothing.
+  /// Flips the edge in its two triangles if that increases their smallest angle and folds none.
   bool flip_if_better(const Edge& edge);
 
-  /// Triangle's smallest angle as its cosine: 0.5 for an equilateral one, 1 for a degenerate one.
+  /// Cosine of the triangle's smallest angle: 0.5 for an equilateral triangle, 1 for a degenerate one.
   [[nodiscard]] double sharpest(const Vec3& a, const Vec3& b, const Vec3& c) const;
 
   void compact();
@@ -57,7 +57,7 @@ class EditableSurface final {
     std::int32_t triangle = -1;
     std::int32_t opposite = -1;
   };
-  /// The triangle in which a is followed by b.
+  /// The triangle in which b follows a.
   [[nodiscard]] Wing wing(std::int32_t a, std::int32_t b) const;
   [[nodiscard]] bool faces_outward(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) const;
   [[nodiscard]] bool collapse_allowed(const Edge& edge, const Wing& left, const Wing& right) const;

@@ -5,10 +5,11 @@
 
 #include "tools/make_shapes/implicit.h"
 
-/// Arithmetic on field values that carries the gradient along, so that a solid may be written as a formula.
+/// Arithmetic on field values with their gradients (forward-mode differentiation), so that a solid can be
+/// written as a formula.
 namespace palpate::geometry {
 
-/// A coordinate (or any linear function) of the point.
+/// A coordinate of the point, or another linear function of it.
 [[nodiscard]] inline FieldValue coordinate(const Vec3& p, const Vec3& along) noexcept {
   return {p.dot(along), along};
 }
@@ -30,7 +31,7 @@ namespace palpate::geometry {
 }
 [[nodiscard]] inline FieldValue operator-(const FieldValue& a) noexcept { return {-a.value, -a.gradient}; }
 
-/// Magnitude; its gradient at 0 is taken as that of +a.
+/// Absolute value; its gradient at 0 is that of +a.
 [[nodiscard]] inline FieldValue magnitude(const FieldValue& a) noexcept { return a.value < 0.0 ? -a : a; }
 
 /// Length of the vector (a, b); gradient 0 at the zero vector.
@@ -44,13 +45,13 @@ struct SinCosField {
   FieldValue sine;
   FieldValue cosine;
 };
-/// Of an angle [rad].
+/// Sine and cosine of an angle [rad].
 [[nodiscard]] inline SinCosField sin_cos_of(const FieldValue& angle) noexcept {
   const portable::SinCos at = portable::sin_cos(angle.value);
   return {{at.sine, at.cosine * angle.gradient}, {at.cosine, -at.sine * angle.gradient}};
 }
 
-/// Angle [rad], 0..pi, of the vector (x, y) from the first axis, y >= 0.
+/// Angle [rad], 0..pi, of the vector (x, y) from the first axis; requires y >= 0.
 [[nodiscard]] inline FieldValue angle_of(const FieldValue& x, const FieldValue& y) noexcept {
   const double length2 = x.value * x.value + y.value * y.value;
   if (length2 <= 0.0) return {};
@@ -58,7 +59,7 @@ struct SinCosField {
           (x.value * y.gradient - y.value * x.gradient) / length2};
 }
 
-/// 0 up to `from`, 1 past `to`, with no step in slope or curvature between.
+/// 0 up to `from`, 1 beyond `to`, with continuous slope and curvature.
 [[nodiscard]] inline FieldValue rise(const FieldValue& a, double from, double to) noexcept {
   const double t = (a.value - from) / (to - from);
   if (t <= 0.0) return {};
@@ -67,7 +68,7 @@ struct SinCosField {
   return {t * t * t * (10.0 + t * (6.0 * t - 15.0)), slope * a.gradient};
 }
 
-/// 1 where `a` is 0, 0 farther than `half` from it, with no step in slope or curvature between.
+/// 1 where `a` is 0, 0 farther than `half` from 0, with continuous slope and curvature.
 [[nodiscard]] inline FieldValue bump(const FieldValue& a, double half) noexcept {
   const FieldValue t = (1.0 / half) * a;
   if (t.value * t.value >= 1.0) return {};

@@ -19,25 +19,25 @@ namespace {
 using portable::kPi;
 using portable::sin_cos;
 
-constexpr double kOpenAngle = 15.0 * kPi / 180.0;  // each jaw
-constexpr double kShaftRadius = 2.5;               // [mm], the usual 5 mm instrument
+constexpr double kOpenAngle = 15.0 * kPi / 180.0;  // of each jaw
+constexpr double kShaftRadius = 2.5;               // [mm], of the common 5 mm instrument
 constexpr double kHingeRadius = 2.1;               // [mm] of the jaws' round plates
 
-/// A cross-section of a jaw [mm]: half of a rounded bar, flat towards the other jaw.
+/// A cross-section of a jaw [mm]: half of a rounded bar, with its flat towards the other jaw.
 struct Section {
-  double along = 0.0;       // centre line's length from the pivot
+  double along = 0.0;       // arc length of the centre line from the pivot
   double half_width = 0.0;  // across the flat
-  double height = 0.0;      // of the back over the middle between the jaws
-  double gap = 0.09;        // of the flat from that middle
-  double turn_deg = 90.0;   // where the back looks: 0 along the hinge (y), 90 away from the other jaw (x)
+  double height = 0.0;      // of the back above the mid-plane between the jaws
+  double gap = 0.09;        // of the flat from that mid-plane
+  double turn_deg = 90.0;   // direction of the back: 0 along the hinge (y), 90 away from the other jaw (x)
   double square = 0.0;      // 0 round back .. 1 square
-  double tooth = 0.0;       // the flat's shift, in the same direction for both jaws
+  double tooth = 0.0;       // offset of the flat, in the same direction for both jaws
 };
 
 /// The centre line of closed jaws: straight, then an arc towards -x.
 struct CentreLine {
   double straight = 0.0;  // [mm]
-  double bend = 0.0;      // curvature after it [1/mm]
+  double bend = 0.0;      // curvature of the arc [1/mm]
 
   [[nodiscard]] Pose at(double along) const {
     const double arc = along - straight;
@@ -48,7 +48,7 @@ struct CentreLine {
   }
 };
 
-/// @param side +1 for the jaw on the +x side, -1 for its fellow: the same turned half round the centre line
+/// @param side +1 for the jaw on the +x side, -1 for the other: rotated by 180 degrees about the centre line
 std::vector<Vec3> ring(const Section& s, const CentreLine& line, double side) {
   constexpr int kBack = 8;
   constexpr std::array<double, 4> kFlat{-0.85, -0.28, 0.28, 0.85};
@@ -56,7 +56,7 @@ std::vector<Vec3> ring(const Section& s, const CentreLine& line, double side) {
   const Vec3 out = side * Vec3(turn.sine, turn.cosine, 0.0);
   const Vec3 across = side * Vec3(turn.cosine, -turn.sine, 0.0);
   const Pose here = line.at(s.along);
-  const double edge = s.gap + 0.22 * (s.height - s.gap);  // the flat's edges are bevelled up to here
+  const double edge = s.gap + 0.22 * (s.height - s.gap);  // height of the flat's bevelled edges
   std::vector<Vec3> points;
   for (int k = 0; k < kBack; ++k) {
     const portable::SinCos angle = sin_cos(kPi * k / (kBack - 1));
@@ -71,8 +71,8 @@ std::vector<Vec3> ring(const Section& s, const CentreLine& line, double side) {
   return points;
 }
 
-/// The hinge end that both kinds share: a round plate beside its fellow, then a half turn of the flat from
-/// facing along the hinge to facing the other jaw.
+/// The hinge end of both kinds of jaws: a round plate beside the other one, then the flat turns from the
+/// hinge's direction to the other jaw.
 std::vector<Section> hinge_sections() {
   return {{-1.9, 0.9, 1.6, 0.12, 0.0, 0.8, 0.0},  {-1.3, 1.65, 1.6, 0.12, 0.0, 0.8, 0.0},
           {0.0, 2.1, 1.6, 0.12, 0.0, 0.8, 0.0},   {1.7, 1.9, 1.62, 0.12, 0.0, 0.8, 0.0},
@@ -80,7 +80,7 @@ std::vector<Section> hinge_sections() {
           {4.7, 2.15, 2.15, 0.09, 90.0, 0.0, 0.0}};
 }
 
-/// Rounds the end off after its last section: a quarter of a ball over its half width.
+/// Rounds the end after its last section: a quarter of a ball over its half width.
 void add_tip(std::vector<Section>& sections) {
   const Section end = sections.back();
   for (const double degrees : {32.0, 62.0}) {
@@ -109,7 +109,7 @@ ToolPart jaw(const std::vector<Section>& sections, const CentreLine& line, doubl
   return part;
 }
 
-/// The tube that carries the hinge, with a fork of two cheeks beside the jaws' plates.
+/// The tube with the hinge, a fork of two cheeks beside the plates of the jaws.
 class Shaft final {
  public:
   [[nodiscard]] ToolPart part() {
@@ -126,7 +126,7 @@ class Shaft final {
 
  private:
   static constexpr std::int32_t kAround = 16;
-  static constexpr double kFloor = -3.2;  // where the fork begins [mm]
+  static constexpr double kFloor = -3.2;  // start of the fork [mm]
 
   std::int32_t add(double x, double y, double z) {
     mesh_.vertices.emplace_back(x, y, z);
@@ -162,7 +162,7 @@ class Shaft final {
     }
   }
 
-  /// The slot's floor: a fan over the rim between the cheeks and the feet of the cheeks' inner sides.
+  /// The floor of the slot: a fan over the rim between the cheeks and the inner edges of the cheeks.
   void floor() {
     const std::int32_t middle = add(0.0, 0.0, kFloor);
     const double inner = kShaftRadius * angle(2).sine;
@@ -173,7 +173,7 @@ class Shaft final {
       triangle(middle, outline[k], outline[(k + 1) % outline.size()]);
   }
 
-  /// One cheek over the rim's points first .. first + 4: carried up, drawn in at the top, capped.
+  /// A cheek on the rim's points first .. first + 4: extruded upwards, narrowed at the top, capped.
   void cheek(std::int32_t first) {
     struct Level {
       double z;

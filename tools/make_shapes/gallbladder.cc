@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kGallbladderVertices = 1057;  // 2 (V - 2) = 2,110 triangles [Zhang 2011, section 3.1]
 
-/// In millimetres until it is meshed; a gallbladder is 70 to 100 mm long and 30 to 40 mm wide, a little
-/// flatter than wide.
+/// In millimetres until it is meshed. A gallbladder is 70 to 100 mm long, 30 to 40 mm wide, and slightly
+/// flat.
 class Gallbladder final : public ImplicitSolid {
  public:
   Gallbladder(bool with_lumen) : with_lumen_(with_lumen) {}
@@ -33,9 +33,9 @@ class Gallbladder final : public ImplicitSolid {
   }
 
  private:
-  static constexpr double kFar = 15.5;  // [mm] more than any blend
+  static constexpr double kFar = 15.5;  // [mm] larger than all blends
 
-  /// Fundus, body and neck: a swept round shape, pressed flat along z to a share.
+  /// Fundus, body and neck: a swept round shape, compressed along z.
   [[nodiscard]] FieldValue flattened(const Vec3& p) const noexcept {
     constexpr double kFlat = 0.88;
     const FieldValue round = body_.at({p.x(), p.y(), p.z() / kFlat});
@@ -43,14 +43,14 @@ class Gallbladder final : public ImplicitSolid {
     return {kFlat * round.value, kFlat * Vec3(g.x(), g.y(), g.z() / kFlat)};
   }
 
-  /// The spiral fold of the duct's wall (Heister's valve), as a ridge that winds round the duct.
+  /// The spiral fold of the duct's wall (Heister's valve), as a ridge around the duct.
   [[nodiscard]] static Tube spiral(const Tube& duct) {
-    constexpr double kFrom = 0.42;  // share of the duct
+    constexpr double kFrom = 0.42;  // start, as a fraction of the duct
     constexpr double kTo = 0.94;
     constexpr int kTurns = 5;
-    constexpr int kKnots = 8;  // a turn
+    constexpr int kKnots = 8;  // per turn
     constexpr double kOut = 0.62;
-    constexpr double kRadius = 0.60;  // both shares of the duct's radius
+    constexpr double kRadius = 0.60;  // this and the next relative to the duct's radius
     std::vector<TubeKnot> knots;
     for (int i = 0; i <= kTurns * kKnots; ++i) {
       const double share = kFrom + (kTo - kFrom) * i / (kTurns * kKnots);
@@ -82,7 +82,7 @@ class Gallbladder final : public ImplicitSolid {
               {{18.0, -0.6, -0.8}, 11.2},
               {{25.0, -0.8, -1.2}, 7.8}},
              kFar};
-  // Hartmann's pouch: the neck's wall bulges towards the duct.
+  // Hartmann's pouch: a bulge of the neck's wall towards the duct.
   Ellipsoid pouch_{{20.0, -5.6, -3.5}, {9.5, 7.6, 7.6}, Mat3::Identity()};
   Tube duct_{{{{22.5, -0.6, -0.8}, 7.6},
               {{28.5, 3.6, 1.0}, 6.0},
@@ -105,9 +105,9 @@ TriangleMesh make_gallbladder(Detail detail) {
   constexpr double kSpacing = 0.0025;  // fine enough for the duct
   const TriangleMesh start = polygonise(plain, box, kSpacing);
   if (detail == Detail::kPaper) return remesh(plain, start, {.vertices = kGallbladderVertices});
-  RemeshGoal goal{.vertices = 15002, .bend_radius = 0.004, .finest = 0.2};
+  RemeshParameters goal{.vertices = 15002, .bend_radius = 0.004, .finest = 0.2};
   if (detail == Detail::k75k)
-    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.003, .finest = 0.2};
+    goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.003, .finest = 0.2};
   return remesh(Gallbladder(true), start, goal);
 }
 

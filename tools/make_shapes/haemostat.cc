@@ -17,22 +17,22 @@ namespace {
 
 using portable::kPi;
 
-// All in millimetres until meshed.
-constexpr double kPlate = 1.5;                 // half thickness of the jaws' two hinge plates together
+// All lengths are in millimetres until meshing.
+constexpr double kPlate = 1.5;                 // half thickness of the two hinge plates of the jaws together
 constexpr double kHaemostatHingeRadius = 2.5;  // of the plates
-constexpr double kSlot = 1.75;                 // half width of the box's slot
-constexpr double kSlotFloor = -3.0;            // where the slot ends
+constexpr double kSlot = 1.75;                 // half width of the slot in the box
+constexpr double kSlotFloor = -3.0;            // end of the slot
 constexpr double kGap = 0.1;                   // half gap between the closed jaws
-constexpr double kHaemostatFar = 6.0;          // more than any blend
+constexpr double kHaemostatFar = 6.0;          // larger than all blends
 
 /// |a| <= half, as a solid.
 FieldValue slab(const FieldValue& a, double half) { return magnitude(a) + (-half); }
 
-/// One jaw: half of a round tapering bar and of a round hinge plate, cut by a surface that turns from facing
-/// along the hinge to facing the other jaw, ribbed across.
+/// One jaw: half of a round tapering bar and of a round hinge plate, with ribs across. The cutting surface
+/// turns from the hinge's direction to the other jaw.
 class Jaw final : public ImplicitSolid {
  public:
-  /// @param side +1 for the jaw on the +x side, -1 for its fellow
+  /// @param side +1 for the jaw on the +x side, -1 for the other
   Jaw(const HaemostatShape& shape, double side)
       : shape_(shape), side_(side), bar_(bar(shape), kHaemostatFar) {}
 
@@ -41,7 +41,7 @@ class Jaw final : public ImplicitSolid {
     const FieldValue x = coordinate(p, Vec3::UnitX());
     const FieldValue y = coordinate(p, Vec3::UnitY());
     const FieldValue z = coordinate(p, Vec3::UnitZ());
-    FieldValue across = x;  // from the centre line, in the plane in which the jaws turn
+    FieldValue across = x;  // from the centre line, in the plane of the jaws' rotation
     FieldValue along = z;
     if (shape_.bend > 0.0 && z.value > shape_.straight) {
       const double radius = 1.0 / shape_.bend;
@@ -94,7 +94,7 @@ class Handles final : public ImplicitSolid {
  public:
   [[nodiscard]] FieldValue at(const Vec3& p_m) const noexcept override {
     const Vec3 p = p_m / kMillimetre;
-    // The two halves are alike: one is the other, turned half round the z axis.
+    // One half is the other one, rotated by 180 degrees about the z axis.
     const Vec3 turned(-p.x(), -p.y(), p.z());
     FieldValue other = half(turned);
     other.gradient = Vec3(-other.gradient.x(), -other.gradient.y(), other.gradient.z());
@@ -109,7 +109,7 @@ class Handles final : public ImplicitSolid {
   static constexpr double kRingX = 13.2;
   static constexpr double kRingZ = -101.0;
 
-  /// Block with rounded edges and a domed pin head on either side.
+  /// A block with rounded edges and a domed pin head on each side.
   [[nodiscard]] static FieldValue box(const Vec3& p) {
     const FieldValue x = coordinate(p, Vec3::UnitX());
     const FieldValue y = coordinate(p, Vec3::UnitY());
@@ -120,7 +120,7 @@ class Handles final : public ImplicitSolid {
     return unite(block, pin, 0.35);
   }
 
-  /// Between the two cheeks: open ahead and to both sides.
+  /// Between the two cheeks: open in front and at both sides.
   [[nodiscard]] static FieldValue slot(const Vec3& p) {
     const FieldValue y = coordinate(p, Vec3::UnitY());
     const FieldValue z = coordinate(p, Vec3::UnitZ());
@@ -135,15 +135,15 @@ class Handles final : public ImplicitSolid {
     const FieldValue x = coordinate(p, Vec3::UnitX());
     const FieldValue y = coordinate(p, Vec3::UnitY());
     const FieldValue z = coordinate(p, Vec3::UnitZ());
-    constexpr double kRing = 10.3;   // radius of its middle line, across
-    constexpr double kLonger = 0.8;  // and so much less curved along
+    constexpr double kRing = 10.3;   // radius of its centre line, across
+    constexpr double kLonger = 0.8;  // smaller curvature along the ring
     constexpr double kWire = 2.3;
     const FieldValue out = length_of(x + (-kRingX), kLonger * (z + (-kRingZ))) + (-kRing);
     all = unite(all, length_of(out, 0.85 * y) + (-kWire), 3.5);
     return unite(all, arm(x, y, z), 2.2);
   }
 
-  /// Half of the ratchet: a bar towards the other shank, with three teeth towards the other's bar.
+  /// Half of the ratchet: a bar towards the other shank, with three teeth towards the other bar.
   [[nodiscard]] static FieldValue arm(const FieldValue& x, const FieldValue& y, const FieldValue& z) {
     constexpr double kMiddle = -84.0;
     constexpr double kPitch = 2.1;

@@ -16,9 +16,9 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr int kHeartVertices = 3208;  // and so 2 (V - 2) = 6,412 triangles, as in [Zhang 2011, section 3.1]
+constexpr int kHeartVertices = 3208;  // gives 2 (V - 2) = 6,412 triangles, as in [Zhang 2011, section 3.1]
 
-/// Chambers and vessels, these cut flat. In millimetres.
+/// Chambers and the cut vessels. In millimetres.
 class Chambers {
  public:
   [[nodiscard]] FieldValue left_ventricle(const Vec3& p) const noexcept { return left_ventricle_.at(p); }
@@ -53,7 +53,7 @@ class Chambers {
   }
 
  private:
-  // Widths of the rounding where parts meet [mm]: narrow ones leave the grooves that tell the chambers apart.
+  // Blend widths [mm] where parts meet; narrow blends leave the grooves between the chambers.
   static constexpr double kGroove = 5.5;
   static constexpr double kFurrowWidth = 10.0;  // the interventricular groove
   static constexpr double kFurrowDepth = 1.9;
@@ -78,7 +78,7 @@ class Chambers {
   Ellipsoid right_atrium_ =
       ellipsoid({-35.0, 5.0, -10.0}, {24.0, 16.5, 19.0}, {0.05, 1.0, 0.0}, Vec3::UnitX());
   Ellipsoid left_atrium_ = ellipsoid({6.0, 17.0, -28.0}, {27.0, 17.0, 15.0}, Vec3::UnitX(), Vec3::UnitY());
-  // Their edges are notched: the auricles' radius goes up and down along them.
+  // The auricles' radius varies along them, so that their edges are notched.
   std::vector<Tube> auricles_{Tube({{{-35.0, 13.0, 0.0}, 12.0},
                                     {{-29.5, 19.0, 8.0}, 10.0},
                                     {{-24.5, 23.5, 12.5}, 8.2},
@@ -92,9 +92,9 @@ class Chambers {
                                     {{29.5, 22.5, 4.0}, 6.4},
                                     {{25.0, 23.0, 9.5}, 5.4}},
                                    kFar)};
-  // Fills what the chambers leave between them.
+  // Fills the gap between the chambers.
   Ellipsoid septum_ = ellipsoid({-15.5, -3.5, -15.5}, {16.0, 15.5, 14.0}, Vec3::UnitX(), Vec3::UnitY());
-  // Fat and pericardial folds: they close the gaps behind and beside the aorta's root.
+  // Fat and pericardial folds: they fill the gaps behind and beside the aorta's root.
   std::vector<Ellipsoid> folds_{
       ellipsoid({1.0, 30.0, -12.0}, {14.0, 13.0, 9.0}, Vec3::UnitX(), Vec3::UnitY()),
       ellipsoid({-18.0, 10.0, -4.0}, {13.0, 12.0, 14.0}, Vec3::UnitX(), Vec3::UnitY()),
@@ -106,7 +106,7 @@ class Chambers {
       ellipsoid({-16.0, 0.0, -25.0}, {12.0, 10.0, 9.0}, Vec3::UnitX(), Vec3::UnitY())};
 
   std::vector<CutVessel> arteries_{
-      // Aorta: root, ascending part, arch to the back and left, cut where it turns down.
+      // Aorta: root, ascending part, arch to the back and left, cut where it descends.
       CutVessel({{{-3.0, 14.0, -2.0}, 13.0},
                  {{-8.0, 29.0, 1.0}, 12.6},
                  {{-9.0, 42.0, -1.0}, 11.8},
@@ -120,7 +120,7 @@ class Chambers {
       CutVessel({{{-7.0, 53.0, -6.0}, 6.0}, {{-10.5, 64.0, -5.5}, 5.2}, {{-14.0, 73.5, -5.0}, 5.2}}, kFar),
       CutVessel({{{0.5, 59.0, -14.0}, 4.5}, {{0.5, 68.0, -13.5}, 3.9}, {{0.0, 75.5, -13.0}, 3.9}}, kFar),
       CutVessel({{{8.0, 59.0, -22.0}, 5.0}, {{11.5, 67.0, -22.5}, 4.3}, {{14.0, 74.0, -23.0}, 4.3}}, kFar),
-      // Pulmonary trunk, crossing in front of the aorta, and its left and right branches.
+      // Pulmonary trunk, which crosses in front of the aorta, and its left and right branches.
       CutVessel({{{3.0, 12.0, 11.0}, 13.2},
                  {{7.0, 24.0, 9.5}, 12.2},
                  {{11.5, 34.0, 3.0}, 11.4},
@@ -149,10 +149,10 @@ class Chambers {
       CutVessel({{{-13.0, 9.0, -33.0}, 6.2}, {{-23.0, 3.5, -38.0}, 5.3}, {{-33.0, 0.5, -41.0}, 5.3}}, kFar)};
 };
 
-/// The vessels that lie on the heart. In millimetres.
+/// The vessels on the heart's surface. In millimetres.
 class Coronaries final {
  public:
-  /// @param branches false: only the four that run in the grooves, sunk deeper; enough for a coarse mesh
+  /// @param branches false: only the four vessels in the grooves, placed deeper; for a coarse mesh
   Coronaries(const Chambers& chambers, bool branches) : chambers_(chambers), sunk_(branches ? 0.0 : 0.5) {
     const auto between_ventricles = [this](const Vec3& p) {
       return difference(chambers_.left_ventricle(p), chambers_.right_ventricle(p));
@@ -184,7 +184,7 @@ class Coronaries final {
          {30.0, 4.0, -28.0},
          {16.0, -2.0, -36.0}},
         1.8, 1.2, at_atria);
-    const Tube circumflex = vessels_.back();  // a copy: laying more moves the list
+    const Tube circumflex = vessels_.back();  // a copy: lay() may reallocate the list
     if (branches) lay_branches(anterior, right, circumflex);
   }
 
@@ -202,17 +202,17 @@ class Coronaries final {
   void lay_branches(const Tube& anterior, const Tube& right, const Tube& circumflex) {
     sunk_ = 0.15;
     const auto anywhere = [](const Vec3&) { return FieldValue{}; };
-    // Diagonal branches over the left ventricle.
+    // Diagonal branches on the left ventricle.
     lay({anterior.knot_at(0.22).middle, {30.0, -2.0, 15.5}, {36.5, -11.0, 11.5}, {40.5, -22.0, 5.0}}, 1.5,
         0.9, anywhere);
     lay({anterior.knot_at(0.42).middle, {31.0, -18.0, 17.0}, {36.5, -27.0, 12.5}, {39.5, -36.0, 6.0}}, 1.4,
         0.9, anywhere);
-    // Left marginal branches, the second on the back.
+    // Left marginal branches; the second is at the back.
     lay({circumflex.knot_at(0.42).middle, {42.0, -4.0, -10.0}, {42.0, -18.0, -8.0}, {40.0, -32.0, -4.0}}, 1.5,
         0.9, anywhere);
     lay({circumflex.knot_at(0.72).middle, {33.0, -6.0, -27.0}, {35.0, -19.0, -20.0}, {35.0, -31.0, -13.0}},
         1.4, 0.9, anywhere);
-    // Right marginal branch, along the acute border, and one to the right ventricle's front wall.
+    // Right marginal branch, along the acute border, and a branch to the right ventricle's front wall.
     lay({right.knot_at(0.48).middle, {-26.0, -27.0, 10.0}, {-10.0, -38.0, 14.0}, {8.0, -42.0, 14.0}}, 1.5,
         0.9, anywhere);
     lay({right.knot_at(0.30).middle, {-26.0, -4.0, 25.0}, {-21.5, -12.0, 28.0}, {-19.0, -21.0, 28.0}}, 1.4,
@@ -223,8 +223,8 @@ class Coronaries final {
     return {a.value - b.value, a.gradient - b.gradient};
   }
 
-  /// A tube on the surface along a path given roughly, and along the seam where `seam` is 0; it comes
-  /// out of the wall over its first part and sinks into it over its last.
+  /// A tube on the surface along an approximate path, and along the groove where `seam` is 0. It rises from
+  /// the wall over its first part and sinks into it over its last part.
   template <typename Seam>
   void lay(const Path& path, double first, double last, const Seam& seam) {
     std::vector<TubeKnot> rough;
@@ -234,7 +234,7 @@ class Coronaries final {
     std::vector<Vec3> line;
     for (std::size_t i = 0; i <= count; ++i) {
       Vec3 p = guide.knot_at(static_cast<double>(i) / static_cast<double>(count)).middle;
-      const bool in_seam = 6 * i > count;  // vessels come to their groove from elsewhere
+      const bool in_seam = 6 * i > count;  // vessels reach their groove from elsewhere
       for (int step = 0; step < 40; ++step) {
         if (in_seam) p -= 0.7 * step_to(seam(p));
         p -= step_to(chambers_.at(p));
@@ -246,7 +246,7 @@ class Coronaries final {
     for (std::size_t i = 0; i <= count; ++i) {
       const double share = static_cast<double>(i) / static_cast<double>(count);
       const double radius = first + share * (last - first);
-      constexpr double kRisen = 0.12;  // shares of the path
+      constexpr double kRisen = 0.12;  // fraction of the path
       constexpr double kSinkFrom = 0.7;
       const double sink =
           std::max(1.0 - share / kRisen, std::max(0.0, share - kSinkFrom) / (1.0 - kSinkFrom));
@@ -256,7 +256,7 @@ class Coronaries final {
     vessels_.emplace_back(knots, 2.0 * kBlend);
   }
 
-  /// Evens a line out, on the surface.
+  /// Smooths a line on the surface.
   void smooth(std::vector<Vec3>& line) const {
     std::vector<Vec3> even = line;
     for (std::size_t i = 1; i + 1 < line.size(); ++i) {
@@ -273,11 +273,11 @@ class Coronaries final {
   }
 
   const Chambers& chambers_;
-  double sunk_;  // of the radius, below the surface
+  double sunk_;  // depth below the surface, relative to the radius
   std::vector<Tube> vessels_;
 };
 
-/// Without what is finer than the grid that meshing starts from.
+/// Without the details that are finer than the initial grid.
 class SolidHeart final : public ImplicitSolid {
  public:
   [[nodiscard]] FieldValue at(const Vec3& p_m) const noexcept override {
@@ -289,7 +289,7 @@ class SolidHeart final : public ImplicitSolid {
   Chambers chambers_;
 };
 
-/// The same with the coronary vessels and the cut vessels' lumens as pits.
+/// The solid heart with the coronary vessels, and the lumens of the cut vessels as pits.
 class Heart final : public ImplicitSolid {
  public:
   explicit Heart(bool branches) : coronaries_(chambers_, branches) {}
@@ -315,12 +315,12 @@ class Heart final : public ImplicitSolid {
 
 TriangleMesh make_heart(Detail detail) {
   const Bounds box{Vec3(-0.070, -0.070, -0.065), Vec3(0.070, 0.085, 0.050)};
-  constexpr double kSpacing = 0.003;  // too coarse for the rims of the cut vessels, which come in remeshing
+  constexpr double kSpacing = 0.003;  // too coarse for the rims of the cut vessels, which remeshing adds
   const TriangleMesh start = polygonise(SolidHeart(), box, kSpacing);
-  RemeshGoal goal{.vertices = kHeartVertices, .bend_radius = 0.012, .finest = 0.2};
+  RemeshParameters goal{.vertices = kHeartVertices, .bend_radius = 0.012, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.006, .finest = 0.2};
   if (detail == Detail::k75k)
-    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.005, .finest = 0.2};
+    goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.005, .finest = 0.2};
   return remesh(Heart(detail != Detail::kPaper), start, goal);
 }
 

@@ -6,9 +6,9 @@
 namespace palpate::geometry {
 
 /// [setup] A human heart with its great vessels cut off: 3,208 vertices and 6,412 triangles, or 30,000 or
-/// 75,000 triangles with the coronary vessels in full; closed, metres.
-/// Seen as in an anterior view from +z with +y up: the ventricles' front wall faces
-/// +z, the apex points to +x and -y (the patient's left), the vessels leave towards +y.
+/// 75,000 triangles with all coronary vessels; closed, metres. Anterior view from +z with +y up: the front
+/// wall of the ventricles faces +z, the apex points to +x and -y (the patient's left), the vessels leave
+/// towards +y.
 [[nodiscard]] TriangleMesh make_heart(Detail detail);
 
 }  // namespace palpate::geometry

@@ -14,7 +14,7 @@ FieldValue unite(const FieldValue& a, const FieldValue& b, double blend) noexcep
   const double gap = high.value - low.value;
   if (gap >= blend) return low;
   const double h = (blend - gap) / blend;
-  const double share = 0.5 * h * h;  // of the higher one
+  const double share = 0.5 * h * h;  // weight of the larger value
   return {low.value - blend * h * h * h / 6.0, (1.0 - share) * low.gradient + share * high.gradient};
 }
 
@@ -69,7 +69,7 @@ Ellipsoid ellipsoid(const Vec3& middle, const Vec3& half_axes, const Vec3& first
 
 namespace {
 
-/// The grid of marching tetrahedra: samples, and the surface vertex on each crossed grid edge.
+/// The grid of marching tetrahedra: samples, and the surface vertex of each crossed grid edge.
 class Grid final {
  public:
   Grid(const ImplicitSolid& solid, const Bounds& box, double spacing) : low_(box.low), spacing_(spacing) {
@@ -107,8 +107,8 @@ class Grid final {
   }
   [[nodiscard]] double value(std::int64_t node) const { return values_[static_cast<std::size_t>(node)]; }
 
-  /// The six tetrahedra around the cube's diagonal (Kuhn): one for each order of the three axes, so that
-  /// neighbouring cubes cut their common face alike.
+  /// The six tetrahedra around the cube's diagonal (Kuhn), one for each order of the axes, so that
+  /// neighbouring cubes divide their common face identically.
   void cube(std::int64_t i, std::int64_t j, std::int64_t k) {
     static constexpr std::array<std::array<int, 3>, 6> kOrders{
         {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
@@ -120,7 +120,7 @@ class Grid final {
         ++at[static_cast<std::size_t>(kOrders[n][s])];
         nodes[s + 1] = index(at[0], at[1], at[2]);
       }
-      if (n >= 3) std::swap(nodes[1], nodes[2]);  // odd orders: keeps every tetrahedron right-handed
+      if (n >= 3) std::swap(nodes[1], nodes[2]);  // odd orders: keeps all tetrahedra right-handed
       tetrahedron(nodes);
     }
   }
@@ -146,7 +146,7 @@ class Grid final {
     const bool even = is_even(order);
     if (ins == 1) {
       const std::int32_t a =
-          cut(in[0], out[1]);  // one by one: the order of arguments is the compiler's choice
+          cut(in[0], out[1]);  // separate calls: the order of argument evaluation is unspecified
       const std::int32_t b = cut(in[0], out[2]);
       const std::int32_t c = cut(in[0], out[3]);
       emit(a, b, c, even);
@@ -181,8 +181,8 @@ class Grid final {
     }
   }
 
-  /// The vertex on the grid edge between an inside and an outside node, made once; kept off the nodes, so
-  /// that no two vertices coincide.
+  /// The vertex on the grid edge between an inside and an outside node, created once. It stays away from the
+  /// nodes, so that no two vertices coincide.
   std::int32_t cut(std::int64_t inside, std::int64_t outside) {
     const std::int64_t total = count_[0] * count_[1] * count_[2];
     const auto [entry, fresh] = made_.try_emplace(inside * total + outside, 0);

@@ -15,7 +15,7 @@ namespace palpate::geometry {
 
 namespace {
 
-constexpr int kKidneyVertices = 3002;  // and so 2 (V - 2) = 6,000 triangles
+constexpr int kKidneyVertices = 3002;  // gives 2 (V - 2) = 6,000 triangles
 
 /// In millimetres until it is meshed.
 class Kidney final : public ImplicitSolid {
@@ -34,14 +34,14 @@ class Kidney final : public ImplicitSolid {
   }
 
  private:
-  // Widths of the rounding where parts meet [mm].
+  // Blend widths where parts meet [mm].
   static constexpr double kLip = 7.0;
   static constexpr double kFatBlend = 5.0;
   static constexpr double kRoot = 4.0;
   static constexpr double kLumenRim = 0.8;
-  static constexpr double kFar = 8.0;  // more than any of these
+  static constexpr double kFar = 8.0;  // larger than all blends
 
-  /// The bean: a swept round shape, pressed flat along z to a share.
+  /// The bean: a swept round shape, compressed along z.
   [[nodiscard]] FieldValue bean(const Vec3& p) const noexcept {
     constexpr double kFlat = 0.78;
     const FieldValue round = body_.at({p.x(), p.y(), p.z() / kFlat});
@@ -49,8 +49,8 @@ class Kidney final : public ImplicitSolid {
     return {kFlat * round.value, kFlat * Vec3(g.x(), g.y(), g.z() / kFlat)};
   }
 
-  /// The same with shallow furrows between the lobes it grew from: across it, fading towards the hilum, and
-  /// one along its outer border.
+  /// The bean with shallow furrows between its foetal lobes: across it, fading towards the hilum, and one
+  /// along the outer border.
   [[nodiscard]] FieldValue lobed(const Vec3& p) const noexcept {
     FieldValue all = bean(p);
     if (all.value > 2.0 * kFar) return all;
@@ -79,7 +79,7 @@ class Kidney final : public ImplicitSolid {
               {{7.0, -34.0, 0.0}, 20.8}},
              kFar};
   Ellipsoid sinus_ = ellipsoid({28.0, -0.5, 1.0}, {17.0, 19.0, 9.0}, {1.0, 0.0, 0.18}, Vec3::UnitY());
-  // What the sinus holds beside the vessels.
+  // The fat of the sinus, beside the vessels.
   std::array<Ellipsoid, 2> fat_{
       ellipsoid({12.0, 0.0, 0.0}, {8.0, 15.0, 8.5}, Vec3::UnitX(), Vec3::UnitY()),
       ellipsoid({14.5, -11.0, -3.0}, {8.5, 9.0, 8.0}, Vec3::UnitX(), Vec3::UnitY())};
@@ -94,7 +94,7 @@ class Kidney final : public ImplicitSolid {
                  {{30.0, 13.5, -2.0}, 2.9},
                  {{37.5, 14.7, -2.5}, 2.9}},
                 kFar),
-      // Renal pelvis, narrowing into the ureter, which turns down.
+      // Renal pelvis, which narrows into the ureter and turns down.
       CutVessel({{{9.0, -2.0, -2.0}, 8.5},
                  {{18.0, -3.5, -4.0}, 7.2},
                  {{25.5, -8.5, -6.0}, 5.2},
@@ -111,10 +111,10 @@ TriangleMesh make_kidney(Detail detail) {
   const Bounds box{Vec3(-0.036, -0.062, -0.027), Vec3(0.048, 0.062, 0.028)};
   constexpr double kSpacing = 0.0018;  // fine enough for the ureter
   const TriangleMesh start = polygonise(Kidney(false), box, kSpacing);
-  RemeshGoal goal{.vertices = kKidneyVertices, .bend_radius = 0.008, .finest = 0.2};
+  RemeshParameters goal{.vertices = kKidneyVertices, .bend_radius = 0.008, .finest = 0.2};
   if (detail == Detail::k30k) goal = {.vertices = 15002, .bend_radius = 0.005, .finest = 0.2};
   if (detail == Detail::k75k)
-    goal = {.vertices = 9377, .quadruplings = 1, .bend_radius = 0.005, .finest = 0.2};
+    goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.005, .finest = 0.2};
   return remesh(Kidney(true), start, goal);
 }
 

@@ -5,11 +5,11 @@
 
 namespace palpate::geometry {
 
-/// [setup] A human liver: right and left lobe with the falciform ligament's stump between them and the notch
-/// of the round ligament, below caudate and quadrate lobe about the porta hepatis with portal vein, hepatic
-/// artery and bile duct cut off, the gallbladder's fossa (empty), the groove and stump of the inferior vena
-/// cava, what kidney, colon and stomach impress, and on the dome the heart's dent; a sharp lower margin.
-/// 3,502 vertices and 7,000 triangles, or 30,000 or 75,000 triangles; closed, metres. Seen as in an anterior
+/// [setup] A human liver with a sharp lower margin: 3,502 vertices and 7,000 triangles, or 30,000 or 75,000
+/// triangles; closed, metres. The falciform ligament's stump and the notch of the round ligament separate the
+/// right and left lobe. The caudate and quadrate lobes are below, around the porta hepatis. Portal vein,
+/// hepatic artery and bile duct are cut off. The surface has the empty fossa of the gallbladder, the groove
+/// and stump of the inferior vena cava, and the impressions of kidney, colon, stomach and heart. Anterior
 /// view from +z with +y up: the left lobe's tip points to +x (the patient's left).
 [[nodiscard]] TriangleMesh make_liver(Detail detail);
 

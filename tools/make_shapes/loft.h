@@ -5,9 +5,9 @@
 
 namespace palpate::geometry {
 
-/// [setup] Closed skin over closed rings of equally many points: quads (two triangles each) between
-/// successive rings, a fan to a point beyond each end. Turned outwards when the rings run counter-clockwise
-/// seen from the last one's side.
+/// [setup] A closed surface over closed rings of equally many points: quads (two triangles each) between
+/// successive rings, and a fan to a point beyond each end. It is oriented outwards when the rings are
+/// counter-clockwise seen from the last one's side.
 [[nodiscard]] TriangleMesh loft(const std::vector<std::vector<Vec3>>& rings, const Vec3& first_pole,
                                 const Vec3& last_pole);
 

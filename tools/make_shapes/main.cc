@@ -1,7 +1,7 @@
 // Makes the built-in organs and instruments, for maintainers:
 //
 //   make_shapes FOLDER           writes shapes.bin and shapes.txt (the repository's assets/)
-//   make_shapes --check FOLDER   exit 1 when the shapes made now differ from those of shapes.txt
+//   make_shapes --check FOLDER   exit 1 when the shapes differ from those of shapes.txt
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -40,8 +40,8 @@ struct Organ {
 constexpr Organ kOrgans[]{
     {"gallbladder", make_gallbladder}, {"heart", make_heart}, {"liver", make_liver}, {"kidney", make_kidney}};
 
-/// A resolution: what a name ends in, and how its meshes are packed. The paper's counts keep every bit,
-/// because the golden hashes depend on them; finer vertices are rounded to 2 micrometres.
+/// A resolution: the suffix of its names, and the packing of its meshes. Meshes with the paper's counts keep
+/// all bits, because the golden hashes depend on them; vertices of finer ones are rounded to 2 micrometres.
 struct Resolution {
   Detail detail;
   const char* ending;
@@ -70,7 +70,7 @@ class Archive final {
   }
 
   std::string bytes;
-  std::string list;  // a line a mesh: name, vertices, triangles, hash
+  std::string list;  // one line per mesh: name, vertices, triangles, hash
 };
 
 Archive make_all() {

@@ -62,7 +62,7 @@ void put_exact(const TriangleMesh& mesh, ColumnWriter& writer) {
   writer.put_signed(steps);
 }
 
-/// Visits the triangles in the order in which the reader grows them.
+/// Visits the triangles in the order in which the reader adds them.
 class Traversal final {
  public:
   Traversal(const TriangleMesh& mesh, int grid) : numbers_(mesh.vertices.size(), -1) {
@@ -83,7 +83,7 @@ class Traversal final {
     writer.put_signed(residuals_);
     writer.put(thirds_);
   }
-  /// The number in the archive of each of the mesh's vertices; -1: not reached.
+  /// The number of each vertex in the archive; -1: not reached.
   [[nodiscard]] const std::vector<std::int32_t>& numbers() const { return numbers_; }
 
  private:
@@ -120,8 +120,8 @@ class Traversal final {
   std::vector<Place> places_;                              // of the mesh's vertices [steps of the grid]
   std::vector<std::int32_t> numbers_;                      // of the mesh's vertices in the archive
   std::unordered_map<std::uint64_t, std::int32_t> third_;  // directed edge -> third corner of its triangle
-  std::unordered_set<std::uint64_t> done_;                 // directed edges of the triangles so far
-  std::vector<Edge> open_;                                 // as the triangle on the other side has them
+  std::unordered_set<std::uint64_t> done_;                 // directed edges of the visited triangles
+  std::vector<Edge> open_;                                 // with the direction of the missing triangle
   std::int32_t count_ = 0;
   std::vector<std::int64_t> residuals_;
   std::vector<std::uint32_t> thirds_;
@@ -140,7 +140,7 @@ void append_entry(std::string& archive, const std::string& name, const std::stri
   archive.append(reinterpret_cast<const char*>(packed.data()), size);
 }
 
-/// Reads the last entry back.
+/// Reads the last entry and compares it with the mesh.
 void check(const std::string& archive, const std::string& name, const TriangleMesh& mesh,
            const Packing& packing, const std::vector<std::int32_t>& numbers) {
   const std::span bytes(reinterpret_cast<const unsigned char*>(archive.data()), archive.size());

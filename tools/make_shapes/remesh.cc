@@ -19,13 +19,13 @@ namespace {
 
 using Edge = EditableSurface::Edge;
 
-// Edges outside these shares of the wanted length are split or collapsed (Botsch and Kobbelt 2004).
+// Edges outside these fractions of the target length are split or collapsed (Botsch and Kobbelt 2004).
 constexpr double kSplitAbove = 4.0 / 3.0;
 constexpr double kCollapseBelow = 4.0 / 5.0;
 
 class Remesher final {
  public:
-  Remesher(const ImplicitSolid& solid, const TriangleMesh& start, const RemeshGoal& goal)
+  Remesher(const ImplicitSolid& solid, const TriangleMesh& start, const RemeshParameters& goal)
       : solid_(solid), goal_(goal), surface_(start) {
     for (int step = 0; step < 3; ++step) project();
     measure_sizes();
@@ -41,13 +41,13 @@ class Remesher final {
     }
     reach_count();
     for (int round = 0; round < goal_.polish; ++round) relax();
-    for (int level = 0; level < goal_.quadruplings; ++level) divide();
+    for (int level = 0; level < goal_.subdivisions; ++level) divide();
     for (int step = 0; step < 3; ++step) project();
     return surface_.mesh();
   }
 
  private:
-  /// One Newton step of every vertex to the surface, and the normals there.
+  /// One Newton step of all vertices to the surface, and the normals there.
   void project() {
     for (std::size_t v = 0; v < surface_.points.size(); ++v) {
       const FieldValue field = solid_.at(surface_.points[v]);
@@ -58,8 +58,8 @@ class Remesher final {
     }
   }
 
-  /// Wanted relative edge length at each vertex: 1 on a plane, less where the normals turn quickly; spread
-  /// over the neighbours so that it changes gently.
+  /// Target relative edge length at each vertex: 1 on a plane, less where the normals change fast; smoothed
+  /// over the neighbours.
   void measure_sizes() {
     std::vector<double> bend(surface_.points.size(), 0.0);
     const std::vector<Edge> edges = surface_.edges();
@@ -85,7 +85,7 @@ class Remesher final {
     }
   }
 
-  /// Edge length [m] at relative size 1 that gives the wanted number of about equilateral triangles.
+  /// The edge length [m] at relative size 1 for which about equilateral triangles give the target count.
   [[nodiscard]] double wanted_length() const {
     double area = 0.0;
     for (const Triangle& t : surface_.triangles()) {
@@ -99,9 +99,9 @@ class Remesher final {
     return std::sqrt(4.0 / std::sqrt(3.0) * area / triangles);
   }
 
-  /// Every triangle into four, with the wanted sizes in between, and as many relaxations as `touch` says.
+  /// Divides every triangle into four, interpolates the target sizes, and relaxes `touch` times.
   void divide() {
-    surface_ = EditableSurface(quadruple(surface_.mesh()));
+    surface_ = EditableSurface(subdivide(surface_.mesh()));
     for (int step = 0; step < 3; ++step) project();
     measure_sizes();
     for (int round = 0; round < goal_.touch; ++round) relax();
@@ -120,7 +120,8 @@ class Remesher final {
     surface_.compact();
   }
 
-  /// Flips, one step of every vertex along the surface to the weighted middle of its triangles, projection.
+  /// Flips edges, moves each vertex along the surface to the weighted centroid of its triangles, and projects
+  /// it.
   void relax() {
     flip();
     std::vector<Vec3> moved(surface_.points.size());
@@ -169,7 +170,7 @@ class Remesher final {
   }
 
   /// Collapses the shortest or splits the longest edges, a few between two relaxations, until the count is
-  /// met.
+  /// reached.
   void reach_count() {
     constexpr int kMostRounds = 60;
     for (int round = 0; round < kMostRounds && surface_.living_vertices() != goal_.vertices; ++round) {
@@ -195,13 +196,13 @@ class Remesher final {
   }
 
   const ImplicitSolid& solid_;
-  RemeshGoal goal_;
+  RemeshParameters goal_;
   EditableSurface surface_;
 };
 
 }  // namespace
 
-TriangleMesh remesh(const ImplicitSolid& solid, const TriangleMesh& start, const RemeshGoal& goal) {
+TriangleMesh remesh(const ImplicitSolid& solid, const TriangleMesh& start, const RemeshParameters& goal) {
   return Remesher(solid, start, goal).run();
 }
 

@@ -7,7 +7,7 @@
 namespace palpate::geometry {
 
 namespace {
-constexpr int kPieces = 5;  // a span
+constexpr int kPieces = 5;  // per span
 constexpr std::array<std::size_t, 4> kAll{0, 1, 2, 3};
 }  // namespace
 
@@ -16,8 +16,8 @@ Tube::Tube(const std::vector<TubeKnot>& knots, double far) : end_(knots.back()),
   divide();
 }
 
-/// Second derivatives at the knots from the usual tridiagonal system, for equal parameter steps; 0 at both
-/// ends.
+/// Second derivatives at the knots from the tridiagonal system of a natural cubic spline, for equal parameter
+/// steps; 0 at both ends.
 void Tube::fit(const std::vector<TubeKnot>& knots) {
   const std::size_t count = knots.size();
   std::vector<Four> y;
@@ -95,7 +95,7 @@ Vec3 Tube::end_direction() const noexcept {
 }
 
 double Tube::rough_place(const Vec3& p) const noexcept {
-  // Plain numbers in these innermost loops: vector expressions make unoptimised builds crawl.
+  // Scalars in these inner loops, because Eigen expressions are slow in unoptimised builds.
   const double px = p.x();
   const double py = p.y();
   const double pz = p.z();
@@ -155,7 +155,7 @@ FieldValue Tube::at(const Vec3& p) const noexcept {
     distance = std::sqrt(arm2);
     radius = here.value[3];
     if (step == kNewtonSteps || distance <= 0.0) break;
-    const double first = -slope / distance - here.first[3];  // of distance - radius, by u
+    const double first = -slope / distance - here.first[3];  // derivative of distance - radius by u
     const double second = (speed2 - curl) / distance - slope * slope / (arm2 * distance) - here.second[3];
     if (second <= 0.0) break;
     const double next = std::clamp(u - std::clamp(first / second, -kLongestStep, kLongestStep), 0.0, last);

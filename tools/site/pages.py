@@ -21,7 +21,7 @@ SECTIONS = (
     ('How it works', ('docs/model.md', 'docs/architecture.md', 'docs/glossary.md', 'docs/picture.md', 'docs/accuracy.md',
                       'docs/validation.md', 'docs/performance.md', 'docs/decisions/README.md')),
     ('C++ API', ('api/README.md',)),
-    ('Project', ('CONTRIBUTING.md', 'CHANGELOG.md', 'docs/dependencies.md', 'docs/licences.md')),
+    ('Project', ('CONTRIBUTING.md', 'CHANGELOG.md', 'docs/dependencies.md')),
 )
 LINK = re.compile(r'(!?\[(?:[^\[\]]|\[[^\]]*\])*\]\()([^)\s]+)(\))')
 LIST_ITEM = re.compile(r'^\s*([-*+]|\d+\.)\s')

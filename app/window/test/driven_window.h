@@ -187,7 +187,7 @@ class Driven {
 /// The window on a session of its own.
 class DrivenWindow final : public Driven {
  public:
-  explicit DrivenWindow(const scene::Request& request, WindowOptions options = {})
+  explicit DrivenWindow(const scene::Overrides& request, WindowOptions options = {})
       : session_(prepare(scene::load(request), options.duration_s, true)),
         window_(session_, request, std::move(options)) {}
 

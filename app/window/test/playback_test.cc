@@ -73,7 +73,7 @@ TEST(Playback, SpeedsEndAtATenthAndAtTwice) {
 }
 
 void record_a_press(const std::filesystem::path& file, double duration_s, double rate_Hz = 1000.0) {
-  scene::Request request;
+  scene::Overrides request;
   request.organ = "ball";
   request.tissue = "liver";
   request.tools = {"sphere:5"};
@@ -132,7 +132,7 @@ TEST(ReplayThread, ATickThatCannotBeRunIsSaidAndLeavesTheOthers) {
   const test::TemporaryFolder folder;
   record_a_press(folder / "a.h5", 1.0);
   record::Recording recording = record::read_recording(folder / "a.h5");
-  recording.rows[700].events |= haptics::kLiveChange;
+  recording.rows[700].events |= haptics::kParameterUpdated;
   record::RecordingFrames frames(recording);
   ReplayThread replay(frames);
   EXPECT_EQ(ask(replay, 600).tick, 600U);

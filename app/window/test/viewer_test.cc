@@ -14,7 +14,8 @@ using ::testing::HasSubstr;
 class ViewerTest : public WindowTest {
  protected:
   /// A press on the ball that is recorded in no time: 7 s of it.
-  std::filesystem::path recorded(const std::string& name, const scene::Request& request = ball("scripted")) {
+  std::filesystem::path recorded(const std::string& name,
+                                 const scene::Overrides& request = ball("scripted")) {
     (void)Session(scene::load(request)).run({file(name), true});
     return file(name);
   }
@@ -171,7 +172,7 @@ TEST_F(ViewerTest, TheMapAndTheViewChangeThePictureAndTheFirstViewComesBack) {
 TEST_F(ViewerTest, AnotherRecordingIsDroppedOntoItAndABadOneIsRefused) {
   if (!display_is_there()) return;
   const std::filesystem::path first = recorded("a.h5");
-  scene::Request pull = ball("scripted");
+  scene::Overrides pull = ball("scripted");
   pull.tissue = "heart";
   const std::filesystem::path second = recorded("b.h5", pull);
   DrivenViewer driven(first, small_viewer());
@@ -199,7 +200,7 @@ TEST_F(ViewerTest, AnotherRecordingIsDroppedOntoItAndABadOneIsRefused) {
 
 TEST_F(ViewerTest, AFaultIsJumpedToAndSaidInWords) {
   if (!display_is_there()) return;
-  const scene::Request lost = failing(file("lost.toml"), "freeze", "0.3", "0.2");
+  const scene::Overrides lost = failing(file("lost.toml"), "freeze", "0.3", "0.2");
   (void)Session(scene::load(lost), {.duration_s = 1.0}).run({file("lost.h5"), true});
   DrivenViewer driven(file("lost.h5"), small_viewer());
   Viewer& viewer = driven.viewer();
@@ -219,7 +220,7 @@ TEST_F(ViewerTest, AHandIsChosenAmongSeveral) {
   std::ofstream(scene) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n"
                           "[[tool]]\nmesh = \"sphere:5\"\n[[tool]]\nmesh = \"sphere:3\"\n"
                           "[[device]]\nkind = \"scripted\"\n[[device]]\nkind = \"scripted\"\n";
-  scene::Request request;
+  scene::Overrides request;
   request.scene = scene;
   DrivenViewer driven(recorded("two.h5", request), small_viewer());
   Viewer& viewer = driven.viewer();

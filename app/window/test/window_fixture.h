@@ -27,8 +27,8 @@ inline WindowOptions small(std::filesystem::path recording = {}) {
 }
 
 /// A ball, quickly prepared, under a small ball as tool.
-inline scene::Request ball(const std::string& device) {
-  scene::Request request;
+inline scene::Overrides ball(const std::string& device) {
+  scene::Overrides request;
   request.organ = "ball";
   request.tissue = "liver";
   request.tools = {"sphere:5"};
@@ -37,12 +37,12 @@ inline scene::Request ball(const std::string& device) {
 }
 
 /// A device that fails in a way and at a time, in the emulated hand.
-inline scene::Request failing(const std::filesystem::path& file, const std::string& kind,
-                              const std::string& time_s, const std::string& duration_s) {
+inline scene::Overrides failing(const std::filesystem::path& file, const std::string& kind,
+                                const std::string& time_s, const std::string& duration_s) {
   std::ofstream(file) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
                          "[device]\nkind = \"emulated\"\n[[device.fault]]\nkind = \"" +
                              kind + "\"\ntime_s = " + time_s + "\nduration_s = " + duration_s + "\n";
-  scene::Request request;
+  scene::Overrides request;
   request.scene = file;
   return request;
 }

@@ -29,7 +29,7 @@ void wheel(DrivenWindow& driven, int notches) {
 
 /// A mouse presses or pulls, and holds; all panels are there.
 void experiment(const std::filesystem::path& file, const char* task) {
-  palpate::scene::Request request;
+  palpate::scene::Overrides request;
   request.task = task;
   request.device = "mouse";
   DrivenWindow driven(request);

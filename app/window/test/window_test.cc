@@ -123,7 +123,7 @@ TEST_F(WindowTest, AMouseMovesTheToolSidewaysAndTurnsTheView) {
 
 TEST_F(WindowTest, AMouseGraspsAndPulls) {
   if (!display_is_there()) return;
-  scene::Request request;
+  scene::Overrides request;
   request.task = "pull";
   request.device = "mouse";
   DrivenWindow driven(request, small());

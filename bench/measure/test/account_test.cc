@@ -89,7 +89,7 @@ TEST(Account, JsonOfNothingMeasuredHasEveryKey) {
     EXPECT_TRUE(json.at(key).is_null()) << key;
 }
 
-/// Cells of a line without quotes around commas.
+/// Number of cells of a line without quoted commas.
 std::size_t cells(const std::string& line) {
   std::size_t count = 1;
   bool quoted = false;
@@ -114,7 +114,7 @@ TEST(Account, CsvHasEighteenCellsALineAndCommentsOfOneLine) {
     ++rows;
   }
   EXPECT_EQ(comments, 5U);    // machine, build, command, clock, one remark
-  EXPECT_EQ(rows, 1U + 25U);  // head; 2 tick, 1 nearest, 3 parts, 2 preparation, 12 hands, 4 loop, 1 peer
+  EXPECT_EQ(rows, 1U + 25U);  // header; 2 tick, 1 nearest, 3 parts, 2 preparation, 12 hands, 4 loop, 1 peer
 }
 
 TEST(Account, CsvQuotesACommaAndRoundTrips) {

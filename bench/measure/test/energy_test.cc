@@ -1,5 +1,5 @@
-// The energy bound of docs/safety.md under attack: stiff, rough, sticky and breathing tissue under an
-// emulated hand that presses and rubs. Where the stability check does not warn, no case may break the bound.
+// Tests the energy bound of docs/safety.md with stiff, rough, adhesive and breathing tissue under an emulated
+// hand that presses and rubs. No case without a warning of the stability check may exceed the bound.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,23 +32,24 @@ struct Attack {
   scene::HandGrip grip = scene::kFirmGrip;
   double rate_Hz = 1000.0;
   double scale = 1.0;
-  double depth = 4e-3;     // m, that the hand wants to press
-  double rub = 5e-3;       // m, radius of the circle that it rubs there; 0: it holds still
-  double turns = 1.0;      // a second
+  double depth = 4e-3;     // m, desired depth
+  double rub = 5e-3;       // m, radius of the circle that it rubs; 0: at rest
+  double turns = 1.0;      // per second
   double breathing = 0.0;  // m
   double breath = 4.0;     // s
 };
 
 struct Outcome {
-  bool warned = false;  // the check warns: then the case is not run
+  bool warned = false;  // the check warned: the case is not run
   bool faulted = false;
-  double given = 0.0;           // J, the most given to the hand beyond what hand and organ had put in
-  double bound = 0.0;           // J, that docs/safety.md promises
-  double largest_change = 0.0;  // N, of the written force from tick to tick while the hand presses
-  std::uint64_t damped = 0;     // ticks at which the passivity controller acted
+  double given = 0.0;           // J, largest energy given to the hand beyond that put in by hand and organ
+  double bound = 0.0;           // J, bound of docs/safety.md
+  double largest_change = 0.0;  // N, largest change of the commanded force between ticks while the hand
+                                // presses
+  std::uint64_t damped = 0;     // ticks with an active passivity controller
 };
 
-/// Still for 0.5 s, down in 0.5 s, circles, and up again; in the device's lengths.
+/// Rest for 0.5 s, down in 0.5 s, circles, up; in the device's lengths.
 scene::ToolPath way_of(const Attack& attack) {
   std::vector<scene::PathRow> rows;
   constexpr double kClearance = 3e-3;
@@ -65,8 +66,8 @@ scene::ToolPath way_of(const Attack& attack) {
   return scene::ToolPath(std::move(rows));
 }
 
-scene::Setup setup_of(const Attack& attack) {
-  scene::Setup setup;
+scene::Scene setup_of(const Attack& attack) {
+  scene::Scene setup;
   setup.name = "attack";
   setup.rate_Hz = attack.rate_Hz;
   setup.organ_name = "box";
@@ -90,10 +91,10 @@ scene::Setup setup_of(const Attack& attack) {
   return setup;
 }
 
-/// Integrates by the hand itself, and the organ's part by its own motion.
+/// Integrates energy from the hand model, and the organ's part from its own motion.
 class EnergyWatch final : public haptics::TickObserver {
  public:
-  /// @param unseen K Delta [N]: what the encoder does not see of a way, as a force along it
+  /// @param unseen K Delta [N]: force that accounts for motion below the encoder's resolution
   EnergyWatch(const Attack& attack, const haptics::SimulationWorld& world,
               const devices::EmulatedDevice& device, double unseen)
       : attack_(attack), world_(world), device_(device), unseen_(unseen) {}
@@ -115,7 +116,7 @@ class EnergyWatch final : public haptics::TickObserver {
     force_ = force;
     if (row.fault != 0) outcome.faulted = true;
     if ((row.status & haptics::kEnergyDamped) != 0) ++outcome.damped;
-    outcome.bound = haptics::kEnergyLeeway + 2.0 * most_in_a_tick_ + unseen_ * way_;
+    outcome.bound = haptics::kEnergyTolerance + 2.0 * most_in_a_tick_ + unseen_ * way_;
   }
 
   Outcome outcome;
@@ -125,7 +126,7 @@ class EnergyWatch final : public haptics::TickObserver {
   const haptics::SimulationWorld& world_;
   const devices::EmulatedDevice& device_;
   double unseen_;
-  double way_ = 0.0;  // m, of the organ while it was felt
+  double way_ = 0.0;  // m, motion of the organ in contact
   Pose organ_ = world_.organ_W;
   Vec3 force_ = Vec3::Zero();
   double by_organ_ = 0.0;
@@ -134,7 +135,7 @@ class EnergyWatch final : public haptics::TickObserver {
 };
 
 Outcome outcome_of(const Attack& attack) {
-  const scene::Setup setup = setup_of(attack);
+  const scene::Scene setup = setup_of(attack);
   if (!scene::stability_remarks(setup).empty()) return {.warned = true};
   const haptics::SimulationWorld world = scene::make_world(setup);
   devices::EmulatedDevice device(way_of(attack), setup.devices.front(), attack.rate_Hz);
@@ -151,7 +152,7 @@ Outcome outcome_of(const Attack& attack) {
   return watch.outcome;
 }
 
-std::string in_words(const Attack& a) {
+std::string to_string(const Attack& a) {
   return fmt::format(
       "k1 {:g} N/m, k_t {:g} N/m, friction {:g}, b {:g}, c_t {:g} N s/m; {:g} Hz, scale {:g}; device {:g} N "
       "s/m, "
@@ -163,8 +164,8 @@ std::string in_words(const Attack& a) {
 }
 
 void expect_within_bound(const Attack& attack, const Outcome& outcome) {
-  EXPECT_FALSE(outcome.faulted) << in_words(attack);
-  EXPECT_LE(outcome.given, outcome.bound) << in_words(attack);
+  EXPECT_FALSE(outcome.faulted) << to_string(attack);
+  EXPECT_LE(outcome.given, outcome.bound) << to_string(attack);
 }
 
 Attack random_attack(std::mt19937& random) {
@@ -193,7 +194,7 @@ Attack random_attack(std::mt19937& random) {
   return attack;
 }
 
-// PALPATE_SAMPLES=1000 tries as many.
+// Environment variable PALPATE_SAMPLES sets the number of cases, for example 1000.
 TEST(Energy, NoRandomCaseBreaksTheBoundUnwarned) {
   const char* const wanted = std::getenv("PALPATE_SAMPLES");
   const int cases = wanted != nullptr ? std::atoi(wanted) : 60;
@@ -224,7 +225,7 @@ TEST(Energy, NoStiffRoughOrBreathingCaseBreaksTheBoundUnwarned) {
           const Outcome outcome = outcome_of(attack);
           expect_within_bound(attack, outcome);
           if (k1 >= 2e4 || (tangential > 1e4 && friction > 0.0)) {
-            EXPECT_TRUE(outcome.warned) << in_words(attack);
+            EXPECT_TRUE(outcome.warned) << to_string(attack);
           }
           ++cases;
         }

@@ -5,19 +5,19 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/measure/subjects.h"
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/test/sample_scene.h"
 
 namespace palpate::bench {
 namespace {
 
-const scene::Setup& setup() {
-  static const scene::Setup setup = sample_scene();
+const scene::Scene& setup() {
+  static const scene::Scene setup = sample_scene();
   return setup;
 }
 
-const std::vector<WayPoint>& way() {
-  static const std::vector<WayPoint> way = walk(setup(), scene::make_world(setup()), hand_path(setup()));
+const std::vector<PathPoint>& way() {
+  static const std::vector<PathPoint> way = run_path(setup(), scene::make_world(setup()), hand_path(setup()));
   return way;
 }
 
@@ -25,29 +25,29 @@ int opened = 0;
 
 void* open_none(const PalpatePeerMesh*, const PalpatePeerMesh*, size_t) { return nullptr; }
 void* open_one(const PalpatePeerMesh*, const PalpatePeerMesh*, size_t) { return &++opened; }
-double say_a_metre(void*, const double*, const double*) { return 1.0; }
-double say_nothing(void*, const double*, const double*) { return std::nan(""); }
-double say_touch(void*, const double*, const double*) { return 0.0; }
+double report_a_metre(void*, const double*, const double*) { return 1.0; }
+double report_nothing(void*, const double*, const double*) { return std::nan(""); }
+double report_touch(void*, const double*, const double*) { return 0.0; }
 void close_one(void*) { --opened; }
 
 TEST(Peers, WithoutTheLibraryAllAreMissingByNameAndPackage) {
   const Peers none("/nonexistent/libpalpate_peers.so");
   EXPECT_TRUE(none.all().empty());
   const std::vector<std::string> missing = none.missing();
-  ASSERT_EQ(missing.size(), known_peers().size());
+  ASSERT_EQ(missing.size(), supported_peers().size());
   EXPECT_NE(missing[1].find("FCL"), std::string::npos);
   EXPECT_NE(missing[1].find("libfcl-dev"), std::string::npos);
 }
 
 TEST(Peers, EveryKnownOneIsBuiltInOrSaidToBeMissing) {
   const Peers built(PALPATE_PEERS);
-  EXPECT_EQ(built.all().size() + built.missing().size(), known_peers().size());
+  EXPECT_EQ(built.all().size() + built.missing().size(), supported_peers().size());
 }
 
 TEST(Peers, ThoseBuiltInAgreeWithPalpateOnEveryDistance) {
   const Peers built(PALPATE_PEERS);
   for (const PalpatePeer& peer : built.all()) {
-    const PeerAccount account = ask_peer(peer, {setup(), way(), 1.0});
+    const PeerAccount account = measure_peer(peer, {setup(), way(), 1.0});
     EXPECT_EQ(account.name, peer.name);
     EXPECT_GT(account.contact.samples, 0U) << peer.name;
     EXPECT_GT(account.approach.samples, 0U) << peer.name;
@@ -56,28 +56,28 @@ TEST(Peers, ThoseBuiltInAgreeWithPalpateOnEveryDistance) {
 }
 
 TEST(Peers, OneThatRefusesTheOrganThrows) {
-  const PalpatePeer peer{"none", "nothing", 0, 0, open_none, say_touch, close_one};
-  EXPECT_THROW(static_cast<void>(ask_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
+  const PalpatePeer peer{"none", "nothing", 0, 0, open_none, report_touch, close_one};
+  EXPECT_THROW(static_cast<void>(measure_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
 }
 
 TEST(Peers, OneThatAnswersAnotherQuestionThrowsAndIsClosed) {
-  const PalpatePeer peer{"far", "nothing", 0, 0, open_one, say_a_metre, close_one};
-  EXPECT_THROW(static_cast<void>(ask_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
+  const PalpatePeer peer{"far", "nothing", 0, 0, open_one, report_a_metre, close_one};
+  EXPECT_THROW(static_cast<void>(measure_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
   EXPECT_EQ(opened, 0);
 }
 
 TEST(Peers, OneThatNeverTouchesHasNoFiguresInContact) {
-  const PalpatePeer peer{"ghost", "nothing", 0, 1, open_one, say_nothing, close_one};
-  const PeerAccount account = ask_peer(peer, {setup(), way(), 1.0});
+  const PalpatePeer peer{"ghost", "nothing", 0, 1, open_one, report_nothing, close_one};
+  const PeerAccount account = measure_peer(peer, {setup(), way(), 1.0});
   EXPECT_EQ(account.contact.samples, 0U);
   EXPECT_GT(account.approach.samples, 0U);
 }
 
 TEST(Peers, AllTicksAreAskedWhereThereIsTime) {
-  const PalpatePeer peer{"quick", "nothing", 0, 1, open_one, say_touch, close_one};
+  const PalpatePeer peer{"quick", "nothing", 0, 1, open_one, report_touch, close_one};
   std::size_t contact = 0;
-  for (const WayPoint& at : way()) contact += at.phase != contact::Phase::kApproach ? 1 : 0;
-  const PeerAccount account = ask_peer(peer, {setup(), way(), 1e6});
+  for (const PathPoint& at : way()) contact += at.phase != contact::Phase::kApproach ? 1 : 0;
+  const PeerAccount account = measure_peer(peer, {setup(), way(), 1e6});
   EXPECT_EQ(account.contact.samples, contact);
   EXPECT_EQ(opened, 0);
 }

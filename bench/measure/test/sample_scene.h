@@ -5,17 +5,16 @@
 
 namespace palpate::bench {
 
-/// A ball pressed with a ball: quick to prepare.
-inline scene::Setup sample_scene() {
-  scene::Request request;
+/// A ball pressed by a ball: fast to prepare.
+inline scene::Scene sample_scene() {
+  scene::Overrides request;
   request.organ = "ball";
   request.tissue = "liver";
   request.tools = {"sphere:5"};
   return scene::load(request);
 }
 
-/// The tool stays where it is, `height` [m] above the organ's middle, for 20 ms and the device's last half
-/// second.
+/// The tool rests `height` [m] above the organ's centre for 20 ms, plus the device's final half second.
 inline scene::ToolPath still_path(double height) {
   scene::PathRow from;
   from.position = Vec3(0.0, 0.0, height);

@@ -4,7 +4,7 @@
 
 #include "palpate/error.h"
 
-// A few cases of the sweep that docs/safety.md shows; palpate_stability_sweep runs them all.
+// Some cases of the sweep in docs/safety.md; palpate_stability_sweep runs all of them.
 namespace palpate::bench {
 namespace {
 
@@ -19,8 +19,7 @@ TEST(Stability, WhereTheCheckDoesNotWarnAPressedTissueLiesStillUnderLightAndFirm
   for (const char* tissue : {"gallbladder", "heart", "liver", "kidney"}) {
     for (const double rate : {1000.0, 4000.0}) {
       const StabilityBlock block(model::tissue_preset(tissue), rate);
-      // Barely enough damping, and friction, for the stiffest of them: K = 1,132 N/m, 2 f_c / Delta = 1,200
-      // N/m.
+      // Just enough damping and friction for the stiffest case: K = 1,132 N/m, 2 f_c / Delta = 1,200 N/m.
       const haptics::DeviceMechanics device{rate < 2000.0 ? 1.07 : 0.65, 0.006, kEncoder};
       for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
         SCOPED_TRACE(std::string(tissue) + " at " + std::to_string(rate) + " Hz, grip of " +

@@ -6,20 +6,20 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/hands.h"
-#include "bench/measure/loop_contest.h"
+#include "bench/measure/loop_comparison.h"
 #include "bench/measure/preparation.h"
-#include "bench/measure/subjects.h"
 #include "bench/measure/test/sample_scene.h"
 
-// What is counted, never how long it took.
+// Tests counts, never durations.
 namespace palpate::bench {
 namespace {
 
 constexpr haptics::Waiting kSleep = haptics::Waiting::kSleep;
 
-const scene::Setup& ticks_setup() {
-  static const scene::Setup setup = sample_scene();
+const scene::Scene& ticks_setup() {
+  static const scene::Scene setup = sample_scene();
   return setup;
 }
 
@@ -30,10 +30,10 @@ const haptics::SimulationWorld& world() {
 
 TEST(Ticks, EveryTickOfTheWayIsContactOrApproachOrFar) {
   const scene::ToolPath path = hand_path(ticks_setup());
-  const std::vector<WayPoint> way = walk(ticks_setup(), world(), path);
+  const std::vector<PathPoint> way = run_path(ticks_setup(), world(), path);
   std::size_t contact = 0;
   std::size_t approach = 0;
-  for (const WayPoint& at : way) {
+  for (const PathPoint& at : way) {
     if (at.phase != contact::Phase::kApproach) {
       ++contact;
     } else if (at.distance <= kNear) {
@@ -73,7 +73,7 @@ TEST(Ticks, AWayWithoutContactThrows) {
 }
 
 TEST(Ticks, TheTipIsTheFarthestVertexAlongTheTool) {
-  const std::vector<WayPoint> way = walk(ticks_setup(), world(), still_path(0.2));
+  const std::vector<PathPoint> way = run_path(ticks_setup(), world(), still_path(0.2));
   const std::vector<Vec3> tips = tip_points(ticks_setup(), way);
   ASSERT_EQ(tips.size(), way.size());
   double top = -1.0;
@@ -82,7 +82,7 @@ TEST(Ticks, TheTipIsTheFarthestVertexAlongTheTool) {
 }
 
 TEST(Ticks, NearestPointsAreAskedSixteenAtATime) {
-  const std::vector<WayPoint> way = walk(ticks_setup(), world(), still_path(0.05));
+  const std::vector<PathPoint> way = run_path(ticks_setup(), world(), still_path(0.05));
   const NearestAccount account = time_nearest(ticks_setup(), way);
   EXPECT_EQ(account.times.samples, way.size() / kPointsAtOnce);
 }
@@ -157,13 +157,13 @@ TEST(Hands, EveryHandIsTickedInEveryPeriodOfEveryThread) {
 TEST(LoopContest, BothLoopsRunEveryTickOfThePath) {
   const scene::ToolPath path = still_path(0.05);
   std::size_t said = 0;
-  const LoopAccount account =
-      against_empty_loop(ticks_setup(), world(), path, kSleep, [&](double, const std::string&) { ++said; });
+  const LoopAccount account = compare_with_empty_loop(ticks_setup(), world(), path, kSleep,
+                                                      [&](double, const std::string&) { ++said; });
   EXPECT_EQ(account.ticks, 520U);  // 20 ms and half a second at 1 kHz
   EXPECT_EQ(account.late.samples, 520U);
   EXPECT_EQ(account.late_empty.samples, 520U);
   EXPECT_EQ(account.rate_Hz, 1000.0);
-  EXPECT_EQ(said, 3U);  // turns of a quarter of a second
+  EXPECT_EQ(said, 3U);  // turns of 0.25 s
 }
 
 }  // namespace

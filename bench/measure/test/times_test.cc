@@ -11,7 +11,7 @@ namespace {
 TEST(Times, FiguresOfAThousandAreThoseByHand) {
   std::vector<double> times;
   for (int i = 1000; i >= 1; --i) times.push_back(static_cast<double>(i));
-  const TimeFigures figures = figures_of(times);
+  const TimeStatistics figures = figures_of(times);
   EXPECT_EQ(figures.samples, 1000U);
   EXPECT_EQ(figures.p50_us, 500.0);
   EXPECT_EQ(figures.p99_us, 990.0);
@@ -20,7 +20,7 @@ TEST(Times, FiguresOfAThousandAreThoseByHand) {
 }
 
 TEST(Times, FiguresOfNothingAreZero) {
-  const TimeFigures figures = figures_of({});
+  const TimeStatistics figures = figures_of({});
   EXPECT_EQ(figures.samples, 0U);
   EXPECT_EQ(figures.max_us, 0.0);
 }

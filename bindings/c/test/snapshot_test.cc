@@ -20,7 +20,7 @@ TEST(TickedSnapshot, CarriesTheLatchedFault) {
 }
 
 TEST(TickedSnapshot, CarriesTheReachOfTheTissueInForceAlsoBeforeTheFirstTick) {
-  scene::Setup setup = scene::load({});
+  scene::Scene setup = scene::load({});
   setup.tissue.reach.bar_ratio += 0.5;
   palpate_simulation simulation(c_interface::load(setup, {}, true), fresh<palpate_options>());
   EXPECT_EQ(simulation.newest_snapshot().reach, setup.tissue.reach);

@@ -6,11 +6,11 @@
 namespace palpate {
 namespace {
 
-// Odd, half of their bits set, without pattern: the golden ratio's fraction and the square root of two's.
+// Odd constants with half of their bits set: fractions of the golden ratio and of sqrt(2).
 constexpr std::uint64_t kOne = 0x9e3779b97f4a7c15U;
 constexpr std::uint64_t kTwo = 0x6a09e667f3bcc909U;
 
-/// Every bit of the result depends on every bit of x.
+/// Mixes x so that every bit of the result depends on every bit of x.
 std::uint64_t scatter(std::uint64_t x) noexcept {
   x = (x ^ (x >> 32)) * kOne;
   x = (x ^ (x >> 29)) * kTwo;
@@ -29,7 +29,8 @@ std::string ContentHash::hexadecimal() const {
 }
 
 void ContentHasher::mix(std::uint64_t word) noexcept {
-  // Each line maps its accumulator one to one, whatever the word: two chains that no single change fools.
+  // Each line is a bijection of its accumulator for any word. Two independent chains detect any single
+  // change.
   a_ = (a_ ^ word) * kOne;
   a_ ^= a_ >> 32;
   b_ = (std::rotl(b_, 29) + word) * kTwo;

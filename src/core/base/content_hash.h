@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// What may be hashed and stored as the bytes it is: no pointers. Its author sees to it that it has no
-/// padding.
+/// A type that may be hashed and stored as its bytes: without pointers and without padding (the caller's
+/// duty).
 template <typename T>
 concept PlainElement = std::is_trivially_copyable_v<T> || std::is_same_v<T, Vec3>;
 
-/// 128 bits that tell contents apart; the same on every run and every x86-64.
+/// A 128-bit hash of contents, equal in every run on every x86-64.
 struct ContentHash {
   std::array<std::uint64_t, 2> words{};
   friend bool operator==(const ContentHash&, const ContentHash&) = default;
@@ -23,8 +23,8 @@ struct ContentHash {
   [[nodiscard]] std::string hexadecimal() const;
 };
 
-/// Hashes bytes given piece by piece. Each piece's length counts: ("ab", "c") is not ("a", "bc"). Against
-/// chance, not against someone who looks for two contents with one hash.
+/// Hashes bytes given in pieces. The length of each piece counts: ("ab", "c") differs from ("a", "bc").
+/// Protects against accidental collisions, not against deliberate ones.
 class ContentHasher final {
  public:
   /// [any]
@@ -42,7 +42,7 @@ class ContentHasher final {
  private:
   void mix(std::uint64_t word) noexcept;
 
-  std::uint64_t a_ = 0x243f6a8885a308d3U;  // the first bits of pi's fraction, as good as any
+  std::uint64_t a_ = 0x243f6a8885a308d3U;  // first bits of pi's fraction; arbitrary
   std::uint64_t b_ = 0x13198a2e03707344U;
 };
 

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// [any] A vertex's or triangle's number, never below 0, as an index of a standard container.
+/// [any] A vertex or triangle number (>= 0) as an index of a standard container.
 [[nodiscard]] constexpr std::size_t at(std::int32_t number) noexcept {
   return static_cast<std::size_t>(number);
 }

@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// Philox 4x32-10: 128 random bits as a pure function of a 128-bit counter and a 64-bit key, so that any
-/// number of any run can be computed alone. [Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers: as
-/// easy as 1, 2, 3"]
+/// Philox 4x32-10: 128 random bits as a pure function of a 128-bit counter and a 64-bit key, so any random
+/// number of any run can be computed by itself. [Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers:
+/// as easy as 1, 2, 3"]
 using PhiloxCounter = std::array<std::uint32_t, 4>;
 using PhiloxKey = std::array<std::uint32_t, 2>;
 

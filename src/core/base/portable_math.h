@@ -1,8 +1,8 @@
 #pragma once
 
-/// Elementary functions whose result does not depend on the C library's choice by processor: the same bits at
-/// -O0 and -O2 on any x86-64. Only +, -, *, / and sqrt of IEEE 754 are used. Each is within 2 units in the
-/// last place unless said otherwise.
+/// Elementary functions with the same bits at -O0 and -O2 on any x86-64. (The C library chooses its versions
+/// by processor.) They use only +, -, *, / and sqrt of IEEE 754. The error is at most 2 units in the last
+/// place unless stated otherwise.
 namespace palpate::portable {
 
 inline constexpr double kPi = 3.14159265358979323846;
@@ -18,22 +18,22 @@ struct SinCos {
 /// [rt] Natural logarithm; -infinity at 0, NaN below, infinity at infinity.
 [[nodiscard]] double log(double x) noexcept;
 
-/// [rt] e^x - 1 without the cancellation at small x; -1 far below, infinity above 709.8, NaN for NaN.
+/// [rt] e^x - 1 without cancellation at small x; -1 for large negative x, infinity above 709.8, NaN for NaN.
 [[nodiscard]] double expm1(double x) noexcept;
 
-/// [rt] ln(1 + x) without the cancellation at small x, within 3 units in the last place; -infinity at -1, NaN
-/// below, infinity at infinity.
+/// [rt] ln(1 + x) without cancellation at small x; error at most 3 units in the last place. -infinity at -1,
+/// NaN below, infinity at infinity.
 [[nodiscard]] double log1p(double x) noexcept;
 
-/// [rt] Sine and cosine of x [rad], |x| <= 1e5 (larger arguments lose digits; NaN past 1e9).
+/// [rt] Sine and cosine of x [rad], |x| <= 1e5. Larger arguments lose digits; NaN beyond 1e9.
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 
-/// [rt] Cosine of 2 pi turns, |turns| <= 2^40 (NaN past it): half the work of sin_cos() for an angle given as
-/// a share of the circle. Exact in its argument for |turns| < 1 in steps of 2^-53; else the angle is rounded
-/// to 2^-53 turns or to its own last place, whichever is more.
+/// [rt] Cosine of 2 pi turns, |turns| <= 2^40 (NaN beyond), at half the cost of sin_cos(). The argument is
+/// exact for |turns| < 1 in steps of 2^-53. Otherwise the angle is rounded to 2^-53 turns or to its own last
+/// place, whichever is larger.
 [[nodiscard]] double cos_of_turns(double turns) noexcept;
 
-/// [rt] Arc cosine [rad] of x, clamped to [-1, 1] first; NaN for NaN.
+/// [rt] Arc cosine [rad] of x clamped to [-1, 1]; NaN for NaN.
 [[nodiscard]] double acos(double x) noexcept;
 
 }  // namespace palpate::portable

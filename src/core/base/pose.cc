@@ -24,7 +24,7 @@ Quat slerp(const Quat& a, const Quat& b, double u) noexcept {
   cosine *= side;
   double weight_a = 1.0 - u;
   double weight_b = u;
-  constexpr double kNearlyEqual = 1.0 - 1e-9;  // below this angle the chord and the arc agree to 1e-10
+  constexpr double kNearlyEqual = 1.0 - 1e-9;  // below this angle chord and arc agree to 1e-10
   if (cosine < kNearlyEqual) {
     const double angle = portable::acos(cosine);
     const double sine = std::sqrt(1.0 - cosine * cosine);

@@ -27,7 +27,7 @@ double median(std::vector<double> values) {
 }
 
 double normalized_mad(std::vector<double> residuals) {
-  constexpr double kPerMedian = 1.4826;  // of a normal distribution: 1 / (its quantile at 3/4)
+  constexpr double kPerMedian = 1.4826;  // for a normal distribution: 1 / (its quantile at 3/4)
   for (double& residual : residuals) residual = std::abs(residual);
   return kPerMedian * median(std::move(residuals));
 }
@@ -61,7 +61,8 @@ double correlation(std::span<const double> x, std::span<const double> y) noexcep
 }
 
 double effective_sample_size(std::span<const double> values) noexcept {
-  constexpr double kMostAutocorrelation = 0.99;  // beyond, a few hundred values do not tell it from 1
+  // above this, a few hundred values do not distinguish r from 1
+  constexpr double kMaxAutocorrelation = 0.99;
   const double middle = mean(values);
   double squares = 0.0;
   double lagged = 0.0;
@@ -70,7 +71,7 @@ double effective_sample_size(std::span<const double> values) noexcept {
     squares += value * value;
     if (i > 0) lagged += value * (values[i - 1] - middle);
   }
-  const double r = squares > 0.0 ? std::clamp(lagged / squares, 0.0, kMostAutocorrelation) : 0.0;
+  const double r = squares > 0.0 ? std::clamp(lagged / squares, 0.0, kMaxAutocorrelation) : 0.0;
   return static_cast<double>(values.size()) * (1.0 - r) / (1.0 + r);
 }
 

@@ -7,36 +7,36 @@
 
 namespace palpate {
 
-/// [setup] The shortest decimal form of a double that reads back to the same bits ("inf", "nan" for those).
+/// [setup] The shortest decimal text of a double that reads back to the same bits, or "inf", "nan".
 [[nodiscard]] std::string shortest(double value);
 
-/// [setup] So many significant digits, for people to read: brief(0.123456) is "0.1235".
+/// [setup] A number with `digits` significant digits: brief(0.123456) is "0.1235".
 [[nodiscard]] std::string brief(double value, int digits = 4);
 
-/// [setup] A share in per cent, with so many decimals: percent(0.123456) is "12.35 %".
+/// [setup] A fraction in per cent with `decimals` decimals: percent(0.123456) is "12.35 %".
 [[nodiscard]] std::string percent(double share, int decimals = 2);
 
-/// [setup] A foreign text fit for a message of one line: control characters become blanks.
+/// [setup] A text from outside, made safe for a one-line message: control characters become blanks.
 [[nodiscard]] std::string one_line(std::string text);
 
-/// [setup] A number and what it counts: "1 row", "2 rows".
+/// [setup] A number with its noun: "1 row", "2 rows".
 [[nodiscard]] std::string counted(std::uint64_t number, std::string_view one, std::string_view more);
 
-/// [setup] The words with `between` after each but the last.
+/// [setup] The strings joined with `between`.
 [[nodiscard]] std::string joined(std::span<const std::string> words, std::string_view between = ", ");
 
-/// [any] Without blanks, tabs and line ends at both ends.
+/// [any] The text without blanks, tabs and line ends at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text) noexcept;
 
-/// [setup] A foreign text fit for a message: one line, "..." for what is beyond `most` characters.
+/// [setup] A text from outside, made safe for a message: one line, cut after `most` characters with "...".
 [[nodiscard]] std::string excerpt(std::string_view text, std::size_t most = 60);
 
-/// [any] The number that is the whole text, as std::from_chars reads it (with "inf" and "nan"), a sign +
-/// allowed; none when it is beyond a double.
+/// [any] The number that is the whole text, as std::from_chars reads it ("inf" and "nan" included, a sign +
+/// allowed); nullopt otherwise or beyond the range of a double.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text) noexcept;
 
-/// [setup] The known word nearest to `word` by edit distance, or empty when none is near (for "did you
-/// mean").
+/// [setup] The string of `known` nearest to `word` by edit distance, for "did you mean"; empty when none is
+/// near.
 [[nodiscard]] std::string nearest_word(std::string_view word, std::span<const std::string> known);
 
 }  // namespace palpate

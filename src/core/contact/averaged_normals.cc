@@ -14,16 +14,17 @@ namespace palpate::contact {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kQuick = 1e7;           // triangles looked at in all: a few tenths of a second
-constexpr double kGroupsInRadius = 4.0;  // a group's size is this part of the radius
+// triangle visits; up to here the normals take a few tenths of a second without groups
+constexpr double kQuick = 1e7;
+constexpr double kGroupsInRadius = 4.0;  // group size = radius / kGroupsInRadius
 
-/// Sums over the triangles that the surface leads to within reach of a point; one a thread.
+/// Sums the face normals around one point by a flood over neighbouring groups. One object per thread.
 class Flood final {
  public:
   Flood(const SurfaceView& surface, const TriangleGroups& groups, double radius)
       : surface_(surface), groups_(groups), radius_(radius), seen_by_(groups.size(), -1) {}
 
-  /// The normal of a side. @param first_corner of that side alone
+  /// The normal of a side. @param first_corner the side's first corner
   NormalAndSlope average(std::int32_t first_corner) {
     fan_.collect(surface_, first_corner);
     centre_ = corner(first_corner / 3, at(first_corner % 3));
@@ -46,44 +47,44 @@ class Flood final {
     return surface_.mesh.vertices[at(surface_.mesh.triangles[at(face)][c])];
   }
 
-  /// Adds a group's triangles. @return whether any of them is in reach
+  /// Adds a group's triangles. @return whether any of them is within the radius
   bool add(std::int32_t group) {
     if (!groups_.are_larger()) return add_triangle(group);
     const std::vector<GroupMoments>& nodes = groups_.nodes(group);
     bool any = false;
     for (std::size_t i = 0; i < nodes.size();) {
-      const Met met = add_whole(nodes[i], any);
-      any = any || met == Met::kInReach;
-      if (met == Met::kPartly && nodes[i].after == i + 1) {  // not divided further
-        for (const Piece& piece : groups_.pieces(nodes[i])) any = add_piece(piece, any) || any;
+      const Coverage met = add_whole(nodes[i], any);
+      any = any || met == Coverage::kInReach;
+      if (met == Coverage::kPartly && nodes[i].after == i + 1) {  // a leaf
+        for (const TriangleMoments& piece : groups_.pieces(nodes[i])) any = add_piece(piece, any) || any;
       }
-      i = met == Met::kPartly ? i + 1 : nodes[i].after;
+      i = met == Coverage::kPartly ? i + 1 : nodes[i].after;
     }
     return any;
   }
 
-  enum class Met { kOut, kInReach, kPartly };
+  enum class Coverage { kOut, kInReach, kPartly };
 
-  /// Adds triangles by their moments, unless only some may be in reach or count in full.
-  /// @param any whether it does not matter that some are in reach which count for nothing
-  Met add_whole(const GroupMoments& moments, bool any) {
+  /// Adds all triangles of a node by their moments, if all of them are within the radius and count in full.
+  /// @param any true when another triangle of the group is already known to be within the radius
+  Coverage add_whole(const GroupMoments& moments, bool any) {
     const Vec3 u = centre_ - moments.centre;
     const double squared = u.squaredNorm();
     const double outer = radius_ + moments.reach;
     const double inner = radius_ - moments.reach;
-    if (squared >= outer * outer) return Met::kOut;
+    if (squared >= outer * outer) return Coverage::kOut;
     const bool in_reach = inner > 0.0 && squared < inner * inner;
-    if (!in_reach && !any) return Met::kPartly;
+    if (!in_reach && !any) return Coverage::kPartly;
     const double cosine = fan_.reference().dot(moments.axis);
-    if (cosine + moments.spread <= kSharpCosine) return Met::kInReach;  // counts for nothing
-    if (!in_reach || cosine - moments.spread < kFullCosine) return Met::kPartly;
+    if (cosine + moments.spread <= kSharpCosine) return Coverage::kInReach;  // turned too far: weight 0
+    if (!in_reach || cosine - moments.spread < kFullCosine) return Coverage::kPartly;
     moments.add_to(sum_, u, radius_);
-    return Met::kInReach;
+    return Coverage::kInReach;
   }
 
-  /// @param any whether it does not matter that only a corner is in reach
-  /// @return whether a corner is in reach
-  bool add_piece(const Piece& piece, bool any) {
+  /// @param any as in add_whole
+  /// @return whether a corner is within the radius
+  bool add_piece(const TriangleMoments& piece, bool any) {
     const Vec3 u = centre_ - piece.centre;
     const double squared = u.squaredNorm();
     const double outer = radius_ + (any ? 1.0 : 2.0) * piece.middles;
@@ -92,7 +93,8 @@ class Flood final {
     const double turned = turn_of(piece.normal);
     if (any && turned <= 0.0) return true;
     const std::array<Vec3, 3>& m = piece.middle;
-    // With all middles in reach one corner is too: corners are at most twice as far from `centre`.
+    // If all midpoints are within the radius, a corner is too, because a corner is at most twice as far from
+    // `centre` as the midpoint of the opposite edge.
     if (squared >= inner * inner || 3.0 * piece.middles >= radius_) {
       return weigh({-2.0 * m[0] - u, -2.0 * m[1] - u, -2.0 * m[2] - u}, {m[0] - u, m[1] - u, m[2] - u},
                    turned, piece.area);
@@ -109,7 +111,7 @@ class Flood final {
     return std::clamp((cosine - kSharpCosine) / (kFullCosine - kSharpCosine), 0.0, 1.0);
   }
 
-  /// @return whether a corner is in reach
+  /// @return whether a corner is within the radius
   bool add_triangle(std::int32_t face) {
     const Vec3& a = corner(face, 0);
     const Vec3& b = corner(face, 1);
@@ -120,7 +122,7 @@ class Flood final {
                  geometry::area_vector_doubled(surface_.mesh, surface_.mesh.triangles[at(face)]));
   }
 
-  /// Adds a triangle with its corners and its edges' middles as seen from the centre.
+  /// Adds a triangle. @param corners, middles its corners and edge midpoints, relative to the centre
   bool weigh(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>& middles, double turned,
              const Vec3& area) {
     const double radius_squared = radius_ * radius_;
@@ -128,9 +130,9 @@ class Flood final {
         radius_squared) {
       return false;
     }
-    // The middles of the edges integrate a quadratic weight exactly.
+    // The three-midpoint rule integrates a quadratic weight over a triangle exactly.
     double weight = 0.0;
-    Vec3 rise = Vec3::Zero();  // of the weight with the centre's place
+    Vec3 rise = Vec3::Zero();  // gradient of the weight with respect to the centre
     for (const Vec3& middle : middles) {
       const double share = 1.0 - middle.squaredNorm() / radius_squared;
       if (share <= 0.0) continue;
@@ -148,11 +150,11 @@ class Flood final {
   SideFan fan_;
   Vec3 centre_ = Vec3::Zero();
   NormalSum sum_;
-  std::vector<std::int32_t> seen_by_;  // of each group: the side that reached it last, by its first corner
+  std::vector<std::int32_t> seen_by_;  // per group: first corner of the side whose flood last visited it
   std::vector<std::int32_t> queue_;
 };
 
-/// Triangles that the rule looks at without groups.
+/// Estimated number of triangle visits without groups.
 double work_of(const SurfaceView& surface, const Sides& sides, double radius) {
   double area = 0.0;
   for (const geometry::Triangle& triangle : surface.mesh.triangles) {
@@ -227,15 +229,15 @@ double group_size_for(const SurfaceView& surface, const Sides& sides, double rad
 }
 
 std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides, double radius,
-                                             double group_size, const Share& share) {
-  constexpr std::size_t kBatch = 256;  // groups between two words on how far it is
+                                             double group_size, const ProgressCallback& progress) {
+  constexpr std::size_t kBatch = 256;  // groups between two progress reports
   constexpr std::size_t kGrain = 16;
   const TriangleGroups groups(surface, group_size);
   std::vector<NormalAndSlope> normals(sides.first_corner.size());
   std::mutex mutex;
   std::vector<std::unique_ptr<Flood>> idle;
   for (std::size_t from = 0; from < groups.size(); from += kBatch) {
-    if (share) share(static_cast<double>(from) / static_cast<double>(groups.size()));
+    if (progress) progress(static_cast<double>(from) / static_cast<double>(groups.size()));
     for_ranges(std::min(kBatch, groups.size() - from), kGrain, [&](std::size_t begin, std::size_t end) {
       std::unique_ptr<Flood> flood;
       {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/contact/load_sharing.h"
 #include "core/contact/press.h"
-#include "core/contact/sharing.h"
 #include "core/contact/state.h"
 #include "palpate/error.h"
 
@@ -40,42 +40,42 @@ std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
   return sampled;
 }
 
-/// @return false when the part was placed anew: no contact of before is valid, and it is off until it has
-/// been outside
+/// Moves one part. @return false when the part jumped (DistanceCache::move): its contacts are dropped, and it
+/// starts none until it has been outside the organ
 bool move_part(const Pose& pose_S, double reference_radius, double period, PartState& part) noexcept {
-  constexpr double kOutside = -1e-6;  // m: a part that just touches counts as outside
+  constexpr double kOutside = -1e-6;  // m; a part that only touches counts as outside
   std::array<Vec3, kContactsPerPart> contacts_S;
   std::size_t count = 0;
   for (const Proxy& contact : part.active()) contacts_S[count++] = contact.load().at.point;
   const bool moved =
       part.distances.move(pose_S, period, std::span(contacts_S).first(count), reference_radius);
   if (!moved) {
-    part.armed = false;
+    part.may_start_contacts = false;
     part.contact_count = 0;
   }
-  if (!part.armed) {
+  if (!part.may_start_contacts) {
     part.distances.find_nearest();
-    part.armed = part.distances.nearest().distance >= kOutside;
+    part.may_start_contacts = part.distances.nearest().distance >= kOutside;
   }
   return moved;
 }
 
-/// Brings all parts of a tool to where they are now and works out its contacts; shares come later.
+/// Moves all parts of a tool and updates their contacts. Load sharing follows in advance().
 std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
                           const TissueLaws& laws, const ToolInput& input, ToolState& tool) noexcept {
   std::uint32_t status = 0;
   tool.pose_S = organ_W.inverse() * input.pose_W;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     PartState& part = tool.parts[i];
-    const bool was_placed = part.distances.was_placed();
+    const bool had_pose = part.distances.has_pose();
     if (part.gripper != input.gripper) {
       part.gripper = input.gripper;
       part.joint_T = geometry::part_pose(points.parts[i].joint, input.gripper);
     }
     if (move_part(tool.pose_S * part.joint_T, world.tissue.contact.reference_radius, world.period, part))
       continue;
-    tool.grip.drop();
-    if (was_placed) status |= kJump;
+    tool.grip.release_at_once();
+    if (had_pose) status |= kJump;
   }
   status |= tool.grip.update(world, laws, points, input.gripper, tool.pose_S, tool.parts);
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
@@ -85,7 +85,7 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
 }
 
 /// Sums over a tool's contacts, in the organ's frame.
-struct Sums {
+struct WrenchSum {
   Vec3 force = Vec3::Zero();
   Vec3 torque = Vec3::Zero();  // about the handle's origin
   Vec3 friction = Vec3::Zero();
@@ -100,7 +100,7 @@ void add_view(const ContactView& view, ToolResult& result) noexcept {
   if (result.view_count < kMaxViews) result.views[static_cast<std::size_t>(result.view_count++)] = view;
 }
 
-void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sums& sums,
+void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, WrenchSum& sums,
                ToolResult& result) noexcept {
   double largest = -1.0;
   for (PartState& part : tool.parts) {
@@ -108,7 +108,7 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
       const Load& load = contact.load();
       const double counts = load.share * part.press_level;
       const Vec3 force = counts * (contact.normal_force() * load.normal + contact.friction());
-      sums.add(force, contact.touch(), tool.pose_S.position);
+      sums.add(force, contact.application_point(), tool.pose_S.position);
       sums.friction += counts * contact.friction();
       if (counts <= 0.0 || contact.depth() <= 0.0) continue;
       result.phase = Phase::kPress;
@@ -127,9 +127,9 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Sum
   }
 }
 
-void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult& result) noexcept {
-  const Grip& grip = tool.grip;
-  if (!grip.pulls()) return;
+void add_pull(const Pose& organ_W, const ToolState& tool, WrenchSum& sums, ToolResult& result) noexcept {
+  const Grasp& grip = tool.grip;
+  if (!grip.is_active()) return;
   const Vec3 carried = grip.anchor().point + grip.stretch();
   sums.add(grip.force(), carried, tool.pose_S.position);
   const double length = grip.stretch().norm();
@@ -146,9 +146,9 @@ void add_pull(const Pose& organ_W, const ToolState& tool, Sums& sums, ToolResult
   result.normal_W = organ_W.rotation * grip.normal();
 }
 
-/// Exact distance of the whole tool, and the way from the tissue to it.
+/// Exact distance of the whole tool, and the unit direction from the tissue to it.
 void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexcept {
-  // The part that was nearest last time first: with its distance known, the others are seldom asked.
+  // Begin with the part that was nearest in the last tick: its distance bounds the search in the others.
   const std::size_t first = tool.nearest_part;
   tool.parts[first].distances.find_nearest();
   for (std::size_t i = 0; i < tool.parts.size(); ++i) {
@@ -163,7 +163,7 @@ void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexc
   result.nearest_W = organ_W * nearest.point;
   const Vec3 to_tool = distances.point_S(distances.nearest_point()) - nearest.point;
   constexpr double kTouching =
-      1e-9;  // m: nearer than this the line has no direction, the surface's normal serves
+      1e-9;  // m; below this the direction is rounding noise, so the surface normal is used
   Vec3 away = nearest.normal;
   if (nearest.distance > kTouching) away = to_tool.normalized();
   result.away_W = organ_W.rotation * away;
@@ -171,7 +171,8 @@ void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexc
   result.normal_W = result.away_W;
 }
 
-/// Makes a result as a new one, but for the views, which nobody reads past view_count: they are most of it.
+/// Resets a result, except for the views: they are most of its memory, and only the first view_count are
+/// read.
 void clear(ToolResult& result) noexcept {
   result.phase = Phase::kApproach;
   result.friction = 0.0;
@@ -186,13 +187,13 @@ void clear(ToolResult& result) noexcept {
 void summarize(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, std::uint32_t status,
                ToolResult& result) noexcept {
   clear(result);
-  Sums sums;
+  WrenchSum sums;
   result.status = status;
   add_press(laws, organ_W, tool, sums, result);
   add_pull(organ_W, tool, sums, result);
   if (result.phase == Phase::kApproach) {
     add_nearest(organ_W, tool, result);
-  } else {  // in contact the depth says where the tool is
+  } else {  // in contact, distance = -depth
     result.distance = result.phase == Phase::kPress ? -result.depth : 0.0;
     result.nearest_W = result.contact_W;
     result.away_W = result.normal_W;
@@ -243,11 +244,11 @@ void change_tissue(const World& world, State& state, const TissueLaws& laws) noe
   const model::Relaxation before = now.laws(world.data()).relaxation;
   for (ToolState& tool : now.tools) {
     for (PartState& part : tool.parts) {
-      for (Proxy& contact : part.active()) laws.relaxation.take_over(contact.load().memory, before);
+      for (Proxy& contact : part.active()) laws.relaxation.convert_history(contact.load().memory, before);
     }
     tool.grip.change_relaxation(laws.relaxation, before);
   }
-  now.changed = laws;
+  now.updated_laws = laws;
 }
 
 void advance(const World& world, const Pose& organ_W, std::span<const ToolInput> inputs, State& state,
@@ -256,7 +257,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   State::Data& now = state.data();
   const TissueLaws& laws = now.laws(data);
   std::array<std::uint32_t, kMaxTools> status{};
-  std::array<Load*, kMostContacts> all;  // the first `count`
+  std::array<Load*, kMaxContacts> all;  // the first `count` are used
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
     status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t]);
@@ -264,7 +265,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
       for (Proxy& contact : part.active()) all[count++] = &contact.load();
     }
   }
-  share_tissue(data.tissue.contact.reference_radius, std::span(all).first(count));
+  share_load(data.tissue.contact.reference_radius, std::span(all).first(count));
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
     summarize(laws, organ_W, now.tools[t], status[t], results[t]);
   }

@@ -14,16 +14,15 @@
 
 namespace palpate::contact {
 
-/// Everything about an organ and its tools that does not change from tick to tick.
+/// The constant part of a simulation: an organ, its tissue and the tools.
 class World final {
  public:
-  /// [setup] Refines the organ's rest surface, computes its normals and distance tree, resamples the tools.
-  /// Works on all processors; no thread of it is left at the end.
+  /// [setup] Refines the organ's rest surface, computes its normals and its bounding-volume hierarchy, and
+  /// resamples the tools. Uses all processors; its threads end before it returns.
   /// @param organ closed, outward-oriented, metres, organ frame S
-  /// @param how whether a cache may serve, and whom to tell how far it is
-  /// @throws ParameterError for bad tissue values, InputError for a mesh that is not closed or a tool without
-  /// points
-  ///         or with more than kMaxParts parts.
+  /// @param how cache and progress callback
+  /// @throws ParameterError for bad tissue values; InputError for a mesh that is not closed, or a tool
+  /// without points or with more than kMaxParts parts.
   World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
         const model::TissueParameters& tissue, double loop_period, const Preparation& how = {});
   ~World();
@@ -34,7 +33,7 @@ class World final {
   [[nodiscard]] const model::TissueParameters& tissue() const noexcept;
   [[nodiscard]] const model::SpringLaw& press_law() const noexcept;
   [[nodiscard]] const model::SpringLaw& pull_law() const noexcept;
-  /// [any] The refined rest surface that contact points lie on, organ frame.
+  /// [any] The refined rest surface, organ frame.
   [[nodiscard]] const geometry::TriangleMesh& rest_surface() const noexcept;
   /// [any] Radius of curvature [m] of a tool at its tip: given by the user, or estimated from its mesh.
   [[nodiscard]] double tip_radius(std::size_t tool) const noexcept;
@@ -46,10 +45,11 @@ class World final {
   std::unique_ptr<const Data> data_;
 };
 
-/// Everything that changes from tick to tick, for all tools on one organ. Copyable: a copy replays the same.
+/// The changing part of a simulation: all tools' contacts with one organ. A copy continues with the same
+/// results.
 class State final {
  public:
-  /// [setup] All memory that the ticks need; every tool counts as never seen before.
+  /// [setup] Allocates all memory that ticks need. No tool has a pose yet.
   explicit State(const World& world);
   ~State();
   State(const State&);
@@ -65,14 +65,13 @@ class State final {
   std::unique_ptr<Data> data_;
 };
 
-/// [rt] From the next tick on the tissue has these laws. Every contact keeps its place and its depth, so its
-/// force is the new law's there, and goes on from what its relaxation remembers; a term that is new has let
-/// nothing go yet.
+/// [rt] Changes the tissue from the next tick on. Proxies and depths stay, so each contact force becomes that
+/// of the new law at the same depth. Relaxation keeps its history; a new Prony term begins unrelaxed.
 void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept;
 
 /// [rt] One tick of contact: all tools against the organ's rest surface. A pure function of its arguments.
-/// @param organ_W the organ's pose now
-/// @param inputs, results one entry a tool, in World's order
+/// @param organ_W the organ's pose in this tick
+/// @param inputs, results one entry per tool, in World's order
 void advance(const World& world, const Pose& organ_W, std::span<const ToolInput> inputs, State& state,
              std::span<ToolResult> results) noexcept;
 

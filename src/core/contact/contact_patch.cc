@@ -8,7 +8,8 @@
 namespace palpate::contact {
 namespace {
 
-/// Depths of a part's points behind the tangent plane of a contact, as far as they may carry it.
+/// Finds the depths of a part's points behind the tangent plane at the proxy. Clusters that cannot hold a
+/// point of the patch are skipped.
 class DepthSearch final {
  public:
   DepthSearch(const PartPoints& part, const Vec3& point, const Vec3& normal, double reference_radius) noexcept
@@ -19,8 +20,8 @@ class DepthSearch final {
         height_(point.dot(normal) + kBoundSlack),
         radius_(reference_radius) {}
 
-  /// Measures every cluster that may have points within the band. @param first the one to begin with: any
-  /// will do, that with the deepest point leaves most of the others out
+  /// Measures every cluster that may have points within the band. @param first cluster to begin with; the one
+  /// with the deepest point lets most others be skipped. The result does not depend on it.
   void run(std::uint32_t first) noexcept {
     measure(first);
     for (std::uint32_t c = 0; c < part_.clusters.size(); ++c) {
@@ -55,11 +56,11 @@ class DepthSearch final {
   }
 
  private:
-  static constexpr std::size_t kMostClusters = 64;  // a bit of `measured_` each
-  static_assert(PartPoints::kMostPoints <= kMostClusters * PartPoints::kClusterSize);
+  static constexpr std::size_t kMaxClusters = 64;  // one bit each in `measured_`
+  static_assert(PartPoints::kMaxPoints <= kMaxClusters * PartPoints::kClusterSize);
 
-  /// 1 up to R_ref/2 from the axis, 0 from R_ref on, smooth between. @param rho_squared squared distance from
-  /// it
+  /// 1 up to R_ref/2 from the axis, 0 from R_ref, smooth between. @param rho_squared squared distance from
+  /// the axis
   [[nodiscard]] double taper(double rho_squared) const noexcept {
     const double inner = 0.5 * radius_;
     if (rho_squared <= inner * inner) return 1.0;
@@ -67,7 +68,7 @@ class DepthSearch final {
     return t >= 1.0 ? 0.0 : 1.0 - t * t * (3.0 - 2.0 * t);
   }
 
-  /// Whether a point of the cluster may be within the band of the deepest so far.
+  /// Whether a point of the cluster may be within the band below the deepest point found so far.
   [[nodiscard]] bool may_count(const PartPoints::Cluster& cluster) const noexcept {
     const double behind = cluster.half_size.dot(steepness_) - cluster.centre.dot(normal_) + height_;
     if (behind <= least_) return false;
@@ -92,7 +93,7 @@ class DepthSearch final {
     }
     std::uint32_t candidates = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      if (depths[i] <= least_) continue;  // with the taper still more so
+      if (depths[i] <= least_) continue;  // the taper only makes it smaller
       depths[i] *= taper((part_.point(cluster.begin + i) - p).squaredNorm() - depths[i] * depths[i]);
       candidates |= std::uint32_t{1} << i;
       if (depths[i] <= deepest_) continue;
@@ -104,18 +105,18 @@ class DepthSearch final {
   }
 
   const PartPoints& part_;
-  Vec3 point_;      // of the plane
-  Vec3 normal_;     // of the plane
-  Vec3 steepness_;  // its components' sizes
-  double height_;   // of the plane above the origin, and the slack of bounds [m]
+  Vec3 point_;      // of the tangent plane
+  Vec3 normal_;     // of the tangent plane
+  Vec3 steepness_;  // absolute values of normal_
+  double height_;   // of the plane above the origin plus kBoundSlack [m]
   double radius_;   // R_ref [m]
   double deepest_ = 0.0;
-  double least_ = 0.0;  // points that are no deeper do not count [m]
+  double least_ = 0.0;  // points must be deeper than this to count [m]
   std::uint32_t deepest_cluster_ = 0;
-  std::uint64_t measured_ = 0;  // one bit a cluster
-  std::array<std::uint32_t, kMostClusters>
-      candidates_;  // of clusters measured: one bit a point that may count
-  std::array<double, kMostClusters * PartPoints::kClusterSize> depths_;  // [m], of clusters measured
+  std::uint64_t measured_ = 0;  // one bit per cluster
+  std::array<std::uint32_t, kMaxClusters>
+      candidates_;  // per measured cluster: one bit per point that may count
+  std::array<double, kMaxClusters * PartPoints::kClusterSize> depths_;  // [m], of measured clusters
 };
 
 }  // namespace

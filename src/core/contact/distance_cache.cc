@@ -8,10 +8,10 @@
 namespace palpate::contact {
 namespace {
 
-// With more points of a cluster in question than this, its centre is asked first.
+// When more points of a cluster than this need a query, the cluster's centre is queried first.
 constexpr std::size_t kFewPoints = 4;
 
-constexpr double kContactDrift = 0.1;  // m/s: twice what a contact may gain on the tool
+constexpr double kContactDrift = 0.1;  // m/s; twice the speed at which a proxy may move relative to the tool
 
 }  // namespace
 
@@ -22,9 +22,9 @@ DistanceCache::DistanceCache(const OrganSurface& surface, const PartPoints& poin
       cached_(points.size()),
       inside_(points.size(), 0) {}
 
-/// No point of the part has moved more since the last tick: the motion of the middle of its box, and what
-/// turning adds on the way to a corner.
-double DistanceCache::greatest_motion() const noexcept {
+/// Upper bound of any point's motion since the last tick: motion of the box's middle plus, per axis, half the
+/// size times the change of direction.
+double DistanceCache::largest_motion() const noexcept {
   const Mat3 turned = placed_S_.rotation - previous_S_.rotation;
   const Vec3 moved = placed_S_.position - previous_S_.position;
   double motion = (turned * points_->box_middle + moved).norm();
@@ -37,7 +37,7 @@ bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3
   previous_S_ = placed_S_;
   placed_S_ = {pose_S.rotation.toRotationMatrix(), pose_S.position};
   if (!placed_) previous_S_ = placed_S_;
-  motion_ = greatest_motion();
+  motion_ = largest_motion();
   odometer_ += motion_;
   entry_count_ = 0;
   const bool placed_anew = !placed_ || motion_ > kFastestHand * period;
@@ -47,7 +47,7 @@ bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3
     motion_ = 0.0;
     reset();
   } else {
-    // A contact walks no farther in a tick than the tool moves there and a little.
+    // In one tick a proxy moves by at most the tool's motion there plus the drift.
     find_crossings(contacts_S, reference_radius - 3.0 * motion_ - kContactDrift * period);
   }
   return !placed_anew;
@@ -59,24 +59,25 @@ void DistanceCache::set_inside(std::size_t point, double distance) noexcept {
   inside_[point] = now ? 1 : 0;
 }
 
-/// A point differs from another place's distance by no more than the way there. Its side is that of the
-/// place, or in question.
-void DistanceCache::take(std::size_t point, const geometry::NearestPoint& nearest, double way) noexcept {
+/// Caches the distance of another point `way` [m] away. The true distance differs by at most `way`; the side
+/// is that point's, or may_have_crossed() is true.
+void DistanceCache::cache_from(std::size_t point, const geometry::NearestPoint& nearest,
+                               double way) noexcept {
   set_inside(point, nearest.distance);
   cached_[point] = {nearest.distance, odometer_ - way - kBoundSlack, nearest.triangle};
 }
 
-/// Finds the sides of a cluster's points whatever they were before.
+/// Finds the sides of a cluster's points without using cached distances.
 void DistanceCache::resolve(std::size_t c) noexcept {
   const PartPoints::Cluster& cluster = points_->clusters[c];
   const geometry::NearestPoint centre =
       surface_->nearest(placed_S_ * cluster.centre, cached_[cluster.begin].triangle);
-  for (std::size_t i = cluster.begin; i < cluster.end; ++i) take(i, centre, points_->offset[i]);
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) cache_from(i, centre, points_->offset[i]);
   for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
     if (!may_have_crossed(i)) continue;
-    const geometry::NearestPoint asked = ask(i);
+    const geometry::NearestPoint asked = query(i);
     for (std::size_t j = i + 1; j < cluster.end; ++j) {
-      if (may_have_crossed(j)) take(j, asked, (points_->point(j) - points_->point(i)).norm());
+      if (may_have_crossed(j)) cache_from(j, asked, (points_->point(j) - points_->point(i)).norm());
     }
   }
   bound_cluster(c);
@@ -86,7 +87,7 @@ void DistanceCache::reset() noexcept {
   nearest_point_ = 0;
   for (std::size_t c = 0; c < bounds_.size(); ++c) resolve(c);
   for (std::uint32_t i = 0; i < cached_.size(); ++i) {
-    if (least(i) < least(nearest_point_)) nearest_point_ = i;  // the one to ask first
+    if (lower_bound(i) < lower_bound(nearest_point_)) nearest_point_ = i;  // query this one first
   }
   next_crossing_ = odometer_;
 }
@@ -103,7 +104,7 @@ void DistanceCache::bound_cluster(std::size_t c) noexcept {
   bounds_[c] = {crossing, least, false};
 }
 
-geometry::NearestPoint DistanceCache::ask(std::size_t point) noexcept {
+geometry::NearestPoint DistanceCache::query(std::size_t point) noexcept {
   Cached& cached = cached_[point];
   geometry::NearestPoint found = surface_->nearest(point_S(point), cached.triangle);
   set_inside(point, found.distance);
@@ -111,9 +112,9 @@ geometry::NearestPoint DistanceCache::ask(std::size_t point) noexcept {
   return found;
 }
 
-/// One question for all points of a cluster. It serves the points that it shows to be on their side still,
-/// and farther from the surface than the part has moved in this tick.
-void DistanceCache::ask_centre(std::size_t c) noexcept {
+/// Queries the cluster's centre. The result replaces a point's cached distance where it proves that the point
+/// is on the same side and farther from the surface than this tick's motion.
+void DistanceCache::query_centre(std::size_t c) noexcept {
   const PartPoints::Cluster& cluster = points_->clusters[c];
   const geometry::NearestPoint centre =
       surface_->nearest(placed_S_ * cluster.centre, cached_[cluster.begin].triangle);
@@ -121,14 +122,14 @@ void DistanceCache::ask_centre(std::size_t c) noexcept {
     Cached& cached = cached_[i];
     const double offset = points_->offset[i] + kBoundSlack;
     const double clear = (is_inside(i) ? -centre.distance : centre.distance) - offset;
-    const double known = is_inside(i) ? -greatest(i) : least(i);
+    const double known = is_inside(i) ? -upper_bound(i) : lower_bound(i);
     if (clear + kInside <= motion_ || clear <= known) continue;
     cached = {centre.distance, odometer_ - offset, centre.triangle};
   }
 }
 
-/// Whether a bound of its distance shows that a point was outside when last asked and has stayed there: the
-/// balls without surface about it, then and now, meet, and this one holds the tick's way. Keeps the bound.
+/// Whether a clearance proves that a point has stayed outside since its last query: the clearance spheres of
+/// then and now overlap, and the new one contains this tick's motion. If so, caches the new clearance.
 bool DistanceCache::stays_outside(std::size_t i) noexcept {
   Cached& cached = cached_[i];
   if (cached.distance <= 0.0) return false;
@@ -141,18 +142,19 @@ bool DistanceCache::stays_outside(std::size_t i) noexcept {
   return true;
 }
 
-/// Asks a point that may have crossed the surface, and notes an entry when it went in, or in and out again,
+/// Queries a point that may have crossed the surface. Records an entry when it went in, or in and out again,
 /// during this tick.
-void DistanceCache::ask_crossed(std::size_t i) noexcept {
+void DistanceCache::query_crossed(std::size_t i) noexcept {
   if (stays_outside(i)) return;
   const bool was_inside = is_inside(i);
-  const double before = least(i) + motion_;  // at least this far outside a tick ago
-  const geometry::NearestPoint now = ask(i);
-  if (was_inside || entry_count_ == kMostEntries) return;
+  const double before = lower_bound(i) + motion_;  // lower bound of its distance a tick ago
+  const geometry::NearestPoint now = query(i);
+  if (was_inside || entry_count_ == kMaxEntries) return;
   const bool went_in = now.distance < kInside;
   const Vec3 end = point_S(i);
   const Vec3 start = previous_S_ * points_->point(i);
-  // Out and out again: in between it was in only if the way is long enough.
+  // Outside before and after: it can have been inside only if the path is long enough to reach the surface
+  // and return.
   const double way_in = std::max(0.0, before - kInside) + now.distance - kInside;
   if (!went_in && way_in > (end - start).norm()) return;
   if (const auto entry = surface_->first_entry(start, end)) {
@@ -162,16 +164,16 @@ void DistanceCache::ask_crossed(std::size_t i) noexcept {
   }
 }
 
-/// Asks the points of a cluster that may have crossed the surface.
-void DistanceCache::ask_cluster(std::size_t c) noexcept {
+/// Queries the points of a cluster that may have crossed the surface.
+void DistanceCache::query_cluster(std::size_t c) noexcept {
   std::array<std::uint32_t, PartPoints::kClusterSize> crossed;
   std::size_t count = 0;
   for (std::uint32_t i = points_->clusters[c].begin; i < points_->clusters[c].end; ++i) {
     if (may_have_crossed(i)) crossed[count++] = i;
   }
-  if (count > kFewPoints) ask_centre(c);
+  if (count > kFewPoints) query_centre(c);
   for (std::size_t k = 0; k < count; ++k) {
-    if (may_have_crossed(crossed[k])) ask_crossed(crossed[k]);
+    if (may_have_crossed(crossed[k])) query_crossed(crossed[k]);
   }
   bound_cluster(c);
 }
@@ -181,7 +183,7 @@ void DistanceCache::find_crossings(std::span<const Vec3> contacts_S, double reac
   if (next_crossing_ > now) return;
   std::array<Vec3, kContactsPerPart> contacts_P;
   std::transform(contacts_S.begin(), contacts_S.end(), contacts_P.begin(),
-                 [this](const Vec3& at_S) { return placed_S_.bring_back(at_S); });
+                 [this](const Vec3& at_S) { return placed_S_.inverse_transform(at_S); });
   double next = std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < bounds_.size(); ++c) {
     ClusterBound& bound = bounds_[c];
@@ -200,9 +202,9 @@ void DistanceCache::find_crossings(std::span<const Vec3> contacts_S, double reac
       continue;
     }
     if (bound.deferred) {
-      resolve(c);  // what crossed meanwhile starts nothing by it
+      resolve(c);  // crossings while it was deferred start no contact
     } else {
-      ask_cluster(c);
+      query_cluster(c);
     }
     next = std::min(next, bound.crossing);
   }
@@ -222,17 +224,17 @@ void DistanceCache::find_nearest(double enough) noexcept {
     return;
   }
   const std::size_t last_nearest = nearest_point_;
-  nearest_ = ask(last_nearest);
+  nearest_ = query(last_nearest);
   const auto wanted = [this, enough] { return std::min(nearest_.distance, enough); };
   for (std::size_t c = 0; c < bounds_.size(); ++c) {
     if (out_of_reach(bounds_[c], wanted())) continue;
     const PartPoints::Cluster& cluster = points_->clusters[c];
     std::size_t nearer = 0;
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) nearer += least(i) < wanted() ? 1U : 0U;
-    if (nearer > kFewPoints) ask_centre(c);
+    for (std::size_t i = cluster.begin; i < cluster.end; ++i) nearer += lower_bound(i) < wanted() ? 1U : 0U;
+    if (nearer > kFewPoints) query_centre(c);
     for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-      if (i == last_nearest || least(i) >= wanted()) continue;
-      const geometry::NearestPoint found = ask(i);
+      if (i == last_nearest || lower_bound(i) >= wanted()) continue;
+      const geometry::NearestPoint found = query(i);
       if (found.distance >= nearest_.distance) continue;
       nearest_point_ = static_cast<std::uint32_t>(i);
       nearest_ = found;

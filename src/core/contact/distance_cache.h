@@ -12,113 +12,112 @@
 
 namespace palpate::contact {
 
-/// A hand moves no faster than this [m/s]; a part that does has been placed anew (a reading that dropped out
-/// and came back elsewhere).
+/// Largest speed of a hand [m/s]. A faster part has jumped, for example after a device reading was lost.
 inline constexpr double kFastestHand = 20.0;
 
-/// A point is inside the organ when its signed distance is below this [m]: rounding must not make a tool that
-/// just touches come and go.
+/// A point is inside the organ when its signed distance is below this [m]. The margin keeps rounding from
+/// moving a touching tool in and out.
 inline constexpr double kInside = -1e-9;
 
-/// A pose as a matrix: the same map, cheaper for many points.
+/// A pose with its rotation as a matrix, which is cheaper for many points.
 struct RigidTransform {
   Mat3 rotation = Mat3::Identity();
   Vec3 position = Vec3::Zero();
 
   [[nodiscard]] Vec3 operator*(const Vec3& p) const noexcept { return rotation * p + position; }
-  [[nodiscard]] Vec3 turn_back(const Vec3& direction) const noexcept {
+  [[nodiscard]] Vec3 inverse_rotate(const Vec3& direction) const noexcept {
     return rotation.transpose() * direction;
   }
-  [[nodiscard]] Vec3 bring_back(const Vec3& p) const noexcept { return turn_back(p - position); }
+  [[nodiscard]] Vec3 inverse_transform(const Vec3& p) const noexcept { return inverse_rotate(p - position); }
 };
 
-/// A tool point that went into the organ in this tick, and where.
+/// A tool point that entered the organ in this tick, and the position of entry.
 struct EntryEvent {
   std::uint32_t point = 0;
   SurfacePoint at;
 };
 
-/// Signed distances from a rigid part's points to the organ, by conservative advancement [Mirtich 1996]: a
-/// distance changes by no more than the part moves, so that a point is asked again only once the motion since
-/// could have changed the answer. The answers are those of asking every point in every tick.
+/// Cached signed distances from a rigid part's points to the organ, by conservative advancement [Mirtich
+/// 1996]. A distance changes by no more than the part moves. So a point is queried again only when the motion
+/// since its last query could change its side. Results are those of querying every point in every tick.
 ///
-/// Invariants. The odometer sums the greatest motion of any point, relative to the organ. Since a point was
-/// asked it has moved by no more than odometer_ - `odometer`. `distance` was its signed distance then, or of
-/// an outside point a positive lower bound. After move(), `inside_` is right for every point that is not in a
-/// deferred cluster, and each of them that went in on the way is among the entries, kMostEntries at most. A
-/// cluster that was deferred until this move makes none.
+/// Invariants. The odometer is the sum of the largest motions of any point relative to the organ. Since its
+/// last query a point has moved by at most odometer_ - `odometer`. `distance` is the signed distance at that
+/// query, or for an outside point a positive lower bound. After move(), `inside_` is right for every point
+/// outside deferred clusters, and the entries list each of them that entered in this tick, at most
+/// kMaxEntries. A cluster that was deferred until this move gives no entries.
 class DistanceCache final {
  public:
-  /// [setup] @param surface, points outlive it
+  /// [setup] @param surface, points must outlive the cache
   DistanceCache(const OrganSurface& surface, const PartPoints& points);
 
-  /// [rt] Brings the part to `pose_S` (organ frame) and finds, exactly, the points that went in on the way,
-  /// also right through.
-  /// @param contacts_S places of the part's contacts: within `reference_radius` [m] of one no point starts
-  /// another, so that clusters that lie there are deferred until it leaves
-  /// @return false when the part was placed anew: it has no way here, and no entries
+  /// [rt] Moves the part to `pose_S` (organ frame). Finds exactly the points that entered the organ, also
+  /// those that passed through it within the tick.
+  /// @param contacts_S positions of the part's proxies. No point within `reference_radius` [m] of one starts
+  /// a new contact, so clusters there are deferred until the proxy is gone.
+  /// @return false when the part jumped (first pose, or faster than kFastestHand): then there are no entries
   bool move(const Pose& pose_S, double period, std::span<const Vec3> contacts_S,
             double reference_radius) noexcept;
 
-  /// [rt] Finds the part's point nearest to the organ (the deepest, when some are inside), exactly.
-  /// @param enough only what is nearer than this [m] is wanted: of a part that is not, nearest() is that of
-  /// some point that is no nearer
+  /// [rt] Finds exactly the part's point nearest to the organ, or the deepest one when some are inside.
+  /// @param enough distances below this [m] are exact; for a part farther away nearest() is that of some
+  /// point at least this far
   void find_nearest(double enough = std::numeric_limits<double>::infinity()) noexcept;
-  /// [rt] What find_nearest() found last: the point, and its distance.
+  /// [rt] Result of the last find_nearest(): the point and its distance.
   [[nodiscard]] std::uint32_t nearest_point() const noexcept { return nearest_point_; }
   [[nodiscard]] const geometry::NearestPoint& nearest() const noexcept { return nearest_; }
 
-  /// [rt] The exact distance of a point.
-  geometry::NearestPoint ask(std::size_t point) noexcept;
-  /// [rt] Bounds of the signed distance of a point [m]; greatest() of a point inside.
-  [[nodiscard]] double least(std::size_t point) const noexcept {
+  /// [rt] Queries a point's exact distance.
+  geometry::NearestPoint query(std::size_t point) noexcept;
+  /// [rt] Lower and upper bound of a point's signed distance [m]; upper_bound() only for a point inside.
+  [[nodiscard]] double lower_bound(std::size_t point) const noexcept {
     return cached_[point].distance - (odometer_ - cached_[point].odometer);
   }
-  [[nodiscard]] double greatest(std::size_t point) const noexcept {
+  [[nodiscard]] double upper_bound(std::size_t point) const noexcept {
     return cached_[point].distance + (odometer_ - cached_[point].odometer);
   }
 
   [[nodiscard]] bool is_inside(std::size_t point) const noexcept { return inside_[point] != 0; }
-  /// [rt] The first point inside, from `first` on and before `end`; `end` when there is none.
+  /// [rt] The first point inside in [first, end); `end` when no point is.
   [[nodiscard]] std::uint32_t next_inside(std::uint32_t first, std::uint32_t end) const noexcept {
     const void* const found = std::memchr(inside_.data() + first, 1, end - first);
     if (found == nullptr) return end;
     return static_cast<std::uint32_t>(static_cast<const std::uint8_t*>(found) - inside_.data());
   }
   [[nodiscard]] std::uint32_t inside_count() const noexcept { return inside_count_; }
-  /// [rt] The points that went in during this tick, kMostEntries at most.
+  /// [rt] The points that entered in this tick, at most kMaxEntries.
   [[nodiscard]] std::span<const EntryEvent> entries() const noexcept {
     return {entries_.data(), entry_count_};
   }
-  static constexpr std::size_t kMostEntries = 64;
+  static constexpr std::size_t kMaxEntries = 64;
 
-  [[nodiscard]] bool was_placed() const noexcept { return placed_; }
-  /// [rt] Of the part's frame in the organ's, this tick.
+  [[nodiscard]] bool has_pose() const noexcept { return placed_; }
+  /// [rt] The part's frame in the organ's, in this tick.
   [[nodiscard]] const RigidTransform& placed_S() const noexcept { return placed_S_; }
-  /// [rt] Where a point is now.
+  /// [rt] A point's position in this tick.
   [[nodiscard]] Vec3 point_S(std::size_t point) const noexcept { return placed_S_ * points_->point(point); }
-  /// [rt] How far the part's material at `point_S` (where it is now) has moved in this tick [m].
+  /// [rt] Motion in this tick [m] of the part's material that is now at `point_S`.
   [[nodiscard]] Vec3 motion_at(const Vec3& point_S) const noexcept {
-    const Vec3 point_P = placed_S_.bring_back(point_S);
+    const Vec3 point_P = placed_S_.inverse_transform(point_S);
     return placed_S_ * point_P - previous_S_ * point_P;  // exactly 0 at rest
   }
-  /// [rt] The most that any point has moved so far, summed over the ticks [m].
+  /// [rt] Sum over the ticks of the largest motion of any point [m].
   [[nodiscard]] double odometer() const noexcept { return odometer_; }
 
  private:
   struct Cached {
-    double distance = 0.0;  // signed, when asked, or a lower bound > 0 [m]
-    double odometer = 0.0;  // when asked [m]
+    double distance = 0.0;  // signed, at the last query, or a positive lower bound [m]
+    double odometer = 0.0;  // at the last query [m]
     std::int32_t triangle = -1;
   };
-  /// Bounds of a cluster's points, as readings of the odometer.
+  /// Bounds of a cluster's points, as odometer values.
   struct ClusterBound {
-    double crossing = 0.0;  // before this no point can have crossed the surface
-    double least = 0.0;     // less the odometer: no point is nearer to the organ [m]
+    double crossing = 0.0;  // no point can have crossed the surface before this
+    double least = 0.0;     // minus the odometer: lower bound of the points' distances [m]
     bool deferred = false;  // points may have crossed in an earlier tick
   };
 
-  [[nodiscard]] double greatest_motion() const noexcept;
+  [[nodiscard]] double largest_motion() const noexcept;
   [[nodiscard]] bool may_have_crossed(std::size_t point) const noexcept {
     const Cached& cached = cached_[point];
     return std::abs(cached.distance - kInside) <= odometer_ - cached.odometer;
@@ -126,22 +125,22 @@ class DistanceCache final {
   void reset() noexcept;
   void find_crossings(std::span<const Vec3> contacts_S, double reach) noexcept;
   bool stays_outside(std::size_t point) noexcept;
-  void ask_crossed(std::size_t point) noexcept;
-  void ask_cluster(std::size_t cluster) noexcept;
+  void query_crossed(std::size_t point) noexcept;
+  void query_cluster(std::size_t cluster) noexcept;
   void resolve(std::size_t cluster) noexcept;
-  void take(std::size_t point, const geometry::NearestPoint& nearest, double way) noexcept;
-  void ask_centre(std::size_t cluster) noexcept;
+  void cache_from(std::size_t point, const geometry::NearestPoint& nearest, double way) noexcept;
+  void query_centre(std::size_t cluster) noexcept;
   void bound_cluster(std::size_t cluster) noexcept;
   void set_inside(std::size_t point, double distance) noexcept;
 
   const OrganSurface* surface_;
   const PartPoints* points_;
   RigidTransform placed_S_;
-  RigidTransform previous_S_;  // last tick
+  RigidTransform previous_S_;  // in the last tick
   bool placed_ = false;
   double odometer_ = 0.0;
-  double motion_ = 0.0;         // of it in this tick
-  double next_crossing_ = 0.0;  // no cluster's is less
+  double motion_ = 0.0;         // added to the odometer in this tick
+  double next_crossing_ = 0.0;  // smallest `crossing` of all clusters
   std::uint32_t inside_count_ = 0;
   std::uint32_t nearest_point_ = 0;
   geometry::NearestPoint nearest_;
@@ -149,7 +148,7 @@ class DistanceCache final {
   std::vector<Cached> cached_;
   std::vector<std::uint8_t> inside_;  // 1: inside
   std::size_t entry_count_ = 0;
-  std::array<EntryEvent, kMostEntries> entries_{};
+  std::array<EntryEvent, kMaxEntries> entries_{};
 };
 
 }  // namespace palpate::contact

@@ -11,13 +11,14 @@
 namespace palpate::contact {
 namespace {
 
-// Raise it whenever the arrays of any mesh change: files of an older version are then not taken for new ones.
-// A test holds a hash of them against it.
+// Raise this whenever the arrays of any mesh change, so that older cache files are not used. A test compares
+// hashes of the arrays.
 constexpr std::uint64_t kArraysVersion = 3;
 
-// About, that refinement makes of a coarse mesh: one of over 0.15 m^2 (with the usual R_ref; a large liver
-// has 0.1) is refined less finely. Costs up to 0.2 degrees of the normals at 450 mm, 1.3 at 1 m (decision 6).
-constexpr double kMostTriangles = 150e3;
+// Approximate limit of triangles after refinement. It refines organs above 0.15 m^2 (with the default R_ref;
+// a large liver has 0.1 m^2) less finely. The normals' error is then up to 0.2 degrees at 450 mm and 1.3
+// degrees at 1 m (docs/decisions/0006).
+constexpr double kMaxTriangles = 150e3;
 
 double total_area(const geometry::TriangleMesh& mesh) {
   double doubled = 0.0;
@@ -27,7 +28,7 @@ double total_area(const geometry::TriangleMesh& mesh) {
   return 0.5 * doubled;
 }
 
-/// Keeps the sides of corners only where a triangle has one that is not its vertex's first.
+/// Stores side numbers only for triangles with a corner that is not on its vertex's first side.
 void store_sides(const Sides& sides, OrganArrays& arrays) {
   const std::vector<geometry::Triangle>& triangles = arrays.mesh.triangles;
   arrays.row_of.assign(triangles.size(), -1);
@@ -40,8 +41,8 @@ void store_sides(const Sides& sides, OrganArrays& arrays) {
   }
 }
 
-/// A quadratic function has half the difference of its slopes along an edge, times the edge, beside the mean
-/// of the ends' values. Both triangles of an edge get the same bits.
+/// Stores normals and bends. Beside the linear interpolation between the ends, a quadratic function has half
+/// the difference of its slopes along an edge times the edge. Both triangles of an edge get the same bits.
 void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sides, OrganArrays& arrays) {
   arrays.normals.resize(averaged.size());
   for (std::size_t i = 0; i < averaged.size(); ++i) arrays.normals[i] = averaged[i].normal;
@@ -57,7 +58,7 @@ void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sid
                             averaged[at(sides.of_corner[3 * t + f])].slope) *
                            edge);
         const double size = bend.norm();
-        if (size > kMostBend) bend *= kMostBend / size;
+        if (size > kMaxBend) bend *= kMaxBend / size;
         for (std::size_t i = 0; i < 3; ++i) {
           const double units = bend[static_cast<Eigen::Index>(i)] / kBendUnit;
           arrays.bends[t][e][i] = static_cast<std::int16_t>(std::lround(units));
@@ -89,14 +90,14 @@ std::vector<Vec3> face_normals_of(const geometry::TriangleMesh& mesh) {
 }
 
 geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius) {
-  // Longest-edge splitting leaves triangles of about a quarter of longest^2.
-  const double affordable = std::sqrt(4.0 * total_area(organ) / kMostTriangles);
+  // Longest-edge splitting gives triangles of about longest^2 / 4.
+  const double affordable = std::sqrt(4.0 * total_area(organ) / kMaxTriangles);
   return geometry::refine(organ, std::max(reference_radius / 5.0, affordable));
 }
 
 OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
                          const std::function<void(double, const std::string&)>& share) {
-  constexpr double kNormalsFrom = 0.08;  // of the whole time, for a fine mesh
+  constexpr double kNormalsFrom = 0.08;  // fraction of the whole time, for a fine mesh
   constexpr double kNormalsTo = 0.95;
   OrganArrays arrays;
   arrays.mesh = std::move(mesh);

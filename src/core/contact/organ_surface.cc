@@ -10,9 +10,9 @@
 namespace palpate::contact {
 namespace {
 
-constexpr int kMostCrossings = 64;  // edges one walk may cross; a step is far shorter than that
+constexpr int kMaxCrossings = 64;  // edges that one walk may cross; real steps cross far fewer
 
-/// The sides beyond the sharp edges near a point. Several edges of one line lead to one side: the nearest
+/// Normals of the sides beyond nearby sharp edges. Edges of one chain lead to the same side: the nearest one
 /// counts.
 class OtherSides final {
  public:
@@ -25,7 +25,7 @@ class OtherSides final {
       }
       return;
     }
-    if (count_ == normals_.size()) return;  // a spike: what is there says enough
+    if (count_ == normals_.size()) return;  // at a spike four sides are enough
     normals_[count_] = normal;
     shares_[count_++] = share;
   }
@@ -95,7 +95,7 @@ Vec3 OrganSurface::normal_at(const SurfacePoint& where) const noexcept {
     const Vec3 side0 = smooth_normal(sharp.triangle[0], on_edge);
     const Vec3 side1 = smooth_normal(sharp.triangle[1], on_edge);
     const bool own_is_0 = own.dot(side0) >= own.dot(side1);
-    if (own.dot(own_is_0 ? side0 : side1) < kSharpCosine) continue;  // an edge of another side altogether
+    if (own.dot(own_is_0 ? side0 : side1) < kSharpCosine) continue;  // an edge of another side
     const double closeness = 1.0 - distance / kBlendWidth;
     others.add(own_is_0 ? side1 : side0, closeness * closeness);
   }
@@ -107,13 +107,13 @@ Vec3 OrganSurface::normal_at(const SurfacePoint& where) const noexcept {
 SurfacePoint OrganSurface::walk(const SurfacePoint& from, const Vec3& step,
                                 const Vec3& normal) const noexcept {
   SurfacePoint here = from;
-  // Turn the step from the tangent plane of `normal` into the triangle's plane, its length kept.
+  // Rotate the step from the tangent plane of `normal` into the triangle's plane; its length stays.
   const Vec3& start_normal = face_normal(here.triangle);
   const double one_plus_cosine = 1.0 + normal.dot(start_normal);
-  if (one_plus_cosine < 1e-3) return here;  // turned right round: no direction is meant
+  if (one_plus_cosine < 1e-3) return here;  // opposite normals: the direction is undefined
   Vec3 left = step - (start_normal.dot(step) / one_plus_cosine) * (normal + start_normal);
   std::int32_t came_from = -1;
-  for (int crossing = 0; crossing < kMostCrossings; ++crossing) {
+  for (int crossing = 0; crossing < kMaxCrossings; ++crossing) {
     const geometry::Triangle& corners = arrays_.mesh.triangles[at(here.triangle)];
     const Vec3& face = face_normal(here.triangle);
     double stop = 1.0;
@@ -122,7 +122,7 @@ SurfacePoint OrganSurface::walk(const SurfacePoint& from, const Vec3& step,
       if (came_from >= 0 && arrays_.neighbours[at(here.triangle)][at(e)] == came_from) continue;
       const Vec3& a = arrays_.mesh.vertices[at(corners[at(e)])];
       const Vec3& b = arrays_.mesh.vertices[at(corners[at((e + 1) % 3)])];
-      const Vec3 outward = (b - a).cross(face);  // in the plane, across the edge
+      const Vec3 outward = (b - a).cross(face);  // in the plane, perpendicular to the edge
       const double speed = outward.dot(left);
       if (speed <= 0.0) continue;
       const double fraction = std::max(0.0, outward.dot(a - here.point) / speed);
@@ -136,13 +136,13 @@ SurfacePoint OrganSurface::walk(const SurfacePoint& from, const Vec3& step,
     const std::int32_t next = arrays_.neighbours[at(here.triangle)][at(exit_edge)];
     if (next < 0) return here;
     left *= 1.0 - stop;
-    // Unfold: the part along the edge stays, the part across goes on into the next triangle's plane.
+    // Unfold: keep the component along the edge, rotate the one across it into the next triangle's plane.
     const Vec3& a = arrays_.mesh.vertices[at(corners[at(exit_edge)])];
     const Vec3 edge = (arrays_.mesh.vertices[at(corners[at((exit_edge + 1) % 3)])] - a).normalized();
     const Vec3 across = edge.cross(face);
     const Vec3 across_next = edge.cross(face_normal(next));
     left = left.dot(edge) * edge + left.dot(across) * across_next;
-    here.point = a + (here.point - a).dot(edge) * edge;  // on the edge, so that errors do not add up
+    here.point = a + (here.point - a).dot(edge) * edge;  // back onto the edge, so that errors do not add up
     came_from = here.triangle;
     here.triangle = next;
   }

@@ -5,57 +5,59 @@
 #include <vector>
 
 #include "core/contact/organ_arrays.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/mesh.h"
 #include "palpate/preparation.h"
 
 namespace palpate::contact {
 
-/// A place on the rest surface. Organ frame.
+/// A point on the rest surface, organ frame.
 struct SurfacePoint {
   Vec3 point = Vec3::Zero();
   std::int32_t triangle = -1;
 };
 
-/// The organ's rest surface as contact sees it: refined, with normals that do not show the mesh, and a way to
-/// walk on it. Everything is in the organ's frame S, metres.
+/// The organ's refined rest surface: distances, averaged normals without steps at edges, and walks along it.
+/// Organ frame S, metres.
 class OrganSurface final {
  public:
-  /// [setup] Refines `organ` until edges are at most R_ref/5 and averages its normals within R_ref/2, on all
-  /// processors; the same bits on any number of them, and from the cache. No thread of it is left at the end.
-  /// @throws InputError as geometry::SurfaceDistance.
+  /// [setup] Refines `organ` until its edges are at most R_ref/5 and averages its normals within R_ref/2.
+  /// Uses all processors; its threads end before it returns. Gives the same bits on any number of processors
+  /// and from the cache.
+  /// @throws InputError as geometry::SignedDistance.
   OrganSurface(const geometry::TriangleMesh& organ, double reference_radius, const Preparation& how = {});
 
   [[nodiscard]] const geometry::TriangleMesh& mesh() const noexcept { return arrays_.mesh; }
   [[nodiscard]] const OrganArrays& arrays() const noexcept { return arrays_; }
 
-  /// [rt] Nearest surface point to p, signed; `guess` as geometry::SurfaceDistance::nearest.
+  /// [rt] The surface point nearest to p, with signed distance; `guess` as in
+  /// geometry::SignedDistance::nearest.
   [[nodiscard]] geometry::NearestPoint nearest(const Vec3& p, std::int32_t guess) const noexcept {
     return distance_.nearest(p, guess);
   }
 
-  /// [rt] How far p is from the surface at least; as geometry::SurfaceDistance::clearance.
+  /// [rt] A lower bound of p's distance; see geometry::SignedDistance::clearance.
   [[nodiscard]] geometry::Clearance clearance(const Vec3& p, std::int32_t guess) const noexcept {
     return distance_.clearance(p, guess);
   }
 
-  /// [rt] Where the segment from a to b first goes in.
+  /// [rt] Where the segment from a to b first enters the organ.
   [[nodiscard]] std::optional<geometry::Entry> first_entry(const Vec3& a, const Vec3& b) const noexcept {
     return distance_.first_entry(a, b);
   }
 
-  /// [rt] Unit outward normal at a surface point: the area-weighted mean of the face normals within R_ref/2,
-  /// weight 1 - (r/h)^2, without faces turned more than 60 degrees; across sharper edges the two sides blend
-  /// within 1 mm, weight (1 - d/1 mm)^2 (model.md, section 4).
+  /// [rt] Unit outward normal at a surface point: area-weighted mean of the face normals within h = R_ref/2,
+  /// weight 1 - (r/h)^2, without faces turned by more than 60 degrees. At sharper edges the two sides blend
+  /// within 1 mm, weight (1 - d/1 mm)^2 (docs/model.md, section 4).
   [[nodiscard]] Vec3 normal_at(const SurfacePoint& at) const noexcept;
 
-  /// [rt] Goes from `from` by `step` [m], a vector in the tangent plane of `normal`, straight on over edges
-  /// (the triangles unfolded), never off the surface. Only neighbours are visited, so the far side is never
-  /// reached by a jump.
+  /// [rt] Moves from `from` along the surface by `step` [m], a vector in the tangent plane of `normal`,
+  /// straight over edges (triangles unfolded). Only neighbouring triangles are visited, so it never jumps to
+  /// the far side of the organ.
   [[nodiscard]] SurfacePoint walk(const SurfacePoint& from, const Vec3& step,
                                   const Vec3& normal) const noexcept;
 
-  /// [rt] Unit normal of a triangle's plane.
+  /// [rt] Unit normal of a triangle.
   [[nodiscard]] const Vec3& face_normal(std::int32_t triangle) const noexcept {
     return arrays_.face_normals[static_cast<std::size_t>(triangle)];
   }
@@ -63,7 +65,7 @@ class OrganSurface final {
  private:
   struct Prepared {
     OrganArrays arrays;
-    geometry::SurfaceDistance distance;
+    geometry::SignedDistance distance;
   };
   [[nodiscard]] static Prepared prepare(const geometry::TriangleMesh& organ, double reference_radius,
                                         const Preparation& how);
@@ -73,7 +75,7 @@ class OrganSurface final {
   [[nodiscard]] std::array<double, 3> barycentric(std::int32_t triangle, const Vec3& point) const noexcept;
 
   OrganArrays arrays_;
-  geometry::SurfaceDistance distance_;
+  geometry::SignedDistance distance_;
 };
 
 }  // namespace palpate::contact

@@ -1,4 +1,4 @@
-// How an organ's surface is prepared: computed on all processors, or loaded.
+// Preparation of an organ's surface: computed on all processors, or loaded from the cache.
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,7 +9,7 @@
 namespace palpate::contact {
 namespace {
 
-/// Part of the whole time at which each stage begins, for a fine mesh.
+/// Fraction of the whole time at which each stage begins, for a fine mesh.
 constexpr double kDistanceFrom = 0.02;
 constexpr double kArraysFrom = 0.25;
 constexpr double kStoreFrom = 0.98;
@@ -18,29 +18,29 @@ constexpr double kStoreFrom = 0.98;
 
 OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ, double reference_radius,
                                              const Preparation& how) {
-  const auto tell = [&](double share, const std::string& what) {
+  const auto report_progress = [&](double share, const std::string& what) {
     if (how.progress) how.progress(share, what);
   };
   const WorkerThreads workers;
-  tell(0.0, "cache");
+  report_progress(0.0, "cache");
   std::optional<OrganArrays> loaded = how.load ? how.load(organ, reference_radius) : std::nullopt;
   if (loaded) {
-    tell(kDistanceFrom, "distances");
-    geometry::SurfaceDistance distance(loaded->mesh);
-    tell(1.0, "done");
+    report_progress(kDistanceFrom, "distances");
+    geometry::SignedDistance distance(loaded->mesh);
+    report_progress(1.0, "done");
     return {std::move(*loaded), std::move(distance)};
   }
-  tell(0.0, "refinement");
+  report_progress(0.0, "refinement");
   geometry::TriangleMesh mesh = refined(organ, reference_radius);
-  tell(kDistanceFrom, "distances");
-  geometry::SurfaceDistance distance(mesh);  // refuses what is no closed surface
+  report_progress(kDistanceFrom, "distances");
+  geometry::SignedDistance distance(mesh);  // throws if the mesh is not closed
   OrganArrays arrays =
       organ_arrays(std::move(mesh), reference_radius, [&](double share, const std::string& what) {
-        tell(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);
+        report_progress(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);
       });
-  tell(kStoreFrom, "cache");
+  report_progress(kStoreFrom, "cache");
   if (how.store) how.store(organ, reference_radius, arrays);
-  tell(1.0, "done");
+  report_progress(1.0, "done");
   return {std::move(arrays), std::move(distance)};
 }
 

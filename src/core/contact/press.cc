@@ -5,12 +5,13 @@
 namespace palpate::contact {
 namespace {
 
-// The rules' own figures (model.md, section 4).
-constexpr double kShallow = 0.5e-3;         // m, an inside point this deep may start a contact
-constexpr double kDeepestSecond = 1e-3;     // m, D with which a part that has a contact may start another
-constexpr double kDeepInside = -1e-3;       // m, a part that loses its last contact here is off until outside
-constexpr int kMostEvaluations = 8;         // patches looked at for starts, a tick and part
-constexpr std::uint32_t kPointsTried = 32;  // inside points looked at in turn, a tick and part
+// Constants of the press rules (docs/model.md, section 4).
+constexpr double kShallow = 0.5e-3;      // m, an inside point up to this deep may start a contact
+constexpr double kDeepestSecond = 1e-3;  // m, largest D of a second contact of a part at its start
+// m, a part that loses its last contact below this distance starts none until it has been outside
+constexpr double kDeepInside = -1e-3;
+constexpr int kMaxEvaluations = 8;          // patches evaluated for new contacts per tick and part
+constexpr std::uint32_t kPointsTried = 32;  // inside points tried in turn per tick and part
 
 void remove_contact(PartState& part, int index) noexcept {
   for (int i = index; i + 1 < part.contact_count; ++i) {
@@ -20,9 +21,8 @@ void remove_contact(PartState& part, int index) noexcept {
   --part.contact_count;
 }
 
-/// Contacts closer than R_ref/10 become one: the stronger stays, the other leaves. So does one that is lost,
-/// unless it finds a deepest place on the way out. All within kFade, so that what they and their neighbours
-/// share does not jump.
+/// Of two proxies closer than R_ref/10 the weaker becomes stale. A proxy that is_lost() is stale too while it
+/// lasts. Stale proxies fade out within kFade, so that the shares of their neighbours do not jump.
 void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
   for (int i = 0; i < part.contact_count; ++i) {
     for (int j = i + 1; j < part.contact_count; ++j) {
@@ -61,21 +61,21 @@ std::size_t point_nearest_to(const PartPoints& points, const Vec3& wanted) noexc
   return best;
 }
 
-/// Starting contacts of one part, with a bound on the patches looked at.
-class Starter final {
+/// Starts contacts of one part, with a limit on the patches evaluated per tick.
+class ContactStarter final {
  public:
-  Starter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
+  ContactStarter(const World::Data& world, const PartPoints& points, PartState& part) noexcept
       : world_(world), points_(points), part_(part) {}
 
   void try_entries() noexcept {
     for (const EntryEvent& entry : part_.distances.entries()) try_at(entry.point, entry.at, 2);
   }
 
-  /// Points that are inside but not deep, a few a tick, in turn.
+  /// Tries shallow inside points, kPointsTried per tick, in turn.
   void try_shallow_points() noexcept {
     const auto count = static_cast<std::uint32_t>(points_.size());
     std::uint32_t left = std::min(kPointsTried, count);
-    while (left > 0 && evaluations_ < kMostEvaluations) {
+    while (left > 0 && evaluations_ < kMaxEvaluations) {
       const std::uint32_t first = part_.cursor + 1 < count ? part_.cursor + 1 : 0;
       const std::uint32_t end = std::min(count, first + left);
       const std::uint32_t i = part_.distances.next_inside(first, end);
@@ -92,15 +92,16 @@ class Starter final {
 
   void try_shallow_point(std::uint32_t i) noexcept {
     DistanceCache& distances = part_.distances;
-    if (distances.greatest(i) < -kShallow || near_a_contact(radius(), part_, distances.point_S(i))) return;
-    const geometry::NearestPoint nearest = distances.ask(i);
+    if (distances.upper_bound(i) < -kShallow || near_a_contact(radius(), part_, distances.point_S(i))) return;
+    const geometry::NearestPoint nearest = distances.query(i);
     if (nearest.distance >= kInside || nearest.distance < -kShallow) return;
     try_at(i, {nearest.point, nearest.triangle}, 0);
   }
 
-  /// Starts a contact at `at` if the point is the deepest of its own patch; else looks where that is.
+  /// Starts a contact at `at` if the point is near the centroid of its own patch; otherwise tries the point
+  /// at that centroid.
   void try_at(std::size_t point, const SurfacePoint& at, int redirections) noexcept {
-    if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMostEvaluations) return;
+    if (near_a_contact(radius(), part_, at.point) || evaluations_ >= kMaxEvaluations) return;
     if (part_.contact_count == kContactsPerPart) {
       status_ |= kContactsFull;
       return;
@@ -113,8 +114,8 @@ class Starter final {
     if ((patch.centroid - here).norm() > radius() / 5.0) {
       if (redirections == 0) return;
       const std::size_t deepest =
-          point_nearest_to(points_, part_.distances.placed_S().bring_back(patch.centroid));
-      const geometry::NearestPoint nearest = part_.distances.ask(deepest);
+          point_nearest_to(points_, part_.distances.placed_S().inverse_transform(patch.centroid));
+      const geometry::NearestPoint nearest = part_.distances.query(deepest);
       if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
       return;
     }
@@ -148,12 +149,12 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
   merge_contacts(world.tissue.contact.reference_radius, world.period, part);
   if (before > 0 && part.contact_count == 0) {
     part.distances.find_nearest();
-    if (part.distances.nearest().distance < kDeepInside) part.armed = false;
+    if (part.distances.nearest().distance < kDeepInside) part.may_start_contacts = false;
   }
 
   std::uint32_t status = 0;
-  if (part.armed) {
-    Starter starter(world, points, part);
+  if (part.may_start_contacts) {
+    ContactStarter starter(world, points, part);
     starter.try_entries();
     if (part.distances.inside_count() > 0) starter.try_shallow_points();
     status = starter.status();

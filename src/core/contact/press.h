@@ -3,9 +3,9 @@
 
 namespace palpate::contact {
 
-/// [rt] The press contacts of one part at one tick: those that are there walk and turn, some end or merge,
-/// new ones start; then depth, force and friction of each (model.md, section 4). The part has been moved
-/// (distance_cache.h).
+/// [rt] Updates the press contacts of one part that has been moved (distance_cache.h): moves the proxies,
+/// ends and merges contacts, starts new ones, then computes depth, force and friction of each (docs/model.md,
+/// section 4).
 /// @return status bits
 std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
                            PartState& part) noexcept;

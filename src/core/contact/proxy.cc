@@ -4,33 +4,34 @@
 #include <cmath>
 
 #include "core/base/portable_math.h"
-#include "core/contact/sharing.h"
+#include "core/contact/load_sharing.h"
 
 namespace palpate::contact {
 namespace {
 
-// The rules' own figures (model.md, section 4).
-constexpr double kWalkSpeed = 0.05;    // m/s, that c may gain on the tool
-constexpr double kTouchSpeed = 0.1;    // m/s, that the force's place may gain on the tool
-constexpr double kStillStep = 0.1e-6;  // m, where the walk stops
-constexpr int kWalkSteps = 3;          // a tick
-constexpr double kRestartShare = 8.0;  // of the motion since it stopped is a walk's next step
-constexpr double kLost = 0.1;     // of R_ref, that a contact is from its deepest place when it has lost it
-constexpr double kLetIn = 50e-3;  // s, over which depth that was kept back comes to count
-constexpr double kFade = 100e-3;  // s, in which a contact that has merged or is lost goes
-constexpr double kDampingDepth = 1e-3;  // m, where the damping counts in full
+// Constants of the press rules (docs/model.md, section 4).
+constexpr double kWalkSpeed = 0.05;    // m/s, of the proxy relative to the tool
+constexpr double kTouchSpeed = 0.1;    // m/s, of the point of application relative to the tool
+constexpr double kStillStep = 0.1e-6;  // m, a shorter step ends the walk
+constexpr int kWalkSteps = 3;          // steps per tick
+constexpr double kRestartShare = 8.0;  // the first step is the motion since the last walk, divided by this
+// R_ref times this: distance of the proxy from the patch centroid above which it may be lost
+constexpr double kLost = 0.1;
+constexpr double kLetIn = 50e-3;        // s, in which held-back depth is admitted
+constexpr double kFade = 100e-3;        // s, in which a stale proxy fades out
+constexpr double kDampingDepth = 1e-3;  // m, depth from which the damping counts in full
 
-/// Turns `normal` towards `goal` by at most `most` [rad]. @return the angle turned
+/// Turns `normal` towards `goal` by at most `most` [rad]. @return the angle turned [rad]
 double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
   const double cosine = std::clamp(normal.dot(goal), -1.0, 1.0);
   const Vec3 across = goal - cosine * normal;
   const double sine = across.norm();
-  // Near 0 the cosine has lost its digits, and the sine is the angle.
+  // For small angles the cosine has lost its digits; the sine is the angle.
   if (cosine > 0.0 && sine <= most) {
     normal = goal;
     return cosine > 0.99 ? sine : portable::acos(cosine);
   }
-  // An acute angle is greater than its sine, from here on by more than acos rounds: no need to work it out.
+  // An acute angle is larger than its sine, above this by more than the rounding of acos, so acos is skipped.
   constexpr double kClear = 1e-3;
   if (!(cosine > 0.0 && sine > kClear)) {
     const double angle = portable::acos(cosine);
@@ -39,7 +40,7 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
       return cosine > 0.99 ? sine : angle;
     }
   }
-  if (sine < 1e-9) return 0.0;  // turned right round: no way is nearer
+  if (sine < 1e-9) return 0.0;  // opposite directions: no shortest turn
   const auto [s, c] = portable::sin_cos(most);
   normal = (c * normal + (s / sine) * across).normalized();
   return most;
@@ -49,8 +50,8 @@ double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {
 
 ContactPatch patch_in_S(const PartPoints& points, const RigidTransform& placed_S, const Vec3& point_S,
                         const Vec3& normal_S, double reference_radius, std::uint32_t guess) noexcept {
-  ContactPatch patch = contact_patch_of(points, placed_S.bring_back(point_S), placed_S.turn_back(normal_S),
-                                        reference_radius, guess);
+  ContactPatch patch = contact_patch_of(points, placed_S.inverse_transform(point_S),
+                                        placed_S.inverse_rotate(normal_S), reference_radius, guess);
   patch.centroid = placed_S * patch.centroid;
   return patch;
 }
@@ -80,7 +81,7 @@ Vec3 FrictionSpring::stretch(double period, const TissueLaws& laws, const Vec3& 
 }
 
 Proxy::Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& patch) noexcept
-    : surface_normal_(normal), touch_(patch.centroid), patch_(patch) {
+    : surface_normal_(normal), application_point_(patch.centroid), patch_(patch) {
   load_.at = at;
   load_.normal = normal;
 }
@@ -88,11 +89,11 @@ Proxy::Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& pat
 void Proxy::begin(double own_motion, double odometer, double period) noexcept {
   step_ = own_motion;
   walked_ = odometer;
-  hold_back(std::max(0.0, patch_.depth - own_motion), period);
+  hold_back_depth(std::max(0.0, patch_.depth - own_motion), period);
 }
 
-/// From c to the centroid of the patch, along the tangent plane [m].
-Vec3 Proxy::aside() const noexcept {
+/// From the proxy to the patch centroid, in the tangent plane [m].
+Vec3 Proxy::tangential_offset() const noexcept {
   const Vec3 away = patch_.centroid - load_.at.point;
   return away - away.dot(load_.normal) * load_.normal;
 }
@@ -111,7 +112,7 @@ void Proxy::walk(const OrganSurface& surface, const PartPoints& points, const Di
   find_patch();
   for (int k = 0; k < kWalkSteps && left > 0.0; ++k) {
     if (patch_.depth <= 0.0) break;
-    const Vec3 away = aside();
+    const Vec3 away = tangential_offset();
     const double distance = away.norm();
     if (distance < kStillStep) break;
     const Vec3 direction = away / distance;
@@ -133,22 +134,22 @@ void Proxy::walk(const OrganSurface& surface, const PartPoints& points, const Di
   if (load_.normal != before) find_patch();
 }
 
-/// Keeps `excess` [m] >= 0 of the depth back this tick, and lets it in within kLetIn.
-void Proxy::hold_back(double excess, double period) noexcept {
+/// Holds `excess` [m] >= 0 of the depth back and admits it within kLetIn.
+void Proxy::hold_back_depth(double excess, double period) noexcept {
   offset_ = excess;
   offset_step_ = excess * period / kLetIn;
-  offset_ += offset_step_;  // this tick takes it off again
+  offset_ += offset_step_;  // press() subtracts it again in this tick
 }
 
 void Proxy::fade(bool is_stale, double period) noexcept {
   load_.fade_weight = std::min(1.0, load_.fade_weight + (is_stale ? -period : period) / kFade);
   const double deeper = patch_.depth - depth_;
   const double kept_back = std::max(0.0, offset_ - offset_step_);
-  if (is_stale && deeper > kept_back) hold_back(deeper, period);
+  if (is_stale && deeper > kept_back) hold_back_depth(deeper, period);
 }
 
 bool Proxy::is_lost(double reference_radius, std::span<const Proxy> others) const noexcept {
-  const Vec3 away = aside();
+  const Vec3 away = tangential_offset();
   const double farthest = kLost * reference_radius;
   if (away.squaredNorm() <= farthest * farthest) return false;
   return std::any_of(others.begin(), others.end(), [&](const Proxy& other) {
@@ -162,23 +163,23 @@ void Proxy::merge(Proxy& a, Proxy& b, double reference_radius) noexcept {
   if (a.merged_ || b.merged_) return;
   if ((a.load_.at.point - b.load_.at.point).squaredNorm() >= closest * closest) return;
   (a.depth_ >= b.depth_ ? b : a).merged_ = true;
-  share_memory(a.load_, b.load_);
+  merge_histories(a.load_, b.load_);
 }
 
-/// The force applies at the centroid of the patch; from one deepest place to another it goes at a limited
-/// speed.
+/// The force applies at the patch centroid. When the centroid jumps, the point of application follows at a
+/// limited speed.
 void Proxy::follow_patch(const DistanceCache& distances, double period) noexcept {
-  const Vec3 way = patch_.centroid - touch_;
+  const Vec3 way = patch_.centroid - application_point_;
   const double surely = kTouchSpeed * period;
   const double squared = way.squaredNorm();
   if (squared > surely * surely) {
-    const double share = (surely + distances.motion_at(touch_).norm()) / std::sqrt(squared);
+    const double share = (surely + distances.motion_at(application_point_).norm()) / std::sqrt(squared);
     if (share < 1.0) {
-      touch_ += share * way;
+      application_point_ += share * way;
       return;
     }
   }
-  touch_ = patch_.centroid;
+  application_point_ = patch_.centroid;
 }
 
 void Proxy::press(const TissueLaws& laws, const DistanceCache& distances, double level,
@@ -188,12 +189,13 @@ void Proxy::press(const TissueLaws& laws, const DistanceCache& distances, double
   depth_ = std::max(0.0, patch_.depth - offset_);
   const double elastic = laws.press.force_at(depth_).force;
   const double relaxed = laws.relaxation.count() == 0 ? elastic : laws.relaxation.next(load_.memory, elastic);
-  // The depth's rate is taken where the tool touches: the same in the limit, without the steps of the walk.
-  const Vec3 motion = distances.motion_at(touch_);
+  // The rate of depth is the speed of the tool at the point of application: equal in the limit, without the
+  // steps of the walk.
+  const Vec3 motion = distances.motion_at(application_point_);
   const double speed = -motion.dot(load_.normal) / period;
   normal_force_ = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth_ / kDampingDepth));
   friction_ = spring_.stretch(period, laws, motion, load_.normal, normal_force_);
-  load_.elastic_force = elastic * level;  // jaws that hold press nothing, and take no share from others
+  load_.elastic_force = elastic * level;  // jaws that hold tissue do not press and take no share
 }
 
 }  // namespace palpate::contact

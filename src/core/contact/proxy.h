@@ -12,11 +12,11 @@ namespace palpate::contact {
 
 /// Friction at one contact: a spring k_t [N/m] and a damper c_t [N s/m] in parallel, in series with a Coulomb
 /// slider,
-///   f = k_t s + c_t (s - s_before)/T, |f| <= mu F_n.
+/// f = k_t s + c_t (s - s_before)/T, |f| <= mu F_n.
 /// Spring and cone: [Hayward, Armstrong 2000]; the damper on ds/dt is sigma_1 of [Canudas de Wit et al.
-/// 1995]. Where the contact slides, f lies on the cone and s is solved from it, so that c_t damps the spring
-/// and not the slider. f is that of the tick's end, so it takes from the hand at least what the spring gains
-/// in energy.
+/// 1995]. When the contact slides, f lies on the cone and s is solved from it, so c_t damps the spring and
+/// not the slider. f is evaluated at the end of the tick, so it takes at least the energy from the hand that
+/// the spring stores.
 class FrictionSpring final {
  public:
   explicit FrictionSpring(const Vec3& slip = Vec3::Zero()) noexcept : slip_(slip) {}
@@ -30,83 +30,84 @@ class FrictionSpring final {
   Vec3 slip_;
 };
 
-/// What load sharing needs of a contact, and what it gives it (sharing.h). Organ frame.
+/// Input and result of load sharing for one contact (load_sharing.h). Organ frame.
 struct Load {
-  SurfacePoint at;                  // c
-  Vec3 normal = Vec3::UnitZ();      // there, unit
-  double elastic_force = 0.0;       // F(D) [N]
-  double fade_weight = 1.0;         // 1 .. 0 while the contact fades, 0 .. 1 while it comes back
-  double share = 1.0;               // of the tissue, fade weight counted in
-  model::RelaxationState memory{};  // of the force
+  SurfacePoint at;                  // the proxy's position
+  Vec3 normal = Vec3::UnitZ();      // unit normal at the proxy
+  double elastic_force = 0.0;       // F(D) before relaxation [N]
+  double fade_weight = 1.0;         // 1 in contact, falls to 0 while the proxy is stale
+  double share = 1.0;               // of the tissue, including the fade weight
+  model::RelaxationState memory{};  // history variables of the force
 
   [[nodiscard]] bool fading() const noexcept { return fade_weight < 1.0; }
 };
 
-/// The proxy (god-object) of one press contact [Zilles and Salisbury 1995; Ruspini 1997]: a point c on the
-/// rest surface that walks towards the deepest place of the tool behind it, with a normal that turns at a
-/// limited rate, and the force there (model.md, section 4). Organ frame S.
+/// The proxy (god-object) of one press contact [Zilles and Salisbury 1995; Ruspini 1997]. It is a point c on
+/// the rest surface that walks towards the patch centroid, with a normal that turns at a limited rate, and
+/// the contact force (docs/model.md, section 4). Organ frame S.
 ///
-/// Invariants. After walk() the patch is that of c and the normal, and the walk and the turn of a tick are
-/// within their limits. Depth that is kept back is never negative and is let in within 50 ms. The fade weight
-/// is within 0..1; a proxy that has merged never comes back.
+/// Invariants. After walk() the patch is that of c and the normal; walk and turn of a tick are within their
+/// limits. Held-back depth is never negative and is admitted within 50 ms. The fade weight is in 0..1. A
+/// merged proxy never comes back.
 class Proxy final {
  public:
   Proxy() = default;
-  /// [rt] Starts at a place. @param own_motion of the tool there in this tick [m]: depth beyond it is let in
-  /// gradually
   Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& patch) noexcept;
+  /// [rt] Starts the contact. @param own_motion of the tool there in this tick [m]; depth beyond it is
+  /// admitted gradually
   void begin(double own_motion, double odometer, double period) noexcept;
 
-  /// [rt] Up to three steps along the surface towards the centroid of the patch; the normal turns along, so
-  /// that a step too far shows in the next one.
+  /// [rt] Up to three steps along the surface towards the patch centroid. The normal turns along, so that the
+  /// next step corrects one that is too long.
   void walk(const OrganSurface& surface, const PartPoints& points, const DistanceCache& distances,
             double reference_radius, double period) noexcept;
-  /// [rt] Fades out when it is stale (merged or lost), else in, within 100 ms. What fades out gets no deeper.
+  /// [rt] Lowers the fade weight of a stale proxy (merged or lost) to 0, or raises it to 1, within 100 ms.
+  /// The depth of a stale proxy does not grow.
   void fade(bool is_stale, double period) noexcept;
-  /// [rt] Force and friction of this tick. @param level 0..1, of the part's press
+  /// [rt] Computes force and friction of this tick. @param level press level of the part, 0..1
   void press(const TissueLaws& laws, const DistanceCache& distances, double level, double period) noexcept;
 
-  /// [rt] Whether it has lost its own deepest place and is on its way to a deeper one of the others: there it
-  /// would press what that one presses already.
+  /// [rt] Whether the proxy has left its own local maximum of depth and moves towards a deeper contact of the
+  /// part, whose patch it would press twice.
   [[nodiscard]] bool is_lost(double reference_radius, std::span<const Proxy> others) const noexcept;
-  /// [rt] Where the two are closer than R_ref/10 the weaker one becomes stale for good.
+  /// [rt] If two proxies are closer than R_ref/10, marks the weaker one as merged: it stays stale.
   static void merge(Proxy& a, Proxy& b, double reference_radius) noexcept;
 
   [[nodiscard]] Load& load() noexcept { return load_; }
   [[nodiscard]] const Load& load() const noexcept { return load_; }
   [[nodiscard]] const ContactPatch& patch() const noexcept { return patch_; }
   [[nodiscard]] bool has_merged() const noexcept { return merged_; }
-  /// D that counts [m].
+  /// D minus the held-back depth [m].
   [[nodiscard]] double depth() const noexcept { return depth_; }
-  /// Where the force applies.
-  [[nodiscard]] const Vec3& touch() const noexcept { return touch_; }
-  /// Along the normal, with damping [N].
+  /// Point of application of the force.
+  [[nodiscard]] const Vec3& application_point() const noexcept { return application_point_; }
+  /// Along the normal, damping included [N].
   [[nodiscard]] double normal_force() const noexcept { return normal_force_; }
-  /// Across it [N].
+  /// Tangential [N].
   [[nodiscard]] const Vec3& friction() const noexcept { return friction_; }
 
  private:
-  [[nodiscard]] Vec3 aside() const noexcept;
-  void hold_back(double excess, double period) noexcept;
+  [[nodiscard]] Vec3 tangential_offset() const noexcept;
+  void hold_back_depth(double excess, double period) noexcept;
   void follow_patch(const DistanceCache& distances, double period) noexcept;
 
   Load load_;
   Vec3 surface_normal_ = Vec3::UnitZ();  // at c; load_.normal turns towards it at a limited rate
   double step_ = 0.0;                    // length of the next step of the walk [m]
-  Vec3 last_direction_ = Vec3::Zero();   // of the walk
-  double walked_ = 0.0;                  // odometer of the part when c last went on
-  double offset_ = 0.0;                  // depth not let in yet [m]
-  double offset_step_ = 0.0;             // let in a tick [m]
+  Vec3 last_direction_ = Vec3::Zero();   // of the last step
+  double walked_ = 0.0;                  // odometer at the last step of the walk
+  double offset_ = 0.0;                  // held-back depth [m]
+  double offset_step_ = 0.0;             // admitted per tick [m]
   double depth_ = 0.0;
   FrictionSpring spring_;
-  Vec3 touch_ = Vec3::Zero();
+  Vec3 application_point_ = Vec3::Zero();
   bool merged_ = false;
   ContactPatch patch_;  // in S
   double normal_force_ = 0.0;
   Vec3 friction_ = Vec3::Zero();
 };
 
-/// [rt] The patch at a point with a unit normal, all in S. @param guess as of contact_patch_of
+/// [rt] The contact patch at a point with a unit normal, all in S. @param guess as in contact_patch_of
 [[nodiscard]] ContactPatch patch_in_S(const PartPoints& points, const RigidTransform& placed_S,
                                       const Vec3& point_S, const Vec3& normal_S, double reference_radius,
                                       std::uint32_t guess) noexcept;

@@ -5,8 +5,8 @@
 
 namespace palpate::contact {
 
-/// [rt] Distance [m] of a point from the segment from a to b. @param along where the nearest point is: 0 at
-/// a, 1 at b
+/// [rt] Distance [m] of p from the segment from a to b. @param along position of the nearest point: 0 at a, 1
+/// at b
 [[nodiscard]] inline double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b,
                                                 double& along) noexcept {
   const Vec3 edge = b - a;

@@ -1,4 +1,4 @@
-// list_sharp_edges(): where the normals of two sides blend.
+// list_sharp_edges(): the edges across which normals blend.
 #include <algorithm>
 
 #include "core/base/index.h"
@@ -9,7 +9,7 @@
 namespace palpate::contact {
 namespace {
 
-/// Whether a triangle comes nearer to the segment from a to b than the blend is wide.
+/// Whether a triangle is within kBlendWidth of the segment from a to b.
 bool is_near(const geometry::TriangleMesh& mesh, std::int32_t triangle, const Vec3& a, const Vec3& b) {
   const geometry::Triangle& corners = mesh.triangles[at(triangle)];
   double closest = 1.0;
@@ -41,7 +41,7 @@ void list_sharp_edges(OrganArrays& arrays) {
     const auto triangle = static_cast<std::int32_t>(t);
     for (std::size_t e = 0; e < 3; ++e) {
       const std::int32_t other = arrays.neighbours[t][e];
-      if (other < triangle) continue;  // boundary, or listed from the other side
+      if (other < triangle) continue;  // boundary, or already listed by the other triangle
       if (arrays.face_normals[t].dot(arrays.face_normals[at(other)]) >= kSharpCosine) continue;
       const auto& back = arrays.neighbours[at(other)];
       const std::int32_t edge_of_other = back[0] == triangle ? 0 : (back[1] == triangle ? 1 : 2);
@@ -61,7 +61,7 @@ void list_sharp_edges(OrganArrays& arrays) {
       for (const std::int32_t face : queue) near.push_back({face, index});
     }
   }
-  // In the order of the triangles; of one triangle in the order of the edges, as they were found.
+  // Sorted by triangle, then in the order in which the edges were found.
   arrays.sharp_start.assign(triangle_count + 1, 0);
   for (const NearEdge& one : near) ++arrays.sharp_start[at(one.triangle) + 1];
   for (std::size_t t = 0; t < triangle_count; ++t) arrays.sharp_start[t + 1] += arrays.sharp_start[t];

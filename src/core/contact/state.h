@@ -1,5 +1,5 @@
 #pragma once
-// What World and State hold inside; only the .cc files of this module include it.
+// Private data of World and State. Only the .cc files of this module include it.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -8,7 +8,7 @@
 
 #include "core/contact/contact.h"
 #include "core/contact/distance_cache.h"
-#include "core/contact/grip.h"
+#include "core/contact/grasp.h"
 #include "core/contact/organ_surface.h"
 #include "core/contact/proxy.h"
 #include "core/contact/tissue_laws.h"
@@ -17,9 +17,9 @@
 namespace palpate::contact {
 
 constexpr std::size_t kMaxTools = 8;
-constexpr std::size_t kMostContacts = kMaxTools * kContactsPerPart * kMaxParts;
+constexpr std::size_t kMaxContacts = kMaxTools * kContactsPerPart * kMaxParts;
 
-/// An instrument as contact sees it.
+/// The sampled points of one instrument.
 struct ToolPoints {
   std::vector<PartPoints> parts;
   bool has_jaws = false;
@@ -34,17 +34,17 @@ struct World::Data {
   double period;    // T [s]
 };
 
-/// One rigid part from tick to tick.
+/// State of one rigid part.
 struct PartState {
   PartState(const OrganSurface& surface, const PartPoints& points) : distances(surface, points) {}
 
   DistanceCache distances;
-  double gripper = -1.0;     // that `joint_T` belongs to
-  Pose joint_T;              // of the part's frame in the handle's
+  double gripper = -1.0;     // gripper value of `joint_T`
+  Pose joint_T;              // the part's frame in the handle's
   double press_level = 1.0;  // 0 while the jaws hold tissue
   int contact_count = 0;
-  std::uint32_t cursor = 0;  // next point to try for a start
-  bool armed = false;        // has been outside since it was placed
+  std::uint32_t cursor = 0;         // the next inside point to try for a new contact
+  bool may_start_contacts = false;  // has been outside since its last jump
   std::array<Proxy, kContactsPerPart> contacts{};
 
   [[nodiscard]] std::span<Proxy> active() noexcept {
@@ -52,20 +52,20 @@ struct PartState {
   }
 };
 
-/// One tool from tick to tick.
+/// State of one tool.
 struct ToolState {
-  Pose pose_S;  // of the handle in the organ's frame, this tick
+  Pose pose_S;  // the handle in the organ's frame, in this tick
   std::vector<PartState> parts;
-  std::size_t nearest_part = 0;  // to the organ, when that was last looked for
-  Grip grip;
+  std::size_t nearest_part = 0;  // part nearest to the organ at the last search
+  Grasp grip;
 };
 
 struct State::Data {
   std::vector<ToolState> tools;
-  std::optional<TissueLaws> changed;  // while the run went on; none: the world's are in force
+  std::optional<TissueLaws> updated_laws;  // updated during the run; empty: the world's laws apply
 
   [[nodiscard]] const TissueLaws& laws(const World::Data& world) const noexcept {
-    return changed ? *changed : world.laws;
+    return updated_laws ? *updated_laws : world.laws;
   }
 };
 

@@ -6,8 +6,8 @@
 
 namespace palpate::contact {
 
-/// What the ticks compute of a tissue: its laws, relaxation and rules of contact. Plain data without memory
-/// of its own, so that a running loop can be handed another (haptics/live_changes.h).
+/// What ticks need of a tissue: its laws, its relaxation and its contact parameters. Plain data without
+/// pointers, so a running loop can take another one (palpate/parameter_updates.h).
 struct TissueLaws {
   /// [setup] @param loop_period T [s] @throws ParameterError as the law and model::validate() do
   TissueLaws(const model::TissueParameters& tissue, double loop_period)

@@ -12,16 +12,16 @@
 namespace palpate::contact {
 namespace {
 
-constexpr double kSpacing = 2e-3;        // m, model.md section 4
-constexpr double kSmallestArea = 1e-12;  // m^2: a point on a triangle without area still has a say
+constexpr double kSpacing = 2e-3;        // m (docs/model.md, section 4)
+constexpr double kSmallestArea = 1e-12;  // m^2; a point on a degenerate triangle keeps a weight
 constexpr std::uint32_t kClusterSize = PartPoints::kClusterSize;
-constexpr std::size_t kMostPoints = PartPoints::kMostPoints;
-constexpr double kNormalWeight = 2e-3;      // m: points whose normals differ by 1 are as far apart as this
-constexpr double kCurvatureReach = 2.5e-3;  // m, neighbourhood that the radius of curvature is fitted to
-constexpr double kWidthReach = 8e-3;        // m, neighbourhood and
-constexpr double kWidthDepth = 5e-3;        // m, depth that the half-width is measured in
-constexpr double kSmallestRadius = 0.5e-3;  // m: an edge is not sharper than this to soft tissue
-constexpr double kLargestRadius = 50e-3;    // m: flat
+constexpr std::size_t kMaxPoints = PartPoints::kMaxPoints;
+constexpr double kNormalWeight = 2e-3;      // m; normals that differ by 1 count as this distance
+constexpr double kCurvatureReach = 2.5e-3;  // m, radius of the neighbourhood that the curvature is fitted to
+constexpr double kWidthReach = 8e-3;        // m, radius of the neighbourhood of the half-width
+constexpr double kWidthDepth = 5e-3;        // m, depth within which the half-width is measured
+constexpr double kSmallestRadius = 0.5e-3;  // m; to soft tissue an edge is not sharper
+constexpr double kLargestRadius = 50e-3;    // m; flat
 
 struct Sample {
   Vec3 point = Vec3::Zero();
@@ -49,7 +49,8 @@ std::vector<Sample> samples_of(const geometry::TriangleMesh& mesh) {
   return samples;
 }
 
-/// Order that keeps neighbours together: halves along the longest side of the box until a cluster is left.
+/// Orders points so that neighbours are adjacent: halves along the longest side of the bounding box, down to
+/// one cluster.
 void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices) {
   if (indices.size() <= kClusterSize) return;
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -60,7 +61,7 @@ void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices)
   }
   Eigen::Index axis = 0;
   (high - low).maxCoeff(&axis);
-  // Whole clusters on the left, so that every cluster but the last is full.
+  // Put whole clusters on the left, so that all clusters but the last are full.
   const std::size_t clusters = (indices.size() + kClusterSize - 1) / kClusterSize;
   const std::size_t half = (clusters / 2) * kClusterSize;
   const auto middle = indices.begin() + static_cast<std::ptrdiff_t>(half);
@@ -73,7 +74,7 @@ void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices)
   order(samples, indices.subspan(half));
 }
 
-/// Replaces a group of samples by the one that stands out farthest, with the area of all.
+/// Replaces a group of samples by its outermost one, with the area of all.
 Sample outermost(std::span<const Sample> group) {
   Vec3 normal = Vec3::Zero();
   double area = 0.0;
@@ -89,7 +90,7 @@ Sample outermost(std::span<const Sample> group) {
   return kept;
 }
 
-/// Halves a run by place and normal until `groups` groups are left, each turned into one sample.
+/// Halves a run by position and normal until there are `groups` groups; each becomes one sample.
 void thin_out(std::span<Sample> run, std::size_t groups, std::vector<Sample>& thinned) {
   if (groups <= 1 || run.size() <= 1) {
     thinned.push_back(outermost(run));
@@ -117,7 +118,7 @@ void thin_out(std::span<Sample> run, std::size_t groups, std::vector<Sample>& th
   thin_out(run.subspan(left), groups - left_groups, thinned);
 }
 
-/// Points of a part by cubes of kWidthReach, for neighbourhood queries at set-up.
+/// Points of a part in cubes of kWidthReach, for neighbourhood queries in set-up.
 class Cells final {
  public:
   explicit Cells(const std::vector<Sample>& samples) : samples_(samples) {
@@ -146,9 +147,8 @@ class Cells final {
   std::vector<std::pair<geometry::Cell, std::uint32_t>> cells_;
 };
 
-/// Radius of curvature: least squares of h = rho^2 / (2 R) over the neighbourhood, h the depth below the
-/// tangent plane. Half-width: half the shorter extent, across the normal, of what lies within kWidthDepth of
-/// the point.
+/// Radius of curvature R: least squares of h = rho^2 / (2 R) over the neighbourhood, h the depth below the
+/// tangent plane. Half-width: half the shorter extent, across the normal, of the points within kWidthDepth.
 void shape_at(const Sample& sample, const Cells& cells, double& radius, double& half_width) {
   double rho4 = 0.0;
   double rho2_h = 0.0;
@@ -216,9 +216,9 @@ void make_clusters(PartPoints& points) {
 PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
   if (part.mesh.triangles.empty()) throw InputError("tool part \"" + part.name + "\" has no triangles");
   std::vector<Sample> samples = samples_of(part.mesh);
-  if (samples.size() > kMostPoints) {
+  if (samples.size() > kMaxPoints) {
     std::vector<Sample> thinned;
-    thin_out(samples, kMostPoints, thinned);
+    thin_out(samples, kMaxPoints, thinned);
     samples = std::move(thinned);
   }
   std::vector<std::uint32_t> indices(samples.size());

@@ -10,17 +10,17 @@
 namespace palpate::contact {
 namespace {
 
-constexpr std::size_t kFew = 8;        // triangles that are not divided further
-constexpr double kAlikeCosine = 0.97;  // of 14 degrees: no triangle of a group is turned more from its first
+constexpr std::size_t kFew = 8;        // a node with no more triangles is a leaf
+constexpr double kAlikeCosine = 0.97;  // cos 14 degrees: largest turn of a triangle from its group's first
 
 std::array<Vec3, 3> corners_of(const geometry::TriangleMesh& mesh, std::int32_t triangle) {
   const geometry::Triangle& corners = mesh.triangles[at(triangle)];
   return {mesh.vertices[at(corners[0])], mesh.vertices[at(corners[1])], mesh.vertices[at(corners[2])]};
 }
 
-Piece piece_of(const SurfaceView& surface, std::int32_t triangle) {
+TriangleMoments piece_of(const SurfaceView& surface, std::int32_t triangle) {
   const std::array<Vec3, 3> corner = corners_of(surface.mesh, triangle);
-  Piece piece;
+  TriangleMoments piece;
   piece.centre = (corner[0] + corner[1] + corner[2]) / 3.0;
   piece.normal = surface.face_normals[at(triangle)];
   piece.area = geometry::area_vector_doubled(surface.mesh, surface.mesh.triangles[at(triangle)]);
@@ -32,17 +32,17 @@ Piece piece_of(const SurfaceView& surface, std::int32_t triangle) {
   return piece;
 }
 
-GroupMoments moments_of(std::span<const Piece> all, std::size_t first, std::size_t number) {
-  const std::span<const Piece> pieces = all.subspan(first, number);
+GroupMoments moments_of(std::span<const TriangleMoments> all, std::size_t first, std::size_t number) {
+  const std::span<const TriangleMoments> pieces = all.subspan(first, number);
   GroupMoments moments;
   moments.first = first;
   moments.count = number;
   const auto count = static_cast<double>(pieces.size());
-  for (const Piece& piece : pieces) {
+  for (const TriangleMoments& piece : pieces) {
     moments.centre += piece.centre / count;
     moments.axis += piece.normal / count;
   }
-  for (const Piece& piece : pieces) {
+  for (const TriangleMoments& piece : pieces) {
     const Vec3 apart = piece.centre - moments.centre;
     moments.sum_A += piece.area;
     moments.sum_Am += 3.0 * piece.area * apart.transpose();
@@ -55,15 +55,16 @@ GroupMoments moments_of(std::span<const Piece> all, std::size_t first, std::size
   return moments;
 }
 
-/// Lists the moments of pieces, then those of either half, and so on. Orders the pieces so.
-void divide(std::span<Piece> all, std::size_t first, std::size_t count, std::vector<GroupMoments>& nodes) {
+/// Writes the moments of `all`, then those of each half, recursively. Sorts the pieces in that order.
+void divide(std::span<TriangleMoments> all, std::size_t first, std::size_t count,
+            std::vector<GroupMoments>& nodes) {
   const std::size_t node = nodes.size();
   nodes.push_back(moments_of(all, first, count));
   if (count > kFew) {
-    const std::span<Piece> pieces = all.subspan(first, count);
+    const std::span<TriangleMoments> pieces = all.subspan(first, count);
     Vec3 low = pieces[0].centre;
     Vec3 high = low;
-    for (const Piece& piece : pieces) {
+    for (const TriangleMoments& piece : pieces) {
       low = low.cwiseMin(piece.centre);
       high = high.cwiseMax(piece.centre);
     }
@@ -71,7 +72,9 @@ void divide(std::span<Piece> all, std::size_t first, std::size_t count, std::vec
     (high - low).maxCoeff(&longest);
     const std::size_t half = count / 2;
     std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
-                     [&](const Piece& a, const Piece& b) { return a.centre[longest] < b.centre[longest]; });
+                     [&](const TriangleMoments& a, const TriangleMoments& b) {
+                       return a.centre[longest] < b.centre[longest];
+                     });
     divide(all, first, half, nodes);
     divide(all, first + half, count - half, nodes);
   }
@@ -133,7 +136,7 @@ void TriangleGroups::grow(const SurfaceView& surface, double size) {
 }
 
 void TriangleGroups::link(const SurfaceView& surface) {
-  std::vector<std::int32_t> linked_to(size(), -1);  // the last group that each is a neighbour of
+  std::vector<std::int32_t> linked_to(size(), -1);  // per group: the last group that lists it as a neighbour
   for (std::int32_t group = 0; at(group) < size(); ++group) {
     first_neighbour_.push_back(static_cast<std::int32_t>(neighbours_.size()));
     linked_to[at(group)] = group;

@@ -4,19 +4,21 @@
 
 #include "core/base/index.h"
 #include "core/base/portable_math.h"
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 #include "palpate/surface.h"
 
 namespace palpate::deform {
 namespace {
 
-constexpr double kSmallestRadius = 1e-6;  // m: R_1 of an ideal point
-constexpr double kFreeShare = 0.7;        // of the thickness: up to here a press is drawn as it is
-constexpr double kLargestShare = 0.9;     // of the thickness: never deeper than this
-constexpr double kOpposed = -0.3;         // cosine between two directions from which they share room in full
+constexpr double kSmallestRadius = 1e-6;  // m; smallest R_1, of a point contact
+constexpr double kFreeShare = 0.7;        // of the thickness: shallower presses are not limited
+constexpr double kLargestShare = 0.9;     // of the thickness: bound of the limited depth
+// cosine between two directions below which opposed indentations are limited in full
+constexpr double kOpposed = -0.3;
 
-// R_1 [m] without its bound: c R (D/R)^p = c sqrt(R D) (D/R)^(p - 1/2), so that p = 1/2 is the root alone.
-double contact_radius(const model::ReachParameters& reach, double depth, double tip_radius) noexcept {
+// R_1 [m] before its bound: c R (D/R)^p = c sqrt(R D) (D/R)^(p - 1/2), so that p = 1/2 needs the square root
+// only.
+double contact_radius(const model::FalloffRatios& reach, double depth, double tip_radius) noexcept {
   constexpr double kRoot = 0.5;
   const double root = reach.contact_ratio * std::sqrt(tip_radius * depth);
   if (reach.depth_exponent == kRoot || root == 0.0) return root;
@@ -25,14 +27,14 @@ double contact_radius(const model::ReachParameters& reach, double depth, double 
 
 }  // namespace
 
-double held_back(double depth, double thickness) noexcept {
+double limited_depth(double depth, double thickness) noexcept {
   const double free = kFreeShare * thickness;
   if (depth <= free) return depth;
   const double room = (kLargestShare - kFreeShare) * thickness;
   return free + room * (depth - free) / (depth - free + room);
 }
 
-std::vector<double> shares_of_room(std::span<const Indentation> indentations) {
+std::vector<double> opposition_factors(std::span<const Indentation> indentations) {
   std::vector<double> shares(indentations.size(), 1.0);
   for (std::size_t i = 0; i < indentations.size(); ++i) {
     for (std::size_t j = i + 1; j < indentations.size(); ++j) {
@@ -44,7 +46,7 @@ std::vector<double> shares_of_room(std::span<const Indentation> indentations) {
       if (!(opposed > 0.0) || !(room > 0.0) || !(a.depth > 0.0) || !(b.depth > 0.0)) continue;
       const double nearer = (a.depth * a.direction - b.depth * b.direction).dot(between) / room;
       if (nearer <= 0.0) continue;
-      const double share = 1.0 - opposed * (1.0 - held_back(nearer, room) / nearer);
+      const double share = 1.0 - opposed * (1.0 - limited_depth(nearer, room) / nearer);
       shares[i] = std::min(shares[i], share);
       shares[j] = std::min(shares[j], share);
     }
@@ -53,13 +55,13 @@ std::vector<double> shares_of_room(std::span<const Indentation> indentations) {
 }
 
 double mean_direction_gain(double squared) noexcept {
-  // The inverse root, and below kAlike its tangent there.
+  // The inverse square root; below kAlike its tangent at kAlike.
   if (squared >= kAlike) return 1.0 / std::sqrt(squared);
   return (1.5 - 0.5 * squared / kAlike) / std::sqrt(kAlike);
 }
 
-SurfaceProfile::SurfaceProfile(const model::ReachParameters& reach, double depth, double tip_radius,
-                               double half_width) noexcept {
+DisplacementProfile::DisplacementProfile(const model::FalloffRatios& reach, double depth, double tip_radius,
+                                         double half_width) noexcept {
   if (!(depth > 0.0)) return;
   depth_ = depth;
   double first = contact_radius(reach, depth, std::max(0.0, tip_radius));
@@ -80,7 +82,7 @@ SurfaceProfile::SurfaceProfile(const model::ReachParameters& reach, double depth
   for (double& w : weight_) w *= depth / weights;
 }
 
-double SurfaceProfile::at(double r) const noexcept {
+double DisplacementProfile::at(double r) const noexcept {
   if (r <= 0.0) return depth_;
   double u = 0.0;
   for (std::size_t i = 0; i < kLayers; ++i) {
@@ -89,9 +91,9 @@ double SurfaceProfile::at(double r) const noexcept {
   return u;
 }
 
-double SurfaceProfile::rounded_at(double r, double share) const noexcept {
+double DisplacementProfile::rounded_at(double r, double share) const noexcept {
   if (r <= 0.0 || share <= 0.0) return at(r);
-  // Integral of max(0, 1 - x^2) from 0.
+  // Integral of max(0, 1 - t^2) from 0 to x.
   const auto integral = [](double x) {
     const double inside = std::min(x, 1.0);
     return inside - inside * inside * inside / 3.0;
@@ -100,7 +102,7 @@ double SurfaceProfile::rounded_at(double r, double share) const noexcept {
   for (std::size_t i = 0; i < kLayers; ++i) {
     const double x = r / radius_[i];
     if (x < 1e-4) {
-      u += weight_[i];  // where the quotient below would lose digits
+      u += weight_[i];  // the quotient below would lose digits
     } else if (x * (1.0 - share) < 1.0) {
       u += weight_[i] * (integral(x * (1.0 + share)) - integral(x * (1.0 - share))) / (2.0 * share * x);
     }
@@ -108,8 +110,8 @@ double SurfaceProfile::rounded_at(double r, double share) const noexcept {
   return u;
 }
 
-double SurfaceProfile::steepest() const noexcept {
-  // Between the R_i the slope grows with r, so it is largest just inside one of them.
+double DisplacementProfile::steepest() const noexcept {
+  // Between the R_i the slope grows with r, so its maximum is just inside one of them.
   double steepest = 0.0;
   for (std::size_t k = 0; k < kLayers; ++k) {
     double slope = 0.0;
@@ -121,14 +123,14 @@ double SurfaceProfile::steepest() const noexcept {
   return steepest;
 }
 
-SurfaceProfile SurfaceProfile::widened(double factor) const noexcept {
-  SurfaceProfile wide = *this;
+DisplacementProfile DisplacementProfile::widened(double factor) const noexcept {
+  DisplacementProfile wide = *this;
   for (double& radius : wide.radius_) radius *= factor;
   return wide;
 }
 
 SurfaceDeformer::SurfaceDeformer(geometry::TriangleMesh rest)
-    : surface_(std::make_unique<LiveSurface>(std::move(rest), reach_, 0.0, 0.0F)) {}
+    : surface_(std::make_unique<DeformedSurface>(std::move(rest), reach_, 0.0, 0.0F)) {}
 
 SurfaceDeformer::~SurfaceDeformer() = default;
 SurfaceDeformer::SurfaceDeformer(SurfaceDeformer&& other) noexcept = default;
@@ -136,13 +138,13 @@ SurfaceDeformer& SurfaceDeformer::operator=(SurfaceDeformer&& other) noexcept = 
 
 const geometry::TriangleMesh& SurfaceDeformer::rest() const noexcept { return surface_->rest(); }
 
-void SurfaceDeformer::deform(const model::ReachParameters& reach, std::span<const Indentation> indentations,
+void SurfaceDeformer::deform(const model::FalloffRatios& reach, std::span<const Indentation> indentations,
                              std::vector<Vec3>& vertices) {
   if (!(reach == reach_)) {
     reach_ = reach;
-    surface_ = std::make_unique<LiveSurface>(rest(), reach, 0.0, 0.0F);
+    surface_ = std::make_unique<DeformedSurface>(rest(), reach, 0.0, 0.0F);
   }
-  surface_->update(indentations, LiveSurface::kSettle);
+  surface_->update(indentations, DeformedSurface::kSettle);
   vertices = rest().vertices;
   for (const std::int32_t v : surface_->moved()) {
     const Eigen::Vector3f displacement =

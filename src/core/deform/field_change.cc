@@ -8,17 +8,17 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kBlendGrowth = 2.06F;     // see most_moved
-constexpr float kAlikeDirections = 0.5F;  // between the ends of unit vectors
-constexpr float kMeanGain = 1.07F;        // 1 / the least length of the mean of such directions
-constexpr float kArc = 1.05F;             // an arc is no longer than this by its chord, below a chord of 1
-// What the tables miss between their entries: the profile's curvature over a 128th of its reach.
+constexpr float kBlendGrowth = 2.06F;     // see max_motion
+constexpr float kAlikeDirections = 0.5F;  // largest distance between the ends of the unit vectors
+constexpr float kMeanGain = 1.07F;        // 1 / the smallest length of the mean of such directions
+constexpr float kArc = 1.05F;             // an arc is at most this times its chord, for chords below 1
+// Margin for the profile between table entries: its curvature over 1/128 of the reach.
 constexpr float kBetweenEntries = 1.05F;
 
-// What a contact does at a distance.
+// A contact's effect at one distance.
 struct Moving {
   Vector3f displacement = Vector3f::Zero();  // [m]
-  float slope = 0.0F;                        // its change a metre of distance, at most
+  float slope = 0.0F;                        // largest derivative with respect to the distance
 };
 
 struct Share {
@@ -60,8 +60,8 @@ bool same(const ContactField& a, const ContactField& b) {
 
 }  // namespace
 
-void FieldChange::take(const ContactField* before, const ContactField* now, float drift,
-                       const ProfileTable& profile) noexcept {
+void FieldChange::set(const ContactField* before, const ContactField* now, float drift,
+                      const ProfileTable& profile) noexcept {
   limit_ = 0.0F;
   for (const ContactField* field : {before, now})
     if (field != nullptr) limit_ = std::max(limit_, field->limit);
@@ -79,10 +79,11 @@ void FieldChange::take(const ContactField* before, const ContactField* now, floa
     const float by_drift = drift * old.slope;
     const float old_length = old.displacement.norm();
     const float length = young.displacement.norm();
-    largest.way = std::max(largest.way, (young.displacement - old.displacement).norm() + by_drift);
+    largest.displacement =
+        std::max(largest.displacement, (young.displacement - old.displacement).norm() + by_drift);
     largest.length = std::max(largest.length, std::abs(length - old_length) + by_drift);
     largest.longest = std::max({largest.longest, length, old_length});
-    bounds_[i] = {kBetweenEntries * largest.way, kBetweenEntries * largest.length,
+    bounds_[i] = {kBetweenEntries * largest.displacement, kBetweenEntries * largest.length,
                   kBetweenEntries * largest.longest};
   }
 }
@@ -94,17 +95,17 @@ const FieldChange::Bound& FieldChange::at(float distance) const noexcept {
   return bounds_[std::min(entry, kEntries - 1)];
 }
 
-float most_moved(std::span<const NearChange> changes) noexcept {
-  if (changes.size() == 1) return changes.front().change->at(changes.front().distance).way;
+float max_motion(std::span<const NearChange> changes) noexcept {
+  if (changes.size() == 1) return changes.front().change->at(changes.front().distance).displacement;
   float ways = 0.0F;
   float length = 0.0F;   // the largest of the contacts'
-  float turned = 0.0F;   // by how much a direction's turn moves, the largest
+  float turned = 0.0F;   // largest motion by a direction's turn
   float turn = 0.0F;     // [rad], the largest
-  float between = 0.0F;  // squared, of directions
+  float between = 0.0F;  // largest squared difference of directions
   bool straight = true;
   for (const NearChange& one : changes) {
     const FieldChange::Bound& bound = one.change->at(one.distance);
-    ways += bound.way;
+    ways += bound.displacement;
     length = std::max(length, bound.length);
     turned = std::max(turned, one.change->turn() * bound.longest);
     turn = std::max(turn, one.change->turn());

@@ -6,20 +6,20 @@
 
 #include "core/base/index.h"
 #include "core/base/infinity.h"
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace palpate::deform {
 namespace {
 
 using Eigen::Vector3f;
 
-// Improvements below this share of the distance are rounding and are not propagated again.
+// A distance that falls by less than this ratio has changed by rounding only and is not propagated.
 constexpr float kWorthwhile = 1.0F - 1e-5F;
 
-// Length of the straight way to c that crosses edge ab, given the distances of a and b; infinity when the
-// straight line does not cross it.
-float way_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float distance_a,
-                 float distance_b) {
+// Length of the straight path to c across edge ab, from the distances of a and b; infinity when the straight
+// line misses the edge.
+float path_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float distance_a,
+                  float distance_b) {
   const Vector3f edge = b - a;
   const float squared = edge.squaredNorm();
   if (!(squared > 0.0F)) return kInfinityF;
@@ -29,7 +29,7 @@ float way_across(const Vector3f& a, const Vector3f& b, const Vector3f& c, float 
   const float s_x = (distance_a * distance_a - distance_b * distance_b + squared) / (2.0F * length);
   const float s_y_squared = distance_a * distance_a - s_x * s_x;
   if (s_y_squared < 0.0F) return kInfinityF;
-  const float s_y = std::sqrt(s_y_squared);  // below the edge, c above it
+  const float s_y = std::sqrt(s_y_squared);  // the source is below the edge, c above
   const float height = c_y + s_y;
   if (!(height > 0.0F)) return kInfinityF;
   const float crossing = s_x + (c_x - s_x) * s_y / height;
@@ -84,7 +84,7 @@ void GeodesicFront::relax(std::int32_t from, std::int32_t known, std::int32_t to
   const float other = distance_[at(known)];
   float distance = here + (c - a).norm();
   if (other < kInfinityF)
-    distance = std::min(distance, way_across(a, surface_->vertices[at(known)], c, here, other));
+    distance = std::min(distance, path_across(a, surface_->vertices[at(known)], c, here, other));
   offer(to, distance);
 }
 
@@ -94,7 +94,7 @@ int GeodesicFront::advance(float limit, int most) {
     std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
     const auto [distance, v] = queue_.back();
     queue_.pop_back();
-    if (distance > distance_[at(v)]) continue;  // outdated
+    if (distance > distance_[at(v)]) continue;  // outdated entry
     ++steps;
     settled_.push_back(v);
     excess_[at(v)] = distance - (surface_->vertices[at(v)] - source_).norm();

@@ -10,7 +10,7 @@
 
 namespace palpate::deform {
 
-/// A surface as fronts run over it: single precision, and the triangles around each vertex.
+/// A surface for geodesic fronts: single precision, with the triangles around each vertex.
 struct FrontSurface {
   /// [setup] The mesh may be open.
   explicit FrontSurface(const geometry::TriangleMesh& mesh);
@@ -19,39 +19,39 @@ struct FrontSurface {
     std::int32_t p, q;
   };
   std::vector<Eigen::Vector3f> vertices;  // [m]
-  std::vector<std::int32_t> start;        // of each vertex's entries in around
+  std::vector<std::int32_t> start;        // per vertex: start of its entries in around
   std::vector<Corner> around;
 };
 
-/// Distances along a surface from one point, found outwards step by step, so that a picture's frame can take
-/// as many steps as it has time for; after advance(limit) has ended all vertices nearer than the limit are
-/// settled. A way past a vertex farther away than the limit is found once the front goes on to that vertex.
+/// Geodesic distances from one point, computed outwards step by step, so that a frame can spend a limited
+/// number of steps. When advance(limit) has finished, all vertices nearer than the limit are settled. A path
+/// past a vertex beyond the limit is found only when the front passes that vertex.
 ///
-/// A vertex takes the shortest of the ways through its triangles: the two other corners' distances place the
-/// source in the triangle's plane (unfolded), and the straight line from there counts when it crosses the
-/// edge between them (Novotni and Klein 2002); else the way along an edge. A vertex whose distance falls
-/// later is propagated again, so obtuse triangles and slivers need no special care, and a flat surface comes
-/// out exact but for rounding. Along edges alone (Dijkstra) the distance would be up to 15 % too long, by
-/// direction.
+/// A vertex takes the shortest path through its triangles (Novotni and Klein 2002).
+/// The distances of the two other corners place the source in the unfolded plane of the triangle. The
+/// straight line from there counts when it crosses the edge between them; otherwise the path along an edge
+/// counts. A vertex whose distance falls later is propagated again, so obtuse triangles and slivers need no
+/// special treatment. Distances on a flat surface are exact up to rounding. Distances along edges only
+/// (Dijkstra) would be up to 15 % too long.
 class GeodesicFront final {
  public:
   /// [setup] The surface must outlive the front.
   explicit GeodesicFront(const FrontSurface& surface);
 
-  /// [any] Begins at a point of a triangle with these corners; forgets what it knew.
+  /// [any] Starts again at a point of a triangle with these corners.
   void begin(const geometry::Triangle& corners, const Eigen::Vector3f& point);
 
-  /// [any] Takes up to `most` steps, a vertex each, while vertices nearer than `limit` [m] are left.
-  /// @return the steps taken
+  /// [any] Settles up to `most` vertices while vertices nearer than `limit` [m] remain.
+  /// @return the number of settled vertices
   int advance(float limit, int most);
 
-  /// [any] All vertices nearer than this [m] are settled; infinity when none is left.
+  /// [any] All vertices nearer than this [m] are settled; infinity when none remains.
   [[nodiscard]] float radius() const noexcept;
-  /// [any] Settled vertices, nearest first but for rounding and obtuse triangles: one whose distance has
-  /// fallen since is there again.
+  /// [any] Settled vertices, nearest first up to rounding and obtuse triangles. A vertex whose distance fell
+  /// later appears again.
   [[nodiscard]] std::span<const std::int32_t> settled() const noexcept { return settled_; }
-  /// [any] How much longer [m] than straight the way to each vertex is; infinite where the front has not
-  /// come, and in the entries that fill up to a multiple of kLanes.
+  /// [any] Geodesic minus straight distance [m] per vertex; infinity where the front has not come, and in the
+  /// padding up to a multiple of kLanes.
   [[nodiscard]] std::span<const float> excess() const noexcept { return excess_; }
   /// [any] Distance of a settled vertex [m]; infinity where the front has not come.
   [[nodiscard]] float distance_of(std::int32_t vertex) const noexcept {
@@ -67,7 +67,7 @@ class GeodesicFront final {
   Eigen::Vector3f source_ = Eigen::Vector3f::Zero();
   std::vector<float> distance_;
   std::vector<float> excess_;
-  std::vector<std::int32_t> seen_;  // vertices whose entries above are not as at the beginning
+  std::vector<std::int32_t> seen_;  // vertices with changed entries above
   std::vector<std::int32_t> settled_;
   std::vector<std::pair<float, std::int32_t>> queue_;  // heap, nearest first; may hold outdated entries
 };

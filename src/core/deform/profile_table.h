@@ -3,27 +3,27 @@
 #include <array>
 #include <vector>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "palpate/tissue.h"
 
 namespace palpate::deform {
 
-/// The surface profile around contacts as a table, since every contact has the same up to scale: u(r)/D over
-/// r/R_6 (model.md, section 3), and its slope.
+/// The displacement profile as a table. It is equal for all contacts up to scale: u(r)/D and its slope over
+/// r/R_6 (docs/model.md, section 3).
 class ProfileTable final {
  public:
   struct Value {
-    float u = 0.0F;      // of D
-    float slope = 0.0F;  // of D, over one R_6
+    float u = 0.0F;      // u/D
+    float slope = 0.0F;  // d(u/D) / d(r/R_6)
   };
-  struct LaneValue {
-    Lanes u, slope;
+  struct Value4 {
+    Float4 u, slope;
   };
 
-  /// [setup] @param rounding as of SurfaceProfile::rounded_at
-  ProfileTable(const model::ReachParameters& reach, double rounding);
+  /// [setup] @param rounding as in DisplacementProfile::rounded_at
+  ProfileTable(const model::FalloffRatios& reach, double rounding);
 
-  /// [any] At r/R_6 >= 0, also infinite; zero from the profile's end on.
+  /// [any] At r/R_6 >= 0, also at infinity; zero from the profile's end.
   [[nodiscard]] Value at(float y) const noexcept {
     const float place = std::min(y * per_entry_, last_);
     const auto i = static_cast<std::size_t>(place);
@@ -31,17 +31,17 @@ class ProfileTable final {
     const Row& row = rows_[i];
     return {row[0] + share * row[1], row[2] + share * row[3]};
   }
-  /// [any] The same of four at once.
-  [[nodiscard]] LaneValue at(const Lanes& y) const noexcept;
-  /// [any] r/R_6 from which u stays below `share` of D.
+  /// [any] Four values at once.
+  [[nodiscard]] Value4 at(const Float4& y) const noexcept;
+  /// [any] r/R_6 from which u/D stays below `share`.
   [[nodiscard]] float where(float share) const noexcept;
 
  private:
-  // Of each entry u, its change to the next entry, the slope and its change.
+  // Per entry: u, its change to the next entry, the slope and its change.
   using Row = std::array<float, 4>;
 
-  float per_entry_ = 1.0F;  // entries a unit of r/R_6
-  float last_ = 0.0F;       // entry; all zero
+  float per_entry_ = 1.0F;  // entries per unit of r/R_6
+  float last_ = 0.0F;       // last entry; all zero
   std::vector<Row> rows_;
 };
 

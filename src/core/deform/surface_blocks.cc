@@ -13,55 +13,55 @@ using Eigen::Vector3f;
 
 constexpr auto kAlikeSquared = static_cast<float>(kAlike);
 
-struct Lanes3 {
-  Lanes x, y, z;
+struct Float4x3 {
+  Float4 x, y, z;
 };
 
-Lanes3 lanes_of(const Vector3f& v) { return {Lanes(v.x()), Lanes(v.y()), Lanes(v.z())}; }
-Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Lanes3 operator*(const Lanes& s, const Lanes3& a) { return {s * a.x, s * a.y, s * a.z}; }
-Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+Float4x3 lanes_of(const Vector3f& v) { return {Float4(v.x()), Float4(v.y()), Float4(v.z())}; }
+Float4x3 operator+(const Float4x3& a, const Float4x3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Float4x3 operator-(const Float4x3& a, const Float4x3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Float4x3 operator*(const Float4& s, const Float4x3& a) { return {s * a.x, s * a.y, s * a.z}; }
+Float4 dot(const Float4x3& a, const Float4x3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Float4x3 cross(const Float4x3& a, const Float4x3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-Lanes3 select(const LaneMask& mask, const Lanes3& a, const Lanes3& b) {
+Float4x3 select(const Float4Mask& mask, const Float4x3& a, const Float4x3& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
-// Of length 1; a vector of no length stays so.
-Lanes3 unit(const Lanes3& a) { return (Lanes(1.0F) / sqrt(max(dot(a, a), Lanes(1e-30F)))) * a; }
+// Normalizes; a zero vector stays zero.
+Float4x3 unit(const Float4x3& a) { return (Float4(1.0F) / sqrt(max(dot(a, a), Float4(1e-30F)))) * a; }
 
 // Four vertices at rest.
 struct Rest {
-  Lanes3 place, normal;
+  Float4x3 place, normal;
 };
 
-// What one contact does to four vertices.
+// One contact's effect on four vertices.
 struct Effect {
-  LaneMask moves;
-  Lanes3 displacement;  // [m]; zero where it does not move
-  Lanes3 derived;       // of the displacement along `along`
-  Lanes3 along;         // unit, in the surface, away from the contact
+  Float4Mask moves;
+  Float4x3 displacement;  // [m]; zero out of reach
+  Float4x3 derived;       // derivative of the displacement along `along`
+  Float4x3 along;         // unit, tangent to the surface, away from the contact
 };
 
 [[gnu::always_inline]] inline Effect effect_of(const ContactField& contact, const ProfileTable& profile,
-                                               const Lanes& excess, const Rest& rest) {
-  const Lanes zero(0.0F);
-  const Lanes3 offset = rest.place - lanes_of(contact.point);
-  const Lanes r = sqrt(dot(offset, offset)) + max(excess - Lanes(contact.own_excess), zero);
+                                               const Float4& excess, const Rest& rest) {
+  const Float4 zero(0.0F);
+  const Float4x3 offset = rest.place - lanes_of(contact.point);
+  const Float4 r = sqrt(dot(offset, offset)) + max(excess - Float4(contact.own_excess), zero);
   Effect effect;
-  // The share of D, and its derivative.
+  // Adds one part of the displacement and its derivative.
   const auto add = [&](const Vector3f& part, float reach, float lowered) {
-    const ProfileTable::LaneValue value = profile.at(r * Lanes(1.0F / reach));
-    const Lanes left = Lanes(1.0F / (1.0F - lowered));
-    const Lanes share = max(zero, (value.u - Lanes(lowered)) * left);
-    const LaneMask moves = share > zero;
-    const Lanes slope = select(moves, value.slope * left * Lanes(1.0F / reach), zero);
+    const ProfileTable::Value4 value = profile.at(r * Float4(1.0F / reach));
+    const Float4 left = Float4(1.0F / (1.0F - lowered));
+    const Float4 share = max(zero, (value.u - Float4(lowered)) * left);
+    const Float4Mask moves = share > zero;
+    const Float4 slope = select(moves, value.slope * left * Float4(1.0F / reach), zero);
     effect.moves = effect.moves | moves;
     effect.displacement = effect.displacement + share * lanes_of(part);
     effect.derived = effect.derived + slope * lanes_of(part);
   };
-  effect.moves = LaneMask(false);
+  effect.moves = Float4Mask(false);
   effect.displacement = effect.derived = {zero, zero, zero};
   if (contact.side_reach == contact.reach && contact.lowered_side == contact.lowered) {
     add(contact.normal_part + contact.side_part, contact.reach, contact.lowered);
@@ -69,33 +69,33 @@ struct Effect {
     add(contact.normal_part, contact.reach, contact.lowered);
     add(contact.side_part, contact.side_reach, contact.lowered_side);
   }
-  const Lanes3 in_surface = offset - dot(offset, rest.normal) * rest.normal;
-  const Lanes squared = dot(in_surface, in_surface);
-  effect.along = select(squared > Lanes(1e-14F), Lanes(1.0F) / sqrt(squared), zero) * in_surface;
+  const Float4x3 in_surface = offset - dot(offset, rest.normal) * rest.normal;
+  const Float4 squared = dot(in_surface, in_surface);
+  effect.along = select(squared > Float4(1e-14F), Float4(1.0F) / sqrt(squared), zero) * in_surface;
   return effect;
 }
 
-// Where four vertices are.
+// Four displaced vertices.
 struct Moved {
-  LaneMask moves;
-  Lanes3 displacement, normal;
+  Float4Mask moves;
+  Float4x3 displacement, normal;
 };
 
-Moved under_one(const ContactField& contact, const ProfileTable& profile, const Lanes& excess,
+Moved under_one(const ContactField& contact, const ProfileTable& profile, const Float4& excess,
                 const Rest& rest) {
   const Effect effect = effect_of(contact, profile, excess, rest);
-  const Lanes3 normal = (Lanes(1.0F) + dot(effect.derived, effect.along)) * rest.normal -
-                        dot(effect.derived, rest.normal) * effect.along;
+  const Float4x3 normal = (Float4(1.0F) + dot(effect.derived, effect.along)) * rest.normal -
+                          dot(effect.derived, rest.normal) * effect.along;
   return {effect.moves, effect.displacement, unit(normal)};
 }
 
-// The vectors v that are added up for a mean, and how their sum changes along each axis.
+// A sum of vectors, with its derivatives along the axes.
 struct Sum3 {
-  Lanes3 value;
-  std::array<Lanes3, 3> derivative;
+  Float4x3 value;
+  std::array<Float4x3, 3> derivative;
 
-  // `change`: of the value along `along`.
-  void add(const Lanes3& v, const Lanes3& change, const Lanes3& along) {
+  // @param change derivative of v along `along`
+  void add(const Float4x3& v, const Float4x3& change, const Float4x3& along) {
     value = value + v;
     derivative[0] = derivative[0] + along.x * change;
     derivative[1] = derivative[1] + along.y * change;
@@ -104,26 +104,27 @@ struct Sum3 {
 };
 
 struct Sum {
-  Lanes value;
-  Lanes3 derivative;
+  Float4 value;
+  Float4x3 derivative;
 
-  void add(const Lanes& x, const Lanes& change, const Lanes3& along) {
+  void add(const Float4& x, const Float4& change, const Float4x3& along) {
     value += x;
     derivative = derivative + change * along;
   }
 };
 
-// Of the contacts that move four vertices; lengths in mm, so that their eighth powers are no extreme numbers.
+// Blend of the contacts that move four vertices. Lengths are in mm, so that their eighth powers stay in
+// range.
 struct Blend {
-  LaneMask moves = LaneMask(false);
-  Sum weights;      // eighth powers of the lengths u
-  Sum lengths;      // u by those weights
-  Sum squares;      // u^2
-  Sum3 directions;  // by those
+  Float4Mask moves = Float4Mask(false);
+  Sum weights;      // sum of u^8
+  Sum lengths;      // sum of u^9
+  Sum squares;      // sum of u^2
+  Sum3 directions;  // directions weighted by u^2
 
   Blend() {
-    const Lanes zero(0.0F);
-    const Lanes3 none{zero, zero, zero};
+    const Float4 zero(0.0F);
+    const Float4x3 none{zero, zero, zero};
     weights = lengths = squares = {zero, none};
     directions = {none, {none, none, none}};
   }
@@ -132,60 +133,60 @@ struct Blend {
 };
 
 void Blend::add(const Effect& effect) {
-  const Lanes zero(0.0F);
-  const Lanes mm(1e3F);
-  const Lanes3 displacement = mm * effect.displacement;
-  const Lanes3 derived = mm * effect.derived;
+  const Float4 zero(0.0F);
+  const Float4 mm(1e3F);
+  const Float4x3 displacement = mm * effect.displacement;
+  const Float4x3 derived = mm * effect.derived;
   moves = moves | effect.moves;
-  const Lanes u = sqrt(dot(displacement, displacement));
-  const LaneMask clear = u > Lanes(1e-4F);
-  const Lanes u_slope = select(clear, dot(displacement, derived) / max(u, Lanes(1e-4F)), zero);
-  const Lanes second = u * u;
-  const Lanes fourth = second * second;
-  const Lanes weight = select(effect.moves, max(fourth * fourth, Lanes(1e-30F)), zero);
-  const Lanes weight_slope = select(clear, Lanes(8.0F) * weight * u_slope / max(u, Lanes(1e-4F)), zero);
+  const Float4 u = sqrt(dot(displacement, displacement));
+  const Float4Mask clear = u > Float4(1e-4F);
+  const Float4 u_slope = select(clear, dot(displacement, derived) / max(u, Float4(1e-4F)), zero);
+  const Float4 second = u * u;
+  const Float4 fourth = second * second;
+  const Float4 weight = select(effect.moves, max(fourth * fourth, Float4(1e-30F)), zero);
+  const Float4 weight_slope = select(clear, Float4(8.0F) * weight * u_slope / max(u, Float4(1e-4F)), zero);
   weights.add(weight, weight_slope, effect.along);
   lengths.add(weight * u, weight_slope * u + weight * u_slope, effect.along);
-  squares.add(second, Lanes(2.0F) * u * u_slope, effect.along);
+  squares.add(second, Float4(2.0F) * u * u_slope, effect.along);
   directions.add(u * displacement, u_slope * displacement + u * derived, effect.along);
 }
 
 Moved Blend::result(const Rest& rest) const {
-  const Lanes zero(0.0F);
-  const Lanes metre(1e-3F);
-  // The mean length m and the mean direction v, with their derivatives.
-  const Lanes share = Lanes(1.0F) / max(weights.value, Lanes(1e-30F));
-  const Lanes m = share * lengths.value;
-  const Lanes3 m_slope = share * (lengths.derivative - m * weights.derivative);
-  const Lanes square_share = Lanes(1.0F) / max(squares.value, Lanes(1e-12F));
-  const Lanes3 v = square_share * directions.value;
-  const std::array<Lanes, 3> square_slope = {squares.derivative.x, squares.derivative.y,
-                                             squares.derivative.z};
-  // As mean_direction_gain.
-  const Lanes q = dot(v, v);
-  const Lanes bounded = max(q, Lanes(kAlikeSquared));
-  const Lanes root = Lanes(1.0F) / sqrt(bounded);
-  const LaneMask alike = q >= Lanes(kAlikeSquared);
-  const Lanes gain = select(alike, root, root * (Lanes(1.5F) - Lanes(0.5F / kAlikeSquared) * q));
-  const Lanes gain_slope = Lanes(-0.5F) * root / bounded;  // over q
-  const std::array<Lanes, 3> m_slopes = {m_slope.x, m_slope.y, m_slope.z};
-  std::array<Lanes3, 3> derivative;
+  const Float4 zero(0.0F);
+  const Float4 metre(1e-3F);
+  // Mean length m and mean direction v, with derivatives.
+  const Float4 share = Float4(1.0F) / max(weights.value, Float4(1e-30F));
+  const Float4 m = share * lengths.value;
+  const Float4x3 m_slope = share * (lengths.derivative - m * weights.derivative);
+  const Float4 square_share = Float4(1.0F) / max(squares.value, Float4(1e-12F));
+  const Float4x3 v = square_share * directions.value;
+  const std::array<Float4, 3> square_slope = {squares.derivative.x, squares.derivative.y,
+                                              squares.derivative.z};
+  // as mean_direction_gain()
+  const Float4 q = dot(v, v);
+  const Float4 bounded = max(q, Float4(kAlikeSquared));
+  const Float4 root = Float4(1.0F) / sqrt(bounded);
+  const Float4Mask alike = q >= Float4(kAlikeSquared);
+  const Float4 gain = select(alike, root, root * (Float4(1.5F) - Float4(0.5F / kAlikeSquared) * q));
+  const Float4 gain_slope = Float4(-0.5F) * root / bounded;  // derivative with respect to q
+  const std::array<Float4, 3> m_slopes = {m_slope.x, m_slope.y, m_slope.z};
+  std::array<Float4x3, 3> derivative;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Lanes3 v_slope = square_share * (directions.derivative[axis] - square_slope[axis] * v);
-    const Lanes along_v = m_slopes[axis] * gain + Lanes(2.0F) * m * gain_slope * dot(v, v_slope);
+    const Float4x3 v_slope = square_share * (directions.derivative[axis] - square_slope[axis] * v);
+    const Float4 along_v = m_slopes[axis] * gain + Float4(2.0F) * m * gain_slope * dot(v, v_slope);
     derivative[axis] = metre * (along_v * v + (m * gain) * v_slope);
   }
-  derivative[0].x += Lanes(1.0F);
-  derivative[1].y += Lanes(1.0F);
-  derivative[2].z += Lanes(1.0F);
-  // The adjugate's transpose of I + J carries normals.
-  const Lanes3 normal = rest.normal.x * cross(derivative[1], derivative[2]) +
-                        rest.normal.y * cross(derivative[2], derivative[0]) +
-                        rest.normal.z * cross(derivative[0], derivative[1]);
+  derivative[0].x += Float4(1.0F);
+  derivative[1].y += Float4(1.0F);
+  derivative[2].z += Float4(1.0F);
+  // The transposed adjugate of I + J transforms normals.
+  const Float4x3 normal = rest.normal.x * cross(derivative[1], derivative[2]) +
+                          rest.normal.y * cross(derivative[2], derivative[0]) +
+                          rest.normal.z * cross(derivative[0], derivative[1]);
   return {moves, (metre * m * gain) * v, select(dot(normal, normal) > zero, unit(normal), rest.normal)};
 }
 
-// excess_of(contact): of these vertices.
+// @param excess_of(contact) geodesic excess of these vertices
 template <typename ExcessOf>
 Moved under(std::span<const ContactField* const> contacts, const ProfileTable& profile,
             const ExcessOf& excess_of, const Rest& rest) {
@@ -199,18 +200,18 @@ Moved under(std::span<const ContactField* const> contacts, const ProfileTable& p
   return blend.result(rest);
 }
 
-// The first `count` of four vertices, as the picture takes them.
-void write(const Rest& rest, const Moved& moved, std::size_t count, LiveVertex* out) {
-  const Lanes zero(0.0F);
-  const Lanes3 displacement = select(moved.moves, moved.displacement, {zero, zero, zero});
-  const Lanes3 place = rest.place + displacement;
-  const Lanes3 normal = select(moved.moves, moved.normal, rest.normal);
-  const Lanes length = sqrt(dot(displacement, displacement));
-  const Lanes signed_length = select(dot(displacement, rest.normal) < zero, zero - length, length);
+// Writes the first `count` of four vertices.
+void write(const Rest& rest, const Moved& moved, std::size_t count, SurfaceVertex* out) {
+  const Float4 zero(0.0F);
+  const Float4x3 displacement = select(moved.moves, moved.displacement, {zero, zero, zero});
+  const Float4x3 place = rest.place + displacement;
+  const Float4x3 normal = select(moved.moves, moved.normal, rest.normal);
+  const Float4 length = sqrt(dot(displacement, displacement));
+  const Float4 signed_length = select(dot(displacement, rest.normal) < zero, zero - length, length);
   // Each vertex is seven floats: two rows of four that share the fourth.
-  static_assert(sizeof(LiveVertex) == 7 * sizeof(float));
-  std::array<Lanes, kLanes> upper = {place.x, place.y, place.z, normal.x};
-  std::array<Lanes, kLanes> lower = {normal.x, normal.y, normal.z, signed_length};
+  static_assert(sizeof(SurfaceVertex) == 7 * sizeof(float));
+  std::array<Float4, kLanes> upper = {place.x, place.y, place.z, normal.x};
+  std::array<Float4, kLanes> lower = {normal.x, normal.y, normal.z, signed_length};
   transpose(upper);
   transpose(lower);
   for (std::size_t i = 0; i < count; ++i) {
@@ -253,27 +254,27 @@ std::size_t SurfaceBlocks::size(std::size_t block) const noexcept {
 }
 
 bool SurfaceBlocks::move(std::size_t block, std::span<const ContactField* const> contacts,
-                         const ProfileTable& profile, LiveVertex* out) const noexcept {
+                         const ProfileTable& profile, SurfaceVertex* out) const noexcept {
   bool any_moved = false;
   const std::size_t begin = first(block);
   const std::size_t end = begin + size(block);
   for (std::size_t v = begin; v < end; v += kLanes) {
     const Rest rest{
-        {Lanes::load_unaligned(&x_[v]), Lanes::load_unaligned(&y_[v]), Lanes::load_unaligned(&z_[v])},
-        {Lanes::load_unaligned(&nx_[v]), Lanes::load_unaligned(&ny_[v]), Lanes::load_unaligned(&nz_[v])}};
+        {Float4::load_unaligned(&x_[v]), Float4::load_unaligned(&y_[v]), Float4::load_unaligned(&z_[v])},
+        {Float4::load_unaligned(&nx_[v]), Float4::load_unaligned(&ny_[v]), Float4::load_unaligned(&nz_[v])}};
     const Moved moved = under(
         contacts, profile,
-        [v](const ContactField& contact) { return Lanes::load_unaligned(&contact.excess[v]); }, rest);
+        [v](const ContactField& contact) { return Float4::load_unaligned(&contact.excess[v]); }, rest);
     any_moved = any_moved || any(moved.moves);
     write(rest, moved, std::min(kLanes, end - v), out + (v - begin));
   }
   return any_moved;
 }
 
-void SurfaceBlocks::rest(std::size_t block, LiveVertex* out) const noexcept {
+void SurfaceBlocks::rest(std::size_t block, SurfaceVertex* out) const noexcept {
   const std::size_t begin = first(block);
   for (std::size_t v = begin; v < begin + size(block); ++v)
-    out[v - begin] = LiveVertex{Vector3f(x_[v], y_[v], z_[v]), Vector3f(nx_[v], ny_[v], nz_[v]), 0.0F};
+    out[v - begin] = SurfaceVertex{Vector3f(x_[v], y_[v], z_[v]), Vector3f(nx_[v], ny_[v], nz_[v]), 0.0F};
 }
 
 }  // namespace palpate::deform

@@ -5,14 +5,14 @@
 
 #include "core/base/index.h"
 #include "core/base/infinity.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 
 namespace palpate::deform {
 namespace {
 
 constexpr double kEdgesACell = 2.0;
-constexpr double kMostCells = 4e6;
-constexpr double kOwnFace = 1e-6;  // m: a hit nearer than this is the start's own triangle
+constexpr double kMaxCells = 4e6;
+constexpr double kOwnFace = 1e-6;  // m; a nearer hit is the start's own triangle
 
 double mean_edge(const geometry::TriangleMesh& mesh) {
   double sum = 0.0;
@@ -31,10 +31,10 @@ geometry::Bounds box_of(const geometry::TriangleMesh& mesh, const geometry::Tria
   return box;
 }
 
-// Distance [m] from a point along a unit direction to a triangle that faces that way; infinity when it is not
-// hit.
-double way_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
-                       const Vec3& start, const Vec3& direction) {
+// Distance [m] from a point along a unit direction to a triangle that faces in that direction; infinity when
+// it misses.
+double distance_to_far_side(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle,
+                            const Vec3& start, const Vec3& direction) {
   // Moeller and Trumbore 1997; the determinant is minus `facing`.
   const Vec3& a = mesh.vertices[at(triangle[0])];
   const Vec3 ab = mesh.vertices[at(triangle[1])] - a;
@@ -58,7 +58,7 @@ TriangleGrid::TriangleGrid(const geometry::TriangleMesh& mesh) : mesh_(mesh) {
   low_ = box.low;
   const double volume = std::max(1e-18, box.size().prod());
   width_ = std::max(
-      {kEdgesACell * mean_edge(mesh), std::cbrt(volume / kMostCells), box.size().maxCoeff() / 1000.0, 1e-9});
+      {kEdgesACell * mean_edge(mesh), std::cbrt(volume / kMaxCells), box.size().maxCoeff() / 1000.0, 1e-9});
   for (int k = 0; k < 3; ++k)
     count_[static_cast<std::size_t>(k)] = 1 + static_cast<int>(box.size()[k] / width_);
   start_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) *
@@ -121,8 +121,8 @@ contact::SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
   double best_squared = kInfinity;
   const Cell middle = cell_of(p);
   const int most = std::max({count_[0], count_[1], count_[2]});
-  // Shells of cells around the one of p (or the nearest to p, when p lies outside the grid), until no cell
-  // farther out can hold anything nearer.
+  // Searches shells of cells around p's cell (or the nearest cell when p is outside the grid), until no
+  // farther cell can hold anything nearer.
   Vec3 held = p;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<Eigen::Index>(k);
@@ -152,7 +152,7 @@ contact::SurfacePoint TriangleGrid::nearest(const Vec3& p) const {
 
 double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double limit) const {
   double nearest = kInfinity;
-  // Half a cell at a time, and the cells around: no cell that the ray touches is left out.
+  // In steps of half a cell, with the neighbouring cells, so that no cell on the ray is missed.
   std::size_t last = static_cast<std::size_t>(-1);
   for (int step = 0; 0.5 * width_ * step <= limit + width_; ++step) {
     const double way = 0.5 * width_ * step;
@@ -165,8 +165,8 @@ double TriangleGrid::far_side(const Vec3& start, const Vec3& direction, double l
         for (int k = std::max(0, middle[2] - 1); k <= std::min(count_[2] - 1, middle[2] + 1); ++k) {
           const std::size_t cell = place({i, j, k});
           for (std::int32_t n = start_[cell]; n < start_[cell + 1]; ++n)
-            nearest = std::min(nearest,
-                               way_to_far_side(mesh_, mesh_.triangles[at(inside_[at(n)])], start, direction));
+            nearest = std::min(
+                nearest, distance_to_far_side(mesh_, mesh_.triangles[at(inside_[at(n)])], start, direction));
         }
       }
     }

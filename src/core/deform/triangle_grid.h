@@ -8,20 +8,20 @@
 
 namespace palpate::deform {
 
-/// Finds triangles near a point or along a ray without a pass over the whole mesh: a grid of cells about two
-/// edges wide, each with the triangles whose boxes touch it. The mesh may be open. It must outlive the grid.
+/// Finds triangles near a point or along a ray with a grid of cells about two edges wide. Each cell lists the
+/// triangles whose bounding boxes touch it. The mesh may be open. It must outlive the grid.
 class TriangleGrid final {
  public:
   /// [setup]
   explicit TriangleGrid(const geometry::TriangleMesh& mesh);
 
-  /// [any] The point of the surface nearest to p; of equally near triangles
-  /// the first. Triangle -1 for an empty mesh.
+  /// [any] The surface point nearest to p; among equally near triangles the first. Triangle -1 for an empty
+  /// mesh.
   [[nodiscard]] contact::SurfacePoint nearest(const Vec3& p) const;
 
-  /// [any] Distance [m] from a point along a unit direction to the first triangle that faces that way (the
-  /// far side of an organ), if it is nearer than `limit` [m]; infinity otherwise. Triangles through the start
-  /// itself do not count.
+  /// [any] Distance [m] from a point along a unit direction to the first triangle that faces in that
+  /// direction (the far side of an organ), if it is nearer than `limit` [m]; otherwise infinity. Triangles
+  /// through the start itself do not count.
   [[nodiscard]] double far_side(const Vec3& start, const Vec3& direction, double limit) const;
 
  private:
@@ -34,7 +34,7 @@ class TriangleGrid final {
   Vec3 low_ = Vec3::Zero();
   double width_ = 1.0;  // of a cell [m]
   Cell count_{1, 1, 1};
-  std::vector<std::int32_t> start_;  // of each cell's triangles in inside_
+  std::vector<std::int32_t> start_;  // per cell: start of its triangles in inside_
   std::vector<std::int32_t> inside_;
 };
 

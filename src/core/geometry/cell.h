@@ -9,10 +9,10 @@
 
 namespace palpate::geometry {
 
-/// A cube of a regular grid, by its whole numbers along x, y and z.
+/// A cube of a regular grid, by its integer coordinates.
 using Cell = std::array<std::int64_t, 3>;
 
-/// [any] Hash of three numbers of 64 bits.
+/// [any] Hash of three 64-bit numbers.
 struct ThreeWordsHash {
   template <typename T>
   std::size_t operator()(const std::array<T, 3>& words) const noexcept {
@@ -22,8 +22,8 @@ struct ThreeWordsHash {
   }
 };
 
-/// [any] The cell that `p` lies in when cells are `width` (> 0) wide. A place more than 2^62 cells away, as a
-/// file's largest numbers are, lies in the outermost one: every cell has neighbours that can be named.
+/// [any] The cell of `p` in a grid of cells `width` (> 0) wide. Coordinates beyond 2^62 cells are clamped, so
+/// that every cell has neighbours within the integer range.
 [[nodiscard]] inline Cell cell_at(const Vec3& p, double width) noexcept {
   constexpr double kOutermost = 0x1p62;
   Cell cell{};

@@ -2,109 +2,113 @@
 #include <bit>
 #include <limits>
 
-#include "core/base/lanes.h"
-#include "core/geometry/disc_tree.h"
+#include "core/base/simd.h"
+#include "core/geometry/disc_bvh.h"
 
-// The two walks through a DiscTree, four discs at a time in single precision. They only leave out what cannot
-// count; what counts is worked out in double precision by the caller, so that no answer depends on them.
+// Nearest-point and segment traversal of DiscBvh, four discs at a time in single precision. Traversal only
+// excludes triangles; the caller computes the rest in double precision, so no result depends on single
+// precision.
 namespace palpate::geometry {
 
-/// A query point relative to the tree's origin, and what single precision may have lost of it.
+/// A query point relative to the tree's origin, and the rounding error of single precision.
 struct DiscQuery {
   static constexpr float kRounding = 32.0F * std::numeric_limits<float>::epsilon();
-  Lanes x, y, z, slack;
+  Float4 x, y, z, slack;
   DiscQuery(const Vec3& relative, double extent) noexcept
       : x(static_cast<float>(relative.x())),
         y(static_cast<float>(relative.y())),
         z(static_cast<float>(relative.z())),
         slack(kRounding * static_cast<float>(relative.cwiseAbs().maxCoeff() + extent)) {}
 
-  /// Squared lower bounds of the distances to the four discs.
-  [[nodiscard]] Lanes squared_distances(const DiscNode& node) const noexcept {
-    const Lanes dx = x - Lanes::load_aligned(node.centre_x.data());
-    const Lanes dy = y - Lanes::load_aligned(node.centre_y.data());
-    const Lanes dz = z - Lanes::load_aligned(node.centre_z.data());
-    const Lanes along = dx * Lanes::load_aligned(node.axis_x.data()) +
-                        dy * Lanes::load_aligned(node.axis_y.data()) +
-                        dz * Lanes::load_aligned(node.axis_z.data());
-    const Lanes squared = dx * dx + dy * dy + dz * dz;
-    const Lanes zero(0.0F);
-    const Lanes across = sqrt(max(zero, squared * Lanes(1.0F - kRounding) - along * along));
-    const Lanes beside = max(zero, across - Lanes::load_aligned(node.radius.data()) - slack);
-    const Lanes above = max(zero, abs(along) - Lanes::load_aligned(node.height.data()) - slack);
+  /// Lower bounds of the squared distances to four discs.
+  [[nodiscard]] Float4 squared_distances(const DiscNode& node) const noexcept {
+    const Float4 dx = x - Float4::load_aligned(node.centre_x.data());
+    const Float4 dy = y - Float4::load_aligned(node.centre_y.data());
+    const Float4 dz = z - Float4::load_aligned(node.centre_z.data());
+    const Float4 along = dx * Float4::load_aligned(node.axis_x.data()) +
+                         dy * Float4::load_aligned(node.axis_y.data()) +
+                         dz * Float4::load_aligned(node.axis_z.data());
+    const Float4 squared = dx * dx + dy * dy + dz * dz;
+    const Float4 zero(0.0F);
+    const Float4 across = sqrt(max(zero, squared * Float4(1.0F - kRounding) - along * along));
+    const Float4 beside = max(zero, across - Float4::load_aligned(node.radius.data()) - slack);
+    const Float4 above = max(zero, abs(along) - Float4::load_aligned(node.height.data()) - slack);
     return beside * beside + above * above;
   }
 
-  /// Squared lower bounds of the distances to the four triangles; not a number where rounding cannot tell.
-  [[nodiscard]] Lanes squared_distances(const TriangleNode& node) const noexcept;
+  /// Lower bounds of the squared distances to four triangles; NaN where rounding leaves them undecided.
+  [[nodiscard]] Float4 squared_distances(const TriangleNode& node) const noexcept;
 };
 
-/// Vectors, four at once.
-struct LaneVector {
-  Lanes x, y, z;
-  [[nodiscard]] LaneVector operator-(const LaneVector& b) const noexcept {
+/// Four vectors.
+struct Float4Vector {
+  Float4 x, y, z;
+  [[nodiscard]] Float4Vector operator-(const Float4Vector& b) const noexcept {
     return {x - b.x, y - b.y, z - b.z};
   }
-  [[nodiscard]] Lanes dot(const LaneVector& b) const noexcept { return x * b.x + y * b.y + z * b.z; }
-  [[nodiscard]] LaneVector cross(const LaneVector& b) const noexcept {
+  [[nodiscard]] Float4 dot(const Float4Vector& b) const noexcept { return x * b.x + y * b.y + z * b.z; }
+  [[nodiscard]] Float4Vector cross(const Float4Vector& b) const noexcept {
     return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
   }
-  /// Squared distance of the vector's end to the segment from the origin to `edge`.
-  [[nodiscard]] Lanes squared_to_edge(const LaneVector& edge) const noexcept {
-    const Lanes length = edge.dot(edge) + Lanes(std::numeric_limits<float>::min());  // a point is an edge too
-    const Lanes along = min(Lanes(1.0F), max(Lanes(0.0F), dot(edge) / length));
-    const LaneVector off{x - along * edge.x, y - along * edge.y, z - along * edge.z};
+  /// Squared distance of the vector's end from the segment from the origin to `edge`.
+  [[nodiscard]] Float4 squared_to_edge(const Float4Vector& edge) const noexcept {
+    const Float4 length =
+        edge.dot(edge) + Float4(std::numeric_limits<float>::min());  // an edge may be a point
+    const Float4 along = min(Float4(1.0F), max(Float4(0.0F), dot(edge) / length));
+    const Float4Vector off{x - along * edge.x, y - along * edge.y, z - along * edge.z};
     return off.dot(off);
   }
 };
 
-inline Lanes DiscQuery::squared_distances(const TriangleNode& node) const noexcept {
-  const auto load = [](const std::array<float, 4>& values) { return Lanes::load_aligned(values.data()); };
-  const LaneVector ab{load(node.ab_x), load(node.ab_y), load(node.ab_z)};
-  const LaneVector ac{load(node.ac_x), load(node.ac_y), load(node.ac_z)};
-  const LaneVector bc = ac - ab;
-  const LaneVector ap{x - load(node.corner_x), y - load(node.corner_y), z - load(node.corner_z)};
-  const LaneVector bp = ap - ab;
-  const LaneVector normal = ab.cross(ac);
-  const Lanes zero(0.0F);
-  const Lanes height = ap.dot(normal);
-  // Over the face when inside of all three edges; what a face's rounding says wrongly, an edge is as near.
+inline Float4 DiscQuery::squared_distances(const TriangleNode& node) const noexcept {
+  const auto load = [](const std::array<float, 4>& values) { return Float4::load_aligned(values.data()); };
+  const Float4Vector ab{load(node.ab_x), load(node.ab_y), load(node.ab_z)};
+  const Float4Vector ac{load(node.ac_x), load(node.ac_y), load(node.ac_z)};
+  const Float4Vector bc = ac - ab;
+  const Float4Vector ap{x - load(node.corner_x), y - load(node.corner_y), z - load(node.corner_z)};
+  const Float4Vector bp = ap - ab;
+  const Float4Vector normal = ab.cross(ac);
+  const Float4 zero(0.0F);
+  const Float4 height = ap.dot(normal);
+  // The face counts when the point is inside all three edges. If rounding decides that wrongly, an edge is
+  // equally near.
   const auto inside = normal.dot(ab.cross(ap)) >= zero && normal.dot(bc.cross(bp)) >= zero &&
                       normal.dot(ap.cross(ac)) >= zero;
-  const Lanes to_plane = height * height / normal.dot(normal);
-  const Lanes to_edges = min(min(ap.squared_to_edge(ab), ap.squared_to_edge(ac)), bp.squared_to_edge(bc));
-  const Lanes distance = sqrt(select(inside, min(to_plane, to_edges), to_edges));
-  const Lanes least = max(zero, distance - slack);
+  const Float4 to_plane = height * height / normal.dot(normal);
+  const Float4 to_edges = min(min(ap.squared_to_edge(ab), ap.squared_to_edge(ac)), bp.squared_to_edge(bc));
+  const Float4 distance = sqrt(select(inside, min(to_plane, to_edges), to_edges));
+  const Float4 least = max(zero, distance - slack);
   return least * least;
 }
 
 template <typename Visit, typename Reach>
-void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexcept {
+void DiscBvh::each_within(const Vec3& p, Visit visit, Reach reach) const noexcept {
   struct Wait {
     float squared;
     std::uint32_t index;  // of the node in its level
     int level;
   };
   const DiscQuery query(p - origin_, extent_);
-  // Up, so that rounding never leaves out what is as near; finite, so that an empty lane is out of reach.
+  // Rounded up, so that rounding excludes nothing equally near; finite, so that empty lanes stay out of
+  // reach.
   constexpr double kMost = 0.25 * std::numeric_limits<float>::max();
   const auto limit = [&reach] {
     const double squared = reach();
     return static_cast<float>(squared < kMost ? squared : kMost) * (1.0F + DiscQuery::kRounding);
   };
-  std::array<Wait, kMostVisits> waiting;
+  std::array<Wait, kMaxVisits> waiting;
   std::size_t count = 0;
   Wait here{0.0F, 0, levels_};
   float within = limit();
   alignas(16) std::array<float, 4> squared;
   while (true) {
     const bool leaf = here.level == 0;
-    const Lanes bounds = leaf ? query.squared_distances(leaves_[here.index])
-                              : query.squared_distances(node_at(here.level, here.index));
+    const Float4 bounds = leaf ? query.squared_distances(leaves_[here.index])
+                               : query.squared_distances(node_at(here.level, here.index));
     bounds.store_unaligned(squared.data());
-    // The lanes in reach, the nearest of them on top.
+    // The lanes in reach, the nearest on top.
     const std::size_t below = count;
-    for (std::uint32_t lanes = lanes_of(!(bounds > Lanes(within))); lanes != 0; lanes &= lanes - 1) {
+    for (std::uint32_t lanes = lanes_of(!(bounds > Float4(within))); lanes != 0; lanes &= lanes - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
       std::size_t at = count++;
       for (; at > below && waiting[at - 1].squared < squared[lane]; --at) waiting[at] = waiting[at - 1];
@@ -125,13 +129,13 @@ void DiscTree::each_within(const Vec3& p, Visit visit, Reach reach) const noexce
   }
 }
 
-/// A segment against four discs: apart when a disc's ball is farther away than the slack, or the segment is
-/// on one side of its slab.
+/// A segment against four discs. A disc is excluded when its bounding sphere is farther away than the slack,
+/// or the segment is on one side of its slab.
 struct DiscSegment {
   DiscQuery start;
-  Lanes x, y, z;  // from start to end
-  Lanes inverse_squared_length;
-  Lanes slack;
+  Float4 x, y, z;  // from start to end
+  Float4 inverse_squared_length;
+  Float4 slack;
 
   DiscSegment(const Vec3& a, const Vec3& b, double extent, double given_slack) noexcept
       : start(a, extent + (b - a).norm()),
@@ -139,41 +143,42 @@ struct DiscSegment {
         y(static_cast<float>((b - a).y())),
         z(static_cast<float>((b - a).z())),
         inverse_squared_length(static_cast<float>(1.0 / (b - a).squaredNorm())),
-        slack(start.slack + Lanes(static_cast<float>(2.0 * given_slack))) {}
+        slack(start.slack + Float4(static_cast<float>(2.0 * given_slack))) {}
 
-  /// One bit a lane: may be within the slack.
+  /// One bit per lane: may be within the slack.
   [[nodiscard]] std::uint32_t near(const DiscNode& node) const noexcept {
-    const Lanes dx = Lanes::load_aligned(node.centre_x.data()) - start.x;
-    const Lanes dy = Lanes::load_aligned(node.centre_y.data()) - start.y;
-    const Lanes dz = Lanes::load_aligned(node.centre_z.data()) - start.z;
-    const Lanes radius = Lanes::load_aligned(node.radius.data());
-    const Lanes height = Lanes::load_aligned(node.height.data());
-    const Lanes zero(0.0F);
-    const Lanes one(1.0F);
-    const Lanes along = min(one, max(zero, (dx * x + dy * y + dz * z) * inverse_squared_length));
-    const Lanes rx = dx - along * x;
-    const Lanes ry = dy - along * y;
-    const Lanes rz = dz - along * z;
-    const Lanes reach = sqrt(radius * radius + height * height) + slack;
+    const Float4 dx = Float4::load_aligned(node.centre_x.data()) - start.x;
+    const Float4 dy = Float4::load_aligned(node.centre_y.data()) - start.y;
+    const Float4 dz = Float4::load_aligned(node.centre_z.data()) - start.z;
+    const Float4 radius = Float4::load_aligned(node.radius.data());
+    const Float4 height = Float4::load_aligned(node.height.data());
+    const Float4 zero(0.0F);
+    const Float4 one(1.0F);
+    const Float4 along = min(one, max(zero, (dx * x + dy * y + dz * z) * inverse_squared_length));
+    const Float4 rx = dx - along * x;
+    const Float4 ry = dy - along * y;
+    const Float4 rz = dz - along * z;
+    const Float4 reach = sqrt(radius * radius + height * height) + slack;
     const auto in_ball = rx * rx + ry * ry + rz * rz <= reach * reach;
-    const Lanes axis_x = Lanes::load_aligned(node.axis_x.data());
-    const Lanes axis_y = Lanes::load_aligned(node.axis_y.data());
-    const Lanes axis_z = Lanes::load_aligned(node.axis_z.data());
-    const Lanes from = dx * axis_x + dy * axis_y + dz * axis_z;  // the centre above the start
-    const Lanes to = from - (x * axis_x + y * axis_y + z * axis_z);
+    const Float4 axis_x = Float4::load_aligned(node.axis_x.data());
+    const Float4 axis_y = Float4::load_aligned(node.axis_y.data());
+    const Float4 axis_z = Float4::load_aligned(node.axis_z.data());
+    // the disc's centre relative to the start, along the axis
+    const Float4 from = dx * axis_x + dy * axis_y + dz * axis_z;
+    const Float4 to = from - (x * axis_x + y * axis_y + z * axis_z);
     const auto in_slab = min(from, to) <= height + slack && max(from, to) >= -(height + slack);
     return lanes_of(in_ball && in_slab && radius >= zero);
   }
 };
 
 template <typename Visit>
-void DiscTree::each_along(const Vec3& a, const Vec3& b, double slack, Visit visit) const noexcept {
+void DiscBvh::each_along(const Vec3& a, const Vec3& b, double slack, Visit visit) const noexcept {
   struct Wait {
     std::uint32_t index;
     int level;
   };
   const DiscSegment segment(a - origin_, b - origin_, extent_, slack);
-  std::array<Wait, kMostVisits> waiting;
+  std::array<Wait, kMaxVisits> waiting;
   std::size_t count = 0;
   waiting[count++] = {0, levels_};
   while (count > 0) {

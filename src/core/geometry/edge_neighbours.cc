@@ -1,4 +1,4 @@
-// edge_neighbours(): which triangles share an edge.
+// edge_neighbours(): the triangles that share edges.
 #include <algorithm>
 #include <string>
 
@@ -9,7 +9,7 @@
 namespace palpate::geometry {
 namespace {
 
-std::string edge_words(std::int32_t a, std::int32_t b) {
+std::string edge_text(std::int32_t a, std::int32_t b) {
   return "the edge of vertices " + std::to_string(std::min(a, b)) + " and " + std::to_string(std::max(a, b));
 }
 
@@ -40,13 +40,12 @@ std::vector<std::array<std::int32_t, 3>> edge_neighbours(const TriangleMesh& mes
     const Corner b = first[1].corner;
     const auto from = [&](Corner corner) { return mesh.triangles[corner / 3][corner % 3]; };
     if (last - first > 2) {
-      throw InputError(edge_words(from(a), from(next_corner(a))) + " has " + std::to_string(last - first) +
+      throw InputError(edge_text(from(a), from(next_corner(a))) + " has " + std::to_string(last - first) +
                        " triangles: at most two can meet there");
     }
     if (from(a) == from(b)) {
-      throw InputError(edge_words(from(a), from(next_corner(a))) + " is run the same way by triangles " +
-                       std::to_string(a / 3) + " and " + std::to_string(b / 3) +
-                       ": one of them is turned over");
+      throw InputError(edge_text(from(a), from(next_corner(a))) + " has the same direction in triangles " +
+                       std::to_string(a / 3) + " and " + std::to_string(b / 3) + ": one of them is inverted");
     }
     neighbours[a / 3][a % 3] = static_cast<std::int32_t>(b / 3);
     neighbours[b / 3][b % 3] = static_cast<std::int32_t>(a / 3);

@@ -8,7 +8,7 @@
 namespace palpate::geometry {
 
 std::vector<HalfEdge> sorted_half_edges(const std::vector<Triangle>& triangles) {
-  // Dealt out by the smaller vertex first, so that only a handful at each is left to sort.
+  // Bucket sort by the smaller vertex, so that each bucket holds only a few.
   std::size_t vertices = 0;
   for (const Triangle& t : triangles)
     vertices = std::max(vertices, static_cast<std::size_t>(*std::max_element(t.begin(), t.end())) + 1);

@@ -6,22 +6,23 @@
 
 namespace palpate::geometry {
 
-/// A corner 3 t + k is corner k of triangle t, and the edge from there to the next corner.
+/// A triangle corner: 3 t + k is corner k of triangle t. It also names the half-edge from there to the next
+/// corner.
 using Corner = std::uint32_t;
 
 [[nodiscard]] inline Corner next_corner(Corner corner) { return corner - corner % 3 + (corner + 1) % 3; }
 [[nodiscard]] inline Corner previous_corner(Corner corner) { return corner - corner % 3 + (corner + 2) % 3; }
 
-/// One side of an edge; those of one edge stand together when sorted.
+/// One side of an edge. When sorted, the half-edges of an edge are adjacent.
 struct HalfEdge {
   std::uint64_t edge;  // edge_key()
   Corner corner;
 };
 
-/// All sides of all edges, sorted by edge, then corner.
+/// All half-edges, sorted by edge, then by corner.
 [[nodiscard]] std::vector<HalfEdge> sorted_half_edges(const std::vector<Triangle>& triangles);
 
-/// Calls `visit(first, last)` with the sides of each edge.
+/// Calls `visit(first, last)` with the range of half-edges of each edge.
 template <typename Visit>
 void for_each_edge(const std::vector<HalfEdge>& sides, const Visit& visit) {
   for (std::size_t first = 0; first < sides.size();) {

@@ -24,7 +24,7 @@ Vec3 area_vector_doubled(const TriangleMesh& mesh, const Triangle& triangle) {
 }
 
 double signed_volume(const TriangleMesh& mesh) {
-  const Vec3 origin = bounds(mesh).middle();  // near the surface, so that little cancels
+  const Vec3 origin = bounds(mesh).middle();  // near the surface, against cancellation
   double six_volumes = 0.0;
   for (const Triangle& triangle : mesh.triangles) {
     const Vec3 a = mesh.vertices[static_cast<std::size_t>(triangle[0])] - origin;
@@ -37,7 +37,7 @@ void transform(TriangleMesh& mesh, const Pose& pose) {
   for (Vec3& vertex : mesh.vertices) vertex = pose * vertex;
 }
 
-TriangleMesh quadruple(const TriangleMesh& mesh) {
+TriangleMesh subdivide(const TriangleMesh& mesh) {
   TriangleMesh fine;
   fine.vertices = mesh.vertices;
   fine.triangles.reserve(4 * mesh.triangles.size());

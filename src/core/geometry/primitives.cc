@@ -9,8 +9,8 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr int kMostDivisions = 2000;                   // of one side of a box
-constexpr std::size_t kMostBallTriangles = 5'242'880;  // 20 x 4^9
+constexpr int kMaxDivisions = 2000;                   // of one side of a box
+constexpr std::size_t kMaxBallTriangles = 5'242'880;  // 20 x 4^9
 
 TriangleMesh unit_icosahedron() {
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
@@ -20,7 +20,7 @@ TriangleMesh unit_icosahedron() {
       mesh.vertices.insert(mesh.vertices.end(), {Vec3(0.0, one, g), Vec3(one, g, 0.0), Vec3(g, 0.0, one)});
     }
   }
-  // Three vertices at mutual distance 2 (the edge length of these coordinates) are a face.
+  // Three vertices at mutual distance 2 (the edge length in these coordinates) form a face.
   const auto is_edge = [&](std::size_t a, std::size_t b) {
     return std::abs((mesh.vertices[a] - mesh.vertices[b]).squaredNorm() - 4.0) < 1e-9;
   };
@@ -44,12 +44,12 @@ TriangleMesh unit_icosahedron() {
 TriangleMesh make_ball(double radius, int triangles) {
   if (!std::isfinite(radius) || !(radius > 0.0))
     throw ParameterError("ball radius (m)", radius, "finite and > 0");
-  if (triangles > static_cast<int>(kMostBallTriangles)) {
+  if (triangles > static_cast<int>(kMaxBallTriangles)) {
     throw ParameterError("ball triangles", triangles, "at most 5242880");
   }
   TriangleMesh mesh = unit_icosahedron();
   while (static_cast<int>(mesh.triangles.size()) < triangles) {
-    mesh = quadruple(mesh);
+    mesh = subdivide(mesh);
     for (Vec3& vertex : mesh.vertices) vertex /= vertex.norm();
   }
   for (Vec3& vertex : mesh.vertices) vertex *= radius;
@@ -62,9 +62,9 @@ TriangleMesh make_box(const Vec3& size, double longest) {
   for (int k = 0; k < 3; ++k) {
     if (!std::isfinite(size[k]) || !(size[k] > 0.0))
       throw ParameterError("box size (m)", size[k], "finite and > 0");
-    // Exact multiples must not gain a cell by rounding.
+    // Rounding must not add a cell to exact multiples.
     const double divisions = std::max(1.0, std::ceil(size[k] / longest - 1e-9));
-    if (divisions > kMostDivisions)
+    if (divisions > kMaxDivisions)
       throw ParameterError("box longest edge (m)", longest, "at least size / 2000");
     cells[static_cast<std::size_t>(k)] = static_cast<int>(divisions);
   }
@@ -83,7 +83,7 @@ TriangleMesh make_box(const Vec3& size, double longest) {
     }
     return entry->second;
   };
-  for (std::size_t k = 0; k < 3; ++k) {  // the two sides square to axis k; u, v, k right-handed
+  for (std::size_t k = 0; k < 3; ++k) {  // the two sides perpendicular to axis k; u, v, k right-handed
     const std::size_t u = (k + 1) % 3;
     const std::size_t v = (k + 2) % 3;
     for (const int side : {0, 1}) {

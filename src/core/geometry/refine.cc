@@ -13,22 +13,21 @@
 namespace palpate::geometry {
 namespace {
 
-// Past this many triangles refine() gives up: a slip in a unit must not eat the memory.
-constexpr std::size_t kMostRefinedTriangles = 4'000'000;
+// refine() throws beyond this many triangles: a wrong unit must not exhaust the memory.
+constexpr std::size_t kMaxRefinedTriangles = 4'000'000;
 
 [[noreturn]] void refuse_as_too_many() {
-  throw InputError("refining the mesh needs more than " + std::to_string(kMostRefinedTriangles) +
+  throw InputError("refining the mesh needs more than " + std::to_string(kMaxRefinedTriangles) +
                    " triangles: is its unit right?");
 }
 
 /// Splits edges, longest first; equal lengths in the order of their vertex indices. An edge inside an
-/// original triangle is turned to the other diagonal where that is shorter and the triangles get better by
-/// it: a long thin triangle becomes a strip and not a heap of splinters.
+/// original triangle is flipped when the other diagonal is shorter and improves the triangles. So a long thin
+/// triangle becomes a strip, not a set of slivers.
 class Refiner final {
  public:
   Refiner(const TriangleMesh& mesh, double longest) : mesh_(mesh), longest_squared_(longest * longest) {
-    // A triangle without a long edge stays as it is, and so do its edges: a mesh that is fine already costs
-    // one pass.
+    // Triangles without a long edge keep their edges, so a mesh that is already fine costs one pass.
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const Triangle corners = mesh_.triangles[t];
       if (!is_long(corners[0], corners[1]) && !is_long(corners[1], corners[2]) &&
@@ -46,10 +45,10 @@ class Refiner final {
       const std::uint64_t key = longest_first_.top().key;
       longest_first_.pop();
       const auto found = edges_.find(key);
-      if (found == edges_.end()) continue;  // turned since
+      if (found == edges_.end()) continue;  // flipped meanwhile
       if (found->second.is_inner && turn(key)) continue;
       split(key);
-      if (mesh_.triangles.size() > kMostRefinedTriangles) refuse_as_too_many();
+      if (mesh_.triangles.size() > kMaxRefinedTriangles) refuse_as_too_many();
     }
     return std::move(mesh_);
   }
@@ -57,11 +56,11 @@ class Refiner final {
  private:
   struct Edge {
     std::vector<std::int32_t> triangles;
-    bool is_inner = false;  // inside an original triangle, so between two coplanar ones
+    bool is_inner = false;  // inside an original triangle, so between coplanar triangles
   };
 
   struct Candidate {
-    double rank;  // squared length, less for an inner edge: its surroundings come first
+    double rank;  // squared length, smaller for an inner edge, so that its neighbours come first
     std::uint64_t key;
     bool operator<(const Candidate& other) const {
       return rank != other.rank ? rank < other.rank : key > other.key;
@@ -84,7 +83,7 @@ class Refiner final {
     }
   }
 
-  /// The triangle's corners, first the two of the edge, then the one across it.
+  /// The triangle's corners: the two of the edge, then the opposite one.
   [[nodiscard]] Triangle from_edge(std::int32_t triangle, std::uint64_t key) const {
     Triangle corners = mesh_.triangles[static_cast<std::size_t>(triangle)];
     while (edge_key(corners[0], corners[1]) != key)
@@ -113,9 +112,10 @@ class Refiner final {
     }
   }
 
-  /// Replaces an inner edge by the other diagonal of its two triangles, if that is shorter and better.
+  /// Flips an inner edge if the other diagonal is shorter and improves the triangles.
   bool turn(std::uint64_t key) {
-    constexpr double kShorter = 0.81;  // of the squared length: at least a tenth is gained, so this ends
+    // of the squared length: at least a tenth shorter, so that flipping ends
+    constexpr double kShorter = 0.81;
     const std::vector<std::int32_t> around = edges_[key].triangles;
     if (around.size() != 2) return false;
     const auto [a, b, p] = from_edge(around[0], key);
@@ -134,7 +134,8 @@ class Refiner final {
     return true;
   }
 
-  /// Area over squared edges, times a factor common to one plane; negative when turned over against `normal`.
+  /// Area over squared edges, up to a factor common to one plane; negative when inverted relative to
+  /// `normal`.
   [[nodiscard]] double shape(const Triangle& triangle, const Vec3& normal) const {
     const double squares = squared_length(triangle[0], triangle[1]) +
                            squared_length(triangle[1], triangle[2]) +
@@ -146,7 +147,7 @@ class Refiner final {
     return squared_length(a, b) > longest_squared_;
   }
 
-  /// The same bits whichever end is named first.
+  /// Gives the same bits for both orders of the ends.
   [[nodiscard]] double squared_length(std::int32_t a, std::int32_t b) const {
     return (vertex(std::max(a, b)) - vertex(std::min(a, b))).squaredNorm();
   }
@@ -165,9 +166,9 @@ class Refiner final {
 
 TriangleMesh refine(const TriangleMesh& mesh, double longest) {
   if (!(longest > 0.0)) throw ParameterError("longest edge (m)", longest, "> 0");
-  // No triangle of the result has more area than the equilateral one.
+  // The equilateral triangle has the largest area of any in the result.
   const double most_area =
-      0.25 * std::sqrt(3.0) * longest * longest * static_cast<double>(kMostRefinedTriangles);
+      0.25 * std::sqrt(3.0) * longest * longest * static_cast<double>(kMaxRefinedTriangles);
   double doubled_area = 0.0;
   for (const Triangle& triangle : mesh.triangles) doubled_area += area_vector_doubled(mesh, triangle).norm();
   if (!(0.5 * doubled_area <= most_area)) refuse_as_too_many();

@@ -20,10 +20,10 @@ const char* name_of(Fault fault) noexcept {
   return "none";
 }
 
-const char* words_of(Fault fault) noexcept {
+const char* describe(Fault fault) noexcept {
   switch (fault) {
     case Fault::kNotFinite:
-      return "a sample of the device, or a force, was no finite number";
+      return "a device sample or a force was not finite";
     case Fault::kDevice:
       return "the device could not be read, or refused a command";
     case Fault::kStale:

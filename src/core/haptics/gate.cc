@@ -8,8 +8,8 @@
 namespace palpate::haptics {
 namespace {
 
-// A shortened vector ends this share below its limit, so that rounding never leaves it above.
-constexpr double kHairBelow = 1.0 - 4e-15;
+// A vector is shortened to this fraction of its limit, so that rounding cannot exceed the limit.
+constexpr double kJustBelow = 1.0 - 4e-15;
 
 struct Limited {
   Vec3 value;
@@ -17,21 +17,21 @@ struct Limited {
   bool slewed = false;
 };
 
-/// `wanted` with its norm at most `largest`, and at most `step` away from `last`.
+/// Limits `wanted` to the norm `largest` and to a change of `step` from `last`.
 Limited limit(const Vec3& wanted, const Vec3& last, double largest, double step) noexcept {
   Limited result{wanted};
   const double norm = wanted.norm();
   if (norm > largest) {
-    result.value = wanted * (largest / norm * kHairBelow);
+    result.value = wanted * (largest / norm * kJustBelow);
     result.clamped = true;
   }
   const Vec3 change = result.value - last;
   const double size = change.norm();
   if (size > step) {
-    result.value = last + change * (step / size * kHairBelow);
+    result.value = last + change * (step / size * kJustBelow);
     result.slewed = true;
     const double rounded = result.value.norm();
-    if (rounded > largest) result.value *= largest / rounded * kHairBelow;
+    if (rounded > largest) result.value *= largest / rounded * kJustBelow;
   }
   return result;
 }
@@ -43,17 +43,18 @@ bool finite(const ForceCommand& tissue, const Vec3& wanted) noexcept {
 
 void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
   state.fault = fault;
-  // A reset while the force still falls, and a fault again at once: the fall goes on, it does not begin anew.
+  // After a reset and a new fault during a ramp-down, the ramp-down continues.
   if (state.fault_ticks_left > 0 && fault != Fault::kStalled) return;
-  constexpr double kMostTicks = 1e6;
-  const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMostTicks);
-  const double ticks = fault == Fault::kStalled ? 1.0 : whole;  // the hand feels nothing any more
+  constexpr double kMaxTicks = 1e6;
+  const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMaxTicks);
+  // after a stall the hand feels no force any more
+  const double ticks = fault == Fault::kStalled ? 1.0 : whole;
   state.fault_ticks_left = static_cast<int>(ticks);
   state.fault_step = {state.force / ticks, state.torque / ticks, state.gripper_force / ticks};
 }
 
-/// The next command on the way to zero: the step times the ticks left, so exactly zero at the end.
-void fall(GateState& state) noexcept {
+/// The next command of the ramp to zero: the step times the ticks left, so the end is exactly zero.
+void ramp_to_zero(GateState& state) noexcept {
   if (state.fault_ticks_left > 0) --state.fault_ticks_left;
   const double left = state.fault_ticks_left;
   if (state.fault_ticks_left == 0) state.fault_step = {};
@@ -62,9 +63,9 @@ void fall(GateState& state) noexcept {
   state.gripper_force = state.fault_step.gripper_force * left;
 }
 
-/// Clamp and slew towards what is wanted. @return status bits
-std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
-                              const Vec3& noise) noexcept {
+/// Applies clamp and slew limits. @return status bits
+std::uint32_t apply_limits(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
+                           const Vec3& noise) noexcept {
   const Limited force = limit(tissue.force + noise, state.force, limits.max_force, limits.force_step);
   const Limited torque = limit(tissue.torque, state.torque, limits.max_torque, limits.torque_step);
   const double grip = std::clamp(tissue.gripper_force, -limits.max_force, limits.max_force);
@@ -76,10 +77,10 @@ std::uint32_t approach_limits(const GateLimits& limits, GateState& state, const 
          (torque.clamped ? kTorqueClamped : 0U) | (torque.slewed ? kTorqueSlewed : 0U);
 }
 
-/// Follows the RMS of what was written and lowers the force where the device would not bear it without end.
+/// Duty limit: updates the RMS of the written force, and lowers the force near the device's continuous force.
 /// @return status bits
-std::uint32_t keep_duty(const GateLimits& limits, GateState& state, bool warm,
-                        ForceCommand& tissue) noexcept {
+std::uint32_t limit_duty(const GateLimits& limits, GateState& state, bool warm,
+                         ForceCommand& tissue) noexcept {
   if (!std::isfinite(limits.continuous_force)) return 0;
   const double square = state.force.squaredNorm();
   state.square_short += (square - state.square_short) * limits.period / kDutyShort;
@@ -101,36 +102,36 @@ std::uint32_t keep_duty(const GateLimits& limits, GateState& state, bool warm,
 
 }  // namespace
 
-double GateLimits::most_sigma() const noexcept {
-  return std::min(noise::kMostSigma, max_force / noise::TouchNoise::kBound);
+double GateLimits::max_sigma() const noexcept {
+  return std::min(noise::kMaxSigma, max_force / noise::TouchNoise::kBound);
 }
 
 GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput& input) noexcept {
   const DeviceMotion relative{input.motion.translation - input.organ.translation,
                               input.motion.rotation - input.organ.rotation};
-  book(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
-  book_noise(state.energy, state.noise, input.motion, limits.period);
-  if (input.outside) forgive_surplus(state.energy);
+  observe_tissue(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
+  observe_noise(state.energy, state.noise, input.motion, limits.period);
+  if (input.outside) reset_surplus(state.energy);
 
   GateOutput output;
-  if (input.controlled) output.noise_share = noise_share(state.energy);
+  if (input.controlled) output.noise_scale = noise_scale(state.energy);
   ForceCommand tissue = input.tissue;
-  const Vec3 noise = output.noise_share * input.noise;
-  output.status |= keep_duty(limits, state, input.warm, tissue);
+  const Vec3 noise = output.noise_scale * input.noise;
+  output.status |= limit_duty(limits, state, input.warm, tissue);
   const bool usable = finite(tissue, tissue.force + noise);
   const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
   if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);
 
   if (state.fault != Fault::kNone) {
-    fall(state);
+    ramp_to_zero(state);
     state.noise = Vec3::Zero();
   } else {
     state.fault_ticks_left = 0;
     state.fault_step = {};
-    if (input.controlled && damp_deficit(state.energy, relative, limits.period, tissue)) {
+    if (input.controlled && control_passivity(state.energy, relative, limits.period, tissue)) {
       output.status |= kEnergyDamped;
     }
-    output.status |= approach_limits(limits, state, tissue, noise);
+    output.status |= apply_limits(limits, state, tissue, noise);
     state.noise = noise;
   }
   output.command = {state.force, state.torque, state.gripper_force};

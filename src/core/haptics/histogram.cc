@@ -9,12 +9,12 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr std::int64_t kLargest = (std::int64_t{1} << 40) - 1;  // ns, 18 minutes: longer counts as this
+constexpr std::int64_t kLargest = (std::int64_t{1} << 40) - 1;  // ns, 18 minutes; larger values count as this
 
 }  // namespace
 
-// Bucket of v: v itself below 2^(kSubBits+1), where every number has its own; above, `shift` low bits are
-// dropped so that kSubBits + 1 leading bits stay, and each shift has 2^kSubBits buckets of its own.
+// Bucket of v. Below 2^(kSubBits+1) each value has its own bucket. Above, the `shift` low bits are dropped so
+// that kSubBits + 1 leading bits stay; each shift has 2^kSubBits buckets.
 void Histogram::add(std::int64_t value_ns) noexcept {
   const std::int64_t value = std::clamp<std::int64_t>(value_ns, 0, kLargest);
   const int width = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(value)));

@@ -5,7 +5,7 @@
 namespace palpate::haptics {
 namespace {
 
-/// `force` without what gives energy along `way`, and braking it. @param damping N s/m
+/// Removes the component of `force` that adds energy along `way`, and adds a damper. @param damping [N s/m]
 void brake(Vec3& force, const Vec3& way, double damping, double period) noexcept {
   const double square = way.squaredNorm();
   if (!(square > 0.0)) return;
@@ -16,37 +16,38 @@ void brake(Vec3& force, const Vec3& way, double damping, double period) noexcept
 
 }  // namespace
 
-void book(EnergyAccount& account, const ForceCommand& written, const Vec3& noise,
-          const DeviceMotion& relative) noexcept {
-  account.tissue -= written.force.dot(relative.translation) - noise.dot(relative.translation) +
-                    written.torque.dot(relative.rotation);
+void observe_tissue(PassivityObserver& observer, const ForceCommand& written, const Vec3& noise,
+                    const DeviceMotion& relative) noexcept {
+  observer.tissue -= written.force.dot(relative.translation) - noise.dot(relative.translation) +
+                     written.torque.dot(relative.rotation);
 }
 
-void book_noise(EnergyAccount& account, const Vec3& noise, const DeviceMotion& motion,
-                double period) noexcept {
+void observe_noise(PassivityObserver& observer, const Vec3& noise, const DeviceMotion& motion,
+                   double period) noexcept {
   const double given = noise.dot(motion.translation);
-  account.noise += given;
-  account.noise_excess = std::max(0.0, account.noise_excess + given - kNoisePower * period);
+  observer.noise += given;
+  observer.noise_excess = std::max(0.0, observer.noise_excess + given - kNoisePower * period);
 }
 
-double noise_share(const EnergyAccount& account) noexcept {
-  return std::clamp(2.0 - account.noise_excess / kNoiseLeeway, 0.0, 1.0);
+double noise_scale(const PassivityObserver& observer) noexcept {
+  return std::clamp(2.0 - observer.noise_excess / kNoiseEnergy, 0.0, 1.0);
 }
 
-void forgive_surplus(EnergyAccount& account) noexcept { account.tissue = std::min(account.tissue, 0.0); }
+void reset_surplus(PassivityObserver& observer) noexcept { observer.tissue = std::min(observer.tissue, 0.0); }
 
-bool damp_deficit(const EnergyAccount& account, const DeviceMotion& relative, double period,
-                  ForceCommand& tissue) noexcept {
-  const double deficit = -account.tissue;
-  if (!(deficit > kEnergyLeeway)) return false;
-  // A damper b takes b v^2 T = b way^2 / T in a tick; both kinds of motion are asked for the whole deficit.
+bool control_passivity(const PassivityObserver& observer, const DeviceMotion& relative, double period,
+                       ForceCommand& tissue) noexcept {
+  const double deficit = -observer.tissue;
+  if (!(deficit > kEnergyTolerance)) return false;
+  // A damper b dissipates b v^2 T = b way^2 / T per tick. Translation and rotation are each set to dissipate
+  // the whole deficit.
   const double way = relative.translation.squaredNorm();
   const double turn = relative.rotation.squaredNorm();
   if (way > 0.0) {
-    brake(tissue.force, relative.translation, std::min(kMostDamping, deficit * period / way), period);
+    brake(tissue.force, relative.translation, std::min(kMaxDamping, deficit * period / way), period);
   }
   if (turn > 0.0) {
-    brake(tissue.torque, relative.rotation, std::min(kMostAngularDamping, deficit * period / turn), period);
+    brake(tissue.torque, relative.rotation, std::min(kMaxAngularDamping, deficit * period / turn), period);
   }
   return true;
 }

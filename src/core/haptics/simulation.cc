@@ -6,11 +6,10 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kQuaternionSlack =
-    0.05;  // a unit quaternion's norm may be off by this, from rounding in files
+constexpr double kQuaternionSlack = 0.05;  // tolerance of a unit quaternion's norm, for rounding in files
 
-/// What is wrong with a sample, if anything.
-Fault judge(const DeviceState& sample) noexcept {
+/// The fault of a sample, or kNone.
+Fault sample_fault(const DeviceState& sample) noexcept {
   if (sample.fault != Fault::kNone) return sample.fault;
   const double norm = sample.orientation_D.norm();
   if (!sample.position_D.allFinite() || !sample.velocity_D.allFinite() || !std::isfinite(sample.gripper) ||
@@ -33,7 +32,7 @@ bool finite(const contact::ToolResult& result) noexcept {
 std::array<double, 3> plain(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
 std::array<double, 4> plain(const Quat& q) noexcept { return {q.w(), q.x(), q.y(), q.z()}; }
 
-/// The columns that say where the hand is and what contact found.
+/// Fills the columns of pose and contact.
 void describe_contact(const contact::ToolInput& input, const contact::ToolResult& result,
                       TickRow& row) noexcept {
   row.phase = static_cast<std::uint32_t>(result.phase);
@@ -50,7 +49,7 @@ void describe_contact(const contact::ToolInput& input, const contact::ToolResult
   row.normal = plain(result.normal_W);
 }
 
-void keep_sample(const DeviceState& sample, TickRow& row) noexcept {
+void copy_sample(const DeviceState& sample, TickRow& row) noexcept {
   row.device = plain(sample.position_D);
   row.device_q = plain(sample.orientation_D);
   row.device_velocity = plain(sample.velocity_D);
@@ -62,12 +61,12 @@ void keep_sample(const DeviceState& sample, TickRow& row) noexcept {
   row.events = sample.events;
 }
 
-/// Takes a hand's sample: the tool's pose and the device's motion. A sample that cannot be used leaves the
-/// last good pose.
-DeviceMotion take_sample(const SimulationWorld& world, SimulationState& state, std::size_t hand,
+/// Reads a hand's sample: sets the tool's pose and returns the device's motion. An invalid sample keeps the
+/// last valid pose.
+DeviceMotion read_sample(const SimulationWorld& world, SimulationState& state, std::size_t hand,
                          const DeviceState& sample) noexcept {
   if ((sample.events & kResetFault) != 0) reset_fault(state.gates[hand]);
-  if (judge(sample) != Fault::kNone) return {};
+  if (sample_fault(sample) != Fault::kNone) return {};
   const WorkspaceMapping& mapping = world.mappings[hand];
   DeviceTrack& track = state.tracks[hand];
   DeviceMotion motion = follow(mapping, track, sample, 1.0 / world.rate_Hz);
@@ -76,43 +75,43 @@ DeviceMotion take_sample(const SimulationWorld& world, SimulationState& state, s
   return motion;
 }
 
-/// Takes the noise's strength one tick nearer to where it goes, so that it does not jump.
-void glide(NoiseGlide& glide, noise::TouchNoise& noise) noexcept {
+/// One tick of the noise crossfade: moves gain and threshold towards their new values without a step.
+void advance_crossfade(NoiseCrossfade& crossfade, noise::TouchNoise& noise) noexcept {
   const noise::NoiseSettings& now = noise.settings();
-  const double share = 1.0 / static_cast<double>(glide.ticks_left);
-  if (--glide.ticks_left == 0) {
-    noise.set_strength(glide.gain, glide.threshold);
+  const double share = 1.0 / static_cast<double>(crossfade.ticks_left);
+  if (--crossfade.ticks_left == 0) {
+    noise.set_strength(crossfade.gain, crossfade.threshold);
   } else {
-    noise.set_strength(now.gain + share * (glide.gain - now.gain),
-                       now.threshold + share * (glide.threshold - now.threshold));
+    noise.set_strength(now.gain + share * (crossfade.gain - now.gain),
+                       now.threshold + share * (crossfade.threshold - now.threshold));
   }
 }
 
-/// How much of the force a hand gets: all, on a device that nobody holds.
-double engagement_of(const SimulationWorld& world, SimulationState& state, std::size_t hand, Fault fault,
-                     bool outside) noexcept {
+/// Gain of a hand's force; 1 on a device that nobody holds.
+double force_ramp_gain(const SimulationWorld& world, SimulationState& state, std::size_t hand, Fault fault,
+                       bool outside) noexcept {
   if (!world.mappings[hand].held) return 1.0;
   const DeviceTrack& track = state.tracks[hand];
   const bool usable = fault == Fault::kNone && state.gates[hand].fault == Fault::kNone;
-  return advance_engagement(state.engagements[hand], {track.position_D, usable, outside, track.clutched},
+  return advance_force_ramp(state.force_ramps[hand], {track.position_D, usable, outside, track.clutched},
                             1.0 / world.rate_Hz);
 }
 
-/// How the organ moved by itself since the last tick, where a hand's handle is, in its device's lengths.
+/// The organ's own motion since the last tick at a hand's handle, in the device's lengths.
 DeviceMotion organ_at_handle(const Pose& before_W, const Pose& now_W, const Vec3& handle_W,
                              double scale) noexcept {
   const Pose step = now_W * before_W.inverse();
-  const double sign = step.rotation.w() < 0.0 ? -2.0 : 2.0;  // sin(a/2) stands for a/2
+  const double sign = step.rotation.w() < 0.0 ? -2.0 : 2.0;  // 2 sin(a/2) approximates a
   return {(step * handle_W - handle_W) / scale, sign * step.rotation.vec()};
 }
 
-/// Noise, gate and row of one hand, once contact is known.
+/// Noise, gate and row of one hand, after contact.
 void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
                  std::size_t hand, const DeviceState& sample, const DeviceMotion& motion,
                  const DeviceMotion& organ, ForceCommand& command, TickRow& row) noexcept {
   contact::ToolResult& result = state.results[hand];
   GateState& gate = state.gates[hand];
-  Fault fault = judge(sample);
+  Fault fault = sample_fault(sample);
   if (!finite(result)) {
     if (fault == Fault::kNone) fault = Fault::kNotFinite;
     result = contact::ToolResult{};
@@ -122,7 +121,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
       state.touch_noise.force(state.noise[hand], state.noise_enabled, static_cast<std::uint32_t>(hand),
                               tick_number, touching ? 0.0 : result.distance);
   const bool outside = !touching && result.distance > 0.0;
-  const double share = engagement_of(world, state, hand, fault, outside);
+  const double share = force_ramp_gain(world, state, hand, fault, outside);
   const double tissue_share = share * world.mappings[hand].force_scale;
   const double torque_share = world.mappings[hand].torque ? tissue_share : 0.0;
   const GateOutput out =
@@ -142,7 +141,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   row.time = static_cast<double>(tick_number) / world.rate_Hz;
   row.hand = static_cast<std::uint32_t>(hand);
   describe_contact(state.inputs[hand], result, row);
-  row.noise_force = gate.fault == Fault::kNone ? out.noise_share * share * noise : 0.0;
+  row.noise_force = gate.fault == Fault::kNone ? out.noise_scale * share * noise : 0.0;
   row.force = plain(command.force);
   row.torque = plain(command.torque);
   row.gripper_force = command.gripper_force;
@@ -150,7 +149,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   row.fault = static_cast<std::uint32_t>(gate.fault);
   row.energy = gate.energy.tissue;
   row.engagement = share;
-  keep_sample(sample, row);
+  copy_sample(sample, row);
 }
 
 }  // namespace
@@ -160,7 +159,7 @@ SimulationState::SimulationState(const SimulationWorld& world)
       noise(world.hands()),
       gates(world.hands()),
       tracks(world.hands()),
-      engagements(world.hands()),
+      force_ramps(world.hands()),
       motions(world.hands()),
       inputs(world.hands()),
       results(world.hands()),
@@ -186,9 +185,9 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,
           std::span<TickRow> rows) noexcept {
   const std::size_t hands = world.hands();
-  if (state.noise_glide.ticks_left > 0) glide(state.noise_glide, state.touch_noise);
+  if (state.noise_crossfade.ticks_left > 0) advance_crossfade(state.noise_crossfade, state.touch_noise);
   for (std::size_t hand = 0; hand < hands; ++hand) {
-    state.motions[hand] = take_sample(world, state, hand, samples[hand]);
+    state.motions[hand] = read_sample(world, state, hand, samples[hand]);
   }
   const Pose before_W = state.organ_W;
   state.organ_W = world.organ_motion.pose_at(world.organ_W, tick_number, world.rate_Hz);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/contact/contact.h"
-#include "core/haptics/engagement.h"
+#include "core/haptics/force_ramp.h"
 #include "core/haptics/gate.h"
 #include "core/haptics/workspace.h"
 #include "palpate/device.h"
@@ -14,29 +14,29 @@
 
 namespace palpate::haptics {
 
-/// A device position farther out [m] than this is no hand's: the sample is refused.
+/// Samples with a position farther out than this [m] are invalid.
 inline constexpr double kFarthest = 100.0;
 
-/// Everything a tick needs that does not change: organ and its motion, tools, laws, noise, limits, rate.
+/// The constant part of a simulation: organ and its motion, tools, laws, noise, limits, rate.
 struct SimulationWorld {
   contact::World contact;
   noise::TouchNoise noise;
   GateLimits limits;
-  std::vector<WorkspaceMapping> mappings;  // one a hand
+  std::vector<WorkspaceMapping> mappings;  // one per hand
   Pose organ_W;                            // at rest
   double rate_Hz = 1000.0;
-  model::OrganMotion organ_motion{};  // breathing, heartbeat; by itself an organ lies still
+  model::OrganMotion organ_motion{};  // breathing and heartbeat; by default none
   [[nodiscard]] std::size_t hands() const noexcept { return mappings.size(); }
 };
 
-/// The touch noise on its way to another strength.
-struct NoiseGlide {
-  double gain = 0.0;             // K to come to [N m]
-  double threshold = 0.0;        // d0 to come to [m]
-  std::uint32_t ticks_left = 0;  // 0: it is there
+/// Noise crossfade: the touch noise on its way to new parameters.
+struct NoiseCrossfade {
+  double gain = 0.0;             // K at the end [N m]
+  double threshold = 0.0;        // d_0 at the end [m]
+  std::uint32_t ticks_left = 0;  // 0: finished
 };
 
-/// Everything that changes from tick to tick. Copyable; a copy replays the same.
+/// The changing part of a simulation. A copy continues with the same results.
 struct SimulationState {
   /// [setup] The state before tick 0.
   explicit SimulationState(const SimulationWorld& world);
@@ -45,31 +45,30 @@ struct SimulationState {
   std::vector<noise::TouchNoise::State> noise;
   std::vector<GateState> gates;
   std::vector<DeviceTrack> tracks;
-  std::vector<Engagement> engagements;       // of held devices
-  std::vector<DeviceMotion> motions;         // of the devices since the last tick
-  std::vector<contact::ToolInput> inputs;    // the last good pose and opening of every hand
-  std::vector<contact::ToolResult> results;  // of the last tick, for the picture
-  Pose organ_W;                              // at the last tick
+  std::vector<ForceRamp> force_ramps;        // of held devices
+  std::vector<DeviceMotion> motions;         // of the devices, since the last tick
+  std::vector<contact::ToolInput> inputs;    // last valid pose and gripper value of each hand
+  std::vector<contact::ToolResult> results;  // of the last tick, for pictures
+  Pose organ_W;                              // in the last tick
   bool noise_enabled = true;
-  // What live changes (live_changes.h) made of the world's:
+  // Values that parameter updates (parameter_updates.h) have changed:
   noise::TouchNoise touch_noise;  // in force
-  NoiseGlide noise_glide;
-  model::ReachParameters reach;  // for the picture
-  std::uint64_t change = 0;      // number of the last change that a tick used; 0: none
+  NoiseCrossfade noise_crossfade;
+  model::FalloffRatios reach;  // for pictures
+  std::uint64_t change = 0;    // number of the last parameter update; 0: none
 };
 
-/// [any] The device's sample that a row was made from, bit for bit.
+/// [any] The device sample of a row, bit for bit.
 [[nodiscard]] DeviceState sample_of(const TickRow& row) noexcept;
 
 /// [rt] One haptic tick (docs/model.md, section 4): samples in, rows and commands out. A pure function of its
 /// arguments; it reads no clock, so tick_ns and late_ns stay 0.
 ///
-/// A sample that cannot be used (it says so, is not finite, older than kStaleAfter, a quaternion that is
-/// none, farther than kFarthest) latches a fault on its hand; contact then goes on with the hand's last good
-/// pose, so that the other hands and the picture stay as they were. Rows hold finite numbers only, but for
-/// `device`, `device_q`, `device_velocity` and `device_gripper`: they are the sample as it came, so that a
-/// replay meets the same fault.
-/// @param samples, commands, rows one entry a hand
+/// An invalid sample latches a fault on its hand. A sample is invalid when it reports a fault, is not finite,
+/// is older than kStaleAfter, is farther out than kFarthest or has no unit quaternion. Contact then uses the
+/// hand's last valid pose. All values of a row are finite, except `device`, `device_q`, `device_velocity` and
+/// `device_gripper`: they are the sample as received, so that a replay gives the same fault.
+/// @param samples, commands, rows one entry per hand
 void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,
           std::span<TickRow> rows) noexcept;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kDepths = 1500;
 
-/// The largest tangent [N/m] between the surface and the depth that is within reach.
+/// The largest tangent stiffness [N/m] from the surface down to the deepest depth within reach.
 double largest_tangent(const model::SpringLaw& law, double max_force) {
   const double deepest =
       std::min({kDepthWithinReach, law.max_depth(), law.deformation_under(max_force).depth});
@@ -36,8 +36,8 @@ StabilityCheck check_stability(const model::TissueParameters& tissue, model::Dir
   StabilityCheck check;
   const double along_surface = tissue.contact.friction > 0.0 ? tissue.tangential_stiffness() : 0.0;
   check.stiffness = scale * std::max(largest_tangent(law, max_force), along_surface);
-  // Spring and damper along the normal, and k_t and c_t along the surface: each axis is a virtual wall of its
-  // own [Colgate, Schenkel 1997], and the larger of the two covers both.
+  // Normal direction: K and B. Along the surface: k_t and c_t. Each axis is a virtual wall of its own
+  // [Colgate, Schenkel 1997]; the larger values cover both.
   check.virtual_damping = scale * std::max(tissue.contact.damping, tissue.contact.tangential_damping);
   check.damping_needed = check.stiffness * period / 2.0 + std::abs(check.virtual_damping);
   check.stiffness_allowed = device.resolution > 0.0 ? 2.0 * device.friction / device.resolution
@@ -61,7 +61,7 @@ std::vector<std::string> stability_warnings(const StabilityCheck& check, const D
   std::vector<std::string> warnings;
   if (check.damping_short) {
     warnings.push_back("the device may tremble: its damping, " + rounded(device.damping) +
-                       " N s/m, is less than this tissue asks for at this rate, " +
+                       " N s/m, is less than this tissue needs at this rate, " +
                        rounded(check.damping_needed) +
                        " N s/m (K T/2 + B with K = " + rounded(check.stiffness) +
                        " N/m); a faster loop, a softer tissue, less contact damping or "
@@ -69,7 +69,7 @@ std::vector<std::string> stability_warnings(const StabilityCheck& check, const D
   }
   if (check.friction_short) {
     warnings.push_back("the device may buzz: the tissue's stiffness, " + rounded(check.stiffness) +
-                       " N/m, is more than its friction and sensors can hold still, " +
+                       " N/m, is more than its friction and sensors allow, " +
                        rounded(check.stiffness_allowed) +
                        " N/m (2 f_c / resolution); a softer tissue or a smaller workspace_scale help");
   }

@@ -6,17 +6,17 @@
 
 namespace palpate::haptics {
 
-/// Mechanics of a device by itself.
+/// Mechanical properties of a device.
 struct DeviceMechanics {
   double damping = 0.0;     // b [N s/m], viscous
   double friction = 0.0;    // f_c [N], Coulomb
-  double resolution = 0.0;  // Delta [m], of its position sensors
+  double resolution = 0.0;  // Delta [m], of the position sensors
 };
 
-/// A tissue on a device: what the device would need to hold it still.
+/// Sampled wall condition of a tissue on a device.
 struct StabilityCheck {
-  double stiffness = 0.0;        // K [N/m] at the device: the larger of k_t and the largest tangent within
-                                 // reach, times the scale
+  // K [N/m] at the device: scale x the larger of k_t and the largest tangent stiffness within reach
+  double stiffness = 0.0;
   double virtual_damping = 0.0;  // B [N s/m] at the device
   double damping_needed = 0.0;   // K T / 2 + |B| [N s/m]  [Colgate, Schenkel 1997]
   double stiffness_allowed =
@@ -26,24 +26,24 @@ struct StabilityCheck {
   [[nodiscard]] bool warns() const noexcept { return damping_short || friction_short; }
 };
 
-/// Depth [m] that counts as within reach; the built-in tissues promise their figures to there.
+/// Largest depth [m] within reach; the built-in tissues are specified up to this depth.
 inline constexpr double kDepthWithinReach = 15e-3;
 
-/// [setup] Checks a tissue against a device. Within reach is a depth to kDepthWithinReach whose force the
-/// gate lets through.
-/// @param period T [s] @param max_force of the gate [N] @param scale of the workspace: the hand feels the
+/// [setup] Checks whether a device can display a tissue without oscillation. Within reach are depths up to
+/// kDepthWithinReach whose force is at most max_force.
+/// @param period T [s] @param max_force of the gate [N] @param scale workspace scale: the hand feels the
 /// stiffness times it
 /// @throws ParameterError for a bad tissue or period, as the law does
 [[nodiscard]] StabilityCheck check_stability(const model::TissueParameters& tissue,
                                              model::Direction direction, double period, double max_force,
                                              double scale, const DeviceMechanics& device);
 
-/// [setup] Depth [m] from which on a tissue's tangent is more than `stiffness` [N/m]; infinite: nowhere
-/// within reach.
+/// [setup] The smallest depth [m] at which a tissue's tangent stiffness exceeds `stiffness` [N/m]; infinite
+/// if none within reach.
 [[nodiscard]] double depth_of_tangent(const model::TissueParameters& tissue, model::Direction direction,
                                       double period, double stiffness);
 
-/// [setup] The same in words, one sentence a finding; empty: the check does not warn.
+/// [setup] The warnings of a check, one sentence each; empty when it passes.
 [[nodiscard]] std::vector<std::string> stability_warnings(const StabilityCheck& check,
                                                           const DeviceMechanics& device);
 

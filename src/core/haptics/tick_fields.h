@@ -6,20 +6,20 @@
 
 #include "palpate/tick_row.h"
 
-// The table of a row's values. Recordings, their export, replay, the live interface, Python and
-// docs/file-formats.md iterate over it, so one line makes a value known to all of them.
+// The table of a row's values. Recordings, export, replay, the live interface, Python and
+// docs/file-formats.md iterate over it, so one line adds a value to all of them.
 namespace palpate::haptics {
 
 /// The type of a number, in memory and in a recording.
 enum class ColumnType : std::uint8_t { kU32, kU64, kI64, kF64 };
 
-/// [any] Bytes of one number.
+/// [any] Size of a number [bytes].
 [[nodiscard]] constexpr std::size_t column_size(ColumnType type) noexcept {
   return type == ColumnType::kU32 ? 4 : 8;
 }
 
-/// [any] Calls `use` with the number that lies `offset` bytes into `row`. @return what `use` returns, one
-/// type for all
+/// [any] Calls `use` with the number at byte `offset` of `row`. @return the result of `use`, which has one
+/// type for all numbers
 template <typename Row, typename Use>
 auto with_number(const Row& row, ColumnType type, std::size_t offset, Use use) {
   const auto read = [&](auto number) {
@@ -39,16 +39,16 @@ auto with_number(const Row& row, ColumnType type, std::size_t offset, Use use) {
   return read(double{});
 }
 
-/// A value of a TickRow: a number, or the components of a vector or rotation.
+/// One value of a TickRow: a number, or the components of a vector or rotation.
 struct TickField {
-  std::array<const char*, 4> columns;  // names in recordings and their export, one a number; the rest null
+  std::array<const char*, 4> columns;  // names in recordings and export, one per number; unused ones null
   ColumnType type;
   std::size_t offset;     // in a TickRow [bytes]; the numbers are contiguous
   const char* live;       // name in a message of the live interface; null: not sent
   const char* attribute;  // name in Python's HandState; null: absent, or bound by hand
-  const char* meaning;    // for people, one line
+  const char* meaning;    // one line for users
 
-  /// [any] How many numbers.
+  /// [any] Number of components.
   [[nodiscard]] constexpr std::size_t size() const noexcept {
     std::size_t count = 1;
     while (count < columns.size() && columns[count] != nullptr) ++count;
@@ -56,7 +56,7 @@ struct TickField {
   }
 };
 
-/// Every value of a row, in the order of a TickRow's memory, of a recording and of its export.
+/// Every value of a row, in the order of a TickRow's memory, of recordings and of their export.
 // clang-format off
 inline constexpr auto kTickFields = [] {
   using enum ColumnType;
@@ -97,9 +97,9 @@ inline constexpr auto kTickFields = [] {
     {{"fault"}, kU32, offsetof(TickRow, fault), "fault", nullptr,
      "`0`, `not-finite`, `device`, `stale-sample`, `stalled-loop` or `force-off`"},
     {{"energy_J"}, kF64, offsetof(TickRow, energy), "energy_J", "energy",
-     "what the hand and the organ's own motion have put into the tissue's force so far and not got back"},
+     "net energy that the hand and the organ's own motion have put into the tissue force so far"},
     {{"engagement"}, kF64, offsetof(TickRow, engagement), "engagement", "engagement",
-     "share of force and noise that is let through, 0 to 1"},
+     "gain of force and noise (force ramp), 0 to 1"},
     {{"device_x_m", "device_y_m", "device_z_m"}, kF64, offsetof(TickRow, device), nullptr, nullptr,
      "the device's own sample, in its frame"},
     {{"device_qw", "device_qx", "device_qy", "device_qz"}, kF64, offsetof(TickRow, device_q), nullptr, nullptr,
@@ -117,7 +117,7 @@ inline constexpr auto kTickFields = [] {
 }();
 // clang-format on
 
-/// [any] Whether every member of TickRow has its line, in order and without gaps.
+/// [any] Whether the table covers every member of TickRow, in order and without gaps.
 [[nodiscard]] constexpr bool fields_cover_a_row() noexcept {
   std::size_t end = 0;
   for (const TickField& field : kTickFields) {

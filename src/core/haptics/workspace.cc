@@ -17,19 +17,19 @@ DeviceMotion follow(const WorkspaceMapping& mapping, DeviceTrack& track, const D
   const Quat orientation = sample.orientation_D.normalized();
   DeviceMotion motion;
   const bool clutched = (sample.buttons & mapping.clutch) != 0;
-  if (track.known) {
+  if (track.has_sample) {
     const Vec3 way_D = sample.position_D - track.position_D;
     if (clutched) track.index_D -= mapping.scale * way_D;
     if (way_D.norm() <= kFastestHand * period) {
       const Quat turn = orientation * track.orientation_D.conjugate();
-      const double sign = turn.w() < 0.0 ? -2.0 : 2.0;  // sin(a/2) stands for a/2
+      const double sign = turn.w() < 0.0 ? -2.0 : 2.0;  // 2 sin(a/2) approximates a
       motion.translation = mapping.base.rotation * way_D;
       motion.rotation = mapping.base.rotation * Vec3(sign * turn.vec());
     }
   }
   track.position_D = sample.position_D;
   track.orientation_D = orientation;
-  track.known = true;
+  track.has_sample = true;
   track.clutched = clutched;
   return motion;
 }

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSpringsPerBar = 4.0;
 
-// A depth or force this little past a joint is the joint: millimetres turned to metres and summed limits miss
-// it by rounding, and the joint belongs to the layer below.
+// A depth or force within this factor of a joint counts as the joint, which belongs to the layer below. Unit
+// conversion and summed limits miss the joint by rounding.
 constexpr double kJointWidth = 1.0 + 8.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
@@ -54,13 +54,13 @@ LayeredSpringLaw::LayeredSpringLaw(const TissueParameters& tissue, Direction dir
 ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
   if (depth <= 0.0) return {0.0, slope_[0], 1, false};
   const auto layers = static_cast<std::size_t>(layers_);
-  // 1-based number of the cut-off layer, which ends at start_depth_[end]; counted without a branch a layer,
-  // which the next depth would mispredict
+  // 1-based number of the cut-off layer, which ends at start_depth_[end]. Counted without branches, which
+  // changing depths would mispredict.
   std::size_t end = 1;
   for (std::size_t i = 1; i < layers; ++i) end += depth > past_depth_[i] ? 1 : 0;
   if (depth > past_depth_[end]) return {start_force_[end], 0.0, layers_, true};
   const double force = start_force_[end - 1] + slope_[end - 1] * (depth - start_depth_[end - 1]);
-  // never more than at the joint, so that the inverse finds the same layer; NaN stays NaN
+  // Never above the force at the joint, so that the inverse finds the same layer; NaN stays NaN.
   const double bounded = force > start_force_[end] ? start_force_[end] : force;
   return {bounded, slope_[end - 1], static_cast<int>(end), false};
 }
@@ -70,7 +70,7 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::layer_state(std::size_t cutoff,
   LayerState state;
   state.cutoff_layer = static_cast<int>(cutoff);
   state.stiffness = slope_[cutoff - 1];
-  state.deformation = filled_[cutoff - 1];  // a copy of known size: no branch that the next force mispredicts
+  state.deformation = filled_[cutoff - 1];  // fixed-size copy: no branch to mispredict
   state.deformation[cutoff - 1] = std::min(in_cutoff, limit_[cutoff - 1]);
   return state;
 }

@@ -13,14 +13,15 @@ namespace {
 
 constexpr double kDegree = portable::kPi / 180.0;  // rad
 
-constexpr double kThird = 1.0 / 3.0;  // of a beat: ejection lasts about 0.29 s at 70 a minute [Weissler 1968]
+// of a beat: ejection lasts about 0.29 s at 70 beats per minute [Weissler 1968]
+constexpr double kThird = 1.0 / 3.0;
 
-// Greatest slopes of the curves, a cycle. Breathing: 6 pi sin^5 cos at sin^2 = 5/6.
+// Largest slopes of the curves, per cycle. Breathing: 6 pi sin^5 cos at sin^2 = 5/6.
 constexpr double kBreathingSlope = 4.8784;
 constexpr double kStepSlope = 1.875;  // of smooth_step()
 constexpr double kHeartbeatSlope = kStepSlope / kThird;
 
-/// Minimum-jerk way from 0 to 1 (Flash and Hogan 1985): no speed and no acceleration at either end.
+/// Minimum-jerk curve from 0 to 1 (Flash and Hogan 1985): zero speed and acceleration at both ends.
 double smooth_step(double u) noexcept { return u * u * u * (10.0 + u * (-15.0 + u * 6.0)); }
 
 /// sin^6(pi u) = ((1 - cos 2 pi u) / 2)^3, u in [0, 1).
@@ -35,7 +36,7 @@ double heartbeat(double u) noexcept {
   return 0.0;
 }
 
-/// @param unit of the field, in SI
+/// @param unit SI value of one unit of the field
 void require_within(const std::string& field, double value, double low, double high, double unit) {
   if (value >= low && value <= high) return;
   const auto rounded = [unit](double limit) { return shortest(std::round(limit / unit * 1e6) / 1e6); };
@@ -49,8 +50,8 @@ void require_unit(const std::string& field, const Vec3& direction) {
 }
 
 void validate_one(const OrganMotionParameters& motion) {
-  require_within("amplitude_mm", motion.amplitude, 0.0, kMostOrganAmplitude, kMillimetre);
-  require_within("rotation_deg", motion.rotation, -kMostOrganRotation, kMostOrganRotation, kDegree);
+  require_within("amplitude_mm", motion.amplitude, 0.0, kMaxOrganAmplitude, kMillimetre);
+  require_within("rotation_deg", motion.rotation, -kMaxOrganRotation, kMaxOrganRotation, kDegree);
   require_within("period_s", motion.period, kShortestOrganPeriod, kLongestOrganPeriod, 1.0);
   if (!(motion.phase >= 0.0 && motion.phase < 1.0))
     throw ParameterError("phase", motion.phase, ">= 0 and < 1");
@@ -85,9 +86,9 @@ OrganSpeed greatest_speed(const OrganMotionParameters& motion) noexcept {
 }
 
 void validate(std::span<const OrganMotionParameters> motions) {
-  if (motions.size() > kMostOrganMotions) {
+  if (motions.size() > kMaxOrganMotions) {
     throw InputError(std::to_string(motions.size()) + " motions of one organ: must be at most " +
-                     std::to_string(kMostOrganMotions));
+                     std::to_string(kMaxOrganMotions));
   }
   OrganSpeed together;
   for (const OrganMotionParameters& motion : motions) {

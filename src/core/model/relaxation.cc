@@ -13,9 +13,9 @@ Relaxation::Relaxation(std::span<const RelaxationTerm> terms, double step) {
   for (const RelaxationTerm& term : terms) {
     Term& made = terms_[count_];
     ++count_;
-    made.share = term.share;
-    made.time = term.time;
-    lasting_ -= term.share;
+    made.g = term.g;
+    made.tau = term.tau;
+    lasting_ -= term.g;
   }
   set_step(step);
 }
@@ -23,10 +23,10 @@ Relaxation::Relaxation(std::span<const RelaxationTerm> terms, double step) {
 void Relaxation::set_step(double step) noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     Term& term = terms_[i];
-    const double steps = step / term.time;
+    const double steps = step / term.tau;
     const double lost = -portable::expm1(-steps);
     term.keep = 1.0 - lost;
-    term.gain = steps > 0.0 ? lost / steps : 1.0;  // a time too long for the quotient lets nothing go
+    term.gain = steps > 0.0 ? lost / steps : 1.0;  // a time constant too long for the quotient does not relax
   }
 }
 
@@ -36,8 +36,8 @@ double Relaxation::next(RelaxationState& state, double elastic) const noexcept {
   double force = lasting_ * elastic;
   for (std::size_t i = 0; i < count_; ++i) {
     const Term& term = terms_[i];
-    state.kept[i] = term.keep * state.kept[i] + term.gain * rise;
-    force += term.share * state.kept[i];
+    state.history[i] = term.keep * state.history[i] + term.gain * rise;
+    force += term.g * state.history[i];
   }
   return force;
 }

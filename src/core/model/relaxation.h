@@ -7,59 +7,58 @@
 
 namespace palpate::model {
 
-/// What relaxation remembers from sample to sample: the part of each term's force that has not let go yet.
+/// The history variables of relaxation, carried from sample to sample.
 struct RelaxationState {
-  std::array<double, kMostRelaxationTerms> kept{};  // q_i [N]
-  double elastic = 0.0;                             // elastic force at the last sample [N]
+  std::array<double, kMaxRelaxationTerms> history{};  // q_i, unrelaxed force of each Prony term [N]
+  double elastic = 0.0;                               // elastic force F_e at the last sample [N]
 };
 
-/// Quasi-linear viscoelasticity on top of an elastic law: F(t) = integral of G(t - s) dF_e, with
-/// G(t) = 1 - sum share_i (1 - e^(-t/time_i)) [Fung 1993, ch. 7], so F = (1 - sum share_i) F_e + sum share_i
-/// q_i with dq_i/dt = dF_e/dt - q_i/time_i. Updated sample by sample, exact where F_e is linear between
-/// samples.
+/// Quasi-linear viscoelasticity [Fung 1993, ch. 7]: F(t) = integral of G(t - s) dF_e with the Prony series
+/// G(t) = 1 - sum g_i (1 - e^(-t/tau_i)). So F = (1 - sum g_i) F_e + sum g_i q_i with dq_i/dt = dF_e/dt -
+/// q_i/tau_i. Updated sample by sample; exact where F_e is linear between samples.
 ///
-/// It never gives back more than was put in: with v_i = F_e - q_i and D_e the law's inverse, the stored
-/// energy integral_0^D F_e - v_i D + integral_0^v_i D_e >= 0 (Young's inequality) falls by (D - D_e(v_i))
-/// (F_e - v_i)/time_i >= 0 of what the hand puts in, for every law that rises.
+/// It is passive for every rising law. With v_i = F_e - q_i and D_e the inverse of the law, the stored energy
+/// of term i is integral_0^D F_e - v_i D + integral_0^v_i D_e >= 0 (Young's inequality), and the dissipated
+/// power is (D - D_e(v_i)) (F_e - v_i)/tau_i >= 0.
 class Relaxation final {
  public:
-  /// No relaxation: the force is the elastic one.
+  /// No relaxation: the force is the elastic force.
   Relaxation() = default;
-  /// [setup] @param terms as in a checked tissue @param step [s] between samples
+  /// [setup] @param terms of a checked tissue @param step between samples [s]
   /// @throws ParameterError when there are too many terms, a share or time is not finite and > 0, the shares
   /// sum to 1 or more, or the step is not finite and > 0.
   Relaxation(std::span<const RelaxationTerm> terms, double step);
 
-  /// [rt] Terms; 0: the force is the elastic one.
+  /// [rt] Number of Prony terms; 0: the force is the elastic force.
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
 
-  /// [rt] The force [N] at the next sample, at which the elastic force is `elastic` [N]. Below 0 where an
-  /// elastic tissue that sticks would hold the tool back; a contact that cannot pull counts 0 there.
+  /// [rt] The force [N] at the next sample, where the elastic force is `elastic` [N]. It is negative where an
+  /// adhering tissue would pull the tool back; a contact that cannot pull uses 0 then.
   [[nodiscard]] double next(RelaxationState& state, double elastic) const noexcept;
 
-  /// [rt] Makes a memory that `before` kept one of these terms: it goes on, and a term that is new has let
-  /// nothing go yet. Without terms nothing is kept up, so when the first come all of the force counts as just
-  /// put in.
-  void take_over(RelaxationState& memory, const Relaxation& before) const noexcept {
+  /// [rt] Converts the history variables of `before` to these terms. Existing terms continue; a new term
+  /// begins unrelaxed. Without terms no history is kept, so the first terms treat the present force as just
+  /// applied.
+  void convert_history(RelaxationState& memory, const Relaxation& before) const noexcept {
     if (before.count_ == 0 || count_ == 0) memory = {};
-    for (std::size_t i = before.count_; i < count_; ++i) memory.kept[i] = memory.elastic;
+    for (std::size_t i = before.count_; i < count_; ++i) memory.history[i] = memory.elastic;
   }
 
-  /// [setup] The time [s] from here on between samples, for measurements whose samples are not equally far
-  /// apart. @param step >= 0
+  /// [setup] Sets the time between samples [s] from here on, for measurements with unequal sampling.
+  /// @param step >= 0
   void set_step(double step) noexcept;
 
  private:
   struct Term {
-    double share = 0.0;
-    double time = 0.0;  // s
-    double keep = 0.0;  // e^(-step/time)
-    double gain = 0.0;  // (1 - keep) time/step: of a ramp over one step
+    double g = 0.0;
+    double tau = 0.0;   // tau_i [s]
+    double keep = 0.0;  // e^(-step/tau_i)
+    double gain = 0.0;  // (1 - keep) tau_i/step: of a ramp over one step
   };
 
   std::size_t count_ = 0;
-  std::array<Term, kMostRelaxationTerms> terms_{};
-  double lasting_ = 1.0;  // 1 - sum of the shares
+  std::array<Term, kMaxRelaxationTerms> terms_{};
+  double lasting_ = 1.0;  // 1 - sum of the g_i
 };
 
 }  // namespace palpate::model

@@ -18,7 +18,7 @@ SmoothSpringLaw::SmoothSpringLaw(const TissueParameters& tissue, Direction direc
   for (std::size_t i = 0; i < pieces_ && layers > 1; ++i) {
     const double between = 0.5 * (limit + limit * tissue.q);  // m_(i+1) - m_i, eq. 4
     piece_[i].growth = step / between;
-    if (i == 0) {  // K(m_1) = k_1, and the first piece runs back to D = 0
+    if (i == 0) {  // K(m_1) = k_1, and the first piece extends back to D = 0
       piece_[0].stiffness = tissue.k1 * portable::exp(-0.5 * limit * piece_[0].growth);
     }
     if (i + 1 < pieces_) {
@@ -64,13 +64,12 @@ SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_at(double depth) const 
 
 SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_under(double force) const noexcept {
   if (force <= 0.0) return deformation_at(0.0);
-  constexpr double kJustPast = 1.0 + 1e-12;  // rounding of a sum of pieces is no saturation
+  constexpr double kJustPast = 1.0 + 1e-12;  // rounding of the summed pieces is not saturation
   if (force > max_force_ * kJustPast) return deformation_at(2.0 * max_depth());
   std::size_t last = 0;
   for (std::size_t i = 1; i < pieces_; ++i) last += force > piece_[i].force ? 1 : 0;
   const Piece& piece = piece_[last];
-  const double share =
-      (force - piece.force) / piece.stiffness;  // depth that the starting stiffness would need
+  const double share = (force - piece.force) / piece.stiffness;  // depth at the piece's initial stiffness
   const double in = piece.growth == 0.0 ? share : portable::log1p(piece.growth * share) / piece.growth;
   LayerState state = deformation_at(std::min(piece.depth + in, max_depth()));
   state.force = std::min(force, max_force_);

@@ -12,25 +12,25 @@ namespace {
 
 [[noreturn]] void refuse_terms(std::size_t count) {
   throw ParameterError("relaxation", static_cast<double>(count),
-                       "at most " + std::to_string(kMostRelaxationTerms) + " terms");
+                       "at most " + std::to_string(kMaxRelaxationTerms) + " terms");
 }
 
 void require_positive(const std::string& field, double value) {
-  if (!kPositive.contains(value)) throw ParameterError(field, value, kPositive.in_words());
+  if (!kPositive.contains(value)) throw ParameterError(field, value, kPositive.to_string());
 }
 
-// The law's own figures of one preset; everything else keeps its default.
+// The parameters of one preset; all others have their defaults.
 struct Preset {
   const char* name;
   double k1_N_per_m;
   double beta;
   double q;
-  double first_limit_mm;  // L_1, pressed and pulled alike
+  double first_limit_mm;  // L_1, equal in press and pull
   double rest_length_mm;
   double t1_us;
 };
 
-// Where each figure comes from: docs/tissues.md. k1 and beta of gallbladder and heart are the paper's.
+// Sources of all values: docs/tissues.md. k1 and beta of gallbladder and heart are the paper's.
 constexpr std::array kPresets{
     Preset{"gallbladder", 18.0, 1.6, 0.7, 8.0, 14.0, 1.0},
     Preset{"heart", 15.0, 2.0, 0.7, 8.0, 14.0, 1.0},
@@ -49,14 +49,13 @@ LawKind parse_law(std::string_view text) {
 }
 
 void RelaxationTerms::push_back(const RelaxationTerm& term) {
-  if (count_ == kMostRelaxationTerms) refuse_terms(count_ + 1);
+  if (count_ == kMaxRelaxationTerms) refuse_terms(count_ + 1);
   terms_[count_++] = term;
 }
 
 double TissueNumbers::first_limit(Direction direction) const noexcept {
   const double limit = direction == Direction::kPull ? max_length - rest_length : rest_length - min_length;
-  // To a femtometre, so that 22 mm - 14 mm is 8 mm and not the 7.999999999999998 mm that the difference
-  // leaves.
+  // Rounds to a femtometre, so that 22 mm - 14 mm is 8 mm and not 7.999999999999998 mm.
   constexpr double kPerMetre = 1e15;
   const double rounded = std::floor(limit * kPerMetre + 0.5) / kPerMetre;
   return rounded > 0.0 && std::isfinite(rounded) ? rounded : limit;
@@ -78,16 +77,16 @@ void validate(const TissueParameters& tissue) {
 }
 
 void validate_relaxation(std::span<const RelaxationTerm> terms) {
-  if (terms.size() > kMostRelaxationTerms) refuse_terms(terms.size());
+  if (terms.size() > kMaxRelaxationTerms) refuse_terms(terms.size());
   double sum = 0.0;
   for (const RelaxationTerm& term : terms) {
-    require_positive("relaxation.share", term.share);
-    require_positive("relaxation.time_s", term.time);
-    sum += term.share;
+    require_positive("relaxation.share", term.g);
+    require_positive("relaxation.time_s", term.tau);
+    sum += term.g;
   }
   if (!(sum < 1.0)) {
     throw ParameterError("relaxation.share", sum,
-                         "< 1 in sum, so that some force stays however long one holds");
+                         "< 1 in sum, so that some force remains after full relaxation");
   }
 }
 

@@ -7,7 +7,7 @@
 
 namespace palpate::model {
 
-std::string FieldRange::in_words(const std::string& rest_length) const {
+std::string FieldRange::to_string(const std::string& rest_length) const {
   if (order == LengthOrder::kAboveRest) return "finite and > " + rest_length;
   if (order == LengthOrder::kBelowRest) return "finite, >= 0 and < " + rest_length;
   const std::string above = (low_allowed ? ">= " : "> ") + shortest(low);
@@ -25,7 +25,7 @@ void TissueField::check(const TissueNumbers& tissue) const {
                         (range.order == LengthOrder::kAboveRest ? *value > rest : *value < rest);
   if (range.contains(*value) && in_order) return;
   throw ParameterError(path(), *value / unit.si,
-                       range.in_words("rest_length_mm (" + shortest(rest / kMillimetre) + " mm)"));
+                       range.to_string("rest_length_mm (" + shortest(rest / kMillimetre) + " mm)"));
 }
 
 }  // namespace palpate::model

@@ -10,28 +10,28 @@
 #include "palpate/units.h"
 
 // The table of a tissue's numbers. Validation, tissue files, recordings, the live interface, the window,
-// Python, the report and docs/file-formats.md iterate over it, so one row makes a number known to all of
-// them.
+// Python, the report and docs/file-formats.md iterate over it, so one row adds a number to all of them.
 namespace palpate::model {
 
-/// How a length of the first layer's spring compares with its rest length.
+/// Order of a length of the first layer's spring relative to its rest length.
 enum class LengthOrder { kNone, kAboveRest, kBelowRest };
 
-/// The values that a number may have; all are finite. The ends are equal in SI and in the unit of a tissue
-/// file.
+/// The allowed values of a number; all are finite. The ends are the same numbers in SI and in
+/// the unit of a tissue file.
 struct FieldRange {
   double low = 0.0;
   bool low_allowed = false;
   double high = std::numeric_limits<double>::infinity();
   bool high_allowed = false;
-  LengthOrder order = LengthOrder::kNone;  // checked as well
+  LengthOrder order = LengthOrder::kNone;  // checked in addition
 
-  /// [any] Whether a value lies between the ends.
+  /// [any] Whether a value is within the range.
   [[nodiscard]] constexpr bool contains(double value) const noexcept {
     return (low_allowed ? value >= low : value > low) && (high_allowed ? value <= high : value < high);
   }
-  /// [setup] "finite and > 0" or "> 0 and <= 1", for messages. @param rest_length as the message names it
-  [[nodiscard]] std::string in_words(const std::string& rest_length = "`rest_length_mm`") const;
+  /// [setup] The range as text for messages, such as "finite and > 0" or "> 0 and <= 1". @param rest_length
+  /// name of the rest length in the message
+  [[nodiscard]] std::string to_string(const std::string& rest_length = "`rest_length_mm`") const;
 };
 
 inline constexpr FieldRange kPositive{};
@@ -39,9 +39,13 @@ inline constexpr FieldRange kNotNegative{.low_allowed = true};
 inline constexpr FieldRange kAboveOne{.low = 1.0};
 inline constexpr FieldRange kBelowOne{.high = 1.0};
 inline constexpr FieldRange kAtMostOne{.high = 1.0, .high_allowed = true};
-/// Far above any lubricated organ; beyond them no device that Palpate knows holds a hand still.
+/// Far above any lubricated organ. Above this no supported device is stable.
 inline constexpr FieldRange kFrictionRange{.low_allowed = true, .high = 10.0, .high_allowed = true};
 inline constexpr FieldRange kTangentialRange{.high = 1e5, .high_allowed = true};
+/// Stiffer than any tissue or bone; beyond them a product of allowed numbers could overflow to an infinite
+/// force.
+inline constexpr FieldRange kStiffnessRange{.high = 1e9, .high_allowed = true};
+inline constexpr FieldRange kDampingRange{.low_allowed = true, .high = 1e6, .high_allowed = true};
 inline constexpr FieldRange kAboveRest{.order = LengthOrder::kAboveRest};
 inline constexpr FieldRange kBelowRest{.low_allowed = true, .order = LengthOrder::kBelowRest};
 
@@ -58,13 +62,14 @@ inline constexpr FieldUnit kNewtonSecondPerMetre{"N s/m", "N s/m", 1.0};
 inline constexpr FieldUnit kInMillimetres{"mm", "m", kMillimetre};
 inline constexpr FieldUnit kInMicroseconds{"\u00b5s", "s", kMicrosecond};
 
-/// Reads and writes one number of a tissue, SI. An optional number that is not given is none.
+/// Reads and writes one number of a tissue, in SI units. An optional number that is not given is nullopt.
 struct FieldAccess {
   std::optional<double> (*get)(const TissueNumbers&) noexcept;
-  void (*set)(TissueNumbers&, std::optional<double>) noexcept;  // none leaves a number that is not optional
+  // nullopt leaves a number that is not optional
+  void (*set)(TissueNumbers&, std::optional<double>) noexcept;
 };
 
-/// The number that these members lead to, each a member of the one before.
+/// Access to the number at the end of a chain of members.
 template <auto... kMembers>
 inline constexpr FieldAccess kAt{
     [](const TissueNumbers& tissue) noexcept -> std::optional<double> { return (tissue.*....*kMembers); },
@@ -81,77 +86,78 @@ inline constexpr FieldAccess kAtReach = kAt<&TissueNumbers::reach, kMember>;
 template <auto kMember>
 inline constexpr FieldAccess kAtContact = kAt<&TissueNumbers::contact, kMember>;
 
-/// The slider of a number in the window, in the field's unit; a file may have values beyond its ends.
+/// The slider of a number in the window, in the field's unit. Files may have values outside.
 struct FieldSlider {
   double step;
   double low;
   double high;
   int decimals;
 };
-/// Of a number that the organ is prepared for, which cannot change during a run.
+/// For a number that the organ is prepared for; it cannot change during a run.
 inline constexpr FieldSlider kNoSlider{};
 
 /// One number of a tissue.
 struct TissueField {
-  std::string_view section;  // in a tissue file: empty is [tissue] itself, else one of kTissueSections
+  std::string_view section;  // table in a tissue file: empty is [tissue] itself, else one of kTissueSections
   const char* key;           // in tissue files, messages and the live interface
   const char* name;          // in C++ and Python
   FieldUnit unit;            // of `key`
   FieldAccess at;
-  const char* label;    // for people
-  const char* meaning;  // for people, one line
+  const char* label;    // for users
+  const char* meaning;  // one line for users
   FieldSlider slider;
   FieldRange range = kPositive;
-  const char* si_key = nullptr;                                // in recordings; null: `key`
-  bool added_later = false;                                    // an old recording without it has the default
-  double (*derived)(const TissueNumbers&) noexcept = nullptr;  // its value when it is not given; null: none
-  const char* derived_text = nullptr;                          // the rule of `derived`, for people
+  const char* si_key = nullptr;  // in recordings; null: `key`
+  bool added_later = false;      // a recording without it uses the default
+  // its value when it is not given; null: not optional
+  double (*derived)(const TissueNumbers&) noexcept = nullptr;
+  const char* derived_text = nullptr;  // the rule of `derived`, for users
 
   /// [any] Its name in recordings.
   [[nodiscard]] constexpr const char* column() const noexcept { return si_key != nullptr ? si_key : key; }
-  /// [any] Whether a tissue file must have it; the others have the default of their C++ member.
+  /// [any] Whether a tissue file must have it. The others default to the value of their C++ member.
   [[nodiscard]] constexpr bool required() const noexcept { return section.empty(); }
-  /// [any] Whether it may be none, and then follows from other numbers.
+  /// [any] Whether it may be omitted; it then follows from other numbers.
   [[nodiscard]] constexpr bool optional() const noexcept { return derived != nullptr; }
-  /// [any] The value in force, SI.
+  /// [any] The value used, given or derived, SI.
   [[nodiscard]] double in_force(const TissueNumbers& tissue) const noexcept {
     const std::optional<double> given = at.get(tissue);
     return given ? *given : derived(tissue);
   }
-  /// [setup] "contact.friction", as error messages name it.
+  /// [setup] The name in error messages, such as "contact.friction".
   [[nodiscard]] std::string path() const;
-  /// [setup] @throws ParameterError naming path(), when the tissue's number is out of range.
+  /// [setup] @throws ParameterError naming path() when the tissue's number is out of range.
   void check(const TissueNumbers& tissue) const;
 };
 
-/// A table of a tissue file below [tissue].
+/// A subtable of [tissue] in a tissue file.
 struct TissueSection {
   std::string_view key;
-  const char* title;  // for people
+  const char* title;  // for users
 };
 inline constexpr std::array kTissueSections{TissueSection{"reach", "Reach of the dent"},
                                             TissueSection{"contact", "Contact"}};
 
-/// Every number of a tissue, in the order of its files. CONTRIBUTING.md describes how to add one.
+/// Every number of a tissue, in the order of tissue files. CONTRIBUTING.md describes how to add one.
 // clang-format off
 inline constexpr auto kTissueFields = [] {
   using T = TissueNumbers;
-  using R = ReachParameters;
+  using R = FalloffRatios;
   using C = ContactParameters;
   return std::to_array<TissueField>({
     {"", "k1_N_per_m", "k1", kNewtonPerMetre, kAt<&T::k1>,
-     "Stiffness k\u2081", "stiffness of the first layer's spring", {0.1, 0.1, 2000, 2}},
+     "Stiffness k\u2081", "stiffness of the first layer's spring", {0.1, 0.1, 2000, 2}, kStiffnessRange},
     {"", "beta", "beta", kNoUnit, kAt<&T::beta>,
      "Stiffening \u03b2", "layer i is exp((i-1)/\u03b2) times as stiff", {0.01, 0.2, 20, 3}},
     {"", "q", "q", kNoUnit, kAt<&T::q>,
-     "Layer ratio q", "layer i gives way q^(i-1) times as far", {0.002, 0.1, 1.5, 3}},
+     "Layer ratio q", "limit of layer i: q^(i-1) times that of the first", {0.002, 0.1, 1.5, 3}},
     {"", "rest_length_mm", "rest_length", kInMillimetres, kAt<&T::rest_length>,
      "Rest length", "X_1o, of a first-layer spring", {0.05, 0.5, 100, 2}, kPositive, "rest_length_m"},
     {"", "max_length_mm", "max_length", kInMillimetres, kAt<&T::max_length>,
-     "Longest length", "X_1max; less the rest length: the first layer's limit when pulled", {0.05, 0.5, 200, 2},
+     "Longest length", "X_1max; minus the rest length: the first layer's limit in pull", {0.05, 0.5, 200, 2},
      kAboveRest, "max_length_m"},
     {"", "min_length_mm", "min_length", kInMillimetres, kAt<&T::min_length>,
-     "Shortest length", "X_1min; rest length less this: the first layer's limit when pressed", {0.05, 0, 100, 2},
+     "Shortest length", "X_1min; rest length minus this: the first layer's limit in press", {0.05, 0, 100, 2},
      kBelowRest, "min_length_m"},
     {"", "t1_us", "t1", kInMicroseconds, kAt<&T::t1>,
      "Layer delay t\u2081", "delay of the first layer: bounds the number of layers", {0.05, 0.05, 200, 2},
@@ -159,12 +165,12 @@ inline constexpr auto kTissueFields = [] {
     {"reach", "contact_ratio", "contact_ratio", kNoUnit, kAtReach<&R::contact_ratio>,
      "Contact radius c", "R_1 = c R (D/R)^p", {0.005, 0.1, 5, 3}},
     {"reach", "first_bar_ratio", "first_bar_ratio", kNoUnit, kAtReach<&R::first_bar_ratio>,
-     "First bar a", "ratio of the first bar to the contact radius", {0.005, 0.01, 5, 3}},
+     "First bar a", "first falloff ratio: R_2 = (1 + a) R_1", {0.005, 0.01, 5, 3}},
     {"reach", "bar_ratio", "bar_ratio", kNoUnit, kAtReach<&R::bar_ratio>,
-     "Bar ratio s", "ratio of each bar to the one above", {0.005, 1.01, 5, 3}, kAboveOne},
+     "Bar ratio s", "falloff ratio of each further step: s times the step before", {0.005, 1.01, 5, 3}, kAboveOne},
     {"reach", "weight_ratio", "weight_ratio", kNoUnit, kAtReach<&R::weight_ratio>,
-     "Weight ratio g", "weight of each layer to the one above", {0.002, 0.01, 0.99, 3}, kBelowOne},
-    // Above 1 a dent, whose slope is about D/R_1, would be steeper the shallower it is.
+     "Weight ratio g", "weight of each term: g times the one before", {0.002, 0.01, 0.99, 3}, kBelowOne},
+    // Above 1 an indentation, whose slope is about D/R_1, would be steeper the shallower it is.
     {"reach", "depth_exponent", "depth_exponent", kNoUnit, kAtReach<&R::depth_exponent>,
      "Depth exponent p", "how R_1 grows with the depth; 1/2 as the square root", {0.002, 0.01, 1, 3},
      kAtMostOne, nullptr, true},
@@ -175,9 +181,9 @@ inline constexpr auto kTissueFields = [] {
      [](const T& tissue) noexcept { return tissue.tangential_stiffness(); }, "10 k\u2081"},
     {"contact", "tangential_damping_N_s_per_m", "tangential_damping", kNewtonSecondPerMetre,
      kAtContact<&C::tangential_damping>,
-     "Tangential damping", "c_t, beside the friction spring", {0.01, 0, 20, 2}, kNotNegative, nullptr, true},
+     "Tangential damping", "c_t, beside the friction spring", {0.01, 0, 20, 2}, kDampingRange, nullptr, true},
     {"contact", "damping_N_s_per_m", "damping", kNewtonSecondPerMetre, kAtContact<&C::damping>,
-     "Normal damping", "b, along the normal", {0.01, 0, 20, 2}, kNotNegative},
+     "Normal damping", "b, along the normal", {0.01, 0, 20, 2}, kDampingRange},
     {"contact", "reference_radius_mm", "reference_radius", kInMillimetres, kAtContact<&C::reference_radius>,
      "Reference radius", "R_ref, the size of the area that one contact stands for", kNoSlider,
      kPositive, "reference_radius_m"},

@@ -13,9 +13,9 @@
 namespace palpate::noise {
 namespace {
 
-constexpr double kThousandths = 1e3;   // rates are kept in thousandths of a hertz
-constexpr double kSlowestRate = 1e-3;  // Hz, the smallest that is not 0 then
-constexpr double kFastestRate = 1e6;   // Hz, far above any loop
+constexpr double kThousandths = 1e3;   // rates are stored in thousandths of a hertz
+constexpr double kSlowestRate = 1e-3;  // Hz, the smallest stored rate above 0
+constexpr double kFastestRate = 1e6;   // Hz, far above any loop rate
 
 // Uniform in [0, 1) from the upper 53 of 64 bits.
 double uniform(std::uint32_t high, std::uint32_t low) noexcept {
@@ -33,7 +33,7 @@ void require_positive(const char* field, double value) {
 
 }  // namespace
 
-void validate(const NoiseSettings& settings, double loop_rate_Hz, double most_sigma) {
+void validate(const NoiseSettings& settings, double loop_rate_Hz, double max_sigma) {
   if (!(loop_rate_Hz >= kSlowestRate && loop_rate_Hz <= kFastestRate)) {
     throw ParameterError("rate_Hz", loop_rate_Hz, "a loop rate >= 0.001 Hz and <= 1e6 Hz");
   }
@@ -41,11 +41,11 @@ void validate(const NoiseSettings& settings, double loop_rate_Hz, double most_si
     throw ParameterError("gain_N_m", settings.gain, "finite and >= 0");
   }
   require_positive("threshold_mm", settings.threshold / kMillimetre);
-  if (!(settings.gain / settings.threshold <= most_sigma)) {
+  if (!(settings.gain / settings.threshold <= max_sigma)) {
     throw ParameterError("gain_N_m", settings.gain,
-                         "at most " + shortest(most_sigma * settings.threshold) +
+                         "at most " + shortest(max_sigma * settings.threshold) +
                              " N m with threshold_mm = " + shortest(settings.threshold / kMillimetre) +
-                             ": sigma in contact, K/d0, is at most " + shortest(most_sigma) + " N");
+                             ": sigma in contact, K/d0, is at most " + shortest(max_sigma) + " N");
   }
   if (!(settings.rate_Hz >= kSlowestRate && settings.rate_Hz <= loop_rate_Hz)) {
     throw ParameterError(
@@ -58,7 +58,7 @@ double gain_from_threshold(double user_threshold, double share, double threshold
   require_positive("user_threshold_N", user_threshold);
   if (!(share >= 0.0 && share <= 1.0)) throw ParameterError("share_of_threshold", share, ">= 0 and <= 1");
   require_positive("threshold_mm", threshold_distance / kMillimetre);
-  return share * user_threshold * threshold_distance;  // sigma = K/d0 [Zhang 2011, eq. 2]
+  return share * user_threshold * threshold_distance;  // sigma = K/d_0 [Zhang 2011, eq. 2]
 }
 
 double unit_sample(std::uint64_t seed, std::uint32_t hand, std::uint64_t n) noexcept {
@@ -86,15 +86,15 @@ double TouchNoise::sigma(double distance) const noexcept {
 }
 
 std::uint64_t TouchNoise::sample_number(std::uint64_t tick) const noexcept {
-  if (noise_rate_ == loop_rate_) return tick;  // spares two integer divisions at the default rates
-  // tick x noise_rate / loop_rate, split so that the product never overflows
+  if (noise_rate_ == loop_rate_) return tick;  // avoids two integer divisions at the default rates
+  // tick x noise_rate / loop_rate, split so that the product cannot overflow
   return tick / loop_rate_ * noise_rate_ + tick % loop_rate_ * noise_rate_ / loop_rate_;
 }
 
 double TouchNoise::force(State& state, bool enabled, std::uint32_t hand, std::uint64_t tick,
                          double distance) const noexcept {
   const double goal = enabled ? 1.0 : 0.0;
-  // Within half a step the goal is reached: the sum of the steps misses it by rounding.
+  // Within half a step counts as reached, because the summed steps miss the goal by rounding.
   if (!state.started || std::fabs(goal - state.level) < 1.5 * fade_step_) {
     state.level = goal;
   } else {

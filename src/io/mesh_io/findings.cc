@@ -13,7 +13,7 @@
 namespace palpate::geometry {
 namespace {
 
-// With more shells than this their nesting is not looked into, only their turning.
+// Above this number of shells only their orientation is checked, not which lies inside which.
 constexpr std::size_t kMostShellsNested = 100;
 
 class Analysis final {
@@ -23,31 +23,31 @@ class Analysis final {
 
   MeshFindings run() {
     walk_edges();
-    const std::size_t touching = touching_vertices();
+    const std::size_t touching = bow_tie_vertices();
     findings_.closed = !mesh_.triangles.empty() && boundary_edges_ == 0;
     findings_.manifold = !mesh_.triangles.empty() && non_manifold_edges_ == 0 && touching == 0;
     findings_.volume = signed_volume(mesh_);
-    say(boundary_edges_, "boundary edge", "boundary edges");
-    say(non_manifold_edges_, "edge", "edges", " of more than two triangles");
-    say(turned_edges_, "edge", "edges", " whose two triangles are turned against each other");
-    say(touching, "vertex", "vertices", " where separate surfaces touch");
-    if (const std::size_t flat = count_flat(mesh_); flat > 0) {
+    report(boundary_edges_, "boundary edge", "boundary edges");
+    report(non_manifold_edges_, "edge", "edges", " of more than two triangles");
+    report(inconsistent_edges_, "edge", "edges", " whose two triangles differ in orientation");
+    report(touching, "vertex", "vertices", " where separate surfaces touch");
+    if (const std::size_t flat = count_slivers(mesh_); flat > 0) {
       findings_.remarks.push_back(counted(flat, "triangle", "triangles") + " without area");
     }
     list_shells();
-    if (findings_.closed && findings_.manifold && turned_edges_ == 0) judge_shells();
+    if (findings_.closed && findings_.manifold && inconsistent_edges_ == 0) check_shells();
     return std::move(findings_);
   }
 
  private:
-  void say(std::size_t count, std::string_view one, std::string_view more, std::string_view then = "") {
+  void report(std::size_t count, std::string_view one, std::string_view more, std::string_view then = "") {
     if (count > 0) findings_.defects.push_back(fmt::format("{}{}", counted(count, one, more), then));
   }
 
   void walk_edges() {
     for_each_edge(sorted_half_edges(mesh_.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
       const Corner corner = first->corner;
-      if (first->edge >> 32 == (first->edge & 0xffffffffU)) {  // the other two edges are one
+      if (first->edge >> 32 == (first->edge & 0xffffffffU)) {  // the other two edges are the same edge
         for (const HalfEdge* side = first; side != last; ++side)
           fans_.unite(side->corner, next_corner(side->corner));
         return;
@@ -55,7 +55,7 @@ class Analysis final {
       const auto triangles = last - first;
       boundary_edges_ += triangles == 1 ? 1 : 0;
       non_manifold_edges_ += triangles > 2 ? 1 : 0;
-      if (triangles == 2 && vertex_at(corner) == vertex_at(first[1].corner)) ++turned_edges_;
+      if (triangles == 2 && vertex_at(corner) == vertex_at(first[1].corner)) ++inconsistent_edges_;
       for (const HalfEdge* side = first + 1; side != last; ++side) {
         shells_.unite(corner / 3, side->corner / 3);
         unite_fans(mesh_.triangles, corner, side->corner, fans_);
@@ -63,8 +63,8 @@ class Analysis final {
     });
   }
 
-  /// Vertices with more than one fan of triangles about them.
-  std::size_t touching_vertices() {
+  /// Number of vertices with more than one fan of triangles (bow-tie vertices).
+  std::size_t bow_tie_vertices() {
     std::vector<std::size_t> fans_at(mesh_.vertices.size(), 0);
     for (Corner corner = 0; corner < 3 * mesh_.triangles.size(); ++corner) {
       if (fans_.find(corner) == corner) ++fans_at[at(vertex_at(corner))];
@@ -83,8 +83,8 @@ class Analysis final {
     findings_.shells = static_cast<int>(shell_roots_.size());
   }
 
-  /// A shell must be turned outwards, and a cavity (turned inwards) must lie in another shell.
-  void judge_shells() {
+  /// A shell must be oriented outwards; a cavity, oriented inwards, must be inside another shell.
+  void check_shells() {
     const Vec3 origin = bounds(mesh_).middle();
     std::vector<double> volume(mesh_.triangles.size(), 0.0);  // by root
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
@@ -102,11 +102,11 @@ class Analysis final {
       turned += is_inward && !is_inside ? 1 : 0;
       nested += !is_inward && is_inside ? 1 : 0;
     }
-    say(turned, "shell", "shells", " turned inwards");
-    say(nested, "shell", "shells", " inside another and not a cavity");
+    report(turned, "shell", "shells", " oriented inwards");
+    report(nested, "shell", "shells", " inside another and not a cavity");
   }
 
-  /// Winding number of all other shells about the first vertex of this one.
+  /// Winding number of all other shells at the first vertex of this one.
   [[nodiscard]] double winding_of_others(std::size_t root) const {
     const Vec3 p = point(3 * root);
     double half_angles = 0.0;
@@ -129,8 +129,8 @@ class Analysis final {
   std::vector<std::uint32_t> shell_of_;
   std::vector<std::uint32_t> shell_roots_;
   std::size_t boundary_edges_ = 0;
-  std::size_t non_manifold_edges_ = 0;  // of more than two triangles
-  std::size_t turned_edges_ = 0;        // whose two triangles run the same way
+  std::size_t non_manifold_edges_ = 0;  // with more than two triangles
+  std::size_t inconsistent_edges_ = 0;  // whose two triangles do not agree in orientation
   MeshFindings findings_;
 };
 

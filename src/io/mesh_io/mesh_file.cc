@@ -34,7 +34,7 @@ constexpr std::array<Reader, 9> kReaders{{{".stl", MeshFormat::kStl, read_stl},
 
 }  // namespace
 
-std::vector<std::string> mesh_file_endings() {
+std::vector<std::string> mesh_file_extensions() {
   std::vector<std::string> endings;
   for (const Reader& reader : kReaders) endings.emplace_back(reader.ending);
   return endings;
@@ -56,8 +56,8 @@ MeshFile open_mesh_file(const std::filesystem::path& path) {
   InputFile input(path, kMeshInput);
   const std::optional<MeshFormat> format = mesh_format(path);
   if (!format) {
-    throw InputError(fmt::format("{}: unknown ending \"{}\": must be one of {}", path.string(),
-                                 path.extension().string(), joined(mesh_file_endings())));
+    throw InputError(fmt::format("{}: unknown file name extension \"{}\": must be one of {}", path.string(),
+                                 path.extension().string(), joined(mesh_file_extensions())));
   }
   MeshFile file{path, *format, input.read_rest()};
   if (file.bytes.empty()) throw InputError(path.string() + ": empty");

@@ -23,17 +23,17 @@ constexpr double kLargestOrgan = 2.0;    // m
 
 struct Merged {
   TriangleMesh mesh;
-  std::size_t collapsed = 0;  // triangles dropped that name a vertex twice
-  std::size_t distinct = 0;   // places that had a vertex, used or not
+  std::size_t collapsed = 0;  // dropped triangles that use a vertex twice
+  std::size_t distinct = 0;   // distinct positions of vertices, used or not
 };
 
-/// For each vertex the first one with equal coordinates. Sorted: a file can make any hash of coordinates
-/// collide.
-std::vector<std::int32_t> first_in_place(const std::vector<Vec3>& vertices, std::size_t& places) {
+/// For each vertex the first one with equal coordinates. Uses a sort: a hostile file could make all hashes of
+/// coordinates collide.
+std::vector<std::int32_t> first_at_position(const std::vector<Vec3>& vertices, std::size_t& places) {
   std::vector<std::pair<std::array<double, 3>, std::int32_t>> sorted;
   sorted.reserve(vertices.size());
   for (const Vec3& vertex : vertices) {
-    const Vec3 p = vertex + Vec3::Zero();  // -0 is 0
+    const Vec3 p = vertex + Vec3::Zero();  // turns -0 into 0
     sorted.emplace_back(std::array{p.x(), p.y(), p.z()}, static_cast<std::int32_t>(sorted.size()));
   }
   std::sort(sorted.begin(), sorted.end());
@@ -46,11 +46,11 @@ std::vector<std::int32_t> first_in_place(const std::vector<Vec3>& vertices, std:
   return first;
 }
 
-/// One vertex for each place that a triangle uses, in the order of the input; only exactly equal places are
-/// one.
+/// Keeps one vertex for each distinct position that a triangle uses, in the order of the input. Only exactly
+/// equal positions are merged.
 Merged merge_equal_vertices(TriangleMesh mesh) {
   Merged merged;
-  const std::vector<std::int32_t> name = first_in_place(mesh.vertices, merged.distinct);
+  const std::vector<std::int32_t> name = first_at_position(mesh.vertices, merged.distinct);
   for (Triangle& triangle : mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[at(v)];
   }
@@ -61,11 +61,11 @@ Merged merge_equal_vertices(TriangleMesh mesh) {
   return merged;
 }
 
-void say_merged(const MeshFile& file, std::size_t vertices, const Merged& merged,
-                std::vector<std::string>& repairs) {
+void report_merged(const MeshFile& file, std::size_t vertices, const Merged& merged,
+                   std::vector<std::string>& repairs) {
   const std::size_t distinct = merged.distinct;
   const std::size_t kept = merged.mesh.vertices.size();
-  if (file.format == MeshFormat::kStl) {  // a list of triangles without a list of vertices
+  if (file.format == MeshFormat::kStl) {  // triangles without a list of vertices
     repairs.push_back(fmt::format("joined {} triangle corners in {} vertices", vertices, kept));
   } else if (vertices > distinct) {
     repairs.push_back("merged " + counted(vertices - distinct, "duplicate vertex", "duplicate vertices"));
@@ -80,7 +80,7 @@ void say_merged(const MeshFile& file, std::size_t vertices, const Merged& merged
   }
 }
 
-/// The unit in which `size` metres, as read, would be a likely organ, for a hint.
+/// A hint at the unit in which a size of `size` metres, as read, would be a plausible organ.
 std::string unit_hint(double size) {
   for (const double factor : {1e-3, 1e3, 1e-2, 1e2, 25.4e-3, 1.0 / 25.4e-3}) {
     const double other = size * factor;
@@ -105,7 +105,7 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
   }
   const std::size_t vertices = imported.mesh.vertices.size();
   Merged merged = merge_equal_vertices(std::move(imported.mesh));
-  say_merged(file, vertices, merged, imported.repairs);
+  report_merged(file, vertices, merged, imported.repairs);
   if (merged.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: no triangles ({})", path.string(), joined(imported.repairs)));
   }

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <type_traits>
 
-#include "io/record/change_columns.h"
 #include "io/record/tick_columns.h"
+#include "io/record/update_columns.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
@@ -19,7 +19,7 @@ namespace palpate::record {
 namespace {
 
 constexpr std::size_t kBlockRows = 4096;
-constexpr std::size_t kLongestValue = 32;  // characters of one number or word, and its comma
+constexpr std::size_t kLongestValue = 32;  // characters of one number or word, with its comma
 
 char* append(char* at, std::string_view word) {
   std::memcpy(at, word.data(), word.size());
@@ -57,7 +57,7 @@ char* append_value(char* at, const haptics::TickRow& row, const Column& column) 
   return append_column(at, row, column);
 }
 
-/// One line of the file; `at` has room for all columns.
+/// Writes one CSV line; `at` must have space for all columns.
 char* append_row(char* at, const haptics::TickRow& row) {
   for (const Column& column : tick_columns()) {
     at = append_value(at, row, column);
@@ -74,7 +74,7 @@ std::string header_line() {
   return line;
 }
 
-/// A name in quotes, so that a comma in it stays in it.
+/// A name in quotes, so that it may contain commas.
 std::string quoted(std::string_view name) {
   std::string text = "\"";
   for (const char c : name.substr(0, name.find('\0')))
@@ -84,22 +84,22 @@ std::string quoted(std::string_view name) {
 
 std::string changes_header() {
   std::string line;
-  for (const Column& column : change_columns()) line += std::string(column.name) + ",";
-  return line + kChangeName + '\n';
+  for (const Column& column : update_columns()) line += std::string(column.name) + ",";
+  return line + kUpdateName + '\n';
 }
 
-char* append_value(char* at, const ChangeRow& row, const Column& column) {
-  if (column.offset == offsetof(ChangeRow, what)) {
+char* append_value(char* at, const UpdateRow& row, const Column& column) {
+  if (column.offset == offsetof(UpdateRow, what)) {
     return append(at, (row.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
   }
-  if (column.offset == offsetof(ChangeRow, law)) return append(at, row.law == 0 ? "layered" : "smooth");
+  if (column.offset == offsetof(UpdateRow, law)) return append(at, row.law == 0 ? "layered" : "smooth");
   return append_column(at, row, column);
 }
 
-std::string change_line(const haptics::LiveChange& change) {
-  const ChangeRow row = row_of(change);
+std::string change_line(const haptics::ParameterUpdate& change) {
+  const UpdateRow row = row_of(change);
   std::string line;
-  for (const Column& column : change_columns()) {
+  for (const Column& column : update_columns()) {
     char text[kLongestValue];
     line.append(text, append_value(text, row, column));
     line += ',';
@@ -132,7 +132,7 @@ void write_all(std::FILE* out, const Recording& recording, const std::filesystem
   }
 }
 
-/// Opens `file`, lets `fill` write it and closes it; a file that cannot be finished is removed.
+/// Opens `file`, lets `fill` write it and closes it; removes a file that cannot be completed.
 template <typename Fill>
 void write_file(const std::filesystem::path& file, const Fill& fill) {
   std::unique_ptr<std::FILE, CloseFile> out(std::fopen(file.c_str(), "w"));
@@ -153,13 +153,13 @@ void export_csv(const Recording& recording, const std::filesystem::path& file, c
   write_file(file, [&](std::FILE* out) { write_all(out, recording, file, progress); });
 }
 
-std::filesystem::path changes_csv_beside(const std::filesystem::path& csv) {
+std::filesystem::path changes_csv_path(const std::filesystem::path& csv) {
   return csv.parent_path() / (csv.stem().string() + "-changes.csv");
 }
 
 void export_changes_csv(const Recording& recording, const std::filesystem::path& file) {
   std::string text = changes_header();
-  for (const haptics::LiveChange& change : recording.changes) text += change_line(change);
+  for (const haptics::ParameterUpdate& change : recording.changes) text += change_line(change);
   write_file(file, [&](std::FILE* out) {
     if (std::fwrite(text.data(), 1, text.size(), out) != text.size()) refuse(file);
   });

@@ -14,13 +14,13 @@
 namespace palpate::record {
 namespace {
 
-std::size_t rows_in(double seconds, const scene::Setup& setup) {
+std::size_t rows_in(double seconds, const scene::Scene& setup) {
   return static_cast<std::size_t>(std::ceil(seconds * setup.rate_Hz)) * setup.tools.size();
 }
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(const scene::Setup& setup)
+FlightRecorder::FlightRecorder(const scene::Scene& setup)
     : setup_(setup),
       hands_(setup.tools.size()),
       rows_after_fault_(rows_in(kAfter, setup)),
@@ -28,7 +28,7 @@ FlightRecorder::FlightRecorder(const scene::Setup& setup)
 
 void FlightRecorder::on_start(std::int64_t started_unix_ns) noexcept { started_unix_ns_ = started_unix_ns; }
 
-void FlightRecorder::on_update(const haptics::LiveChange& change) noexcept {
+void FlightRecorder::on_update(const haptics::ParameterUpdate& change) noexcept {
   if (fault_met_ && rows_after_fault_ == 0) return;
   changes_[changes_seen_ % kChangesKept] = change;
   ++changes_seen_;
@@ -49,14 +49,14 @@ std::vector<haptics::TickRow> FlightRecorder::rows() const {
   std::vector<haptics::TickRow> rows;
   rows.reserve(kept);
   for (std::uint64_t i = seen_ - kept; i < seen_; ++i) rows.push_back(ring_[i % ring_.size()]);
-  // A fault of the second hand may have cut the last tick in two, or the ring the first.
+  // A fault of the second hand can end the last tick early; the ring can overwrite a part of the first tick.
   while (!rows.empty() && rows.front().hand != 0) rows.erase(rows.begin());
   while (!rows.empty() && rows.back().hand + 1 != hands_) rows.pop_back();
   return rows;
 }
 
-std::vector<haptics::LiveChange> FlightRecorder::changes() const {
-  std::vector<haptics::LiveChange> changes;
+std::vector<haptics::ParameterUpdate> FlightRecorder::changes() const {
+  std::vector<haptics::ParameterUpdate> changes;
   const std::uint64_t kept = std::min<std::uint64_t>(changes_seen_, kChangesKept);
   for (std::uint64_t i = changes_seen_ - kept; i < changes_seen_; ++i) {
     changes.push_back(changes_[i % kChangesKept]);
@@ -67,13 +67,14 @@ std::vector<haptics::LiveChange> FlightRecorder::changes() const {
 void FlightRecorder::write(const std::filesystem::path& file, const haptics::LoopReport& report) const {
   Recorder recorder(file, setup_, true);
   recorder.on_start(started_unix_ns_);
-  for (const haptics::LiveChange& change : changes()) recorder.on_update(change);
+  for (const haptics::ParameterUpdate& change : changes()) recorder.on_update(change);
   for (const haptics::TickRow& row : rows()) recorder.on_row(row);
   recorder.finish(report);
 }
 
-std::filesystem::path keep_flight(const FlightRecorder& flight, const haptics::LoopReport& report) {
-  constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files together; the oldest go first
+std::filesystem::path write_flight_recording(const FlightRecorder& flight,
+                                             const haptics::LoopReport& report) {
+  constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files; the oldest are removed first
   const std::filesystem::path folder = user_state_folder() / "faults";
   if (!folder.is_absolute()) return {};
   const std::int64_t now_ms = unix_ns() / 1'000'000;

@@ -12,8 +12,7 @@ herr_t follow_no_link(const char* /*file*/, const char* /*group*/, const char* /
   return -1;
 }
 
-/// Access properties with which no link leads to another file. @param kind H5P_DATASET_ACCESS,
-/// H5P_GROUP_ACCESS
+/// Access properties that follow no link to another file. @param kind H5P_DATASET_ACCESS or H5P_GROUP_ACCESS
 Handle within_the_file(hid_t kind) {
   Handle access(H5Pcreate(kind), "access properties");
   check(H5Pset_elink_cb(access.id(), follow_no_link, nullptr), "access properties");
@@ -21,7 +20,7 @@ Handle within_the_file(hid_t kind) {
 }
 
 constexpr const char* kContentHash = "content_hash";
-constexpr std::size_t kLongestAttribute = 32768;  // bytes; HDF5 takes less than 64 KB
+constexpr std::size_t kLongestAttribute = 32768;  // bytes; HDF5 allows less than 64 KB
 
 void write_value(hid_t object, const std::string& name, hid_t type, const void* value) {
   const Handle space(H5Screate(H5S_SCALAR), "space of " + name);
@@ -53,13 +52,13 @@ std::string without_padding(std::string text) {
 
 }  // namespace
 
-Quiet::Quiet() {
+SilenceErrors::SilenceErrors() {
   H5dont_atexit();
   H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+SilenceErrors::~SilenceErrors() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
 
 Handle::Handle(hid_t id, const std::string& what) : id_(id) { check(id < 0 ? -1 : 0, what); }
 
@@ -224,7 +223,7 @@ void check_content_hash(hid_t dataset, const std::string& name, std::span<const 
 
 std::size_t rows_of_three(hid_t dataset, const std::string& name, std::size_t value_bytes,
                           std::uint64_t file_bytes) {
-  constexpr std::uint64_t kBestCompression = 1100;  // of deflate, which another tool may have put on
+  constexpr std::uint64_t kBestCompression = 1100;  // largest ratio of deflate; other tools may use it
   const Handle space(H5Dget_space(dataset), name);
   hsize_t dimensions[2] = {0, 0};
   if (H5Sget_simple_extent_ndims(space.id()) != 2 ||

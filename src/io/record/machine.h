@@ -3,13 +3,13 @@
 
 namespace palpate::record {
 
-/// [setup] Version of palpate, e.g. "0.1.0".
+/// [setup] Version of palpate, e.g. "0.2.0".
 [[nodiscard]] std::string palpate_version();
 
-/// [setup] The compiler that built it, e.g. "g++ 12.2.0".
+/// [setup] The compiler of this build, e.g. "g++ 12.2.0".
 [[nodiscard]] std::string compiler_version();
 
-/// [setup] Processor and kernel of the machine this runs on, in one line.
+/// [setup] Processor and kernel of this machine, in one line.
 [[nodiscard]] std::string machine_description();
 
 }  // namespace palpate::record

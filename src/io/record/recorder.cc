@@ -16,7 +16,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "core/base/text.h"
 #include "io/record/machine.h"
 #include "io/record/recording_writer.h"
@@ -28,12 +28,12 @@
 namespace palpate::record {
 namespace {
 
-// In real time a disk may stall for this long. Offline the ticks wait for the disk, and what is in the ring
-// and not flushed when the program is killed must be less than a second of the simulation.
+// In real time the ring must bridge a stalled disk. Offline the ticks wait for the disk, and less than a
+// second of simulation may be lost when the process is killed.
 constexpr double kRingSeconds = 8.0;
 constexpr double kRingSecondsOffline = 0.25;
-constexpr double kSimulatedFlush = 0.5;                  // s of the simulation's time
-constexpr std::size_t kChangesKept = 1024;               // that wait to be written
+constexpr double kSimulatedFlush = 0.5;                  // s of simulated time
+constexpr std::size_t kChangesKept = 1024;               // that wait for the writer
 constexpr std::size_t kRingLeast = 64;                   // rows
 constexpr std::size_t kRingMost = std::size_t{1} << 20;  // rows
 constexpr std::chrono::milliseconds kPoll{10};
@@ -41,8 +41,8 @@ constexpr std::chrono::microseconds kPollOffline{500};
 constexpr std::int64_t kFlushEvery = 200'000'000;   // ns
 constexpr std::int64_t kToDiskEvery = 400'000'000;  // ns; such a flush waits for the disk
 
-/// Rows of `seconds` of a simulation, within bounds.
-std::size_t ring_rows_in(double seconds, const scene::Setup& setup) {
+/// Rows of `seconds` of a simulation, within the bounds of the ring.
+std::size_t ring_rows_in(double seconds, const scene::Scene& setup) {
   const double rows = setup.rate_Hz * static_cast<double>(setup.tools.size()) * seconds;
   if (!(rows < static_cast<double>(kRingMost))) return kRingMost;
   return std::max(kRingLeast, static_cast<std::size_t>(rows));
@@ -57,7 +57,7 @@ RunFacts facts_before(bool offline) {
   return facts;
 }
 
-TimeFigures figures(const haptics::Histogram& histogram) {
+TimeStatistics figures(const haptics::Histogram& histogram) {
   return {histogram.percentile(0.5), histogram.percentile(0.99), histogram.percentile(0.999),
           histogram.max()};
 }
@@ -79,7 +79,7 @@ RunFacts facts_after(const haptics::LoopReport& report, bool complete) {
   return facts;
 }
 
-/// Makes the file that is written until the first tick is due, in the recording's folder.
+/// Creates the file that is written until the first tick is due, in the recording's folder.
 std::filesystem::path make_partial(const std::filesystem::path& file) {
   std::string name = (file.parent_path() / ("." + file.filename().string() + ".partial.")).string();
   const int descriptor = open_temporary_file(name, 0666);
@@ -90,13 +90,13 @@ std::filesystem::path make_partial(const std::filesystem::path& file) {
   return name;
 }
 
-/// The file that the recording becomes: what `file` leads to, if it is a link.
+/// The recording's path, with symbolic links followed.
 std::filesystem::path checked_target(const std::filesystem::path& file) {
   require_regular_output(file);
   return link_target(file);
 }
 
-/// Makes a new name in a folder outlive a power failure.
+/// Makes a new name in a folder survive a power failure.
 void sync_folder_of(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -107,36 +107,36 @@ void sync_folder_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-/// The writing thread and what it shares: the ring, and flags.
+/// The writing thread, its ring and its flags.
 struct Recorder::Impl {
   std::filesystem::path file;
   std::filesystem::path partial;
   bool offline = false;
-  double rows_per_second;  // of the simulation
+  double rows_per_second;  // of simulated time
   std::function<void(const std::string&)> on_failure;
-  Ring<haptics::TickRow> ring;
-  Ring<haptics::LiveChange> change_ring{kChangesKept};
-  std::unique_ptr<RecordingWriter> writer;  // of the thread; of finish() once that has ended
+  SpscQueue<haptics::TickRow> ring;
+  SpscQueue<haptics::ParameterUpdate> change_ring{kChangesKept};
+  std::unique_ptr<RecordingWriter> writer;  // used by the thread; after its end by finish()
 
   std::atomic<std::int64_t> started_unix_ns{0};
   std::atomic<bool> begun{false};
   std::atomic<bool> finishing{false};
   std::atomic<std::uint64_t> rows_lost{0};
 
-  // Of the thread:
+  // Used only by the thread:
   bool started = false;
-  std::string failure;  // where the recording ends and why; empty: nothing went wrong
+  std::string failure;  // where the recording ends and why; empty: no failure
   std::uint64_t rows_written = 0;
-  std::uint64_t rows_safe = 0;  // of them flushed: they outlive this process
+  std::uint64_t rows_safe = 0;  // flushed rows, which survive the end of this process
   std::vector<haptics::TickRow> block;
-  std::vector<haptics::LiveChange> changes;
+  std::vector<haptics::ParameterUpdate> changes;
   std::int64_t next_flush = 0;
   std::int64_t next_to_disk = 0;
-  std::size_t flush_rows;     // so many rows are flushed at once
+  std::size_t flush_rows;     // this number of rows is flushed at once
   std::size_t unflushed = 0;  // rows
   std::thread thread;
 
-  Impl(std::filesystem::path target, const scene::Setup& setup, bool is_offline,
+  Impl(std::filesystem::path target, const scene::Scene& setup, bool is_offline,
        std::function<void(const std::string&)> when_it_fails)
       : file(std::move(target)),
         partial(make_partial(file)),
@@ -157,7 +157,7 @@ struct Recorder::Impl {
   void stop_thread();
   void close_file(const RunFacts& facts);
   void remove_partial() const noexcept;
-  /// Runs a step of writing; a failure ends all writing and is reported at once.
+  /// Runs a writing step; a failure ends all writing and is reported immediately.
   template <typename Step>
   void guarded(const Step& step);
   void fail(const std::string& why);
@@ -176,15 +176,15 @@ void Recorder::Impl::guarded(const Step& step) {
 
 void Recorder::Impl::fail(const std::string& why) {
   try {
-    if (!writer->damaged()) flush(false);  // there is room kept for what HDF5 still holds
-  } catch (const std::exception&) {        // then fewer rows are safe
+    if (!writer->damaged()) flush(false);  // space is reserved for what HDF5 still buffers
+  } catch (const std::exception&) {        // then rows_safe stays smaller
   }
   failure = fmt::format("{}: the recording ends after its first {} rows ({} s): {}", file.string(), rows_safe,
                         shortest(static_cast<double>(rows_safe) / rows_per_second), why);
 }
 
 void Recorder::Impl::run() {
-  const hdf5::Quiet quiet;
+  const hdf5::SilenceErrors quiet;
   for (bool last = false; !last;) {
     last = finishing.load(std::memory_order_acquire);
     if (!started && begun.load(std::memory_order_acquire)) start();
@@ -199,7 +199,7 @@ void Recorder::Impl::run() {
   }
 }
 
-/// The first tick is due: the file gets its name.
+/// The first tick is due: renames the file.
 void Recorder::Impl::start() {
   started = true;
   next_flush = monotonic_ns() + kFlushEvery;
@@ -215,7 +215,7 @@ void Recorder::Impl::start() {
   });
 }
 
-/// Takes all that is in the ring. @return whether that was more than a block.
+/// Takes all rows of the ring. @return whether a block was written
 bool Recorder::Impl::drain() {
   bool busy = false;
   haptics::TickRow row;
@@ -230,9 +230,9 @@ bool Recorder::Impl::drain() {
   return busy;
 }
 
-/// Changes first: whoever reads a file that was cut off finds those of every tick that is there.
+/// Updates come first, so that a truncated file has the updates of all its ticks.
 void Recorder::Impl::write_block() {
-  haptics::LiveChange change;
+  haptics::ParameterUpdate change;
   while (change_ring.pop(change)) changes.push_back(change);
   guarded([this] {
     writer->append(changes);
@@ -271,13 +271,13 @@ void Recorder::Impl::remove_partial() const noexcept {
   std::filesystem::remove(partial, ignored);
 }
 
-/// After the thread's end.
+/// Call after the thread has ended.
 void Recorder::Impl::close_file(const RunFacts& facts) {
   if (!writer) return;
-  const hdf5::Quiet quiet;
+  const hdf5::SilenceErrors quiet;
   if (writer->damaged()) writer->abandon();
   if (writer->path() == partial) {
-    remove_partial();  // the run never began, or the file could not get its name
+    remove_partial();  // the run never began, or the rename failed
   } else if (!writer->damaged()) {
     try {
       writer->write_summary(facts, rows_lost.load(std::memory_order_relaxed));
@@ -289,10 +289,10 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
   writer.reset();
 }
 
-Recorder::Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline,
+Recorder::Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
                    std::function<void(const std::string&)> on_failure)
     : impl_(std::make_unique<Impl>(checked_target(file), setup, offline, std::move(on_failure))) {
-  const hdf5::Quiet quiet;
+  const hdf5::SilenceErrors quiet;
   try {
     impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, setup, facts_before(offline));
     impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
@@ -313,7 +313,7 @@ void Recorder::on_start(std::int64_t started_unix_ns) noexcept {
   impl_->begun.store(true, std::memory_order_release);
 }
 
-void Recorder::on_update(const haptics::LiveChange& change) noexcept {
+void Recorder::on_update(const haptics::ParameterUpdate& change) noexcept {
   while (!impl_->change_ring.push(change)) {
     if (!impl_->offline) {
       impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);

@@ -10,24 +10,24 @@
 
 namespace palpate::record {
 
-/// Writes a run to one HDF5 file by a thread of its own, fed from a ring. The file appears under its name
-/// when the first tick is due, not earlier, and is flushed at least every 0.5 s.
+/// Records a run to one HDF5 file on its own thread, fed by a ring. The file gets its name when the first
+/// tick is due, and is flushed at least every 0.5 s.
 class Recorder final : public haptics::TickObserver {
  public:
-  /// [setup] Prepares the file next to its final name and starts the thread.
-  /// @param on_failure is called once, from the recorder's thread, when writing fails (the disk is full),
-  /// with the file, the rows that are safe in it, and the reason; the run can go on
-  /// @throws InputError when the file cannot be made, naming it.
-  Recorder(std::filesystem::path file, const scene::Setup& setup, bool offline,
+  /// [setup] Creates the file under a temporary name in the same folder and starts the thread.
+  /// @param on_failure called once, on the recorder's thread, when writing fails (disk full), with the file,
+  /// the rows that are safe in it and the reason; the run can continue
+  /// @throws InputError naming the file when it cannot be created.
+  Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
            std::function<void(const std::string&)> on_failure = {});
   ~Recorder() override;
 
   void on_start(std::int64_t started_unix_ns) noexcept override;
-  void on_update(const haptics::LiveChange& change) noexcept override;
+  void on_update(const haptics::ParameterUpdate& change) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
-  /// [setup] Writes what is left and the loop's account, closes the file. @throws InputError when writing
-  /// failed (disk full), or rows were lost because the ring was full, naming the file.
+  /// [setup] Writes the remaining rows and the loop's report, and closes the file. @throws InputError naming
+  /// the file when writing failed (disk full) or rows were lost because the ring was full.
   void finish(const haptics::LoopReport& report);
 
  private:

@@ -17,10 +17,10 @@
 #include <unistd.h>
 
 #include "core/base/text.h"
-#include "io/record/change_columns.h"
 #include "io/record/recording_writer.h"
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
+#include "io/record/update_columns.h"
 #include "io/system/input_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
@@ -35,13 +35,13 @@ constexpr std::size_t kLongestScene = std::size_t{64} << 20;   // bytes
 constexpr std::size_t kLongestRemarks = std::size_t{1} << 20;  // bytes
 constexpr std::size_t kMostHands = 16;
 constexpr hsize_t kMostChanges = hsize_t{1} << 20;
-constexpr std::size_t kMostBuckets = std::size_t{1} << 17;  // of a histogram
+constexpr std::size_t kMostBuckets = std::size_t{1} << 17;  // per histogram
 constexpr std::array<unsigned char, 8> kHdf5Signature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
 // Superblock of versions 2 and 3: signature, version, two sizes, flags, base, extension, end of file.
 constexpr std::size_t kEndOfFileOffset = 28;
 constexpr std::size_t kSuperblockBytes = 48;
 
-/// Closes a descriptor at the end of a scope.
+/// Closes a descriptor at the end of its scope.
 struct Descriptor {
   int fd = -1;
   explicit Descriptor(int descriptor) : fd(descriptor) {}
@@ -97,7 +97,7 @@ geometry::TriangleMesh read_mesh(hid_t file, const std::string& path, std::uint6
   return mesh;
 }
 
-/// A value of /run; 0 when it cannot be read (a file that was cut off).
+/// A value of /run; 0 when it cannot be read (a truncated file).
 std::int64_t run_value(hid_t file, const char* name) {
   std::int64_t value = 0;
   const std::string path = std::string("/run/") + name;
@@ -110,7 +110,7 @@ std::int64_t run_value(hid_t file, const char* name) {
   return value;
 }
 
-TimeFigures run_figures(hid_t file, const char* name) {
+TimeStatistics run_figures(hid_t file, const char* name) {
   std::array<std::int64_t, 4> values{};
   const std::string path = std::string("/run/") + name;
   const hid_t id = hdf5::open_dataset(file, path);
@@ -122,8 +122,8 @@ TimeFigures run_figures(hid_t file, const char* name) {
   return {values[0], values[1], values[2], values[3]};
 }
 
-/// A histogram of /run; empty when it cannot be read (cut off, or written before there was one), or is none:
-/// edges rise, counts are above 0.
+/// A histogram of /run, with rising edges and counts above 0. Empty when it is invalid or cannot be read (a
+/// truncated or older file).
 TimeHistogram run_histogram(hid_t file, const char* name) {
   TimeHistogram histogram;
   try {
@@ -146,7 +146,7 @@ std::vector<std::string> run_remarks(hid_t file) {
         hdf5::read_text(file, std::string("run/") + run_names::kRemarks, kLongestRemarks));
     for (std::string line; std::getline(lines, line);) remarks.push_back(line);
   } catch (const hdf5::Error&) {
-    remarks.clear();  // a file that was cut off
+    remarks.clear();  // a truncated file
   }
   return remarks;
 }
@@ -163,7 +163,7 @@ RunFacts read_facts(hid_t file) {
   facts.longest_gap_ns = run_value(file, run_names::kLongestGap);
   facts.realtime_priority = run_value(file, run_names::kRealtimePriority) != 0;
   facts.memory_locked = run_value(file, run_names::kMemoryLocked) != 0;
-  facts.polled = run_value(file, run_names::kPolled) != 0;  // none in files from before there was a choice
+  facts.polled = run_value(file, run_names::kPolled) != 0;  // 0 in older files, which had no such option
   facts.tick_time = run_figures(file, run_names::kTickTime);
   facts.lateness = run_figures(file, run_names::kLateness);
   facts.tick_histogram = run_histogram(file, run_names::kTickHistogram);
@@ -173,13 +173,13 @@ RunFacts read_facts(hid_t file) {
   return facts;
 }
 
-scene::Setup read_setup(hid_t file, std::uint64_t file_bytes) {
-  scene::Setup setup = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
+scene::Scene read_setup(hid_t file, std::uint64_t file_bytes) {
+  scene::Scene setup = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
   if (!(std::isfinite(setup.rate_Hz) && setup.rate_Hz > 0.0)) {
     throw InputError("scene: rate_Hz is " + shortest(setup.rate_Hz) + ", want finite and > 0");
   }
   if (setup.tools.empty() || setup.tools.size() > kMostHands || setup.devices.size() != setup.tools.size()) {
-    throw InputError(fmt::format("scene: {} tools and {} devices, want one of each a hand",
+    throw InputError(fmt::format("scene: {} tools and {} devices, must be one of each per hand",
                                  setup.tools.size(), setup.devices.size()));
   }
   setup.organ = read_mesh(file, "/organ", file_bytes);
@@ -192,7 +192,7 @@ scene::Setup read_setup(hid_t file, std::uint64_t file_bytes) {
   return setup;
 }
 
-/// A list of rows has these columns, among others. @throws hdf5::Error naming what is missing.
+/// Checks that a list of rows has these columns; others may follow. @throws hdf5::Error naming a missing one.
 void check_columns(hid_t dataset, const std::string& name, std::span<const Column> columns) {
   const Handle type(H5Dget_type(dataset), name);
   if (H5Tget_class(type.id()) != H5T_COMPOUND) throw hdf5::Error(name + " has no columns");
@@ -207,7 +207,7 @@ void check_columns(hid_t dataset, const std::string& name, std::span<const Colum
   }
 }
 
-/// First row that does not follow the one before it by tick and hand; rows.size() when all do.
+/// The first row that does not follow the previous one in tick and hand; rows.size() when all do.
 std::size_t first_out_of_order(std::span<const haptics::TickRow> rows, const haptics::TickRow* before,
                                std::size_t hands) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -222,7 +222,7 @@ std::size_t first_out_of_order(std::span<const haptics::TickRow> rows, const hap
   return rows.size();
 }
 
-/// Rows up to the end of the last tick that has all its hands.
+/// Number of rows up to the last tick that has all its hands.
 std::size_t whole_ticks(const std::vector<haptics::TickRow>& rows, std::size_t hands) {
   std::size_t count = rows.size();
   while (count > 0 && rows[count - 1].hand + 1 != hands) --count;
@@ -259,10 +259,10 @@ void RecordingReader::open() {
 }
 
 bool RecordingReader::open_as_is(int descriptor) {
-  std::string name = "/proc/self/fd/" + std::to_string(descriptor);  // nobody can exchange that file
+  std::string name = "/proc/self/fd/" + std::to_string(descriptor);  // nobody can exchange this file
   if (::access(name.c_str(), R_OK) != 0) name = path_.string();      // a system without /proc
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
-  // More tries wait ever longer for a block that a cut-off file does not have.
+  // Later tries wait longer for a block that a truncated file does not have.
   constexpr unsigned kTries = 10;
   check(H5Pset_metadata_read_attempts(access.id(), kTries), "file access");
   check(H5Pset_file_locking(access.id(), 1, 1), "file access");
@@ -275,8 +275,8 @@ bool RecordingReader::open_as_is(int descriptor) {
   return id >= 0;
 }
 
-/// A file that was closed in good order, but of which the end is missing, is opened as a temporary copy in
-/// which zeros stand for what is missing.
+/// Opens a file that was closed properly but lost its end: a temporary copy, with zeros for the missing
+/// bytes.
 bool RecordingReader::open_filled_up(int descriptor) {
   std::array<unsigned char, kSuperblockBytes> superblock{};
   if (::pread(descriptor, superblock.data(), superblock.size(), 0) !=
@@ -294,7 +294,7 @@ bool RecordingReader::open_filled_up(int descriptor) {
   if (copy_bytes(descriptor, copy.fd, file_bytes_) && ::ftruncate(copy.fd, end) == 0) {
     id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   }
-  ::unlink(name.c_str());  // the open file stays
+  ::unlink(name.c_str());  // the open file remains
   if (id < 0) return false;
   file_ = Handle(id, "file");
   cut_off_ = true;
@@ -327,12 +327,12 @@ void RecordingReader::read_all_but_ticks() {
   if (cut_off_) facts_.complete = false;
 }
 
-/// A recording from before there were changes has none. In a file that was cut off they end at the damage.
+/// Older recordings have no updates. In a truncated file they end at the damage.
 void RecordingReader::read_changes() {
   if (H5Lexists(file_.id(), "changes", H5P_DEFAULT) <= 0) return;
   try {
     const Handle dataset(hdf5::open_dataset(file_.id(), "changes"), "no /changes");
-    check_columns(dataset.id(), "/changes", change_columns());
+    check_columns(dataset.id(), "/changes", update_columns());
     const Handle space(H5Dget_space(dataset.id()), "/changes");
     hsize_t count = 0;
     if (H5Sget_simple_extent_ndims(space.id()) != 1 ||
@@ -341,11 +341,11 @@ void RecordingReader::read_changes() {
     }
     if (count > kMostChanges) throw hdf5::Error("/changes is too long");
     if (count == 0) return;
-    std::vector<ChangeRow> rows(count, row_of({}));  // a column that the file lacks keeps its default
-    const Handle type = change_row_type();
+    std::vector<UpdateRow> rows(count, row_of({}));  // a missing column keeps its default
+    const Handle type = update_row_type();
     check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()),
           "/changes cannot be read");
-    std::transform(rows.begin(), rows.end(), std::back_inserter(changes_), change_of);
+    std::transform(rows.begin(), rows.end(), std::back_inserter(changes_), update_of);
   } catch (const hdf5::Error&) {
     if (!cut_off_) throw;
     changes_.clear();
@@ -357,8 +357,8 @@ void RecordingReader::read_changes() {
   }
 }
 
-/// @throws hdf5::Error also when a checksum differs. Where a file was cut off, the last block may have lost
-/// its end or its checksum: what is there of it is read unchecked.
+/// @throws hdf5::Error also when a checksum does not match. In a truncated file the last block may lack its
+/// end or its checksum: it is read without a check.
 void RecordingReader::read_block(std::uint64_t start, std::span<haptics::TickRow> rows) {
   const bool may_be_torn = cut_off_ && (start + rows.size() >= rows_claimed_ ||
                                         rows_within_file(start, rows.size()) < rows.size());
@@ -373,16 +373,16 @@ void RecordingReader::read_block(std::uint64_t start, std::span<haptics::TickRow
         "rows cannot be read");
 }
 
-/// Of `count` rows from `start` on, which begin a chunk, how many lie whole within the file's length.
+/// The number of the `count` rows from `start` that lie completely within the file; `start` begins a chunk.
 std::size_t RecordingReader::rows_within_file(std::uint64_t start, std::size_t count) const {
   const hsize_t first = start;
   unsigned filters = 0;
   haddr_t address = HADDR_UNDEF;
   hsize_t bytes = 0;
   if (H5Dget_chunk_info_by_coord(ticks_.id(), &first, &filters, &address, &bytes) < 0) return count;
-  // Another layout than RecordingWriter's: compressed, or other chunks.
+  // Not the layout of RecordingWriter: compressed, or other chunk sizes.
   constexpr hsize_t kRowBytes = RecordingWriter::kChunkRows * sizeof(haptics::TickRow);
-  constexpr hsize_t kChecksumBytes = 4;  // recordings of before there were checksums lack them
+  constexpr hsize_t kChecksumBytes = 4;  // older recordings have no checksums
   if (bytes != kRowBytes && bytes != kRowBytes + kChecksumBytes) return count;
   if (address == HADDR_UNDEF || address >= file_bytes_) return 0;
   return std::min<std::uint64_t>(count, (file_bytes_ - address) / sizeof(haptics::TickRow));
@@ -392,7 +392,7 @@ std::uint64_t RecordingReader::for_each_block(
     bool strict, const std::function<void(std::span<const haptics::TickRow>)>& use) {
   strict = strict && facts_.complete;
   const std::size_t hands = setup_.tools.size();
-  std::vector<haptics::TickRow> rows;  // of ticks that are not whole yet, then the block
+  std::vector<haptics::TickRow> rows;  // rows of an incomplete tick, then the block
   haptics::TickRow last;
   std::uint64_t given = 0;
   bool intact = true;
@@ -405,7 +405,7 @@ std::uint64_t RecordingReader::for_each_block(
     try {
       read_block(start, block);
       good = first_out_of_order(block, start == 0 ? nullptr : &last, hands);
-      // Where a power failure left zeros, the row before them may have lost its end.
+      // If a power failure left zeros, the row before them may be incomplete.
       if (cut_off_ && good > 0 && good < count) --good;
       if (cut_off_) good = std::min(good, rows_within_file(start, count));
     } catch (const hdf5::Error& error) {

@@ -11,31 +11,30 @@
 
 namespace palpate::record {
 
-/// Reads the file that RecordingWriter writes, whole, cut off or still growing. Internal to record; every
-/// function throws InputError that names the file.
+/// Reads a file of RecordingWriter: complete, truncated or still being written. Only for the module record.
+/// All functions throw InputError naming the file.
 class RecordingReader final {
  public:
-  /// [setup] Opens the file and reads all but the ticks.
+  /// [setup] Opens the file and reads everything except the ticks.
   explicit RecordingReader(std::filesystem::path file);
   ~RecordingReader() = default;
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
 
-  [[nodiscard]] const scene::Setup& setup() const noexcept { return setup_; }
+  [[nodiscard]] const scene::Scene& setup() const noexcept { return setup_; }
   /// Moves the scene out; the last call on a reader.
-  [[nodiscard]] scene::Setup&& take_setup() noexcept { return std::move(setup_); }
+  [[nodiscard]] scene::Scene&& take_setup() noexcept { return std::move(setup_); }
   [[nodiscard]] const RunFacts& facts() const noexcept { return facts_; }
-  /// Changes to tissue and noise, in order; of a damaged file up to the damage.
-  [[nodiscard]] const std::vector<haptics::LiveChange>& changes() const noexcept { return changes_; }
+  /// Updates of tissue and noise, in order; of a damaged file those before the damage.
+  [[nodiscard]] const std::vector<haptics::ParameterUpdate>& changes() const noexcept { return changes_; }
   [[nodiscard]] std::uint64_t rows_lost() const noexcept { return rows_lost_; }
-  /// Whether other HDF5 tools would refuse the file.
+  /// Whether other HDF5 tools would reject the file.
   [[nodiscard]] bool cut_off() const noexcept { return cut_off_; }
-  /// Rows that the file claims to have; fewer may be there.
+  /// The number of rows that the file declares; fewer may be readable.
   [[nodiscard]] std::uint64_t rows_claimed() const noexcept { return rows_claimed_; }
 
-  /// [setup] Hands out the rows in order, block by block, up to the last whole tick before the first damage.
-  /// @param strict throw on damage instead, unless the recording was cut off
-  /// @return how many rows.
+  /// [setup] Passes the rows in order, block by block, up to the last complete tick before the first damage.
+  /// @param strict throw on damage, unless the recording was cut off @return the number of rows
   std::uint64_t for_each_block(bool strict,
                                const std::function<void(std::span<const haptics::TickRow>)>& use);
 
@@ -49,15 +48,15 @@ class RecordingReader final {
   void read_block(std::uint64_t start, std::span<haptics::TickRow> rows);
   [[noreturn]] void refuse(const std::string& why) const;
 
-  hdf5::Quiet quiet_;
+  hdf5::SilenceErrors quiet_;
   std::filesystem::path path_;
   std::uint64_t file_bytes_ = 0;
   hdf5::Handle file_;
   hdf5::Handle row_type_;
   hdf5::Handle ticks_;
-  scene::Setup setup_;
+  scene::Scene setup_;
   RunFacts facts_;
-  std::vector<haptics::LiveChange> changes_;
+  std::vector<haptics::ParameterUpdate> changes_;
   std::uint64_t rows_lost_ = 0;
   std::uint64_t rows_claimed_ = 0;
   bool cut_off_ = false;

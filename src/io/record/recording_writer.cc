@@ -11,9 +11,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "io/record/change_columns.h"
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
+#include "io/record/update_columns.h"
 
 namespace palpate::record {
 namespace {
@@ -21,8 +21,8 @@ namespace {
 using hdf5::check;
 using hdf5::Handle;
 
-// Room on the disk is taken ahead, because HDF5 (1.10.8) spoils a file when a write fails. What is left when
-// the disk is full must hold HDF5's caches (1 MiB of rows, some metadata) and the summary.
+// Disk space is reserved ahead, because HDF5 (1.10.8) corrupts a file when a write fails. When the disk is
+// full, the reserve must hold HDF5's caches (1 MiB of rows, some metadata) and the summary.
 constexpr std::int64_t kReserveLeast = std::int64_t{4} << 20;  // bytes
 constexpr std::int64_t kReserveStep = std::int64_t{8} << 20;   // bytes
 constexpr std::size_t kRemarkBytes = 4096;                     // of /run/remarks, filled at the end
@@ -62,7 +62,7 @@ std::int64_t mesh_bytes(const geometry::TriangleMesh& mesh) {
                                    mesh.triangles.size() * sizeof(geometry::Triangle));
 }
 
-std::int64_t mesh_bytes(const scene::Setup& setup) {
+std::int64_t mesh_bytes(const scene::Scene& setup) {
   std::int64_t bytes = mesh_bytes(setup.organ);
   for (const geometry::Tool& tool : setup.tools) {
     for (const geometry::ToolPart& part : tool.parts) bytes += mesh_bytes(part.mesh);
@@ -84,7 +84,7 @@ void write_tools(hid_t file, const std::vector<geometry::Tool>& tools) {
   }
 }
 
-/// The tissue once more, for people who read the file with other tools; /scene is what a replay reads.
+/// Writes the tissue a second time, for other tools; a replay reads /scene.
 void write_tissue(hid_t file, const model::TissueParameters& tissue) {
   const Handle group = hdf5::create_group(file, "tissue");
   hdf5::write_attribute(group.id(), "name", tissue.name);
@@ -94,12 +94,12 @@ void write_tissue(hid_t file, const model::TissueParameters& tissue) {
   hdf5::write_attribute(group.id(), "law", std::string(model::to_string(tissue.law)));
   for (std::size_t i = 0; i < tissue.relaxation.size(); ++i) {
     const std::string term = "relaxation_" + std::to_string(i + 1);
-    hdf5::write_attribute(group.id(), term + "_share", tissue.relaxation[i].share);
-    hdf5::write_attribute(group.id(), term + "_time_s", tissue.relaxation[i].time);
+    hdf5::write_attribute(group.id(), term + "_share", tissue.relaxation[i].g);
+    hdf5::write_attribute(group.id(), term + "_time_s", tissue.relaxation[i].tau);
   }
 }
 
-void write_facts(hid_t file, const scene::Setup& setup, const RunFacts& facts) {
+void write_facts(hid_t file, const scene::Scene& setup, const RunFacts& facts) {
   hdf5::write_attribute(file, "format", std::string(kFormatName));
   hdf5::write_attribute(file, "format_version", kFormatVersion);
   hdf5::write_attribute(file, "version", facts.version);
@@ -147,7 +147,7 @@ Handle create_ticks(hid_t file, hid_t row_type) {
   return ticks;
 }
 
-/// Empty, and seldom more than that: a run whose tissue is never changed has none.
+/// The dataset of parameter updates; it stays empty in most runs.
 Handle create_changes(hid_t file, hid_t change_type) {
   constexpr hsize_t kChunk = 16;
   const hsize_t none = 0;
@@ -177,7 +177,7 @@ void fill(hid_t run, const char* name, const void* values) {
   check(H5Dwrite(dataset.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
 }
 
-void fill(hid_t run, const char* name, const TimeFigures& figures) {
+void fill(hid_t run, const char* name, const TimeStatistics& figures) {
   const std::array<std::int64_t, 4> values = {figures.p50_ns, figures.p99_ns, figures.p999_ns,
                                               figures.max_ns};
   fill(run, name, static_cast<const void*>(values.data()));
@@ -206,19 +206,19 @@ Handle tick_row_type() {
   return type;
 }
 
-Handle change_row_type() {
-  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(ChangeRow)), "change type");
-  for (const Column& column : change_columns()) {
+Handle update_row_type() {
+  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(UpdateRow)), "change type");
+  for (const Column& column : update_columns()) {
     check(H5Tinsert(type.id(), column.name, column.offset, native_type(column.type)), column.name);
   }
-  const Handle name = hdf5::text_type(haptics::LiveChange::kNameBytes);
-  check(H5Tinsert(type.id(), kChangeName, offsetof(ChangeRow, name), name.id()), kChangeName);
+  const Handle name = hdf5::text_type(haptics::ParameterUpdate::kNameBytes);
+  check(H5Tinsert(type.id(), kUpdateName, offsetof(UpdateRow, name), name.id()), kUpdateName);
   return type;
 }
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Setup& setup,
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Scene& setup,
                                  const RunFacts& facts)
-    : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(change_row_type()) {
+    : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(update_row_type()) {
   const std::string scene = setup_to_json(setup);
   reserve_space(static_cast<std::int64_t>(scene.size()) + mesh_bytes(setup));
   write_facts(file_.id(), setup, facts);
@@ -242,7 +242,7 @@ void RecordingWriter::start(std::int64_t started_unix_ns) {
   hdf5::rewrite_attribute(file_.id(), "started_unix_ns", started_unix_ns);
   check(H5Fstart_swmr_write(file_.id()), "cannot be written");
   damaged_ = false;
-  // HDF5 has given its lock up now; this one tells `repair` that the file is still being written.
+  // HDF5 has released its lock; this lock shows `repair` that the file is still being written.
   const int fd = descriptor();
   if (fd >= 0) (void)::flock(fd, LOCK_SH | LOCK_NB);
 }
@@ -264,7 +264,7 @@ void RecordingWriter::reserve_space(std::int64_t extra_bytes) {
   } else if (errno == ENOSPC || errno == EDQUOT) {
     throw hdf5::Error(std::string("the disk is full (") + std::strerror(errno) + ")");
   }
-  // Other failures: the file system cannot reserve; then a write may fail.
+  // Otherwise the file system cannot reserve space, and a write may fail later.
 }
 
 void RecordingWriter::append_to(hid_t dataset, hid_t type, hsize_t start, hsize_t count, const void* data) {
@@ -285,8 +285,8 @@ void RecordingWriter::append(std::span<const haptics::TickRow> rows) {
   rows_ += rows.size();
 }
 
-void RecordingWriter::append(std::span<const haptics::LiveChange> changes) {
-  std::vector<ChangeRow> rows(changes.size());
+void RecordingWriter::append(std::span<const haptics::ParameterUpdate> changes) {
+  std::vector<UpdateRow> rows(changes.size());
   std::transform(changes.begin(), changes.end(), rows.begin(), row_of);
   append_to(changes_.id(), change_type_.id(), change_rows_, rows.size(), rows.data());
   change_rows_ += changes.size();
@@ -331,7 +331,7 @@ void RecordingWriter::close() {
   change_type_.close();
   row_type_.close();
   if (!file_.close()) throw hdf5::Error("cannot be closed");
-  // Gives room that was taken ahead back to the disk.
+  // Returns the reserved space to the disk.
   struct stat facts {};
   if (reserved_end_ > 0 && ::stat(path_.c_str(), &facts) == 0) {
     (void)!::truncate(path_.c_str(), facts.st_size);

@@ -18,7 +18,7 @@
 namespace palpate::record {
 namespace {
 
-/// Keeps a lock on a file that nobody writes, for as long as it lives.
+/// Holds a lock on a file that nobody writes.
 class OnlyUser final {
  public:
   explicit OnlyUser(const std::filesystem::path& file)
@@ -40,7 +40,7 @@ class OnlyUser final {
   int fd_ = -1;
 };
 
-/// Copies what `reader` can read into a new file. @return rows.
+/// Copies the rows that `reader` can read into a new file. @return their number
 std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::path& copy,
                              const Progress& progress) {
   RecordingWriter writer(copy, reader.setup(), reader.facts());
@@ -65,7 +65,7 @@ std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::pat
 }  // namespace
 
 RepairResult repair_recording(const std::filesystem::path& file, const Progress& progress) {
-  // Only a look: HDF5 takes a lock of its own when it reads.
+  // Only checks for a writer: HDF5 takes its own lock when it reads.
   OnlyUser(file).release();
   RecordingReader reader(file);
   const std::uint64_t rows = reader.for_each_block(false, [](std::span<const haptics::TickRow>) {});
@@ -75,7 +75,7 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
   std::string copy = (target.parent_path() / ("." + target.filename().string() + ".partial.")).string();
   const int descriptor = open_temporary_file(copy);
   if (descriptor < 0) {
-    throw InputError(file.string() + ": cannot be repaired, the file is as it was: " + std::strerror(errno));
+    throw InputError(file.string() + ": cannot be repaired, the file is unchanged: " + std::strerror(errno));
   }
   ::close(descriptor);
   std::error_code ignored;
@@ -90,7 +90,7 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
     throw;
   } catch (const std::exception& error) {
     std::filesystem::remove(copy, ignored);
-    throw InputError(file.string() + ": cannot be repaired, the file is as it was: " + error.what());
+    throw InputError(file.string() + ": cannot be repaired, the file is unchanged: " + error.what());
   }
 }
 

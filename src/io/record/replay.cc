@@ -10,13 +10,13 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "core/haptics/prepared_change.h"
+#include "core/haptics/prepared_update.h"
 #include "core/haptics/simulation.h"
 #include "io/record/recording_frames.h"
 #include "io/record/tick_columns.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/recording.h"
 
 namespace palpate::record {
@@ -37,10 +37,10 @@ std::string text_of(const TickRow& row, const Column& column) {
   });
 }
 
-/// Runs a recording's ticks again, one by one.
+/// Replays a recording, tick by tick.
 class Replay final {
  public:
-  /// [setup] @throws InputError when ticks or hands are missing, or the scene is bad.
+  /// [setup] @throws InputError when ticks or hands are missing, or the scene is invalid.
   explicit Replay(const Recording& recording, const contact::Preparation& how)
       : recording_(recording),
         world_(scene::make_world(recording.setup, how)),
@@ -48,13 +48,13 @@ class Replay final {
         samples_(world_.hands()),
         commands_(world_.hands()),
         rows_(world_.hands()) {
-    for (const haptics::LiveChange& change : recording.changes) {
-      changes_.push_back(haptics::prepare_change(world_, change));
+    for (const haptics::ParameterUpdate& change : recording.changes) {
+      changes_.push_back(haptics::prepare_update(world_, change));
     }
     for (std::size_t i = 0; i < recording.rows.size(); ++i) {
       const TickRow& row = recording.rows[i];
       if (row.tick != i / hands() || row.hand != i % hands()) {
-        throw InputError(fmt::format("the recording lacks tick {} of hand {}; it cannot be run again",
+        throw InputError(fmt::format("the recording lacks tick {} of hand {}; it cannot be replayed",
                                      i / hands(), i % hands()));
       }
     }
@@ -63,11 +63,11 @@ class Replay final {
   [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
   [[nodiscard]] std::uint64_t ticks() const noexcept { return recording_.rows.size() / hands(); }
 
-  /// The next tick, from 0 on.
-  /// @throws InputError when the recording lacks a change that the tick used
+  /// Replays the next tick, from 0 on. @throws InputError when the recording lacks a parameter update of this
+  /// tick.
   void run_tick(std::uint64_t number) {
     const std::span<const TickRow> recorded = recorded_rows(number);
-    change_at(number, (recorded.front().events & haptics::kLiveChange) != 0);
+    change_at(number, (recorded.front().events & haptics::kParameterUpdated) != 0);
     for (std::size_t hand = 0; hand < hands(); ++hand) samples_[hand] = haptics::sample_of(recorded[hand]);
     haptics::tick(world_, state_, number, samples_, commands_, rows_);
   }
@@ -78,19 +78,19 @@ class Replay final {
   [[nodiscard]] std::span<const TickRow> rows() const noexcept { return rows_; }
 
   /// All that the next tick depends on.
-  struct Place {
+  struct Checkpoint {
     haptics::SimulationState state;
     std::vector<haptics::ForceCommand> commands;
     std::size_t next_change = 0;
   };
-  [[nodiscard]] Place place() const { return {state_, commands_, next_change_}; }
-  void go_back_to(const Place& place) {
-    state_ = place.state;
-    commands_ = place.commands;
-    next_change_ = place.next_change;
+  [[nodiscard]] Checkpoint checkpoint() const { return {state_, commands_, next_change_}; }
+  void restore(const Checkpoint& checkpoint) {
+    state_ = checkpoint.state;
+    commands_ = checkpoint.commands;
+    next_change_ = checkpoint.next_change;
   }
 
-  /// As the loop publishes it, but with the recording's own time.
+  /// The snapshot that the loop publishes, but with the recording's own time.
   [[nodiscard]] haptics::Snapshot snapshot(std::uint64_t number) const {
     haptics::Snapshot snapshot;
     const auto taken_ns = std::llround(static_cast<double>(number) / world_.rate_Hz * 1e9);
@@ -99,15 +99,15 @@ class Replay final {
   }
 
  private:
-  /// Applies the change of that tick, if there is one.
+  /// Applies the parameter update of this tick, if there is one.
   void change_at(std::uint64_t number, bool expected) {
     const bool there = next_change_ < changes_.size() && changes_[next_change_].values.tick == number;
     if (there != expected) {
       throw InputError(fmt::format(
-          "the recording {} change of tissue or noise at tick {}{}; it cannot be run again",
+          "the recording {} change of tissue or noise at tick {}{}; it cannot be replayed",
           expected ? "lacks the" : "has a", number, expected ? "" : " that its rows do not know"));
     }
-    if (there) haptics::apply_change(world_, state_, changes_[next_change_++]);
+    if (there) haptics::apply_update(world_, state_, changes_[next_change_++]);
   }
 
   const Recording& recording_;
@@ -116,7 +116,7 @@ class Replay final {
   std::vector<haptics::DeviceState> samples_;
   std::vector<haptics::ForceCommand> commands_;
   std::vector<TickRow> rows_;
-  std::vector<haptics::PreparedChange> changes_;
+  std::vector<haptics::PreparedUpdate> changes_;
   std::size_t next_change_ = 0;
 };
 
@@ -190,34 +190,34 @@ std::vector<haptics::Snapshot> snapshots_at(const Recording& recording,
 
 struct RecordingFrames::Impl {
   Impl(const Recording& recorded, const contact::Preparation& how)
-      : recording(recorded), again(recorded, how), apart(std::max(kLeastApart, again.ticks() / kMostKept)) {
-    kept.push_back(again.place());
+      : recording(recorded), again(recorded, how), apart(std::max(kLeastApart, again.ticks() / kMaxKept)) {
+    kept.push_back(again.checkpoint());
   }
 
-  /// Continues from the kept place that is nearest before `tick`, unless the way from here is shorter.
+  /// Continues from the nearest stored state before `tick`, unless the current state is nearer.
   void jump_towards(std::uint64_t tick) {
     const std::uint64_t from = std::min<std::uint64_t>(tick / apart, kept.size() - 1) * apart;
     if (next <= tick + 1 && next >= from) return;
-    again.go_back_to(kept[from / apart]);
+    again.restore(kept[from / apart]);
     next = from;
   }
 
   void run_one() {
-    const std::uint64_t tick = std::exchange(next, kNowhere);  // if it fails, half of it is done
+    const std::uint64_t tick = std::exchange(next, kNoTick);  // a failed tick leaves an invalid state
     again.run_tick(tick);
     next = tick + 1;
-    if (next == kept.size() * apart) kept.push_back(again.place());
+    if (next == kept.size() * apart) kept.push_back(again.checkpoint());
   }
 
   static constexpr std::uint64_t kLeastApart = 512;  // ticks
-  static constexpr std::uint64_t kMostKept = 512;
-  static constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
+  static constexpr std::uint64_t kMaxKept = 512;
+  static constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
   const Recording& recording;
   Replay again;
-  std::uint64_t apart;              // ticks from one kept place to the next
-  std::vector<Replay::Place> kept;  // before ticks 0, apart, 2 apart ...
-  std::uint64_t next = 0;           // tick to run; kNowhere: only after going back to a kept place
+  std::uint64_t apart;                   // ticks between two stored states
+  std::vector<Replay::Checkpoint> kept;  // the states before the ticks 0, apart, 2 apart ...
+  std::uint64_t next = 0;                // the next tick; kNoTick: a stored state must be restored first
 };
 
 RecordingFrames::RecordingFrames(const Recording& recording, const contact::Preparation& how)

@@ -71,8 +71,7 @@ std::optional<double> optional_from(const Json& json) {
 
 Json relaxation_json(const model::RelaxationTerms& terms) {
   Json json = Json::array();
-  for (const model::RelaxationTerm& term : terms)
-    json.push_back({{"share", term.share}, {"time_s", term.time}});
+  for (const model::RelaxationTerm& term : terms) json.push_back({{"share", term.g}, {"time_s", term.tau}});
   return json;
 }
 
@@ -91,7 +90,7 @@ Json tissue_json(const model::TissueParameters& t) {
 model::TissueParameters tissue_from(const Json& json) {
   model::TissueParameters t;
   t.name = json.at("name").get<std::string>();
-  // A recording from before there were laws to choose from has the paper's, without relaxation.
+  // Older recordings have the layered law of the paper, without relaxation.
   t.law = model::parse_law(json.value("law", model::to_string(model::LawKind::kLayered)));
   for (const Json& term : json.value("relaxation", Json::array())) {
     t.relaxation.push_back({term.at("share").get<double>(), term.at("time_s").get<double>()});
@@ -164,7 +163,7 @@ scene::EmulatedHand emulated_from(const Json& json) {
   return hand;
 }
 
-/// A figure of a device that may be unknown.
+/// A number of a device that may be unknown.
 Json known_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 double known_from(const Json& json) {
@@ -214,7 +213,7 @@ scene::DeviceSetup device_from(const Json& json) {
   if (!json.at("clutch_button").is_null()) {
     device.clutch_button = whole_number<std::uint32_t>(json, "clutch_button");
   }
-  // A recording from before devices said what they bear has none of these.
+  // Older recordings do not have the abilities of devices.
   device.abilities.model = json.value("model", std::string());
   device.abilities.continuous_force = known_from(json.value("continuous_force_N", Json(nullptr)));
   device.abilities.max_stiffness = known_from(json.value("max_stiffness_N_per_m", Json(nullptr)));
@@ -267,15 +266,15 @@ scene::Task task_from(const std::string& word) {
   throw InputError("task is \"" + word + "\", want press or pull");
 }
 
-scene::Setup setup_from(const Json& json) {
-  scene::Setup setup;
+scene::Scene setup_from(const Json& json) {
+  scene::Scene setup;
   setup.name = json.at("name").get<std::string>();
   setup.task = task_from(json.at("task").get<std::string>());
   setup.rate_Hz = json.at("rate_Hz").get<double>();
   setup.seed = whole_number<std::uint64_t>(json, "seed");
   setup.organ_name = json.at("organ").at("name").get<std::string>();
   setup.organ_pose = pose_from(json.at("organ").at("pose"));
-  // A recording from before organs moved has no motion.
+  // Older recordings have no organ motion.
   for (const Json& motion : json.at("organ").value("motion", Json::array())) {
     setup.organ_motion.push_back(motion_from(motion));
   }
@@ -291,7 +290,7 @@ scene::Setup setup_from(const Json& json) {
 
 }  // namespace
 
-std::string setup_to_json(const scene::Setup& setup) {
+std::string setup_to_json(const scene::Scene& setup) {
   Json json = {{"name", setup.name},
                {"task", setup.task == scene::Task::kPress ? "press" : "pull"},
                {"rate_Hz", setup.rate_Hz},
@@ -310,11 +309,11 @@ std::string setup_to_json(const scene::Setup& setup) {
   json["safety"] = safety_json(setup.safety);
   json["repairs"] = setup.repairs;
   json["remarks"] = setup.remarks;
-  // File names need not be UTF-8; a byte that is not becomes a replacement character.
+  // File names need not be UTF-8; invalid bytes become the replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-scene::Setup setup_from_json(const std::string& text) {
+scene::Scene setup_from_json(const std::string& text) {
   try {
     return setup_from(Json::parse(text));
   } catch (const Json::exception& error) {

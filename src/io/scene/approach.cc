@@ -10,24 +10,25 @@
 namespace palpate::scene {
 namespace {
 
-constexpr double kLeastRadius = 5e-3;  // m, of a place: half the usual reference radius
+constexpr double kLeastRadius = 5e-3;  // m, of the region around a touch; half the usual reference radius
 constexpr double kGreatestRadius = 10e-3;
-constexpr double kDeepEnough = 0.95;    // of the depth asked for
-constexpr double kSure = 1.1;           // of the depth asked for: a tool is wider than its tip
-constexpr double kThickEnough = 1.25;   // of the depth asked for
-constexpr double kFacing = 0.35;        // cosine of about 70 degrees: a face turned more is another side
-constexpr double kFlat = 0.7;           // a ball of the place's radius has 0.78
-constexpr double kSteep = 0.36;         // tangent of 20 degrees, of what stands beside the tip
-constexpr double kBeside = 2e-3;        // m, above the touch: what is lower may press too
-constexpr double kFineTriangles = 2e4;  // of an organ that is looked at
-constexpr double kPlaces = 400.0;       // looked at
-constexpr double kFromAbove = 0.05;     // of a rank: what a way from above outweighs
+constexpr double kDeepEnough = 0.95;   // of the requested depth
+constexpr double kSure = 1.1;          // of the requested depth: a tool is wider than its tip
+constexpr double kThickEnough = 1.25;  // of the requested depth
+constexpr double kFacing =
+    0.35;                      // cosine of about 70 degrees: faces with a larger angle belong to another side
+constexpr double kFlat = 0.7;  // least flatness; a sphere of the region's radius has 0.78
+constexpr double kSteep = 0.36;   // tangent of 20 degrees: tool points above this cone must stay outside
+constexpr double kBeside = 2e-3;  // m, above the touch: tool points below this height may press too
+constexpr double kFineTriangles = 2e4;  // triangles of the refined organ
+constexpr double kPlaces = 400.0;       // number of sample points
+constexpr double kFromAbove = 0.05;     // bonus in the rank of an approach from above
 
 geometry::TriangleMesh fine_mesh(const geometry::TriangleMesh& organ) {
   double area = 0.0;
   for (const geometry::Triangle& t : organ.triangles)
     area += 0.5 * geometry::area_vector_doubled(organ, t).norm();
-  // Splitting leaves triangles of about a quarter of the longest edge's square.
+  // Refinement leaves triangles of about a quarter of the squared longest edge.
   return geometry::refine(organ, std::max(kLeastRadius / 2.0, std::sqrt(4.0 * area / kFineTriangles)));
 }
 
@@ -39,7 +40,7 @@ Quat turn_from_down(const Vec3& direction) noexcept {
   return Quat(half, direction.y(), -direction.x(), 0.0).normalized();
 }
 
-ApproachFinder::ApproachFinder(const geometry::TriangleMesh& organ, const geometry::SurfaceDistance& surface,
+ApproachFinder::ApproachFinder(const geometry::TriangleMesh& organ, const geometry::SignedDistance& surface,
                                const HangingTool& tool)
     : surface_(surface),
       tool_(tool),
@@ -56,11 +57,11 @@ ApproachFinder::ApproachFinder(const geometry::TriangleMesh& organ, const geomet
   std::sort(cells_.begin(), cells_.end());
 }
 
-/// How near the tip, `depth` behind the touch, is to the surface that it met [m]. Contact follows that
-/// surface downhill, so only what hangs together with the touch and is no farther from the tip counts. Not
-/// looked into further where it is not deep enough.
+/// The smallest distance [m] of the tip to the surface at `depth` behind the touch. The proxy follows the
+/// surface downhill, so only triangles that are connected to the touch and not farther from the tip count.
+/// The search ends as soon as the depth is too small.
 double ApproachFinder::depth_reached(const Approach& approach, std::int32_t start, double depth) const {
-  constexpr double kBump = 0.2e-3;  // m, that is no hill
+  constexpr double kBump = 0.2e-3;  // m, tolerance of the distance
   const Vec3 tip = approach.touch + depth * approach.direction;
   const auto distance_of = [&](std::size_t t) {
     const geometry::Triangle& corners = fine_.triangles[t];
@@ -99,8 +100,8 @@ double ApproachFinder::thickness(const Approach& approach, double enough) const 
 }
 
 bool ApproachFinder::is_free(const Approach& approach, double depth) const {
-  // The straight line from far outside meets the organ at the touch and not before: a shaft that is longer
-  // than its mesh has room too.
+  // The straight line from far outside must meet the organ first at the touch, so that a shaft longer than
+  // its mesh has room too.
   const double far_off = length_ + tool_.clearance;
   const auto entry = surface_.first_entry(approach.touch - far_off * approach.direction,
                                           approach.touch + kBeside * approach.direction);
@@ -118,7 +119,8 @@ bool ApproachFinder::is_free(const Approach& approach, double depth) const {
   return true;
 }
 
-ApproachFinder::Place ApproachFinder::place_at(const Vec3& point, const Vec3& outward, double depth) const {
+ApproachFinder::LocalShape ApproachFinder::local_shape(const Vec3& point, const Vec3& outward,
+                                                       double depth) const {
   const double radius = std::clamp(depth, kLeastRadius, kGreatestRadius);
   Vec3 sum = Vec3::Zero();
   Vec3 facing = Vec3::Zero();
@@ -143,13 +145,14 @@ ApproachFinder::Place ApproachFinder::place_at(const Vec3& point, const Vec3& ou
     }
   }
   if (!(facing.norm() > 0.0)) return {outward, 0.0, 0.0};
-  const double disc = portable::kPi * radius * radius;  // of a plane: twice the area, half of it by the share
+  const double disc =
+      portable::kPi * radius * radius;  // twice the area of a flat disc, times the mean weight 1/2
   return {facing.normalized(), sum.norm() / all, std::min(1.0, facing.norm() / disc)};
 }
 
-Judgement ApproachFinder::judge_from(const Approach& approach, std::int32_t start, double depth) const {
+ApproachCheck ApproachFinder::check_from(const Approach& approach, std::int32_t start, double depth) const {
   const double enough = kThickEnough * depth;
-  Judgement result;
+  ApproachCheck result;
   result.thickness = thickness(approach, enough);
   result.square = depth_reached(approach, start, kSure * depth) >= kDeepEnough * kSure * depth &&
                   is_free(approach, depth);
@@ -157,16 +160,16 @@ Judgement ApproachFinder::judge_from(const Approach& approach, std::int32_t star
   return result;
 }
 
-Judgement ApproachFinder::judge(const Approach& approach, double depth) const {
-  if (place_at(approach.touch, -approach.direction, depth).flatness < kFlat) return {};
+ApproachCheck ApproachFinder::check(const Approach& approach, double depth) const {
+  if (local_shape(approach.touch, -approach.direction, depth).flatness < kFlat) return {};
   const auto nearer = [&](const Vec3& a, const Vec3& b) {
     return (a - approach.touch).squaredNorm() < (b - approach.touch).squaredNorm();
   };
   const auto start = std::min_element(middles_.begin(), middles_.end(), nearer) - middles_.begin();
-  return judge_from(approach, static_cast<std::int32_t>(start), depth);
+  return check_from(approach, static_cast<std::int32_t>(start), depth);
 }
 
-JudgedApproach ApproachFinder::best(const Vec3& up, double depth) const {
+CheckedApproach ApproachFinder::best(const Vec3& up, double depth) const {
   struct Candidate {
     Approach approach;
     std::int32_t triangle = 0;
@@ -181,22 +184,21 @@ JudgedApproach ApproachFinder::best(const Vec3& up, double depth) const {
     passed += areas_[t].norm();
     if (passed < next) continue;
     next += whole / kPlaces;
-    const Place place = place_at(middles_[t], areas_[t].normalized(), depth);
-    if (place.flatness < kFlat) continue;
-    candidates.push_back({{middles_[t], -place.normal},
+    const LocalShape shape = local_shape(middles_[t], areas_[t].normalized(), depth);
+    if (shape.flatness < kFlat) continue;
+    candidates.push_back({{middles_[t], -shape.normal},
                           static_cast<std::int32_t>(t),
-                          place.flatness * place.breadth + kFromAbove * place.normal.dot(up)});
+                          shape.flatness * shape.breadth + kFromAbove * shape.normal.dot(up)});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.rank > b.rank; });
-  JudgedApproach best;
+  CheckedApproach best;
   for (const Candidate& candidate : candidates) {
     const bool too_thin = thickness(candidate.approach, kThickEnough * depth) < kThickEnough * depth;
-    if (too_thin && best.judgement.square) continue;  // nothing to gain
-    const Judgement judgement = judge_from(candidate.approach, candidate.triangle, depth);
-    if (judgement.thick || (judgement.square && !best.judgement.square))
-      best = {candidate.approach, judgement};
-    if (judgement.thick) break;
+    if (too_thin && best.result.square) continue;  // cannot be better
+    const ApproachCheck result = check_from(candidate.approach, candidate.triangle, depth);
+    if (result.thick || (result.square && !best.result.square)) best = {candidate.approach, result};
+    if (result.thick) break;
   }
   return best;
 }

@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/geometry/cell.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/scene/approach.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/minimum_jerk.h"
@@ -18,33 +18,33 @@
 namespace palpate::scene {
 namespace {
 
-constexpr double kClearance = 10e-3;    // m, above the surface at start and end
-constexpr double kTravel = 12e-3;       // m, of depth or of lift
-constexpr double kTouchDepth = 0.2e-3;  // m, of the tool's lowest point when the jaws close
+constexpr double kClearance = 10e-3;    // m, above the surface at the start and the end
+constexpr double kTravel = 12e-3;       // m, of depth or lift
+constexpr double kTouchDepth = 0.2e-3;  // m, depth of the tool's lowest point when the jaws close
 constexpr double kHold = 1.0;           // s, at the deepest or highest point
 constexpr double kTurnJaws = 0.3;       // s, to open or close
-constexpr double kPause = 0.1;          // s, between moving and closing
-constexpr double kPeakSpeed = 15e-3;    // m/s: calm
+constexpr double kPause = 0.1;          // s, between motion and closing
+constexpr double kPeakSpeed = 15e-3;    // m/s, a slow motion
 constexpr double kRowSpacing = 5e-3;    // s
-constexpr double kHandSpacing = 30e-3;  // m, between two hands at most
-constexpr double kTipHeight = 0.2e-3;   // m: vertices this close to the lowest one make the tip
+constexpr double kHandSpacing = 30e-3;  // m, largest distance between two hands
+constexpr double kTipHeight = 0.2e-3;   // m: the vertices within this height of the lowest one are the tip
 
-/// One stretch of the way: height [m] above the surface point and gripper at its end, and its duration [s].
+/// A part of the path: height [m] above the surface point and gripper at its end, and its duration [s].
 struct Leg {
   double height = 0.0;
   double gripper = 0.0;
   double duration = 0.0;
 };
 
-/// The time in which minimum_jerk() covers `distance` [m] at no more than the peak speed: its greatest slope
-/// is 1.875.
+/// Duration of a minimum-jerk motion over `distance` [m] whose speed stays at or below the peak speed; 1.875
+/// is the largest slope of minimum_jerk().
 double time_for(double distance) { return 1.875 * distance / kPeakSpeed; }
 
-/// Tool +z down: half a turn about x.
+/// Tool +z down: a rotation by 180 degrees about x.
 Quat downwards() { return {0.0, 1.0, 0.0, 0.0}; }
 
-/// The tool's lowest point when it hangs downwards, closed, relative to the handle, world directions: the
-/// middle of the vertices at its bottom, at the height of the lowest.
+/// The tip of the closed tool that points down, relative to the handle, in world directions: the mean of its
+/// lowest vertices, at the height of the lowest.
 Vec3 lowest_point(const geometry::Tool& tool) {
   const Quat down = downwards();
   std::vector<Vec3> points;
@@ -67,13 +67,13 @@ Vec3 lowest_point(const geometry::Tool& tool) {
   return {sum.x() / count, sum.y() / count, lowest};
 }
 
-geometry::Bounds world_bounds(const Setup& setup) {
+geometry::Bounds world_bounds(const Scene& setup) {
   geometry::TriangleMesh placed = setup.organ;
   geometry::transform(placed, setup.organ_pose);
   return geometry::bounds(placed);
 }
 
-/// Where a hand comes down: the organ's middle, with several hands side by side along its longer side.
+/// Where a hand comes down: the organ's centre; several hands side by side along its longer side.
 Vec3 column_of(const geometry::Bounds& box, std::size_t hand, std::size_t hands) {
   Vec3 place = box.middle();
   if (hands < 2) return place;
@@ -83,10 +83,11 @@ Vec3 column_of(const geometry::Bounds& box, std::size_t hand, std::size_t hands)
   return place;
 }
 
-/// The first point of the organ straight below; its highest vertex where there is none (a ring's middle).
-Vec3 surface_below(const Setup& setup, const geometry::SurfaceDistance& surface, const geometry::Bounds& box,
+/// The highest point of the organ on the vertical line; its highest vertex if the line misses the organ (a
+/// ring's centre).
+Vec3 surface_below(const Scene& setup, const geometry::SignedDistance& surface, const geometry::Bounds& box,
                    const Vec3& column) {
-  constexpr double kMargin = 10e-3;  // m, beyond the box at both ends
+  constexpr double kMargin = 10e-3;  // m, beyond the bounding box at both ends
   const Pose to_organ = setup.organ_pose.inverse();
   const Vec3 top(column.x(), column.y(), box.high.z() + kMargin);
   const Vec3 bottom(column.x(), column.y(), box.low.z() - kMargin);
@@ -101,10 +102,10 @@ Vec3 surface_below(const Setup& setup, const geometry::SurfaceDistance& surface,
   return highest;
 }
 
-/// Points [m] all over a tool, about `tip`, when it hangs downwards, closed.
+/// Sample points [m] of the closed tool that points down, relative to `tip`.
 std::vector<Vec3> hanging_points(const geometry::Tool& tool, const Vec3& tip) {
-  constexpr double kLongest = 5e-3;  // m, of an edge: a long shaft may have points at its ends alone
-  constexpr double kSpacing = 2e-3;  // m, about
+  constexpr double kLongest = 5e-3;  // m, of an edge: a long shaft may have vertices only at its ends
+  constexpr double kSpacing = 2e-3;  // m, approximate
   std::vector<Vec3> points;
   std::set<geometry::Cell> taken;
   for (const geometry::ToolPart& part : tool.parts) {
@@ -117,14 +118,14 @@ std::vector<Vec3> hanging_points(const geometry::Tool& tool, const Vec3& tip) {
   return points;
 }
 
-/// Where a hand comes down, in the world.
-struct Place {
+/// The start of a hand's path, in the world.
+struct PressPoint {
   Approach approach;
-  double depth = kTravel;  // m, of a press
-  std::string remark{};    // what is to be said of a press there; empty: it is as it should be
+  double depth = kTravel;  // m, of the press
+  std::string remark{};    // about a press at this point; empty: nothing to report
 };
 
-std::string told_thin(double thickness) {
+std::string thin_warning(double thickness) {
   return fmt::format(
       "the organ is {:.2g} mm thick where the default path presses it {:.3g} mm deep, and thicker nowhere "
       "that "
@@ -132,7 +133,7 @@ std::string told_thin(double thickness) {
       thickness / kMillimetre, kTravel / kMillimetre);
 }
 
-std::string told_shallow(double depth) {
+std::string depth_warning(double depth) {
   return fmt::format(
       "the organ is too thin or too curved for a default path {:.3g} mm deep: the tool meets it squarely "
       "nowhere; "
@@ -140,14 +141,14 @@ std::string told_shallow(double depth) {
       kTravel / kMillimetre, depth / kMillimetre);
 }
 
-/// From above the organ's middle. A single tool whose press would slide off there, or start inside, gets the
-/// squarest approach that there is; where there is none for the whole travel, one that presses less deep.
-Place place_of(const Setup& setup, std::size_t hand, const Vec3& tip) {
-  constexpr int kDepths = 12;  // tried, 1 mm apart
-  const geometry::SurfaceDistance surface(setup.organ);
+/// By default from above the organ's centre. A single tool that would slide off there, or start inside, gets
+/// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
+PressPoint press_point_of(const Scene& setup, std::size_t hand, const Vec3& tip) {
+  constexpr int kDepths = 12;  // trial depths, 1 mm apart
+  const geometry::SignedDistance surface(setup.organ);
   const geometry::Bounds box = world_bounds(setup);
   const Vec3 touch = surface_below(setup, surface, box, column_of(box, hand, setup.tools.size()));
-  Place place{{touch, -Vec3::UnitZ()}};
+  PressPoint place{{touch, -Vec3::UnitZ()}};
   if (setup.task != Task::kPress || setup.tools.size() > 1) return place;
 
   const HangingTool tool{hanging_points(setup.tools[hand], tip), kClearance};
@@ -156,22 +157,22 @@ Place place_of(const Setup& setup, std::size_t hand, const Vec3& tip) {
   const Approach above{to_organ * touch, to_organ.rotation * place.approach.direction};
   for (int k = kDepths; k > 0; --k) {
     const double depth = kTravel * k / kDepths;
-    const Judgement from_above = finder.judge(above, depth);
+    const ApproachCheck from_above = finder.check(above, depth);
     if (from_above.thick && k == kDepths) return place;
-    Judgement taken = from_above;
+    ApproachCheck taken = from_above;
     if (!from_above.thick) {
-      const auto [approach, judgement] = finder.best(-above.direction, depth);
-      if (judgement.thick || !from_above.square) {
-        if (!judgement.square) continue;
-        taken = judgement;
+      const auto [approach, result] = finder.best(-above.direction, depth);
+      if (result.thick || !from_above.square) {
+        if (!result.square) continue;
+        taken = result;
         place.approach = {setup.organ_pose * approach.touch, setup.organ_pose.rotation * approach.direction};
       }
     }
     place.depth = depth;
     if (k < kDepths) {
-      place.remark = told_shallow(depth);
+      place.remark = depth_warning(depth);
     } else if (!taken.thick) {
-      place.remark = told_thin(taken.thickness);
+      place.remark = thin_warning(taken.thickness);
     }
     return place;
   }
@@ -195,20 +196,20 @@ std::vector<Leg> legs_of(Task task, double depth) {
 
 }  // namespace
 
-std::vector<std::string> default_path_remarks(const Setup& setup) {
+std::vector<std::string> default_path_remarks(const Scene& setup) {
   std::vector<std::string> remarks;
   for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
     const DeviceKind* kind = find_device_kind(setup.devices[hand].kind);
     if (kind == nullptr || kind->path != DevicePath::kToolPath || !setup.devices[hand].path.empty()) continue;
-    const std::string remark = place_of(setup, hand, lowest_point(setup.tools[hand])).remark;
+    const std::string remark = press_point_of(setup, hand, lowest_point(setup.tools[hand])).remark;
     if (!remark.empty()) remarks.push_back("device " + setup.devices[hand].kind + ": " + remark);
   }
   return remarks;
 }
 
-ToolPath default_path(const Setup& setup, std::size_t hand) {
+ToolPath default_path(const Scene& setup, std::size_t hand) {
   const Vec3 tip = lowest_point(setup.tools[hand]);
-  const Place place = place_of(setup, hand, tip);
+  const PressPoint place = press_point_of(setup, hand, tip);
   const Vec3& direction = place.approach.direction;
   const Quat turn = turn_from_down(direction);
   const Vec3 handle_at_touch = place.approach.touch - turn * tip;

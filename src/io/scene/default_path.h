@@ -6,8 +6,8 @@
 
 namespace palpate::scene {
 
-/// [setup] What is to be said of default_path() of the devices that take it: that the organ is too thin, and
-/// how deep the tool will be. @throws InputError when the organ's mesh is not closed.
-[[nodiscard]] std::vector<std::string> default_path_remarks(const Setup& setup);
+/// [setup] Remarks about default_path() for the devices that use it: the organ is too thin, or the depth that
+/// the tool reaches. @throws InputError when the organ's mesh is not closed.
+[[nodiscard]] std::vector<std::string> default_path_remarks(const Scene& setup);
 
 }  // namespace palpate::scene

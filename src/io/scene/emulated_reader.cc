@@ -16,7 +16,7 @@ HandGrip read_grip(const TomlTable& device) {
   const std::optional<std::string> word = device.text("grip");
   if (word) {
     for (const char* key : {"grip_N_per_m", "grip_N_s_per_m"}) {
-      if (device.number(key)) device.fail(key, "stands beside grip, give only one of them");
+      if (device.number(key)) device.fail(key, "excludes grip, give only one of them");
     }
     if (*word != "light" && *word != "firm") device.fail("grip", "must be light or firm");
     return *word == "light" ? kLightGrip : kFirmGrip;

@@ -16,17 +16,18 @@ namespace {
 
 constexpr std::string_view kSpherePrefix = "sphere:";
 
-geometry::Tool make_sphere(const Stated& mesh) {
+geometry::Tool make_sphere(const LocatedString& mesh) {
   try {
     geometry::Tool tool = geometry::make_tool(mesh.value);
-    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // every vertex lies on the sphere
+    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // all vertices are on the sphere
     return tool;
   } catch (const InputError& error) {
     throw InputError(mesh.where + ": " + error.what());
   }
 }
 
-geometry::ToolPart read_part(const Stated& mesh, const std::optional<LengthUnit>& unit, MeshNotes& notes) {
+geometry::ToolPart read_part(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
+                             MeshNotes& notes) {
   geometry::ToolPart part;
   part.name = std::filesystem::path(mesh.value).stem().string();
   geometry::LoadedMesh loaded = read_part_source(mesh, unit, notes);
@@ -37,23 +38,23 @@ geometry::ToolPart read_part(const Stated& mesh, const std::optional<LengthUnit>
   return part;
 }
 
-geometry::Tool read_main_mesh(const ToolDescription& description, MeshNotes& notes) {
-  const Stated& mesh = *description.mesh;
+geometry::Tool read_main_mesh(const ToolTable& description, MeshNotes& notes) {
+  const LocatedString& mesh = *description.mesh;
   if (mesh.value.starts_with(kSpherePrefix)) return make_sphere(mesh);
   geometry::Tool tool;
-  if (means_file(mesh.value)) {
+  if (is_path(mesh.value)) {
     tool.parts.push_back(read_part(mesh, description.unit, notes));
     return tool;
   }
   const std::vector<std::string>& known = geometry::builtin_tool_names();
   if (std::find(known.begin(), known.end(), mesh.value) == known.end()) {
     mesh.fail("must be " + alternatives(known) +
-              ", sphere:R, or a file (with a / or an ending such as .stl)");
+              ", sphere:R, or a file (with a / or an extension such as .stl)");
   }
   return geometry::make_tool(mesh.value);
 }
 
-/// Middle of a surface, by area; of the vertices where it has none.
+/// Centroid of a surface by area; mean of its vertices if the area is 0.
 Vec3 middle(const geometry::TriangleMesh& mesh) {
   Vec3 sum = Vec3::Zero();
   double area = 0.0;
@@ -66,9 +67,9 @@ Vec3 middle(const geometry::TriangleMesh& mesh) {
   return area > 0.0 ? Vec3(sum / area) : geometry::bounds(mesh).middle();
 }
 
-std::string names_of(const ToolDescription& description) {
+std::string names_of(const ToolTable& description) {
   std::string name = description.mesh ? description.mesh->value : "";
-  for (const JawDescription& jaw : description.jaws) name += (name.empty() ? "" : " + ") + jaw.mesh.value;
+  for (const JawTable& jaw : description.jaws) name += (name.empty() ? "" : " + ") + jaw.mesh.value;
   return name;
 }
 
@@ -95,12 +96,12 @@ void open_apart(std::vector<geometry::ToolPart>& jaws) {
   }
 }
 
-geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& notes) {
+geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
   geometry::Tool tool;
   if (description.mesh) tool = read_main_mesh(description, notes);
   std::vector<geometry::ToolPart> jaws;
-  for (const JawDescription& jaw : description.jaws) {
-    if (!means_file(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an ending such as .stl)");
+  for (const JawTable& jaw : description.jaws) {
+    if (!is_path(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an extension such as .stl)");
     geometry::ToolPart part = read_part(jaw.mesh, description.unit, notes);
     part.is_jaw = true;
     part.pivot = jaw.pivot;
@@ -111,7 +112,7 @@ geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& no
   if (description.jaws_by_flags) open_apart(jaws);
   for (geometry::ToolPart& jaw : jaws) tool.parts.push_back(std::move(jaw));
   if (tool.parts.size() > kMaxToolParts) {
-    const Stated& last = description.jaws.empty() ? *description.mesh : description.jaws.back().mesh;
+    const LocatedString& last = description.jaws.empty() ? *description.mesh : description.jaws.back().mesh;
     last.fail(fmt::format("the tool has {} parts, must be at most {}", tool.parts.size(), kMaxToolParts));
   }
   for (geometry::ToolPart& part : tool.parts) {

@@ -7,13 +7,13 @@
 
 namespace palpate::scene {
 
-/// [setup] Reads the meshes of one tool and places them in the handle's frame; they need not be closed. What
-/// was repaired or is wrong with them goes into `notes`. @throws InputError naming the field or flag.
-[[nodiscard]] geometry::Tool load_instrument(const ToolDescription& description, MeshNotes& notes);
+/// [setup] Reads the meshes of one tool, which may be open, and transforms them to the handle's frame.
+/// Repairs and remaining defects are added to `notes`. @throws InputError naming the field or flag.
+[[nodiscard]] geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes);
 
-/// [setup] Turns the openings of several jaws, each about its own axis, so that they open apart: the axis is
-/// x or y, whichever is across the line between the jaws' middles, and the sign takes each jaw away from
-/// the others. Pivot and size of the opening stay. [Not for jaws whose axis a scene gives.]
+/// [setup] Chooses the axes of several jaws so that they open away from each other. The axis is x or y, the
+/// one that is perpendicular to the line between the jaws' centroids. Pivot and angle do not change. Not for
+/// jaws whose axis is in a scene file.
 void open_apart(std::vector<geometry::ToolPart>& jaws);
 
 }  // namespace palpate::scene

@@ -23,33 +23,33 @@ namespace {
 
 constexpr double kFlagJawOpening = 15.0 * portable::kPi / 180.0;  // rad
 
-Stated flag(const std::string& name, const std::string& value) { return {value, name, {}, true}; }
+LocatedString flag(const std::string& name, const std::string& value) { return {value, name, {}, true}; }
 
-Task task_of(const Request& request, Task otherwise) {
+Task task_of(const Overrides& request, Task otherwise) {
   return request.task ? parse_task(flag("--task", *request.task)) : otherwise;
 }
 
-/// The scene that a run without a scene file takes.
-SceneDescription default_scene(Task task) {
-  SceneDescription scene;
+/// The scene of a run without a scene file.
+SceneFile default_scene(Task task) {
+  SceneFile scene;
   const bool press = task == Task::kPress;
   scene.task = task;
-  scene.organ = Stated{press ? "gallbladder" : "heart", "organ", {}};
-  ToolDescription tool;
-  tool.mesh = Stated{press ? "curved-forceps" : "straight-forceps", "tool", {}};
+  scene.organ = LocatedString{press ? "gallbladder" : "heart", "organ", {}};
+  ToolTable tool;
+  tool.mesh = LocatedString{press ? "curved-forceps" : "straight-forceps", "tool", {}};
   scene.tools.push_back(std::move(tool));
   return scene;
 }
 
-ToolDescription tool_from_flags(const std::vector<std::string>& files) {
-  ToolDescription tool;
+ToolTable tool_from_flags(const std::vector<std::string>& files) {
+  ToolTable tool;
   if (files.size() == 1) {
     tool.mesh = flag("--tool", files.front());
     return tool;
   }
   tool.jaws_by_flags = true;
   for (const std::string& file : files) {
-    JawDescription jaw;
+    JawTable jaw;
     jaw.mesh = flag("--tool", file);
     jaw.open_angle = kFlagJawOpening;
     tool.jaws.push_back(std::move(jaw));
@@ -57,7 +57,7 @@ ToolDescription tool_from_flags(const std::vector<std::string>& files) {
   return tool;
 }
 
-void override_meshes(const Request& request, SceneDescription& scene) {
+void override_meshes(const Overrides& request, SceneFile& scene) {
   if (request.organ) {
     scene.organ = flag("--organ", *request.organ);
     scene.organ_unit.reset();
@@ -74,16 +74,16 @@ void override_meshes(const Request& request, SceneDescription& scene) {
   }
   if (request.tool_unit) {
     const LengthUnit unit = parse_unit(flag("--tool-unit", *request.tool_unit));
-    for (ToolDescription& tool : scene.tools) tool.unit = unit;
+    for (ToolTable& tool : scene.tools) tool.unit = unit;
   }
 }
 
-void override_device(const std::string& text, SceneDescription& scene) {
+void override_device(const std::string& text, SceneFile& scene) {
   if (scene.tools.size() > 1 || scene.devices.size() > 1) {
     flag("--device", text).fail("the scene has several hands, change their devices in the scene file");
   }
   if (scene.devices.empty()) scene.devices.emplace_back();
-  DeviceDescription& device = scene.devices.front();
+  DeviceTable& device = scene.devices.front();
   const std::size_t colon = text.find(':');
   device.kind = flag("--device", text.substr(0, colon));
   device.path.reset();
@@ -92,7 +92,7 @@ void override_device(const std::string& text, SceneDescription& scene) {
   if (device.path->value.empty()) flag("--device", text).fail("must be KIND or KIND:PATH");
 }
 
-void override_numbers(const Request& request, SceneDescription& scene) {
+void override_numbers(const Overrides& request, SceneFile& scene) {
   if (request.rate_Hz) {
     const double rate = *request.rate_Hz;
     if (!(rate >= kSlowestRate && rate <= kFastestRate)) {
@@ -104,13 +104,13 @@ void override_numbers(const Request& request, SceneDescription& scene) {
   if (request.seed) scene.seed = *request.seed;
   if (request.no_noise) scene.noise.enabled = false;
   if (request.fit_device) {
-    for (DeviceDescription& device : scene.devices) device.setup.fit = true;
+    for (DeviceTable& device : scene.devices) device.setup.fit = true;
   }
 }
 
-/// @throws InputError before the file is looked at, so that nothing of it, nor whether it is there, can be
-/// told.
-void require_below(const std::filesystem::path& folder, const Stated& file) {
+/// Rejects a path outside `folder` before the file is opened, so that neither its content nor its existence
+/// leaks.
+void require_below(const std::filesystem::path& folder, const LocatedString& file) {
   std::error_code error;
   const std::filesystem::path root = std::filesystem::weakly_canonical(folder, error);
   const std::filesystem::path inside =
@@ -119,32 +119,32 @@ void require_below(const std::filesystem::path& folder, const Stated& file) {
     file.fail("must be a file below " + folder.string());
 }
 
-/// Holds every file that the scene names to the request's folder.
-void require_files_below(const std::filesystem::path& folder, const SceneDescription& scene) {
-  std::vector<const Stated*> named;
-  const auto add = [&named](const std::optional<Stated>& name) {
-    if (name && means_file(name->value)) named.push_back(&*name);
+/// Requires all files that the scene names to be inside the folder of the request.
+void require_files_below(const std::filesystem::path& folder, const SceneFile& scene) {
+  std::vector<const LocatedString*> named;
+  const auto add = [&named](const std::optional<LocatedString>& name) {
+    if (name && is_path(name->value)) named.push_back(&*name);
   };
   add(scene.organ);
   add(scene.tissue);
-  for (const ToolDescription& tool : scene.tools) {
+  for (const ToolTable& tool : scene.tools) {
     add(tool.mesh);
-    for (const JawDescription& jaw : tool.jaws) named.push_back(&jaw.mesh);
+    for (const JawTable& jaw : tool.jaws) named.push_back(&jaw.mesh);
   }
-  for (const DeviceDescription& device : scene.devices) {
+  for (const DeviceTable& device : scene.devices) {
     const DeviceKind* kind = find_device_kind(device.kind.value);
     const bool is_file = kind == nullptr || kind->path != DevicePath::kAddress;
     if (device.path && is_file) named.push_back(&*device.path);
   }
-  for (const Stated* name : named) require_below(folder, *name);
+  for (const LocatedString* name : named) require_below(folder, *name);
 }
 
-/// The scene file, or the default scene, with the flags laid over it.
-SceneDescription describe(const Request& request) {
-  SceneDescription scene;
+/// The scene file, or the default scene, with the flags applied.
+SceneFile describe(const Overrides& request) {
+  SceneFile scene;
   if (request.scene || request.scene_text) {
     if (request.scene && !request.files_below.empty()) {
-      require_below(request.files_below, Stated{request.scene->string(), "scene", {}});
+      require_below(request.files_below, LocatedString{request.scene->string(), "scene", {}});
     }
     scene = request.scene
                 ? read_scene_file(*request.scene, request.settings)
@@ -159,11 +159,11 @@ SceneDescription describe(const Request& request) {
   if (request.device) override_device(*request.device, scene);
   override_numbers(request, scene);
   if (!scene.organ) {
-    throw InputError(fmt::format("{}: missing, must be a built-in organ ({}) or a file", scene.organ_place,
+    throw InputError(fmt::format("{}: missing, must be a built-in organ ({}) or a file", scene.organ_location,
                                  alternatives(geometry::builtin_organ_names())));
   }
   if (scene.tools.empty()) {
-    throw InputError(scene.tool_place + ": missing, must be a built-in tool (" +
+    throw InputError(scene.tool_location + ": missing, must be a built-in tool (" +
                      alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
   }
   if (!request.scene && !request.scene_text) {
@@ -173,51 +173,50 @@ SceneDescription describe(const Request& request) {
   return scene;
 }
 
-void load_organ(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
-  const Stated& organ = *scene.organ;
+void load_organ(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
+  const LocatedString& organ = *scene.organ;
   setup.organ_name = organ.value;
-  if (means_file(organ.value)) {
+  if (is_path(organ.value)) {
     setup.organ = read_organ_source(organ, scene.organ_unit, notes);
     return;
   }
   const std::vector<std::string>& known = geometry::builtin_organ_names();
   if (std::find(known.begin(), known.end(), organ.value) == known.end()) {
     const std::string near = nearest_word(organ.value, known);
-    organ.fail(fmt::format("must be {}, or a file (with a / or an ending such as .stl){}",
+    organ.fail(fmt::format("must be {}, or a file (with a / or an extension such as .stl){}",
                            alternatives(known), near.empty() ? "" : "; did you mean " + near + "?"));
   }
   setup.organ = geometry::make_organ(organ.value);
 }
 
-/// The tissue asked for; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
-model::TissueParameters find_tissue(const SceneDescription& scene) {
+/// The requested tissue; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
+model::TissueParameters find_tissue(const SceneFile& scene) {
   if (scene.tissue) {
     try {
-      return load_tissue(means_file(scene.tissue->value) ? scene.tissue->file().string()
-                                                         : scene.tissue->value);
+      return load_tissue(is_path(scene.tissue->value) ? scene.tissue->file().string() : scene.tissue->value);
     } catch (const InputError& error) {
       throw InputError(scene.tissue->where + ": " + error.what());
     }
   }
-  if (!means_file(scene.organ->value)) {
+  if (!is_path(scene.organ->value)) {
     try {
       return model::tissue_preset(scene.organ->value.substr(0, scene.organ->value.find('-')));
-    } catch (const InputError&) {  // an organ without a tissue of its own, such as the box
+    } catch (const InputError&) {  // an organ without its own tissue, such as the box
     }
   }
   return model::tissue_preset(scene.task == Task::kPull ? "heart" : "gallbladder");
 }
 
-const DeviceKind& check_device_kind(const Stated& kind) {
+const DeviceKind& check_device_kind(const LocatedString& kind) {
   if (const DeviceKind* found = find_device_kind(kind.value)) return *found;
   std::vector<std::string> names;
   for (const DeviceKind& known : device_kinds()) {
-    if (known.name != "host") names.emplace_back(known.name);  // no run can open that one
+    if (known.name != "host") names.emplace_back(known.name);  // no run can open the host's device
   }
   kind.fail("must be " + alternatives(names));
 }
 
-void check_tool_path(const Stated& path, const std::filesystem::path& file, Task task) {
+void check_tool_path(const LocatedString& path, const std::filesystem::path& file, Task task) {
   try {
     const ToolPath read = read_tool_path(file);
     if (task == Task::kPull && !read.has_gripper()) {
@@ -228,9 +227,9 @@ void check_tool_path(const Stated& path, const std::filesystem::path& file, Task
   }
 }
 
-/// Opening a library runs its code, so that only the person who starts the program may name one: no scene,
-/// wherever it comes from, and nothing that a file of the current folder could stand in for.
-void check_library(const Stated& path) {
+/// Loading a library runs its code. So only the person who starts the program may name one: no scene may, and
+/// no relative path, which a file of the current folder could replace.
+void check_library(const LocatedString& path) {
   if (!path.by_flag) {
     path.fail(
         "must be left out: a scene may not name a library; link it into ~/.config/palpate, or give its "
@@ -239,8 +238,8 @@ void check_library(const Stated& path) {
   if (!path.file().is_absolute()) path.fail("must be an absolute path, such as /opt/vendor/lib/libdhd.so.3");
 }
 
-/// Checks what a device would read at its opening. @return its path, resolved; empty: none given.
-std::string check_device_path(const DeviceDescription& device, const DeviceKind& kind, Task task) {
+/// Checks the files that a device reads when it is opened. @return its resolved path; empty if none is given
+std::string check_device_path(const DeviceTable& device, const DeviceKind& kind, Task task) {
   if (!device.path) {
     if (kind.path == DevicePath::kRecording) device.kind.fail("needs the path of a recording beside it");
     return {};
@@ -258,19 +257,19 @@ std::string check_device_path(const DeviceDescription& device, const DeviceKind&
   return file.string();
 }
 
-void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
+void load_hands(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
   const std::size_t hands = scene.tools.size();
   if (hands > kMaxHands) {
     throw InputError(
-        fmt::format("{}: there are {} tools, must be at most {}", scene.tool_place, hands, kMaxHands));
+        fmt::format("{}: there are {} tools, must be at most {}", scene.tool_location, hands, kMaxHands));
   }
-  std::vector<DeviceDescription> devices = scene.devices;
+  std::vector<DeviceTable> devices = scene.devices;
   if (devices.empty()) devices.resize(hands);
   if (devices.size() != hands) {
-    throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one a tool",
+    throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one per tool",
                                  devices.front().kind.where, devices.size(), hands));
   }
-  for (const DeviceDescription& device : devices) {
+  for (const DeviceTable& device : devices) {
     const DeviceKind& kind = check_device_kind(device.kind);
     DeviceSetup& made = setup.devices.emplace_back(device.setup);
     made.kind = kind.name;
@@ -280,40 +279,40 @@ void load_hands(const SceneDescription& scene, Setup& setup, MeshNotes& notes) {
     if (kind.path != DevicePath::kToolPath || made.path.empty())
       made.interpolation = PathInterpolation::kLinear;
   }
-  for (const ToolDescription& tool : scene.tools) setup.tools.push_back(load_instrument(tool, notes));
+  for (const ToolTable& tool : scene.tools) setup.tools.push_back(load_instrument(tool, notes));
 }
 
-void set_noise(const SceneDescription& scene, Setup& setup) {
+void set_noise(const SceneFile& scene, Scene& setup) {
   setup.noise = scene.noise;
   setup.noise.seed = scene.seed;
   if (setup.noise.rate_Hz <= scene.rate_Hz) return;
-  if (!scene.noise_rate_place.empty()) {
-    throw InputError(fmt::format("{} = {}: must be at most the loop's rate, {} Hz", scene.noise_rate_place,
+  if (!scene.noise_rate_location.empty()) {
+    throw InputError(fmt::format("{} = {}: must be at most the loop's rate, {} Hz", scene.noise_rate_location,
                                  shortest(setup.noise.rate_Hz), shortest(scene.rate_Hz)));
   }
   setup.noise.rate_Hz = scene.rate_Hz;
 }
 
-void add_source(const Stated& stated, Setup& setup) {
-  if (means_file(stated.value)) setup.files.push_back({stated.where, stated.file()});
+void add_source(const LocatedString& stated, Scene& setup) {
+  if (is_path(stated.value)) setup.files.push_back({stated.where, stated.file()});
 }
 
-void add_mesh_source(const Stated& stated, Setup& setup) {
+void add_mesh_source(const LocatedString& stated, Scene& setup) {
   add_source(stated, setup);
-  if (!means_file(stated.value)) return;
+  if (!is_path(stated.value)) return;
   for (const std::filesystem::path& buffer : geometry::gltf_buffer_files(stated.file())) {
     setup.files.push_back({"a buffer of " + stated.where, buffer});
   }
 }
 
-/// All files that were read.
-void add_sources(const Request& request, const SceneDescription& scene, Setup& setup) {
+/// Lists all files that were read.
+void add_sources(const Overrides& request, const SceneFile& scene, Scene& setup) {
   if (request.scene) setup.files.push_back({"the scene", *request.scene});
   if (scene.tissue) add_source(*scene.tissue, setup);
   if (scene.organ) add_mesh_source(*scene.organ, setup);
-  for (const ToolDescription& tool : scene.tools) {
+  for (const ToolTable& tool : scene.tools) {
     if (tool.mesh) add_mesh_source(*tool.mesh, setup);
-    for (const JawDescription& jaw : tool.jaws) add_mesh_source(jaw.mesh, setup);
+    for (const JawTable& jaw : tool.jaws) add_mesh_source(jaw.mesh, setup);
   }
   for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
     const DevicePath kind = find_device_kind(setup.devices[hand].kind)->path;
@@ -324,10 +323,10 @@ void add_sources(const Request& request, const SceneDescription& scene, Setup& s
 
 }  // namespace
 
-Setup load(const Request& request) {
-  const SceneDescription scene = describe(request);
+Scene load(const Overrides& request) {
+  const SceneFile scene = describe(request);
   if (!request.files_below.empty()) require_files_below(request.files_below, scene);
-  Setup setup;
+  Scene setup;
   setup.name = scene.name;
   setup.task = scene.task;
   setup.rate_Hz = scene.rate_Hz;

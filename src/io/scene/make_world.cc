@@ -13,7 +13,7 @@
 namespace palpate::scene {
 namespace {
 
-haptics::GateLimits gate_limits(const Setup& setup) {
+haptics::GateLimits gate_limits(const Scene& setup) {
   const SafetySetup& safety = setup.safety;
   const double period = 1.0 / setup.rate_Hz;
   haptics::GateLimits limits{safety.max_force, safety.max_slew * period, safety.max_torque,
@@ -24,7 +24,7 @@ haptics::GateLimits gate_limits(const Setup& setup) {
   return limits;
 }
 
-haptics::StabilityCheck stability_of(const Setup& setup, const DeviceSetup& device,
+haptics::StabilityCheck stability_of(const Scene& setup, const DeviceSetup& device,
                                      const model::TissueParameters& tissue,
                                      const haptics::DeviceMechanics& mechanics) {
   const auto direction = setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
@@ -34,8 +34,8 @@ haptics::StabilityCheck stability_of(const Setup& setup, const DeviceSetup& devi
 
 std::string rounded(double value) { return brief(value, 3); }
 
-/// A warning when the tissue is stiffer than the device can render; empty when it is not, or not known.
-std::string too_stiff(const Setup& setup, const DeviceSetup& device, const model::TissueParameters& tissue) {
+/// A warning when the tissue is stiffer than the device can render; empty when it is not, or that is unknown.
+std::string too_stiff(const Scene& setup, const DeviceSetup& device, const model::TissueParameters& tissue) {
   const haptics::DeviceAbilities& able = device.abilities;
   const double stiffness = stability_of(setup, device, tissue, {}).stiffness;
   if (!(stiffness > able.max_stiffness)) return {};
@@ -49,7 +49,7 @@ std::string too_stiff(const Setup& setup, const DeviceSetup& device, const model
          ": it may tremble there; --fit-device scales the force to what it bears";
 }
 
-std::vector<haptics::WorkspaceMapping> mappings_of(const Setup& setup) {
+std::vector<haptics::WorkspaceMapping> mappings_of(const Scene& setup) {
   std::vector<haptics::WorkspaceMapping> mappings;
   for (const DeviceSetup& device : setup.devices) {
     const DeviceKind* kind = find_device_kind(device.kind);
@@ -65,11 +65,11 @@ std::vector<haptics::WorkspaceMapping> mappings_of(const Setup& setup) {
 
 }  // namespace
 
-model::OrganMotion organ_motion_of(const Setup& setup) {
+model::OrganMotion organ_motion_of(const Scene& setup) {
   return {setup.organ_motion, geometry::bounds(setup.organ).middle()};
 }
 
-haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparation& how) {
+haptics::SimulationWorld make_world(const Scene& setup, const contact::Preparation& how) {
   if (setup.tools.empty() || setup.tools.size() != setup.devices.size()) {
     throw InputError("scene: " + std::to_string(setup.tools.size()) + " tools and " +
                      std::to_string(setup.devices.size()) + " devices; there must be one of each a hand");
@@ -78,7 +78,7 @@ haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparati
   noise::NoiseSettings noise = setup.noise;
   noise.seed = setup.seed;
   const haptics::GateLimits limits = gate_limits(setup);
-  noise::validate(noise, setup.rate_Hz, limits.most_sigma());
+  noise::validate(noise, setup.rate_Hz, limits.max_sigma());
   haptics::SimulationWorld world{
       .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how),
       .noise = noise::TouchNoise(noise, setup.rate_Hz),
@@ -91,7 +91,7 @@ haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparati
   return world;
 }
 
-std::vector<std::string> follow_devices(Setup& setup, haptics::SimulationWorld& world) {
+std::vector<std::string> apply_device_abilities(Scene& setup, haptics::SimulationWorld& world) {
   std::vector<std::string> remarks;
   for (DeviceSetup& device : setup.devices) {
     const haptics::DeviceAbilities& able = device.abilities;
@@ -117,15 +117,15 @@ std::vector<std::string> follow_devices(Setup& setup, haptics::SimulationWorld& 
   }
   world.limits = gate_limits(setup);
   world.mappings = mappings_of(setup);
-  noise::validate(world.noise.settings(), setup.rate_Hz, world.limits.most_sigma());
+  noise::validate(world.noise.settings(), setup.rate_Hz, world.limits.max_sigma());
   return remarks;
 }
 
-std::vector<std::string> stability_remarks(const Setup& setup) {
+std::vector<std::string> stability_remarks(const Scene& setup) {
   return stability_remarks(setup, setup.tissue);
 }
 
-std::vector<std::string> radius_remarks(const Setup& setup, const haptics::SimulationWorld& world) {
+std::vector<std::string> radius_remarks(const Scene& setup, const haptics::SimulationWorld& world) {
   std::vector<std::string> remarks;
   if (!setup.tissue.source || !(setup.tissue.source->radius > 0.0)) return remarks;
   const double fitted = setup.tissue.source->radius;
@@ -140,14 +140,14 @@ std::vector<std::string> radius_remarks(const Setup& setup, const haptics::Simul
   return remarks;
 }
 
-std::unique_ptr<haptics::LiveChanges> live_changes(const Setup& setup,
-                                                   const haptics::SimulationWorld& world) {
-  return std::make_unique<haptics::LiveChanges>(
+std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(const Scene& setup,
+                                                                  const haptics::SimulationWorld& world) {
+  return std::make_unique<haptics::ParameterUpdates>(
       world, setup.tissue,
       [&setup](const model::TissueParameters& tissue) { return stability_remarks(setup, tissue); });
 }
 
-std::vector<std::string> stability_remarks(const Setup& setup, const model::TissueParameters& tissue) {
+std::vector<std::string> stability_remarks(const Scene& setup, const model::TissueParameters& tissue) {
   std::vector<std::string> remarks;
   for (const DeviceSetup& device : setup.devices) {
     const DeviceKind* kind = find_device_kind(device.kind);

@@ -4,40 +4,39 @@
 #include <vector>
 
 #include "core/haptics/simulation.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/scene.h"
 
 namespace palpate::scene {
 
-/// [setup] Builds what a tick needs from a resolved scene. @param how as for contact::World.
-/// @throws InputError, ParameterError.
-[[nodiscard]] haptics::SimulationWorld make_world(const Setup& setup, const contact::Preparation& how = {});
+/// [setup] Builds the world of a tick from a loaded scene. @param how as for contact::World @throws
+/// InputError, ParameterError.
+[[nodiscard]] haptics::SimulationWorld make_world(const Scene& setup, const contact::Preparation& how = {});
 
-/// [setup] Lets a scene follow what its devices bear (DeviceSetup::abilities, of devices that are open): the
-/// limits of force and torque and, where DeviceSetup::fit is set, the scale of the force; in the setup, which
-/// is what a recording keeps, and in its world. @return what was changed, in words
-[[nodiscard]] std::vector<std::string> follow_devices(Setup& setup, haptics::SimulationWorld& world);
+/// [setup] Adapts the scene to the abilities of its opened devices (DeviceSetup::abilities): the limits of
+/// force and torque, and the force scale where DeviceSetup::fit is set. Changes the setup, which a recording
+/// stores, and its world. @return a sentence for each change
+[[nodiscard]] std::vector<std::string> apply_device_abilities(Scene& setup, haptics::SimulationWorld& world);
 
-/// [setup] The organ's motion, with rotations about the middle of its bounding box. @throws ParameterError.
-[[nodiscard]] model::OrganMotion organ_motion_of(const Setup& setup);
+/// [setup] The organ's motion; it rotates about the centre of its bounding box. @throws ParameterError.
+[[nodiscard]] model::OrganMotion organ_motion_of(const Scene& setup);
 
-/// [setup] What the stability check (haptics/stability.h) says of every held device of a scene, in words:
-/// what is short, or that the device's mechanics are not known. Empty: nothing to say. @throws
-/// ParameterError.
-[[nodiscard]] std::vector<std::string> stability_remarks(const Setup& setup);
+/// [setup] Warnings of the stability check (haptics/stability.h) for all held devices: the condition that
+/// fails, or that the device's mechanics are unknown. Empty: no warning. @throws ParameterError.
+[[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup);
 
-/// [setup] The same of another tissue in this scene.
-[[nodiscard]] std::vector<std::string> stability_remarks(const Setup& setup,
+/// [setup] stability_remarks() of this scene with another tissue.
+[[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup,
                                                          const model::TissueParameters& tissue);
 
-/// [setup] Of each hand whose tool's tip is more than twofold larger or smaller than the indenter that the
-/// tissue was fitted with: that the force may be wrong, in words. F(D) knows nothing of the tool's size.
-[[nodiscard]] std::vector<std::string> radius_remarks(const Setup& setup,
+/// [setup] Warns that the force may be wrong for each hand whose tool tip has more than twice, or less than
+/// half, the radius of the indenter that the tissue was fitted with. F(D) does not depend on the tool's size.
+[[nodiscard]] std::vector<std::string> radius_remarks(const Scene& setup,
                                                       const haptics::SimulationWorld& world);
 
-/// [setup] What hands changes of tissue and noise to a run of this scene, warning as stability_remarks()
-/// does. @param setup, world outlive it
-[[nodiscard]] std::unique_ptr<haptics::LiveChanges> live_changes(const Setup& setup,
-                                                                 const haptics::SimulationWorld& world);
+/// [setup] The object that gives updates of tissue and noise to a run of this scene; it warns like
+/// stability_remarks(). @param setup, world must outlive it
+[[nodiscard]] std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(
+    const Scene& setup, const haptics::SimulationWorld& world);
 
 }  // namespace palpate::scene

@@ -8,9 +8,8 @@
 namespace palpate::scene {
 namespace {
 
-/// The field or flag that would have given the unit: "tool.jaw.mesh" -> "tool.unit", "--organ" ->
-/// "--organ-unit".
-std::string unit_field(const Stated& mesh) {
+/// The field or flag that gives a mesh's unit: "tool.jaw.mesh" -> "tool.unit", "--organ" -> "--organ-unit".
+std::string unit_field(const LocatedString& mesh) {
   if (mesh.by_flag) return mesh.where + "-unit";
   return mesh.where.find(": organ.") != std::string::npos ? "organ.unit" : "tool.unit";
 }
@@ -25,7 +24,7 @@ void note(const geometry::MeshFindings& findings, const std::string& file, MeshN
 }
 
 template <typename Read>
-geometry::LoadedMesh naming_place(const Stated& mesh, const Read& read) {
+geometry::LoadedMesh with_location(const LocatedString& mesh, const Read& read) {
   try {
     return read();
   } catch (const InputError& error) {
@@ -33,24 +32,24 @@ geometry::LoadedMesh naming_place(const Stated& mesh, const Read& read) {
   }
 }
 
-void require_unit(const Stated& mesh, const std::optional<LengthUnit>& unit) {
+void require_unit(const LocatedString& mesh, const std::optional<LengthUnit>& unit) {
   if (!unit) mesh.fail("its unit is missing, give " + unit_field(mesh) + ": mm, cm, m or in");
 }
 
 }  // namespace
 
-geometry::LoadedMesh read_part_source(const Stated& mesh, const std::optional<LengthUnit>& unit,
+geometry::LoadedMesh read_part_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
                                       MeshNotes& notes) {
   require_unit(mesh, unit);
-  geometry::LoadedMesh loaded = naming_place(mesh, [&] { return geometry::read_mesh(mesh.file(), unit); });
+  geometry::LoadedMesh loaded = with_location(mesh, [&] { return geometry::read_mesh(mesh.file(), unit); });
   note(loaded.findings, mesh.value, notes);
   return loaded;
 }
 
-geometry::TriangleMesh read_organ_source(const Stated& mesh, const std::optional<LengthUnit>& unit,
+geometry::TriangleMesh read_organ_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
                                          MeshNotes& notes) {
   require_unit(mesh, unit);
-  geometry::LoadedMesh loaded = naming_place(
+  geometry::LoadedMesh loaded = with_location(
       mesh, [&] { return geometry::repair_organ(geometry::read_mesh(mesh.file(), unit), mesh.value); });
   note(loaded.findings, mesh.value, notes);
   return std::move(loaded.mesh);

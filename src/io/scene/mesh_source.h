@@ -9,20 +9,20 @@
 
 namespace palpate::scene {
 
-/// What is to be told of mesh files, a sentence each, beginning with the file.
+/// Messages about mesh files; each is a sentence that begins with the file's name.
 struct MeshNotes {
-  std::vector<std::string> repairs;  // what was done
-  std::vector<std::string> remarks;  // what is wrong and was left
+  std::vector<std::string> repairs;  // repairs that were made
+  std::vector<std::string> remarks;  // defects that remain
 };
 
-/// [setup] Reads the mesh file of an instrument's part that a user named, to be used as it is.
-/// @throws InputError naming the field or flag, also when the unit is missing.
-[[nodiscard]] geometry::LoadedMesh read_part_source(const Stated& mesh, const std::optional<LengthUnit>& unit,
-                                                    MeshNotes& notes);
+/// [setup] Reads the mesh file of an instrument's part, without repair. @throws InputError naming the field
+/// or flag, also when the unit is missing.
+[[nodiscard]] geometry::LoadedMesh read_part_source(const LocatedString& mesh,
+                                                    const std::optional<LengthUnit>& unit, MeshNotes& notes);
 
-/// [setup] Reads the mesh file of an organ that a user named and repairs it. @throws InputError as above, and
-/// when it cannot be an organ.
-[[nodiscard]] geometry::TriangleMesh read_organ_source(const Stated& mesh,
+/// [setup] Reads and repairs an organ's mesh file. @throws InputError naming the field or flag, also when the
+/// unit is missing or the mesh cannot be an organ.
+[[nodiscard]] geometry::TriangleMesh read_organ_source(const LocatedString& mesh,
                                                        const std::optional<LengthUnit>& unit,
                                                        MeshNotes& notes);
 

@@ -7,8 +7,8 @@
 
 namespace palpate::scene {
 
-bool means_file(std::string_view text) {
-  // Endings that other files have, or that no reader takes: an error then names them.
+bool is_path(std::string_view text) {
+  // Extensions of other files, and of formats without a reader: the error message then names the file.
   static constexpr std::array<std::string_view, 7> kEndings = {".toml", ".csv", ".h5", ".hdf5",
                                                                ".dae",  ".vtp", ".vtu"};
   if (text.find('/') != std::string_view::npos || geometry::is_mesh_file(text)) return true;

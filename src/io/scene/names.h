@@ -6,9 +6,9 @@
 
 namespace palpate::scene {
 
-/// [setup] Whether a user's text means a file: it has a '/' or a known ending (.toml, .stl, .csv, ...);
-/// otherwise it is a built-in name.
-[[nodiscard]] bool means_file(std::string_view text);
+/// [setup] Whether a user's text is a path: it has a '/' or the extension of a file format (.toml, .stl,
+/// .csv, ...). Otherwise it is a built-in name.
+[[nodiscard]] bool is_path(std::string_view text);
 
 /// [setup] "a, b or c", for messages.
 [[nodiscard]] std::string alternatives(std::span<const std::string> words);

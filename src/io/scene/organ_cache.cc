@@ -21,7 +21,7 @@ constexpr const char* kEnding = ".organ";
 constexpr std::uint64_t kMostCached = std::uint64_t{1}
                                       << 30;  // bytes: about ten organs of a million triangles
 
-/// Whether a refined surface is finite and within the box of the organ that it was made from.
+/// Whether a refined surface is finite and inside the bounding box of the organ that it was made from.
 bool lies_within(const geometry::TriangleMesh& refined, const geometry::TriangleMesh& organ) {
   const geometry::Bounds box = geometry::bounds(organ);
   const double rounding = 1e-9 * box.size().norm();
@@ -49,18 +49,20 @@ class OrganCache final {
     std::optional<OrganArrays> arrays = reader ? get(*reader) : std::nullopt;
     if (arrays && !lies_within(arrays->mesh, organ)) arrays.reset();
     if (!arrays) {
-      report("the cached organ is damaged, of another version or open to other users, and is made anew: " +
-             file.string());
+      report(
+          "the cached organ is damaged, of another version or open to other users, and is computed again: " +
+          file.string());
       return std::nullopt;
     }
     report("prepared organ taken from the cache: " + file.string());
-    fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used last are kept longest
+    fs::last_write_time(file, fs::file_time_type::clock::now(),
+                        error);  // the least recently used files are removed first
     return arrays;
   }
 
   void store(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays) const {
     const ContentHash key = contact::organ_key(organ, reference_radius);
-    if (!make_own_folder(folder_)) {
+    if (!make_private_folder(folder_)) {
       report("the prepared organ could not be kept in " + folder_.string());
       return;
     }
@@ -94,16 +96,16 @@ bool all_within(const std::vector<std::int32_t>& list, std::int32_t lowest, std:
                      [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
 }
 
-/// Whether no normal is longer than a unit vector, as far as its rounding goes.
+/// Whether no normal is longer than a unit vector, within rounding.
 bool none_longer_than_one(const std::vector<Vec3>& normals) {
   constexpr double kRounding = 1e-6;
   return std::all_of(normals.begin(), normals.end(), [](const Vec3& normal) {
-    return normal.squaredNorm() <= 1.0 + kRounding;  // false of NaN
+    return normal.squaredNorm() <= 1.0 + kRounding;  // false for NaN
   });
 }
 
-/// Whether every index leads somewhere and every number can be one: a file may be whole and yet not be what
-/// this code wrote.
+/// Whether all indices are in range and all numbers are possible. A file with a valid checksum may still have
+/// been written by other code.
 bool hangs_together(const OrganArrays& arrays) {
   const std::size_t triangles = arrays.mesh.triangles.size();
   const std::vector<std::int32_t>& start = arrays.sharp_start;
@@ -131,7 +133,7 @@ void use_organ_cache(contact::Preparation& how, fs::path folder,
                      std::function<void(const std::string&)> remark,
                      const std::function<void(const std::string&)>& distrusted) {
   if (folder.empty()) return;
-  if (const std::string why = why_not_trusted(folder); !why.empty()) {
+  if (const std::string why = distrust_reason(folder); !why.empty()) {
     if (distrusted) distrusted("the cache of prepared organs is not used: " + why);
     return;
   }

@@ -9,17 +9,18 @@
 
 namespace palpate::scene {
 
-/// [setup] Lets `how` take prepared organs from files of this folder, and keep them there; empty: no cache. A
-/// folder or file that cannot be read or written is no error. @param remark called once an organ with whether
-/// the cache had it and, if not, why; for a log @param distrusted called at once with the reason when the
-/// folder is not used because other users own it or may write to it
+/// [setup] Makes `how` read prepared organs from `folder` and write new ones there; an empty path means no
+/// cache. Files that cannot be read or written are no error.
+/// @param remark called once per organ, for a log: whether the cache had it and, if not, why
+/// @param distrusted called immediately, with the reason, when other users own the folder or may write to it;
+/// the folder is then not used
 void use_organ_cache(contact::Preparation& how, std::filesystem::path folder,
                      std::function<void(const std::string&)> remark = {},
                      const std::function<void(const std::string&)>& distrusted = {});
 
-/// [setup] Writes everything but the face normals, which are quicker to compute than to read.
+/// [setup] Writes all arrays except the face normals: computing those is faster than reading them.
 void put(const contact::OrganArrays& arrays, ArrayFileWriter& file);
-/// [setup] What put() wrote; nothing if an array is missing or an index leads outside.
+/// [setup] Reads the arrays that put() wrote; empty when one is missing or an index is out of range.
 [[nodiscard]] std::optional<contact::OrganArrays> get(const ArrayFileReader& file);
 
 }  // namespace palpate::scene

@@ -17,7 +17,7 @@ using model::OrganMotionParameters;
 constexpr Range kDirection{-1e6, 1e6};
 constexpr const char* kKindWanted = "must be breathing, heartbeat or none";
 
-/// Whether `word` is a kind of motion, "none" being one without motion.
+/// Whether `word` is a kind of motion; "none" is valid and leaves `kind` empty.
 bool is_kind(const std::string& word, std::optional<OrganMotionKind>& kind) {
   kind.reset();
   if (word == "none") return true;
@@ -41,7 +41,7 @@ std::optional<OrganMotionParameters> read_one(const TomlTable& table) {
   std::optional<OrganMotionKind> kind;
   if (!is_kind(*word, kind)) table.fail("kind", kKindWanted);
   OrganMotionParameters motion =
-      model::organ_motion_preset(kind.value_or(OrganMotionKind::kBreathing));  // of none: only checked
+      model::organ_motion_preset(kind.value_or(OrganMotionKind::kBreathing));  // "none": only checked
   if (const auto amplitude = table.number("amplitude_mm")) motion.amplitude = *amplitude * kMillimetre;
   if (const auto rotation = table.number("rotation_deg")) motion.rotation = *rotation * kRadiansPerDegree;
   motion.period = table.number("period_s").value_or(motion.period);

@@ -18,7 +18,7 @@ const std::vector<CsvColumn> kColumns = {{"time_s"},    {"x_m"},       {"y_m"},
                                          {"z_m"},       {"qw", false}, {"qx", false},
                                          {"qy", false}, {"qz", false}, {"gripper", false}};
 
-/// Whether the path has rotations: all four numbers of a quaternion.
+/// Whether the path has rotations: all four components of a quaternion.
 bool has_rotations(const CsvTable& table) {
   const bool any = table.has(kQw) || table.has(kQx) || table.has(kQy) || table.has(kQz);
   for (const std::size_t column : {kQw, kQx, kQy, kQz}) {
@@ -30,7 +30,7 @@ bool has_rotations(const CsvTable& table) {
 }
 
 Quat rotation(const CsvTable& table) {
-  constexpr double kShortest = 1e-6;  // below: no direction left to speak of
+  constexpr double kShortest = 1e-6;  // a shorter quaternion has no usable direction
   const Quat q(table.number(kQw), table.number(kQx), table.number(kQy), table.number(kQz));
   const double norm = q.norm();
   if (std::isfinite(norm) && norm > kShortest) {

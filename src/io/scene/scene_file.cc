@@ -11,26 +11,26 @@
 namespace palpate::scene {
 namespace {
 
-constexpr double kMillisecondsPerSecond = 1000.0;  // slew is given a millisecond
+constexpr double kMillisecondsPerSecond = 1000.0;  // slew rates are given per millisecond
 
 constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
 constexpr Range kRotation{-3600.0, 3600.0};  // deg: ten turns
 constexpr std::uint64_t kLastButton = 31;    // of DeviceState::buttons
 
-/// Reads one scene file; holds what every part of it needs.
+/// Reads one scene file.
 class SceneReader final {
  public:
   SceneReader(TomlTable root, std::filesystem::path folder)
       : root_(std::move(root)), folder_(std::move(folder)) {}
 
-  SceneDescription read(const std::string& default_name) {
-    SceneDescription scene;
+  SceneFile read(const std::string& default_name) {
+    SceneFile scene;
     scene.name = default_name;
     root_.allow_only({"scene", "organ", "tool", "path", "device", "noise", "safety"});
     if (auto table = root_.table("scene")) read_scene(*table, scene);
     read_organ(scene);
     for (const TomlTable& table : root_.tables("tool")) scene.tools.push_back(read_tool(table));
-    scene.tool_place = root_.place("tool") + ": tool.mesh";
+    scene.tool_location = root_.location("tool") + ": tool.mesh";
     if (auto table = root_.table("path")) {
       table->allow_only(keys_in("path"));
       scene.path_speed = number_in(*table, "speed").value_or(scene.path_speed);
@@ -42,10 +42,10 @@ class SceneReader final {
   }
 
  private:
-  std::optional<Stated> stated(const TomlTable& table, std::string_view key) const {
+  std::optional<LocatedString> stated(const TomlTable& table, std::string_view key) const {
     const std::optional<std::string> text = table.text(key);
     if (!text) return std::nullopt;
-    return Stated{*text, table.place(key) + ": " + table.field(key), folder_};
+    return LocatedString{*text, table.location(key) + ": " + table.field(key), folder_};
   }
 
   static Pose read_pose(const TomlTable& parent, std::string_view key) {
@@ -62,12 +62,12 @@ class SceneReader final {
   }
 
   std::optional<LengthUnit> read_unit(const TomlTable& table) const {
-    const std::optional<Stated> unit = stated(table, "unit");
+    const std::optional<LocatedString> unit = stated(table, "unit");
     if (!unit) return std::nullopt;
     return parse_unit(*unit);
   }
 
-  void read_scene(const TomlTable& table, SceneDescription& scene) const {
+  void read_scene(const TomlTable& table, SceneFile& scene) const {
     table.allow_only(keys_in("scene"));
     scene.name = table.text("name").value_or(scene.name);
     if (const auto task = stated(table, "task")) scene.task = parse_task(*task);
@@ -75,8 +75,8 @@ class SceneReader final {
     scene.seed = table.whole_number("seed").value_or(scene.seed);
   }
 
-  void read_organ(SceneDescription& scene) {
-    scene.organ_place = root_.place("organ") + ": organ.mesh";
+  void read_organ(SceneFile& scene) {
+    scene.organ_location = root_.location("organ") + ": organ.mesh";
     const std::optional<TomlTable> table = root_.table("organ");
     if (!table) return;
     table->allow_only(keys_in("organ", {"pose", "motion"}));
@@ -87,11 +87,11 @@ class SceneReader final {
     scene.organ_motion = read_organ_motions(*table);
   }
 
-  JawDescription read_jaw(const TomlTable& table) const {
+  JawTable read_jaw(const TomlTable& table) const {
     constexpr double kDefaultOpening = 15.0;  // deg
-    JawDescription jaw;
+    JawTable jaw;
     table.allow_only(keys_in("tool.jaw", {"pivot_mm", "axis"}));
-    std::optional<Stated> mesh = stated(table, "mesh");
+    std::optional<LocatedString> mesh = stated(table, "mesh");
     if (!mesh) table.fail_missing("mesh", "a jaw needs its mesh, a file");
     jaw.mesh = *mesh;
     if (const auto pivot = table.vector("pivot_mm", kPosition)) jaw.pivot = *pivot * kMillimetre;
@@ -103,8 +103,8 @@ class SceneReader final {
     return jaw;
   }
 
-  ToolDescription read_tool(const TomlTable& table) const {
-    ToolDescription tool;
+  ToolTable read_tool(const TomlTable& table) const {
+    ToolTable tool;
     table.allow_only(keys_in("tool", {"mount", "jaw"}));
     tool.mesh = stated(table, "mesh");
     tool.unit = read_unit(table);
@@ -117,11 +117,11 @@ class SceneReader final {
     return tool;
   }
 
-  DeviceDescription read_device(const TomlTable& table) const {
-    DeviceDescription device;
+  DeviceTable read_device(const TomlTable& table) const {
+    DeviceTable device;
     table.allow_only(keys_in("device", {"base", "fault"}));
     if (const auto kind = stated(table, "kind")) device.kind = *kind;
-    if (device.kind.where.empty()) device.kind.where = table.place("kind") + ": " + table.field("kind");
+    if (device.kind.where.empty()) device.kind.where = table.location("kind") + ": " + table.field("kind");
     device.path = stated(table, "path");
     DeviceSetup& setup = device.setup;
     if (const auto name = stated(table, "interpolation")) setup.interpolation = parse_interpolation(*name);
@@ -145,18 +145,17 @@ class SceneReader final {
 
   static double read_gain(const TomlTable& table, double threshold_distance, double default_gain) {
     constexpr double kDefaultShare =
-        0.6;  // of the user's threshold: about where published work finds the best
+        0.6;  // of the user's threshold: near the optimum of published experiments
     const std::optional<double> gain = table.number("gain_N_m");
     const std::optional<double> user_threshold = table.number("user_threshold_N");
     const std::optional<double> share = table.number("share_of_threshold");
-    if (user_threshold && gain)
-      table.fail("gain_N_m", "stands beside user_threshold_N, give only one of them");
+    if (user_threshold && gain) table.fail("gain_N_m", "excludes user_threshold_N, give only one of them");
     if (share && !user_threshold) table.fail("share_of_threshold", "needs user_threshold_N beside it");
     if (!user_threshold) return gain.value_or(default_gain);
     return noise::gain_from_threshold(*user_threshold, share.value_or(kDefaultShare), threshold_distance);
   }
 
-  static void read_noise(const TomlTable& table, SceneDescription& scene) {
+  static void read_noise(const TomlTable& table, SceneFile& scene) {
     noise::NoiseSettings& settings = scene.noise;
     table.allow_only(keys_in("noise"));
     settings.enabled = table.truth("enabled").value_or(settings.enabled);
@@ -165,7 +164,7 @@ class SceneReader final {
     }
     if (const auto rate = number_in(table, "rate_Hz")) {
       settings.rate_Hz = *rate;
-      scene.noise_rate_place = table.place("rate_Hz") + ": " + table.field("rate_Hz");
+      scene.noise_rate_location = table.location("rate_Hz") + ": " + table.field("rate_Hz");
     }
     try {
       settings.gain = read_gain(table, settings.threshold, settings.gain);
@@ -194,22 +193,22 @@ class SceneReader final {
 
 }  // namespace
 
-void Stated::fail(const std::string& want) const {
+void LocatedString::fail(const std::string& want) const {
   throw InputError(fmt::format("{} = \"{}\": {}", where, value, want));
 }
 
-Task parse_task(const Stated& stated) {
+Task parse_task(const LocatedString& stated) {
   if (stated.value == "press") return Task::kPress;
   if (stated.value == "pull") return Task::kPull;
   stated.fail("must be press or pull");
 }
 
-PathInterpolation parse_interpolation(const Stated& stated) {
+PathInterpolation parse_interpolation(const LocatedString& stated) {
   if (const auto known = interpolation_of(stated.value)) return *known;
   stated.fail("must be linear or cubic");
 }
 
-LengthUnit parse_unit(const Stated& stated) {
+LengthUnit parse_unit(const LocatedString& stated) {
   for (const LengthUnit unit :
        {LengthUnit::kMillimetre, LengthUnit::kCentimetre, LengthUnit::kMetre, LengthUnit::kInch}) {
     if (stated.value == to_string(unit)) return unit;
@@ -217,14 +216,14 @@ LengthUnit parse_unit(const Stated& stated) {
   stated.fail("must be mm, cm, m or in");
 }
 
-SceneDescription read_scene_file(const std::filesystem::path& file, std::span<const Setting> settings) {
+SceneFile read_scene_file(const std::filesystem::path& file, std::span<const Setting> settings) {
   TomlFile toml = read_toml(file);
   apply_to_scene(settings, toml.root);
   return SceneReader(TomlTable(toml), file.parent_path()).read(file.stem().string());
 }
 
-SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder,
-                                 std::span<const Setting> settings) {
+SceneFile read_scene_text(const std::string& text, const std::filesystem::path& folder,
+                          std::span<const Setting> settings) {
   TomlFile toml = parse_toml(text, "scene text");
   apply_to_scene(settings, toml.root);
   return SceneReader(TomlTable(toml), folder).read("scene");

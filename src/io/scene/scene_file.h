@@ -14,79 +14,78 @@
 
 namespace palpate::scene {
 
-/// A name or file as a user typed it, with where, so that what is found wrong with it later can be told.
-struct Stated {
+/// A name or file as a user wrote it, with its source for error messages.
+struct LocatedString {
   std::string value;
   std::string where;             // "FILE:LINE: organ.mesh", or a flag: "--organ"
-  std::filesystem::path folder;  // that a relative path starts from
-  bool by_flag = false;          // from the command line or a caller's argument, not from a scene
+  std::filesystem::path folder;  // base of a relative path
+  bool by_flag = false;          // from the command line or a caller's argument, not from a scene file
 
-  /// [setup] The file meant by the value.
+  /// [setup] The value as a path.
   [[nodiscard]] std::filesystem::path file() const { return folder / value; }
-  /// [setup] @throws InputError "where = "value": want".
+  /// [setup] @throws InputError "where = "value": want", always.
   [[noreturn]] void fail(const std::string& want) const;
 };
 
-struct JawDescription {
-  Stated mesh;
+struct JawTable {
+  LocatedString mesh;
   Vec3 pivot = Vec3::Zero();  // m
   Vec3 axis = Vec3::UnitY();  // unit
   double open_angle = 0.0;    // rad
 };
 
-struct ToolDescription {
-  std::optional<Stated> mesh;
+struct ToolTable {
+  std::optional<LocatedString> mesh;
   std::optional<LengthUnit> unit;
   Pose mount;
   std::optional<double> tip_radius;  // m
-  std::vector<JawDescription> jaws;
-  bool jaws_by_flags = false;  // axis and sign of the opening are chosen so that the jaws open apart
+  std::vector<JawTable> jaws;
+  bool jaws_by_flags = false;  // choose the axis and sign of the opening so that the jaws open apart
 };
 
-struct DeviceDescription {
-  Stated kind = {"scripted", "", {}};
-  std::optional<Stated> path;
-  DeviceSetup setup;  // all but kind and path
+struct DeviceTable {
+  LocatedString kind = {"scripted", "", {}};
+  std::optional<LocatedString> path;
+  DeviceSetup setup;  // except kind and path
 };
 
-/// What a scene file says, checked as far as it goes without the files it names. SI.
-struct SceneDescription {
+/// The content of a scene file, checked except for the files that it names. SI units.
+struct SceneFile {
   std::string name;
   Task task = Task::kPress;
   double rate_Hz = 1000.0;
   std::uint64_t seed = 1;
-  std::optional<Stated> organ;
+  std::optional<LocatedString> organ;
   std::optional<LengthUnit> organ_unit;
-  std::optional<Stated> tissue;
+  std::optional<LocatedString> tissue;
   Pose organ_pose;
-  std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ lies still
-  std::vector<ToolDescription> tools;
-  double path_speed = 1.0;  // of every tool path
-  std::vector<DeviceDescription> devices;
-  noise::NoiseSettings noise;    // its seed is not set yet
-  std::string noise_rate_place;  // "FILE:LINE: noise.rate_Hz" when it stands there, else empty
+  std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move
+  std::vector<ToolTable> tools;
+  double path_speed = 1.0;  // factor of all tool paths
+  std::vector<DeviceTable> devices;
+  noise::NoiseSettings noise;       // without its seed
+  std::string noise_rate_location;  // "FILE:LINE: noise.rate_Hz" if the file has that key, else empty
   SafetySetup safety;
-  std::string organ_place;  // "FILE:LINE: organ.mesh", for when it is missing
-  std::string tool_place;
+  std::string organ_location;  // "FILE:LINE: organ.mesh", for the error when it is missing
+  std::string tool_location;
 };
 
-/// [setup] Reads and checks a scene file. @throws InputError: one line, FILE:LINE: field = value: what would
-/// be right; unknown keys too, with the nearest known one. @param settings take
-/// the place of what the file has
-[[nodiscard]] SceneDescription read_scene_file(const std::filesystem::path& file,
-                                               std::span<const Setting> settings = {});
+/// [setup] Reads and checks a scene file. @param settings override the file's values @throws InputError in
+/// one line, "FILE:LINE: field = value: what would be right"; for an unknown key with the nearest valid one.
+[[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& file,
+                                        std::span<const Setting> settings = {});
 
-/// [setup] The same from a text. @param folder that relative paths in it start from
-[[nodiscard]] SceneDescription read_scene_text(const std::string& text, const std::filesystem::path& folder,
-                                               std::span<const Setting> settings = {});
+/// [setup] Reads and checks the text of a scene. @param folder base of relative paths in it
+[[nodiscard]] SceneFile read_scene_text(const std::string& text, const std::filesystem::path& folder,
+                                        std::span<const Setting> settings = {});
 
-/// [setup] "press" or "pull". @throws InputError through `stated`.
-[[nodiscard]] Task parse_task(const Stated& stated);
+/// [setup] "press" or "pull". @throws InputError naming where `stated` was written.
+[[nodiscard]] Task parse_task(const LocatedString& stated);
 
-/// [setup] The unit named by `stated`. @throws InputError through it.
-[[nodiscard]] LengthUnit parse_unit(const Stated& stated);
+/// [setup] The length unit that `stated` names. @throws InputError naming where `stated` was written.
+[[nodiscard]] LengthUnit parse_unit(const LocatedString& stated);
 
-/// [setup] "linear" or "cubic". @throws InputError naming where it stands
-[[nodiscard]] PathInterpolation parse_interpolation(const Stated& stated);
+/// [setup] "linear" or "cubic". @throws InputError naming where `stated` was written.
+[[nodiscard]] PathInterpolation parse_interpolation(const LocatedString& stated);
 
 }  // namespace palpate::scene

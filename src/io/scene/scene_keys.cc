@@ -20,7 +20,7 @@ std::vector<SceneKey> make_keys() {
   constexpr Range kLoopRate{kSlowestRate, kFastestRate};
   constexpr Range kTime{0.0, 1e6};  // s: eleven days
   const auto up_to = [](double most) { return Range{0.0, most, true}; };
-  constexpr double kPerMillisecond = 1000.0;  // slew is given a millisecond
+  constexpr double kPerMillisecond = 1000.0;  // slew rates are given per millisecond
   std::vector<SceneKey> keys = {
       {"scene.name", kText},
       {"scene.task", kText},
@@ -63,10 +63,10 @@ std::vector<SceneKey> make_keys() {
       {"noise.rate_Hz", kNumber, {1e-3, kFastestRate}},
       {"noise.user_threshold_N", kNumber},
       {"noise.share_of_threshold", kNumber},
-      {"safety.max_force_N", kNumber, up_to(SafetySetup::kMostForce)},
-      {"safety.max_slew_N_per_ms", kNumber, up_to(SafetySetup::kMostSlew / kPerMillisecond)},
-      {"safety.max_torque_N_m", kNumber, up_to(SafetySetup::kMostTorque)},
-      {"safety.max_slew_N_m_per_ms", kNumber, up_to(SafetySetup::kMostTorqueSlew / kPerMillisecond)},
+      {"safety.max_force_N", kNumber, up_to(SafetySetup::kMaxForce)},
+      {"safety.max_slew_N_per_ms", kNumber, up_to(SafetySetup::kMaxSlew / kPerMillisecond)},
+      {"safety.max_torque_N_m", kNumber, up_to(SafetySetup::kMaxTorque)},
+      {"safety.max_slew_N_m_per_ms", kNumber, up_to(SafetySetup::kMaxTorqueSlew / kPerMillisecond)},
       {"tissue.law", kText},
   };
   for (const model::TissueField& field : model::kTissueFields) {
@@ -77,7 +77,7 @@ std::vector<SceneKey> make_keys() {
 
 std::string_view last_part(std::string_view path) { return path.substr(path.rfind('.') + 1); }
 
-/// Whether `path` is `text` and then a unit.
+/// Whether `path` is `text` followed by a unit.
 bool is_without_unit(std::string_view text, std::string_view path) {
   constexpr std::string_view kUnits[] = {"mm", "deg", "kg",      "s",         "ms",       "us",        "Hz",
                                          "N",  "N_m", "N_per_m", "N_s_per_m", "N_per_ms", "N_m_per_ms"};
@@ -98,7 +98,7 @@ void set_in(toml::node& node, std::string_view path, const SceneKey& key, const 
     return;
   }
   toml::table* table = node.as_table();
-  if (table == nullptr) return;  // its reader tells what is wrong
+  if (table == nullptr) return;  // its reader reports the error
   const std::size_t dot = path.find('.');
   if (dot != std::string_view::npos) {
     const std::string_view name = path.substr(0, dot);
@@ -134,9 +134,9 @@ void SceneKey::check(const std::string& flag, const std::string& value) const {
     const std::optional<double> number = parse_number(value);
     const bool finite = number && std::isfinite(*number);
     if (tissue != nullptr) {
-      require(finite && tissue->range.contains(*number), tissue->range.in_words());
+      require(finite && tissue->range.contains(*number), tissue->range.to_string());
     } else {
-      require(finite && range.contains(*number), range.in_words());
+      require(finite && range.contains(*number), range.to_string());
     }
   }
   if (type == KeyType::kWhole) require(whole(value).has_value(), "a whole number >= 0");

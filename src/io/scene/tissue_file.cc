@@ -28,15 +28,15 @@ model::RelaxationTerms read_relaxation(const TomlTable& table) {
   for (const TomlTable& entry : table.tables("relaxation")) {
     entry.allow_only({"share", "time_s"});
     model::RelaxationTerm term;
-    term.share = entry.required_number("share", kPositive);
-    term.time = entry.required_number("time_s", kPositive);
-    sum += term.share;
+    term.g = entry.required_number("share", kPositive);
+    term.tau = entry.required_number("time_s", kPositive);
+    sum += term.g;
     if (!(sum < 1.0)) {
       entry.fail("share", "the shares of all terms must sum to less than 1, these to " + shortest(sum));
     }
-    if (terms.size() == model::kMostRelaxationTerms) {
-      entry.fail("share", "one term too many, must be at most " +
-                              std::to_string(model::kMostRelaxationTerms) + " [[tissue.relaxation]]");
+    if (terms.size() == model::kMaxRelaxationTerms) {
+      entry.fail("share", "one term too many, must be at most " + std::to_string(model::kMaxRelaxationTerms) +
+                              " [[tissue.relaxation]]");
     }
     terms.push_back(term);
   }
@@ -51,7 +51,7 @@ std::vector<std::string> keys_of(std::string_view section) {
   return keys;
 }
 
-/// The numbers of [tissue] itself or of a table below it.
+/// The numbers of [tissue] itself, or of a table inside it.
 void read_numbers(const TomlTable& table, std::string_view section, model::TissueNumbers& tissue) {
   for (const model::TissueField& field : model::kTissueFields) {
     if (field.section != section) continue;
@@ -135,8 +135,8 @@ std::string to_toml(const model::TissueParameters& tissue) {
   numbers("");
   for (const model::RelaxationTerm& term : tissue.relaxation) {
     out += "[[tissue.relaxation]]\n";
-    line("share", real(term.share));
-    line("time_s", real(term.time));
+    line("share", real(term.g));
+    line("time_s", real(term.tau));
   }
   for (const model::TissueSection& section : model::kTissueSections) {
     out += "[tissue." + std::string(section.key) + "]\n";
@@ -151,7 +151,7 @@ std::string to_toml(const model::TissueParameters& tissue) {
 }
 
 model::TissueParameters load_tissue(const std::string& name_or_file) {
-  if (means_file(name_or_file)) return read_tissue_file(name_or_file);
+  if (is_path(name_or_file)) return read_tissue_file(name_or_file);
   return model::tissue_preset(name_or_file);
 }
 

@@ -13,7 +13,7 @@
 namespace palpate::scene {
 namespace {
 
-std::string value_in_words(const toml::node& node) {
+std::string value_text(const toml::node& node) {
   constexpr std::size_t kLongest = 80;
   if (const auto* number = node.as_floating_point()) return shortest(number->get());
   if (const auto* text = node.as_string()) return "\"" + one_line(text->get()) + "\"";
@@ -30,7 +30,8 @@ std::optional<double> as_number(const toml::node& node) {
   return std::nullopt;
 }
 
-/// The known key meant: one that goes on after `word` (its unit was left out), else the nearest by spelling.
+/// The valid key that the user probably meant: one that continues `word` (a missing unit), else the nearest
+/// by spelling.
 std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
   const std::string start = std::string(word) + "_";
   const auto longer =
@@ -40,7 +41,7 @@ std::string nearest_key(std::string_view word, const std::vector<std::string>& k
 
 }  // namespace
 
-std::string Range::in_words() const {
+std::string Range::to_string() const {
   if (std::isfinite(low) && std::isfinite(high)) {
     return fmt::format("a number {}{} and <= {}", low_excluded ? "> " : ">= ", shortest(low), shortest(high));
   }
@@ -69,7 +70,7 @@ std::string TomlTable::field(std::string_view key) const {
   return field_.empty() ? std::string(key) : field_ + "." + std::string(key);
 }
 
-std::string TomlTable::place(std::string_view key) const {
+std::string TomlTable::location(std::string_view key) const {
   const toml::node* node = table_->get(key);
   const auto line = node == nullptr ? static_cast<unsigned>(line_) : node->source().begin.line;
   return line > 0 ? fmt::format("{}:{}", file_, line) : file_ + " with --set";
@@ -77,12 +78,12 @@ std::string TomlTable::place(std::string_view key) const {
 
 void TomlTable::fail(std::string_view key, const std::string& want) const {
   const toml::node* node = table_->get(key);
-  const std::string value = node == nullptr ? "" : " = " + value_in_words(*node);
-  throw InputError(fmt::format("{}: {}{}: {}", place(key), field(key), value, want));
+  const std::string value = node == nullptr ? "" : " = " + value_text(*node);
+  throw InputError(fmt::format("{}: {}{}: {}", location(key), field(key), value, want));
 }
 
 void TomlTable::fail_missing(std::string_view key, const std::string& want) const {
-  throw InputError(fmt::format("{}: {}: missing, {}", place(key), field(key), want));
+  throw InputError(fmt::format("{}: {}: missing, {}", location(key), field(key), want));
 }
 
 void TomlTable::fail(const ParameterError& error) const {
@@ -108,13 +109,13 @@ std::optional<double> TomlTable::number(std::string_view key, const Range& range
   const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
   const std::optional<double> value = as_number(*node);
-  if (!value || !std::isfinite(*value) || !range.contains(*value)) fail(key, "must be " + range.in_words());
+  if (!value || !std::isfinite(*value) || !range.contains(*value)) fail(key, "must be " + range.to_string());
   return value;
 }
 
 double TomlTable::required_number(std::string_view key, const Range& range) const {
   const std::optional<double> value = number(key, range);
-  if (!value) fail_missing(key, "must be " + range.in_words());
+  if (!value) fail_missing(key, "must be " + range.to_string());
   return *value;
 }
 
@@ -147,7 +148,7 @@ std::optional<std::string> TomlTable::text(std::string_view key) const {
 std::optional<Vec3> TomlTable::vector(std::string_view key, const Range& range) const {
   const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
-  const std::string want = "must be three numbers [x, y, z], each " + range.in_words();
+  const std::string want = "must be three numbers [x, y, z], each " + range.to_string();
   const auto* array = node->as_array();
   if (array == nullptr || array->size() != 3) fail(key, want);
   Vec3 value = Vec3::Zero();
@@ -189,9 +190,9 @@ void TomlTable::allow_only(const std::vector<std::string>& known) const {
     const std::string_view name = key.str();
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_key(name, known);
-    const std::string hint = near.empty() ? "known are " + alternatives(known) : "did you mean " + near + "?";
+    const std::string hint = near.empty() ? "valid are " + alternatives(known) : "did you mean " + near + "?";
     throw InputError(fmt::format("{}:{}: {} = {}: unknown key, {}", file_, key.source().begin.line,
-                                 field(one_line(std::string(name))), value_in_words(node), hint));
+                                 field(one_line(std::string(name))), value_text(node), hint));
   }
 }
 

@@ -14,7 +14,7 @@
 
 namespace palpate::scene {
 
-/// What a number in a file may be; the ends count unless said.
+/// Valid values of a number in a file; both ends are included unless low_excluded.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -24,7 +24,7 @@ struct Range {
     return (low_excluded ? value > low : value >= low) && value <= high;
   }
   /// [setup] "a finite number > 0", for messages.
-  [[nodiscard]] std::string in_words() const;
+  [[nodiscard]] std::string to_string() const;
 };
 
 inline constexpr Range kAnyNumber{};
@@ -40,25 +40,25 @@ struct TomlFile {
 /// [setup] Reads and parses a file. @throws InputError naming the file (and the line).
 [[nodiscard]] TomlFile read_toml(const std::filesystem::path& file);
 
-/// [setup] Parses a text. @param name for messages, in place of a file's @throws InputError naming the line.
+/// [setup] Parses a text. @param name used in messages as the file's name @throws InputError naming the line.
 [[nodiscard]] TomlFile parse_toml(const std::string& text, const std::string& name);
 
 /// One table of a TOML file, read key by key. Every error is one line, FILE:LINE: field = value: what would
 /// be right. All functions are [setup] and throw InputError.
 class TomlTable final {
  public:
-  /// @param field the table's name with its path ("tool.jaw"), empty for the root
+  /// @param field the table's path ("tool.jaw"), empty for the root
   TomlTable(std::string file, std::string field, const toml::table& table, int line);
-  /// The root of a file.
+  /// The root table of a file.
   explicit TomlTable(const TomlFile& file) : TomlTable(file.name, "", file.root, 1) {}
 
-  /// Call before reading. @throws InputError at the first key that is not one of `known`, with the nearest
-  /// one.
+  /// Call before reading. @throws InputError at the first key that is not in `known`, with the nearest valid
+  /// key.
   void allow_only(const std::vector<std::string>& known) const;
 
-  /// Whether the key stands there, with whatever value.
+  /// Whether the table has the key, with any value.
   [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
-  /// A finite number (an integer will do).
+  /// A finite number; integers are accepted.
   [[nodiscard]] std::optional<double> number(std::string_view key, const Range& range = kAnyNumber) const;
   [[nodiscard]] double required_number(std::string_view key, const Range& range = kAnyNumber) const;
   [[nodiscard]] std::optional<std::uint64_t> whole_number(std::string_view key) const;
@@ -68,21 +68,21 @@ class TomlTable final {
   /// Three finite numbers, each within `range`.
   [[nodiscard]] std::optional<Vec3> vector(std::string_view key, const Range& range = kAnyNumber) const;
   [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
-  /// A table, or an array of tables; empty when the key is absent.
+  /// A table, or an array of tables; empty when the key is missing.
   [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
 
-  /// "FILE:LINE: field = value: want", at `key`'s own line.
+  /// @throws InputError "FILE:LINE: field = value: want", with the key's line.
   [[noreturn]] void fail(std::string_view key, const std::string& want) const;
-  /// "FILE:LINE: field: missing; want", at the table's line.
+  /// @throws InputError "FILE:LINE: field: missing, want", with the table's line.
   [[noreturn]] void fail_missing(std::string_view key, const std::string& want) const;
 
-  /// "FILE:LINE" of a key (of the table when the key is absent); "FILE with --set" of one that a Setting put
-  /// there.
-  [[nodiscard]] std::string place(std::string_view key) const;
-  /// "table.key".
+  /// "FILE:LINE" of a key, or of the table when the key is missing; "FILE with --set" for a key that a
+  /// Setting added.
+  [[nodiscard]] std::string location(std::string_view key) const;
+  /// The key with its table's path, "tool.jaw.pivot_mm".
   [[nodiscard]] std::string field(std::string_view key) const;
-  /// A library's complaint about a field of this table (dotted for a table inside it), at that field's line
-  /// and with the value as it stands in the file.
+  /// @throws InputError for a ParameterError about a field of this table (dotted for a table inside it), with
+  /// that field's line and its value in the file.
   [[noreturn]] void fail(const ParameterError& error) const;
 
  private:

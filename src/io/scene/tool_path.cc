@@ -11,9 +11,9 @@
 namespace palpate::scene {
 namespace {
 
-/// Slopes of a piecewise cubic that never goes beyond two neighbouring rows, coordinate by coordinate: zero
-/// where a coordinate turns back, else the weighted harmonic mean of the pieces' slopes [Fritsch and Butland
-/// 1984]. At both ends zero, as outside the path.
+/// Slopes of a monotone piecewise cubic per coordinate, which never overshoots two neighbouring rows: zero at
+/// a coordinate's turning point, else the weighted harmonic mean of the adjacent slopes [Fritsch and Butland
+/// 1984]. Zero at both ends, as outside the path.
 std::vector<Vec3> monotone_slopes(const std::vector<PathRow>& rows) {
   std::vector<Vec3> slopes(rows.size(), Vec3::Zero());
   for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
@@ -63,8 +63,7 @@ ToolPath::ToolPath(std::vector<PathRow> rows, bool has_gripper, PathInterpolatio
 }
 
 std::size_t ToolPath::row_before(double time) const noexcept {
-  // Most paths have their rows evenly in time: then the row is where it should be, or by rounding the one
-  // after.
+  // Most paths have evenly spaced rows. Then the row is the computed one, or by rounding the next.
   const double place = (time - rows_.front().time) * rows_per_second_;
   const std::size_t last = rows_.size() - 1;
   std::size_t i = place < static_cast<double>(last) ? static_cast<std::size_t>(place) : last;
@@ -98,7 +97,7 @@ PathRow ToolPath::at(double time) const noexcept {
     row = a;
     if (u > 0.0) {
       row.position = (1.0 - u) * a.position + u * b.position;
-      if (!slopes_.empty()) {  // Hermite's cubic, as what it adds to the straight line
+      if (!slopes_.empty()) {  // cubic Hermite interpolation, as a correction of the straight line
         const Vec3 chord = b.position - a.position;
         const double period = b.time - a.time;
         row.position += u * (1.0 - u) *

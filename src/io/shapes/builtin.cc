@@ -21,10 +21,10 @@ namespace {
 constexpr std::string_view kSphere = "sphere:";
 constexpr int kSphereTriangles = 1280;
 constexpr double kBallRadius = 0.03;       // [m]
-constexpr double kBoxEdge = 0.005;         // [m] longest edge of the box's squares
+constexpr double kBoxEdge = 0.005;         // [m] longest edge of the squares on the box
 const Vec3 kBoxSize(0.060, 0.060, 0.040);  // [m]
 
-/// All `stems` with each ending, the plain names first and `more` behind those.
+/// The names `stems`, then `more`, then all `stems` with each resolution's suffix.
 std::vector<std::string> with_endings(const std::vector<std::string>& stems,
                                       const std::vector<std::string>& more) {
   std::vector<std::string> names = stems;
@@ -42,7 +42,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 [[noreturn]] void unknown(const std::string& kind, const std::string& name,
                           const std::vector<std::string>& names, const std::string& more) {
   const std::string near = nearest_word(name, names);
-  throw InputError(fmt::format("unknown {} \"{}\"{} (built in: {}{}; a file needs a / or a known ending)",
+  throw InputError(fmt::format("unknown {} \"{}\"{} (built in: {}{}; a file needs a / or a known extension)",
                                kind, name, near.empty() ? "" : ", did you mean " + near + "?", joined(names),
                                more));
 }
@@ -63,9 +63,9 @@ Tool sphere(const std::string& name) {
   return tool;
 }
 
-/// Two jaws and the shaft, which both kinds of forceps share.
+/// Two jaws and the shaft, for both kinds of forceps.
 Tool forceps(const std::string& name) {
-  constexpr double kOpenAngle = 15.0 * portable::kPi / 180.0;  // [rad] each jaw at gripper 1
+  constexpr double kOpenAngle = 15.0 * portable::kPi / 180.0;  // [rad] of each jaw at gripper 1
   const std::string ending = name.substr(name.find("forceps") + std::string_view("forceps").size());
   const auto mesh = [](const std::string& part) { return unpack_mesh(built_in_meshes(), part); };
   Tool tool;

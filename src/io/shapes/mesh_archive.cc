@@ -14,7 +14,7 @@
 #include "core/base/index.h"
 #include "core/geometry/edge_key.h"
 
-// The assembler puts the archive's bytes into the object file.
+// The assembler embeds the archive in the object file.
 asm(R"(
   .pushsection .rodata
 palpate_shapes: .incbin ")" PALPATE_SHAPES R"("
@@ -59,7 +59,7 @@ class Columns final {
 
 std::vector<unsigned char> inflate_entry(Bytes archive, const std::string& name) {
   for (std::size_t entry = 0; entry < archive.size();) {
-    const auto sizes = Columns(archive.subspan(entry)).take<std::uint32_t>(2);  // packed, unpacked
+    const auto sizes = Columns(archive.subspan(entry)).take<std::uint32_t>(2);  // bytes packed, unpacked
     const std::string_view found(reinterpret_cast<const char*>(&archive[entry + 8]));
     const std::size_t start = entry + 8 + found.size() + 1;
     if (found == name) {
@@ -92,8 +92,8 @@ TriangleMesh grown_mesh(Columns& columns, std::size_t vertices, std::size_t tria
     mesh.vertices.emplace_back(expected + spacing * Vec3(steps[k], steps[k + 1], steps[k + 2]));
   };
   std::unordered_map<std::uint64_t, std::int32_t>
-      third_of;                                    // edge -> third corner of its triangle; -1: it has two
-  std::vector<std::array<std::int32_t, 2>> edges;  // as the triangle on the other side has them
+      third_of;  // edge -> third corner of its triangle; -1: both triangles exist
+  std::vector<std::array<std::int32_t, 2>> edges;  // with the direction of the missing triangle
   const auto add_triangle = [&](const Triangle& corners) {
     mesh.triangles.push_back(corners);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -132,7 +132,7 @@ TriangleMesh unpack_mesh(std::span<const unsigned char> archive, const std::stri
   const auto head = columns.take<std::uint32_t>(4);
   if (head[2] == 0) return exact_mesh(columns, head[0], head[1]);
   TriangleMesh mesh = grown_mesh(columns, head[0], head[1], std::ldexp(1.0, -static_cast<int>(head[2])));
-  for (std::uint32_t k = 0; k < head[3]; ++k) mesh = quadruple(mesh);
+  for (std::uint32_t k = 0; k < head[3]; ++k) mesh = subdivide(mesh);
   return mesh;
 }
 

@@ -21,18 +21,18 @@ constexpr std::size_t kLongestName = 31;
 constexpr std::uint64_t kMostArrays = 256;
 constexpr std::uint64_t kAlignment = 64;
 
-/// First in the file; written last, when all the rest is there.
+/// The start of the file; written last, when the rest is complete.
 struct Header {
   std::array<char, 8> magic{'P', 'A', 'L', 'P', 'A', 'R', 'R', '\n'};
   std::uint32_t format = 1;
   std::uint32_t byte_order = 0x01020304;
-  std::array<char, 16> program{};  // its version
+  std::array<char, 16> program{};  // palpate's version
   ContentHash key;
   std::uint64_t file_size = 0;
   std::uint64_t directory_offset = 0;
-  std::uint64_t directory_size = 0;  // entries
+  std::uint64_t directory_size = 0;  // number of entries
   ContentHash directory_checksum;
-  ContentHash header_checksum;  // of all above
+  ContentHash header_checksum;  // of all fields above
 };
 static_assert(sizeof(Header) == 104 && sizeof(Header) <= 2 * kAlignment);
 constexpr std::uint64_t kFirstArray = 2 * kAlignment;
@@ -41,7 +41,7 @@ struct DirectoryEntry {
   std::array<char, kLongestName + 1> name{};
   std::uint64_t offset = 0;
   std::uint64_t element_size = 0;
-  std::uint64_t size = 0;  // elements
+  std::uint64_t size = 0;  // number of elements
   ContentHash checksum;
 };
 static_assert(sizeof(DirectoryEntry) == 72);
@@ -159,7 +159,7 @@ bool ArrayFileReader::read_at(std::uint64_t offset, std::span<std::byte> bytes) 
 
 bool ArrayFileReader::read_directory(const ContentHash& key) {
   struct stat facts {};
-  if (fstat(descriptor_, &facts) != 0 || !S_ISREG(facts.st_mode) || !is_own(facts)) return false;
+  if (fstat(descriptor_, &facts) != 0 || !S_ISREG(facts.st_mode) || !is_private(facts)) return false;
   const auto file_size = static_cast<std::uint64_t>(facts.st_size);
   Header header;
   if (!read_at(0, std::as_writable_bytes(std::span(&header, 1)))) return false;

@@ -12,19 +12,19 @@
 
 namespace palpate {
 
-/// Writes named arrays of plain elements to one file, under a temporary name first; commit() renames it, so
-/// that no reader ever sees half of it. Without commit() nothing is left. Whatever fails (full disk, a folder
-/// that is not there or not writable) makes commit() return false and does nothing else.
-/// Layout and reasons: docs/decisions/0006-preparation.md.
+/// Writes named arrays of plain elements to one file under a temporary name; commit() renames it, so that no
+/// reader sees an incomplete file. Without commit() the file is removed. After any failure (full disk,
+/// missing or read-only folder) commit() returns false. Layout and reasons:
+/// docs/decisions/0006-preparation.md.
 class ArrayFileWriter final {
  public:
-  /// [setup] @param key says what the content was made from; a reader must ask for the same.
+  /// [setup] @param key identifies the input of the arrays; a reader must give the same key
   ArrayFileWriter(std::filesystem::path file, const ContentHash& key);
   ~ArrayFileWriter();
   ArrayFileWriter(const ArrayFileWriter&) = delete;
   ArrayFileWriter& operator=(const ArrayFileWriter&) = delete;
 
-  /// [setup] Adds an array. @param name at most 31 bytes, each once a file.
+  /// [setup] Adds an array. @param name at most 31 bytes, unique in the file
   template <PlainElement T>
   void put(std::string_view name, std::span<const T> values) {
     put_bytes(name, std::as_bytes(values), sizeof(T));
@@ -34,7 +34,7 @@ class ArrayFileWriter final {
     put(name, std::span<const T>(values));
   }
 
-  /// [setup] Whether the whole file now stands under its name. Once.
+  /// [setup] Completes the file. Call once. @return whether the complete file has its final name
   [[nodiscard]] bool commit();
 
  private:
@@ -42,7 +42,7 @@ class ArrayFileWriter final {
   void write(std::span<const std::byte> bytes);
 
   std::filesystem::path file_;
-  std::string temporary_;  // empty: none is there
+  std::string temporary_;  // empty: no temporary file
   ContentHash key_;
   int descriptor_ = -1;
   bool failed_ = false;
@@ -50,9 +50,9 @@ class ArrayFileWriter final {
   std::vector<std::byte> directory_;
 };
 
-/// Reads what ArrayFileWriter wrote. Whatever is wrong (no file, one that another user owns or may write to,
-/// another key, version or program, cut off, a bit flipped) is an empty optional; no size in the file is
-/// believed before it is seen to fit.
+/// Reads a file of ArrayFileWriter. Any defect gives an empty optional: no file, one that another user owns
+/// or may write to, another key, version or program, a truncated file, a flipped bit. Sizes in the file are
+/// checked against its length before use.
 class ArrayFileReader final {
  public:
   /// [setup]
@@ -62,7 +62,7 @@ class ArrayFileReader final {
   ArrayFileReader(ArrayFileReader&& other) noexcept;
   ArrayFileReader& operator=(ArrayFileReader&&) = delete;
 
-  /// [setup] The array put under that name with elements of T's size, if its checksum is right.
+  /// [setup] The array of that name with elements of T's size; empty if missing or its checksum is wrong.
   template <PlainElement T>
   [[nodiscard]] std::optional<std::vector<T>> get(std::string_view name) const {
     const std::optional<std::size_t> size = size_of(name, sizeof(T));
@@ -72,7 +72,7 @@ class ArrayFileReader final {
     return values;
   }
 
-  /// [setup] As above into `values`; whether it went well.
+  /// [setup] Reads the array of that name into `values`. @return whether it exists and its checksum is right
   template <PlainElement T>
   [[nodiscard]] bool get(std::string_view name, std::vector<T>& values) const {
     std::optional<std::vector<T>> found = get<T>(name);

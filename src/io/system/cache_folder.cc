@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kTemporaryLetters = 7;  // a dot and mkstemp's six
+constexpr std::size_t kTemporaryLetters = 7;  // a dot and mkstemp's six letters
 constexpr std::chrono::hours kAbandoned{1};
 
 std::string environment(const char* name) {
@@ -21,7 +21,8 @@ std::string environment(const char* name) {
   return value == nullptr ? std::string() : std::string(value);
 }
 
-/// The folder named by `variable`, else `in_home` of the home folder; empty without either.
+/// The folder that the environment variable `variable` names, else `in_home` in the home folder; empty if
+/// neither is set.
 fs::path user_folder(const char* variable, const char* in_home) {
   const fs::path given = environment(variable);
   if (given.is_absolute()) return given / "palpate";
@@ -46,27 +47,27 @@ fs::path user_state_folder() { return user_folder("XDG_STATE_HOME", ".local/stat
 
 fs::path user_config_folder() { return user_folder("XDG_CONFIG_HOME", ".config"); }
 
-bool is_own(const struct stat& facts) noexcept {
+bool is_private(const struct stat& facts) noexcept {
   return facts.st_uid == geteuid() && (facts.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-std::string why_not_trusted(const fs::path& folder) {
+std::string distrust_reason(const fs::path& folder) {
   struct stat facts {};
   if (::stat(folder.c_str(), &facts) != 0) return {};
-  if (is_own(facts)) return {};
+  if (is_private(facts)) return {};
   return folder.string() + (facts.st_uid != geteuid() ? ": belongs to another user"
                                                       : ": other users may write to it (chmod go-w " +
-                                                            folder.string() + " mends that)");
+                                                            folder.string() + " corrects that)");
 }
 
-bool make_own_folder(const fs::path& folder) {
+bool make_private_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);
-  (void)::mkdir(folder.c_str(), S_IRWXU);  // it may be there
-  return fs::is_directory(folder, error) && why_not_trusted(folder).empty();
+  (void)::mkdir(folder.c_str(), S_IRWXU);  // it may exist already
+  return fs::is_directory(folder, error) && distrust_reason(folder).empty();
 }
 
-void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t most_bytes) {
+void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t max_bytes) {
   std::error_code error;
   std::vector<CachedFile> files;
   std::uint64_t total = 0;
@@ -89,7 +90,7 @@ void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t m
     return a.written != b.written ? a.written < b.written : a.path < b.path;
   });
   for (const CachedFile& file : files) {
-    if (total <= most_bytes) return;
+    if (total <= max_bytes) return;
     std::error_code of_this;
     if (fs::remove(file.path, of_this)) total -= file.size;
   }

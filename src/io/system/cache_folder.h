@@ -8,34 +8,34 @@
 
 namespace palpate {
 
-/// [setup] Where palpate may keep what it can work out again: $XDG_CACHE_HOME/palpate if that is an absolute
-/// path, else $HOME/.cache/palpate; empty without either, and when the environment says PALPATE_CACHE=off.
-/// The folder need not be there yet.
+/// [setup] The folder for data that palpate can compute again: $XDG_CACHE_HOME/palpate if that is an absolute
+/// path, else $HOME/.cache/palpate. Empty if neither is set or PALPATE_CACHE is "off". The folder need not
+/// exist.
 [[nodiscard]] std::filesystem::path user_cache_folder();
 
-/// [setup] Where palpate keeps what a user may want to look at later: $XDG_STATE_HOME/palpate if that is an
-/// absolute path, else $HOME/.local/state/palpate; empty without either. The folder need not be there yet.
+/// [setup] The folder for data that a user may want to examine later: $XDG_STATE_HOME/palpate if that is an
+/// absolute path, else $HOME/.local/state/palpate. Empty if neither is set. The folder need not exist.
 [[nodiscard]] std::filesystem::path user_state_folder();
 
-/// [setup] Where users keep what they set up for palpate: $XDG_CONFIG_HOME/palpate if that is an absolute
-/// path, else $HOME/.config/palpate; empty without either. The folder need not be there.
+/// [setup] The folder of the user's configuration: $XDG_CONFIG_HOME/palpate if that is an absolute path, else
+/// $HOME/.config/palpate. Empty if neither is set. The folder need not exist.
 [[nodiscard]] std::filesystem::path user_config_folder();
 
-/// [setup] Whether a file or folder belongs to the user of this process and no other user may write to it, so
-/// that what is in it can be believed. @param facts of stat()
-[[nodiscard]] bool is_own(const struct stat& facts) noexcept;
+/// [setup] Whether a file or folder belongs to this process's user and no other user may write to it, so that
+/// its content can be trusted. @param facts of stat()
+[[nodiscard]] bool is_private(const struct stat& facts) noexcept;
 
-/// [setup] Why what is in `folder` cannot be believed, in words; empty when it can, or the folder is not
-/// there.
-[[nodiscard]] std::string why_not_trusted(const std::filesystem::path& folder);
+/// [setup] The reason why the content of `folder` cannot be trusted, for a message; empty when it can, or the
+/// folder does not exist.
+[[nodiscard]] std::string distrust_reason(const std::filesystem::path& folder);
 
-/// [setup] Makes a folder that only this user may look into, and those around it as usual. @return whether it
-/// is there now, and can be trusted
-[[nodiscard]] bool make_own_folder(const std::filesystem::path& folder);
+/// [setup] Creates a folder that only this user may read, and its parent folders with usual rights. @return
+/// whether it exists and can be trusted
+[[nodiscard]] bool make_private_folder(const std::filesystem::path& folder);
 
-/// [setup] Removes the files of `folder` whose names end in `ending`, those longest not written or touched
-/// first, until the rest takes at most `most_bytes`; and what writers left that were killed over an hour ago
-/// (`ending` and six more letters). What cannot be removed stays; no error.
-void trim_cache(const std::filesystem::path& folder, std::string_view ending, std::uint64_t most_bytes);
+/// [setup] Removes files of `folder` whose names end in `ending`, the oldest first, until the rest has at
+/// most `max_bytes`. Also removes temporary files (`ending`, a dot and six letters) of writers that were
+/// killed over an hour ago. Files that cannot be removed are no error.
+void trim_cache(const std::filesystem::path& folder, std::string_view ending, std::uint64_t max_bytes);
 
 }  // namespace palpate

@@ -12,7 +12,7 @@ namespace palpate {
 /// [rt] Wall time since 1970 [ns].
 [[nodiscard]] std::int64_t unix_ns() noexcept;
 
-/// [rt] Sleeps until monotonic_ns() reaches `deadline`.
+/// [rt] Sleeps until monotonic_ns() reaches `deadline` [ns].
 void sleep_until_ns(std::int64_t deadline) noexcept;
 
 }  // namespace palpate

@@ -77,7 +77,7 @@ void CsvTable::fail(std::size_t column, const std::string& want) const {
   fail(columns_[column].name + " = " + shortest(number(column)) + ": " + want);
 }
 
-/// The file's next line, without its end, as line_. @return false at the end of the file
+/// Reads the file's next line into line_, without its line end. @return false at the end of the file
 bool CsvTable::take_line() {
   for (std::size_t searched = begin_;;) {
     const std::size_t newline = std::string_view(buffer_).substr(0, end_).find('\n', searched);
@@ -102,7 +102,7 @@ bool CsvTable::take_line() {
   }
 }
 
-/// The next line that counts, without blanks at its ends.
+/// Goes to the next line that is neither blank nor a comment, and trims it.
 bool CsvTable::next_line() {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   for (;;) {
@@ -147,7 +147,7 @@ void CsvTable::read_header() {
   check_header(unknown);
 }
 
-/// @param unknown names in the header that are no column's
+/// @param unknown header names that are not in `columns`
 void CsvTable::check_header(const std::vector<std::string>& unknown) const {
   std::vector<std::string> missing;
   std::vector<std::string> absent;
@@ -163,7 +163,7 @@ void CsvTable::check_header(const std::vector<std::string>& unknown) const {
       one_misspelt ? nearest_word(unknown.front(), missing.empty() ? absent : missing) : "";
   if (missing.empty() || !near.empty()) {
     fail("column \"" + unknown.front() + "\": unknown, " +
-         (near.empty() ? "known are " + listed(known) : "did you mean " + near + "?"));
+         (near.empty() ? "valid are " + listed(known) : "did you mean " + near + "?"));
   }
   fail(listed(missing) + ": missing, the header must name " + required_names(columns_) +
        (unknown.empty() ? "" : "; unknown in it: " + listed(unknown)));

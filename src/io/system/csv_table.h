@@ -10,43 +10,43 @@
 
 namespace palpate {
 
-/// What a CSV file may have in one of its columns.
+/// A column that a CSV file may have.
 struct CsvColumn {
-  std::string name;  // as the header has it, with its unit
+  std::string name;  // as in the header, with its unit
   bool required = true;
   bool is_text = false;  // a name, not a number
 };
 
-/// A CSV file, read row by row: columns by header name in any order, commas between cells, points in numbers.
-/// Blank lines, lines that begin with # and a byte order mark do not count. Every error is one line,
-/// FILE:LINE: COLUMN = VALUE: what would be right. A line holds at most 64 KiB.
+/// A CSV file, read row by row: columns by header name in any order, commas between cells, decimal points.
+/// Blank lines, lines that begin with # and a byte order mark are ignored. Every error is one line,
+/// FILE:LINE: COLUMN = VALUE: what would be right. A line has at most 64 KiB.
 class CsvTable final {
  public:
   /// [setup] Opens the file and reads its header. @param largest absolute value of a number, a power of ten
-  /// @throws InputError when the file cannot be read or is empty, or the header is missing, has a column
-  /// twice or one that is not in `columns`, or lacks a required one.
+  /// @throws InputError when the file cannot be read or is empty, or when the header is missing, repeats a
+  /// column, has one that is not in `columns`, or lacks a required one.
   CsvTable(const std::filesystem::path& file, std::vector<CsvColumn> columns,
            double largest = std::numeric_limits<double>::infinity());
 
   /// [setup] Whether the header names the column, given by its index in `columns`.
   [[nodiscard]] bool has(std::size_t column) const { return cell_of_[column] != kAbsent; }
 
-  /// [setup] Reads the next row. @return false at the end of the file
-  /// @throws InputError when there is no row at all, a row has not one value a column, a name is empty, or a
-  /// number is not finite or too large.
+  /// [setup] Reads the next row. @return false at the end of the file @throws InputError when the file has no
+  /// row, a row does not have one value per column, a name is empty, or a number is not finite or too large.
   [[nodiscard]] bool next_row();
 
-  /// [setup] The row's number in a column; 0 when the file does not have it.
+  /// [setup] The row's number in a column; 0 when the file lacks the column.
   [[nodiscard]] double number(std::size_t column) const { return numbers_[column]; }
 
-  /// [setup] The row's name in a column, until the next row is read; empty when the file does not have it.
+  /// [setup] The row's name in a column, valid until the next row is read; empty when the file lacks the
+  /// column.
   [[nodiscard]] std::string_view text(std::size_t column) const {
     return has(column) ? cells_[cell_of_[column]] : std::string_view();
   }
 
-  /// [setup] @throws InputError FILE:LINE: what.
+  /// [setup] @throws InputError "FILE:LINE: what".
   [[noreturn]] void fail(const std::string& what) const;
-  /// [setup] @throws InputError FILE:LINE: COLUMN = VALUE: want, about the row's number in a column.
+  /// [setup] @throws InputError "FILE:LINE: COLUMN = VALUE: want", with the row's number in a column.
   [[noreturn]] void fail(std::size_t column, const std::string& want) const;
 
  private:
@@ -65,12 +65,12 @@ class CsvTable final {
   std::vector<CsvColumn> columns_;
   double largest_;
   std::string buffer_;
-  std::size_t begin_ = 0;  // of what was read into the buffer and not yet taken, and its end
+  std::size_t begin_ = 0;  // bytes of the buffer that were read but not used yet, up to end_
   std::size_t end_ = 0;
   std::string_view line_;  // in the buffer
   std::vector<std::string_view> cells_;
-  std::vector<std::size_t> cell_of_;  // of each column
-  std::vector<double> numbers_;       // of each column
+  std::vector<std::size_t> cell_of_;  // of each column: its cell in a row
+  std::vector<double> numbers_;       // of each column: the row's number
   std::size_t line_number_ = 0;
   std::size_t header_cells_ = 0;
   bool has_rows_ = false;

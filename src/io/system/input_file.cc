@@ -12,14 +12,14 @@
 namespace palpate {
 namespace {
 
-const char* type_in_words(mode_t mode) {
+const char* type_text(mode_t mode) {
   if (S_ISDIR(mode)) return "a folder";
   if (S_ISFIFO(mode)) return "a FIFO";
   if (S_ISSOCK(mode)) return "a socket";
   return "a device";
 }
 
-std::string size_in_words(std::uint64_t bytes) {
+std::string size_text(std::uint64_t bytes) {
   if (bytes >= std::uint64_t{10} << 20) return std::to_string(bytes >> 20) + " MiB";
   if (bytes >= std::uint64_t{10} << 10) return std::to_string(bytes >> 10) + " KiB";
   return std::to_string(bytes) + " bytes";
@@ -29,7 +29,7 @@ std::string size_in_words(std::uint64_t bytes) {
 
 InputFile::InputFile(const std::filesystem::path& file, const InputKind& kind)
     : name_(file.string()), kind_(kind) {
-  // Without O_NONBLOCK, opening a FIFO waits until somebody writes to it.
+  // Without O_NONBLOCK, opening a FIFO blocks until a writer opens it.
   descriptor_ = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (descriptor_ < 0) {
     const int why = errno;
@@ -53,12 +53,12 @@ void InputFile::check() {
     throw InputError(name_ + ": cannot be read: " + std::strerror(errno));
   }
   if (!S_ISREG(facts.st_mode)) {
-    throw InputError(name_ + ": is " + type_in_words(facts.st_mode) + ", must be " + kind_.name);
+    throw InputError(name_ + ": is " + type_text(facts.st_mode) + ", must be " + kind_.name);
   }
   size_ = static_cast<std::uint64_t>(facts.st_size);
-  if (size_ > kind_.most_bytes) {
-    throw InputError(name_ + ": has " + size_in_words(size_) + ", must be " + kind_.name + " of at most " +
-                     size_in_words(kind_.most_bytes));
+  if (size_ > kind_.max_bytes) {
+    throw InputError(name_ + ": has " + size_text(size_) + ", must be " + kind_.name + " of at most " +
+                     size_text(kind_.max_bytes));
   }
 }
 
@@ -68,9 +68,9 @@ std::size_t InputFile::read(std::span<char> bytes) {
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) throw InputError(name_ + ": cannot be read to its end: " + std::strerror(errno));
     taken_ += static_cast<std::uint64_t>(count);
-    if (taken_ > kind_.most_bytes) {
-      throw InputError(name_ + ": has more than " + size_in_words(kind_.most_bytes) + ", must be " +
-                       kind_.name + " of at most that");
+    if (taken_ > kind_.max_bytes) {
+      throw InputError(name_ + ": has more than " + size_text(kind_.max_bytes) + ", must be " + kind_.name +
+                       " of at most that");
     }
     return static_cast<std::size_t>(count);
   }
@@ -81,7 +81,7 @@ std::string InputFile::read_rest() {
   std::string content;
   content.resize(static_cast<std::size_t>(size_ > taken_ ? size_ - taken_ : 0));
   std::size_t filled = 0;
-  for (;;) {  // a file may grow meanwhile, and files of /proc have size 0
+  for (;;) {  // a file may grow, and files in /proc have size 0
     if (filled == content.size()) content.resize(filled + kBlock);
     const std::size_t count = read(std::span(content).subspan(filled));
     if (count == 0) break;

@@ -7,11 +7,10 @@
 
 namespace palpate {
 
-/// A kind of file that is read, and how large such a file may be (docs/file-formats.md, "Files that are
-/// read").
+/// A kind of input file and its largest size (docs/file-formats.md, "Files that are read").
 struct InputKind {
-  const char* name;          // as an error names it: "a CSV file"
-  std::uint64_t most_bytes;  // larger files are refused
+  const char* name;         // name in error messages: "a CSV file"
+  std::uint64_t max_bytes;  // larger files are rejected
 };
 
 inline constexpr InputKind kTomlInput{"a TOML file", std::uint64_t{16} << 20};
@@ -23,25 +22,25 @@ inline constexpr InputKind kTaskRecordInput{"a record of finished tasks", std::u
 inline constexpr InputKind kTokenInput{"a file with a token in its first line", std::uint64_t{4} << 10};
 inline constexpr InputKind kPageInput{"an HTML file", std::uint64_t{4} << 20};
 
-/// A regular file that is open for reading. FIFOs, devices, sockets and folders are refused without waiting
-/// for them. The check is made on the opened file, so that nobody can exchange it in between.
+/// A regular file, opened for reading. FIFOs, devices, sockets and folders are rejected without blocking. The
+/// check is made on the opened file, so nobody can replace it in between.
 class InputFile final {
  public:
-  /// [setup] @throws InputError naming the file, what is wrong and what would be right: there is no such
-  /// file, it is no regular file, cannot be read, or is larger than `kind.most_bytes`.
+  /// [setup] @throws InputError naming the file, the defect and the remedy, when the file does not exist, is
+  /// not regular, cannot be read, or is larger than `kind.max_bytes`.
   InputFile(const std::filesystem::path& file, const InputKind& kind);
   ~InputFile();
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
-  /// [setup] Bytes when it was opened.
+  /// [setup] Size in bytes when the file was opened.
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
 
-  /// [setup] The file's next bytes. @return how many; 0 at its end
-  /// @throws InputError when it cannot be read, or has grown beyond `kind.most_bytes`.
+  /// [setup] Reads the file's next bytes. @return their number, 0 at the end of the file @throws InputError
+  /// when the file cannot be read, or has grown beyond `kind.max_bytes`.
   [[nodiscard]] std::size_t read(std::span<char> bytes);
-  /// [setup] All that follows. @throws InputError as read().
+  /// [setup] Reads the rest of the file. @throws InputError as read().
   [[nodiscard]] std::string read_rest();
 
  private:

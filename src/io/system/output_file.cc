@@ -18,7 +18,7 @@ std::string shown(const NamedFile& file) {
   return (file.flag.empty() ? "" : file.flag + " ") + file.path.string();
 }
 
-/// A path without links, of a file that need not be there.
+/// The absolute path without links; the file need not exist.
 fs::path plain_path(const fs::path& file) {
   std::error_code error;
   const fs::path plain = fs::weakly_canonical(link_target(file), error);
@@ -37,7 +37,7 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-void refuse_overwriting(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs) {
+void require_no_overwrite(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].path.empty()) continue;
     for (const NamedFile& input : inputs) {
@@ -54,13 +54,13 @@ void refuse_overwriting(std::span<const NamedFile> outputs, std::span<const Name
 }
 
 fs::path link_target(const fs::path& file) {
-  constexpr int kMostLinks = 40;  // as Linux follows
+  constexpr int kMostLinks = 40;  // as in Linux
   fs::path target = file;
   std::error_code error;
   for (int i = 0; fs::is_symlink(target, error); ++i) {
     const fs::path next = fs::read_symlink(target, error);
     if (error || i == kMostLinks) throw InputError(file.string() + ": is a link that leads nowhere");
-    target = target.parent_path() / next;  // an absolute one replaces it all
+    target = target.parent_path() / next;  // replaces all if `next` is absolute
   }
   return target;
 }

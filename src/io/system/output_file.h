@@ -9,32 +9,30 @@ namespace palpate {
 /// A file, and the flag, argument or line of a scene that names it.
 struct NamedFile {
   std::string flag;
-  std::filesystem::path path;  // empty: not asked for
+  std::filesystem::path path;  // empty: no file
 };
 
-/// [setup] Makes sure that no output is one of the inputs, or another output: the same file by another name,
-/// a hard or a symbolic link counts. Devices and FIFOs may be named twice. Touches nothing.
-/// @throws InputError naming both flags.
-void refuse_overwriting(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs);
+/// [setup] Checks that no output is one of the inputs or another output, also through a hard or symbolic
+/// link. Devices and FIFOs may be repeated. Changes no file. @throws InputError naming both flags.
+void require_no_overwrite(std::span<const NamedFile> outputs, std::span<const NamedFile> inputs);
 
-/// [setup] The file that a program changes which writes to `file`: symbolic links are followed, also to a
-/// file that is not there yet. @throws InputError when the links go in a circle.
+/// [setup] The file that a program changes when it writes to `file`: symbolic links are followed, also to a
+/// file that does not exist yet. @throws InputError when the links form a cycle.
 [[nodiscard]] std::filesystem::path link_target(const std::filesystem::path& file);
 
-/// [setup] Whether a file is there that is no regular one: a device, a FIFO. Follows links.
+/// [setup] Whether the file exists and is not regular, e.g. a device or a FIFO. Follows links.
 [[nodiscard]] bool is_special_file(const std::filesystem::path& file);
 
-/// [setup] Whether further files may be made beside an output: not beside a device or a FIFO, nor beside
+/// [setup] Whether further files may be created next to an output: not for a device or a FIFO, nor for
 /// /dev/stdout, which may lead to a regular file.
 [[nodiscard]] bool may_have_files_beside(const std::filesystem::path& file);
 
-/// [setup] For outputs that are written with jumps, or renamed to their name. @param flag "" or begins the
-/// error
-/// @throws InputError when is_special_file().
+/// [setup] For outputs that need seeking or a rename. @param flag start of the error message, or "" @throws
+/// InputError when is_special_file().
 void require_regular_output(const std::filesystem::path& file, const std::string& flag = {});
 
-/// [setup] Writes `bytes` as the whole of `file`, straight to a device or a FIFO.
-/// @throws InputError "FLAG FILE: cannot be written: WHY".
+/// [setup] Writes `bytes` as the content of `file`; a device or a FIFO gets them directly. @throws InputError
+/// "FLAG FILE: cannot be written: WHY".
 void write_output(const std::filesystem::path& file, std::string_view bytes, const std::string& flag = {});
 
 }  // namespace palpate

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLetters = 6;
 
-/// Letters that nobody can predict; empty when the system gives no random bytes.
+/// Random, unpredictable letters; empty when the system gives no random bytes.
 std::string random_letters() {
   constexpr std::string_view kAlphabet = "abcdefghijklmnopqrstuvwxyz234567";  // 5 bits a letter
   std::string letters(kLetters, '\0');
@@ -30,7 +30,7 @@ int open_temporary_file(std::string& path, mode_t mode) {
     const std::string letters = random_letters();
     if (letters.empty()) return -1;
     const std::string name = path + letters;
-    // O_EXCL: nothing stands there, not even a link to another file.
+    // O_EXCL: fails if the name exists, even as a link.
     const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     if (descriptor >= 0) path = name;
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
@@ -39,7 +39,7 @@ int open_temporary_file(std::string& path, mode_t mode) {
 }
 
 std::filesystem::path make_temporary_folder(const std::filesystem::path& path) {
-  std::string name = path.string() + std::string(kLetters, 'X');  // POSIX puts letters in their place
+  std::string name = path.string() + std::string(kLetters, 'X');  // mkdtemp replaces the Xs
   return mkdtemp(name.data()) == nullptr ? std::filesystem::path() : std::filesystem::path(name);
 }
 

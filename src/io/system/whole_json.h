@@ -9,9 +9,9 @@
 
 namespace palpate {
 
-/// [setup] The whole number under `key` of an object of nlohmann's JSON. JSON's numbers may be fractions,
-/// negative or too large for a type: nlohmann's own conversion wraps such a number round, or is undefined.
-/// @throws InputError naming the key, what it is and the range; with no such key, what Json::at throws
+/// [setup] The integer of `key` in a JSON object of nlohmann's library. JSON numbers may be fractional,
+/// negative or too large for a type; nlohmann's conversion then wraps around or is undefined. @throws
+/// InputError naming the key, its value and the range; for a missing key the exception of Json::at
 template <std::integral Whole, class Json>
 [[nodiscard]] Whole whole_number(const Json& json, const char* key) {
   const Json& value = json.at(key);
@@ -23,7 +23,7 @@ template <std::integral Whole, class Json>
     if (std::in_range<Whole>(number)) return static_cast<Whole>(number);
   }
   const std::string found = value.is_primitive() ? value.dump() : value.type_name();
-  constexpr std::size_t kLongest = 60;  // characters of it that are said
+  constexpr std::size_t kLongest = 60;  // characters of the value in the message
   throw InputError(std::string(key) + " is " + found.substr(0, kLongest) + ", want a whole number from " +
                    std::to_string(std::numeric_limits<Whole>::min()) + " to " +
                    std::to_string(std::numeric_limits<Whole>::max()));

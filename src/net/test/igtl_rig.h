@@ -57,16 +57,16 @@ class BareClient final {
   bool connected_ = false;
 };
 
-inline scene::Setup block_setup() {
-  scene::Setup setup;
+inline scene::Scene block_setup() {
+  scene::Scene setup;
   setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
   setup.organ_pose.position = Vec3(0, 0, -0.02);
   return setup;
 }
 
 /// The same, so finely divided that its surface takes some MB: more than the system's buffers hold.
-inline scene::Setup large_setup() {
-  scene::Setup setup = block_setup();
+inline scene::Scene large_setup() {
+  scene::Scene setup = block_setup();
   setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.0005);
   return setup;
 }

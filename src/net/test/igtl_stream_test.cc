@@ -19,8 +19,8 @@ using testing::FloatEq;
 
 constexpr std::int64_t kNow = 1'700'000'000'000'000'000;  // ns
 
-scene::Setup block() {
-  scene::Setup setup;
+scene::Scene block() {
+  scene::Scene setup;
   setup.rate_Hz = 2000.0;
   setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
   return setup;

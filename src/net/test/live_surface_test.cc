@@ -15,7 +15,7 @@
 namespace palpate::net {
 namespace {
 
-const model::ReachParameters kReach = model::tissue_preset("liver").reach;
+const model::FalloffRatios kReach = model::tissue_preset("liver").reach;
 
 TEST(LiveSurface, AtRestHasEveryVertexInMillimetresAndEveryTriangle) {
   const geometry::TriangleMesh box = geometry::make_organ("box");

@@ -38,7 +38,7 @@ TEST(LiveTap, ATickIsSeenWhenAllItsHandsAreThere) {
 
 TEST(LiveTap, TheNewestTickKnowsTheChangeInForce) {
   LiveTap tap(1);
-  haptics::LiveChange change;
+  haptics::ParameterUpdate change;
   change.number = 3;
   tap.on_row(row_of(0, 0));
   EXPECT_EQ(tap.newest()->change, 0U);

@@ -33,7 +33,7 @@ scene::ToolPath path_from(const scene::DeviceSetup& device, scene::Task task) {
   return path;
 }
 
-std::unique_ptr<haptics::Device> open_scripted(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_scripted(const scene::Scene& setup, std::size_t hand) {
   const scene::DeviceSetup& device = setup.devices[hand];
   const scene::ToolPath path =
       device.path.empty() ? scene::default_path(setup, hand) : path_from(device, setup.task);
@@ -41,7 +41,7 @@ std::unique_ptr<haptics::Device> open_scripted(const scene::Setup& setup, std::s
 }
 
 /// The default path begun a second later: a held device gets no force before it has been still for a while.
-scene::ToolPath default_path_of_a_hand(const scene::Setup& setup, std::size_t hand) {
+scene::ToolPath default_path_of_a_hand(const scene::Scene& setup, std::size_t hand) {
   constexpr double kSettle = 1.0;  // s: 0.25 s still and 0.5 s of ramp, and some more
   std::vector<scene::PathRow> rows =
       scene::default_path(setup, hand).faster(setup.devices[hand].path_speed).rows();
@@ -49,14 +49,14 @@ scene::ToolPath default_path_of_a_hand(const scene::Setup& setup, std::size_t ha
   return scene::ToolPath(std::move(rows));
 }
 
-std::unique_ptr<haptics::Device> open_emulated(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_emulated(const scene::Scene& setup, std::size_t hand) {
   const scene::DeviceSetup& device = setup.devices[hand];
   scene::ToolPath path = device.path.empty() ? default_path_of_a_hand(setup, hand)
                                              : path_from(device, setup.task).faster(device.path_speed);
   return std::make_unique<EmulatedDevice>(std::move(path), device, setup.rate_Hz);
 }
 
-std::unique_ptr<haptics::Device> open_replay(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_replay(const scene::Scene& setup, std::size_t hand) {
   const std::string& file = setup.devices[hand].path;
   if (file.empty()) throw InputError("device replay: needs the path of a recording");
   const record::Recording recording = record::read_recording(file);
@@ -73,7 +73,7 @@ std::unique_ptr<haptics::Device> open_replay(const scene::Setup& setup, std::siz
 }
 
 /// Hands that name the same service take its arms in order.
-std::unique_ptr<haptics::Device> open_haply(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_haply(const scene::Scene& setup, std::size_t hand) {
   const std::string& address = setup.devices[hand].path;
   std::size_t place = 0;
   for (std::size_t other = 0; other < hand; ++other) {
@@ -86,7 +86,7 @@ std::unique_ptr<haptics::Device> open_haply(const scene::Setup& setup, std::size
 
 /// One that the window of a run feeds.
 template <typename WindowDevice>
-std::unique_ptr<haptics::Device> open_in_window(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_in_window(const scene::Scene& setup, std::size_t hand) {
   return std::make_unique<WindowDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
 }
 
@@ -112,7 +112,7 @@ Probe probe_emulated(const Machine& /*machine*/) {
 }
 
 /// The program around palpate, through the C interface, gives this device's samples itself.
-std::unique_ptr<haptics::Device> open_host(const scene::Setup& /*setup*/, std::size_t /*hand*/) {
+std::unique_ptr<haptics::Device> open_host(const scene::Scene& /*setup*/, std::size_t /*hand*/) {
   throw InputError(
       "device host: is the device of a program that embeds palpate (palpate.h); "
       "here it must be another kind");
@@ -126,7 +126,7 @@ Probe probe_replay(const Machine& /*machine*/) {
   return {"replay", true, "follows the hand of a recording (replay:run.h5)"};
 }
 
-std::unique_ptr<haptics::Device> open_forcedimension(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_forcedimension(const scene::Scene& setup, std::size_t hand) {
   std::size_t ordinal = 0;
   for (std::size_t other = 0; other < hand; ++other) {
     if (setup.devices[other].kind == "forcedimension") ++ordinal;
@@ -167,14 +167,14 @@ Opened connect_forcedimension(const std::string& path) {
 Opened connect_haply(const std::string& path) { return connected<HaplyDevice>(path, std::size_t{0}); }
 Opened connect_touch(const std::string& name) { return connected<TouchDevice>(name); }
 
-std::unique_ptr<haptics::Device> open_touch(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_touch(const scene::Scene& setup, std::size_t hand) {
   return std::make_unique<TouchDevice>(setup.devices[hand].path);
 }
 
 /// What can be done with one kind of device.
 struct Kind {
   std::string_view name;
-  std::unique_ptr<haptics::Device> (*open)(const scene::Setup& setup, std::size_t hand);
+  std::unique_ptr<haptics::Device> (*open)(const scene::Scene& setup, std::size_t hand);
   Probe (*probe)(const Machine& machine);
   Opened (*connect)(const std::string& path);  // null: nothing that could be connected to a computer
 };
@@ -215,7 +215,7 @@ std::string names_of_kinds(bool connected) {
 
 }  // namespace
 
-std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand) {
   if (hand >= setup.devices.size()) {
     throw InputError(fmt::format("hand {}: the scene has only {} devices", hand, setup.devices.size()));
   }

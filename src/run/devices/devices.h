@@ -18,7 +18,7 @@ namespace palpate::devices {
 /// - "haply": hands with one address use its arms in order;
 /// - "touch": the device with that name in Touch_Setup.
 /// @throws InputError naming the kind, the file or address and the cause.
-[[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Setup& setup, std::size_t hand);
+[[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand);
 
 /// [setup] Which devices of each kind are available, and why others are not, in the order of
 /// scene::device_kinds(). Opens no device. @param machine searched for the reasons

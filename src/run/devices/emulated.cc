@@ -96,7 +96,7 @@ std::uint64_t EmulatedDevice::last_tick(double rate_Hz) const noexcept {
   return last_tick_of(path_, rate_Hz);
 }
 
-std::string EmulatedDevice::trouble() const {
+std::string EmulatedDevice::last_error() const {
   const int fault = last_fault_.load(std::memory_order_relaxed);
   if (fault < 0) return {};
   return "the scene's fault \"" + std::string(scene::name_of(static_cast<scene::EmulatedFaultKind>(fault))) +

@@ -37,7 +37,7 @@ class EmulatedDevice final : public haptics::Device {
   /// [any] round((end of the path + 0.5 s) x rate).
   [[nodiscard]] std::uint64_t last_tick(double rate_Hz) const noexcept override;
   /// [any]
-  [[nodiscard]] std::string trouble() const override;
+  [[nodiscard]] std::string last_error() const override;
 
   /// [rt] The exact position and work of the hand, for tests and measurements; not for the tick.
   [[nodiscard]] const HandMass& hand() const noexcept { return hand_; }
@@ -61,7 +61,7 @@ class EmulatedDevice final : public haptics::Device {
   bool started_ = false;
   std::uint64_t refused_ = 0;  // commands since the last accepted one
   std::atomic<bool> stopped_{false};
-  std::atomic<int> last_fault_{-1};  // EmulatedFaultKind, for trouble()
+  std::atomic<int> last_fault_{-1};  // EmulatedFaultKind, for last_error()
 };
 
 }  // namespace palpate::devices

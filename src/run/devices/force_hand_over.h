@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "palpate/pose.h"
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 
 namespace palpate::devices {
 
@@ -25,7 +25,7 @@ class ForceHandOver final {
     std::int64_t written_ns = 0;
   };
 
-  SnapshotCell<Command> commands_;
+  TripleBuffer<Command> commands_;
   std::atomic<std::int64_t> stopped_ns_{0};  // commands written before this time are void
 };
 

@@ -26,7 +26,7 @@ constexpr unsigned char kWatchdogSteps = 160;  // of 125 us: 20 ms, haptics::kSt
 constexpr std::chrono::milliseconds kOpeningStep{10};
 constexpr int kOpeningSteps = 20;
 
-const char* words_of_cause(int cause) noexcept {
+const char* describe_cause(int cause) noexcept {
   switch (cause) {
     case 1:
       return "its force button was pressed";
@@ -45,8 +45,8 @@ const char* words_of_cause(int cause) noexcept {
   }
 }
 
-std::string force_off_words(int cause) {
-  return std::string("the device switched its force off: ") + words_of_cause(cause) +
+std::string force_off_text(int cause) {
+  return std::string("the device switched its force off: ") + describe_cause(cause) +
          "; press its force button until its light is on";
 }
 
@@ -115,7 +115,7 @@ void ForceDimensionDevice::begin() {
   for (int step = 0;; ++step) {
     haptics::DeviceState first;
     if (set_force({}) && read_pose(first) >= 0 && ask_status() && !force_off_) break;
-    if (step == kOpeningSteps) throw InputError(place_ + trouble());
+    if (step == kOpeningSteps) throw InputError(place_ + last_error());
     std::this_thread::sleep_for(kOpeningStep);
   }
   read_gripper();
@@ -127,7 +127,7 @@ void ForceDimensionDevice::require_calibrated() const {
   if (library_.call().GetStatus(status, id_) < 0) {
     throw InputError(place_ + "its status cannot be read: " + library_.last_error());
   }
-  if (status[kDhdStatusReset] == kOn) throw InputError(place_ + calibration_words());
+  if (status[kDhdStatusReset] == kOn) throw InputError(place_ + calibration_text());
 }
 
 void ForceDimensionDevice::close() noexcept {
@@ -252,13 +252,13 @@ void ForceDimensionDevice::note(std::uint32_t what, int code) noexcept {
   trouble_.store(what << 16U | (static_cast<std::uint32_t>(code) & 0xFFFFU), std::memory_order_relaxed);
 }
 
-std::string ForceDimensionDevice::calibration_words() const {
+std::string ForceDimensionDevice::calibration_text() const {
   return falcon_ ? "the device is not calibrated: draw its grip out as far as it goes and push it in again, "
                    "slowly, until its light changes"
                  : kCalibrateWords;
 }
 
-std::string ForceDimensionDevice::trouble() const {
+std::string ForceDimensionDevice::last_error() const {
   const std::uint32_t trouble = trouble_.load(std::memory_order_relaxed);
   const auto code = static_cast<int>(trouble & 0xFFFFU);
   const auto error = [&] {
@@ -273,9 +273,9 @@ std::string ForceDimensionDevice::trouble() const {
     case kRefused:
       return "the device refused a force: " + error();
     case kForceOff:
-      return force_off_words(code);
+      return force_off_text(code);
     case kUncalibrated:
-      return calibration_words();
+      return calibration_text();
     case kNoPower:
       return "the device has no power: switch it on";
     default:

@@ -43,7 +43,7 @@ class ForceDimensionDevice final : public haptics::Device {
   /// [any]
   void stop() noexcept override;
   /// [any]
-  [[nodiscard]] std::string trouble() const override;
+  [[nodiscard]] std::string last_error() const override;
 
   /// [setup] Looked up by the vendor's name of the device.
   [[nodiscard]] haptics::DeviceAbilities abilities() const override;
@@ -62,7 +62,7 @@ class ForceDimensionDevice final : public haptics::Device {
   [[nodiscard]] std::uint32_t read_buttons() const noexcept;
   bool ask_status() noexcept;
   void arm_watchdog(unsigned char steps) noexcept;
-  [[nodiscard]] std::string calibration_words() const;
+  [[nodiscard]] std::string calibration_text() const;
   void note(std::uint32_t what, int code) noexcept;
 
   DhdLibrary library_;

@@ -44,7 +44,7 @@ void DhdLibrary::open_file(const std::filesystem::path& file) {
   }
   handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle_ != nullptr) return;
-  throw InputError(in_front(name_) + "cannot be loaded (" + loader_words() +
+  throw InputError(in_front(name_) + "cannot be loaded (" + loader_text() +
                    "), must be the vendor's libdhd.so for this computer");
 }
 
@@ -58,14 +58,14 @@ void DhdLibrary::open(const std::string& path) {
   for (const char* name : {"libdhd.so.3", "libdhd.so"}) {
     std::error_code error;
     if (!folder.empty() && std::filesystem::exists(folder / name, error)) {
-      const std::string doubt = why_not_trusted(folder);
+      const std::string doubt = distrust_reason(folder);
       if (!doubt.empty()) throw InputError(in_front((folder / name).string()) + "is not loaded: " + doubt);
       return open_file(folder / name);
     }
     name_ = name;
     handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     if (handle_ != nullptr) return;
-    words = loader_words();
+    words = loader_text();
     // A library that is there and cannot be loaded is told as such; one that is not there has a plainer word.
     if (words.rfind(name_ + ": cannot open shared object file", 0) != 0) {
       throw InputError(fmt::format("{}cannot be loaded ({}) {}", in_front(name_), words, kAdvice));

@@ -12,7 +12,7 @@ haptics::DeviceState GamepadDevice::read(std::uint64_t /*tick*/, double /*time*/
   return sample(input.connected);
 }
 
-std::string GamepadDevice::trouble() const {
+std::string GamepadDevice::last_error() const {
   return gone() ? "no gamepad is connected any more: plug it in, then reset the fault" : "";
 }
 

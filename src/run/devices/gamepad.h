@@ -26,7 +26,7 @@ class GamepadDevice final : public WindowDevice<GamepadInput> {
   /// [rt]
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
   /// [any]
-  [[nodiscard]] std::string trouble() const override;
+  [[nodiscard]] std::string last_error() const override;
 
  private:
   double period_;

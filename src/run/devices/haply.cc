@@ -84,7 +84,7 @@ bool HaplyDevice::write(const haptics::ForceCommand& command_D) noexcept {
 
 void HaplyDevice::stop() noexcept { forces_.stop(); }
 
-std::string HaplyDevice::trouble() const {
+std::string HaplyDevice::last_error() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return trouble_;
 }
@@ -104,7 +104,7 @@ void HaplyDevice::greet(std::size_t place) {
   }
   force_field_ = inventory.force_field;
   const HaplySample first = read_haply_state(message, arm_, grip_);
-  if (!first.off.empty()) say(fmt::format("Inverse3 {}: {}", arm_, first.off));
+  if (!first.off.empty()) set_error(fmt::format("Inverse3 {}: {}", arm_, first.off));
   publish(first.state, monotonic_ns());
 }
 
@@ -166,7 +166,7 @@ void HaplyDevice::send_if_due(Exchange& exchange) {
 void HaplyDevice::take(const std::string& message, std::int64_t now) {
   try {
     const HaplySample sample = read_haply_state(message, arm_, grip_);
-    if (!sample.off.empty()) say(fmt::format("Inverse3 {}: {}", arm_, sample.off));
+    if (!sample.off.empty()) set_error(fmt::format("Inverse3 {}: {}", arm_, sample.off));
     publish(sample.state, now);
   } catch (const InputError& error) {
     fail(error.what());
@@ -181,13 +181,13 @@ void HaplyDevice::publish(const haptics::DeviceState& state, std::int64_t receiv
 
 /// The newest good sample goes on, marked as one that could not be read.
 void HaplyDevice::fail(const std::string& why) {
-  say(why);
+  set_error(why);
   haptics::DeviceState state = newest_.state;
   state.fault = haptics::Fault::kDevice;
   publish(state, newest_.received_ns);
 }
 
-void HaplyDevice::say(const std::string& what) {
+void HaplyDevice::set_error(const std::string& what) {
   const std::lock_guard<std::mutex> lock(mutex_);
   trouble_ = address_.text() + ": " + what;
 }

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "palpate/device.h"
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 #include "run/devices/force_hand_over.h"
 #include "run/devices/haply_link.h"
 #include "run/devices/haply_messages.h"
@@ -50,7 +50,7 @@ class HaplyDevice final : public haptics::Device {
   /// [any] Zero force until the next write().
   void stop() noexcept override;
   /// [any]
-  [[nodiscard]] std::string trouble() const override;
+  [[nodiscard]] std::string last_error() const override;
   /// [setup] Those of an Inverse3.
   [[nodiscard]] haptics::DeviceAbilities abilities() const override { return abilities_of_model("Inverse3"); }
   /// [any] Which devices of the service it is: "Inverse3 04BA with verse grip 77 at ws://localhost:10001".
@@ -77,14 +77,14 @@ class HaplyDevice final : public haptics::Device {
   void take(const std::string& message, std::int64_t now);
   void publish(const haptics::DeviceState& state, std::int64_t received_ns);
   void fail(const std::string& why);
-  void say(const std::string& what);
+  void set_error(const std::string& what);
   void pause() const noexcept;
   void let_go() noexcept;
 
   const HaplyTimes times_;
   const HaplyAddress address_;
   std::atomic<bool> closing_{false};
-  SnapshotCell<Sample> samples_;  // thread to loop
+  TripleBuffer<Sample> samples_;  // thread to loop
   ForceHandOver forces_;          // loop to thread
   mutable std::mutex mutex_;      // of trouble_
   std::string trouble_;

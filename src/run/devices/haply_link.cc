@@ -28,7 +28,7 @@ using beast::error_code;
 
 constexpr std::int64_t kLinkLookOut = 5'000'000;  // ns, between two looks at whether to give up
 
-std::string words_of(const error_code& error) {
+std::string describe(const error_code& error) {
   if (error == asio::error::connection_refused) return "connection refused";
   if (error == websocket::error::closed) return "the service closed the connection";
   if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow) {
@@ -198,7 +198,7 @@ class HaplyLink::Socket final {
   void check(const Operation& operation) {
     if (!is_open()) throw HaplyLinkError("not connected");
     if (!operation.error) return;
-    const std::string why = words_of(operation.error);
+    const std::string why = describe(operation.error);
     drop();
     throw HaplyLinkError(why);
   }
@@ -227,7 +227,7 @@ class HaplyLink::Socket final {
     const error_code error = operation.error;
     drop();
     operation.error = error;  // for who wants to know more
-    throw HaplyLinkError(words_of(error));
+    throw HaplyLinkError(describe(error));
   }
 
   const std::atomic<bool>& give_up_;

@@ -8,6 +8,6 @@ haptics::DeviceState MouseDevice::read(std::uint64_t /*tick*/, double /*time*/) 
   return sample(input.present);
 }
 
-std::string MouseDevice::trouble() const { return gone() ? "the window whose mouse it was is gone" : ""; }
+std::string MouseDevice::last_error() const { return gone() ? "the window whose mouse it was is gone" : ""; }
 
 }  // namespace palpate::devices

@@ -27,7 +27,7 @@ class MouseDevice final : public WindowDevice<MouseInput> {
   /// [rt]
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
   /// [any]
-  [[nodiscard]] std::string trouble() const override;
+  [[nodiscard]] std::string last_error() const override;
 };
 
 }  // namespace palpate::devices

@@ -30,7 +30,7 @@ const std::string& checked_arm_name(const std::string& name) {
       "64 letters without / and without a point in front; the library is where the system's loader finds it");
 }
 
-std::string calibration_words(int style) {
+std::string calibration_text(int style) {
   const auto has = [style](unsigned one) { return (static_cast<unsigned>(style) & one) != 0; };
   if (has(kHdStyleInkwell))
     return "put the stylus into the inkwell until its light is steady, then begin again";
@@ -72,11 +72,11 @@ void TouchDevice::wait_until_ready() {
                       "off and on, look at it with Touch_Diagnostic, then begin again",
                       kTouchPlace, kFirstFrameLimit / 1'000'000));
     }
-    if (sample.state.fault == haptics::Fault::kDevice) throw InputError(kTouchPlace + trouble());
+    if (sample.state.fault == haptics::Fault::kDevice) throw InputError(kTouchPlace + last_error());
     if (sample.calibration == kHdCalibrated) return;
     if (sample.calibration == kHdNeedsUpdate && waited < kCalibrationLimit) continue;
     throw InputError(fmt::format("{}the arm is not calibrated: {}", kTouchPlace,
-                                 calibration_words(arm_.calibration_style)));
+                                 calibration_text(arm_.calibration_style)));
   }
 }
 
@@ -100,11 +100,11 @@ bool TouchDevice::write(const haptics::ForceCommand& command_D) noexcept {
 
 void TouchDevice::stop() noexcept { arm_.forces.stop(); }
 
-std::string TouchDevice::trouble() const {
+std::string TouchDevice::last_error() const {
   const std::uint32_t trouble = arm_.trouble.load(std::memory_order_relaxed);
   switch (static_cast<TouchTrouble>(trouble >> 16U)) {
     case TouchTrouble::kError:
-      return words_of_hd_error(trouble & 0xFFFFU);
+      return describe_hd_error(trouble & 0xFFFFU);
     case TouchTrouble::kInkwell:
       return "the stylus is in the inkwell: take it out, then reset the fault";
     case TouchTrouble::kNotHeld:

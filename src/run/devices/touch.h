@@ -40,7 +40,7 @@ class TouchDevice final : public haptics::Device {
   /// [any] Zero force until the next write().
   void stop() noexcept override;
   /// [any]
-  [[nodiscard]] std::string trouble() const override;
+  [[nodiscard]] std::string last_error() const override;
 
   /// [setup] "Touch (serial number 123, driver 4.0), at most 3.3 N".
   [[nodiscard]] std::string description() const;

@@ -46,7 +46,7 @@ haptics::Fault fault_of_hd_error(unsigned code) noexcept {
   return force ? haptics::Fault::kForceOff : haptics::Fault::kDevice;
 }
 
-std::string words_of_hd_error(unsigned code) {
+std::string describe_hd_error(unsigned code) {
   for (const HdErrorWords& error : kHdErrors) {
     if (error.code == code)
       return fmt::format("{} (OpenHaptics error 0x{:04x}): {}", error.what, code, error.mend);

@@ -11,6 +11,6 @@ namespace palpate::devices {
 
 /// [any] The meaning of an error and its remedy: "its motors are too warm (OpenHaptics error 0x0200):
 /// let ...". Allocates.
-[[nodiscard]] std::string words_of_hd_error(unsigned code);
+[[nodiscard]] std::string describe_hd_error(unsigned code);
 
 }  // namespace palpate::devices

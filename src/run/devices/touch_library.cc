@@ -41,7 +41,7 @@ void look_up(VendorFunctions& lookup, HdFunctions& f) {
 HdLibrary::HdLibrary(const std::string& file) {
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (handle == nullptr) {
-    const std::string words = loader_words();
+    const std::string words = loader_text();
     // A library that is there and cannot be loaded is told as such; one that is not there has a plainer word.
     if (words.rfind(file + ": cannot open shared object file", 0) == 0) {
       throw InputError(fmt::format(

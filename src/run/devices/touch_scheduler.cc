@@ -95,7 +95,7 @@ void TouchScheduler::open(TouchArm& arm) {
     if (error.code == kHdSuccess && arm.handle != kHdInvalidHandle) return;
     const std::string words = error.code == kHdSuccess
                                   ? "the vendor's library gives no reason: run Touch_Setup, then begin again"
-                                  : words_of_hd_error(error.code);
+                                  : describe_hd_error(error.code);
     std::string reasons;
     for (const Reason& reason : touch_reasons({}, true)) {
       reasons += fmt::format("; {} ({})", reason.what, reason.command);
@@ -147,7 +147,7 @@ void TouchScheduler::resume() {
   const HdErrorInfo error = library_.take_error();
   if (error.code == kHdSuccess) return;
   throw InputError("device touch: the vendor's scheduler cannot be started: " +
-                   words_of_hd_error(error.code));
+                   describe_hd_error(error.code));
 }
 
 /// Zero force to all arms, then the scheduler stands. One that calls back no more is stopped without it.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "palpate/device.h"
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 #include "run/devices/force_hand_over.h"
 #include "run/devices/touch_library.h"
 
@@ -32,12 +32,12 @@ struct TouchArm {
   int calibration_style = 0;
   unsigned handle = kHdInvalidHandle;
 
-  SnapshotCell<TouchSample> samples;      // vendor's thread to loop
+  TripleBuffer<TouchSample> samples;      // vendor's thread to loop
   ForceHandOver forces;                   // loop to vendor's thread
   std::atomic<bool> opening{true};        // calibration is monitored
   std::atomic<std::uint32_t> trouble{0};  // TouchTrouble << 16 | code of the last error
 
-  /// [rt] Stores the error for TouchDevice::trouble().
+  /// [rt] Stores the error for TouchDevice::last_error().
   void note(TouchTrouble what, unsigned code = 0) noexcept {
     trouble.store(static_cast<std::uint32_t>(what) << 16U | (code & 0xFFFFU), std::memory_order_relaxed);
   }

@@ -6,7 +6,7 @@ namespace palpate::devices {
 
 void* VendorFunctions::find(const char* name) const { return dlsym(handle_, name); }
 
-std::string loader_words() {
+std::string loader_text() {
   const char* words = dlerror();  // NOLINT(concurrency-mt-unsafe): at set-up only
   std::string text = words == nullptr ? "no reason given" : words;
   for (char& letter : text) {

@@ -31,6 +31,6 @@ class VendorFunctions final {
 };
 
 /// [setup] The last error message of the system's loader, on one line.
-[[nodiscard]] std::string loader_words();
+[[nodiscard]] std::string loader_text();
 
 }  // namespace palpate::devices

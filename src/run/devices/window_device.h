@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "palpate/device.h"
-#include "palpate/snapshot_cell.h"
+#include "palpate/triple_buffer.h"
 #include "run/devices/steady_hand.h"
 
 namespace palpate::devices {
@@ -15,7 +15,7 @@ template <typename Input>
 class WindowDevice : public haptics::Device {
  public:
   /// [any] Only the window's thread writes.
-  [[nodiscard]] SnapshotCell<Input>& input() noexcept { return input_; }
+  [[nodiscard]] TripleBuffer<Input>& input() noexcept { return input_; }
   /// [any] The tool's orientation.
   [[nodiscard]] const Quat& orientation() const noexcept { return hand_.orientation(); }
 
@@ -48,7 +48,7 @@ class WindowDevice : public haptics::Device {
   Input wanted_;  // used by the tick only
 
  private:
-  SnapshotCell<Input> input_;
+  TripleBuffer<Input> input_;
   std::atomic<bool> gone_{false};
 };
 

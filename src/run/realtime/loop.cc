@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "core/base/text.h"
-#include "core/haptics/prepared_change.h"
+#include "core/haptics/prepared_update.h"
 #include "io/system/clock.h"
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
@@ -79,7 +79,7 @@ class Loop final {
   /// What is latched on a hand, from its rows.
   struct Latched {
     Fault fault = Fault::kNone;
-    std::size_t entry = LoopReport::kMostFaults;  // in report_.faults
+    std::size_t entry = LoopReport::kMaxFaults;  // in report_.faults
   };
 
   void start() noexcept {
@@ -145,11 +145,11 @@ class Loop final {
 
   /// The oldest change to tissue or noise that waits, from this tick on. @return whether there was one
   bool take_change(std::uint64_t number) noexcept {
-    LiveChanges* updates = options_.control == nullptr ? nullptr : options_.control->updates();
-    const PreparedChange* change = updates == nullptr ? nullptr : updates->waiting();
+    ParameterUpdates* updates = options_.control == nullptr ? nullptr : options_.control->updates();
+    const PreparedUpdate* change = updates == nullptr ? nullptr : updates->waiting();
     if (change == nullptr) return false;
-    apply_change(world_, state_, *change);
-    LiveChange noted = change->values;
+    apply_update(world_, state_, *change);
+    ParameterUpdate noted = change->values;
     noted.tick = number;
     updates->taken();
     for (TickObserver* observer : observers_) observer->on_update(noted);
@@ -164,7 +164,7 @@ class Loop final {
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
       DeviceState& sample = samples_[hand];
       sample = devices_[hand]->read(number, time);
-      sample.events = (sample.events & ~kLiveChange) | (changed ? kLiveChange : 0U);
+      sample.events = (sample.events & ~kParameterUpdated) | (changed ? kParameterUpdated : 0U);
       if (refused_[hand] != 0) sample.fault = Fault::kDevice;
       if (stalled_ && sample.fault == Fault::kNone) sample.fault = Fault::kStalled;
       if (((resets >> hand) & 1U) != 0) sample.events |= kResetFault;
@@ -205,12 +205,12 @@ class Loop final {
     const bool reset = (row.events & kResetFault) != 0;
     if (fault == latched.fault && (fault == Fault::kNone || !reset)) return;
     if (latched.entry < report_.faults.size()) report_.faults[latched.entry].reset_tick = row.tick;
-    latched = {fault, LoopReport::kMostFaults};
+    latched = {fault, LoopReport::kMaxFaults};
     if (fault == Fault::kNone) return;
     if (report_.fault == Fault::kNone) report_.fault = fault;
     const FaultSeen seen{row.tick, row.hand, fault};
     for (TickObserver* observer : observers_) observer->on_fault(seen);
-    if (report_.faults.size() == LoopReport::kMostFaults) {
+    if (report_.faults.size() == LoopReport::kMaxFaults) {
       ++report_.further_faults;
       return;
     }
@@ -298,7 +298,7 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
     report.remarks.emplace_back(
         "the loop polled on the only core that this program may use: all else had to wait");
   }
-  report.faults.reserve(LoopReport::kMostFaults);
+  report.faults.reserve(LoopReport::kMaxFaults);
   std::optional<MemoryLock> memory;
   std::optional<Watchdog> watchdog;
   if (!options.offline) report.memory_locked = memory.emplace(report.remarks).granted();
@@ -323,14 +323,14 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
     report.stops = watchdog->finish();
     report.watchdog_stops = watchdog->stops();
   }
-  if (report.pauses > 0) report.remarks.push_back(told_pauses(report.pauses, report.paused_ns));
+  if (report.pauses > 0) report.remarks.push_back(describe_pauses(report.pauses, report.paused_ns));
   if (report.watchdog_stops > 0) {
     report.remarks.push_back(describe_stops(report.watchdog_stops, report.stops, stalled_after));
   }
   return report;
 }
 
-std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns) {
+std::string describe_pauses(std::uint64_t pauses, std::int64_t paused_ns) {
   const std::string times = pauses == 1 ? "once" : std::to_string(pauses) + " times";
   const double tenths = std::round(static_cast<double>(paused_ns) * 1e-8);
   const std::string time = tenths < 1.0 ? "less than 0.1 s" : shortest(tenths / 10.0) + " s";

@@ -32,7 +32,7 @@ inline constexpr double kStalledPeriods = 4.0;
 [[nodiscard]] std::int64_t stall_limit_ns(const SimulationWorld& world) noexcept;
 
 /// [setup] What a report says of pauses, at least one: "the run was paused once, for 0.3 s; ...".
-[[nodiscard]] std::string told_pauses(std::uint64_t pauses, std::int64_t paused_ns);
+[[nodiscard]] std::string describe_pauses(std::uint64_t pauses, std::int64_t paused_ns);
 
 /// [setup] Runs the loop on a thread of its own and waits for its end: absolute deadlines, SCHED_FIFO and
 /// mlockall where allowed, and a watchdog (not offline). Commands are turned into each device's frame before

@@ -19,7 +19,7 @@ constexpr unsigned long kTimerSlack = 1;  // ns, the smallest; without priority 
 constexpr std::size_t kTouchedStack = 256UL * 1024UL;  // bytes; a tick uses some thirty kilobytes
 constexpr std::size_t kPage = 4096;
 
-std::string words(int error) { return std::generic_category().message(error); }
+std::string describe_error(int error) { return std::generic_category().message(error); }
 
 }  // namespace
 
@@ -29,7 +29,7 @@ std::optional<std::string> ask_for_priority(Urgency urgency) {
   wanted.sched_priority = urgency == Urgency::kLoop ? kLoopPriority : kWatchdogPriority;
   const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
   if (error == 0) return std::nullopt;
-  return "real-time priority (SCHED_FIFO) was not granted: " + words(error) +
+  return "real-time priority (SCHED_FIFO) was not granted: " + describe_error(error) +
          "; ticks may begin late (palpate doctor says how to grant it)";
 }
 
@@ -68,7 +68,7 @@ bool pin_to_core(int core) noexcept {
 MemoryLock::MemoryLock(std::vector<std::string>& remarks)
     : granted_(mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
   if (granted_) return;
-  remarks.push_back("memory was not locked (mlockall): " + words(errno) +
+  remarks.push_back("memory was not locked (mlockall): " + describe_error(errno) +
                     "; a page fault may delay a tick (palpate doctor says how to grant it)");
 }
 

@@ -16,7 +16,7 @@ constexpr std::int64_t kNapWithNothingToDo = 2'000'000;  // ns; while no tick be
 
 Watchdog::Watchdog(std::span<Device* const> devices, std::int64_t stalled_after_ns)
     : devices_(devices), stalled_after_ns_(stalled_after_ns) {
-  kept_.reserve(WatchdogStop::kMostKept);
+  kept_.reserve(WatchdogStop::kMaxKept);
   const SignalsHeld signals;
   thread_ = std::thread([this] { watch(); });
 }
@@ -54,7 +54,7 @@ void Watchdog::watch() noexcept {
 void Watchdog::stop_devices(std::int64_t last_begin, std::int64_t first_begin) noexcept {
   stops_.fetch_add(1);  // before the stop: the loop that wakes meanwhile sees that one may have begun
   for (Device* device : devices_) device->stop();
-  if (kept_.size() < WatchdogStop::kMostKept) {
+  if (kept_.size() < WatchdogStop::kMaxKept) {
     kept_.push_back({tick_.load(std::memory_order_relaxed), last_begin + stalled_after_ns_ - first_begin});
   }
 }

@@ -32,7 +32,7 @@ class Watchdog final {
   /// [rt] How often it has stopped the devices; counted before each stop begins.
   [[nodiscard]] std::uint64_t stops() const noexcept { return stops_.load(); }
 
-  /// [setup] Ends the thread (within 20 ms). @return the first WatchdogStop::kMostKept stops.
+  /// [setup] Ends the thread (within 20 ms). @return the first WatchdogStop::kMaxKept stops.
   std::vector<WatchdogStop> finish();
 
  private:

@@ -23,7 +23,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
   to.insert(to.end(), from.begin(), from.end());
 }
 
-RunResult result_of(const scene::Setup& setup, bool offline) {
+RunResult result_of(const scene::Scene& setup, bool offline) {
   RunResult result;
   result.scene = setup.name;
   result.rate_Hz = setup.rate_Hz;
@@ -36,9 +36,9 @@ RunResult result_of(const scene::Setup& setup, bool offline) {
 }
 
 /// Writes the ticks before a fault to a file. A file that cannot be written is a remark, not an error.
-void keep_flight(const record::FlightRecorder& flight, RunResult& result) {
+void write_flight_recording(const record::FlightRecorder& flight, RunResult& result) {
   try {
-    result.fault_recording = record::keep_flight(flight, result.loop);
+    result.fault_recording = record::write_flight_recording(flight, result.loop);
   } catch (const InputError& failure) {
     result.loop.remarks.push_back(std::string("the ticks before the fault were not kept: ") + failure.what());
   }
@@ -63,11 +63,11 @@ std::uint64_t ticks_in(double duration_s, double rate_Hz, const std::string& nam
   return static_cast<std::uint64_t>(ticks);
 }
 
-Session::Session(scene::Setup setup, SessionOptions options)
+Session::Session(scene::Scene setup, SessionOptions options)
     : setup_(std::move(setup)),
       devices_(std::move(options.devices)),
       world_(prepare(options.preparation)),
-      updates_(scene::live_changes(setup_, *world_)),
+      updates_(scene::make_parameter_updates(setup_, *world_)),
       control_(updates_.get()) {
   if (options.duration_s) {
     ticks_ = ticks_in(*options.duration_s, setup_.rate_Hz);
@@ -96,7 +96,7 @@ std::unique_ptr<const haptics::SimulationWorld> Session::prepare(const contact::
   for (std::size_t hand = 0; hand < hands(); ++hand) {
     setup_.devices[hand].abilities = devices_[hand]->abilities();
   }
-  append(setup_.remarks, scene::follow_devices(setup_, *world));
+  append(setup_.remarks, scene::apply_device_abilities(setup_, *world));
   return world;
 }
 
@@ -109,7 +109,7 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
     const std::vector<NamedFile> outputs = {{"the recording", options.recording}};
     std::vector<NamedFile> inputs;
     for (const scene::SourceFile& file : setup_.files) inputs.push_back({file.named_by, file.path});
-    refuse_overwriting(outputs, inputs);
+    require_no_overwrite(outputs, inputs);
     all.push_back(
         &recorder.emplace(options.recording, setup_, options.offline, options.on_recording_failure));
   } else if (options.keep_fault) {
@@ -131,7 +131,7 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
                                    .thread = options.thread,
                                    .stalled_after_ns = haptics::stall_limit_ns(*world_)});
   if (recorder) close_recording(*recorder, options, result);
-  if (flight && flight->fault_met()) keep_flight(*flight, result);
+  if (flight && flight->fault_met()) write_flight_recording(*flight, result);
   result.statistics = statistics.statistics();
   return result;
 }

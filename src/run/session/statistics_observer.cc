@@ -20,7 +20,7 @@ double norm(const std::array<double, 3>& v) noexcept {
 
 }  // namespace
 
-StatisticsObserver::StatisticsObserver(const scene::Setup& setup)
+StatisticsObserver::StatisticsObserver(const scene::Scene& setup)
     : period_(1.0 / setup.rate_Hz),
       last_contact_tick_(kNever),
       last_limited_tick_(kNever),
@@ -30,7 +30,9 @@ StatisticsObserver::StatisticsObserver(const scene::Setup& setup)
   statistics_.phases.reserve(RunStatistics::kMaxSpans);
 }
 
-void StatisticsObserver::on_update(const haptics::LiveChange& /*update*/) noexcept { ++statistics_.changes; }
+void StatisticsObserver::on_update(const haptics::ParameterUpdate& /*update*/) noexcept {
+  ++statistics_.changes;
+}
 
 void StatisticsObserver::on_row(const haptics::TickRow& row) noexcept {
   statistics_.peak_force = std::max(statistics_.peak_force, norm(row.force));

@@ -13,9 +13,9 @@ namespace palpate::session {
 class StatisticsObserver final : public haptics::TickObserver {
  public:
   /// [setup]
-  explicit StatisticsObserver(const scene::Setup& setup);
+  explicit StatisticsObserver(const scene::Scene& setup);
 
-  void on_update(const haptics::LiveChange& update) noexcept override;
+  void on_update(const haptics::ParameterUpdate& update) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [setup] After the run.

@@ -14,7 +14,7 @@ double normal_density(double z) noexcept {
 
 double normal_cdf(double z) noexcept { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
-double student(double freedom) {
+double student_t_quantile(double freedom) {
   return boost::math::quantile(boost::math::students_t(std::max(freedom, 3.0)), 0.975);
 }
 

@@ -6,7 +6,7 @@ namespace palpate::identify {
 [[nodiscard]] double normal_density(double z) noexcept;
 [[nodiscard]] double normal_cdf(double z) noexcept;
 
-/// [any] Student's t that 97.5 % do not exceed; fewer than 3 degrees of freedom count as 3.
-[[nodiscard]] double student(double freedom);
+/// [any] 97.5 % quantile of Student's t distribution. `freedom` below 3 is treated as 3.
+[[nodiscard]] double student_t_quantile(double freedom);
 
 }  // namespace palpate::identify

@@ -10,11 +10,11 @@
 namespace palpate::identify {
 namespace {
 
-constexpr double kPooledShare = 0.15;  // of the specimens' time, for the progress
+constexpr double kPooledShare = 0.15;  // of the total time of the specimens' fits, for the progress
 
 class Fitting final {
  public:
-  Fitting(std::vector<Specimen> specimens, const Settings& settings, tasks::Ranks& ranks,
+  Fitting(std::vector<Specimen> specimens, const Settings& settings, tasks::Communicator& ranks,
           const std::string& results_file, const Progress& progress)
       : specimens_(std::move(specimens)),
         settings_(settings),
@@ -22,34 +22,36 @@ class Fitting final {
         progress_(progress),
         record_(results_file, ranks, check_line) {}
 
-  /// Every rank takes specimens, each fitted by one of them.
+  /// Each specimen is fitted by one rank.
   void by_specimen() {
     std::size_t done = 0;
     const auto key = [&](std::size_t i) {
-      return key_of(specimens_[i], settings_, static_cast<std::uint32_t>(i));
+      return record_key(specimens_[i], settings_, static_cast<std::uint32_t>(i));
     };
     const auto run = [&](std::size_t i) {
       const Progress within = [&](double share, const std::string& what) {
-        tell((static_cast<double>(done) + share), specimens_[i].name + ": " + what);
+        report_progress((static_cast<double>(done) + share), specimens_[i].name + ": " + what);
       };
       return fitted(i, ranks_.size() == 1 ? within : Progress{}, nullptr);
     };
     const auto arrived = [&](std::size_t i) {
-      tell(static_cast<double>(++done), specimens_[i].name + ": done");
+      report_progress(static_cast<double>(++done), specimens_[i].name + ": done");
     };
-    if (ranks_.rank() == 0) tell(0.0, "fits");
+    if (ranks_.rank() == 0) report_progress(0.0, "fits");
     auto [lines, resumed] = for_each_task(&ranks_, {specimens_.size(), run, key, arrived}, &record_);
     lines_ = std::move(lines);
     resumed_ = resumed;
   }
 
-  /// All ranks fit each specimen together: the search alike, the bootstrap shared out.
+  /// All ranks fit each specimen together: each repeats the search, and they share the bootstrap.
   void by_resample() {
     for (std::size_t i = 0; i < specimens_.size(); ++i) {
       const Progress within = [&](double share, const std::string& what) {
-        if (ranks_.rank() == 0) tell(static_cast<double>(i) + share, specimens_[i].name + ": " + what);
+        if (ranks_.rank() == 0)
+          report_progress(static_cast<double>(i) + share, specimens_[i].name + ": " + what);
       };
-      const std::string* line = record_.find(key_of(specimens_[i], settings_, static_cast<std::uint32_t>(i)));
+      const std::string* line =
+          record_.find(record_key(specimens_[i], settings_, static_cast<std::uint32_t>(i)));
       lines_.push_back(line != nullptr ? *line : fitted(i, within, &ranks_));
       if (line == nullptr) record_.add(lines_.back());
       if (line != nullptr) ++resumed_;
@@ -59,10 +61,10 @@ class Fitting final {
   ManyFits finish() {
     ManyFits many;
     many.resumed = resumed_;
-    for (const std::string& line : lines_) many.specimens.push_back(fit_of(line));
+    for (const std::string& line : lines_) many.specimens.push_back(parse_record_line(line));
     const auto count = static_cast<double>(specimens_.size());
     const Progress pooled = [&](double share, const std::string& what) {
-      if (ranks_.rank() == 0) tell(count * (1.0 + kPooledShare * share), what);
+      if (ranks_.rank() == 0) report_progress(count * (1.0 + kPooledShare * share), what);
     };
     many.pooled = fit_pooled(specimens_, many.specimens, settings_, pooled, &ranks_);
     return many;
@@ -71,35 +73,35 @@ class Fitting final {
   [[nodiscard]] std::size_t count() const noexcept { return specimens_.size(); }
 
  private:
-  std::string fitted(std::size_t i, const Progress& progress, tasks::Ranks* ranks) const {
+  std::string fitted(std::size_t i, const Progress& progress, tasks::Communicator* ranks) const {
     const auto job = static_cast<std::uint32_t>(i);
-    return line_of(key_of(specimens_[i], settings_, job),
-                   fit_specimen(specimens_[i], settings_, job, progress, ranks));
+    return record_line(record_key(specimens_[i], settings_, job),
+                       fit_specimen(specimens_[i], settings_, job, progress, ranks));
   }
 
-  void tell(double done, const std::string& what) const {
+  void report_progress(double done, const std::string& what) const {
     const double pooled = specimens_.size() > 1 ? kPooledShare : 0.0;
     if (progress_) progress_(done / (static_cast<double>(specimens_.size()) * (1.0 + pooled)), what);
   }
 
   std::vector<Specimen> specimens_;
   const Settings& settings_;
-  tasks::Ranks& ranks_;
+  tasks::Communicator& ranks_;
   const Progress& progress_;
   tasks::Record record_;
-  std::vector<std::string> lines_;  // of the specimens' fits, in their order
+  std::vector<std::string> lines_;  // fits of the specimens, in their order
   std::size_t resumed_ = 0;
 };
 
 }  // namespace
 
-ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings, tasks::Ranks& ranks,
+ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings, tasks::Communicator& ranks,
                   const std::string& results_file, const Progress& progress) {
   if (ranks.size() > 1) {
     specimens = specimens_of(ranks.broadcast(ranks.rank() == 0 ? bytes_of(specimens) : std::string()));
   }
   Fitting fitting(std::move(specimens), settings, ranks, results_file, progress);
-  // fewer specimens than ranks, and some ranks would have nothing to do
+  // with fewer than two specimens per rank, some ranks would be idle for long
   if (ranks.size() > 1 && fitting.count() < 2 * static_cast<std::size_t>(ranks.size()) &&
       settings.bootstrap > 0) {
     fitting.by_resample();

@@ -4,26 +4,26 @@
 #include <vector>
 
 #include "palpate/identify.h"
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace palpate::identify {
 
 struct ManyFits {
-  std::vector<SpecimenFit> specimens;  // in their order
+  std::vector<SpecimenFit> specimens;  // in the order of the input
   PooledFit pooled;
-  std::size_t resumed = 0;  // fits that were taken from the results file
+  std::size_t resumed = 0;  // fits read from the results file
 };
 
-/// [setup] Fits every specimen alone and all together, the work shared out among ranks: a specimen each
-/// where there are enough of them, else the bootstrap of each. Every rank calls it alike and gets the same
-/// bits, however many there are.
-/// @param specimens of rank 0; what others give does not count
-/// @param results_file rank 0 adds a line as each specimen is finished, and takes the fits that are in it
-/// already; empty: none
+/// [setup] Fits each specimen alone, then all specimens together. With enough specimens, each rank fits whole
+/// specimens; else all ranks share the bootstrap of each specimen. All ranks must make this call. The result
+/// has the same bits for any number of ranks.
+/// @param specimens used from rank 0 only
+/// @param results_file rank 0 reads finished fits from it and appends a line per finished specimen; empty: no
+/// file
 /// @param progress called on rank 0
-/// @throws InputError on every rank alike, as fit_specimen(), and when the file cannot be written.
+/// @throws InputError on all ranks: as fit_specimen(), or when the file cannot be written.
 [[nodiscard]] ManyFits fit_many(std::vector<Specimen> specimens, const Settings& settings,
-                                tasks::Ranks& ranks, const std::string& results_file,
+                                tasks::Communicator& ranks, const std::string& results_file,
                                 const Progress& progress);
 
 }  // namespace palpate::identify

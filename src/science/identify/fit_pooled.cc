@@ -13,22 +13,23 @@
 #include "science/identify/fit_record.h"
 #include "science/identify/forward.h"
 #include "science/identify/intervals.h"
-#include "science/identify/minima.h"
+#include "science/identify/local_optima.h"
 #include "science/identify/parts.h"
+#include "science/identify/profile_path.h"
 #include "science/identify/random.h"
-#include "science/identify/valley.h"
 #include "science/identify/warnings.h"
 #include "science/tasks/for_each_task.h"
 
 namespace palpate::identify {
 namespace {
 
-constexpr std::uint32_t kPooledJob = 0xffff'ffff;  // the random numbers of no specimen
+constexpr std::uint32_t kPooledJob = 0xffff'ffff;  // not the index of a specimen, so that its random numbers
+                                                   // are its own
 constexpr std::uint32_t kPooledStream = 3;
-constexpr int kResamples = 100;  // of specimens, for the intervals
+constexpr int kResamples = 100;  // of the set of specimens, for the intervals
 
-/// As many terms as most specimens have, the fewer on a tie.
-std::size_t usual_terms(const std::vector<SpecimenFit>& fits) {
+/// The most frequent number of relaxation terms; the smallest on a tie.
+std::size_t most_frequent_terms(const std::vector<SpecimenFit>& fits) {
   std::map<std::size_t, std::size_t> counts;
   for (const SpecimenFit& fit : fits) ++counts[fit.terms];
   const auto most = std::max_element(counts.begin(), counts.end(),
@@ -36,9 +37,9 @@ std::size_t usual_terms(const std::vector<SpecimenFit>& fits) {
   return most->first;
 }
 
-/// Starts from the specimens' own fits that have as many terms: the middle of them, and the few whose law
-/// suits all best.
-std::vector<Solution> own_starts(const Problem& problem, const std::vector<SpecimenFit>& fits) {
+/// Starts for the pooled fit, from the specimens' fits with that number of terms: their median, and the three
+/// with the lowest pooled cost.
+std::vector<Solution> specimen_starts(const Problem& problem, const std::vector<SpecimenFit>& fits) {
   constexpr std::size_t kTaken = 3;
   std::vector<Point> own;
   for (const SpecimenFit& fit : fits) own.push_back(fit.own);
@@ -59,28 +60,28 @@ std::vector<Solution> own_starts(const Problem& problem, const std::vector<Speci
   return all;
 }
 
-/// The shared parameters of tissues whose specimens were drawn again from the same ones.
-std::vector<Point> resampled(const Minima& minima, std::uint64_t seed, const Progress& progress,
-                             tasks::Ranks* ranks) {
-  const Solution& best = minima.all.front();
-  const std::size_t count = minima.problem.parts.size();
+/// Shared parameters fitted to bootstrap resamples of the set of specimens.
+std::vector<Point> resampled(const LocalOptima& optima, std::uint64_t seed, const Progress& progress,
+                             tasks::Communicator* ranks) {
+  const Solution& best = optima.all.front();
+  const std::size_t count = optima.problem.parts.size();
   const auto resample = [&](std::size_t b) {
     Random random(seed, kPooledJob, kPooledStream);
     random.skip(b * count);
     std::vector<double> times(count, 0.0);
     for (std::size_t i = 0; i < count; ++i) times[random.below(count)] += 1.0;
-    Problem problem = minima.problem;
+    Problem problem = optima.problem;
     problem.parts.clear();
     Solution start;
     start.shared = best.shared;
     for (std::size_t p = 0; p < count; ++p) {
       if (times[p] == 0.0) continue;
-      problem.parts.push_back(minima.problem.parts[p]);
+      problem.parts.push_back(optima.problem.parts[p]);
       for (double& weight : problem.parts.back().weight) weight *= times[p];
       start.own.push_back(best.own[p]);
     }
     Point point = solve(problem, start, 20).shared;
-    point.insert(point.end(), {0.0, 0.0});  // no specimen's own
+    point.insert(point.end(), {0.0, 0.0});  // no own parameters
     return bytes_of(std::span<const double>(point));
   };
   int done = 0;
@@ -111,19 +112,22 @@ PooledFit of_one(const SpecimenFit& fit, const Settings& settings) {
   return pooled;
 }
 
-/// For each parameter of the law the lowest and highest value [logarithms] to which it can go, all others
-/// fitted again, without the specimens telling it from the best: what drawing specimens again cannot show,
-/// because a fit that begins at the best stays where nothing pulls it away.
-std::vector<Interval> valleys(const Minima& minima, const Progress& progress, tasks::Ranks* ranks) {
-  const Problem& problem = minima.problem;
-  const Solution& best = minima.all.front();
+/// Profile interval [logarithms] of each law parameter: how far it can move, all others fitted again, within
+/// the confidence set. The bootstrap misses this range, because a refit from the optimum stays there when the
+/// cost is flat.
+std::vector<Interval> profile_intervals(const LocalOptima& optima, const Progress& progress,
+                                        tasks::Communicator* ranks) {
+  const Problem& problem = optima.problem;
+  const Solution& best = optima.all.front();
   const std::vector<double> costs = part_costs(problem, best);
   const auto end_of = [&](std::size_t item) {
     const std::size_t index = item / 2;
     double end = best.shared[index];
-    walk_valley(
+    follow_profile_path(
         problem, best, index, item % 2 == 0 ? -1.0 : 1.0,
-        [&](const Solution& at) { return specimens_leave(costs, part_costs(problem, at)) ? 0.0 : kInfinity; },
+        [&](const Solution& at) {
+          return in_confidence_set(costs, part_costs(problem, at)) ? 0.0 : kInfinity;
+        },
         [&](const Solution& at) { end = at.shared[index]; });
     return bytes_of(std::span<const double>(&end, 1));
   };
@@ -140,23 +144,23 @@ std::vector<Interval> valleys(const Minima& minima, const Progress& progress, ta
   return intervals;
 }
 
-/// The shared parameters with their intervals, and a warning for each that the specimens leave open.
-void add_estimates(const Minima& minima, const std::vector<Interval>& intervals,
-                   const std::vector<Interval>& valley, PooledFit& pooled) {
+/// Adds the shared parameters with their intervals, and a warning for each that is not determined.
+void add_estimates(const LocalOptima& optima, const std::vector<Interval>& intervals,
+                   const std::vector<Interval>& profiles, PooledFit& pooled) {
   const Point none(kOwnParameters, 0.0);
-  const Bounds& bounds = minima.problem.bounds;
-  const std::vector<double> values = values_of(minima.all.front().shared, none, {});
+  const Bounds& bounds = optima.problem.bounds;
+  const std::vector<double> values = values_of(optima.all.front().shared, none, {});
   for (std::size_t i = 0; i < shared_count(pooled.terms); ++i) {
     Estimate estimate;
     estimate.value = values[i];
     estimate.interval = {std::min(intervals[i].low, values[i]), std::max(intervals[i].high, values[i])};
     if (i < kLawParameters) {
-      estimate.interval.low = std::min(estimate.interval.low, portable::exp(valley[i].low));
-      estimate.interval.high = std::max(estimate.interval.high, portable::exp(valley[i].high));
-      const Determined how =
-          determined_by(portable::log(estimate.interval.low), portable::log(estimate.interval.high),
-                        bounds.low[i], bounds.high[i]);
-      estimate.determined = how == Determined::kYes;
+      estimate.interval.low = std::min(estimate.interval.low, portable::exp(profiles[i].low));
+      estimate.interval.high = std::max(estimate.interval.high, portable::exp(profiles[i].high));
+      const Identifiability how =
+          identifiability_of_interval(portable::log(estimate.interval.low),
+                                      portable::log(estimate.interval.high), bounds.low[i], bounds.high[i]);
+      estimate.determined = how == Identifiability::kIdentifiable;
       if (!estimate.determined) {
         pooled.warnings.push_back(undetermined_warning(how, labels(pooled.terms)[i], estimate.interval));
       }
@@ -165,49 +169,49 @@ void add_estimates(const Minima& minima, const std::vector<Interval>& intervals,
   }
 }
 
-void add_errors(const Minima& minima, PooledFit& pooled) {
-  const Solution& best = minima.all.front();
+void add_errors(const LocalOptima& optima, PooledFit& pooled) {
+  const Solution& best = optima.all.front();
   double newtons = 0.0;
   double shares = 0.0;
-  for (std::size_t p = 0; p < minima.problem.parts.size(); ++p) {
-    const Part& part = minima.problem.parts[p];
+  for (std::size_t p = 0; p < optima.problem.parts.size(); ++p) {
+    const Part& part = optima.problem.parts[p];
     double squares = 0.0;
-    for (const double r : plain_residuals(minima.problem, part, best.shared, best.own[p])) squares += r * r;
+    for (const double r : plain_residuals(optima.problem, part, best.shared, best.own[p])) squares += r * r;
     newtons += squares * part.ranges.force * part.ranges.force;
     shares += squares / static_cast<double>(part.specimen->size());
     pooled.points += part.specimen->size();
     const LayerCount layers =
-        layers_of(*part.specimen, part.ranges, minima.problem.settings, best.shared, best.own[p]);
+        layers_of(*part.specimen, part.ranges, optima.problem.settings, best.shared, best.own[p]);
     pooled.layers_allowed = layers.allowed;
     pooled.layers_reached = std::max(pooled.layers_reached, layers.reached);
   }
   pooled.rms = std::sqrt(newtons / static_cast<double>(pooled.points));
-  pooled.nrmse = std::sqrt(shares / static_cast<double>(minima.problem.parts.size()));
+  pooled.nrmse = std::sqrt(shares / static_cast<double>(optima.problem.parts.size()));
 }
 
 }  // namespace
 
 PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
-                     const Settings& settings, const Progress& progress, tasks::Ranks* ranks) {
+                     const Settings& settings, const Progress& progress, tasks::Communicator* ranks) {
   if (specimens.empty() || specimens.size() != fits.size()) {
     throw InputError("pooled fit: needs at least one specimen, and a fit of each");
   }
   if (specimens.size() == 1) return of_one(fits.front(), settings);
   const std::vector<Specimen> used = as_pooled(specimens);
-  const std::size_t terms = usual_terms(fits);
+  const std::size_t terms = most_frequent_terms(fits);
   Problem problem = make_problem(settings, terms, pooled_parts(used));
   if (progress) progress(0.05, "pooled fit");
-  const std::vector<Solution> from = own_starts(problem, fits);
-  const Minima minima = find_minima(std::move(problem), from);
+  const std::vector<Solution> from = specimen_starts(problem, fits);
+  const LocalOptima optima = find_local_optima(std::move(problem), from);
   const std::vector<Interval> intervals =
-      intervals_of(resampled(minima, settings.seed, progress, ranks), {}, terms);
+      intervals_of(resampled(optima, settings.seed, progress, ranks), {}, terms);
   PooledFit pooled;
   pooled.terms = terms;
   pooled.specimens = specimens.size();
-  add_estimates(minima, intervals, valleys(minima, progress, ranks), pooled);
-  add_errors(minima, pooled);
-  pooled.shared = minima.all.front().shared;
-  pooled.own = minima.all.front().own;
+  add_estimates(optima, intervals, profile_intervals(optima, progress, ranks), pooled);
+  add_errors(optima, pooled);
+  pooled.shared = optima.all.front().shared;
+  pooled.own = optima.all.front().own;
   pooled.tissue = tissue_of(pooled.shared, settings);
   constexpr std::size_t kFewSpecimens = 6;
   if (specimens.size() < kFewSpecimens) {

@@ -103,16 +103,17 @@ SpecimenFit fit_of_json(const Json& json) {
   for (const Json& estimate : json.at("estimates")) fit.estimates.push_back(estimate_of(estimate));
   fit.rms = number_of(json.at("rms"));
   fit.nrmse = number_of(json.at("nrmse"));
-  fit.leave_out = number_of(json.at("leave_out"));
+  fit.cross_validation = number_of(json.at("leave_out"));
   fit.points = whole_number<std::size_t>(json, "points");
   fit.rows = whole_number<std::size_t>(json, "rows");
   fit.warnings = json.at("warnings").get<std::vector<std::string>>();
   fit.curve = curve_from_json(json.at("curve"));
   fit.shared = list_of(json.at("shared"));
   fit.own = list_of(json.at("own"));
-  for (const Json& minimum : json.at("minima")) fit.minima.push_back(list_of(minimum));
-  if (fit.terms > model::kMostRelaxationTerms || fit.shared.size() != shared_count(fit.terms) ||
-      fit.own.size() != kOwnParameters || !all_as_long(fit.minima, fit.shared.size() + kOwnParameters) ||
+  for (const Json& minimum : json.at("minima")) fit.local_optima.push_back(list_of(minimum));
+  if (fit.terms > model::kMaxRelaxationTerms || fit.shared.size() != shared_count(fit.terms) ||
+      fit.own.size() != kOwnParameters ||
+      !all_as_long(fit.local_optima, fit.shared.size() + kOwnParameters) ||
       fit.estimates.size() != fit.shared.size() + kOwnParameters) {
     throw InputError("results line: does not have as many parameters as it has relaxation terms");
   }
@@ -128,7 +129,7 @@ void put(std::string& bytes, const std::string& text) {
   bytes += text;
 }
 
-/// Takes one text off, from `at` on.
+/// Reads a length-prefixed text at `at` and moves `at` behind it.
 std::string take(const std::string& bytes, std::size_t& at) {
   std::uint64_t size = 0;
   if (bytes.size() - at < sizeof size) throw InputError("specimens between ranks: cut off");
@@ -141,8 +142,8 @@ std::string take(const std::string& bytes, std::size_t& at) {
 
 }  // namespace
 
-std::string key_of(const Specimen& specimen, const Settings& settings, std::uint32_t job) {
-  constexpr std::uint64_t kFormat = 3;  // of the line
+std::string record_key(const Specimen& specimen, const Settings& settings, std::uint32_t job) {
+  constexpr std::uint64_t kFormat = 3;  // version of the line format
   const std::string version = kVersion;
   ContentHasher hasher;
   hasher.add(kFormat);
@@ -157,22 +158,22 @@ std::string key_of(const Specimen& specimen, const Settings& settings, std::uint
   return hasher.hash().hexadecimal();
 }
 
-std::string sweep_key_of(const std::string& request, std::size_t piece,
-                         const std::vector<Specimen>& specimens, const Settings& settings) {
+std::string sweep_record_key(const std::string& request, std::size_t piece,
+                             const std::vector<Specimen>& specimens, const Settings& settings) {
   ContentHasher hasher;
   hasher.add(std::as_bytes(std::span<const char>(request))).add(static_cast<std::uint64_t>(piece));
   for (std::size_t i = 0; i < specimens.size(); ++i) {
-    const std::string key = key_of(specimens[i], settings, static_cast<std::uint32_t>(i));
+    const std::string key = record_key(specimens[i], settings, static_cast<std::uint32_t>(i));
     hasher.add(std::as_bytes(std::span<const char>(key)));
   }
   return hasher.hash().hexadecimal();
 }
 
-std::string line_of(const std::string& key, const SpecimenFit& fit) {
+std::string record_line(const std::string& key, const SpecimenFit& fit) {
   Json estimates = Json::array();
   for (const Estimate& estimate : fit.estimates) estimates.push_back(estimate_json(estimate));
-  Json minima = Json::array();
-  for (const Point& minimum : fit.minima) minima.push_back(list_json(minimum));
+  Json optima = Json::array();
+  for (const Point& minimum : fit.local_optima) optima.push_back(list_json(minimum));
   const Json json = {{"key", key},
                      {"name", fit.name},
                      {"law", model::to_string(fit.law)},
@@ -182,18 +183,18 @@ std::string line_of(const std::string& key, const SpecimenFit& fit) {
                      {"estimates", std::move(estimates)},
                      {"rms", number_json(fit.rms)},
                      {"nrmse", number_json(fit.nrmse)},
-                     {"leave_out", number_json(fit.leave_out)},
+                     {"leave_out", number_json(fit.cross_validation)},
                      {"points", fit.points},
                      {"rows", fit.rows},
                      {"warnings", fit.warnings},
                      {"curve", curve_json(fit.curve)},
                      {"shared", list_json(fit.shared)},
                      {"own", list_json(fit.own)},
-                     {"minima", std::move(minima)}};
+                     {"minima", std::move(optima)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-SpecimenFit fit_of(const std::string& line) {
+SpecimenFit parse_record_line(const std::string& line) {
   try {
     return fit_of_json(Json::parse(line));
   } catch (const Json::exception& error) {
@@ -203,7 +204,7 @@ SpecimenFit fit_of(const std::string& line) {
 
 void check_line(const std::string& line) {
   if (!Json::parse(line).contains("points_swept")) {
-    (void)fit_of(line);
+    (void)parse_record_line(line);
     return;
   }
   Sweep sweep;
@@ -217,7 +218,8 @@ std::string bytes_of(std::span<const double> values) {
 std::vector<double> doubles_of(const std::string& bytes) {
   if (bytes.size() % sizeof(double) != 0) throw InputError("numbers between ranks: cut off");
   std::vector<double> values(bytes.size() / sizeof(double));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());  // of none data() may be null
+  if (!values.empty())
+    std::memcpy(values.data(), bytes.data(), bytes.size());  // data() of an empty vector may be null
   return values;
 }
 

@@ -8,27 +8,27 @@
 
 namespace palpate::identify {
 
-/// [setup] What a specimen's fit depends on as 32 hexadecimal digits: the data, its number, the settings and
-/// the program's version.
-[[nodiscard]] std::string key_of(const Specimen& specimen, const Settings& settings, std::uint32_t job);
+/// [setup] Hash of all inputs of a specimen's fit (data, index, settings, program version) as 32 hexadecimal
+/// digits.
+[[nodiscard]] std::string record_key(const Specimen& specimen, const Settings& settings, std::uint32_t job);
 
-/// [setup] A fit as one line of JSON without the line's end, to the bit.
-[[nodiscard]] std::string line_of(const std::string& key, const SpecimenFit& fit);
+/// [setup] A fit as one line of JSON without line end. parse_record_line() restores it bit for bit.
+[[nodiscard]] std::string record_line(const std::string& key, const SpecimenFit& fit);
 
-/// [setup] The fit of such a line. @throws InputError when the line is not one.
-[[nodiscard]] SpecimenFit fit_of(const std::string& line);
+/// [setup] Parses a line of record_line(). @throws InputError when the line is invalid.
+[[nodiscard]] SpecimenFit parse_record_line(const std::string& line);
 
-/// [setup] What a piece of a sweep depends on: the fits that it begins at, the request (as text) and which
-/// piece it is.
-[[nodiscard]] std::string sweep_key_of(const std::string& request, std::size_t piece,
-                                       const std::vector<Specimen>& specimens, const Settings& settings);
+/// [setup] Hash of all inputs of a sweep piece: the request (as text), the index of the piece, the specimens
+/// and the settings.
+[[nodiscard]] std::string sweep_record_key(const std::string& request, std::size_t piece,
+                                           const std::vector<Specimen>& specimens, const Settings& settings);
 
-/// [setup] @throws InputError, or what the JSON library throws, unless the line is a whole one of a fit or of
-/// a sweep.
+/// [setup] Checks that a line is a complete fit or sweep piece. @throws InputError or an exception of the
+/// JSON library.
 void check_line(const std::string& line);
 
-/// [any] Numbers as bytes and back; for between ranks, not for files. @throws InputError when the bytes are
-/// not whole numbers.
+/// [any] Conversion between numbers and bytes, for messages between ranks (not for files). @throws InputError
+/// when the size of the bytes is not a whole number of values.
 [[nodiscard]] std::string bytes_of(std::span<const double> values);
 [[nodiscard]] std::vector<double> doubles_of(const std::string& bytes);
 [[nodiscard]] std::string bytes_of(const std::vector<Specimen>& specimens);

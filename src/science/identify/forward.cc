@@ -23,12 +23,12 @@ void elastic(const Law& law, const Specimen& specimen, double first_contact, std
 
 void relax(std::span<const model::RelaxationTerm> terms, const std::vector<double>& time,
            std::span<double> force) {
-  constexpr double kSameStep = 1e-6;  // relative: times in a file have few digits
+  constexpr double kSameStep = 1e-6;  // relative tolerance: times in a file have few digits
   double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
   model::Relaxation relaxation(terms, step);
   model::RelaxationState state;
   state.elastic = force[0];
-  state.kept.fill(force[0]);
+  state.history.fill(force[0]);
   for (std::size_t i = 1; i < force.size(); ++i) {
     const double wanted = time[i] - time[i - 1];
     if (std::abs(wanted - step) > kSameStep * step) {
@@ -56,7 +56,7 @@ void predict(const Specimen& specimen, const Ranges& ranges, const Settings& set
       relax(tissue.relaxation, specimen.time, force);
     }
     for (double& value : force) value = std::max(0.0, value) + offset;
-  } catch (const ParameterError&) {  // a force without end, at the far corner of what may be tried
+  } catch (const ParameterError&) {  // infinite force for an extreme parameter set
     std::fill(force.begin(), force.end(), std::numeric_limits<double>::quiet_NaN());
   }
 }

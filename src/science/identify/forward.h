@@ -6,20 +6,20 @@
 
 namespace palpate::identify {
 
-/// The force that a tissue would have shown the sensor, at every point of a specimen: the law at displacement
-/// minus first-contact depth, relaxed over the specimen's times when there are terms, never below 0 (a
-/// contact cannot pull), plus the sensor's offset. [setup]
-/// @param force gets one value [N] a point; all NaN where the parameters make no law
-/// @param shared, own as in a Point
+/// [setup] Forces [N] that the model predicts at the points of a specimen: the law at displacement minus
+/// first-contact depth, relaxed over the specimen's times if the model has relaxation terms, limited to >= 0
+/// (a contact cannot pull), plus the sensor offset.
+/// @param force one value [N] per point; all NaN where the parameters are not a valid law
+/// @param shared, own parameters in the form of a Point
 void predict(const Specimen& specimen, const Ranges& ranges, const Settings& settings,
              std::span<const double> shared, std::span<const double> own, std::span<double> force);
 
-/// [setup] Turns elastic forces [N] at rising times [s] into relaxed ones. Before the first point nothing was
-/// held: what force it has came at once. @param time as many as `force`, at least two
+/// [setup] Applies relaxation to elastic forces [N] at increasing times [s]. The force at the first point is
+/// treated as applied at that instant. @param time same size as `force`, at least 2
 void relax(std::span<const model::RelaxationTerm> terms, const std::vector<double>& time,
            std::span<double> force);
 
-/// [setup] Layers that the law of `shared` has, and how many of them the specimen's largest depth reaches.
+/// Number of layers of the law, and how many of them the specimen's largest depth reaches.
 struct LayerCount {
   int allowed = 0;
   int reached = 0;

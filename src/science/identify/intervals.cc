@@ -9,7 +9,7 @@
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "science/identify/distributions.h"
-#include "science/identify/valley.h"
+#include "science/identify/profile_path.h"
 
 namespace palpate::identify {
 namespace {
@@ -20,7 +20,7 @@ Point joined(const Solution& solution) {
   return point;
 }
 
-/// Whether every parameter of a point lies between the same parameters of others.
+/// Whether the others have both smaller and larger values of every parameter.
 bool enclosed(const Point& point, const std::vector<Point>& others) {
   for (std::size_t i = 0; i < point.size(); ++i) {
     const auto less = [&](const Point& other) { return other[i] < point[i]; };
@@ -70,52 +70,53 @@ double log_posterior_of(const Problem& problem, const Solution& at, double effec
 }
 
 double likelihood_limit(double effective, std::size_t parameters) {
-  // Laws with several minima leave room that a test of one of them does not see: with 1, in some rows of
-  // tools/update_accuracy 88 of 100 intervals hold the truth.
+  // Widens the test for laws with several local optima, which a test at one of them does not cover. With 1,
+  // in some rows of tools/update_accuracy 88 of 100 intervals contain the true value.
   constexpr double kWider = 1.2;
-  return kWider * student(effective - static_cast<double>(parameters));
+  return kWider * student_t_quantile(effective - static_cast<double>(parameters));
 }
 
-std::vector<Point> profile_points(const Minima& minima, double effective,
+std::vector<Point> profile_points(const LocalOptima& optima, double effective,
                                   const std::function<void(double)>& progress) {
-  const Problem& problem = minima.problem;
+  const Problem& problem = optima.problem;
   const std::size_t parameters = problem.bounds.low.size() + kOwnParameters;
-  const double best = log_posterior_of(problem, minima.all.front(), effective);
+  const double best = log_posterior_of(problem, optima.all.front(), effective);
   const double t = likelihood_limit(effective, parameters);
-  const auto ratio = [&](const Solution& at) {  // root of the likelihood ratio, over the test's limit
+  // square root of the likelihood ratio, divided by the limit of the test
+  const auto ratio = [&](const Solution& at) {
     return std::sqrt(std::max(0.0, 2.0 * (best - log_posterior_of(problem, at, effective)))) / t;
   };
   std::vector<Point> points;
   const auto keep = [&points](const Solution& at) { points.push_back(joined(at)); };
-  for (std::size_t m = 0; m < minima.all.size(); ++m) {
-    if (progress) progress(static_cast<double>(m) / static_cast<double>(minima.all.size()));
-    if (!(ratio(minima.all[m]) <= 1.0) || enclosed(joined(minima.all[m]), points)) continue;
-    keep(minima.all[m]);
+  for (std::size_t m = 0; m < optima.all.size(); ++m) {
+    if (progress) progress(static_cast<double>(m) / static_cast<double>(optima.all.size()));
+    if (!(ratio(optima.all[m]) <= 1.0) || enclosed(joined(optima.all[m]), points)) continue;
+    keep(optima.all[m]);
     for (std::size_t i = 0; i < parameters; ++i) {
       for (const double direction : {-1.0, 1.0})
-        walk_valley(problem, minima.all[m], i, direction, ratio, keep);
+        follow_profile_path(problem, optima.all[m], i, direction, ratio, keep);
     }
   }
   return points;
 }
 
-Curvature curvature_of(const Minima& minima) {
-  const Problem& problem = minima.problem;
+Curvature curvature_of(const LocalOptima& optima) {
+  const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
-  const Solution& best = minima.all.front();
+  const Solution& best = optima.all.front();
   const std::vector<double> derivatives = jacobian(problem, part, best.shared, best.own.front());
   const auto rows = static_cast<Eigen::Index>(residual_count(part));
   const auto columns = static_cast<Eigen::Index>(best.shared.size() + kOwnParameters);
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Eigen::MatrixXd j = Eigen::Map<const RowMajor>(derivatives.data(), rows, columns);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinV);
-  constexpr double kFlat = 1e-10;  // of the largest singular value
+  constexpr double kFlat = 1e-10;  // relative to the largest singular value
   const double smallest = kFlat * svd.singularValues()[0];
   const Eigen::ArrayXd room = svd.singularValues().array().max(smallest).inverse();
   const Eigen::MatrixXd reach = svd.matrixV() * room.matrix().asDiagonal();
   const Eigen::MatrixXd covariance = reach * reach.transpose();
-  const double inflate = static_cast<double>(part.specimen->size()) / std::max(1.0, minima.effective);
-  const double t = student(minima.effective - static_cast<double>(columns));
+  const double inflate = static_cast<double>(part.specimen->size()) / std::max(1.0, optima.effective);
+  const double t = student_t_quantile(optima.effective - static_cast<double>(columns));
   Curvature curvature;
   for (Eigen::Index c = 0; c < columns; ++c) {
     std::vector<double>& row = curvature.correlations.emplace_back();

@@ -5,37 +5,39 @@
 #include <vector>
 
 #include "palpate/identify.h"
-#include "science/identify/minima.h"
+#include "science/identify/local_optima.h"
 
 namespace palpate::identify {
 
-/// [setup] Intervals of every parameter that hold all but 5 % of the points of a specimen (shared, then own),
-/// or all with `share` 1; in SI.
+/// [setup] Central intervals that contain `share` of the points, for each parameter (shared, then own), in SI
+/// units.
 [[nodiscard]] std::vector<Interval> intervals_of(const std::vector<Point>& points, const Ranges& ranges,
                                                  std::size_t terms, double share = 0.95);
 
-/// [setup] ln of the posterior of a problem with one part, up to a constant: the noise's size is integrated
-/// out, so a sum of squares S counts S^(-effective/2), and the priors are the problem's.
-/// @param effective number of points that count as independent @return -infinity where there is no law
+/// [setup] Logarithm of the posterior of a one-part problem, up to a constant. The noise variance is
+/// integrated out: a sum of squares S contributes S^(-effective/2). The priors are those of the problem.
+/// @param effective effective number of independent points
+/// @return -infinity where the parameters are not a valid law
 [[nodiscard]] double log_posterior_of(const Problem& problem, const Solution& at, double effective);
 
-/// [setup] The root of twice the fall of log_posterior_of() that a test at 95 % allows: Student's t for what
-/// so many points tell of so many parameters, a little wider.
+/// [setup] Limit of the likelihood-ratio test at 95 %: the square root of the allowed decrease of 2
+/// log_posterior_of(). It is the quantile of Student's t for these numbers of points and parameters, times a
+/// small margin.
 [[nodiscard]] double likelihood_limit(double effective, std::size_t parameters);
 
-/// [setup] Points along the profile likelihood of every parameter [Raue 2009]: each moved away from the best
-/// fit, all others fitted again, as far as likelihood_limit() allows, from every minimum that it
-/// allows and that the points so far do not enclose.
-[[nodiscard]] std::vector<Point> profile_points(const Minima& minima, double effective,
+/// [setup] Points along the profile likelihood of each parameter [Raue 2009]: one parameter is moved away
+/// from the optimum and all others are fitted again, as far as likelihood_limit() allows. Profiles start at
+/// each local optimum within that limit that the previous points do not enclose.
+[[nodiscard]] std::vector<Point> profile_points(const LocalOptima& optima, double effective,
                                                 const std::function<void(double)>& progress);
 
-/// What the curvature at the best minimum says.
+/// Intervals and correlations from the curvature (the covariance matrix) at the best local optimum.
 struct Curvature {
-  std::vector<std::optional<Interval>> intervals;  // 95 %; none for a parameter along which the cost is flat
-  std::vector<std::vector<double>> correlations;   // of every two parameters, in their order
+  std::vector<std::optional<Interval>> intervals;  // 95 %; empty for a parameter along which the cost is flat
+  std::vector<std::vector<double>> correlations;   // matrix of parameter correlations
 };
 
 /// [setup]
-[[nodiscard]] Curvature curvature_of(const Minima& minima);
+[[nodiscard]] Curvature curvature_of(const LocalOptima& optima);
 
 }  // namespace palpate::identify

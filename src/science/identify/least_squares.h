@@ -8,74 +8,77 @@
 
 namespace palpate::identify {
 
-/// Of the range of force: no sensor tells more digits, so residuals below say nothing.
+/// Lower limit of sigma, as a fraction of the force range: below the resolution of any sensor.
 inline constexpr double kSmallestSigma = 1e-5;
 
-/// One specimen's part of a least-squares problem.
+/// One specimen in a least-squares problem.
 struct Part {
   const Specimen* specimen = nullptr;
   Ranges ranges;
   OwnPrior prior;
-  std::vector<double> weight;  // of each point's square, >= 0
+  std::vector<double> weight;  // weight of each point's squared residual, >= 0
 };
 
-/// Find the shared parameters, and each specimen's own, with the least sum of squares. Residuals are in
-/// shares of a specimen's range of force.
+/// Least-squares problem: find the shared parameters, and each specimen's own, that minimise the sum of
+/// squared residuals. Residuals are divided by the specimen's force range.
 struct Problem {
   Settings settings;
-  std::size_t terms = 0;  // of relaxation
+  std::size_t terms = 0;  // number of relaxation terms
   Bounds bounds;          // of the shared parameters
   std::vector<Part> parts;
-  /// Cauchy's loss: a residual r counts c^2 ln(1 + (r/c)^2) with this c, r^2 when it is infinite.
+  /// Scale c of the Cauchy loss c^2 ln(1 + (r/c)^2); infinite: plain squares r^2.
   double loss_scale = std::numeric_limits<double>::infinity();
-  /// Standard deviation of the residuals, against which the priors of the own parameters are weighed.
+  /// Standard deviation of the residuals; it sets the weight of the priors of the own parameters.
   double sigma = 0.01;
 };
 
-/// [setup] One part, every point of weight 1. The specimen must outlive it. @throws as ranges_of().
+/// [setup] A part with weight 1 for every point. The specimen must outlive it. @throws as ranges_of().
 [[nodiscard]] Part make_part(const Specimen& specimen);
 
-/// [setup] The problem of these parts, with bounds for all of them.
+/// [setup] Makes the problem and its bounds from the parts.
 [[nodiscard]] Problem make_problem(const Settings& settings, std::size_t terms, std::vector<Part> parts);
 
 struct Solution {
   Point shared;
-  std::vector<Point> own;                                 // one a part
+  std::vector<Point> own;                                 // one per part
   double cost = std::numeric_limits<double>::infinity();  // sum of squares, priors included
 };
 
-/// [setup] Number of residuals of a part: its points and its two priors.
+/// [setup] Number of residuals of a part: one per point, plus one for each of the two priors.
 [[nodiscard]] std::size_t residual_count(const Part& part) noexcept;
 
-/// [setup] The residuals of a part, after the loss and times the root of their weights, then the priors'.
+/// [setup] Residuals of a part: those of the points, after the loss and times the square root of their
+/// weights, then those of the priors.
 void residuals(const Problem& problem, const Part& part, std::span<const double> shared,
                std::span<const double> own, std::span<double> out);
 
-/// [setup] Sum of squares of all residuals, infinite where the parameters make no law.
+/// [setup] Sum of squares of all residuals; infinite where the parameters are not a valid law.
 [[nodiscard]] double cost_of(const Problem& problem, const Point& shared, const std::vector<Point>& own);
 
-/// [setup] Levenberg and Marquardt's method within the bounds, from `start` (clamped into them), by Ceres in
-/// one thread: the same input gives the same bits.
-/// @param held index of a parameter that stays as it is, shared ones first, then the first part's own; none
-/// when negative @param tolerance ends the descent when a step gains less of the sum of squares
+/// [setup] Minimises the cost within the bounds by the Levenberg-Marquardt method (Ceres, one thread), from
+/// `start` clamped into the bounds. Deterministic: the same input gives the same bits.
+/// @param held index of a parameter that is held constant: shared parameters first, then the first part's
+/// own; negative: none
+/// @param tolerance stops when a step lowers the cost by a smaller fraction
 [[nodiscard]] Solution solve(const Problem& problem, const Solution& start, int most_iterations = 60,
                              int held = -1, double tolerance = 1e-9);
 
-/// [setup] Derivatives of a part's residuals: one row a residual, shared parameters first, row by row. Exact
-/// for k_1 and the offset, by central differences for the others.
+/// [setup] Jacobian of a part's residuals in row-major order: one row per residual, shared parameters first.
+/// Derivatives by k_1 and offset are exact, the others are central differences.
 [[nodiscard]] std::vector<double> jacobian(const Problem& problem, const Part& part,
                                            std::span<const double> shared, std::span<const double> own);
 
-/// The sum of squares of a few parameters whose derivatives are found by central differences.
+/// A least-squares problem of few parameters; derivatives are central differences.
 struct SmallProblem {
   Bounds bounds;
   std::size_t residuals = 0;
-  std::function<void(std::span<const double>, std::span<double>)> errors;  // of parameters, to residuals
+  std::function<void(std::span<const double>, std::span<double>)> errors;  // maps parameters to residuals
 };
 
-/// [setup] Levenberg and Marquardt's method from `point`, which must lie within the bounds, as solve().
-/// @param held index of a parameter that stays as it is; none when negative
-/// @return half the sum of squares that is left; infinite when no step led to numbers
+/// [setup] Minimises a SmallProblem by the Levenberg-Marquardt method from `point`, which must lie within the
+/// bounds.
+/// @param held index of a parameter that is held constant; negative: none
+/// @return half the remaining sum of squares; infinite when no step gave finite residuals
 double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held = -1);
 
 }  // namespace palpate::identify

@@ -14,8 +14,8 @@ namespace {
 using portable::exp;
 using portable::log;
 
-/// Standard deviation of the noise, from what is left when each point is compared with the middle of its two
-/// neighbours: the normalised median absolute deviation of the second differences, over sqrt(6).
+/// Standard deviation of the noise: normalised median absolute deviation of the second differences (a point
+/// minus the mean of its two neighbours), scaled by 1/sqrt(6) for the second difference.
 double noise_of(const std::vector<double>& force) {
   std::vector<double> second_differences;
   for (std::size_t i = 1; i + 1 < force.size(); ++i) {
@@ -49,7 +49,7 @@ Ranges ranges_of(const Specimen& specimen) {
 double flat_until(const Specimen& specimen, const Ranges& ranges) {
   constexpr std::size_t kFewest = 5;       // points
   constexpr double kShortest = 0.05;       // of the range of displacement
-  constexpr double kErrors = 2.5;          // a slope of that many standard errors is a rise
+  constexpr double kErrors = 2.5;          // standard errors above which a slope counts as a rise
   constexpr double kSmallestNoise = 1e-6;  // of the range of force
   const std::size_t rows = specimen.size();
   std::vector<std::size_t> order(rows);
@@ -59,12 +59,12 @@ double flat_until(const Specimen& specimen, const Ranges& ranges) {
   });
   std::vector<double> force;
   for (const std::size_t i : order) force.push_back(specimen.force[i]);
-  // In the rows' order too: by displacement, loading and unloading alternate and hysteresis would count as
-  // noise.
+  // Use the order of the rows: sorted by displacement, loading and unloading alternate and hysteresis would
+  // count as noise.
   const double noise =
       std::max(std::min(noise_of(force), noise_of(specimen.force)), kSmallestNoise * ranges.force);
   double until = ranges.lowest_displacement;
-  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;  // sums, of displacement past the lowest and of force
+  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;  // sums over displacement (from the lowest) and force
   for (std::size_t i = 0; i < rows; ++i) {
     const double way = specimen.displacement[order[i]] - ranges.lowest_displacement;
     x += way;
@@ -82,8 +82,8 @@ double flat_until(const Specimen& specimen, const Ranges& ranges) {
 }
 
 OwnPrior own_prior(const Ranges& ranges) {
-  constexpr double kFarStart = 0.25;  // of the range: displacements that begin there count from elsewhere
-  constexpr double kLate = 0.05;      // of the range: more than a sensor's zero is usually off
+  constexpr double kFarStart = 0.25;  // of the range: a larger first displacement is not counted from contact
+  constexpr double kLate = 0.05;      // of the range: larger than a usual zero error of a sensor
   const double start = ranges.lowest_displacement / ranges.displacement;
   OwnPrior prior;
   prior.first_contact = std::abs(start) > kFarStart ? start : 0.0;
@@ -126,8 +126,8 @@ std::vector<double> values_of(std::span<const double> shared, std::span<const do
     terms.push_back({exp(shared[i]) / whole, exp(shared[i + 1])});
   }
   std::sort(terms.begin(), terms.end(),
-            [](const model::RelaxationTerm& a, const model::RelaxationTerm& b) { return a.time < b.time; });
-  for (const model::RelaxationTerm& term : terms) values.insert(values.end(), {term.share, term.time});
+            [](const model::RelaxationTerm& a, const model::RelaxationTerm& b) { return a.tau < b.tau; });
+  for (const model::RelaxationTerm& term : terms) values.insert(values.end(), {term.g, term.tau});
   values.insert(values.end(), {own[0] * ranges.displacement, own[1] * ranges.force});
   return values;
 }

@@ -3,9 +3,10 @@
 namespace palpate::identify {
 namespace {
 
-constexpr std::size_t kMostUntimedPoints = 1000;  // of a specimen without relaxation
-constexpr std::size_t kMostTimedPoints = 2000;    // with relaxation, whose fast terms need dense samples
-constexpr std::size_t kMostPooledPoints = 400;    // of a specimen, pooled
+constexpr std::size_t kMostUntimedPoints = 1000;  // per specimen, without relaxation
+constexpr std::size_t kMostTimedPoints = 2000;    // per specimen, with relaxation, whose fast terms need
+                                                  // dense samples
+constexpr std::size_t kMostPooledPoints = 400;    // per specimen, in the pooled fit
 
 }  // namespace
 
@@ -20,7 +21,7 @@ std::vector<Specimen> as_pooled(const std::vector<Specimen>& specimens) {
 }
 
 std::vector<Part> pooled_parts(const std::vector<Specimen>& pooled) {
-  constexpr double kWeight = 100.0;  // of all points of a specimen together
+  constexpr double kWeight = 100.0;  // total weight of a specimen
   std::vector<Part> parts;
   for (const Specimen& specimen : pooled) {
     parts.push_back(make_part(specimen));

@@ -5,14 +5,14 @@
 
 namespace palpate::identify {
 
-/// [setup] The points of a specimen that its own fit takes: means of neighbours where it has very many.
+/// [setup] The points used for a specimen's own fit: averages of neighbours when there are too many points.
 [[nodiscard]] Specimen as_fitted(const Specimen& specimen, const Settings& settings);
 
-/// [setup] The points of specimens that the fit of all together takes.
+/// [setup] The points used for the pooled fit.
 [[nodiscard]] std::vector<Specimen> as_pooled(const std::vector<Specimen>& specimens);
 
-/// [setup] A part for each of as_pooled()'s specimens, which must outlive them; each counts the same, however
-/// many points it has.
+/// [setup] One part per specimen of as_pooled(), which must outlive the parts. All specimens have the same
+/// total weight, whatever their number of points.
 [[nodiscard]] std::vector<Part> pooled_parts(const std::vector<Specimen>& pooled);
 
 }  // namespace palpate::identify

@@ -8,16 +8,16 @@
 
 namespace palpate::identify {
 
-/// Random numbers of one job of a fit: a pure function of seed, job and how many were drawn, so that neither
-/// the order of the jobs nor who computes them changes anything. [setup]
+/// [setup] Counter-based random numbers of one job of a fit: a pure function of seed, job, part and the
+/// number of draws. Results do not depend on the order of the jobs or on the rank that runs them.
 class Random final {
  public:
-  /// @param job which specimen, @param part which part of its fit
+  /// @param job index of the specimen @param part index of the stage of its fit
   Random(std::uint64_t seed, std::uint32_t job, std::uint32_t part) noexcept
       : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
         counter_{0, 0, job, part} {}
 
-  /// In (0, 1).
+  /// Uniform in (0, 1).
   double uniform() noexcept {
     constexpr double kStep = 0x1p-53;
     const PhiloxCounter words = philox4x32(counter_, key_);
@@ -26,20 +26,20 @@ class Random final {
     return (static_cast<double>(bits) + 0.5) * kStep;
   }
 
-  /// Standard normal, by Box and Muller.
+  /// Standard normal, by the Box-Muller method; uses two draws.
   double normal() noexcept {
     const double length = std::sqrt(-2.0 * portable::log(uniform()));
     return length * portable::cos_of_turns(uniform());
   }
 
-  /// Goes on as if `count` more had been drawn; normal() draws two.
+  /// Skips `count` draws.
   void skip(std::uint64_t count) noexcept {
     const std::uint64_t drawn = (static_cast<std::uint64_t>(counter_[1]) << 32 | counter_[0]) + count;
     counter_[0] = static_cast<std::uint32_t>(drawn);
     counter_[1] = static_cast<std::uint32_t>(drawn >> 32);
   }
 
-  /// A whole number below `count`; draws one.
+  /// Uniform integer in [0, count); uses one draw.
   std::size_t below(std::size_t count) noexcept {
     const auto drawn = static_cast<std::size_t>(uniform() * static_cast<double>(count));
     return drawn < count ? drawn : count - 1;

@@ -19,8 +19,8 @@ enum Column : std::size_t { kTime, kDisplacement, kForce, kSpecimen };
 
 const std::vector<CsvColumn> kColumns = {
     {"time_s", false}, {"displacement_mm"}, {"force_N"}, {"specimen", false, true}};
-constexpr double kLargest = 1e9;  // mm, N or s: beyond it squares of sums would lose their meaning
-constexpr std::size_t kMostSpecimens = 10'000;  // of one file; more is a mistaken column
+constexpr double kLargest = 1e9;  // mm, N or s: larger values would overflow the precision of sums of squares
+constexpr std::size_t kMostSpecimens = 10'000;  // per file; more indicates a wrong column
 
 void add_row(Specimen& specimen, const CsvTable& table) {
   const double displacement = table.number(kDisplacement) * kMillimetre;
@@ -40,19 +40,19 @@ void add_row(Specimen& specimen, const CsvTable& table) {
   specimen.force.push_back(force);
 }
 
-/// Whether the force rises out of its noise nowhere.
+/// Whether the force does not rise out of its noise anywhere.
 bool is_flat(const Specimen& s) {
   const Ranges ranges = ranges_of(s);
   return flat_until(s, ranges) >= ranges.lowest_displacement + ranges.displacement;
 }
 
-/// The specimen with its force turned round.
+/// The specimen with the sign of its force inverted.
 Specimen negated(Specimen s) {
   for (double& force : s.force) force = -force;
   return s;
 }
 
-/// Refuses what no law could be fitted to. @param where file and specimen, for the message
+/// Rejects data that no law can be fitted to. @param where file and specimen, for the message
 void check_specimen(const Specimen& s, const std::string& where) {
   if (s.size() < kFewestPoints) {
     throw InputError(fmt::format(

@@ -3,21 +3,22 @@
 #include <functional>
 #include <vector>
 
-#include "science/identify/minima.h"
-#include "science/tasks/ranks.h"
+#include "science/identify/local_optima.h"
+#include "science/tasks/communicator.h"
 
 namespace palpate::identify {
 
-/// [setup] Fits to `count` resamples of a specimen: the fitted curve plus its residuals drawn again in blocks
-/// as long as neighbours follow each other [Kuensch 1989], each descended to from the best minima. One point
-/// a resample, shared parameters first. @param ranks share the resamples, all of them making this call;
-/// null: this process alone
-[[nodiscard]] std::vector<Point> bootstrap(const Minima& minima, int count, std::uint64_t seed,
+/// [setup] Block bootstrap [Kuensch 1989]: fits `count` resamples of a specimen. A resample is the fitted
+/// curve plus its residuals redrawn in blocks; the block length follows from their autocorrelation. Each
+/// resample is fitted from the best optima.
+/// @param ranks share the resamples and must all make this call; null: this process only
+/// @return one point per resample, shared parameters first
+[[nodiscard]] std::vector<Point> bootstrap(const LocalOptima& optima, int count, std::uint64_t seed,
                                            std::uint32_t job, const std::function<void(double)>& progress,
-                                           tasks::Ranks* ranks = nullptr);
+                                           tasks::Communicator* ranks = nullptr);
 
-/// [setup] RMS over the range of force of points that a fit had not seen: five folds, every fifth point of
-/// each left out in turn.
-[[nodiscard]] double leave_out_error(const Minima& minima);
+/// [setup] Error of 5-fold cross-validation: RMS residual of the points left out (every fifth point in each
+/// fold), divided by the force range.
+[[nodiscard]] double cross_validation_error(const LocalOptima& optima);
 
 }  // namespace palpate::identify

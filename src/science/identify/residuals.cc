@@ -8,16 +8,16 @@
 namespace palpate::identify {
 namespace {
 
-/// The number whose square is Cauchy's loss of r, with r's sign.
+/// Signed square root of the Cauchy loss of r.
 double after_loss(double r, double scale) {
   if (std::isinf(scale)) return r;
   const double share = r / scale;
   return std::copysign(scale * std::sqrt(portable::log1p(share * share)), r);
 }
 
-/// Its derivative by r.
+/// Derivative of after_loss() by r.
 double slope_of_loss(double r, double scale) {
-  const double share = std::abs(r / scale);  // 0 when the scale is infinite
+  const double share = std::abs(r / scale);  // 0 for an infinite scale
   const double square = share * share;
   const double loss = portable::log1p(square);
   return loss > 0.0 ? share / (std::sqrt(loss) * (1.0 + square)) : 1.0;
@@ -78,7 +78,7 @@ double cost_of(const Problem& problem, const Point& shared, const std::vector<Po
 
 std::vector<double> jacobian(const Problem& problem, const Part& part, std::span<const double> shared,
                              std::span<const double> own) {
-  constexpr double kStep = 1e-6;  // of a logarithm, or of a range
+  constexpr double kStep = 1e-6;  // in logarithms, or fractions of a range
   const std::size_t points = part.specimen->size();
   const std::size_t columns = shared.size() + own.size();
   Point moved_shared(shared.begin(), shared.end());
@@ -86,7 +86,7 @@ std::vector<double> jacobian(const Problem& problem, const Part& part, std::span
   std::vector<double> above(points);
   std::vector<double> below(points);
   std::vector<double> force(points);
-  std::vector<double> unit(points);  // of a residual, for 1 N
+  std::vector<double> unit(points);  // change of a residual per 1 N
   predict(*part.specimen, part.ranges, problem.settings, shared, own, force);
   for (std::size_t r = 0; r < points; ++r) {
     const double residual = (force[r] - part.specimen->force[r]) / part.ranges.force;
@@ -96,7 +96,9 @@ std::vector<double> jacobian(const Problem& problem, const Part& part, std::span
   const auto write = [&](std::size_t column, const auto& slope_at) {
     for (std::size_t r = 0; r < points; ++r) out[r * columns + column] = unit[r] * slope_at(r);
   };
-  write(0, [&](std::size_t r) { return force[r] - own[1] * part.ranges.force; });  // ln k_1 scales the law
+  write(0, [&](std::size_t r) {
+    return force[r] - own[1] * part.ranges.force;
+  });  // the law is proportional to k_1
   write(columns - 1, [&](std::size_t) { return part.ranges.force; });
   for (std::size_t c = 1; c + 1 < columns; ++c) {
     double& moved = c < shared.size() ? moved_shared[c] : moved_own[c - shared.size()];

@@ -17,7 +17,7 @@ bool all_finite(const double* values, std::size_t count) {
   return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
 }
 
-/// A part's residuals and derivatives, as Ceres asks for them: blocks of shared and of own parameters.
+/// Residuals and Jacobian of a part for Ceres, with two parameter blocks: shared and own.
 class PartCost final : public ceres::CostFunction {
  public:
   PartCost(const Problem& problem, const Part& part) : problem_(problem), part_(part) {
@@ -63,15 +63,15 @@ void set_bounds(ceres::Problem& problem, double* block, const Bounds& bounds) {
   }
 }
 
-/// Keeps one parameter of a block as it is.
+/// Holds one parameter of a block constant.
 void hold(ceres::Problem& problem, double* block, std::size_t size, std::size_t index) {
   auto manifold = std::make_unique<ceres::SubsetManifold>(static_cast<int>(size),
                                                           std::vector<int>{static_cast<int>(index)});
   problem.SetManifold(block, manifold.release());  // the problem owns it
 }
 
-/// Eliminates each part's own parameters first. Ceres goes by where they lie in memory: in one array, so that
-/// sums have the same order each time.
+/// Eliminates the own parameters of each part first. Ceres orders blocks by memory address; all lie in one
+/// array, so that sums have the same order in every run.
 std::shared_ptr<ceres::ParameterBlockOrdering> own_before_shared(std::vector<double>& own, double* shared) {
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (std::size_t i = 0; i < own.size(); i += kOwnParameters) ordering->AddElementToGroup(&own[i], 0);
@@ -79,8 +79,8 @@ std::shared_ptr<ceres::ParameterBlockOrdering> own_before_shared(std::vector<dou
   return ordering;
 }
 
-/// Keeps from users what Ceres writes of a step that led to no number, which cost_of() tells too; the log's
-/// level is the whole program's, which may be another's.
+/// Silences Ceres's messages about steps without a finite result, which cost_of() reports as well. The log
+/// level belongs to the whole process, so it is restored.
 class QuietLibrary final {
  public:
   QuietLibrary() noexcept : before_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }
@@ -92,7 +92,7 @@ class QuietLibrary final {
   int before_;
 };
 
-/// A SmallProblem as Ceres asks for it.
+/// Adapter of a SmallProblem for Ceres.
 class SmallErrors final {
  public:
   explicit SmallErrors(const SmallProblem& problem) : problem_(problem) {}
@@ -116,7 +116,8 @@ double minimise(const SmallProblem& problem, Point& point, int most_iterations, 
   set_bounds(all, point.data(), problem.bounds);
   if (held >= 0) hold(all, point.data(), count, static_cast<std::size_t>(held));
   using Cost = ceres::DynamicNumericDiffCostFunction<SmallErrors, ceres::CENTRAL>;
-  auto cost = std::make_unique<Cost>(std::make_unique<SmallErrors>(problem).release());  // it owns them
+  auto cost =
+      std::make_unique<Cost>(std::make_unique<SmallErrors>(problem).release());  // ownership passes to `cost`
   cost->AddParameterBlock(static_cast<int>(count));
   cost->SetNumResiduals(static_cast<int>(problem.residuals));
   all.AddResidualBlock(cost.release(), nullptr, point.data());  // the problem owns it
@@ -161,7 +162,7 @@ Solution solve(const Problem& problem, const Solution& start, int most_iteration
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
-  if (problem.parts.size() > 1) {  // or what only one part has would make one great matrix
+  if (problem.parts.size() > 1) {  // otherwise the own parameters of all parts would form one large matrix
     options.linear_solver_type = ceres::DENSE_SCHUR;
     options.linear_solver_ordering = own_before_shared(all_own, shared);
   }

@@ -6,7 +6,7 @@
 namespace palpate::identify {
 namespace {
 
-/// The same points in order of displacement.
+/// The points sorted by displacement.
 Specimen by_displacement(const Specimen& specimen) {
   std::vector<std::size_t> order(specimen.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -27,14 +27,14 @@ constexpr const char* kWanted =
   throw InputError(flag + ' ' + text + kWanted);
 }
 
-/// All of `text` as a number.
+/// Parses all of `text` as a number.
 template <typename Number>
 bool read(std::string_view text, Number& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size();
 }
 
-/// LOW:HIGH or LOW:HIGH:N, in a parameter's unit; false when it is not that.
+/// Parses LOW:HIGH or LOW:HIGH:N in the parameter's unit; false when the form is wrong.
 bool read_range(std::string_view text, double unit, SweepRequest& request) {
   const std::size_t first = text.find(':');
   if (first == std::string_view::npos) return false;
@@ -50,14 +50,14 @@ bool read_range(std::string_view text, double unit, SweepRequest& request) {
          request.values >= kFewestSweepValues && request.values <= kMostSweepValues;
 }
 
-/// A request as text that tells all of it, for keys.
+/// A request as unambiguous text, for keys.
 std::string text_of(const SweepRequest& request) {
   const auto number = [](const std::optional<double>& value) { return value ? shortest(*value) : "-"; };
   return std::to_string(request.parameter) + '=' + number(request.low) + ':' + number(request.high) + ':' +
          std::to_string(request.values);
 }
 
-/// Both halves of every request, for each specimen and, of several, for all together.
+/// Both halves of every request, for each specimen and, with several specimens, for the pooled fit.
 std::vector<SweepPiece> pieces_of(const std::vector<SweepRequest>& requests, std::size_t specimens) {
   std::vector<SweepPiece> pieces;
   for (std::size_t target = 0; target < (specimens > 1 ? specimens + 1 : 1); ++target) {
@@ -68,7 +68,7 @@ std::vector<SweepPiece> pieces_of(const std::vector<SweepRequest>& requests, std
   return pieces;
 }
 
-/// @throws InputError when a request goes far beyond what the fit of any specimen searches.
+/// @throws InputError when a request lies more than 1000 times beyond the bounds of the specimens' fits.
 void check_ranges(const std::vector<SweepRequest>& requests, const std::vector<Specimen>& specimens,
                   const Settings& settings) {
   constexpr double kBeyond = 1e3;
@@ -96,7 +96,7 @@ class Sweeping final {
         settings_(settings),
         pieces_(pieces_of(requests, specimens_.size())) {}
 
-  [[nodiscard]] Sweeps compute(tasks::Ranks& ranks, const std::string& results_file,
+  [[nodiscard]] Sweeps compute(tasks::Communicator& ranks, const std::string& results_file,
                                const Progress& progress) const {
     std::size_t done = 0;
     const auto key = [&](std::size_t i) { return key_of_piece(i); };
@@ -139,8 +139,8 @@ class Sweeping final {
 
  private:
   [[nodiscard]] std::string key_of_piece(std::size_t i) const {
-    return sweep_key_of(text_of(pieces_[i].request), 2 * pieces_[i].target + (pieces_[i].upwards ? 1 : 0),
-                        specimens_, settings_);
+    return sweep_record_key(text_of(pieces_[i].request), 2 * pieces_[i].target + (pieces_[i].upwards ? 1 : 0),
+                            specimens_, settings_);
   }
 
   [[nodiscard]] std::string name_of(const SweepPiece& piece) const {
@@ -178,8 +178,8 @@ std::vector<SweepRequest> sweep_requests(const std::string& flag, const std::str
 }
 
 Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
-                  const std::vector<SweepRequest>& requests, const Settings& settings, tasks::Ranks& ranks,
-                  const std::string& results_file, const Progress& progress) {
+                  const std::vector<SweepRequest>& requests, const Settings& settings,
+                  tasks::Communicator& ranks, const std::string& results_file, const Progress& progress) {
   if (ranks.size() > 1) {
     specimens = specimens_of(ranks.broadcast(ranks.rank() == 0 ? bytes_of(specimens) : std::string()));
   }

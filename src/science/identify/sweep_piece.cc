@@ -13,20 +13,20 @@
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "science/identify/intervals.h"
-#include "science/identify/minima.h"
+#include "science/identify/local_optima.h"
+#include "science/identify/multistart.h"
 #include "science/identify/number_json.h"
 #include "science/identify/parts.h"
-#include "science/identify/starts.h"
-#include "science/identify/valley.h"
+#include "science/identify/profile_path.h"
 
 namespace palpate::identify {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kClearlyBetter = 0.99;  // of the best fit's sum of squares
+constexpr double kClearlyBetter = 0.99;  // times the best fit's sum of squares
 
-/// What is swept: the problem of one specimen, or of all, and its best fit.
+/// What is swept: the problem of one specimen, or the pooled problem, and its best fit.
 class Target final {
  public:
   Target(std::size_t number, const std::vector<Specimen>& specimens, const ManyFits& fits,
@@ -45,9 +45,9 @@ class Target final {
       used_ = {as_fitted(specimens[number], settings)};
       problem_ = make_problem(settings, fit.terms, {make_part(used_.front())});
       best_ = {fit.shared, {fit.own}};
-      for (const Point& minimum : fit.minima) {
+      for (const Point& minimum : fit.local_optima) {
         const auto own = minimum.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
-        minima_.push_back({Point(minimum.begin(), own), {Point(own, minimum.end())}});
+        optima_.push_back({Point(minimum.begin(), own), {Point(own, minimum.end())}});
       }
     }
     set_loss(problem_, best_);
@@ -57,10 +57,10 @@ class Target final {
       effective_ +=
           effective_sample_size(plain_residuals(problem_, problem_.parts[p], best_.shared, best_.own[p]));
     }
-    effective_ = trusted_count(effective_, used_.front().size(), best_.shared.size() + kOwnParameters);
+    effective_ = limited_sample_size(effective_, used_.front().size(), best_.shared.size() + kOwnParameters);
   }
 
-  Target(const Target&) = delete;  // the problem points into used_
+  Target(const Target&) = delete;  // problem_ points into used_
   Target& operator=(const Target&) = delete;
 
   [[nodiscard]] const Solution& best() const noexcept { return best_; }
@@ -76,51 +76,51 @@ class Target final {
     return std::sqrt(shares / static_cast<double>(used_.size()));
   }
 
-  /// The fits with a parameter at `values` [logarithms]: from the best one outwards, from the fit's other
-  /// minima where they lie, and from a search of its own at each value (of all together, from each specimen's
-  /// fit at the far end), then back and out again from the best of these.
+  /// Fits with a parameter held at each of `values` [logarithms]. Starts: outwards from the best fit, from
+  /// the fit's other local optima, and from a search at each value (pooled: from each specimen's fit at the
+  /// far end); then back and outwards again from the best of these.
   [[nodiscard]] std::vector<Solution> along(std::size_t index, const std::vector<double>& values) {
     std::vector<Solution> found;
     for (const double value : values) {
       problem_.bounds.low[index] = std::min(problem_.bounds.low[index], value);
       problem_.bounds.high[index] = std::max(problem_.bounds.high[index], value);
       const bool own = value == best_.shared[index];
-      found.push_back(own ? best_ : moved_to(problem_, found.empty() ? best_ : found.back(), index, value));
+      found.push_back(own ? best_ : profile_at(problem_, found.empty() ? best_ : found.back(), index, value));
     }
-    for (const Solution& minimum : minima_) {
+    for (const Solution& minimum : optima_) {
       if (found.empty()) break;
       const std::size_t i = nearest(values, minimum.shared[index]);
-      take_better(moved_to(problem_, minimum, index, values[i]), found[i]);
+      take_better(profile_at(problem_, minimum, index, values[i]), found[i]);
     }
     for (std::size_t i = 0; i < found.size(); ++i) {
-      const bool searched = !pooled_ || i + 1 == found.size();  // of all together one costs much
+      const bool searched = !pooled_ || i + 1 == found.size();  // expensive for the pooled problem
       if (searched) search_at(index, values[i], found[i]);
     }
     for (std::size_t i = found.size(); i-- > 1;) {
-      take_better(moved_to(problem_, found[i], index, values[i - 1]), found[i - 1]);
+      take_better(profile_at(problem_, found[i], index, values[i - 1]), found[i - 1]);
     }
     for (std::size_t i = 1; i < found.size(); ++i) {
-      take_better(moved_to(problem_, found[i - 1], index, values[i]), found[i]);
+      take_better(profile_at(problem_, found[i - 1], index, values[i]), found[i]);
     }
     free_stuck(index, values, found);
     return found;
   }
 
-  /// Fits between the best one and `value`, which the data do not leave, nearer and nearer, until one is
-  /// left.
+  /// Fits between the best one and `value`, which is outside the confidence set, closer and closer until one
+  /// is inside.
   [[nodiscard]] std::vector<Solution> nearer(std::size_t index, double value) const {
     constexpr int kMost = 8;
     const double best = best_.shared[index];
     std::vector<Solution> found;
     for (int n = 0; n < kMost && (found.empty() || !point_of(found.back(), index).within_95); ++n) {
       value = 0.5 * (best + value);
-      found.push_back(moved_to(problem_, best_, index, value));
+      found.push_back(profile_at(problem_, best_, index, value));
     }
     return found;
   }
 
-  /// Fits between values: where one is better than both its neighbours but the data do not leave it, the best
-  /// of more values on either side, when the data leave that.
+  /// Fits at intermediate values: where a value is better than both neighbours but outside the confidence
+  /// set, the best of more values on either side, if that one is inside.
   [[nodiscard]] std::vector<Solution> between(std::size_t index, const std::vector<double>& values,
                                               const std::vector<Solution>& found) const {
     std::vector<Solution> left;
@@ -131,7 +131,7 @@ class Target final {
       for (const double end : {values[i - 1], values[i + 1]}) {
         for (const double share : {0.2, 0.4, 0.6, 0.8}) {
           const double value = values[i] + share * (end - values[i]);
-          Solution tried = moved_to(problem_, found[i], index, value);
+          Solution tried = profile_at(problem_, found[i], index, value);
           search_at(index, value, tried);
           take_better(std::move(tried), lowest);
         }
@@ -150,7 +150,7 @@ class Target final {
     point.nrmse = nrmse_of(solution);
     if (pooled_) {
       point.deviance = std::numeric_limits<double>::quiet_NaN();
-      point.within_95 = specimens_leave(best_costs_, part_costs(problem_, solution));
+      point.within_95 = in_confidence_set(best_costs_, part_costs(problem_, solution));
     } else {
       const double t = likelihood_limit(effective_, shared_count(problem_.terms) + kOwnParameters);
       point.deviance = 2.0 * (posterior_of(best_) - posterior_of(solution));
@@ -170,17 +170,18 @@ class Target final {
     return static_cast<std::size_t>(found - values.begin());
   }
 
-  /// Takes the best that a search with a parameter held at `value` finds, when it is better.
+  /// Replaces `kept` by the result of a search with the parameter held at `value`, when it is better.
   void search_at(std::size_t index, double value, Solution& kept) const {
     const Point relaxation(best_.shared.begin() + kLawParameters, best_.shared.end());
-    for (Solution start : pooled_ ? more_ : starts_at(problem_, index, value, relaxation, kStarts)) {
+    for (Solution start :
+         pooled_ ? more_ : multistart_points_at(problem_, index, value, relaxation, kStarts)) {
       start.shared[index] = value;
       take_better(solve(problem_, start, kSteps, static_cast<int>(index)), kept);
     }
   }
 
-  /// A fit that leaves more than both of its neighbours is stuck: again from each of them, as they are but
-  /// for the value.
+  /// A fit with a higher cost than both neighbours is stuck in a local optimum: fits it again from each
+  /// neighbour's parameters.
   void free_stuck(std::size_t index, const std::vector<double>& values, std::vector<Solution>& found) const {
     for (std::size_t i = 1; i + 1 < found.size(); ++i) {
       if (!(found[i].cost > std::max(found[i - 1].cost, found[i + 1].cost))) continue;
@@ -204,8 +205,8 @@ class Target final {
   Problem problem_;
   Solution best_;
   std::vector<double> best_costs_;
-  std::vector<Solution> more_;    // of all together: fits of one
-  std::vector<Solution> minima_;  // that the fit kept besides the best
+  std::vector<Solution> more_;    // pooled: the fits of single specimens
+  std::vector<Solution> optima_;  // local optima of the fit other than the best
   double effective_ = 0.0;
 };
 
@@ -216,7 +217,7 @@ Json point_json(const SweepPoint& point) {
   return json;
 }
 
-/// Of the law, so greater than zero: reports show it on logarithmic axes.
+/// Must be > 0: reports plot it on a logarithmic axis.
 double parameter_of_json(const Json& json) {
   const auto value = json.get<double>();
   if (!(value > 0.0)) {
@@ -226,14 +227,14 @@ double parameter_of_json(const Json& json) {
 }
 
 SweepPoint point_of_json(const Json& json) {
-  constexpr std::size_t kOthers = 4;  // from there on
+  constexpr std::size_t kOthers = 4;  // parameters begin at this index
   SweepPoint point;
   point.value = parameter_of_json(json.at(0));
   point.nrmse = number_of(json.at(1));
   point.within_95 = json.at(2).get<double>() > 0.5;
   point.deviance = number_of(json.at(3));
   for (std::size_t i = kOthers; i < json.size(); ++i) {
-    const bool law = i < kOthers + kLawParameters;  // else relaxation's
+    const bool law = i < kOthers + kLawParameters;  // else a relaxation parameter
     point.others.push_back(law ? parameter_of_json(json.at(i)) : json.at(i).get<double>());
   }
   if (point.others.size() < kLawParameters) throw InputError("sweep's line: a point lacks parameters");
@@ -244,7 +245,7 @@ SweepPoint point_of_json(const Json& json) {
 
 std::vector<double> sweep_values(const SweepRequest& request, const Estimate& estimate,
                                  const Bounds& bounds) {
-  constexpr double kBeside = 1.01;  // factor, at least
+  constexpr double kBeside = 1.01;  // least factor between values
   const Interval& interval = estimate.interval;
   const double beside = std::max(kBeside, std::sqrt(interval.high / interval.low));
   const std::size_t i = request.parameter;
@@ -270,7 +271,7 @@ std::string sweep_line(const SweepPiece& piece, const std::string& key,
       pooled ? fits.pooled.estimates[index] : fits.specimens[piece.target].estimates[index];
   const double best = target.best().shared[index];
   const std::vector<double> all = sweep_values(piece.request, estimate, target.bounds());
-  const bool across = best >= all.front() && best <= all.back();  // then the fit's own value is swept too
+  const bool across = best >= all.front() && best <= all.back();  // then the fit's own value is included
   std::vector<double> values;
   if (across && piece.upwards) values.push_back(best);
   for (const double value : all) {

@@ -12,12 +12,12 @@
 namespace palpate::identify {
 namespace {
 
-/// Three digits: enough for a sentence.
-void add_undetermined(const std::vector<Determined>& determined, const SpecimenFit& fit,
+/// Three digits are enough for a sentence.
+void add_undetermined(const std::vector<Identifiability>& determined, const SpecimenFit& fit,
                       std::vector<std::string>& out) {
   const std::vector<ParameterLabel> names = labels(fit.terms);
   for (std::size_t i = 0; i < determined.size(); ++i) {
-    if (determined[i] == Determined::kYes) continue;
+    if (determined[i] == Identifiability::kIdentifiable) continue;
     out.push_back(undetermined_warning(determined[i], names[i], fit.estimates[i].interval));
   }
 }
@@ -35,7 +35,7 @@ void add_correlated(const std::vector<std::vector<double>>& all, const SpecimenF
   }
 }
 
-/// What to measure when the law's shape is not well known.
+/// What to measure when the law's shape is poorly determined.
 std::string advice(const SpecimenFit& fit, const Part& part) {
   const double q = fit.estimates[2].value;
   const double third_layer =
@@ -57,11 +57,11 @@ void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::str
   }
   if (wide.empty()) return;
   out.push_back("the interval of " + wide +
-                " is wider than a factor 2, because L_1, q and beta replace each other: " +
-                advice(fit, part) + "; the curve itself is known better");
+                " is wider than a factor 2, because L_1, q and beta compensate each other: " +
+                advice(fit, part) + "; the curve itself is determined better");
 }
 
-/// Mean way back of the force between loading and unloading at the same displacement, over the range.
+/// Whether the displacement decreases by more than half of its range in total.
 bool turns_back(const Specimen& specimen, double range) {
   double back = 0.0;
   for (std::size_t i = 1; i < specimen.size(); ++i) {
@@ -70,8 +70,8 @@ bool turns_back(const Specimen& specimen, double range) {
   return !specimen.time.empty() && back > 0.5 * range;
 }
 
-void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::string>& out) {
-  const Problem& problem = minima.problem;
+void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std::string>& out) {
+  const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
   if (fit.rows > fit.points) {
     out.push_back(fmt::format("{} rows were averaged to {} points", fit.rows, fit.points));
@@ -83,7 +83,7 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
                     brief(100.0 * fit.nrmse, 3)));
   }
   const std::vector<double> left = plain_residuals(problem, part, fit.shared, fit.own);
-  const double limit = 1.5 * problem.loss_scale;  // six spreads
+  const double limit = 1.5 * problem.loss_scale;  // six standard deviations
   const auto outliers =
       std::count_if(left.begin(), left.end(), [limit](double r) { return std::abs(r) > limit; });
   if (outliers > 0 && problem.loss_scale > 1e-4) {
@@ -95,58 +95,58 @@ void add_data(const Minima& minima, const SpecimenFit& fit, std::vector<std::str
   if (flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement) {
     out.push_back(
         "the force does not rise out of the noise before " + brief(flat / kMillimetre, 3) +
-        " mm: if that is a way without contact, cut it off and count from contact; if it is tissue, its "
-        "first layer is hardly seen");
+        " mm: if that is motion without contact, cut it off and count displacement from contact; if it is "
+        "tissue, its first layer is hardly visible");
   }
   if (fit.layers_reached < 2) {
-    out.emplace_back("the data stay within the first layer: beta and q are not theirs to tell");
+    out.emplace_back("the data stay within the first layer: they do not determine beta and q");
   }
-  if (minima.effective < 0.5 * static_cast<double>(fit.points)) {
+  if (optima.effective < 0.5 * static_cast<double>(fit.points)) {
     out.push_back(
-        fmt::format("residuals follow their neighbours, so {} points count as {} in the intervals: the law "
-                    "misses the curve's shape somewhere",
-                    fit.points, brief(minima.effective, 3)));
+        fmt::format("residuals are autocorrelated, so {} points count as {} in the intervals: the law "
+                    "does not fit the curve's shape everywhere",
+                    fit.points, brief(optima.effective, 3)));
   }
   if (fit.terms == 0 && turns_back(*part.specimen, part.ranges.displacement)) {
     out.emplace_back(
-        "the displacement goes back, and without --relaxation loading and unloading are one curve");
+        "the displacement decreases again; without --relaxation loading and unloading are one curve");
   }
 }
 
 }  // namespace
 
-Determined determined_by(double low, double high, double lowest, double highest) {
+Identifiability identifiability_of_interval(double low, double high, double lowest, double highest) {
   const double whole = highest - lowest;
-  if (high - low > 0.5 * whole) return Determined::kSpansMost;
+  if (high - low > 0.5 * whole) return Identifiability::kSpansSearchRange;
   const bool at_end = low - lowest < 0.03 * whole || highest - high < 0.03 * whole;
-  return at_end ? Determined::kEndsWhereTheSearchEnds : Determined::kYes;
+  return at_end ? Identifiability::kAtSearchBound : Identifiability::kIdentifiable;
 }
 
-std::string undetermined_warning(Determined how, const ParameterLabel& label, const Interval& interval) {
-  return fmt::format(
-      "{} is not determined by the data: its interval, {} to {}{}", label.name,
-      brief(interval.low / label.unit, 3), brief(interval.high / label.unit, 3),
-      how == Determined::kSpansMost ? ", spans most of what was tried" : ", ends where the search ends");
+std::string undetermined_warning(Identifiability how, const ParameterLabel& label, const Interval& interval) {
+  return fmt::format("{} is not determined by the data: its interval, {} to {}{}", label.name,
+                     brief(interval.low / label.unit, 3), brief(interval.high / label.unit, 3),
+                     how == Identifiability::kSpansSearchRange ? ", spans most of the searched range"
+                                                               : ", ends at a bound of the search");
 }
 
-std::vector<Determined> determined_of(const Minima& minima, const std::vector<Point>& points) {
-  const Bounds& bounds = minima.problem.bounds;
-  std::vector<Determined> determined;
+std::vector<Identifiability> identifiability_of(const LocalOptima& optima, const std::vector<Point>& points) {
+  const Bounds& bounds = optima.problem.bounds;
+  std::vector<Identifiability> determined;
   for (std::size_t i = 0; i < bounds.low.size(); ++i) {
     const auto [low, high] = std::minmax_element(points.begin(), points.end(),
                                                  [i](const Point& a, const Point& b) { return a[i] < b[i]; });
-    determined.push_back(determined_by((*low)[i], (*high)[i], bounds.low[i], bounds.high[i]));
+    determined.push_back(identifiability_of_interval((*low)[i], (*high)[i], bounds.low[i], bounds.high[i]));
   }
   return determined;
 }
 
-std::vector<std::string> warnings_of(const Minima& minima, const std::vector<Point>& points,
+std::vector<std::string> warnings_of(const LocalOptima& optima, const std::vector<Point>& points,
                                      const Curvature& curvature, const SpecimenFit& fit) {
   std::vector<std::string> out;
-  add_undetermined(determined_of(minima, points), fit, out);
+  add_undetermined(identifiability_of(optima, points), fit, out);
   add_correlated(curvature.correlations, fit, out);
-  add_wide_law(fit, minima.problem.parts.front(), out);
-  add_data(minima, fit, out);
+  add_wide_law(fit, optima.problem.parts.front(), out);
+  add_data(optima, fit, out);
   return out;
 }
 

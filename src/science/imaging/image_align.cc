@@ -13,9 +13,9 @@
 namespace palpate::imaging {
 namespace {
 
-constexpr double kGap = 4.0;  // px between neighbours that still count as one stretch
+constexpr double kGap = 4.0;  // px, largest gap within one stretch
 
-/// d without single wild points: the median of five neighbours.
+/// d after a median filter over five neighbours.
 std::vector<double> calmed(std::span<const Shifted> shifts, double sign) {
   std::vector<double> calm(shifts.size());
   for (std::size_t i = 0; i < shifts.size(); ++i) {
@@ -28,8 +28,8 @@ std::vector<double> calmed(std::span<const Shifted> shifts, double sign) {
   return calm;
 }
 
-/// First s, from the left or the right end, where d crosses `level` on its way to index `until`; false where
-/// the crossing is not seen.
+/// First s, from the left or right end, where d crosses `level` before index `until`; false where the
+/// crossing is not seen.
 bool crossing(std::span<const Shifted> shifts, const std::vector<double>& d, double level, bool from_left,
               std::size_t until, double& s) {
   const std::size_t count = d.size();
@@ -47,7 +47,7 @@ bool crossing(std::span<const Shifted> shifts, const std::vector<double>& d, dou
   return false;
 }
 
-/// The shape of u(r) with the usual reach (model.md, section 3).
+/// Shape of u(r) with the default falloff ratios (model.md, section 3).
 double model_shape(double r, double first) {
   constexpr double kReach[] = {1.0, 1.43, 2.204, 3.597, 6.105, 10.62};  // R_i / R_1 with a = 0.43, s = 1.8
   double sum = 0.0;
@@ -60,7 +60,7 @@ double model_shape(double r, double first) {
   return sum;
 }
 
-/// 1 where the flanks begin.
+/// Normalised to 1 where the flanks begin.
 double far_field(const Flanks& flanks, double r) {
   if (flanks.power == 0.0) return 0.0;
   if (flanks.power != kModelShape) return std::pow(flanks.from / r, flanks.power);
@@ -137,7 +137,7 @@ std::vector<Shifted> shifts_between(std::span<const AlignedPoint> before,
 }
 
 double nearest_reach(std::span<const Shifted> shifts, double centre, double half_width) {
-  constexpr double kFarthest = 5.0;  // half widths: the dent itself, not what is far
+  constexpr double kFarthest = 5.0;  // half widths: limits the fit to the indentation itself
   double best = half_width;
   double least = 1e300;
   double share = 0.4;
@@ -165,8 +165,9 @@ double nearest_reach(std::span<const Shifted> shifts, double centre, double half
 }
 
 Rigid fit_rigid(std::span<const Shifted> shifts, const Flanks& flanks) {
-  constexpr double kUsualShift = 20.0;  // px along the surface: a flat or round line alone cannot tell it
-  constexpr double kAlike = 8.0;        // neighbours share what they were fitted to: as many count as one
+  constexpr double kUsualShift = 20.0;  // px along the surface; a prior, because a straight or circular line
+                                        // does not determine this shift
+  constexpr double kAlike = 8.0;        // number of correlated neighbours that count as one point
   const bool with_far = flanks.power != 0.0;
   Eigen::Vector4d solved = Eigen::Vector4d::Zero();
   Rigid rigid;
@@ -204,7 +205,7 @@ Rigid fit_rigid(std::span<const Shifted> shifts, const Flanks& flanks) {
     rigid.residual = std::sqrt(variance);
     rigid.points = count / kAlike;
     if (with_far && (solved[3] < 0.0 || solved[3] > flanks.most_far)) {
-      // out of what an elastic body does: held at the bound
+      // outside the range of elastic behaviour: fixed at the bound
       normal(3, 3) += 1e9;
       right[3] += 1e9 * std::clamp(solved[3], 0.0, flanks.most_far);
       solved = normal.ldlt().solve(right);
@@ -217,28 +218,28 @@ Rigid fit_rigid(std::span<const Shifted> shifts, const Flanks& flanks) {
   return rigid;
 }
 
-Dent find_dent(std::span<const Shifted> shifts, double sign) {
-  Dent dent;
-  if (shifts.size() < 10) return dent;
+IndentationExtent find_indentation(std::span<const Shifted> shifts, double sign) {
+  IndentationExtent indentation;
+  if (shifts.size() < 10) return indentation;
   const std::vector<double> d = calmed(shifts, sign);
   const auto top = std::max_element(d.begin(), d.end());
-  dent.peak = *top;
-  dent.opposite = -*std::min_element(d.begin(), d.end());
+  indentation.peak = *top;
+  indentation.opposite = -*std::min_element(d.begin(), d.end());
   auto middle = static_cast<std::size_t>(top - d.begin());
-  double left_peak = dent.peak;
-  double right_peak = dent.peak;
-  // a hidden stretch beside the largest that is seen, and deep on its other side too: the tip is behind it
+  double left_peak = indentation.peak;
+  double right_peak = indentation.peak;
+  // a hidden stretch next to the largest d seen, with a large d on its other side: it hides the tip
   double widest = 2.0 * kGap;
   const std::size_t top_at = middle;
   for (std::size_t i = top_at < 5 ? 0 : top_at - 5; i + 1 < d.size() && i < top_at + 5; ++i) {
     const double gap = shifts[i + 1].after.s - shifts[i].after.s;
-    if (gap > widest && std::min(d[i], d[i + 1]) > 0.4 * dent.peak) {
+    if (gap > widest && std::min(d[i], d[i + 1]) > 0.4 * indentation.peak) {
       widest = gap;
-      dent.tip_hidden = true;
+      indentation.tip_hidden = true;
       middle = i;
     }
   }
-  if (dent.tip_hidden) {
+  if (indentation.tip_hidden) {
     const auto split = d.begin() + static_cast<std::ptrdiff_t>(middle) + 1;
     left_peak = *std::max_element(d.begin(), split);
     right_peak = *std::max_element(split, d.end());
@@ -257,16 +258,16 @@ Dent find_dent(std::span<const Shifted> shifts, double sign) {
     middles.push_back(0.5 * (left + right));
     if (std::abs(share - 0.5) < nearest) {
       nearest = std::abs(share - 0.5);
-      dent.half_width = 0.5 * (right - left);
+      indentation.half_width = 0.5 * (right - left);
     }
   }
-  if (middles.size() < 3) return dent;
-  dent.centre = median(middles);
+  if (middles.size() < 3) return indentation;
+  indentation.centre = median(middles);
   std::vector<double> off;
-  for (const double m : middles) off.push_back(std::abs(m - dent.centre));
-  dent.centre_spread = 1.5 * median(off) + 0.1;
-  dent.found = true;
-  return dent;
+  for (const double m : middles) off.push_back(std::abs(m - indentation.centre));
+  indentation.centre_spread = 1.5 * median(off) + 0.1;
+  indentation.found = true;
+  return indentation;
 }
 
 }  // namespace palpate::imaging

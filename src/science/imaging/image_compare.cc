@@ -10,9 +10,9 @@
 namespace palpate::imaging {
 namespace {
 
-double squares(const validate::Deformation& deformation, const model::ReachParameters& reach, double depth,
+double squares(const validate::Deformation& deformation, const model::FalloffRatios& reach, double depth,
                double tip_radius) {
-  const deform::SurfaceProfile profile(reach, depth, tip_radius, tip_radius);
+  const deform::DisplacementProfile profile(reach, depth, tip_radius, tip_radius);
   double sum = 0.0;
   for (std::size_t i = 0; i < deformation.size(); ++i) {
     const double off = profile.at(deformation.distance[i]) - deformation.displacement[i];
@@ -21,7 +21,7 @@ double squares(const validate::Deformation& deformation, const model::ReachParam
   return sum;
 }
 
-/// The share of places where the model lies within what the pictures are uncertain by.
+/// Fraction of the points where the model is within the measurement's uncertainty.
 double within_uncertainty(const ImageSet& set) {
   std::vector<ImagePoint> points = set.measured.points;
   std::stable_sort(points.begin(), points.end(),
@@ -50,15 +50,15 @@ validate::Deformation deformation_of(const ImageMeasurement& measured, const std
   return deformation;
 }
 
-double nearest_depth(const validate::Deformation& deformation, const model::ReachParameters& reach,
+double nearest_depth(const validate::Deformation& deformation, const model::FalloffRatios& reach,
                      double tip_radius) {
   constexpr int kSteps = 100;
-  constexpr double kMost = 10.0;  // a tool hides what is near it, which is most of the depth
+  constexpr double kMost = 10.0;  // a tool may hide most of the depth
   const double largest = *std::max_element(deformation.displacement.begin(), deformation.displacement.end());
   double best = largest;
   double low = 0.7 * largest;
   double high = kMost * largest;
-  for (int round = 0; round < 4; ++round) {  // each a grid around the best of the one before
+  for (int round = 0; round < 4; ++round) {  // each round is a grid around the optimum of the previous one
     const double step = (high - low) / kSteps;
     double least = 1e300;
     for (int i = 0; i <= kSteps; ++i) {

@@ -12,7 +12,7 @@ namespace palpate::imaging {
 namespace {
 
 constexpr int kSamples = 2 * kEdgeReach + 1;
-constexpr double kNarrowest = 0.4;  // px: a pixel's own size
+constexpr double kNarrowest = 0.4;  // px, least width: about one pixel
 constexpr double kWidest = 6.0;
 
 using Profile = std::array<double, kSamples>;
@@ -30,7 +30,7 @@ double bilinear(const cv::Mat& gray, double x, double y) {
          v * ((1 - u) * static_cast<double>(bottom[0]) + u * static_cast<double>(bottom[1]));
 }
 
-/// Brightness along the normal, each the mean of three places along the line.
+/// Brightness along the normal; each value is the mean of three samples along the line.
 Profile profile_at(const cv::Mat& gray, double x, double y, double slope) {
   const double length = std::hypot(1.0, slope);
   const double tx = 1.0 / length;
@@ -48,9 +48,9 @@ Profile profile_at(const cv::Mat& gray, double x, double y, double slope) {
 /// above, below - above, rise, offset, ln width
 using Unknowns = Eigen::Matrix<double, 5, 1>;
 
-/// The three that the profile is linear in, for an offset and width; the sum of squares they leave.
+/// Solves for the three linear parameters, for given offset and width. @return the sum of squares
 double solve_linear(const Profile& profile, Unknowns& at) {
-  constexpr double kRiseWeight = 30.0;  // holds the rise small: light changes little over the window
+  constexpr double kRiseWeight = 30.0;  // regularises the rise, because light changes little over the window
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   normal(2, 2) = kRiseWeight;
@@ -71,7 +71,7 @@ double solve_linear(const Profile& profile, Unknowns& at) {
   return squares;
 }
 
-/// One step of Gauss and Newton in all five; fills the normal matrix.
+/// One Gauss-Newton step in all five parameters; fills the normal matrix.
 Unknowns step_from(const Profile& profile, const Unknowns& at, double damping,
                    Eigen::Matrix<double, 5, 5>& normal) {
   normal.setZero();

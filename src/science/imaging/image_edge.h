@@ -3,22 +3,22 @@
 
 namespace palpate::imaging {
 
-/// The edge across a line at one place: above + rise t + (below - above) Phi((t - offset)/width), t the way
-/// [px] along the line's normal into what is below.
+/// Edge profile across a line: above + rise t + (below - above) Phi((t - offset)/width), with t [px] along
+/// the line's normal towards the side below.
 struct Edge {
-  double offset = 0.0;  // px, of the edge from where it was looked for
+  double offset = 0.0;  // px, position of the edge relative to the search point
   double spread = 0.0;  // standard deviation of the offset
-  double above = 0.0;   // brightness, share of white
+  double above = 0.0;   // brightness, 1 = white
   double below = 0.0;
-  double width = 0.0;     // px: how blurred
-  double residual = 0.0;  // rms that the profile leaves
-  bool found = false;     // the profile has an edge inside the window, narrower than it
+  double width = 0.0;     // px, blur
+  double residual = 0.0;  // RMS residual of the profile
+  bool found = false;     // the edge is inside the window and narrower than it
 };
 
-inline constexpr int kEdgeReach = 10;  // px, either way, that a profile is looked at
+inline constexpr int kEdgeReach = 10;  // px, half length of the fitted profile
 
-/// [setup] Fits the edge profile by least squares around (x, y). @param gray CV_32F
-/// @param slope dy/dx of the line there
+/// [setup] Fits the edge profile by least squares around (x, y). @param gray CV_32F @param slope dy/dx of the
+/// line
 [[nodiscard]] Edge fit_edge(const cv::Mat& gray, double x, double y, double slope);
 
 }  // namespace palpate::imaging

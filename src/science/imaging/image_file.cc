@@ -2,7 +2,7 @@
 
 #include <csetjmp>
 #include <cstddef>
-#include <cstdio>  // jpeglib.h needs it before
+#include <cstdio>  // must precede jpeglib.h
 #include <span>
 #include <string>
 
@@ -64,9 +64,9 @@ Picture read_png(const std::filesystem::path& file, const Bytes& bytes) {
   return picture;
 }
 
-/// libjpeg's way out of an error: back to where decoding began.
+/// Error handling of libjpeg: longjmp to where decoding began.
 struct JpegError {
-  jpeg_error_mgr manager{};  // first, so that libjpeg's pointer to it is one to the whole
+  jpeg_error_mgr manager{};  // first member, so that libjpeg's pointer to it points to the whole
   std::jmp_buf back{};
   char why[JMSG_LENGTH_MAX] = {};
 };
@@ -81,8 +81,8 @@ void count_warning(j_common_ptr jpeg, int level) {
   if (level < 0) ++jpeg->err->num_warnings;
 }
 
-/// Decodes into `rgb` after `checked` has seen the size; false, with the reason in `error`, when it cannot.
-/// No object with a destructor lives here: longjmp would skip it.
+/// Decodes into `rgb` after `checked` has accepted the size; false, with the reason in `error`, on failure.
+/// No object with a destructor may live here, because longjmp would skip it.
 bool decode_jpeg(std::span<const unsigned char> bytes, jpeg_decompress_struct& jpeg, JpegError& error,
                  Picture& picture, bool header_only) {
   if (setjmp(error.back) != 0) return false;
@@ -150,7 +150,7 @@ Picture read_picture(const std::filesystem::path& file) {
   }
   const std::size_t pixels = picture.rgb.size() / 3;
   picture.gray.resize(pixels);
-  for (std::size_t i = 0; i < pixels; ++i) {  // luma of Rec. 601, as JPEG has it
+  for (std::size_t i = 0; i < pixels; ++i) {  // luma of Rec. 601, as in JPEG
     const std::uint8_t* rgb = picture.rgb.data() + 3 * i;
     picture.gray[i] = (0.299F * static_cast<float>(rgb[0]) + 0.587F * static_cast<float>(rgb[1]) +
                        0.114F * static_cast<float>(rgb[2])) /

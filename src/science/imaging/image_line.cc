@@ -18,22 +18,23 @@
 namespace palpate::imaging {
 namespace {
 
-constexpr int kMostColumns = 1600;  // wider pictures are measured smaller
-constexpr int kApart = 14;          // px: lines nearer than this are one edge's two sides
+constexpr int kMostColumns = 1600;  // wider pictures are scaled down
+constexpr int kApart = 14;          // px: closer lines are the two sides of one edge
 
-/// One candidate: the path, its edge a column and how it stands out.
+/// A candidate line: its path, the edge in each column and its contrast.
 struct Candidate {
-  double sign = 1.0;  // of the brightness below less above
+  double sign = 1.0;  // of brightness below minus above
   Path path;
-  std::vector<double> y;  // of the edge, sub-pixel
+  std::vector<double> y;  // edge position, sub-pixel
   std::vector<double> slope;
-  std::vector<Edge> edges;  // of every column, or of every few to judge by
-  double contrast = 0.0;    // median of the edges that have the sign, px without one counting 0
+  std::vector<Edge> edges;  // in every column, or in every kStride-th to judge the line
+  double contrast = 0.0;    // median over edges of the right sign; columns without an edge count 0
   double residual = 0.0;    // median
-  double share = 0.0;       // of columns whose edge has the sign and is not much weaker than the median
+  double share = 0.0;       // fraction of columns whose edge has the sign and is not much weaker than the
+                            // median
 };
 
-/// Straight lines through the neighbours within `half` columns, robustly; values and slopes a column.
+/// Robust straight-line fit through the neighbours within `half` columns; value and slope per column.
 void smooth_rows(const std::vector<double>& rows, int half, std::vector<double>& y,
                  std::vector<double>& slope) {
   const auto count = static_cast<int>(rows.size());
@@ -54,13 +55,13 @@ void smooth_rows(const std::vector<double>& rows, int half, std::vector<double>&
 
 bool has_sign(const Edge& edge, double sign) { return edge.found && sign * (edge.below - edge.above) > 0.0; }
 
-/// Fits the edges along the rows `y`, at every column; moves the rows to them where there are any.
+/// Fits the edge in each column near the rows `y`, and moves the rows to the edges found.
 void fit_edges(const cv::Mat& gray, Candidate& candidate) {
   candidate.edges.clear();
   for (std::size_t x = 0; x < candidate.y.size(); ++x) {
     const double slope = candidate.slope[x];
     const Edge edge = fit_edge(gray, static_cast<double>(x), candidate.y[x], slope);
-    // along the normal, and back along the line to the same column
+    // from the normal to the same column, along the line
     if (has_sign(edge, candidate.sign)) candidate.y[x] += edge.offset * std::hypot(1.0, slope);
     candidate.edges.push_back(edge);
   }
@@ -86,7 +87,7 @@ Candidate candidate_of(const cv::Mat& gray, Path path, double sign) {
   const std::vector<double> rows(path.row.begin(), path.row.end());
   candidate.path = std::move(path);
   smooth_rows(rows, 4, candidate.y, candidate.slope);
-  constexpr std::size_t kStride = 4;  // columns: enough to judge a line by
+  constexpr std::size_t kStride = 4;  // columns: enough to judge a line
   for (std::size_t x = 0; x < candidate.y.size(); x += kStride) {
     candidate.edges.push_back(fit_edge(gray, static_cast<double>(x), candidate.y[x], candidate.slope[x]));
   }
@@ -94,7 +95,7 @@ Candidate candidate_of(const cv::Mat& gray, Path path, double sign) {
   return candidate;
 }
 
-/// How plausible a line is: what it stands out by, over as much of the width as it does.
+/// Plausibility of a line: contrast over noise, times the fraction of the width.
 double plausibility(const Candidate& candidate) {
   const double quiet = std::max(candidate.residual, 0.004);  // one step of 8 bits
   return candidate.contrast * candidate.share * std::min(1.0, candidate.contrast / (3.0 * quiet));
@@ -102,10 +103,10 @@ double plausibility(const Candidate& candidate) {
 
 struct Best {
   Candidate line;
-  double rival = 0.0;
+  double runner_up = 0.0;
 };
 
-/// The most plausible line of either sign, and how plausible the next is that lies elsewhere.
+/// The most plausible line of either sign, and the plausibility of the next one elsewhere.
 Best choose(const cv::Mat& gray) {
   cv::Mat rewards[] = {edge_reward(gray, 1.0), edge_reward(gray, -1.0)};
   constexpr double kSigns[] = {1.0, -1.0};
@@ -118,12 +119,13 @@ Best choose(const cv::Mat& gray) {
   for (int i = 0; i < 2; ++i) {
     close_around(rewards[i], best.line.path, kApart);
     const Candidate other = candidate_of(gray, best_path(rewards[i]), kSigns[i]);
-    if (most > 0.0) best.rival = std::max(best.rival, plausibility(other) / most);
+    if (most > 0.0) best.runner_up = std::max(best.runner_up, plausibility(other) / most);
   }
   return best;
 }
 
-/// A trusted column's two sides look as they do elsewhere, its edge is no weaker, blurrier or rougher.
+/// A column is trusted when both sides look as they do elsewhere and its edge is not weaker, more blurred or
+/// rougher.
 std::vector<bool> trusted_columns(const Candidate& line) {
   std::vector<double> at;
   std::vector<double> above;
@@ -139,7 +141,7 @@ std::vector<bool> trusted_columns(const Candidate& line) {
   }
   std::vector<bool> trusted(line.edges.size(), false);
   if (at.size() < 20) return trusted;
-  constexpr int kDegree = 3;  // of the light's change along the line
+  constexpr int kDegree = 3;  // of the polynomial for slow changes of light along the line
   const std::vector<double> over = robust_polynomial(at, above, kDegree, 0.15 * line.contrast);
   const std::vector<double> under = robust_polynomial(at, below, kDegree, 0.15 * line.contrast);
   const double usual_width = median(width);
@@ -160,10 +162,10 @@ std::vector<bool> trusted_columns(const Candidate& line) {
   return trusted;
 }
 
-/// Columns beside a hidden stretch see some of what hides it; single trusted ones among hidden ones are
-/// chance.
+/// Columns next to a hidden stretch partly see the object; isolated trusted columns in a hidden stretch are
+/// accidental.
 void shrink(std::vector<bool>& trusted) {
-  constexpr int kStretch = 3;  // columns in a row that make a stretch
+  constexpr int kStretch = 3;  // consecutive columns that make a stretch
   constexpr int kBeside = 4;   // columns
   const std::vector<bool> before = trusted;
   const auto count = static_cast<int>(before.size());
@@ -182,11 +184,11 @@ void shrink(std::vector<bool>& trusted) {
   }
 }
 
-/// Each column from a parabola through the trusted ones within `half`, and what they scatter about it.
+/// Local parabola through the trusted columns within `half`, and their scatter about it.
 void agree_with_neighbours(const Candidate& line, const std::vector<bool>& trusted, SurfaceLine& surface) {
   constexpr int kHalf = 5;
-  constexpr double kAlike = 2.0;   // neighbours share pixels: variances are as much larger
-  constexpr double kFloor = 0.03;  // px, along the normal: of the method
+  constexpr double kAlike = 2.0;   // neighbours share pixels, which increases variances by this factor
+  constexpr double kFloor = 0.03;  // px along the normal: error of the method
   const auto count = static_cast<int>(line.y.size());
   surface.points.resize(line.y.size());
   for (int x = 0; x < count; ++x) {
@@ -212,16 +214,15 @@ void agree_with_neighbours(const Candidate& line, const std::vector<bool>& trust
     point.y = fit.value;
     point.slope = fit.slope;
     const double scatter = std::max(fit.scatter, median(spreads));
-    // blur moves the edge of what is round towards the middle of the circle by half its square over the
-    // radius
+    // Blur shifts a curved edge towards the centre of curvature by width^2 / (2 radius).
     const double rounded = 0.5 * line.edges[i].width * line.edges[i].width * std::abs(fit.curvature);
     point.spread = std::hypot(kAlike * scatter * fit.gain, std::hypot(kFloor, rounded) * stretch);
     point.trusted = point.spread < 1.0 * stretch;
   }
 }
 
-/// What grain, shading and blocks of compression move the line by over more columns than neighbours that are
-/// averaged: the usual distance from a parabola through many.
+/// Adds correlated noise (grain, shading, compression blocks) that averaging of neighbours does not remove:
+/// the typical deviation from a parabola through many columns.
 void add_slow_noise(SurfaceLine& surface) {
   constexpr int kHalf = 40;   // columns
   constexpr int kStride = 5;  // columns
@@ -249,7 +250,7 @@ void add_slow_noise(SurfaceLine& surface) {
 
 void refuse_unless_plausible(const Best& best, const std::string& name) {
   constexpr double kLeastContrast = 0.02;  // 5 of 255
-  constexpr double kStandsOut = 2.5;       // times what an edge leaves; in pure noise it is about 1.5
+  constexpr double kStandsOut = 2.5;       // times the residual of an edge; about 1.5 for pure noise
   const Candidate& line = best.line;
   if (line.contrast < kLeastContrast || line.contrast < kStandsOut * line.residual || line.share < 0.5) {
     throw InputError(name +
@@ -259,13 +260,13 @@ void refuse_unless_plausible(const Best& best, const std::string& name) {
 }
 
 void refuse_unless_sure(const SurfaceLine& surface, const std::string& name) {
-  constexpr double kMostRival = 0.5;
+  constexpr double kMaxRunnerUp = 0.5;
   constexpr double kLeastCoverage = 0.5;
-  if (surface.rival > kMostRival) {
+  if (surface.runner_up > kMaxRunnerUp) {
     throw InputError(
         fmt::format("{}: two lines across the picture are about as plausible (the second {} % of the first); "
                     "crop both pictures to the tissue's upper outline",
-                    name, static_cast<int>(std::lround(100.0 * surface.rival))));
+                    name, static_cast<int>(std::lround(100.0 * surface.runner_up))));
   }
   if (surface.coverage < kLeastCoverage) {
     throw InputError(
@@ -278,7 +279,7 @@ void refuse_unless_sure(const SurfaceLine& surface, const std::string& name) {
 }  // namespace
 
 SurfaceLine find_surface_line(const Picture& picture, const std::string& name) {
-  // OpenCV has no const view of foreign memory; nothing here writes to it
+  // OpenCV has no const view of external memory; the data are only read
   const cv::Mat whole(picture.height, picture.width, CV_32F, const_cast<float*>(picture.gray.data()));
   const int factor = (picture.width + kMostColumns - 1) / kMostColumns;
   cv::Mat gray = whole;
@@ -292,7 +293,7 @@ SurfaceLine find_surface_line(const Picture& picture, const std::string& name) {
   Candidate& line = best.line;
   fit_edges(gray, line);
   const std::vector<double> once = line.y;
-  smooth_rows(once, 3, line.y, line.slope);  // from the edges now, no longer whole rows
+  smooth_rows(once, 3, line.y, line.slope);  // sub-pixel rows from the edges
   fit_edges(gray, line);
   judge(line);
   std::vector<bool> trusted = trusted_columns(line);
@@ -303,12 +304,12 @@ SurfaceLine find_surface_line(const Picture& picture, const std::string& name) {
   surface.dark_below = line.sign < 0.0;
   surface.contrast = line.contrast;
   surface.noise = line.residual;
-  surface.rival = best.rival;
+  surface.runner_up = best.runner_up;
   const auto good = std::count_if(surface.points.begin(), surface.points.end(),
                                   [](const LinePoint& point) { return point.trusted; });
   surface.coverage = static_cast<double>(good) / static_cast<double>(surface.points.size());
   refuse_unless_sure(surface, name);
-  for (LinePoint& point : surface.points) {  // back to the picture's own pixels
+  for (LinePoint& point : surface.points) {  // back to pixels of the original picture
     point.x = factor * point.x + 0.5 * (factor - 1);
     point.y = factor * point.y + 0.5 * (factor - 1);
     point.spread *= factor;

@@ -23,19 +23,19 @@ std::string rounded(double value) {
   return shortest(std::round(value * scale) / scale);
 }
 
-/// Both lines in one frame, and what is known of how they lie to each other.
+/// Both lines in one frame, and the estimate of their relative motion.
 struct Alignment {
   Frame before;
   Frame after;
   std::vector<AlignedPoint> rest;
-  std::vector<Shifted> shifts;  // with everything rigid taken out
-  Dent dent;
+  std::vector<Shifted> shifts;  // after the correction of rigid motion
+  IndentationExtent indentation;
   bool still = false;   // the camera did not move
-  Rigid rigid;          // what was still left at the end, nearly 0, with its uncertainty
-  double far_at = 0.0;  // px: how far likely readings of the far field differ at the centre
+  Rigid rigid;          // remaining correction (nearly 0), with its uncertainty
+  double far_at = 0.0;  // px: difference between likely far fields at the centre
 };
 
-/// The straight line through the trusted points between two columns, as a frame.
+/// Frame of the straight line through the trusted points between two columns.
 Frame frame_of(const SurfaceLine& line, double from, double to) {
   std::vector<double> x;
   std::vector<double> y;
@@ -58,26 +58,27 @@ double width_of(std::span<const Shifted> shifts) {
   return shifts.empty() ? 0.0 : shifts.back().after.s - shifts.front().after.s;
 }
 
-/// Where the flanks begin, from the centre: past the dent, but leaving enough of the shorter side.
+/// Distance from the centre where the flanks begin: outside the indentation, but leaving enough of the
+/// shorter side.
 double flank_from(const Alignment& now, double half_widths, double least_share) {
-  const double left = now.dent.centre - now.shifts.front().after.s;
-  const double right = now.shifts.back().after.s - now.dent.centre;
+  const double left = now.indentation.centre - now.shifts.front().after.s;
+  const double right = now.shifts.back().after.s - now.indentation.centre;
   const double most = std::min(left, right) - least_share * width_of(now.shifts);
-  return std::min(half_widths * now.dent.half_width, most);
+  return std::min(half_widths * now.indentation.half_width, most);
 }
 
 void shift_again(const SurfaceLine& after, Alignment& now) {
   now.shifts = shifts_between(now.rest, aligned(after, now.after));
 }
 
-/// Moves the second picture by what a fit found; the turn is about the frame's pivot.
-void take_out(const Rigid& rigid, Frame& frame) {
+/// Applies a fitted motion to the frame of the second picture; the rotation is about the frame's pivot.
+void apply_correction(const Rigid& rigid, Frame& frame) {
   frame.turn += std::atan(rigid.turn);
   frame.shift_h += rigid.shift_h;
   frame.shift_s += rigid.shift_s;
 }
 
-/// A first guess from the outer fifths alone, before it is known where the dent is.
+/// First estimate from the outer fifths, before the indentation is located.
 void align_ends(const SurfaceLine& after, Alignment& now) {
   for (int pass = 0; pass < 4; ++pass) {
     shift_again(after, now);
@@ -87,58 +88,59 @@ void align_ends(const SurfaceLine& after, Alignment& now) {
     ends.centre = middle;
     ends.from = 0.3 * width_of(now.shifts);
     ends.shifted = now.after.shift_s;
-    take_out(fit_rigid(now.shifts, ends), now.after);
+    apply_correction(fit_rigid(now.shifts, ends), now.after);
   }
   shift_again(after, now);
 }
 
-void refuse_unless_moved(const Dent& dent, std::span<const Shifted> shifts, const ImageSettings& settings,
-                         const std::string& name) {
+void refuse_unless_moved(const IndentationExtent& indentation, std::span<const Shifted> shifts,
+                         const ImageSettings& settings, const std::string& name) {
   std::vector<double> spreads;
   for (const Shifted& shifted : shifts) spreads.push_back(shifted.spread);
   const double least = std::max(1.0, 6.0 * median(spreads));
-  constexpr double kMostOpposite = 0.2;  // tissue piles up beside a dent by less
+  constexpr double kMostOpposite = 0.2;  // bulging beside an indentation is smaller
   const char* way = settings.direction == model::Direction::kPress ? "into" : "out of";
   const char* other = settings.direction == model::Direction::kPress ? "pull" : "press";
-  if (dent.opposite > 2.0 * dent.peak && dent.opposite > least) {
+  if (indentation.opposite > 2.0 * indentation.peak && indentation.opposite > least) {
     throw InputError(fmt::format(
         "{}: the surface moved the other way, not {} the tissue; give --direction {}, or the pictures in "
         "their order (before, after), or an instrument that does not look like the tissue",
         name, way, other));
   }
-  if (dent.opposite > kMostOpposite * dent.peak && dent.opposite > least) {
+  if (indentation.opposite > kMostOpposite * indentation.peak && indentation.opposite > least) {
     throw InputError(
         fmt::format("{}: parts of the line moved {} the tissue, others by {} % of that the other way; must "
-                    "be one dent, and the instrument must not look like the tissue",
-                    name, way, rounded(100.0 * dent.opposite / dent.peak)));
+                    "be one indentation, and the instrument must not look like the tissue",
+                    name, way, rounded(100.0 * indentation.opposite / indentation.peak)));
   }
-  if (dent.peak < least) {
+  if (indentation.peak < least) {
     throw InputError(
         fmt::format("{}: the surface moved by no more than {} px, must be at least {} px to be measured",
-                    name, rounded(std::max(0.0, dent.peak)), rounded(least)));
+                    name, rounded(std::max(0.0, indentation.peak)), rounded(least)));
   }
 }
 
 void refuse_unless_between_flanks(const Alignment& now, const std::string& name) {
-  constexpr double kLeastSide = 2.5;  // half widths of the dent: undisturbed beyond
-  if (!now.dent.found) {
-    throw InputError(name +
-                     ": the dent's two sides cannot both be seen; must show the line on both sides of "
-                     "the instrument");
-  }
-  const double left = now.dent.centre - now.shifts.front().after.s;
-  const double right = now.shifts.back().after.s - now.dent.centre;
-  const double side = std::min(left, right) / now.dent.half_width;
-  if (side < kLeastSide) {
+  constexpr double kLeastSide = 2.5;  // half widths of the indentation: undisturbed beyond
+  if (!now.indentation.found) {
     throw InputError(
-        fmt::format("{}: the picture ends {} half widths beside the dent, must show at least {} of the "
-                    "undisturbed surface on both sides",
-                    name, rounded(side), rounded(kLeastSide)));
+        name +
+        ": the two sides of the indentation are not both visible; must show the line on both sides of "
+        "the instrument");
+  }
+  const double left = now.indentation.centre - now.shifts.front().after.s;
+  const double right = now.shifts.back().after.s - now.indentation.centre;
+  const double side = std::min(left, right) / now.indentation.half_width;
+  if (side < kLeastSide) {
+    throw InputError(fmt::format(
+        "{}: the picture ends {} half widths beside the indentation, must show at least {} of the "
+        "undisturbed surface on both sides",
+        name, rounded(side), rounded(kLeastSide)));
   }
 }
 
-/// No far field, or one that falls like 1/r, as an elastic half-space's does, or faster, as that of a body
-/// held near by, or as the model's own u(r) does with the reach that suits a block.
+/// Far fields: none; 1/r, as for an elastic half-space; faster, as for a body that is fixed nearby; and u(r)
+/// of the model with the falloff ratios of a block.
 constexpr double kFarPowers[] = {0.0, kModelShape, 1.0, 1.5, 2.0, 3.0, 4.0};
 
 std::vector<Shifted> with_sign(std::vector<Shifted> shifts, double sign) {
@@ -148,20 +150,22 @@ std::vector<Shifted> with_sign(std::vector<Shifted> shifts, double sign) {
 
 Flanks flanks_of(const Alignment& now, double sign) {
   Flanks flanks;
-  flanks.centre = now.dent.centre;
-  flanks.reach = nearest_reach(with_sign(now.shifts, sign), now.dent.centre, now.dent.half_width);
+  flanks.centre = now.indentation.centre;
+  flanks.reach =
+      nearest_reach(with_sign(now.shifts, sign), now.indentation.centre, now.indentation.half_width);
   flanks.from = flank_from(now, 2.5, 0.12);
-  flanks.most_far = now.dent.peak * std::min(1.0, now.dent.half_width / flanks.from);
+  flanks.most_far = now.indentation.peak * std::min(1.0, now.indentation.half_width / flanks.from);
   flanks.shifted = sign * now.after.shift_s;
   return flanks;
 }
 
-/// The mean of the fits of the flanks with every far field, each by how well it fits; `differ`: how far the
-/// likely ones are from it at the dent.
+/// Mean of the fits of the flanks over all far fields, weighted by likelihood; `differ`: spread of the likely
+/// ones at the indentation.
 Rigid fit_far_fields(const std::vector<Shifted>& shifts, Flanks flanks, double peak, double& differ) {
-  constexpr double kLeastLikely = 0.02;  // of the likelihood of the best
-  constexpr double kShape = 0.003;       // of the depth: no far field has its shape better than that
-  constexpr double kPoints = 8.0;        // independent ones at most: what is left is shape, not noise
+  constexpr double kLeastLikely = 0.02;  // relative to the best likelihood
+  constexpr double kShape = 0.003;       // of the depth: accuracy of a far field's shape
+  constexpr double kPoints = 8.0;        // largest number of independent points: the residual is shape error,
+                                         // not noise
   std::vector<Rigid> fits;
   for (const double power : kFarPowers) {
     flanks.power = power;
@@ -197,11 +201,11 @@ Rigid fit_far_fields(const std::vector<Shifted>& shifts, Flanks flanks, double p
   return mean;
 }
 
-/// Whether the flanks lie on one another but for a far field: then the camera stood still, as on a tripod. By
-/// chance a camera held by hand would hardly come back to a fraction of a pixel and of a hundredth degree.
+/// Whether the flanks coincide except for a far field: then the camera was fixed, as on a tripod. A hand-held
+/// camera would hardly return to within a fraction of a pixel and 0.01 degrees.
 bool unmoved(const Alignment& now, double sign) {
   const double still =
-      std::hypot(0.15, 0.006 * now.dent.peak);  // px rms: of no far field the shape is known better
+      std::hypot(0.15, 0.006 * now.indentation.peak);  // px RMS: accuracy of a far field's shape
   const std::vector<Shifted> positive = with_sign(now.shifts, sign);
   Flanks flanks = flanks_of(now, sign);
   double least = 1e300;
@@ -216,30 +220,31 @@ bool unmoved(const Alignment& now, double sign) {
   return least_still < std::hypot(least, still);
 }
 
-/// Takes out the turn and shift between the pictures, from the flanks.
+/// Corrects rotation and shift between the pictures, from the flanks.
 void align_flanks(const SurfaceLine& after, double sign, Alignment& now) {
   for (int pass = 0; pass < 4; ++pass) {
     const std::vector<Shifted> positive = with_sign(now.shifts, sign);
-    now.rigid = fit_far_fields(positive, flanks_of(now, sign), now.dent.peak, now.far_at);
+    now.rigid = fit_far_fields(positive, flanks_of(now, sign), now.indentation.peak, now.far_at);
     Rigid out = now.rigid;
     out.shift_h *= sign;
     out.turn *= sign;
     out.shift_s *= sign;
-    take_out(out, now.after);
+    apply_correction(out, now.after);
     shift_again(after, now);
-    now.dent = find_dent(now.shifts, sign);
-    if (!now.dent.found) return;
+    now.indentation = find_indentation(now.shifts, sign);
+    if (!now.indentation.found) return;
   }
 }
 
-/// With the camera still: what is uncertain is only how far that is so.
-bool stands_still(double sign, Alignment& now) {
-  now.dent = find_dent(now.shifts, sign);
-  if (!now.dent.found || now.dent.peak < 2.0 * now.dent.opposite || !unmoved(now, sign)) return false;
+/// For a fixed camera the only uncertainty is that of this assumption.
+bool fix_camera_if_unmoved(double sign, Alignment& now) {
+  now.indentation = find_indentation(now.shifts, sign);
+  if (!now.indentation.found || now.indentation.peak < 2.0 * now.indentation.opposite || !unmoved(now, sign))
+    return false;
   const std::vector<Shifted> positive = with_sign(now.shifts, sign);
   double differ = 0.0;
-  const Rigid found = fit_far_fields(positive, flanks_of(now, sign), now.dent.peak, differ);
-  now.far_at = std::abs(found.shift_h + found.turn * now.dent.centre);
+  const Rigid found = fit_far_fields(positive, flanks_of(now, sign), now.indentation.peak, differ);
+  now.far_at = std::abs(found.shift_h + found.turn * now.indentation.centre);
   now.still = true;
   return true;
 }
@@ -250,26 +255,27 @@ Alignment align(const SurfaceLine& before, const SurfaceLine& after, const Image
   Alignment now;
   double from = before.points.front().x;
   double to = before.points.back().x;
-  for (int round = 0; round < 2; ++round) {  // the second with the surface's direction under the dent
+  for (int round = 0; round < 2; ++round) {  // the second round uses the direction of the surface at the
+                                             // indentation
     now.before = frame_of(before, from, to);
     now.after = now.before;
     now.rest = aligned(before, now.before);
     shift_again(after, now);
-    const bool still = settings.fixed_camera || stands_still(sign, now);
+    const bool still = settings.fixed_camera || fix_camera_if_unmoved(sign, now);
     if (!still) align_ends(after, now);
-    now.dent = find_dent(now.shifts, sign);
-    refuse_unless_moved(now.dent, now.shifts, settings, name);
+    now.indentation = find_indentation(now.shifts, sign);
+    refuse_unless_moved(now.indentation, now.shifts, settings, name);
     refuse_unless_between_flanks(now, name);
     if (!still) align_flanks(after, sign, now);
     refuse_unless_between_flanks(now, name);
-    const double centre = now.before.pivot_x + now.dent.centre * std::cos(now.before.turn);
-    from = std::max(from, centre - 3.0 * now.dent.half_width);
-    to = std::min(to, centre + 3.0 * now.dent.half_width);
+    const double centre = now.before.pivot_x + now.indentation.centre * std::cos(now.before.turn);
+    from = std::max(from, centre - 3.0 * now.indentation.half_width);
+    to = std::min(to, centre + 3.0 * now.indentation.half_width);
   }
   return now;
 }
 
-/// Length along the undisturbed line from the dent's centre, for every shift.
+/// Arc length along the undisturbed line from the centre of the indentation, for each shift.
 std::vector<double> arc_lengths(const Alignment& now) {
   std::vector<double> length(now.shifts.size(), 0.0);
   double centre = 0.0;
@@ -278,7 +284,7 @@ std::vector<double> arc_lengths(const Alignment& now) {
     const double slope = 0.5 * (now.shifts[i].before_slope + now.shifts[i - 1].before_slope);
     const double stretch = std::hypot(1.0, slope);
     length[i] = length[i - 1] + step * stretch;
-    const double into = now.dent.centre - now.shifts[i - 1].after.s;
+    const double into = now.indentation.centre - now.shifts[i - 1].after.s;
     if (into >= 0.0 && into <= step) centre = length[i - 1] + into * stretch;
   }
   for (double& l : length) l -= centre;
@@ -286,10 +292,10 @@ std::vector<double> arc_lengths(const Alignment& now) {
 }
 
 void add_points(const Alignment& now, const ImageSettings& settings, ImageMeasurement& measured) {
-  constexpr std::size_t kMostPoints = 400;
+  constexpr std::size_t kMaxPoints = 400;
   const double sign = settings.direction == model::Direction::kPress ? 1.0 : -1.0;
   const std::vector<double> along = arc_lengths(now);
-  const std::size_t stride = (now.shifts.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t stride = (now.shifts.size() + kMaxPoints - 1) / kMaxPoints;
   const double c = std::cos(now.after.turn);
   const double n = std::sin(now.after.turn);
   for (std::size_t i = 0; i < now.shifts.size(); i += stride) {
@@ -300,8 +306,8 @@ void add_points(const Alignment& now, const ImageSettings& settings, ImageMeasur
     point.right = along[i] > 0.0;
     point.u = sign * shifted.d * settings.pixel;
     const double lever = std::hypot(now.rigid.uncertainty, now.rigid.turn_uncertainty * along[i]);
-    const double aside =
-        (shifted.after.slope - shifted.before_slope) * now.dent.centre_spread;  // r is off too
+    const double aside = (shifted.after.slope - shifted.before_slope) *
+                         now.indentation.centre_spread;  // contribution of the uncertainty of r
     const double random = kConfident * std::hypot(shifted.spread, lever, aside);
     point.uncertainty = (random + now.far_at) * settings.pixel;
     const double s = shifted.after.s + now.after.shift_s;
@@ -312,8 +318,8 @@ void add_points(const Alignment& now, const ImageSettings& settings, ImageMeasur
   }
 }
 
-/// How much deeper the line goes again farther from the centre on either side, over the depth: a dent's sides
-/// only fall. The tenth largest, so that single columns do not count.
+/// Increase of u away from the centre on either side, divided by the depth: u of an indentation only
+/// decreases. The tenth largest value, so that single columns have no effect.
 double rise_of(const ImageMeasurement& measured) {
   constexpr std::size_t kColumns = 10;
   std::vector<ImagePoint> points = measured.points;
@@ -333,7 +339,7 @@ double rise_of(const ImageMeasurement& measured) {
   return std::max(0.0, *(rises.end() - kColumns));
 }
 
-/// rms difference of left and right at the same r, over the depth; 0 where they do not overlap.
+/// RMS difference of left and right at equal r, divided by the depth; 0 where they do not overlap.
 double asymmetry_of(const ImageMeasurement& measured) {
   double squares = 0.0;
   double count = 0.0;
@@ -351,7 +357,7 @@ double asymmetry_of(const ImageMeasurement& measured) {
   return count > 0.0 ? std::sqrt(squares / count) / measured.depth : 0.0;
 }
 
-/// A number for scripts and the weakest link in words.
+/// Computes the confidence, and describes what limits it.
 void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   struct Link {
     double loss;
@@ -359,17 +365,17 @@ void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   };
   const double share = measured.uncertainty / measured.depth;
   const double coverage = std::min(measured.before.coverage, measured.after.coverage);
-  const double rival = std::max(measured.before.rival, measured.after.rival);
+  const double runner_up = std::max(measured.before.runner_up, measured.after.runner_up);
   std::vector<Link> links;
   links.push_back({std::min(0.9, 4.0 * share),
                    fmt::format("u is uncertain by {} % of the depth ({} px)", rounded(100.0 * share),
                                rounded(measured.uncertainty / settings.pixel))});
   links.push_back(
       {0.8 * (1.0 - coverage), "the line is seen on " + rounded(100.0 * coverage) + " % of the width"});
-  links.push_back({0.8 * rival, "another line is " + rounded(100.0 * rival) + " % as plausible"});
+  links.push_back({0.8 * runner_up, "another line is " + rounded(100.0 * runner_up) + " % as plausible"});
   links.push_back({std::min(0.6, 2.0 * measured.asymmetry),
                    "left and right differ by " + rounded(100.0 * measured.asymmetry) + " % of the depth"});
-  if (measured.tip_hidden) links.push_back({0.1, "the deepest place is hidden"});
+  if (measured.tip_hidden) links.push_back({0.1, "the deepest point is hidden"});
   double left = 1.0;
   const Link* weakest = &links.front();
   for (const Link& link : links) {
@@ -378,7 +384,7 @@ void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   }
   measured.confidence = static_cast<int>(std::lround(100.0 * left));
   const char* word = measured.confidence >= 70 ? "good" : measured.confidence >= 40 ? "fair" : "poor";
-  measured.confidence_words = std::string(word) + ": " + weakest->words;
+  measured.confidence_text = std::string(word) + ": " + weakest->words;
 }
 
 void refuse_unless_alike(const SurfaceLine& before, const SurfaceLine& after, const std::string& name) {
@@ -398,16 +404,16 @@ void refuse_unless_certain(const ImageMeasurement& measured, const std::string& 
   constexpr double kMostRise = 0.1;
   const double rise = rise_of(measured);
   if (rise > kMostRise) {
-    throw InputError(
-        fmt::format("{}: beside the dent the line goes deeper again by {} % of the depth; must be one dent, "
-                    "and nothing in front that looks like what is above the tissue",
-                    name, rounded(100.0 * rise)));
+    throw InputError(fmt::format(
+        "{}: beside the indentation the line becomes deeper again by {} % of the depth; must be one "
+        "indentation, and no object in front may look like the background",
+        name, rounded(100.0 * rise)));
   }
   if (measured.asymmetry > kMostAsymmetry) {
-    throw InputError(
-        fmt::format("{}: the dent's left and right side differ by {} % of the depth, must differ by at most "
-                    "12 %: the model's dent is symmetric; check that nothing hides part of this one",
-                    name, rounded(100.0 * measured.asymmetry)));
+    throw InputError(fmt::format(
+        "{}: left and right side of the indentation differ by {} % of the depth, must differ by at most "
+        "12 %: the model is symmetric; check that no object hides part of the indentation",
+        name, rounded(100.0 * measured.asymmetry)));
   }
   if (measured.uncertainty > kMostUncertain * measured.depth) {
     throw InputError(fmt::format(
@@ -440,9 +446,9 @@ ImageMeasurement measure_pictures(const Picture& before, const Picture& after, c
     measured.depth = std::max(measured.depth, point.u);
   }
   measured.uncertainty = median(uncertainties);
-  measured.tip_hidden = now.dent.tip_hidden;
-  measured.centre_uncertainty = kConfident * now.dent.centre_spread * settings.pixel;
-  const double s = now.dent.centre + now.after.shift_s;
+  measured.tip_hidden = now.indentation.tip_hidden;
+  measured.centre_uncertainty = kConfident * now.indentation.centre_spread * settings.pixel;
+  const double s = now.indentation.centre + now.after.shift_s;
   measured.centre_x = now.after.pivot_x + s * std::cos(now.after.turn);
   measured.tilt = now.before.turn;
   measured.turn = now.after.turn - now.before.turn;

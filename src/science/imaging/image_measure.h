@@ -8,48 +8,51 @@
 namespace palpate::imaging {
 
 struct ImageSettings {
-  double pixel = 0.0;  // m a pixel
+  double pixel = 0.0;  // m per pixel
   model::Direction direction = model::Direction::kPress;
-  bool fixed_camera = false;  // the pictures lie on one another: no turn or shift is taken out
+  bool fixed_camera = false;  // the pictures are aligned: no rotation or shift is corrected
 };
 
-/// How far the surface moved at one place. SI.
+/// Displacement of the surface at one point. SI units.
 struct ImagePoint {
   double x = 0.0;            // column of the second picture, pixels
   double y = 0.0;            // row of the line there, pixels
-  double rest_y = 0.0;       // row where the line would be had it not moved, pixels
-  double r = 0.0;            // along the undisturbed surface from the dent's centre [m]
-  bool right = false;        // of the centre
-  double u = 0.0;            // along the press or pull, square to the undisturbed surface [m]; + as asked for
-  double uncertainty = 0.0;  // of u, 95 % [m]
+  double rest_y = 0.0;       // row of the line without displacement, pixels
+  double r = 0.0;            // arc length along the undisturbed surface from the centre of the indentation
+                             // [m]
+  bool right = false;        // side of the centre
+  double u = 0.0;            // displacement perpendicular to the undisturbed surface [m]; + in the requested
+                             // direction
+  double uncertainty = 0.0;  // 95 % uncertainty of u [m]
 };
 
-/// A deformation measured between two pictures. SI but where it says pixels.
+/// A displacement profile measured between two pictures. SI units unless pixels are stated.
 struct ImageMeasurement {
   SurfaceLine before;
   SurfaceLine after;
   std::vector<ImagePoint> points;   // from left to right
   double depth = 0.0;               // largest u that is seen [m]
-  bool tip_hidden = false;          // the deepest place is not seen
-  double centre_x = 0.0;            // of the dent, pixels of the second picture
+  bool tip_hidden = false;          // the deepest point is hidden
+  double centre_x = 0.0;            // centre of the indentation, pixels of the second picture
   double centre_uncertainty = 0.0;  // 95 % [m]
-  double tilt = 0.0;                // of the undisturbed surface against the picture's rows [rad]
-  double turn = 0.0;                // of the second picture against the first, taken out [rad]
-  double shift = 0.0;               // of the same, square to the surface [m]
-  double far_uncertainty = 0.0;     // of u: how far the flanks themselves may have moved [m]
-  double uncertainty = 0.0;         // median of the points' [m]
-  double asymmetry = 0.0;           // rms of left less right over the depth
+  double tilt = 0.0;                // angle of the undisturbed surface to the picture's rows [rad]
+  double turn = 0.0;                // rotation of the second picture relative to the first, corrected [rad]
+  double shift = 0.0;               // its shift perpendicular to the surface, corrected [m]
+  double far_uncertainty = 0.0;     // part of the uncertainty of u due to motion of the flanks [m]
+  double uncertainty = 0.0;         // median over the points [m]
+  double asymmetry = 0.0;           // RMS difference of left and right, divided by the depth
   int confidence = 0;               // 0 .. 100
-  std::string confidence_words;     // why it is no more
+  std::string confidence_text;      // what limits it
 };
 
-/// [setup] Measures how a surface moved between two side views of one size, the tissue below, the instrument
-/// from above. Both lines are found (image_line.h); the turn and shift of one picture against the other come
-/// from the undisturbed flanks and are taken out, as is an elastic far field under them, whose size counts as
-/// uncertain; u is square to the undisturbed surface. Places that an instrument hides give no point.
+/// [setup] Measures the displacement of a surface between two side views of equal size, with the tissue below
+/// and the instrument above. Both surface lines are detected (image_line.h). Rotation and shift between the
+/// pictures are estimated from the undisturbed flanks and corrected, together with an elastic far field,
+/// whose size adds to the uncertainty. u is perpendicular to the undisturbed surface. Points that an
+/// instrument hides are omitted.
 /// @param names of the pictures, for messages
-/// @throws InputError in one line: sizes differ, no line to trust, the lines look different, nothing moved or
-/// the other way, the dent not between undisturbed flanks.
+/// @throws InputError of one line. Causes: different sizes, no reliable line, lines that look different, no
+/// displacement or the opposite one, an indentation that is not between undisturbed flanks.
 [[nodiscard]] ImageMeasurement measure_pictures(const Picture& before, const Picture& after,
                                                 const ImageSettings& settings, const std::string& before_name,
                                                 const std::string& after_name);

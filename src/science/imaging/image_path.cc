@@ -13,9 +13,9 @@
 namespace palpate::imaging {
 namespace {
 
-constexpr float kClosed = -100.0F;  // no path that has another way takes it
+constexpr float kClosed = -100.0F;  // a path avoids it whenever it can
 
-/// The strongest value of each column, then the median of those within `half` columns.
+/// Largest value of each column, then the median over the columns within `half`.
 std::vector<float> strongest_around(const cv::Mat& edges, int half) {
   std::vector<float> strongest(static_cast<std::size_t>(edges.cols), 0.0F);
   for (int y = 0; y < edges.rows; ++y) {
@@ -35,9 +35,9 @@ std::vector<float> strongest_around(const cv::Mat& edges, int half) {
 
 cv::Mat edge_reward(const cv::Mat& gray, double sign) {
   constexpr double kSmooth = 2.0;     // px
-  constexpr float kFlattest = 0.17F;  // of the gradient that must be vertical: a wall of 80 degrees
+  constexpr float kFlattest = 0.17F;  // vertical part of the gradient: up to a slope of 80 degrees
   cv::Mat quiet;
-  cv::medianBlur(gray, quiet, 3);  // single wild pixels
+  cv::medianBlur(gray, quiet, 3);  // removes single outlying pixels
   cv::GaussianBlur(quiet, quiet, {}, kSmooth, kSmooth, cv::BORDER_REPLICATE);
   cv::Mat across;
   cv::Mat down;
@@ -65,7 +65,7 @@ cv::Mat edge_reward(const cv::Mat& gray, double sign) {
 }
 
 Path best_path(const cv::Mat& reward) {
-  constexpr float kStepCost = 0.03F;  // a row: less than any edge is worth
+  constexpr float kStepCost = 0.03F;  // per row: less than the reward of any edge
   const int rows = reward.rows;
   const int cols = reward.cols;
   cv::Mat from(rows, cols, CV_8S);

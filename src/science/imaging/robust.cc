@@ -31,7 +31,7 @@ Normal normal_equations(std::span<const double> x, std::span<const double> y, in
     normal.matrix.noalias() += weights[i] * row * row.transpose();
     normal.right += weights[i] * y[i] * row;
   }
-  normal.matrix.diagonal().array() += 1e-12;  // as many points as unknowns may stand at one place
+  normal.matrix.diagonal().array() += 1e-12;  // keeps the matrix regular when points coincide
   return normal;
 }
 

@@ -23,8 +23,8 @@ std::vector<std::string> split(const std::string& text, char between) {
   return parts;
 }
 
-/// LOW:HIGH:N or LOW:HIGH:N:log; empty when the parts are not that. Values have at most 12 digits, so that
-/// 0.1:0.7:7 has 0.2 in it.
+/// Parses LOW:HIGH:N or LOW:HIGH:N:log; empty when the form is wrong. Values have at most 12 digits, so that
+/// 0.1:0.7:7 contains exactly 0.2.
 std::vector<std::string> spaced(const std::vector<std::string>& parts) {
   if (parts.size() < 3 || parts.size() > 4) return {};
   const std::optional<double> low = parse_number(parts[0]);

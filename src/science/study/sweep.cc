@@ -41,7 +41,7 @@ std::size_t count_of(const std::vector<Axis>& axes) {
   return runs;
 }
 
-/// The values of a run, one an axis; the last axis varies fastest.
+/// Values of a run, one per axis; the last axis varies fastest.
 std::vector<std::string> values_of(const std::vector<Axis>& axes, std::size_t run) {
   std::vector<std::string> values(axes.size());
   for (std::size_t i = axes.size(); i-- > 0;) {
@@ -51,9 +51,9 @@ std::vector<std::string> values_of(const std::vector<Axis>& axes, std::size_t ru
   return values;
 }
 
-/// @throws InputError for a device that moves by itself: a sweep runs as fast as possible.
-scene::Setup load_offline(const scene::Request& request) {
-  scene::Setup setup = scene::load(request);
+/// @throws InputError for a device that moves in real time: a sweep runs offline.
+scene::Scene load_offline(const scene::Overrides& request) {
+  scene::Scene setup = scene::load(request);
   for (const scene::DeviceSetup& device : setup.devices) {
     if (device.kind == "scripted" || device.kind == "emulated" || device.kind == "replay") continue;
     throw InputError("device " + device.kind + ": a sweep needs a scripted, emulated or replay device");
@@ -71,10 +71,10 @@ void add_file(ContentHasher& hasher, const std::filesystem::path& file) {
     add(hasher, InputFile(file, kRecordingInput).read_rest());
 }
 
-/// What all runs depend on: program, scene, the files that it names, and the axes.
-/// @param scene set to the scene's name
+/// Hash of all common inputs: program, scene, the files that it names, and the axes. @param scene receives
+/// the scene's name
 std::string fingerprint_of(const SweepRequest& request, std::string& scene) {
-  const scene::Setup setup = load_offline(request.scene);
+  const scene::Scene setup = load_offline(request.scene);
   scene = setup.name;
   ContentHasher hasher;
   add(hasher, kVersion);
@@ -88,10 +88,10 @@ std::string fingerprint_of(const SweepRequest& request, std::string& scene) {
   return hasher.hash().hexadecimal();
 }
 
-/// One line per run with its key: the sweep's fingerprint, the run's number, and hashes of the files that its
-/// own values name, so that a run is made again when one of them changes or appears.
+/// One line per run with its key: fingerprint of the sweep, number of the run, and hashes of the files named
+/// by its axis values, so that a run is repeated when one of them changes or appears.
 std::string keys_of(const SweepRequest& request, const std::string& fingerprint) {
-  std::map<std::string, std::string> contents;  // hash of the files of a value
+  std::map<std::string, std::string> contents;  // hashes of the files of a value
   for (const Axis& axis : request.axes) {
     for (const std::string& value : axis.values) {
       const std::vector<std::filesystem::path> files = files_of(request, axis, value);
@@ -122,7 +122,7 @@ std::string line_of(const std::string& key, const std::vector<Axis>& axes, const
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// @throws InputError or Json::exception when the line is not one of these axes.
+/// @throws InputError or Json::exception when the line does not belong to these axes.
 SweepRow row_of(const std::string& line, const std::vector<Axis>& axes) {
   const Json json = Json::parse(line);
   SweepRow row;
@@ -142,7 +142,7 @@ SweepRow run_one(const SweepRequest& request, std::size_t run) {
   SweepRow row;
   row.settings = values_of(request.axes, run);
   try {
-    scene::Request scene = request.scene;
+    scene::Overrides scene = request.scene;
     for (std::size_t i = 0; i < request.axes.size(); ++i) {
       scene.settings.push_back({request.axes[i].key, row.settings[i]});
     }
@@ -161,7 +161,7 @@ SweepRow run_one(const SweepRequest& request, std::size_t run) {
   return row;
 }
 
-/// @throws InputError when the record has runs of another sweep
+/// @throws InputError when the record contains runs of another sweep
 void check_record(const std::filesystem::path& file, const std::string& fingerprint) {
   for (const auto& [key, line] : tasks::read_record(file, [](const std::string&) {})) {
     if (key.starts_with(fingerprint)) continue;
@@ -196,16 +196,16 @@ std::vector<std::filesystem::path> files_of(const SweepRequest& request, const A
   std::vector<std::filesystem::path> files = {file};
   try {
     for (const std::filesystem::path& buffer : geometry::gltf_buffer_files(file)) files.push_back(buffer);
-  } catch (const InputError&) {  // the run reports it
+  } catch (const InputError&) {  // the run itself reports the error
   }
   return files;
 }
 
-SweepResult run_sweep(const SweepRequest& request, tasks::Ranks& ranks, const Progress& progress) {
+SweepResult run_sweep(const SweepRequest& request, tasks::Communicator& ranks, const Progress& progress) {
   const std::size_t runs = count_of(request.axes);
   SweepResult result{"", request.axes, {}, 0, {}};
   std::string lines_of_keys;
-  tasks::on_first(ranks, [&] {
+  tasks::on_rank_zero(ranks, [&] {
     const std::string fingerprint = fingerprint_of(request, result.scene);
     check_record(request.record, fingerprint);
     lines_of_keys = keys_of(request, fingerprint);

@@ -27,7 +27,8 @@ void write_dataset(hid_t file, const Column& column, hid_t type, const void* val
   const hsize_t rows = column.texts.size();
   const hdf5::Handle space(H5Screate_simple(1, &rows, nullptr), column.name);
   const hdf5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), column.name);
-  hdf5::check(H5Pset_obj_track_times(properties.id(), false), column.name);  // the same bytes at any time
+  hdf5::check(H5Pset_obj_track_times(properties.id(), false), column.name);  // no time stamps, for
+                                                                             // reproducible bytes
   const hdf5::Handle dataset(
       H5Dcreate2(file, column.name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
       column.name);
@@ -42,7 +43,7 @@ void write_values(hid_t file, const Column& column, hid_t type, T none, const Re
   write_dataset(file, column, type, values.data());
 }
 
-/// Texts that are filled up with zeros to the longest.
+/// Writes strings, padded with zeros to the longest.
 void write_texts(hid_t file, const Column& column) {
   std::string texts;
   std::size_t longest = 1;
@@ -111,7 +112,7 @@ std::string sweep_csv(const SweepResult& sweep) {
 }
 
 void write_sweep_hdf5(const SweepResult& sweep, const std::filesystem::path& file) {
-  const hdf5::Quiet quiet;
+  const hdf5::SilenceErrors quiet;
   try {
     hdf5::Handle opened(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), "the file");
     hdf5::write_attribute(opened.id(), "scene", sweep.scene);

@@ -13,7 +13,7 @@
 namespace palpate::tasks {
 namespace {
 
-/// What came of a task. As bytes: + or -, then the text.
+/// Outcome of a task. As bytes: + or -, then the text.
 struct Outcome {
   bool failed = false;
   std::string text;  // the result, or the message of the exception
@@ -31,8 +31,8 @@ std::string bytes_of(const Outcome& outcome) { return (outcome.failed ? '-' : '+
 
 Outcome outcome_of(const std::string& bytes) { return {bytes.front() == '-', bytes.substr(1)}; }
 
-/// The tasks that are still to be run, handed out one by one, and a thread on rank 0 that runs some of them,
-/// so that rank 0 answers the others meanwhile.
+/// The remaining tasks, which are handed out one by one, and a thread on rank 0 that runs some of them while
+/// rank 0 serves the other ranks.
 class OwnWork final {
  public:
   OwnWork(const Tasks& tasks, const std::vector<std::size_t>& missing)
@@ -41,13 +41,13 @@ class OwnWork final {
   OwnWork(const OwnWork&) = delete;
   OwnWork& operator=(const OwnWork&) = delete;
 
-  /// Index of the next one in `missing`; their number when all are handed out.
+  /// Index into `missing` of the next task; the size of `missing` when all are handed out.
   std::size_t take() {
     const std::lock_guard lock(mutex_);
     return next_ < missing_.size() ? next_++ : next_;
   }
 
-  /// What was done here since the last call; waits for it for at most a millisecond.
+  /// Outcomes of this thread since the last call; waits for them for at most a millisecond.
   std::vector<std::pair<std::size_t, Outcome>> fetch() {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::milliseconds(1), [this] { return !done_.empty(); });
@@ -70,13 +70,13 @@ class OwnWork final {
   std::condition_variable changed_;
   std::size_t next_ = 0;
   std::vector<std::pair<std::size_t, Outcome>> done_;
-  std::thread thread_;  // last: it uses all of the above
+  std::thread thread_;  // last member: it uses all others
 };
 
-/// Hands the tasks out to those who ask. A message to rank 0: index of a task, a blank and its outcome, or
-/// nothing at first; each asks for the next index, which is the answer.
+/// Hands out tasks on request. A message to rank 0 is the index of a task, a blank and its outcome, or is
+/// empty at first; the answer is the next index.
 template <typename Arrived>
-void serve(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing,
+void serve(Communicator& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing,
            const Arrived& arrived) {
   OwnWork own(tasks, missing);
   std::size_t waiting = missing.size();
@@ -87,8 +87,7 @@ void serve(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& mis
       --waiting;
     }
     while (const std::optional<Message> message = ranks.receive(false)) {
-      const std::size_t next =
-          own.take();  // answered first: its sender need not wait for files to be written
+      const std::size_t next = own.take();  // answer first, so that the sender does not wait for file output
       ranks.send(message->from, std::to_string(next));
       if (next == missing.size()) --working;
       if (message->bytes.empty()) continue;
@@ -99,7 +98,7 @@ void serve(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& mis
   }
 }
 
-void work_for_first(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing) {
+void work_for_first(Communicator& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing) {
   std::string answer;
   for (;;) {
     ranks.send(0, answer);
@@ -109,9 +108,10 @@ void work_for_first(Ranks& ranks, const Tasks& tasks, const std::vector<std::siz
   }
 }
 
-/// noexcept: a rank that failed here would leave the others waiting; so it ends, and the launcher ends all.
+/// noexcept: if a rank threw here, the others would wait for ever; instead it terminates, and the launcher
+/// ends all.
 template <typename Arrived>
-std::vector<Outcome> run_all(Ranks& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing,
+std::vector<Outcome> run_all(Communicator& ranks, const Tasks& tasks, const std::vector<std::size_t>& missing,
                              const Arrived& arrived) noexcept {
   std::vector<Outcome> outcomes(missing.size());
   if (missing.empty()) return outcomes;
@@ -134,9 +134,9 @@ std::vector<Outcome> run_all(Ranks& ranks, const Tasks& tasks, const std::vector
 
 }  // namespace
 
-TaskResults for_each_task(Ranks* ranks, const Tasks& tasks, Record* record) {
-  Ranks alone;
-  Ranks& all = ranks == nullptr ? alone : *ranks;
+TaskResults for_each_task(Communicator* ranks, const Tasks& tasks, Record* record) {
+  Communicator alone;
+  Communicator& all = ranks == nullptr ? alone : *ranks;
   TaskResults found;
   found.results.resize(tasks.count);
   std::vector<std::size_t> missing;

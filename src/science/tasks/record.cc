@@ -26,19 +26,19 @@ std::map<std::string, std::string> read_record(const std::string& file, const Ch
       check(line);
       lines[std::move(key)] = line;
     } catch (const std::exception&) {
-      continue;  // cut off as it was written: its task runs again
+      continue;  // truncated: its task runs again
     }
   }
   return lines;
 }
 
-Record::Record(std::string file, Ranks& ranks, const CheckLine& check) : file_(std::move(file)) {
+Record::Record(std::string file, Communicator& ranks, const CheckLine& check) : file_(std::move(file)) {
   std::string text;
-  on_first(ranks, [&] {
+  on_rank_zero(ranks, [&] {
     if (file_.empty()) return;
     lines_ = read_record(file_, check);
     out_.open(file_, std::ios::binary | std::ios::app);
-    out_ << '\n' << std::flush;  // ends a line that was cut off
+    out_ << '\n' << std::flush;  // terminates a line that was truncated
     if (!out_) throw InputError(file_ + ": cannot be written");
     for (const auto& [key, line] : lines_) text += key + '\n' + line + '\n';
   });

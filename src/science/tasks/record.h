@@ -5,30 +5,30 @@
 #include <map>
 #include <string>
 
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace palpate::tasks {
 
-/// Throws any exception for a line that is not a whole result.
+/// Throws any exception for a line that is not a complete result.
 using CheckLine = std::function<void(const std::string&)>;
 
-/// [setup] The lines of a record by their keys; none of a file that is missing, and none of lines that are
-/// cut off, have no "key" or that `check` refuses. @throws InputError when the file cannot be read
+/// [setup] Lines of a record by key. A missing file gives none; truncated lines, lines without "key" and
+/// lines that `check` rejects are skipped. @throws InputError when the file cannot be read
 [[nodiscard]] std::map<std::string, std::string> read_record(const std::string& file, const CheckLine& check);
 
-/// The results of finished tasks in a file: one JSON object with a member "key" a line. A calculation that
-/// was broken off goes on from it. Every rank has the same results; rank 0 alone reads and writes the file.
+/// File of finished tasks' results: one JSON object with a member "key" per line. An interrupted calculation
+/// continues from it. All ranks have the same results; only rank 0 reads and writes the file.
 class Record final {
  public:
-  /// [setup] Every rank makes it at the same time. @param file empty: nothing is kept
-  /// @throws InputError on every rank alike when the file cannot be read or written
-  Record(std::string file, Ranks& ranks, const CheckLine& check);
+  /// [setup] All ranks must construct it together. @param file empty: nothing is recorded @throws InputError
+  /// on all ranks when the file cannot be read or written
+  Record(std::string file, Communicator& ranks, const CheckLine& check);
 
-  /// [setup] The line with this key; null when there is none.
+  /// [setup] The line with this key; null when the key is not in the record.
   [[nodiscard]] const std::string* find(const std::string& key) const;
-  /// [setup] Appends a line to the file, and to the disk, at once. Does nothing on other ranks than rank 0.
+  /// [setup] Appends a line and flushes it to the disk. No effect on ranks other than 0.
   void add(const std::string& line);
-  /// [any] Why lines that were added are not in the file; empty: all are.
+  /// [any] Why added lines are not in the file; empty: all are.
   [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
 
  private:

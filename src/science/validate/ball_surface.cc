@@ -10,14 +10,14 @@ namespace {
 
 constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
 
-/// How far a ball's surface lies behind its foremost point, at a distance from its axis.
+/// Height of a ball's surface above its lowest point, at a distance from its axis.
 double sag(double radius, double aside) noexcept {
   return radius - std::sqrt(std::max(0.0, radius * radius - aside * aside));
 }
 
 }  // namespace
 
-BallSurface::BallSurface(const model::ReachParameters& reach, double depth, double radius,
+BallSurface::BallSurface(const model::FalloffRatios& reach, double depth, double radius,
                          const SurfaceRule& rule) noexcept
     : profile_(reach, depth, radius, rule.as_drawn ? 0.0 : radius),
       depth_(depth),
@@ -28,11 +28,11 @@ double BallSurface::at(double r) const noexcept {
   const double u = profile_.at(r);
   if (!rule_.as_drawn || !(depth_ > 0.0)) return u;
   const double rest = rule_.rest_radius;
-  // Past a quarter turn the surface at rest faces away from the ball, which pushes nothing there.
+  // Beyond a quarter turn the rest surface faces away from the ball, which does not displace it there.
   if (rest > 0.0 && r >= kQuarterTurn * rest) return u;
-  const double aside = rest > 0.0 ? rest * portable::sin_cos(r / rest).sine : r;  // r is an arc
+  const double aside = rest > 0.0 ? rest * portable::sin_cos(r / rest).sine : r;  // r is an arc length
   if (!(aside < radius_)) return u;
-  const double behind = rest > 0.0 ? sag(rest, aside) : 0.0;  // the surface at rest is that much lower
+  const double behind = rest > 0.0 ? sag(rest, aside) : 0.0;  // depth of the rest surface below its top
   return std::max(u, depth_ - sag(radius_, aside) - behind);
 }
 

@@ -33,7 +33,7 @@ double MassSpringPatch::press(double depth) noexcept {
         if (row == kMiddle && column == kMiddle) continue;
         const Pull pull = pull_of_neighbours(row, column);
         double& here = node(row, column);
-        here += (pull.force - here) / (pull.stiffness + 1.0);  // Newton's step of this node alone
+        here += (pull.force - here) / (pull.stiffness + 1.0);  // Newton step for this node
       }
     }
   }

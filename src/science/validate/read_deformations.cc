@@ -20,7 +20,7 @@ enum DeformationColumn : std::size_t { kDistance, kShift, kDepth };
 
 const std::vector<CsvColumn> kDeformationColumns = {{"r_mm"}, {"u_mm"}, {"depth_mm", false}};
 constexpr double kLargestDeformation = 1e6;  // mm
-constexpr std::size_t kMostDepths = 1000;    // of one file; more is a mistaken column
+constexpr std::size_t kMostDepths = 1000;    // per file; more indicates a wrong column
 
 void sort_by_distance(Deformation& deformation) {
   std::vector<std::size_t> order(deformation.size());
@@ -55,8 +55,8 @@ void check_deformation(Deformation& deformation, const std::string& where) {
   }
   if (!(correlation(deformation.distance, deformation.displacement) < 0.0) || !(*most > 0.0)) {
     throw InputError(where +
-                     ": u_mm does not fall from the contact outwards; the way that the tool pushes or pulls "
-                     "the surface counts positive");
+                     ": u_mm does not decrease away from the contact; displacement in the direction of the "
+                     "tool is positive");
   }
 }
 

@@ -13,7 +13,7 @@
 namespace palpate::validate {
 namespace {
 
-/// `ask` of the law that the tissue has.
+/// Calls `ask` with the law that the tissue has.
 template <typename Ask>
 auto with_law(const Law& law, const Ask& ask) {
   if (law.tissue.law == model::LawKind::kSmooth) {
@@ -65,7 +65,7 @@ double Law::depth_under(double force) const {
 
 ForceComparison compare_force(const identify::Specimen& specimen, const Law& law, const Zeros& zeros) {
   ForceComparison comparison;
-  comparison.measured = identify::thinned(specimen, kMostPoints);
+  comparison.measured = identify::thinned(specimen, kMaxPoints);
   comparison.rows = specimen.size();
   comparison.zeros = zeros;
   const identify::Specimen& measured = comparison.measured;
@@ -89,7 +89,7 @@ ForceComparison compare_force(const identify::Specimen& specimen, const Law& law
   return comparison;
 }
 
-DeformationComparison compare_deformation(const Deformation& deformation, const model::ReachParameters& reach,
+DeformationComparison compare_deformation(const Deformation& deformation, const model::FalloffRatios& reach,
                                           double depth, double tip_radius, const SurfaceRule& rule) {
   DeformationComparison comparison;
   comparison.rule = rule;

@@ -15,7 +15,7 @@
 namespace palpate::validate {
 namespace {
 
-/// Processor time of one call [ns]: the least of several batches, each long enough for the clock.
+/// CPU time of a call [ns]: the shortest of several batches, each long enough for the clock.
 template <typename Call>
 double call_ns(const Call& call, double largest) {
   constexpr std::int64_t kLongEnough = 2'000'000;  // ns
@@ -33,7 +33,7 @@ double call_ns(const Call& call, double largest) {
     }
     least = std::min(least, static_cast<double>(spent) / calls);
   }
-  volatile double kept = sum;  // so that no call can be left out
+  volatile double kept = sum;  // keeps the compiler from removing the calls
   static_cast<void>(kept);
   return least;
 }
@@ -47,11 +47,11 @@ double law_ns(const Law& law, double deepest) {
   return call_ns([&springs](double depth) { return springs.force_at(depth).force; }, deepest);
 }
 
-void add(RivalFit fit, double largest, std::vector<RivalResult>& rivals) {
-  RivalResult result;
+void add(BaselineFit fit, double largest, std::vector<BaselineResult>& baselines) {
+  BaselineResult result;
   result.cost_ns = call_ns(fit.evaluate, largest);
   result.fit = std::move(fit);
-  rivals.push_back(std::move(result));
+  baselines.push_back(std::move(result));
 }
 
 }  // namespace
@@ -70,39 +70,39 @@ ForceSet compare_forces(const identify::Specimen& specimen, const Law& law, cons
 
 void compare_profiles(const std::vector<Deformation>& profiles, const std::vector<double>& depths,
                       double tip_radius, bool fit_first, Validation& validation, const SurfaceRule& rule) {
-  model::ReachParameters& reach = validation.law.tissue.reach;
-  std::vector<ReachSample> samples;
+  model::FalloffRatios& reach = validation.law.tissue.reach;
+  std::vector<ProfileSample> samples;
   for (std::size_t i = 0; i < profiles.size(); ++i) {
-    // Refuses what has no depth.
+    // Rejects a profile without depth.
     const DeformationComparison comparison =
         compare_deformation(profiles[i], reach, depths[i], tip_radius, rule);
     samples.push_back({profiles[i], comparison.depth, tip_radius});
   }
   if (fit_first) {
-    validation.reach = fit_reach(samples, rule, reach.depth_exponent);
+    validation.reach = fit_falloff(samples, rule, reach.depth_exponent);
     reach = validation.reach->reach;
   }
-  for (const ReachSample& sample : samples) {
+  for (const ProfileSample& sample : samples) {
     ProfileSet set;
     set.ours = compare_deformation(sample.deformation, reach, sample.depth, tip_radius, rule);
     validation.profiles.push_back(std::move(set));
   }
 }
 
-void compare_with_rivals(const std::vector<RivalKind>& kinds, Validation& validation) {
+void compare_with_baselines(const std::vector<BaselineKind>& kinds, Validation& validation) {
   for (ForceSet& set : validation.forces) {
     const std::vector<double>& displacement = set.ours.measured.displacement;
     const double deepest =
         *std::max_element(displacement.begin(), displacement.end()) - set.ours.zeros.first_contact;
-    for (const RivalKind kind : kinds) {
-      add(fit_force_rival(kind, set.ours), deepest, set.rivals);
+    for (const BaselineKind kind : kinds) {
+      add(fit_force_baseline(kind, set.ours), deepest, set.baselines);
     }
     set.cost_ns = law_ns(validation.law, deepest);
   }
   for (ProfileSet& set : validation.profiles) {
     const double farthest = set.ours.measured.distance.back();
-    for (const RivalKind kind : kinds) {
-      add(fit_profile_rival(kind, set.ours), farthest, set.rivals);
+    for (const BaselineKind kind : kinds) {
+      add(fit_profile_baseline(kind, set.ours), farthest, set.baselines);
     }
     const BallSurface surface(validation.law.tissue.reach, set.ours.depth, set.ours.tip_radius,
                               set.ours.rule);

@@ -4,59 +4,59 @@
 #include <vector>
 
 #include "palpate/validate.h"
-#include "science/validate/reach_fit.h"
-#include "science/validate/rivals.h"
+#include "science/validate/baselines.h"
+#include "science/validate/falloff_fit.h"
 #include "science/validate/zeros_fit.h"
 
 namespace palpate::validate {
 
-/// A law of others on the same data.
-struct RivalResult {
-  RivalFit fit;
-  double cost_ns = 0.0;  // of one evaluation, processor time
+/// A baseline model on the same data.
+struct BaselineResult {
+  BaselineFit fit;
+  double cost_ns = 0.0;  // CPU time of one evaluation
 };
 
-/// One measured force curve, ours and the others'.
+/// A measured force curve with the results of the law and of the baseline models.
 struct ForceSet {
   ForceComparison ours;
-  bool zeros_fitted = false;  // whether ours is with the zeros that fit best, or with those that were given
-  ZeroedErrors given;         // what ours leaves with the one
-  ZeroedErrors fitted;        // and with the other
+  bool zeros_fitted = false;  // whether `ours` uses the fitted zeros instead of the given ones
+  ZeroedErrors given;         // errors with the given zeros
+  ZeroedErrors fitted;        // errors with the fitted zeros
   double cost_ns = 0.0;
-  std::vector<RivalResult> rivals;
+  std::vector<BaselineResult> baselines;
 };
 
-/// One measured profile, ours and the others'.
+/// A measured displacement profile with the results of the model and of the baseline models.
 struct ProfileSet {
   DeformationComparison ours;
   double cost_ns = 0.0;
-  std::vector<RivalResult> rivals;
+  std::vector<BaselineResult> baselines;
 };
 
-/// Everything that `palpate validate` found.
+/// All results of `palpate validate`.
 struct Validation {
   Law law;
   std::vector<ForceSet> forces;
   std::vector<ProfileSet> profiles;
-  std::optional<ReachFit> reach;    // fitted to the profiles, which then are compared with it
-  std::vector<std::string> missed;  // goals, in words
+  std::optional<FalloffFit> reach;  // fitted to the profiles, which are then compared with it
+  std::vector<std::string> missed;  // goals that were missed, one sentence each
 };
 
-/// [setup] A force curve beside the law, with the zeros that were given and with those that fit best.
+/// [setup] Compares a force curve with the law, with the given and with fitted zeros.
 /// @param fitted which of the two becomes `ours` @throws InputError, ParameterError as fit_zeros().
 [[nodiscard]] ForceSet compare_forces(const identify::Specimen& specimen, const Law& law, const Zeros& given,
                                       bool fitted);
 
-/// [setup] Adds the profiles beside the law's surface to `validation`.
-/// @param depths one a profile [m]; 0: the profile's own @param tip_radius R [m]
-/// @param fit_first the law's reach is first fitted to the profiles together
-/// @throws InputError as compare_deformation() and fit_reach().
+/// [setup] Compares profiles with the law's surface and adds them to `validation`.
+/// @param depths one per profile [m]; 0: the profile's own @param tip_radius R [m]
+/// @param fit_first first fit the falloff ratios to all profiles @throws InputError as compare_deformation()
+/// and fit_falloff().
 void compare_profiles(const std::vector<Deformation>& profiles, const std::vector<double>& depths,
                       double tip_radius, bool fit_first, Validation& validation,
                       const SurfaceRule& rule = {});
 
-/// [setup] Fits the laws of others to every data set of `validation` and measures what one evaluation of
-/// each, and of ours, costs in processor time.
-void compare_with_rivals(const std::vector<RivalKind>& kinds, Validation& validation);
+/// [setup] Fits the baseline models to each data set of `validation` and measures the CPU time of one
+/// evaluation of each, and of the law.
+void compare_with_baselines(const std::vector<BaselineKind>& kinds, Validation& validation);
 
 }  // namespace palpate::validate

@@ -15,10 +15,10 @@
 namespace palpate::validate {
 namespace {
 
-constexpr std::size_t kSearched = 2000;   // points: two unknowns need no more
-constexpr double kSmallestSpread = 1e-5;  // of the range of force
+constexpr std::size_t kSearched = 2000;   // points: enough for two unknowns
+constexpr double kSmallestSpread = 1e-5;  // of the force range
 
-/// What the search holds fixed.
+/// Constants of the search.
 struct Search {
   identify::Specimen specimen;
   Law law;
@@ -28,7 +28,7 @@ struct Search {
   double sigma = 0.01;  // of the residuals
 };
 
-/// Computed less measured force at every point, in shares of the range of force.
+/// Computed minus measured force at each point, divided by the force range.
 std::vector<double> plain_residuals(const Search& search, std::span<const double> own) {
   const identify::Specimen& specimen = search.specimen;
   std::vector<double> depths;
@@ -46,7 +46,7 @@ std::vector<double> plain_residuals(const Search& search, std::span<const double
   return values;
 }
 
-/// The residuals after the loss, then how far the two lie from where they usually are.
+/// Residuals after the loss, then those of the priors of the two zeros.
 void zero_errors(const Search& search, std::span<const double> own, std::span<double> errors) {
   const std::vector<double> values = plain_residuals(search, own);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -60,7 +60,7 @@ void zero_errors(const Search& search, std::span<const double> own, std::span<do
   errors[values.size() + 1] = search.sigma * (own[1] - prior.offset) / prior.offset_spread;
 }
 
-/// Descends from `own`; half the sum of squares that is left.
+/// Descends from `own`. @return half the remaining sum of squares
 double descend_to_zeros(const Search& search, identify::Point& own) {
   const identify::Bounds bounds = identify::own_bounds(search.prior);
   for (std::size_t i = 0; i < identify::kOwnParameters; ++i)
@@ -71,7 +71,7 @@ double descend_to_zeros(const Search& search, identify::Point& own) {
   return identify::minimise({bounds, search.specimen.size() + identify::kOwnParameters, errors}, own, 60);
 }
 
-/// The best of descents from first contacts all over the bounds, and from `own`.
+/// The best of descents from several first contacts across the bounds, and from `own`.
 void search_from_everywhere(const Search& search, identify::Point& own) {
   const identify::Bounds bounds = identify::own_bounds(search.prior);
   double best_cost = descend_to_zeros(search, own);
@@ -85,7 +85,7 @@ void search_from_everywhere(const Search& search, identify::Point& own) {
   }
 }
 
-/// The spread of the residuals that outliers do not change.
+/// Spread of the residuals by their median absolute deviation.
 double spread_of(const Search& search, const identify::Point& own) {
   return std::max(normalized_mad(plain_residuals(search, own)), kSmallestSpread);
 }
@@ -93,7 +93,7 @@ double spread_of(const Search& search, const identify::Point& own) {
 }  // namespace
 
 ZerosFit fit_zeros(const identify::Specimen& specimen, const Law& law) {
-  constexpr double kLoss = 4.0;  // spreads, as a fit's
+  constexpr double kLoss = 4.0;  // in standard deviations, as for a fit
   constexpr int kMostRounds = 10;
   constexpr double kSame = 0.8;
   Search search;
@@ -103,7 +103,7 @@ ZerosFit fit_zeros(const identify::Specimen& specimen, const Law& law) {
   search.prior = identify::own_prior(search.ranges);
   identify::Point own = {search.prior.first_contact, search.prior.offset};
   search_from_everywhere(search, own);
-  // Many outliers widen the loss that should leave them out: each round narrows it.
+  // Many outliers widen the loss, which should exclude them: each round narrows it.
   for (int round = 0; round < kMostRounds; ++round) {
     const double before = search.loss_scale;
     search.sigma = spread_of(search, own);

@@ -3,24 +3,23 @@
 
 namespace palpate::validate {
 
-/// The zeros that a measurement fits a tissue best with.
+/// The zeros with which a measurement fits a tissue best.
 struct ZerosFit {
   Zeros zeros;
-  bool at_limit = false;  // the best lies where the search ends: the data begin elsewhere
+  bool at_limit = false;  // the optimum lies at a bound of the search: displacements do not start near first
+                          // contact
 };
 
-/// [setup] First contact and sensor offset with which a tissue, as it is, leaves the least of a measurement:
-/// the same search as that of `palpate fit` for these two, over the same bounds, with the same loss (outliers
-/// hardly count) and the same knowledge of where zeros usually are. One thread: the same data give the same
-/// bits.
-/// @throws InputError when displacement or force never change; ParameterError as the laws do.
+/// [setup] Fits first contact and sensor offset of a measurement to a fixed tissue, with the bounds, loss and
+/// priors that `palpate fit` uses for these two. One thread: the same data give the same bits.
+/// @throws InputError when displacement or force is constant; ParameterError as the laws do.
 [[nodiscard]] ZerosFit fit_zeros(const identify::Specimen& specimen, const Law& law);
 
-/// What a law leaves of a measurement with one pair of zeros.
+/// Errors of a law with one pair of zeros.
 struct ZeroedErrors {
   Zeros zeros;
   Errors errors;
-  bool at_limit = false;  // as ZerosFit's; false of zeros that were given
+  bool at_limit = false;  // as ZerosFit::at_limit; false for given zeros
 };
 
 }  // namespace palpate::validate

@@ -8,22 +8,24 @@
 namespace palpate::render {
 namespace {
 
-constexpr double kElevationDeg = 33.0;  // above the tangent plane: into a dent, and along a tent
-constexpr int kAzimuths = 24;           // sides that are tried
-constexpr double kAspect = 4.0 / 3.0;   // the narrowest picture that must hold the whole organ
+constexpr double kElevationDeg = 33.0;  // above the tangent plane: looks into an indentation, and along a
+                                        // pulled-up surface
+constexpr int kAzimuths = 24;           // number of directions tried
+constexpr double kAspect = 4.0 / 3.0;   // aspect ratio of the narrowest picture that must contain the whole
+                                        // organ
 constexpr double kMargin = 1.06;
-constexpr double kCloseHeight = 56e-3;  // m: a dent of 12 mm is about half as wide
+constexpr double kCloseHeight = 56e-3;  // m: an indentation of 12 mm fills about half of the width
 constexpr double kCloseShare = 0.7;     // of a small organ's diagonal
-constexpr double kToolRoom = 28e-3;     // m above the contact that stay in the picture
-constexpr double kRing = 9e-3;          // m: points around the contact that should be in sight
+constexpr double kToolRoom = 28e-3;     // m above the contact that must be in the picture
+constexpr double kRing = 9e-3;          // m: radius of the points around the contact that should be visible
 constexpr double kRingLift = 1.5e-3;    // m above the tangent plane
-constexpr double kStanding = 0.25;      // worth of a level horizon against points in sight (of 1)
-constexpr double kFront = 0.08;         // worth of the world's front side (-y)
-constexpr double kBesideTool = 0.35;    // worth of looking at the tool from the side
+constexpr double kStanding = 0.25;      // weight of a level horizon, relative to visible points (weight 1)
+constexpr double kFront = 0.08;         // weight of the world's front side (-y)
+constexpr double kBesideTool = 0.35;    // weight of a view across the tool's axis
 
-// Share of the points around the contact that the organ does not hide from a far eye in direction `to_eye`.
-double share_in_sight(const geometry::TriangleMesh& organ, const std::vector<Vec3>& points,
-                      const Vec3& to_eye) {
+// Fraction of the points that the organ does not hide from a distant camera in direction `to_eye`.
+double visible_fraction(const geometry::TriangleMesh& organ, const std::vector<Vec3>& points,
+                        const Vec3& to_eye) {
   std::size_t hidden = 0;
   for (const Vec3& p : points) {
     const bool hit = std::any_of(organ.triangles.begin(), organ.triangles.end(), [&](const auto& t) {
@@ -45,7 +47,7 @@ double share_in_sight(const geometry::TriangleMesh& organ, const std::vector<Vec
   return 1.0 - static_cast<double>(hidden) / static_cast<double>(points.size());
 }
 
-// Direction from the contact to the eye, world frame.
+// Direction from the contact to the camera, world frame.
 Vec3 best_side(const Subject& subject, const haptics::Snapshot& snapshot, const Vec3& focus_W,
                const Vec3& normal_W) {
   const Pose world_S = snapshot.organ_W.inverse();
@@ -60,7 +62,7 @@ Vec3 best_side(const Subject& subject, const haptics::Snapshot& snapshot, const 
   const Vec3 tool_axis =
       snapshot.hands > 0 ? Vec3(snapshot.tools[0].pose_W.rotation * Vec3::UnitZ()) : Vec3::Zero();
   const double elevation = kElevationDeg * std::numbers::pi / 180.0;
-  // The first side tried is the world's front, as far as it lies in the tangent plane.
+  // The first direction is the world's front, projected onto the tangent plane.
   Vec3 front = -Vec3::UnitY() + normal_W.y() * normal_W;
   front = front.norm() > 0.1 ? front.normalized() : u;
   const Vec3 side = normal_W.cross(front);
@@ -71,7 +73,7 @@ Vec3 best_side(const Subject& subject, const haptics::Snapshot& snapshot, const 
     const Vec3 level = std::cos(a) * front + std::sin(a) * side;
     const Vec3 to_eye = std::cos(elevation) * level + std::sin(elevation) * normal_W;
     const double in_front_of_dent = std::abs(tool_axis.dot(level));
-    const double score = share_in_sight(subject.organ, points_S, world_S.rotation * to_eye) -
+    const double score = visible_fraction(subject.organ, points_S, world_S.rotation * to_eye) -
                          kBesideTool * in_front_of_dent + kStanding * std::min(0.5, to_eye.z()) +
                          kFront * std::cos(a);
     if (score > best + 1e-9) {
@@ -82,14 +84,14 @@ Vec3 best_side(const Subject& subject, const haptics::Snapshot& snapshot, const 
   return chosen;
 }
 
-// Moves target and distance so that all points are in the picture.
+// Sets target and distance so that all points are in the picture.
 void fit(Camera& camera, const Vec3& to_eye, const std::vector<Vec3>& points) {
   const Vec3 right = camera.up.cross(to_eye).normalized();
   const Vec3 up = to_eye.cross(right);
   const double half = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);
   double distance = 1.0;
   for (int round = 0; round < 8; ++round) {
-    // Extents as seen from the eye of the last round, in metres at the target's distance.
+    // Extents of the projected points for the current camera, in metres at the target's distance.
     const Vec3 eye = camera.target + distance * to_eye;
     Eigen::Array2d low(1e9, 1e9);
     Eigen::Array2d high(-1e9, -1e9);

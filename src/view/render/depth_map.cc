@@ -4,27 +4,27 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace palpate::render {
 namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kSliver = 1e-6F;   // cells^2: a triangle seen on edge; its neighbours cover what it would
-constexpr float kOverlap = 1e-4F;  // of a triangle: neighbours overlap, so that rounding leaves no cell out
+constexpr float kSliver = 1e-6F;   // cells^2: a triangle seen edge-on; its neighbours cover the same cells
+constexpr float kOverlap = 1e-4F;  // of a triangle: triangles overlap, so that rounding leaves no gaps
 const float kDiagonal = std::sqrt(2.0F);
 const float kKnight = std::sqrt(5.0F);
 
-Lanes load(const float* from) { return Lanes::load_unaligned(from); }
+Float4 load(const float* from) { return Float4::load_unaligned(from); }
 
-// Lanes moved one or two up; those below repeat the first.
-Lanes one_up(const Lanes& a) { return Lanes(Lanes::Value{a.v[0], a.v[0], a.v[1], a.v[2]}); }
-Lanes two_up(const Lanes& a) { return Lanes(Lanes::Value{a.v[0], a.v[0], a.v[0], a.v[1]}); }
-Lanes one_down(const Lanes& a) { return Lanes(Lanes::Value{a.v[1], a.v[2], a.v[3], a.v[3]}); }
-Lanes two_down(const Lanes& a) { return Lanes(Lanes::Value{a.v[2], a.v[3], a.v[3], a.v[3]}); }
-Lanes lowest(const Lanes& a) { return Lanes(Lanes::Value{a.v[0], a.v[0], a.v[0], a.v[0]}); }
-Lanes highest(const Lanes& a) { return Lanes(Lanes::Value{a.v[3], a.v[3], a.v[3], a.v[3]}); }
+// Shifts the four values up by one or two; the lowest is repeated.
+Float4 one_up(const Float4& a) { return Float4(Float4::Value{a.v[0], a.v[0], a.v[1], a.v[2]}); }
+Float4 two_up(const Float4& a) { return Float4(Float4::Value{a.v[0], a.v[0], a.v[0], a.v[1]}); }
+Float4 one_down(const Float4& a) { return Float4(Float4::Value{a.v[1], a.v[2], a.v[3], a.v[3]}); }
+Float4 two_down(const Float4& a) { return Float4(Float4::Value{a.v[2], a.v[3], a.v[3], a.v[3]}); }
+Float4 lowest(const Float4& a) { return Float4(Float4::Value{a.v[0], a.v[0], a.v[0], a.v[0]}); }
+Float4 highest(const Float4& a) { return Float4(Float4::Value{a.v[3], a.v[3], a.v[3], a.v[3]}); }
 
 }  // namespace
 
@@ -43,62 +43,62 @@ void DepthMap::add_triangle(const Vector3f& a, const Vector3f& b, const Vector3f
   const int last_i = static_cast<int>(std::min(high.x(), last));
   const int first_j = static_cast<int>(std::max(low.y(), 0.0F)) / 4 * 4;
   const int last_j = static_cast<int>(std::min(high.y(), last));
-  // The shares of b and c in a cell are linear in its column.
-  const Lanes to_b(-ac.x() / area);
-  const Lanes to_c(ab.x() / area);
-  const Lanes least(-kOverlap);
-  const Lanes columns({0.0F, 1.0F, 2.0F, 3.0F});
+  // The barycentric weights of b and c are linear in the column.
+  const Float4 to_b(-ac.x() / area);
+  const Float4 to_c(ab.x() / area);
+  const Float4 least(-kOverlap);
+  const Float4 columns({0.0F, 1.0F, 2.0F, 3.0F});
   for (int i = first_i; i <= last_i; ++i) {
     const float x = static_cast<float>(i) - a.x();
-    const Lanes from_b(x * ac.y() / area);
-    const Lanes from_c(-x * ab.y() / area);
+    const Float4 from_b(x * ac.y() / area);
+    const Float4 from_c(-x * ab.y() / area);
     for (int j = first_j; j <= last_j; j += static_cast<int>(kLanes)) {
-      const Lanes y = Lanes(static_cast<float>(j) - a.y()) + columns;
-      const Lanes share_b = from_b + y * to_b;
-      const Lanes share_c = from_c + y * to_c;
-      const LaneMask covered =
-          (share_b >= least) & (share_c >= least) & (share_b + share_c <= Lanes(1.0F + kOverlap));
-      float* const cell = &cells_[place(i, j)];
-      const Lanes depth = Lanes(a.z()) + share_b * Lanes(ab.z()) + share_c * Lanes(ac.z());
-      const Lanes deepest = max(load(cell), min(depth, Lanes(most)));
+      const Float4 y = Float4(static_cast<float>(j) - a.y()) + columns;
+      const Float4 share_b = from_b + y * to_b;
+      const Float4 share_c = from_c + y * to_c;
+      const Float4Mask covered =
+          (share_b >= least) & (share_c >= least) & (share_b + share_c <= Float4(1.0F + kOverlap));
+      float* const cell = &cells_[index(i, j)];
+      const Float4 depth = Float4(a.z()) + share_b * Float4(ab.z()) + share_c * Float4(ac.z());
+      const Float4 deepest = max(load(cell), min(depth, Float4(most)));
       select(covered, deepest, load(cell)).store_unaligned(cell);
     }
   }
 }
 
 void DepthMap::clear_margins(int i) noexcept {
-  float* const row = &cells_[place(i, 0)];
+  float* const row = &cells_[index(i, 0)];
   std::fill(row - kLeft, row, kNothing);
   std::fill(row + kSide, row + kStride - kLeft, kNothing);
 }
 
-// What the two rows before give to a row; `step` says on which side those lie.
+// Applies the slope from the two neighbouring rows on the side given by `step`.
 void DepthMap::slopes_from_rows(int i, int step, float rise) noexcept {
-  const float* const near = &cells_[place(i + step, -kLeft)];
-  const float* const far = &cells_[place(i + 2 * step, -kLeft)];
-  float* const row = &cells_[place(i, -kLeft)];
-  const Lanes straight(rise);
-  const Lanes diagonal(kDiagonal * rise);
-  const Lanes knight(kKnight * rise);
+  const float* const near = &cells_[index(i + step, -kLeft)];
+  const float* const far = &cells_[index(i + 2 * step, -kLeft)];
+  float* const row = &cells_[index(i, -kLeft)];
+  const Float4 straight(rise);
+  const Float4 diagonal(kDiagonal * rise);
+  const Float4 knight(kKnight * rise);
   for (int j = 0; j < kStride; j += static_cast<int>(kLanes)) {
-    const Lanes beside = max(load(near + j - 1), load(near + j + 1)) - diagonal;
-    const Lanes leaps =
+    const Float4 beside = max(load(near + j - 1), load(near + j + 1)) - diagonal;
+    const Float4 leaps =
         max(max(load(near + j - 2), load(near + j + 2)), max(load(far + j - 1), load(far + j + 1))) - knight;
-    const Lanes best = max(max(load(near + j) - straight, beside), leaps);
+    const Float4 best = max(max(load(near + j) - straight, beside), leaps);
     max(load(row + j), best).store_unaligned(row + j);
   }
 }
 
-// What the cells before it in its row give to each cell.
+// Applies the slope along a row, from each cell to the next.
 void DepthMap::slopes_along(int i, bool forwards, float rise) noexcept {
-  float* const row = &cells_[place(i, -kLeft)];
-  const Lanes one(rise);
-  const Lanes two(2.0F * rise);
-  Lanes before(kNothing);
+  float* const row = &cells_[index(i, -kLeft)];
+  const Float4 one(rise);
+  const Float4 two(2.0F * rise);
+  Float4 before(kNothing);
   if (forwards) {
-    const Lanes ways = one * Lanes({1.0F, 2.0F, 3.0F, 4.0F});
+    const Float4 ways = one * Float4({1.0F, 2.0F, 3.0F, 4.0F});
     for (int j = 0; j < kStride; j += static_cast<int>(kLanes)) {
-      Lanes cells = load(row + j);
+      Float4 cells = load(row + j);
       cells = max(cells, one_up(cells) - one);
       cells = max(cells, two_up(cells) - two);
       cells = max(cells, before - ways);
@@ -106,9 +106,9 @@ void DepthMap::slopes_along(int i, bool forwards, float rise) noexcept {
       before = highest(cells);
     }
   } else {
-    const Lanes ways = one * Lanes({4.0F, 3.0F, 2.0F, 1.0F});
+    const Float4 ways = one * Float4({4.0F, 3.0F, 2.0F, 1.0F});
     for (int j = kStride - static_cast<int>(kLanes); j >= 0; j -= static_cast<int>(kLanes)) {
-      Lanes cells = load(row + j);
+      Float4 cells = load(row + j);
       cells = max(cells, one_down(cells) - one);
       cells = max(cells, two_down(cells) - two);
       cells = max(cells, before - ways);
@@ -131,13 +131,13 @@ void DepthMap::add_slopes(float rise) {
   }
 }
 
-void DepthMap::even_out(int rounds) {
-  // Along the rows and then across them; what is beyond the map is taken as its edge.
-  const Lanes third(1.0F / 3.0F);
+void DepthMap::smooth(int rounds) {
+  // Separable: along the rows, then the columns. Cells beyond the map repeat the edge.
+  const Float4 third(1.0F / 3.0F);
   constexpr std::size_t kGroups = kStride / kLanes;
   std::array<float, kStride + 2> line{};
   for (int i = 0; i < kSide; ++i) {
-    float* const row = &cells_[place(i, -kLeft)];
+    float* const row = &cells_[index(i, -kLeft)];
     std::fill(row, row + kLeft, row[kLeft]);
     std::fill(row + kLeft + kSide, row + kStride, row[kLeft + kSide - 1]);
     for (int round = 0; round < rounds; ++round) {
@@ -151,15 +151,15 @@ void DepthMap::even_out(int rounds) {
     }
   }
   for (std::size_t g = 0; g < kGroups; ++g) {
-    std::array<Lanes, kSide + 2> column;
-    float* const top = &cells_[place(0, -kLeft) + g * kLanes];
+    std::array<Float4, kSide + 2> column;
+    float* const top = &cells_[index(0, -kLeft) + g * kLanes];
     for (std::size_t i = 0; i < kSide; ++i) column[i + 1] = load(top + i * kStride);
     for (int round = 0; round < rounds; ++round) {
       column.front() = column[1];
       column.back() = column[kSide];
-      Lanes before = column.front();
+      Float4 before = column.front();
       for (std::size_t i = 1; i <= kSide; ++i) {
-        const Lanes here = column[i];
+        const Float4 here = column[i];
         column[i] = (before + here + column[i + 1]) * third;
         before = here;
       }

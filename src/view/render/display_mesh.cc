@@ -22,12 +22,12 @@ constexpr int kEvenRounds = 12;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
-// The edges of a mesh, numbered, and which of them are creases or boundaries.
+// Numbered edges of a mesh, with marks for creases and boundaries.
 struct Edges {
   std::vector<std::array<std::int32_t, 2>> ends;
   std::vector<std::array<std::int32_t, 3>> of_triangle;  // edge e runs from corner e to corner (e+1)%3
   std::vector<char> sharp;                               // per edge
-  std::vector<char> sharp_vertex;                        // per vertex: on a sharp edge
+  std::vector<char> sharp_vertex;                        // per vertex: whether it is on a sharp edge
 };
 
 Edges find_edges(const TriangleMesh& mesh, double crease_deg) {
@@ -68,7 +68,7 @@ Edges find_edges(const TriangleMesh& mesh, double crease_deg) {
   return edges;
 }
 
-// Cuts a triangle by the middles of its marked edges (-1: not marked).
+// Subdivides a triangle at the midpoints of its marked edges (index -1: not marked).
 void cut(const Triangle& t, const std::array<std::int32_t, 3>& middle, const std::vector<Vec3>& vertices,
          std::vector<Triangle>& out) {
   const int marked =
@@ -84,7 +84,7 @@ void cut(const Triangle& t, const std::array<std::int32_t, 3>& middle, const std
     out.push_back({middle[0], middle[1], middle[2]});
     return;
   }
-  // Turned so that edge 0 is the only marked one, or edge 2 the only unmarked one.
+  // Rotate so that edge 0 is the only marked one, or edge 2 the only unmarked one.
   std::size_t first = 0;
   while (marked == 1 ? middle[first] < 0 : middle[(first + 2) % 3] >= 0) ++first;
   const std::int32_t a = t[first];
@@ -109,8 +109,8 @@ void cut(const Triangle& t, const std::array<std::int32_t, 3>& middle, const std
   }
 }
 
-// Middle of the cubic curve over an edge, at right angles to the normals at its ends; a sharp end is
-// straight.
+// Midpoint of the cubic curve over an edge, perpendicular to the normals at its ends; straight for a sharp
+// edge.
 Vec3 curved_middle(const Vec3& a, const Vec3& b, const Vec3& normal_a, const Vec3& normal_b, bool straight_a,
                    bool straight_b) {
   const Vec3 along = b - a;
@@ -160,7 +160,7 @@ TriangleMesh refine_smoothly(const TriangleMesh& mesh, const RefineRule& rule) {
   return fine;
 }
 
-void even_out(TriangleMesh& mesh, double limit, double crease_deg) {
+void smooth_bumps(TriangleMesh& mesh, double limit, double crease_deg) {
   const Edges edges = find_edges(mesh, crease_deg);
   const std::vector<Vec3> original = mesh.vertices;
   std::vector<Vec3> sum(original.size());

@@ -9,7 +9,7 @@
 namespace palpate::render {
 namespace {
 
-constexpr int kWantedVersion = 33;  // OpenGL 3.3, as epoxy counts
+constexpr int kWantedVersion = 33;  // OpenGL 3.3 in epoxy's numbering
 
 [[noreturn]] void refuse(const std::string& what) {
   throw std::runtime_error("no picture can be drawn: " + what +
@@ -20,7 +20,7 @@ constexpr int kWantedVersion = 33;  // OpenGL 3.3, as epoxy counts
 }  // namespace
 
 GlContext::GlContext() {
-  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C stays the program's
+  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // the program handles Ctrl-C itself
   SDL_SetHintWithPriority(SDL_HINT_VIDEODRIVER, "offscreen", SDL_HINT_OVERRIDE);
   if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
     refuse(std::string("SDL's offscreen video driver does not start (") + SDL_GetError() + ")");

@@ -3,20 +3,20 @@
 
 namespace palpate::render {
 
-/// An OpenGL 3.3 core context without a display: SDL's `offscreen` video driver over EGL. The only place
-/// where the program starts SDL's video: one video driver a process.
+/// An OpenGL 3.3 core context without a display, by SDL's `offscreen` video driver over EGL. A process can
+/// use only one SDL video driver.
 class GlContext final {
  public:
-  /// [setup] Makes the context and makes it current on the calling thread.
-  /// @throws std::runtime_error saying which packages are missing when none can be had.
+  /// [setup] Creates the context and makes it current on the calling thread. @throws std::runtime_error that
+  /// names the missing packages.
   GlContext();
   ~GlContext();
   GlContext(const GlContext&) = delete;
   GlContext& operator=(const GlContext&) = delete;
 
-  /// [setup] Makes the context current on the calling thread; no other thread may hold it.
+  /// [setup] Makes the context current on the calling thread; it must not be current on another.
   void make_current();
-  /// [setup] Lets the context go, so that another thread may draw.
+  /// [setup] Releases the context, so that another thread can draw.
   void release() noexcept;
 
  private:

@@ -10,7 +10,7 @@
 namespace palpate::render {
 namespace {
 
-constexpr int kSamples = 4;  // a pixel, for edges
+constexpr int kSamples = 4;  // per pixel, for antialiasing
 
 GLuint compile(GLenum kind, const std::string& source) {
   const GLuint shader = glCreateShader(kind);
@@ -30,7 +30,7 @@ GLuint compile(GLenum kind, const std::string& source) {
   return shader;
 }
 
-// OpenGL takes an offset into a buffer as a pointer.
+// OpenGL expects buffer offsets as pointers.
 const void* offset(std::uintptr_t bytes) { return std::bit_cast<const void*>(bytes); }
 
 struct Layout {
@@ -105,17 +105,17 @@ GpuMesh::GpuMesh() {
       ++first;
     }
   };
-  const std::array<Attribute, 3> moving = {{{3, GL_FLOAT, offsetof(deform::LiveVertex, position)},
-                                            {3, GL_FLOAT, offsetof(deform::LiveVertex, normal)},
-                                            {1, GL_FLOAT, offsetof(deform::LiveVertex, moved)}}};
+  const std::array<Attribute, 3> moving = {{{3, GL_FLOAT, offsetof(deform::SurfaceVertex, position)},
+                                            {3, GL_FLOAT, offsetof(deform::SurfaceVertex, normal)},
+                                            {1, GL_FLOAT, offsetof(deform::SurfaceVertex, moved)}}};
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
-  describe(0, moving, sizeof(deform::LiveVertex));
-  const std::array<Attribute, 4> still = {{{3, GL_FLOAT, offsetof(StillVertex, rest)},
-                                           {4, GL_UNSIGNED_BYTE, offsetof(StillVertex, colour)},
-                                           {3, GL_FLOAT, offsetof(StillVertex, vessel)},
-                                           {4, GL_UNSIGNED_BYTE, offsetof(StillVertex, light)}}};
+  describe(0, moving, sizeof(deform::SurfaceVertex));
+  const std::array<Attribute, 4> still = {{{3, GL_FLOAT, offsetof(StaticVertex, rest)},
+                                           {4, GL_UNSIGNED_BYTE, offsetof(StaticVertex, colour)},
+                                           {3, GL_FLOAT, offsetof(StaticVertex, vessel)},
+                                           {4, GL_UNSIGNED_BYTE, offsetof(StaticVertex, light)}}};
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[2]);
-  describe(3, still, sizeof(StillVertex));
+  describe(3, still, sizeof(StaticVertex));
 }
 
 GpuMesh::~GpuMesh() {
@@ -130,21 +130,21 @@ void GpuMesh::set_triangles(std::span<const std::uint32_t> corners) {
   count_ = static_cast<GLsizei>(corners.size());
 }
 
-void GpuMesh::set_still(std::span<const StillVertex> vertices) {
+void GpuMesh::set_static(std::span<const StaticVertex> vertices) {
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[2]);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
                GL_STATIC_DRAW);
 }
 
-void GpuMesh::set_moving(std::span<const deform::LiveVertex> vertices) {
+void GpuMesh::set_moving(std::span<const deform::SurfaceVertex> vertices) {
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
                GL_DYNAMIC_DRAW);
 }
 
-void GpuMesh::change_moving(std::size_t first, std::span<const deform::LiveVertex> vertices) {
+void GpuMesh::change_moving(std::size_t first, std::span<const deform::SurfaceVertex> vertices) {
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
-  glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(first * sizeof(deform::LiveVertex)),
+  glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(first * sizeof(deform::SurfaceVertex)),
                   static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data());
 }
 
@@ -186,7 +186,7 @@ Target::Target(Kind kind, int width, int height) : kind_(kind), width_(width), h
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     if (kind == Kind::kShadow) {
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-      // What a close-up shows of a large organ beyond the map is lit, not in the shadow of the map's edge.
+      // Parts of a large organ outside the shadow map are lit.
       constexpr GLfloat kFarthest[4] = {1.0F, 1.0F, 1.0F, 1.0F};
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);

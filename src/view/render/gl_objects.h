@@ -8,22 +8,22 @@
 #include <Eigen/Core>
 #include <epoxy/gl.h>
 
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 
 namespace palpate::render {
 
-/// What a drawn vertex carries that does not move, as the shaders read it. 32 bytes.
-struct StillVertex {
-  Eigen::Vector3f rest;                // where the material's pattern is taken from [m]
-  std::array<std::uint8_t, 4> colour;  // square roots of linear red, green, blue; share of fat
-  Eigen::Vector3f vessel;              // where in the pattern of vessels
-  std::array<std::uint8_t, 4> light;   // share of the sky in sight, width of the vessels, 0, 0
+/// Static attributes of a vertex, as the shaders read them. 32 bytes.
+struct StaticVertex {
+  Eigen::Vector3f rest;                // rest position [m], where the material's pattern is evaluated
+  std::array<std::uint8_t, 4> colour;  // square roots of linear red, green, blue; fraction of fat
+  Eigen::Vector3f vessel;              // position in the pattern of vessels
+  std::array<std::uint8_t, 4> light;   // visible fraction of the sky, width of the vessels, 0, 0
 };
 
 /// A linked vertex and fragment shader. All members: [setup], with the context current.
 class Program final {
  public:
-  /// @throws std::logic_error with the compiler's words when a shader does not compile.
+  /// @throws std::logic_error with the compiler's message when a shader does not compile.
   Program(const std::string& vertex_source, const std::string& fragment_source);
   ~Program();
   Program(const Program&) = delete;
@@ -41,7 +41,7 @@ class Program final {
   GLuint id_ = 0;
 };
 
-/// Triangles on the graphics side; where their vertices are may be replaced in part. All members: [setup].
+/// Triangles in GPU memory; ranges of their vertices can be replaced. All members: [setup].
 class GpuMesh final {
  public:
   GpuMesh();
@@ -50,21 +50,21 @@ class GpuMesh final {
   GpuMesh& operator=(const GpuMesh&) = delete;
 
   void set_triangles(std::span<const std::uint32_t> corners);
-  void set_still(std::span<const StillVertex> vertices);
-  void set_moving(std::span<const deform::LiveVertex> vertices);
-  /// Replaces vertices from `first` on.
-  void change_moving(std::size_t first, std::span<const deform::LiveVertex> vertices);
+  void set_static(std::span<const StaticVertex> vertices);
+  void set_moving(std::span<const deform::SurfaceVertex> vertices);
+  /// Replaces vertices, starting at index `first`.
+  void change_moving(std::size_t first, std::span<const deform::SurfaceVertex> vertices);
   void draw() const;
-  /// One triangle over the whole target, its corners made by the vertex shader.
+  /// Draws one triangle over the whole target; the vertex shader generates its corners.
   void draw_fullscreen() const;
 
  private:
   GLuint array_ = 0;
-  std::array<GLuint, 3> buffers_{};  // moving, corners, still
+  std::array<GLuint, 3> buffers_{};  // moving attributes, corner indices, static attributes
   GLsizei count_ = 0;
 };
 
-/// A framebuffer with the textures or multisampled buffers it draws to. All members: [setup].
+/// A framebuffer with the textures or multisampled buffers that it draws to. All members: [setup].
 class Target final {
  public:
   enum class Kind { kDepth, kShadow, kGrey, kMoments, kColour, kColourWithDepth, kColourMultisampled };
@@ -75,11 +75,11 @@ class Target final {
 
   void bind() const;
   void bind_texture(int unit) const;
-  /// Copies the colours to a target of the same size, as the mean of the samples.
+  /// Copies the colours to a target of the same size, averaged over the samples.
   void resolve_to(const Target& other) const;
-  /// Makes it anew with another size; what it held is gone.
+  /// Allocates it again with another size; its contents are lost.
   void resize(int width, int height);
-  /// Copies it, stretched, to a rectangle of the window's own framebuffer [pixels, y up].
+  /// Copies it, scaled, to a rectangle of the window's framebuffer [pixels, y up].
   void show_at(int x, int y, int width, int height) const;
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }

@@ -41,7 +41,7 @@ struct Rgb {
 
 constexpr Rgb kLetters = {235, 238, 242};
 
-/// A rectangle of one colour, as much of it as lies within the picture.
+/// Fills a rectangle, clipped to the picture.
 void fill(Image& image, int x, int y, int width, int height, Rgb colour) {
   for (int row = std::max(y, 0); row < std::min(y + height, image.height); ++row) {
     for (int column = std::max(x, 0); column < std::min(x + width, image.width); ++column) {
@@ -54,7 +54,7 @@ void fill(Image& image, int x, int y, int width, int height, Rgb colour) {
   }
 }
 
-/// Letters from (x, y), their upper left corner, in squares of `square` pixels.
+/// Draws text with its upper left corner at (x, y), in squares of `square` pixels.
 void write(Image& image, int x, int y, int square, const char* text) {
   for (; *text != '\0'; ++text, x += (kGlyphWidth + 1) * square) {
     const auto* glyph = std::find_if(std::begin(kGlyphs), std::end(kGlyphs),

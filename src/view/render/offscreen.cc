@@ -19,8 +19,8 @@
 namespace palpate::render {
 namespace {
 
-constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of what the light must reach
-const Vec3 kNowhere(0, 0, 1e3);     // m: where tools are that a snapshot does not know
+constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of the region that the light must cover
+const Vec3 kNowhere(0, 0, 1e3);     // m: position of tools that a snapshot lacks
 
 void check_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
@@ -32,7 +32,7 @@ void check_size(int width, int height) {
 
 struct OffscreenRenderer::Impl {
   Impl(const Subject& subject, int width, int height, Quality quality)
-      : look(tissue_look(subject.tissue_name)),
+      : look(tissue_appearance(subject.tissue_name)),
         painter(look, width, height, quality),
         organ(subject.organ, subject.reach, quality == Quality::kFull ? Detail::kStill : Detail::kLive) {
     for (const geometry::Tool& tool : subject.tools) {
@@ -53,7 +53,7 @@ struct OffscreenRenderer::Impl {
     for (const geometry::Triangle& t : organ.rest().triangles)
       for (const std::int32_t v : t) corners.push_back(static_cast<std::uint32_t>(v));
     mesh.set_triangles(corners);
-    mesh.set_still(tissue_pattern(organ.rest(), look));
+    mesh.set_static(tissue_pattern(organ.rest(), look));
     mesh.set_moving(organ.vertices());
     static_cast<void>(organ.take_changes());
   }
@@ -61,16 +61,16 @@ struct OffscreenRenderer::Impl {
   void upload_tools() {
     for (const ToolPicture& tool : tools) {
       for (std::size_t part = 0; part < tool.parts(); ++part) {
-        const std::vector<deform::LiveVertex> vertices = tool.corners(part);
-        std::vector<StillVertex> still(vertices.size());
+        const std::vector<deform::SurfaceVertex> vertices = tool.corners(part);
+        std::vector<StaticVertex> still(vertices.size());
         std::vector<std::uint32_t> corners(vertices.size());
         for (std::size_t i = 0; i < vertices.size(); ++i) {
-          still[i] = StillVertex{vertices[i].position, {}, Eigen::Vector3f::Zero(), {255, 0, 0, 0}};
+          still[i] = StaticVertex{vertices[i].position, {}, Eigen::Vector3f::Zero(), {255, 0, 0, 0}};
           corners[i] = static_cast<std::uint32_t>(i);
         }
         auto solid = std::make_unique<Solid>();
         solid->mesh.set_triangles(corners);
-        solid->mesh.set_still(still);
+        solid->mesh.set_static(still);
         solid->mesh.set_moving(vertices);
         painter.tools().push_back(std::move(solid));
       }
@@ -78,13 +78,13 @@ struct OffscreenRenderer::Impl {
   }
 
   void show(const haptics::Snapshot& snapshot) {
-    painter.organ().place_W = snapshot.organ_W;
+    painter.organ().pose_W = snapshot.organ_W;
     std::size_t solid = 0;
     for (std::size_t hand = 0; hand < tools.size(); ++hand) {
       const bool there = hand < std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
       for (std::size_t part = 0; part < tools[hand].parts(); ++part, ++solid) {
-        painter.tools()[solid]->place_W =
-            there ? tools[hand].place(part, snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper)
+        painter.tools()[solid]->pose_W =
+            there ? tools[hand].part_pose(part, snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper)
                   : Pose{Quat::Identity(), kNowhere};
       }
     }
@@ -92,12 +92,12 @@ struct OffscreenRenderer::Impl {
       upload_organ_at_rest();
       return;
     }
-    for (const deform::LiveSurface::Range& range : organ.take_changes())
+    for (const deform::DeformedSurface::Range& range : organ.take_changes())
       painter.organ().mesh.change_moving(range.first, organ.vertices().subspan(range.first, range.count));
   }
 
-  // Draws at each moving quality once: a driver translates shaders when it first draws with them, which takes
-  // longer than some pictures, and must not happen while something moves.
+  // Draws once in each adaptive quality: a driver compiles shaders at their first draw, which takes longer
+  // than several pictures and must not happen during motion.
   void follow_time() {
     choice.emplace();
     const Camera camera{region.middle - 3.0 * region.radius * Vec3::UnitY(), region.middle};
@@ -120,7 +120,7 @@ struct OffscreenRenderer::Impl {
     painter.set_quality(choice->now());
   }
 
-  TissueLook look;
+  TissueAppearance look;
   Painter painter;
   OrganPicture organ;
   std::vector<ToolShape> shapes;
@@ -131,7 +131,7 @@ struct OffscreenRenderer::Impl {
   std::optional<QualityChoice> choice;
 };
 
-// Holds the renderer's own context, if it has one, while it draws.
+// Makes the renderer's own context, if any, current during a call.
 class OffscreenRenderer::Current final {
  public:
   explicit Current(GlContext* context) : context_(context) {

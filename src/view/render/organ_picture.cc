@@ -13,20 +13,22 @@ namespace palpate::render {
 namespace {
 
 constexpr double kCreaseDeg = 50.0;
-constexpr double kEdgesAcross = 120.0;    // edges along the organ's diagonal, before contact
+constexpr double kEdgesAcross = 120.0;    // edges per organ diagonal, before contact
 constexpr double kShortestEdge = 0.8e-3;  // m, before contact
 constexpr double kLongestEdge = 2.5e-3;   // m
-constexpr double kEvenShare = 0.05;       // of the given mesh's mean edge: how far a vertex may be evened out
+constexpr double kEvenShare = 0.05;       // of the mesh's mean edge length: limit of the smoothing
 constexpr double kFineEdge = 0.6e-3;      // m, at contacts
-constexpr double kFineRadius = 12e-3;     // m around a contact: finest
-constexpr double kCoarsening = 0.08;      // m of edge a metre farther out
-constexpr double kSameCentre = 4e-3;      // m: a contact this near to a finely divided place needs no other
+constexpr double kFineRadius = 12e-3;     // m around a contact with the finest edges
+constexpr double kCoarsening = 0.08;      // m of edge length per metre of distance beyond that radius
+constexpr double kSameCentre = 4e-3;      // m: a contact closer than this to a refined position uses that
+                                          // refinement
 
-constexpr double kLoweredWithin = 24e-3;  // m along the surface: ToolImprint::kReach beside the axis
+constexpr double kLoweredWithin = 24e-3;  // m along the surface: covers ToolImprint::kReach beside the axis
 constexpr double kLiveTriangles = 24'000.0;
-constexpr int kLiveSteps = 1200;  // of fronts a picture: about 0.5 ms of a slow processor
+constexpr int kLiveSteps = 1200;  // geodesic steps per picture: about 0.5 ms on a slow processor
 
-constexpr double kRounding = 0.2;  // of the profile's corners; moves no vertex by over 4 % of the depth
+constexpr double kRounding = 0.2;  // rounding of the profile's corners; moves no vertex by more than 4 % of
+                                   // the depth
 
 double area_of(const geometry::TriangleMesh& mesh) {
   double doubled = 0.0;
@@ -34,9 +36,9 @@ double area_of(const geometry::TriangleMesh& mesh) {
   return 0.5 * doubled;
 }
 
-// Halves a set of vertices across its longest side until each part is one run of the surface's, so that runs
-// are compact.
-void order_in_halves(const geometry::TriangleMesh& mesh, std::span<std::int32_t> vertices) {
+// Splits a set of vertices at the middle of its longest side until each part is one range, so that changed
+// ranges are compact.
+void sort_in_halves(const geometry::TriangleMesh& mesh, std::span<std::int32_t> vertices) {
   constexpr std::size_t kRun = deform::SurfaceBlocks::kBlock;
   if (vertices.size() <= kRun) return;
   const auto place = [&mesh](std::int32_t v) -> const Vec3& {
@@ -55,15 +57,15 @@ void order_in_halves(const geometry::TriangleMesh& mesh, std::span<std::int32_t>
                    [&](std::int32_t a, std::int32_t b) {
                      return std::pair(place(a)[axis], a) < std::pair(place(b)[axis], b);
                    });
-  order_in_halves(mesh, vertices.first(half));
-  order_in_halves(mesh, vertices.subspan(half));
+  sort_in_halves(mesh, vertices.first(half));
+  sort_in_halves(mesh, vertices.subspan(half));
 }
 
-// Puts vertices that are near one another near one another in memory, so that what moves is a few runs.
-void order_by_place(geometry::TriangleMesh& mesh) {
+// Sorts vertices so that neighbours in space are close in memory: a change then affects few ranges.
+void sort_by_position(geometry::TriangleMesh& mesh) {
   std::vector<std::int32_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0);
-  order_in_halves(mesh, order);
+  sort_in_halves(mesh, order);
   std::vector<Vec3> vertices;
   std::vector<std::int32_t> now_at(order.size());
   for (const std::int32_t v : order) {
@@ -80,21 +82,21 @@ void order_by_place(geometry::TriangleMesh& mesh) {
 
 }  // namespace
 
-OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::ReachParameters& reach,
+OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
                            Detail detail)
     : reach_(reach), detail_(detail) {
   double edge = std::clamp(geometry::bounds(rest).size().norm() / kEdgesAcross, kShortestEdge, kLongestEdge);
   if (detail == Detail::kLive) edge = std::max(edge, 1.75 * std::sqrt(area_of(rest) / kLiveTriangles));
   const RefineRule rule{kCreaseDeg, [edge](const Vec3&, double length, double) { return length > edge; }};
   base_ = refine_smoothly(rest, rule);
-  even_out(base_, kEvenShare * mean_edge(rest), kCreaseDeg);
+  smooth_bumps(base_, kEvenShare * mean_edge(rest), kCreaseDeg);
   take_surface(base_);
   if (detail == Detail::kLive) base_ = {};
 }
 
 void OrganPicture::take_surface(geometry::TriangleMesh rest) {
-  order_by_place(rest);
-  surface_ = std::make_unique<deform::LiveSurface>(std::move(rest), reach_, kRounding);
+  sort_by_position(rest);
+  surface_ = std::make_unique<deform::DeformedSurface>(std::move(rest), reach_, kRounding);
 }
 
 bool OrganPicture::divide_around(std::span<const deform::Indentation> indentations) {
@@ -123,17 +125,17 @@ void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform
     if ((indentations[i].point - imprint.point()).norm() < (indentations[own].point - imprint.point()).norm())
       own = i;
   const Eigen::Vector3f direction = imprint.direction().cast<float>();
-  Eigen::Vector3f q;  // the lowering's derivative
-  for (const deform::LiveSurface::Range& run : surface_->near(own, kLoweredWithin)) {
+  Eigen::Vector3f q;  // gradient of the lowering
+  for (const deform::DeformedSurface::Range& run : surface_->near(own, kLoweredWithin)) {
     for (std::size_t i = run.first; i < run.first + run.count; ++i) {
       const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
       const Eigen::Vector3f& at_rest = surface_->rest_vertices()[i];
       const float lowering = imprint.lowering(surface_->vertices()[i].position, at_rest, rest_normal, &q);
       const auto v = static_cast<std::int32_t>(i);
       if (!(lowering > 0.0F) || !surface_->is_near(own, v, kLoweredWithin)) continue;
-      deform::LiveVertex& vertex = surface_->move(v);
+      deform::SurfaceVertex& vertex = surface_->move(v);
       vertex.position += lowering * direction;
-      // The transposed adjugate of I + direction q^T.
+      // Transposed adjugate of I + direction q^T.
       const Eigen::Vector3f normal =
           (1.0F + direction.dot(q)) * vertex.normal - direction.dot(vertex.normal) * q;
       if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
@@ -146,7 +148,7 @@ void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform
 bool OrganPicture::update(std::span<const deform::Indentation> indentations,
                           std::span<const ToolImprint> imprints) {
   const bool changed = divide_around(indentations);
-  surface_->update(indentations, detail_ == Detail::kStill ? deform::LiveSurface::kSettle : kLiveSteps);
+  surface_->update(indentations, detail_ == Detail::kStill ? deform::DeformedSurface::kSettle : kLiveSteps);
   for (const ToolImprint& imprint : imprints) lower_onto(imprint, indentations);
   return changed;
 }

@@ -3,36 +3,39 @@
 #include <span>
 #include <vector>
 
-#include "core/deform/live_surface.h"
+#include "core/deform/deformed_surface.h"
 #include "view/render/tool_imprint.h"
 
 namespace palpate::render {
 
-/// How finely an organ is divided for its picture.
+/// Resolution of the displayed organ mesh.
 enum class Detail {
-  kStill,  // as finely as pays, finest around the contacts: a contact elsewhere divides it anew
-  kLive,   // about 24,000 triangles or as given, once
+  kStill,  // as fine as visible, finest around the contacts; a contact elsewhere refines the mesh again
+  kLive,   // about 24,000 triangles, or as given; refined once
 };
 
-/// The organ as it is drawn: smooth, finely divided, and deformed.
+/// The displayed organ: smooth, refined and deformed.
 class OrganPicture final {
  public:
-  /// [setup] @param rest organ frame, metres
-  OrganPicture(const geometry::TriangleMesh& rest, const model::ReachParameters& reach,
+  /// [setup] @param rest rest surface, organ frame, metres
+  OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
                Detail detail = Detail::kStill);
 
-  /// [setup] Takes new contacts. @return whether rest() and its triangles changed, too.
-  /// @param imprints of the tools: the surface is lowered onto them
-  /// A still picture depends on nothing before; a live one catches up within some pictures (LiveSurface).
+  /// [setup] Updates the deformation for the current contacts. With Detail::kStill the result depends on this
+  /// call only; with kLive the surface catches up within some pictures (DeformedSurface).
+  /// @param imprints of the tools: the surface is lowered onto them @return whether rest() and its triangles
+  /// changed
   bool update(std::span<const deform::Indentation> indentations, std::span<const ToolImprint> imprints = {});
 
-  /// [any] The finely divided rest surface. Passes within a few hundredths of an edge of the given one.
+  /// [any] The refined rest surface. It passes within a few hundredths of an edge length of the given one.
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return surface_->rest(); }
-  /// [any] Where its vertices are now, and the surface's unit normals there. Organ frame. `moved` is negative
-  /// where the surface has gone inwards.
-  [[nodiscard]] std::span<const deform::LiveVertex> vertices() const noexcept { return surface_->vertices(); }
-  /// [setup] Runs of vertices that cover all that changed since the last call.
-  [[nodiscard]] const std::vector<deform::LiveSurface::Range>& take_changes() {
+  /// [any] Current vertex positions and unit normals, organ frame. `moved` is negative where the surface is
+  /// pressed inwards.
+  [[nodiscard]] std::span<const deform::SurfaceVertex> vertices() const noexcept {
+    return surface_->vertices();
+  }
+  /// [setup] Ranges of vertices that contain all changes since the last call.
+  [[nodiscard]] const std::vector<deform::DeformedSurface::Range>& take_changes() {
     return surface_->take_changes();
   }
 
@@ -41,11 +44,11 @@ class OrganPicture final {
   void take_surface(geometry::TriangleMesh rest);
   void lower_onto(const ToolImprint& imprint, std::span<const deform::Indentation> indentations);
 
-  model::ReachParameters reach_;
+  model::FalloffRatios reach_;
   Detail detail_;
   geometry::TriangleMesh base_;
-  std::vector<Vec3> centres_;  // where the surface is finely divided
-  std::unique_ptr<deform::LiveSurface> surface_;
+  std::vector<Vec3> centres_;  // where the surface is refined
+  std::unique_ptr<deform::DeformedSurface> surface_;
 };
 
 }  // namespace palpate::render

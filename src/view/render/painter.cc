@@ -9,12 +9,12 @@
 namespace palpate::render {
 namespace {
 
-constexpr int kShadowSize = 2048;  // texels a side
+constexpr int kShadowSize = 2048;  // texels per side
 constexpr int kSoftShadowSize = 256;
 constexpr double kSoftShadowLift = 0.4e-3;  // m
-constexpr double kPenumbra = 0.018;         // of the picture's height at the target, radius
-constexpr double kOcclusionReach = 0.16;    // of the picture's height at the target
-constexpr double kNearShare = 0.02;         // near plane: share of the distance to the target
+constexpr double kPenumbra = 0.018;         // radius, as a fraction of the picture's height at the target
+constexpr double kOcclusionReach = 0.16;    // as a fraction of the picture's height at the target
+constexpr double kNearShare = 0.02;         // near plane, as a fraction of the distance to the target
 constexpr double kFarShare = 4.0;
 
 Eigen::Matrix4f look_along(const Vec3& right, const Vec3& up, const Vec3& back, const Vec3& origin) {
@@ -39,7 +39,7 @@ Eigen::Vector2f texel_of(const Target& target) {
 
 }  // namespace
 
-// Everything that the passes need to know of one picture.
+// Camera and light matrices of one picture.
 struct Painter::View {
   Vec3 eye, right, up, back;
   Vec3 key, fill, rim;
@@ -70,7 +70,7 @@ struct Painter::View {
     lens(3, 2) = -1.0F;
     projection = lens * look_along(right, up, back, eye);
 
-    // The light's map covers what is seen and lit, whichever is smaller, and no more.
+    // The shadow map covers what is both visible and lit.
     light_radius = std::min(region.radius, 1.1 * distance * std::hypot(half_height, half_width));
     const Vec3 middle = light_radius < region.radius ? camera.target : region.middle;
     const Vec3 light_right = up.cross(key).normalized();
@@ -81,10 +81,10 @@ struct Painter::View {
   }
 };
 
-// Shadow and occlusion of everything as it is now, and four samples a pixel.
+// For kFull: shadow and occlusion of everything in its current position, four samples per pixel.
 struct Painter::Still {
   Still(int width, int height)
-      : depth(shaders::place_vertex(), shaders::depth_fragment()),
+      : depth(shaders::position_vertex(), shaders::depth_fragment()),
         occlusion(shaders::fullscreen_vertex(), shaders::occlusion_fragment()),
         blur(shaders::fullscreen_vertex(), shaders::blur_fragment()),
         shadow(Target::Kind::kShadow, kShadowSize, kShadowSize),
@@ -103,12 +103,12 @@ struct Painter::Still {
   Target picture;
 };
 
-// The tools' soft shadow, a background drawn once, and edges smoothed at the end.
+// For moving pictures: soft shadow of the tools, a background drawn once, antialiasing at the end.
 struct Painter::Live {
   Live(int width, int height)
-      : moments(shaders::place_vertex(), shaders::moments_fragment()),
-        soften(shaders::fullscreen_vertex(), shaders::soften_fragment()),
-        smooth_edges(shaders::fullscreen_vertex(), shaders::smooth_edges_fragment()),
+      : moments(shaders::position_vertex(), shaders::moments_fragment()),
+        soften(shaders::fullscreen_vertex(), shaders::blur_moments_fragment()),
+        smooth_edges(shaders::fullscreen_vertex(), shaders::antialias_fragment()),
         copy(shaders::fullscreen_vertex(), shaders::copy_fragment()),
         shadow(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
         softer(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
@@ -126,7 +126,7 @@ struct Painter::Live {
   bool backdrop_drawn = false;
 };
 
-// How tissue and steel are drawn in one quality.
+// Shaders of tissue and steel in one quality.
 struct Painter::Materials {
   explicit Materials(Quality quality)
       : tissue(shaders::scene_vertex(quality), shaders::tissue_fragment(quality)),
@@ -136,7 +136,7 @@ struct Painter::Materials {
   Program steel;
 };
 
-Painter::Painter(const TissueLook& look, int width, int height, Quality quality)
+Painter::Painter(const TissueAppearance& look, int width, int height, Quality quality)
     : look_(look),
       quality_(quality),
       width_(width),
@@ -174,13 +174,13 @@ void Painter::resize(int width, int height) {
 
 void Painter::draw_tools(const Program& program) const {
   for (const auto& tool : tools_) {
-    program.set("model", matrix_of(tool->place_W));
+    program.set("model", matrix_of(tool->pose_W));
     tool->mesh.draw();
   }
 }
 
 void Painter::draw_scene(const Program& program) const {
-  program.set("model", matrix_of(organ_.place_W));
+  program.set("model", matrix_of(organ_.pose_W));
   organ_.mesh.draw();
   draw_tools(program);
 }
@@ -255,12 +255,12 @@ void Painter::draw_materials(const View& view, bool each_sample) {
   tissue.set("vessel_colour", look_.vessel);
   tissue.set("vessel_share", look_.vessel_share);
   tissue.set("map_range", static_cast<float>(map_range_));
-  tissue.set("model", matrix_of(organ_.place_W));
+  tissue.set("model", matrix_of(organ_.pose_W));
   organ_.mesh.draw();
   const Program& steel = materials()->steel;
   set_studio(steel, view);
   steel.set("map_range", 0.0F);
-  glDisable(GL_CULL_FACE);  // instruments need not be closed
+  glDisable(GL_CULL_FACE);  // meshes of instruments may be open
   if (each_sample) {
     glEnable(GL_SAMPLE_SHADING);
     glMinSampleShading(1.0F);
@@ -281,7 +281,7 @@ void Painter::draw_still(const View& view) {
   background_.use();
   nothing_.draw_fullscreen();
   glEnable(GL_DEPTH_TEST);
-  draw_materials(view, epoxy_gl_version() >= 40);  // fine teeth glitter when lit once a pixel
+  draw_materials(view, epoxy_gl_version() >= 40);  // per-sample shading, because fine teeth glitter otherwise
   still_->picture.resolve_to(resolved_);
 }
 
@@ -326,7 +326,7 @@ void Painter::draw_live(const View& view) {
   glClear(GL_DEPTH_BUFFER_BIT);
   live_->shadow.bind_texture(0);
   draw_materials(view, false);
-  // The background last, and only where nothing stands before it.
+  // The background last, only where nothing covers it.
   live_->backdrop.bind_texture(0);
   live_->copy.use();
   live_->copy.set("source", 0);
@@ -352,7 +352,7 @@ void Painter::draw_live(const View& view) {
 void Painter::draw(const Camera& camera, const LitRegion& region) {
   const View view(camera, static_cast<double>(width_) / height_, region);
   glEnable(GL_DEPTH_TEST);
-  glEnable(GL_CULL_FACE);  // an organ's inside is never drawn
+  glEnable(GL_CULL_FACE);  // the inside of an organ is never drawn
   glEnable(GL_MULTISAMPLE);
   if (quality_ == Quality::kFull) {
     draw_still(view);

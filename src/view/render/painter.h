@@ -6,59 +6,59 @@
 #include "palpate/offscreen.h"
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
-#include "view/render/tissue_look.h"
+#include "view/render/tissue_appearance.h"
 
 namespace palpate::render {
 
-/// A ball that holds what the light must reach. World frame.
+/// Bounding ball of what the light must cover. World frame.
 struct LitRegion {
   Vec3 middle = Vec3::Zero();
   double radius = 0.1;  // m
 };
 
-/// A mesh and where it is.
+/// A mesh and its pose.
 struct Solid {
   GpuMesh mesh;
-  Pose place_W;
+  Pose pose_W;
 };
 
-/// [setup] The framebuffer that is bound, from its upper left corner.
+/// [setup] Reads the bound framebuffer from its upper left corner.
 [[nodiscard]] Image read_pixels(int width, int height);
 
-/// Draws tissue and steel in a studio's light. All members: [setup], with the context current.
+/// Draws tissue and steel in studio lighting. All members: [setup], with the context current.
 class Painter final {
  public:
-  Painter(const TissueLook& look, int width, int height, Quality quality);
+  Painter(const TissueAppearance& look, int width, int height, Quality quality);
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  /// What to draw; kept until changed.
+  /// The organ to draw; kept between pictures.
   Solid& organ() noexcept { return organ_; }
   std::vector<std::unique_ptr<Solid>>& tools() noexcept { return tools_; }
-  /// Displacement [m] that the colour map over the organ spans; 0: the tissue's own colours.
+  /// Displacement [m] that the colour map covers; 0: natural colours.
   void set_map_range(double range) noexcept { map_range_ = range; }
-  /// Whether the studio's lamps are on, as they are at first.
+  /// Switches the studio lamps; initially on.
   void switch_lamps(bool on) noexcept { lamps_ = on; }
-  /// Shaders are kept: only the first time takes long.
+  /// Selects the quality. The first use of each compiles its shaders, which takes long; they are kept.
   void set_quality(Quality quality);
   [[nodiscard]] Quality quality() const noexcept { return quality_; }
 
   [[nodiscard]] Image paint(const Camera& camera, const LitRegion& region);
 
-  /// paint() in two steps: what was drawn stays until the next draw().
+  /// The two steps of paint(). The picture is kept until the next draw().
   void draw(const Camera& camera, const LitRegion& region);
   [[nodiscard]] Image read() const;
 
-  /// Copies what was drawn, stretched, to a rectangle of the window's own framebuffer [pixels, y up].
+  /// Copies the kept picture, scaled, to a rectangle of the window's framebuffer [pixels, y up].
   void show_at(int x, int y, int width, int height) const { resolved_.show_at(x, y, width, height); }
-  /// The size of all pictures from here on.
+  /// Sets the size of all further pictures.
   void resize(int width, int height);
 
  private:
   struct View;
-  struct Still;  // what kFull needs
-  struct Live;   // what the others need
+  struct Still;  // resources for kFull
+  struct Live;   // resources for the other qualities
   struct Materials;
   [[nodiscard]] std::unique_ptr<Materials>& materials() noexcept {
     return materials_[static_cast<std::size_t>(quality_)];
@@ -73,7 +73,7 @@ class Painter final {
   void draw_soft_shadow(const View& view);
   void draw_live(const View& view);
 
-  TissueLook look_;
+  TissueAppearance look_;
   Quality quality_;
   int width_;
   int height_;
@@ -81,9 +81,9 @@ class Painter final {
   bool lamps_ = true;
   Solid organ_;
   std::vector<std::unique_ptr<Solid>> tools_;
-  GpuMesh nothing_;  // OpenGL core draws nothing without a vertex array
+  GpuMesh nothing_;  // OpenGL core needs a bound vertex array for every draw
   Program background_;
-  std::array<std::unique_ptr<Materials>, 3> materials_;  // of each quality, once it was used
+  std::array<std::unique_ptr<Materials>, 3> materials_;  // one per quality, created at its first use
   std::unique_ptr<Still> still_;
   std::unique_ptr<Live> live_;
   Target resolved_;

@@ -21,7 +21,7 @@ void write_png(const Image& image, const std::filesystem::path& file) {
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
   header.format = PNG_FORMAT_RGB;
-  // png_image_write_to_file() would remove a device file that it cannot write to.
+  // png_image_write_to_file() would delete a device file that it cannot write to.
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::string encoded(size, '\0');
   if (png_image_write_to_memory(&header, encoded.data(), &size, 0, image.rgb.data(), 0, nullptr) == 0) {

@@ -5,10 +5,10 @@
 namespace palpate::render {
 namespace {
 
-constexpr double kShare = 0.15;  // of the newest picture in the running mean
-constexpr int kFewest = 12;      // pictures before a level is judged by their mean
-constexpr int kSlowInARow = 3;   // pictures over the budget: reason enough before that
-constexpr double kRoom = 0.6;    // of the budget: a level this cheap leaves room for the better one
+constexpr double kShare = 0.15;  // weight of the newest picture in the running mean
+constexpr int kFewest = 12;      // number of pictures before the mean is used
+constexpr int kSlowInARow = 3;   // consecutive pictures over the budget that lower the quality at once
+constexpr double kRoom = 0.6;    // of the budget: a mean below it allows a higher quality
 constexpr int kLongestWait = 120 * 32;
 
 Quality better(Quality q) { return static_cast<Quality>(static_cast<int>(q) - 1); }
@@ -26,7 +26,7 @@ void QualityChoice::add(double frame_ms) noexcept {
     now_ = cheaper(now_);
     seen_ = slow_ = 0;
     wait_ = next_wait_;
-    next_wait_ = std::min(2 * next_wait_, kLongestWait);  // each failure of a level makes it rarer
+    next_wait_ = std::min(2 * next_wait_, kLongestWait);  // each failure of a level doubles the wait
   } else if (judged && mean_ms_ < kRoom * budget_ms_ && now_ != best_ && wait_ == 0) {
     now_ = better(now_);
     seen_ = slow_ = 0;

@@ -1,4 +1,4 @@
-// The passes beside the materials: shadows, occlusion, edges, background.
+// Passes other than the materials: shadows, occlusion, antialiasing, background.
 #include "view/render/shader_pieces.h"
 #include "view/render/shaders.h"
 
@@ -58,7 +58,7 @@ void main() {
 )";
 }
 
-std::string place_vertex() {
+std::string position_vertex() {
   return std::string(kVersion) + R"(
 layout(location = 0) in vec3 position;
 uniform mat4 projection;
@@ -86,7 +86,7 @@ void main() { moments = vec2(gl_FragCoord.z, gl_FragCoord.z * gl_FragCoord.z); }
 )";
 }
 
-std::string soften_fragment() {
+std::string blur_moments_fragment() {
   return std::string(kVersion) + R"(
 out vec2 result;
 uniform sampler2D source;
@@ -106,7 +106,7 @@ void main() {
 }
 
 std::string occlusion_fragment() {
-  // Ambient obscurance from the depth picture (McGuire et al. 2011), 16 samples on a spiral.
+  // Ambient obscurance from the depth buffer (McGuire et al. 2011), 16 samples on a spiral.
   return std::string(kVersion) + kFinish + R"(
 in vec2 uv;
 out vec2 result;
@@ -173,8 +173,8 @@ void main() {
 )";
 }
 
-std::string smooth_edges_fragment() {
-  // Across an edge of brightness a pixel takes a share of its two neighbours there.
+std::string antialias_fragment() {
+  // Blends a pixel with its two neighbours across an edge in brightness.
   return std::string(kVersion) + R"(
 out vec4 pixel;
 uniform sampler2D source;

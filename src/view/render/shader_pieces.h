@@ -1,11 +1,11 @@
 #pragma once
 
-/// Pieces of GLSL that several shaders of the picture share. Internal to render.
+/// GLSL code shared by several shaders. Internal to render.
 namespace palpate::render::shaders {
 
 inline const char* const kVersion = "#version 330 core\n";
 
-// Film-like tone curve (Narkowicz 2015), sRGB transfer and a dither of one step against bands.
+// Filmic tone curve (Narkowicz 2015), sRGB transfer function and a dither of one step against banding.
 inline const char* const kFinish = R"(
 float dither_value(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))); }
 vec3 finish(vec3 colour) {
@@ -17,7 +17,7 @@ vec3 finish(vec3 colour) {
 }
 )";
 
-// The studio's lamps, fixed to the camera: key, fill and rim lights and the light from everywhere.
+// The studio lamps, fixed to the camera: key, fill, rim and ambient light.
 inline const char* const kLamps = R"(
 uniform vec3 eye;
 uniform vec3 rig_right;

@@ -1,4 +1,4 @@
-// The materials: tissue and steel in the studio's light.
+// The materials: tissue and steel in studio lighting.
 #include "view/render/shaders.h"
 
 #include "view/render/shader_pieces.h"
@@ -6,7 +6,7 @@
 namespace palpate::render::shaders {
 namespace {
 
-// Smooth noise of a point: value in -1..1 and its gradient, quintic between hashed lattice values.
+// Smooth noise at a point: value in -1..1 and gradient; quintic interpolation of hashed lattice values.
 const char* const kNoise = R"(
 // Hashed values -1..1 at the eight corners of a cell; x first, then y; low and high in z.
 vec4 hashed(uvec4 h) {
@@ -57,7 +57,7 @@ float noise_value(vec3 p) {
 }
 )";
 
-// The studio: camera-fixed key, fill and rim lights and what a mirror would see.
+// The studio: camera-fixed key, fill and rim lights and the environment for reflections.
 const char* const kStudio = R"(
 in vec3 p_W;
 in vec3 n_W;

@@ -26,7 +26,7 @@ float smoothstep(float from, float to, float x) {
   return t * t * (3.0F - 2.0F * t);
 }
 
-Vector3f turned(const Vector3f& s) {  // so that no pattern follows the mesh's axes
+Vector3f turned(const Vector3f& s) {  // rotation, so that patterns do not align with the mesh's axes
   return {0.36F * s.x() - 0.80F * s.y() + 0.48F * s.z(), 0.48F * s.x() + 0.60F * s.y() + 0.64F * s.z(),
           -0.80F * s.x() + 0.60F * s.z()};
 }
@@ -37,7 +37,7 @@ std::uint8_t byte_of(float share) {
 
 Vector3f shifted(const Vector3f& p, float by) { return p + Vector3f::Constant(by); }
 
-StillVertex pattern_at(const Vector3f& rest, const TissueLook& look, float sky) {
+StaticVertex pattern_at(const Vector3f& rest, const TissueAppearance& look, float sky) {
   const Vector3f s = turned(rest);
   const Vector3f bend = 0.55F * smooth_noise(turned(s) * look.vessel_per_m * 1.7F).gradient;
   const float patches = 0.62F * smooth_noise(s * look.mottle_per_m * 0.35F).value +
@@ -47,10 +47,11 @@ StillVertex pattern_at(const Vector3f& rest, const TissueLook& look, float sky) 
       smooth_noise(shifted(s * look.vessel_per_m * 0.9F, 71.0F) + 0.25F * bend).value + 0.35F * patches;
   const float fat = look.fat_share * smoothstep(0.22F, 0.62F, pads);
   colour += (look.fat - colour) * fat;
-  // Vessels run here and there, and thin out: the width is a pattern of its own, wider than they are long.
+  // Vessels occur in regions and become thin towards their ends: their width follows a pattern of its own
+  // with a longer wavelength.
   const float region = smooth_noise(shifted(s * look.vessel_per_m * 0.45F, 31.0F)).value;
   const float width = smoothstep(-0.35F, 0.65F, region + 0.25F * pads);
-  StillVertex vertex;
+  StaticVertex vertex;
   vertex.rest = rest;
   for (Eigen::Index k = 0; k < 3; ++k)
     vertex.colour[static_cast<std::size_t>(k)] = byte_of(std::sqrt(colour[k]));
@@ -60,11 +61,11 @@ StillVertex pattern_at(const Vector3f& rest, const TissueLook& look, float sky) 
   return vertex;
 }
 
-constexpr int kSides = 40;       // directions the sky is looked at from
-constexpr int kMapSide = 160;    // depth samples
-constexpr float kLift = 0.012F;  // of the blocker's size: what hides nearer than this does not count
+constexpr int kSides = 40;       // directions from which the sky is sampled
+constexpr int kMapSide = 160;    // depth samples per side
+constexpr float kLift = 0.012F;  // of the blocker's size: geometry closer than this does not hide the sky
 
-// The blocker's nearest surface seen along a direction.
+// Depth map of the blocker along one direction.
 class PatternDepth final {
  public:
   PatternDepth(const Vector3f& towards, const Vector3f& middle, float radius)
@@ -82,7 +83,7 @@ class PatternDepth final {
 
   void draw(const Vector3f& a, const Vector3f& b, const Vector3f& c) {
     const float area = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
-    if (area <= 0.0F) return;  // faces away
+    if (area <= 0.0F) return;  // faces away from the sky direction
     const int last_x = std::min(kMapSide - 1, static_cast<int>(std::max({a.x(), b.x(), c.x()})));
     const int last_y = std::min(kMapSide - 1, static_cast<int>(std::max({a.y(), b.y(), c.y()})));
     for (int i = std::max(0, static_cast<int>(std::ceil(std::min({a.x(), b.x(), c.x()})))); i <= last_x;
@@ -100,7 +101,7 @@ class PatternDepth final {
     }
   }
 
-  // Share of four samples around a place that are not higher than it by more than `lift`.
+  // Fraction of four samples around a position that are not higher than it by more than `lift`.
   [[nodiscard]] float open_at(const Vector3f& place, float lift) const {
     const int i = std::clamp(static_cast<int>(place.x()), 0, kMapSide - 2);
     const int j = std::clamp(static_cast<int>(place.y()), 0, kMapSide - 2);
@@ -128,7 +129,7 @@ NoiseValue smooth_noise(const Vector3f& p) {
   const Eigen::Array3f a = f.array();
   const Eigen::Array3f s = a * a * a * (a * (a * 6.0F - 15.0F) + 10.0F);
   const Eigen::Array3f ds = 30.0F * a * a * (a * (a - 2.0F) + 1.0F);
-  std::array<std::array<std::array<float, 2>, 2>, 2> v{};  // by z, y, x
+  std::array<std::array<std::array<float, 2>, 2>, 2> v{};  // lattice values, indexed by z, y, x
   for (int z = 0; z < 2; ++z)
     for (int y = 0; y < 2; ++y)
       for (int x = 0; x < 2; ++x)
@@ -147,7 +148,7 @@ NoiseValue smooth_noise(const Vector3f& p) {
   return noise;
 }
 
-std::vector<float> sky_in_sight(const geometry::TriangleMesh& mesh, const geometry::TriangleMesh& blocker) {
+std::vector<float> sky_visibility(const geometry::TriangleMesh& mesh, const geometry::TriangleMesh& blocker) {
   const geometry::Bounds box = geometry::bounds(blocker);
   const Vector3f middle = box.middle().cast<float>();
   const float radius = std::max(1e-6F, 0.5F * static_cast<float>(box.size().norm()));
@@ -158,7 +159,7 @@ std::vector<float> sky_in_sight(const geometry::TriangleMesh& mesh, const geomet
   std::vector<float> all(mesh.vertices.size(), 0.0F);
   std::vector<Vector3f> placed(corners.size());
   for (int side = 0; side < kSides; ++side) {
-    // Evenly over the sphere (Fibonacci's spiral).
+    // Uniform directions on the sphere (Fibonacci spiral).
     const float z = 1.0F - (2.0F * static_cast<float>(side) + 1.0F) / kSides;
     const float turn = 2.39996323F * static_cast<float>(side);
     const float level = std::sqrt(std::max(0.0F, 1.0F - z * z));
@@ -180,9 +181,9 @@ std::vector<float> sky_in_sight(const geometry::TriangleMesh& mesh, const geomet
   return open;
 }
 
-std::vector<StillVertex> tissue_pattern(const geometry::TriangleMesh& rest, const TissueLook& look) {
-  const std::vector<float> sky = sky_in_sight(rest, rest);
-  std::vector<StillVertex> vertices;
+std::vector<StaticVertex> tissue_pattern(const geometry::TriangleMesh& rest, const TissueAppearance& look) {
+  const std::vector<float> sky = sky_visibility(rest, rest);
+  std::vector<StaticVertex> vertices;
   vertices.reserve(rest.vertices.size());
   for (std::size_t v = 0; v < rest.vertices.size(); ++v)
     vertices.push_back(pattern_at(rest.vertices[v].cast<float>(), look, sky[v]));

@@ -8,18 +8,22 @@ namespace palpate::render {
 namespace {
 
 constexpr float kCell = 0.4e-3F;                                   // m
-constexpr float kHalf = 0.5F * DepthMap::kSide;                    // cells
+constexpr float kHalf = 0.5F * DepthMap::kSide;                    // half the side, in cells
 constexpr float kFadeFrom = 12e-3F;                                // m from the contact's axis: full effect
-constexpr auto kFadeTo = static_cast<float>(ToolImprint::kReach);  // m: none
-constexpr float kSlope = 2.5F;                                     // of the skirt, depth over distance
-constexpr int kRounds = 6;                                         // of 3 x 3 cells: evens out 0.8 mm
-constexpr float kOnset = 0.5e-3F;  // m: a vertex this high above the imprint is lowered by half of it
-constexpr float kFacing = 0.3F;    // cosine between surface and direction from which the effect is full
+                                                                   // up to here
+constexpr auto kFadeTo = static_cast<float>(ToolImprint::kReach);  // m: no effect from here on
+constexpr float kSlope = 2.5F;                                     // of the slope beside the tool, depth over
+                                                                   // distance
+constexpr int kRounds = 6;                                         // of smoothing over 3 x 3 cells: 0.8 mm in
+                                                                   // total
+constexpr float kOnset = 0.5e-3F;  // m: a vertex this far above the imprint is lowered by half of this
+constexpr float kFacing = 0.3F;    // cosine between surface and direction above which the effect is full
 
-constexpr double kMapReach = 0.71 * DepthMap::kSide * 0.4e-3;  // m: half the map's diagonal
-constexpr std::size_t kGroup = 96;                             // corners of a group of triangles
-constexpr double kShared = 8e-3;                               // m: contacts this near to one another ...
-constexpr double kSameWay = 0.94;  // ... whose directions differ by under 20 degrees
+constexpr double kMapReach = 0.71 * DepthMap::kSide * 0.4e-3;  // m: half the diagonal of the map
+constexpr std::size_t kGroup = 96;                             // corners per group of triangles
+constexpr double kShared = 8e-3;                               // m: contacts closer than this share an
+                                                               // imprint ...
+constexpr double kSameWay = 0.94;  // ... if their directions differ by less than 20 degrees
 
 float ramp(float x) {
   const float t = std::clamp(x, 0.0F, 1.0F);
@@ -44,7 +48,7 @@ ToolImprint::ToolImprint(std::span<const Vec3> triangles, const Vec3& point, con
   for (std::size_t i = 0; i + 2 < triangles.size(); i += 3)
     map_.add_triangle(in_map(triangles[i]), in_map(triangles[i + 1]), in_map(triangles[i + 2]), depth_);
   map_.add_slopes(kSlope * kCell);
-  map_.even_out(kRounds);
+  map_.smooth(kRounds);
 }
 
 float ToolImprint::lowering(const Eigen::Vector3f& now, const Eigen::Vector3f& rest,
@@ -54,7 +58,7 @@ float ToolImprint::lowering(const Eigen::Vector3f& now, const Eigen::Vector3f& r
   const float v = offset.dot(column_);
   const float squared = u * u + v * v;
   constexpr float kLargest = kFadeTo / kCell;
-  if (!(squared < kLargest * kLargest)) return 0.0F;  // so all cells used below are in the map
+  if (!(squared < kLargest * kLargest)) return 0.0F;  // so that all cells used below are inside the map
   const float x = u + kHalf;
   const float y = v + kHalf;
   const int i = static_cast<int>(x);
@@ -65,7 +69,7 @@ float ToolImprint::lowering(const Eigen::Vector3f& now, const Eigen::Vector3f& r
     return (1.0F - s) * ((1.0F - t) * a + t * b) + s * ((1.0F - t) * c + t * d);
   };
   const float imprint = between(map_.at(i, j), map_.at(i, j + 1), map_.at(i + 1, j), map_.at(i + 1, j + 1));
-  const float room = depth_ - (now - rest).dot(down_);  // never moved by more than D in all
+  const float room = depth_ - (now - rest).dot(down_);  // never displaced by more than D in total
   const float above = imprint - offset.dot(down_);
   const float wanted = std::min(above, room);
   if (!(wanted > 0.0F)) return 0.0F;
@@ -73,7 +77,7 @@ float ToolImprint::lowering(const Eigen::Vector3f& now, const Eigen::Vector3f& r
   const float share =
       ramp((kFadeTo - off_axis) / (kFadeTo - kFadeFrom)) * ramp(-rest_normal.dot(down_) / kFacing);
   if (slope != nullptr) {
-    // Of the imprint by differences over two cells, which a light shows as smooth.
+    // Differences over two cells give a gradient that looks smooth when shaded.
     const auto rise_u = [this](int a, int b) { return map_.at(a + 1, b) - map_.at(a - 1, b); };
     const auto rise_v = [this](int a, int b) { return map_.at(a, b + 1) - map_.at(a, b - 1); };
     const float along_u = between(rise_u(i, j), rise_u(i, j + 1), rise_u(i + 1, j), rise_u(i + 1, j + 1));
@@ -120,7 +124,7 @@ void ToolShape::append_near(const Pose& handle_S, double gripper, const Vec3& po
 
 namespace {
 
-// The deepest press contacts of a hand, without those that one before them stands for.
+// The deepest press contacts of a hand, without those that share the imprint of a deeper one.
 std::vector<const contact::ContactView*> leading_presses(const contact::ToolResult& result) {
   std::vector<const contact::ContactView*> presses;
   for (int i = 0; i < std::min(result.view_count, contact::kMaxViews); ++i) {
@@ -151,7 +155,7 @@ std::vector<ToolImprint> imprints_of(const haptics::Snapshot& snapshot, std::spa
   std::vector<Vec3> corners;
   for (std::size_t hand = 0; hand < hands; ++hand) {
     for (const contact::ContactView* press : leading_presses(snapshot.results[hand])) {
-      // The map's corners are half its diagonal away; what lies deeper than D counts, too.
+      // The corners of the map are half its diagonal away; triangles deeper than D count as well.
       corners.clear();
       shapes[hand].append_near(organ_from_world * snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper,
                                press->point_S, kMapReach + press->depth, corners);

@@ -8,35 +8,35 @@
 
 namespace palpate::render {
 
-/// How deep a tool reaches around one press contact: a map over the plane across the contact's direction,
-/// within 17 mm of its axis, continued beside the tool by a slope of 2.5 and evened out over 0.8 mm.
+/// Imprint of a tool around one press contact: a depth map over the plane perpendicular to the contact's
+/// direction, within 17 mm of its axis, continued beside the tool by a slope of 2.5 and smoothed over 0.8 mm.
 ///
-/// The profile of model.md section 3 knows the tool's radius at one point only; a jaw that lies on the organ
-/// would be drawn half buried. So vertices above the imprint are lowered towards it along the contact's
-/// direction (all but the last 0.5 mm of the way), never by more than the contact's depth in all, and only
-/// where the rest surface faces the tool.
+/// The displacement profile of model.md section 3 uses the tool's radius at one point only, so a jaw that
+/// lies on the organ would be drawn half buried. Vertices above the imprint are therefore lowered onto it
+/// along the contact's direction (except for the last 0.5 mm), by at most the contact's depth in total, and
+/// only where the rest surface faces the tool.
 class ToolImprint final {
  public:
   /// [setup] @param triangles corners of the tool's triangles, three each, organ frame [m]
-  /// @param depth D [m]: the imprint is never deeper
+  /// @param depth D [m], the largest depth of the imprint
   ToolImprint(std::span<const Vec3> triangles, const Vec3& point, const Vec3& direction, double depth);
 
-  /// [setup] How far [m] a vertex is to be lowered further along the direction; 0 where the tool is not.
-  /// @param now where it is, @param rest where it was, @param rest_normal unit. Organ frame.
-  /// @param slope if not null: how that changes with `now`, without unit
+  /// [setup] Additional displacement [m] of a vertex along the direction; 0 outside the imprint. Organ frame.
+  /// @param now displaced position @param rest rest position @param rest_normal unit normal at rest
+  /// @param slope if not null: receives the gradient of the result by `now`, dimensionless
   [[nodiscard]] float lowering(const Eigen::Vector3f& now, const Eigen::Vector3f& rest,
                                const Eigen::Vector3f& rest_normal, Eigen::Vector3f* slope = nullptr) const;
 
-  /// [any] Where the contact is and where it goes, organ frame.
+  /// [any] Position and direction of the contact, organ frame.
   [[nodiscard]] const Vec3& point() const noexcept { return point_; }
   [[nodiscard]] const Vec3& direction() const noexcept { return direction_; }
-  /// Vertices farther than this [m] from the contact's axis are left as they are.
+  /// Range of the effect: distance [m] from the contact's axis.
   static constexpr double kReach = 17e-3;
 
  private:
   Vec3 point_;
   Vec3 direction_;
-  // The plane across the direction, in the map's cells, and the direction; single precision.
+  // The plane in cells of the map, and the direction; single precision.
   Eigen::Vector3f origin_;
   Eigen::Vector3f row_;
   Eigen::Vector3f column_;
@@ -45,21 +45,22 @@ class ToolImprint final {
   DepthMap map_;
 };
 
-/// An instrument's triangles in small groups, so that those far from a contact are passed over together.
+/// An instrument's triangles in small groups with bounding balls, so that distant groups are skipped.
 class ToolShape final {
  public:
-  /// [setup] Copies what it needs.
+  /// [setup] Copies the tool's triangles.
   explicit ToolShape(const geometry::Tool& tool);
 
-  /// [setup] Appends the corners, three a triangle, of the triangles that may come within `radius` [m] of a
-  /// point. @param handle_S the handle's pose in the frame of the point and of the corners
+  /// [setup] Appends the corners (three per triangle) of the triangles that may lie within `radius` [m] of a
+  /// point.
+  /// @param handle_S pose of the handle in the frame of the point and of the corners
   void append_near(const Pose& handle_S, double gripper, const Vec3& point, double radius,
                    std::vector<Vec3>& corners) const;
 
  private:
   struct Group {
-    std::size_t first = 0;  // corner
-    std::size_t count = 0;  // corners
+    std::size_t first = 0;  // first corner
+    std::size_t count = 0;  // number of corners
     Vec3 middle = Vec3::Zero();
     double radius = 0.0;  // m
   };
@@ -71,8 +72,8 @@ class ToolShape final {
   std::vector<Part> parts_;
 };
 
-/// [setup] The imprints of the press contacts of a snapshot; contacts of one hand that are near one another
-/// and go the same way share one, about the deepest of them. @param shapes of the hands' tools, in order
+/// [setup] Imprints of the press contacts of a snapshot. Contacts of one hand that are close together and
+/// have similar directions share the imprint of the deepest one. @param shapes of the hands' tools, in order
 [[nodiscard]] std::vector<ToolImprint> imprints_of(const haptics::Snapshot& snapshot,
                                                    std::span<const ToolShape> shapes);
 

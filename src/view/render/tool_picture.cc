@@ -8,8 +8,9 @@ namespace palpate::render {
 namespace {
 
 constexpr double kToolCreaseDeg = 40.0;
-constexpr double kLargestBend = 8.0 * std::numbers::pi / 180.0;  // between the ends of an edge as drawn
-constexpr double kShortestToolEdge = 0.3e-3;                     // m: shorter ones are not split
+constexpr double kLargestBend = 8.0 * std::numbers::pi / 180.0;  // largest angle between the normals at the
+                                                                 // ends of a displayed edge
+constexpr double kShortestToolEdge = 0.3e-3;                     // m: shorter edges are not split
 
 }  // namespace
 
@@ -25,20 +26,20 @@ ToolPicture::ToolPicture(const geometry::Tool& tool) {
   }
 }
 
-std::vector<deform::LiveVertex> ToolPicture::corners(std::size_t part) const {
+std::vector<deform::SurfaceVertex> ToolPicture::corners(std::size_t part) const {
   const Part& drawn = parts_.at(part);
-  std::vector<deform::LiveVertex> corners;
+  std::vector<deform::SurfaceVertex> corners;
   for (const geometry::Triangle& t : drawn.part.mesh.triangles) {
     for (const std::int32_t v : t) {
       const Vec3& p = drawn.part.mesh.vertices[static_cast<std::size_t>(v)];
       corners.push_back(
-          deform::LiveVertex{p.cast<float>(), drawn.normals[corners.size()].cast<float>(), 0.0F});
+          deform::SurfaceVertex{p.cast<float>(), drawn.normals[corners.size()].cast<float>(), 0.0F});
     }
   }
   return corners;
 }
 
-Pose ToolPicture::place(std::size_t part, const Pose& handle_W, double gripper) const {
+Pose ToolPicture::part_pose(std::size_t part, const Pose& handle_W, double gripper) const {
   return handle_W * geometry::part_pose(parts_.at(part).part, gripper);
 }
 

@@ -25,29 +25,29 @@ bool touching(const haptics::TickRow& row) {
 
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
 
-Moments find_moments(const std::vector<haptics::TickRow>& rows, model::Direction direction) {
-  Moments moments;
-  moments.after = rows.size() - 1;
+KeyTicks find_key_ticks(const std::vector<haptics::TickRow>& rows, model::Direction direction) {
+  KeyTicks key_ticks;
+  key_ticks.after = rows.size() - 1;
   std::size_t nearest = 0;
   bool deep = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].distance < rows[nearest].distance) nearest = i;
-    if (!moments.contact && touching(rows[i])) {
-      moments.contact = true;
-      moments.touch = i;
+    if (!key_ticks.contact && touching(rows[i])) {
+      key_ticks.contact = true;
+      key_ticks.touch = i;
     }
-    if (in_contact(rows[i], direction) && (!deep || rows[i].depth > rows[moments.deepest].depth)) {
+    if (in_contact(rows[i], direction) && (!deep || rows[i].depth > rows[key_ticks.deepest].depth)) {
       deep = true;
-      moments.deepest = i;
+      key_ticks.deepest = i;
     }
   }
-  if (!moments.contact) {
-    moments.touch = nearest;
+  if (!key_ticks.contact) {
+    key_ticks.touch = nearest;
   } else {
-    moments.rest = moments.touch / 2;
+    key_ticks.rest = key_ticks.touch / 2;
   }
-  if (!deep) moments.deepest = moments.touch;
-  return moments;
+  if (!deep) key_ticks.deepest = key_ticks.touch;
+  return key_ticks;
 }
 
 LawDeparture departure(const std::vector<haptics::TickRow>& rows, const record::Recording& recording,
@@ -64,17 +64,18 @@ LawDeparture departure(const std::vector<haptics::TickRow>& rows, const record::
   return {apart.size(), quantile(apart, 0.5), quantile(apart, 0.95), peak};
 }
 
-/// Tick from which the noise is another than at the start.
+/// First tick after a change of the noise.
 std::uint64_t first_noise_change(const record::Recording& recording) {
-  for (const haptics::LiveChange& change : recording.changes) {
+  for (const haptics::ParameterUpdate& change : recording.changes) {
     if ((change.what & haptics::kNoiseChanged) != 0) return change.tick;
   }
   return std::numeric_limits<std::uint64_t>::max();
 }
 
-/// The noise of the rows before it was changed, if it was: then its strength goes over bit by bit.
+/// Collects the noise of the rows before its first change, because afterwards a crossfade changes its gain
+/// gradually.
 void collect_noise(HandAnalysis& analysis, const record::Recording& recording) {
-  const scene::Setup& setup = recording.setup;
+  const scene::Scene& setup = recording.setup;
   if (!setup.noise.enabled) return;
   const noise::TouchNoise source(setup.noise, setup.rate_Hz);
   analysis.contact_sigma = source.sigma(0.0);
@@ -101,7 +102,7 @@ HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand
   for (const haptics::TickRow& row : recording.rows) {
     if (row.hand == hand) result.rows.push_back(row);
   }
-  result.moments = find_moments(result.rows, direction);
+  result.key_ticks = find_key_ticks(result.rows, direction);
   const haptics::TickRow* previous = nullptr;
   for (const haptics::TickRow& row : result.rows) {
     if (touching(row)) result.peak_depth = std::max(result.peak_depth, row.depth);
@@ -119,9 +120,9 @@ HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand
   return result;
 }
 
-/// What the loop counted, which also offline runs have and no lost row lacks; where a recording was cut off,
-/// or is older than those counts, the rows.
-TimeAnalysis time_analysis(const record::TimeHistogram& counted, const record::TimeFigures& figures,
+/// Prefers the loop's own counts, which exist for offline runs too and include lost rows. Recordings that
+/// were cut off or lack the counts use the rows.
+TimeAnalysis time_analysis(const record::TimeHistogram& counted, const record::TimeStatistics& figures,
                            std::vector<std::int64_t> of_rows) {
   if (!counted.empty()) {
     std::uint64_t number = 0;
@@ -142,7 +143,7 @@ std::string moment(const haptics::TickRow& row) {
 
 }  // namespace
 
-model::SpringLaw law_of(const scene::Setup& setup, model::Direction direction) {
+model::SpringLaw law_of(const scene::Scene& setup, model::Direction direction) {
   return {setup.tissue, direction, 1.0 / setup.rate_Hz};
 }
 
@@ -184,7 +185,7 @@ Analysis analyse(const record::Recording& recording) {
   return analysis;
 }
 
-std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& rows) {
+std::vector<std::string> faults_text(const std::vector<haptics::TickRow>& rows) {
   std::vector<std::string> words;
   std::uint32_t latched = 0;
   for (const haptics::TickRow& row : rows) {
@@ -195,12 +196,12 @@ std::vector<std::string> faults_in_words(const std::vector<haptics::TickRow>& ro
     if (latched == 0) continue;
     const auto fault = static_cast<haptics::Fault>(latched);
     words.push_back(fmt::format("fault at {}: {} ({}); zero force from there on", moment(row),
-                                haptics::words_of(fault), haptics::name_of(fault)));
+                                haptics::describe(fault), haptics::name_of(fault)));
   }
   return words;
 }
 
-std::vector<std::string> status_in_words(const std::vector<haptics::TickRow>& rows) {
+std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) {
   static constexpr std::array<std::pair<std::uint32_t, const char*>, 10> kWords{{
       {contact::kStartedInside, "a part of the tool was inside at the start and gave no force until outside"},
       {contact::kContactsFull, "more than four contacts wanted on one part"},

@@ -17,8 +17,8 @@
 namespace palpate::report {
 namespace {
 
-constexpr std::size_t kMostPoints = 2500;  // a line has no more, so that the page stays small
-constexpr std::size_t kMostMarkers = 300;  // a scatter has no more, so that the curve beneath is seen
+constexpr std::size_t kMaxPoints = 2500;   // per line, to keep the page small
+constexpr std::size_t kMostMarkers = 300;  // per scatter plot, so that the curve beneath stays visible
 constexpr std::size_t kLongestSegment = 1024;
 constexpr std::size_t kShortestSegment = 64;
 
@@ -46,7 +46,7 @@ double device_force(const haptics::TickRow& row) {
   return std::hypot(row.force[0], row.force[1], row.force[2]);
 }
 
-/// Outline of a histogram: x, share of all values a bin.
+/// Outline of a histogram: x, fraction of all values in a bin.
 PlotData steps(const Bins& bins, double scale, const std::string& name) {
   PlotData data{name, {}};
   for (std::size_t i = 0; i < bins.counts.size(); ++i) {
@@ -55,20 +55,21 @@ PlotData steps(const Bins& bins, double scale, const std::string& name) {
   return data;
 }
 
-/// How far the organ is from its rest pose, for a plot.
-struct OrganWay {
-  PlotData data{"organ.dat", {}};  // s; x, y, z of its middle [mm]; turned [degrees]
-  std::vector<std::size_t> lines;  // columns of `data` in which something moves, from 1
-  double turned = 0.0;             // most [degrees]
+/// Displacement of the organ from its rest pose, for a plot.
+struct OrganMotionPlot {
+  PlotData data{"organ.dat", {}};  // s; x, y, z of its centre [mm]; rotation [degrees]
+  std::vector<std::size_t> lines;  // columns of `data` that vary, counted from 1
+  double turned = 0.0;             // largest rotation [degrees]
   bool turns = false;
 };
 
 constexpr std::size_t kTurnColumn = 4;
 
-OrganWay organ_way(const HandAnalysis& hand, const scene::Setup& setup, std::size_t stride) {
+OrganMotionPlot organ_motion_plot(const HandAnalysis& hand, const scene::Scene& setup, std::size_t stride) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
-  constexpr std::array<double, 5> kNothing = {0.0, 1e-3, 1e-3, 1e-3, 1e-2};  // mm, degrees
-  OrganWay way;
+  constexpr std::array<double, 5> kNothing = {0.0, 1e-3, 1e-3, 1e-3, 1e-2};  // mm, degrees: below this a
+                                                                             // column is constant
+  OrganMotionPlot way;
   const model::OrganMotion motion = scene::organ_motion_of(setup);
   if (!motion.moves()) return way;
   const Vec3 middle_S = geometry::bounds(setup.organ).middle();
@@ -93,11 +94,11 @@ std::string panel(const std::string& bottom, const std::string& top) {
   return fmt::format("set bmargin at screen {}\nset tmargin at screen {}\n", bottom, top);
 }
 
-/// Draws the organ's way and leaves no setting of its own behind.
-std::string organ_panel(const OrganWay& way) {
+/// Draws the organ's motion; resets the gnuplot settings that it changes.
+std::string organ_panel(const OrganMotionPlot& way) {
   static constexpr std::array<const char*, 5> kTitles = {"", "x", "y", "z", "turned (°, right)"};
   static constexpr std::array<const char*, 5> kColours = {"", kOrange, kBlue, kGreen, kGrey};
-  // Room above the lines for their names.
+  // Leaves room above the lines for their names.
   std::string script =
       "set ylabel 'organ (mm)' offset 1\nset yrange [*:*]\nset offsets 0,0,graph 0.25,0\n"
       "set key top right horizontal\n";
@@ -115,24 +116,24 @@ std::string organ_panel(const OrganWay& way) {
 
 }  // namespace
 
-Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
+Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
                       const std::filesystem::path& file) {
   PlotData data{"rows.dat", {}};
-  const std::size_t stride = stride_for(hand.rows.size(), kMostPoints);
+  const std::size_t stride = stride_for(hand.rows.size(), kMaxPoints);
   for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
     const haptics::TickRow& row = hand.rows[i];
     data.rows.push_back({row.time, row.depth * kMilli, row.tissue_force, device_force(row)});
   }
-  const OrganWay way = organ_way(hand, setup, stride);
+  const OrganMotionPlot way = organ_motion_plot(hand, setup, stride);
   const bool moving = !way.lines.empty();
   const double end = std::max(hand.rows.back().time, 1e-3);
   std::string script = preamble(860, moving ? 720 : 520, kKey);
   script +=
       fmt::format("set multiplot\nset lmargin at screen 0.095\nset rmargin at screen {}\nset xrange [0:{}]\n",
                   way.turns ? "0.925" : "0.985", shortest(end));
-  if (hand.moments.contact) {
-    script += vertical(hand.rows[hand.moments.touch].time, "contact", "0.95");
-    script += vertical(hand.rows[hand.moments.deepest].time, "deepest", "0.95");
+  if (hand.key_ticks.contact) {
+    script += vertical(hand.rows[hand.key_ticks.touch].time, "contact", "0.95");
+    script += vertical(hand.rows[hand.key_ticks.deepest].time, "deepest", "0.95");
   }
   script += moving ? panel("0.71", "0.98") : panel("0.585", "0.975");
   script += "set format x ''\nset ylabel 'depth (mm)' offset 1\nset yrange [0:1<*]\nset key off\n";
@@ -147,11 +148,11 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
       "lines lw 2 lc {} title 'tissue'\n"
       "unset multiplot\n",
       quoted(kGrey), quoted(kOrange));
-  Figure figure{file, moving ? "Depth, the organ's way and force over time in seconds"
+  Figure figure{file, moving ? "Depth, motion of the organ and force over time in seconds"
                              : "Depth in millimetres and force in newtons over time in seconds"};
   figure.caption =
-      moving ? "Depth of the contact with the largest force (above), how far the organ's middle is from its "
-               "place at rest (middle) and force (below) over time. Dashed: first contact and deepest tick."
+      moving ? "Depth of the contact with the largest force (above), displacement of the organ's centre "
+               "(middle) and force (below) over time. Dashed: first contact and deepest tick."
              : "Depth of the contact with the largest force (above) and force (below) over time. Dashed: "
                "first contact and deepest tick.";
   return drawn(figure, script, {data, way.data});
@@ -159,7 +160,7 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Setup& setup,
 
 Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, model::Direction direction,
                 const std::filesystem::path& file) {
-  const scene::Setup& setup = recording.setup;
+  const scene::Scene& setup = recording.setup;
   const model::SpringLaw law = law_of(setup, direction);
   PlotData in{"in.dat", {}};
   PlotData out{"out.dat", {}};
@@ -169,7 +170,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
     const haptics::TickRow& row = hand.rows[i];
     if (!in_contact(row, direction)) continue;
     deepest = std::max(deepest, row.depth);
-    (i <= hand.moments.deepest ? in : out).rows.push_back({row.depth * kMilli, normal_force(row)});
+    (i <= hand.key_ticks.deepest ? in : out).rows.push_back({row.depth * kMilli, normal_force(row)});
   }
   PlotData curve{"law.dat", {}};
   constexpr int kCurvePoints = 400;
@@ -204,7 +205,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
   return drawn(figure, script, {curve, in, out});
 }
 
-Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
+Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& setup,
                            const std::filesystem::path& file) {
   Figure figure{file, "Power spectral density of the touch noise over frequency"};
   const bool contact = hand.contact_noise.size() >= 4 * kShortestSegment;
@@ -220,7 +221,8 @@ Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Setup& setup,
   const double scale = contact ? kMilli * kMilli : 1.0;
   const double sigma = contact ? hand.contact_sigma : 1.0;
   const double flat = 2.0 * sigma * sigma / rate * scale;
-  // Half-overlapping Hann segments: the variance of the mean is about (1 + 2/36) / segments of one segment's.
+  // 95 % band. For half-overlapping Hann segments the variance of the mean is about (1 + 2/36) / segments of
+  // that of one segment.
   const double spread = 1.96 * std::sqrt(1.0556 / static_cast<double>(spectrum.segments));
   PlotData data{"spectrum.dat", {}};
   for (std::size_t i = 1; i + 1 < spectrum.density.size(); ++i) {

@@ -16,7 +16,7 @@
 namespace palpate::report {
 namespace {
 
-/// Force, then what is left of it. Columns: x, measured, fitted, low, high.
+/// Upper panel: force; lower panel: residuals. Columns: x, measured, fitted, low, high.
 std::string script(bool over_time, double largest_residual) {
   const std::string upper = fmt::format(
       R"(set ylabel 'force, N'; set yrange [*<0:*]; set autoscale yfixmin
@@ -88,9 +88,10 @@ void write_summary(Page& page, const std::vector<identify::SpecimenFit>& fits,
               {"seed", std::to_string(settings.seed)}});
   TableRows rows = {{"specimen", "points", "error", "on points left out", "k1, N/m", "beta", "q", "L1, mm"}};
   for (const identify::SpecimenFit& fit : fits) {
-    rows.push_back({escaped(fit.name), std::to_string(fit.points), percent(fit.nrmse), percent(fit.leave_out),
-                    brief(fit.estimates[0].value), brief(fit.estimates[1].value),
-                    brief(fit.estimates[2].value), brief(fit.estimates[3].value / kMillimetre)});
+    rows.push_back({escaped(fit.name), std::to_string(fit.points), percent(fit.nrmse),
+                    percent(fit.cross_validation), brief(fit.estimates[0].value),
+                    brief(fit.estimates[1].value), brief(fit.estimates[2].value),
+                    brief(fit.estimates[3].value / kMillimetre)});
   }
   page.table(rows);
   page.paragraph("Errors are root mean squares over each specimen's range of force.");

@@ -8,11 +8,11 @@
 
 namespace palpate::report {
 
-/// [setup] Writes `folder`/report.html (self-contained) and its figures as files: what was fitted, a picture
-/// a specimen (data, fitted curve with its band, residuals), parameters with their intervals, warnings, and a
-/// picture a sweep.
-/// @param command the command line that made it
-/// @return path of report.html. @throws InputError when the folder cannot be written.
+/// [setup] Writes `folder`/report.html (self-contained) and its figures as files: settings of the fit, a
+/// figure per specimen (data, fitted curve with its band, residuals), parameters with intervals, warnings, a
+/// figure per sweep.
+/// @param command the command line of the fit @return path of report.html. @throws InputError when the folder
+/// cannot be written.
 std::filesystem::path write_fit_report(const std::vector<identify::SpecimenFit>& fits,
                                        const identify::PooledFit& pooled,
                                        const std::vector<identify::Sweep>& sweeps,

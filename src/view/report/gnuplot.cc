@@ -42,7 +42,7 @@ std::string read_text(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Runs `program figure.gp` in `folder`, its words going to errors.txt there. @return exit status.
+/// Runs `program figure.gp` in `folder`, with its messages in errors.txt there. @return exit status.
 int run_in(const std::filesystem::path& folder, const std::string& program) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);

@@ -22,14 +22,14 @@ namespace {
 
 using Colour = std::array<double, 3>;
 
-constexpr Colour kLineBefore = {0.0, 114.0, 178.0};  // as kBlue
-constexpr Colour kLineAfter = {213.0, 94.0, 0.0};    // as kOrange
+constexpr Colour kLineBefore = {0.0, 114.0, 178.0};  // equal to kBlue
+constexpr Colour kLineAfter = {213.0, 94.0, 0.0};    // equal to kOrange
 constexpr Colour kWhite = {255.0, 255.0, 255.0};
-constexpr int kWidest = 1200;  // pixels of a figure
+constexpr int kWidest = 1200;  // pixels: largest width of a figure
 
 std::string digits(double value) { return brief(value, 3); }
 
-/// Every so many-th pixel of the photograph both ways, so that it is a figure, and how many.
+/// Downsamples a photograph to the size of a figure; `factor` gets the number of pixels per pixel.
 render::Image as_figure(const imaging::Picture& picture, int& factor) {
   factor = (picture.width + kWidest - 1) / kWidest;
   render::Image image;
@@ -46,7 +46,7 @@ render::Image as_figure(const imaging::Picture& picture, int& factor) {
   return image;
 }
 
-/// One column of a line `half` pixels thick either way, smooth at its rims.
+/// Draws one column of a line that extends `half` pixels up and down, with antialiased edges.
 void draw_column(render::Image& image, double x, double y, double half, const Colour& colour,
                  double strength) {
   const auto column = static_cast<int>(std::lround(x));
@@ -62,14 +62,14 @@ void draw_column(render::Image& image, double x, double y, double half, const Co
   }
 }
 
-/// A line with a light rim, so that it shows on dark and bright; `dash`: so many columns on and off, 0: none.
+/// Draws a line with a light border, visible on dark and bright. `dash`: columns on and off, 0: solid.
 void draw_line(render::Image& image, const std::vector<std::pair<double, double>>& points,
                const Colour& colour, int dash) {
   for (const bool rim : {true, false}) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto [x, y] = points[i];
       if (dash > 0 && static_cast<int>(x) / dash % 2 == 1) continue;
-      double steep = 0.0;  // a steep line is drawn as thick across
+      double steep = 0.0;  // keeps the width of a steep line constant
       if (i > 0 && points[i].first - points[i - 1].first < 2.5) steep = std::abs(y - points[i - 1].second);
       const double half = (rim ? 2.2 : 1.1) + 0.5 * std::min(steep, 6.0);
       draw_column(image, x, y, half, rim ? kWhite : colour, rim ? 0.55 : 1.0);
@@ -107,7 +107,7 @@ Figure photograph(const ImageSet& set, bool second, const std::filesystem::path&
           "Where nothing is drawn the edge cannot be trusted."};
 }
 
-/// r, u, uncertainty, computed; r < 0 left of the centre [mm].
+/// r [mm] (negative left of the centre), u, uncertainty, computed.
 std::vector<std::vector<double>> rows_of(const ImageSet& set) {
   std::vector<std::vector<double>> rows;
   std::vector<imaging::ImagePoint> points = set.measured.points;
@@ -119,7 +119,7 @@ std::vector<std::vector<double>> rows_of(const ImageSet& set) {
                     points[i].uncertainty / kMillimetre, set.comparison.computed[i] / kMillimetre});
   }
   sort_by_x(rows);
-  // a row without numbers ends a line where a stretch is hidden
+  // a row of NaN interrupts the line where a stretch is hidden
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const double gap = 8.0 * set.settings.pixel / kMillimetre;
   std::vector<std::vector<double>> broken;
@@ -158,7 +158,7 @@ std::string image_text(const ImageSet& set) {
       "pictures: {} places, uncertain by {} mm ({} px); confidence {} of 100, {}; the model lies within the "
       "uncertainty at {} of them{}\n",
       measured.points.size(), digits(measured.uncertainty / kMillimetre),
-      digits(measured.uncertainty / pixel), measured.confidence, measured.confidence_words,
+      digits(measured.uncertainty / pixel), measured.confidence, measured.confidence_text,
       percent(set.within_uncertainty, 1),
       set.depth_fitted ? "; the tool hides the deepest place: the depth is the one that suits the line best"
                        : "");
@@ -172,7 +172,7 @@ void write_image_section(Page& page, const ImageSet& set, const std::filesystem:
                        draw_profile(set, folder / "image-profile.svg")});
   constexpr double kDegree = 0.017453292519943295;
   page.facts(
-      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_words))},
+      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_text))},
        {"scale", digits(set.settings.pixel / kMillimetre) + " mm a pixel"},
        {"uncertain by (95 %, median)",
         fmt::format("{} mm, {} pixels", digits(measured.uncertainty / kMillimetre),

@@ -10,18 +10,18 @@
 namespace palpate::report {
 namespace {
 
-std::string noise_in_words(const haptics::LiveNoise& noise) {
+std::string noise_text(const haptics::LiveNoise& noise) {
   if (!noise.enabled) return "touch noise off";
   return fmt::format("touch noise on, K {} N m, d\u2080 {} mm", shortest(noise.gain),
                      shortest(noise.threshold / kMillimetre));
 }
 
-std::string tissue_in_words(const model::TissueParameters& tissue) {
+std::string tissue_text(const model::TissueParameters& tissue) {
   std::string text =
       fmt::format("tissue {}, {}: k1 {} N/m, beta {}, q {}", tissue.name, model::to_string(tissue.law),
                   shortest(tissue.k1), shortest(tissue.beta), shortest(tissue.q));
   for (const model::RelaxationTerm& term : tissue.relaxation) {
-    text += fmt::format(", relaxing by {} in {} s", shortest(term.share), shortest(term.time));
+    text += fmt::format(", relaxing by {} in {} s", shortest(term.g), shortest(term.tau));
   }
   return text;
 }
@@ -39,13 +39,13 @@ void LawOverTime::change_to(const model::TissueParameters& tissue) {
   const model::Relaxation before = relaxation_;
   law_ = model::SpringLaw(tissue, direction_, period_);
   relaxation_ = model::Relaxation(tissue.relaxation, period_);
-  relaxation_.take_over(memory_, before);
+  relaxation_.convert_history(memory_, before);
 }
 
 double LawOverTime::force_at(const haptics::TickRow& row) {
-  const std::vector<haptics::LiveChange>& changes = recording_.changes;
+  const std::vector<haptics::ParameterUpdate>& changes = recording_.changes;
   for (; next_change_ < changes.size() && changes[next_change_].tick <= row.tick; ++next_change_) {
-    const haptics::LiveChange& change = changes[next_change_];
+    const haptics::ParameterUpdate& change = changes[next_change_];
     if ((change.what & haptics::kTissueChanged) != 0) change_to(tissue_of(change));
   }
   if (!in_contact(row, direction_)) {
@@ -55,19 +55,19 @@ double LawOverTime::force_at(const haptics::TickRow& row) {
   return relaxation_.next(memory_, law_.force_at(row.depth).force);
 }
 
-std::vector<std::string> changes_in_words(const record::Recording& recording) {
+std::vector<std::string> changes_text(const record::Recording& recording) {
   constexpr std::size_t kMostTold = 20;
   std::vector<std::string> words;
-  for (const haptics::LiveChange& change : recording.changes) {
+  for (const haptics::ParameterUpdate& change : recording.changes) {
     if (words.size() == kMostTold) {
       words.push_back(fmt::format("and {} more changes while it ran", recording.changes.size() - kMostTold));
       break;
     }
     const double time = static_cast<double>(change.tick) / recording.setup.rate_Hz;
-    words.push_back(
-        fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick, fixed(time, 3),
-                    (change.what & haptics::kTissueChanged) != 0 ? tissue_in_words(tissue_of(change))
-                                                                 : noise_in_words(change.noise)));
+    words.push_back(fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick,
+                                fixed(time, 3),
+                                (change.what & haptics::kTissueChanged) != 0 ? tissue_text(tissue_of(change))
+                                                                             : noise_text(change.noise)));
   }
   return words;
 }

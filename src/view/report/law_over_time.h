@@ -7,14 +7,14 @@
 
 namespace palpate::report {
 
-/// The force that one contact should have had at each tick of a recording: the law in force then, with its
-/// relaxation from where the contact began.
+/// Expected force of a single contact at each tick of a recording: the law valid at that tick, with
+/// relaxation since the contact began.
 class LawOverTime final {
  public:
-  /// [setup] @param recording outlives this @throws ParameterError for a recorded tissue that is none
+  /// [setup] @param recording must outlive this object @throws ParameterError for an invalid recorded tissue
   LawOverTime(const record::Recording& recording, model::Direction direction);
 
-  /// [setup] Of one hand's rows, in order, one call a row. @return N; 0 out of contact
+  /// [setup] Expected force [N] of a row; 0 out of contact. Call it once per row of one hand, in order.
   double force_at(const haptics::TickRow& row);
 
  private:
@@ -29,7 +29,7 @@ class LawOverTime final {
   std::size_t next_change_ = 0;
 };
 
-/// [setup] Each change to tissue or noise that a recording holds, in words.
-[[nodiscard]] std::vector<std::string> changes_in_words(const record::Recording& recording);
+/// [setup] Describes each parameter update of tissue or noise in a recording.
+[[nodiscard]] std::vector<std::string> changes_text(const record::Recording& recording);
 
 }  // namespace palpate::report

@@ -23,17 +23,17 @@ struct NamedMoment {
   std::size_t row;
 };
 
-std::array<NamedMoment, 4> named(const Moments& moments) {
-  return {{{"before contact", "1-before", moments.rest},
-           {moments.contact ? "at contact" : "at its nearest", "2-contact", moments.touch},
-           {"at depth", "3-depth", moments.deepest},
-           {"after", "4-after", moments.after}}};
+std::array<NamedMoment, 4> named(const KeyTicks& moments) {
+  return {{{"before contact", "1-before", key_ticks.rest},
+           {key_ticks.contact ? "at contact" : "at its nearest", "2-contact", key_ticks.touch},
+           {"at depth", "3-depth", key_ticks.deepest},
+           {"after", "4-after", key_ticks.after}}};
 }
 
-/// The snapshots of the moments, in their order; the same tick may come twice.
+/// Snapshots at the given moments, in their order; a tick may occur twice.
 std::vector<haptics::Snapshot> take_snapshots(const record::Recording& recording, const HandAnalysis& hand) {
   std::vector<std::uint64_t> ticks;
-  for (const NamedMoment& moment : named(hand.moments)) ticks.push_back(hand.rows[moment.row].tick);
+  for (const NamedMoment& moment : named(hand.key_ticks)) ticks.push_back(hand.rows[moment.row].tick);
   std::vector<std::uint64_t> ascending = ticks;
   std::sort(ascending.begin(), ascending.end());
   ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
@@ -57,7 +57,7 @@ double median_draw_ms(render::OffscreenRenderer& renderer, const haptics::Snapsh
   return quantile(times, 0.5);
 }
 
-/// The mean of every two by two pixels.
+/// Averages blocks of two by two pixels.
 render::Image halved(const render::Image& image) {
   render::Image small;
   small.width = image.width / 2;
@@ -76,7 +76,7 @@ render::Image halved(const render::Image& image) {
   return small;
 }
 
-/// The camera farther back, so that a moving organ stays in the picture.
+/// Moves the camera back, so that a moving organ stays in the picture.
 render::Camera with_room(render::Camera camera, const render::Subject& subject,
                          const std::vector<model::OrganMotionParameters>& motions) {
   double way = 0.0;
@@ -86,11 +86,11 @@ render::Camera with_room(render::Camera camera, const render::Subject& subject,
   return camera;
 }
 
-/// @param organ_moved m, of the organ's middle from its place at rest
+/// @param organ_moved m, displacement of the organ's centre from its rest position
 std::string caption_of(std::string text, const haptics::TickRow& row, double organ_moved) {
   text[0] = static_cast<char>(text[0] - 'a' + 'A');
   text += ": " + fixed(row.time, 3) + " s";
-  constexpr double kMoved = 0.05e-3;  // m: what is told to a tenth of a millimetre
+  constexpr double kMoved = 0.05e-3;  // m: smallest displacement in a caption
   if (organ_moved > kMoved) text += ", organ " + fixed(organ_moved * kMilli, 1) + " mm from rest";
   if (row.phase == 0) return fmt::format("{}, {} mm away", text, fixed(row.distance * kMilli, 1));
   return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(row.depth * kMilli, 2),
@@ -106,18 +106,18 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
               const std::filesystem::path& folder, const std::string& prefix, const ReportOptions& options,
               PictureSet& set) {
   const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
-  const scene::Setup& setup = recording.setup;
+  const scene::Scene& setup = recording.setup;
   const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
   render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
   set.driver = renderer.driver();
   set.width = options.picture_width;
   set.height = options.picture_height;
 
-  // The same two places for all moments, chosen at depth, so that only organ and tool move between pictures.
+  // The same two cameras for all moments, chosen at the largest depth, so that only organ and tool differ.
   const haptics::Snapshot& deepest = snapshots[2];
   const contact::ToolResult& result = deepest.results[hand.hand];
-  const Vec3 focus = hand.moments.contact ? result.contact_W : result.nearest_W;
-  const Vec3 normal = hand.moments.contact ? result.normal_W : result.away_W;
+  const Vec3 focus = hand.key_ticks.contact ? result.contact_W : result.nearest_W;
+  const Vec3 normal = hand.key_ticks.contact ? result.normal_W : result.away_W;
   const render::Camera near = render::frame_contact(subject, deepest, focus, normal, true);
   const render::Camera wide =
       with_room(render::frame_contact(subject, deepest, focus, normal, false), subject, setup.organ_motion);
@@ -125,7 +125,7 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
 
   const Vec3 middle = geometry::bounds(setup.organ).middle();
   std::size_t i = 0;
-  for (const NamedMoment& moment : named(hand.moments)) {
+  for (const NamedMoment& moment : named(hand.key_ticks)) {
     const std::string what = setup.organ_name + " and tool " + moment.name;
     const double moved = (snapshots[i].organ_W * middle - setup.organ_pose * middle).norm();
     const auto file = [&](const char* end) { return folder / (prefix + moment.file + end); };

@@ -15,18 +15,19 @@ namespace palpate::report {
 struct PictureSet {
   std::vector<Figure> overviews;  // before contact, at contact, at depth, after
   std::vector<Figure> close_ups;
-  std::string driver;         // OpenGL's name of what drew them
-  double draw_ms = 0.0;       // median time of one picture
+  std::string driver;         // OpenGL's name of the renderer
+  double draw_ms = 0.0;       // median rendering time of a picture
   int width = 0;              // pixels
   int height = 0;             // pixels
-  int contacts_at_depth = 0;  // of hand 0, at its deepest tick
-  std::string missing;        // why there are none, in words; empty: they are there
+  int contacts_at_depth = 0;  // number of contacts of hand 0 at its deepest tick
+  std::string missing;        // reason why there are no pictures; empty: they exist
 };
 
-/// [setup] Runs the recording again and draws organ and tool at rest, at contact, at depth and at the end,
-/// each as overview and close-up, all from the same two places, into PNG files in `folder` that begin with
-/// `prefix`. Overviews are halved, which smooths them. Without OpenGL there is no picture and `missing` says
-/// why. @throws InputError when a file cannot be written.
+/// [setup] Replays the recording and renders organ and tool before contact, at contact, at the largest depth
+/// and at the end, each as overview and close-up. Each kind uses one fixed camera. Writes PNG files into
+/// `folder`, with names that begin with `prefix`. Overviews are rendered at double size and averaged. Without
+/// OpenGL there are no pictures and `missing` gives the reason. @throws InputError when a file cannot be
+/// written.
 [[nodiscard]] PictureSet draw_pictures(const record::Recording& recording, const HandAnalysis& hand,
                                        const std::filesystem::path& folder, const std::string& prefix,
                                        const ReportOptions& options);

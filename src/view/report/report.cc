@@ -12,11 +12,11 @@ namespace {
 
 using Progress = std::function<void(double, const std::string&)>;
 
-WorkedExperiment work_out(const Experiment& experiment, const std::filesystem::path& folder,
-                          std::size_t number, const ReportOptions& options, const Progress& progress) {
+ExperimentResults work_out(const Experiment& experiment, const std::filesystem::path& folder,
+                           std::size_t number, const ReportOptions& options, const Progress& progress) {
   const record::Recording& recording = *experiment.recording;
   const std::string prefix = std::to_string(number) + "-";
-  WorkedExperiment worked;
+  ExperimentResults worked;
   worked.experiment = &experiment;
   worked.analysis = analyse(recording);
   progress(0.1, "pictures of organ and tool");
@@ -47,7 +47,7 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
                                    const ReportOptions& options) {
   make_report_folder(folder);
   const double share = 1.0 / (static_cast<double>(experiments.size()) + 0.1);
-  std::vector<WorkedExperiment> all;
+  std::vector<ExperimentResults> all;
   for (const Experiment& experiment : experiments) {
     const auto done = static_cast<double>(all.size());
     const Progress part = [&](double fraction, const std::string& what) {
@@ -62,7 +62,7 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
   Page page(title, subtitle);
   write_summary(page, all);
   std::size_t number = 0;
-  for (const WorkedExperiment& worked : all) write_experiment(page, worked, ++number);
+  for (const ExperimentResults& worked : all) write_experiment(page, worked, ++number);
   write_comparison(page, all);
   std::filesystem::path file = page.write(folder);
   if (progress) progress(1.0, "report");

@@ -12,18 +12,18 @@
 namespace palpate::report {
 namespace {
 
-constexpr double kGoalDepth = 10e-3;   // m, both experiments of the demo
+constexpr double kGoalDepth = 10e-3;   // m, of both experiments of the demo
 constexpr double kPaperForceNs = 1e6;  // "under 1 ms a force" [Zhang 2011, section 3.2]
 
 std::string microseconds(std::int64_t ns) { return fixed(static_cast<double>(ns) * 1e-3, 1); }
 
-/// Whether the recording tells how long ticks took; an offline one does when it was closed in good order.
+/// Whether the recording has tick times; an offline one has them when it was closed properly.
 bool is_timed(const Analysis& analysis) { return analysis.tick_time.figures.max > 0; }
 
-bool is_pull(const WorkedExperiment& worked) { return worked.analysis.direction == model::Direction::kPull; }
+bool is_pull(const ExperimentResults& worked) { return worked.analysis.direction == model::Direction::kPull; }
 
-/// The hand that went deepest.
-const HandAnalysis& main_hand(const WorkedExperiment& worked) {
+/// The hand with the largest depth.
+const HandAnalysis& main_hand(const ExperimentResults& worked) {
   return *std::max_element(
       worked.analysis.hands.begin(), worked.analysis.hands.end(),
       [](const HandAnalysis& a, const HandAnalysis& b) { return a.peak_depth < b.peak_depth; });
@@ -51,7 +51,8 @@ std::string noise_mark(const NormalCheck& check) {
   const double count = static_cast<double>(check.count);
   const double mean_bound = 4.0 / std::sqrt(count);
   const double deviation_bound = 4.0 / std::sqrt(2.0 * count);
-  const double ks_bound = 1.95 / std::sqrt(count);  // passed by 999 of 1000 normal samples
+  const double ks_bound = 1.95 / std::sqrt(count);  // bound of the Kolmogorov-Smirnov statistic that 999 of
+                                                    // 1000 normal samples pass
   const bool met = std::abs(check.mean) <= mean_bound &&
                    std::abs(check.standard_deviation - 1.0) <= deviation_bound &&
                    check.ks_distance <= ks_bound;
@@ -69,7 +70,7 @@ std::string all_faults(const Analysis& analysis) {
   std::string text;
   std::size_t told = 0;
   for (const HandAnalysis& hand : analysis.hands) {
-    for (const std::string& words : faults_in_words(hand.rows)) {
+    for (const std::string& words : faults_text(hand.rows)) {
       if (++told > kMostTold) continue;
       text += fmt::format("{}{}: {}", text.empty() ? "Hand " : "; hand ", hand.hand, words);
     }
@@ -78,8 +79,8 @@ std::string all_faults(const Analysis& analysis) {
   return text.empty() ? text : escaped(text + ".");
 }
 
-/// What came out, in words, each with its mark.
-std::vector<std::string> marks_of(const WorkedExperiment& worked) {
+/// The results in sentences, each marked as met or not.
+std::vector<std::string> marks_of(const ExperimentResults& worked) {
   const Analysis& analysis = worked.analysis;
   const HandAnalysis& hand = main_hand(worked);
   const record::Recording& recording = *worked.experiment->recording;
@@ -147,7 +148,7 @@ void write_hand(Page& page, const HandAnalysis& hand, const HandFigures& figures
   page.figures("two", {figures.noise_spectrum, figures.noise_histogram});
 }
 
-void write_timing(Page& page, const WorkedExperiment& worked) {
+void write_timing(Page& page, const ExperimentResults& worked) {
   const Analysis& analysis = worked.analysis;
   const bool offline = worked.experiment->recording->facts.offline;
   page.heading("Timing");
@@ -187,10 +188,10 @@ std::string tool_count(const std::vector<geometry::Tool>& tools) {
   return fmt::format("{} vertices, {} triangles", grouped(vertices), grouped(triangles));
 }
 
-/// The paper's figure beside ours, one experiment. [Zhang 2011, section 3]
-TableRows comparison(const WorkedExperiment& worked) {
+/// Results of the paper beside these, for one experiment. [Zhang 2011, section 3]
+TableRows comparison(const ExperimentResults& worked) {
   const bool pull = is_pull(worked);
-  const scene::Setup& setup = worked.experiment->recording->setup;
+  const scene::Scene& setup = worked.experiment->recording->setup;
   const Percentiles& tick = worked.analysis.tick_time.figures;
   constexpr double kNewtonPerCentimetre = 1e-2;  // in 1 N/m
   return {
@@ -218,12 +219,12 @@ TableRows comparison(const WorkedExperiment& worked) {
 
 }  // namespace
 
-void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
+void write_summary(Page& page, const std::vector<ExperimentResults>& all) {
   page.section("summary", "What came out");
   TableRows rows{{"experiment", "largest depth", "largest tissue force", "tick p50 / p99",
                   "lateness p50 / p99", "missed deadlines"}};
   std::size_t number = 0;
-  for (const WorkedExperiment& worked : all) {
+  for (const ExperimentResults& worked : all) {
     const bool offline = worked.experiment->recording->facts.offline;
     const HandAnalysis& hand = main_hand(worked);
     const Analysis& analysis = worked.analysis;
@@ -239,13 +240,13 @@ void write_summary(Page& page, const std::vector<WorkedExperiment>& all) {
          offline ? "offline" : grouped(analysis.missed) + " of " + grouped(analysis.ticks)});
   }
   page.table(rows);
-  for (const WorkedExperiment& worked : all) {
+  for (const ExperimentResults& worked : all) {
     if (all.size() > 1) page.heading(worked.experiment->title);
     page.html_list(marks_of(worked), "marks");
   }
 }
 
-void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t number) {
+void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number) {
   page.section(anchor(number), worked.experiment->title);
   write_what_was_run(page, worked);
   write_pictures(page, worked.pictures);
@@ -255,12 +256,12 @@ void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t nu
   write_timing(page, worked);
 }
 
-void write_comparison(Page& page, const std::vector<WorkedExperiment>& all) {
+void write_comparison(Page& page, const std::vector<ExperimentResults>& all) {
   page.section("paper", "Beside the paper");
   page.paragraph(
       "X. Zhang, W. Sun, A. Song, J. Li, J. Liu: Enhanced haptic model for real-time "
       "human-computer interaction, 2011. Its figures are of its own machine of that time.");
-  for (const WorkedExperiment& worked : all) page.table(comparison(worked));
+  for (const ExperimentResults& worked : all) page.table(comparison(worked));
 }
 
 }  // namespace palpate::report

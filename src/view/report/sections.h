@@ -17,8 +17,8 @@ struct HandFigures {
   Figure noise_histogram;
 };
 
-/// One experiment with all that the page shows of it.
-struct WorkedExperiment {
+/// An experiment with its results, figures and pictures.
+struct ExperimentResults {
   const Experiment* experiment = nullptr;
   Analysis analysis;
   PictureSet pictures;
@@ -27,14 +27,13 @@ struct WorkedExperiment {
   Figure lateness;
 };
 
-/// [setup] Title and what came out, in one table and in words.
-void write_summary(Page& page, const std::vector<WorkedExperiment>& all);
-/// [setup] One experiment in full. @param number from 1
-void write_experiment(Page& page, const WorkedExperiment& worked, std::size_t number);
-/// [setup] The paper's own figures beside ours.
-void write_comparison(Page& page, const std::vector<WorkedExperiment>& all);
-/// [setup] Everything that was run: scene, organ, tissue with all parameters, tool, device, noise, limits,
-/// machine.
-void write_what_was_run(Page& page, const WorkedExperiment& worked);
+/// [setup] Title and results, as a table and a list.
+void write_summary(Page& page, const std::vector<ExperimentResults>& all);
+/// [setup] One experiment in full. @param number counts from 1
+void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number);
+/// [setup] The results of the paper beside these.
+void write_comparison(Page& page, const std::vector<ExperimentResults>& all);
+/// [setup] Conditions of the run: scene, organ, tissue parameters, tool, device, noise, limits, machine.
+void write_what_was_run(Page& page, const ExperimentResults& worked);
 
 }  // namespace palpate::report

@@ -18,7 +18,7 @@
 namespace palpate::report {
 namespace {
 
-/// @param times how often each value was met; empty: once each
+/// @param times multiplicity of each value; empty: 1 each
 void count_into(Bins& bins, std::span<const double> values, std::span<const std::uint64_t> times = {}) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double value = values[i];

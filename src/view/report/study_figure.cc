@@ -28,8 +28,8 @@ constexpr std::size_t kNoAxis = static_cast<std::size_t>(-1);
 struct View {
   std::size_t x_axis = 0;
   std::size_t trace_axis = kNoAxis;
-  std::vector<std::string> trace_values = {""};  // at most kMostTraces of its axis, evenly chosen
-  std::string held;                              // the other axes with the values that they are shown at
+  std::vector<std::string> trace_values = {""};  // at most kMostTraces values of its axis, evenly chosen
+  std::string held;                              // the other axes with their fixed values
 };
 
 View view_of(const study::SweepResult& sweep) {
@@ -56,8 +56,8 @@ View view_of(const study::SweepResult& sweep) {
   return view;
 }
 
-/// Where a value stands along x: itself, or, of a text, its number from 0.
-double place_of(const study::Axis& axis, const std::string& value) {
+/// Position of a value on the x axis: the number, or the index of a text, counted from 0.
+double axis_position(const study::Axis& axis, const std::string& value) {
   if (axis.number()) return parse_number(value).value();
   return static_cast<double>(std::find(axis.values.begin(), axis.values.end(), value) - axis.values.begin());
 }
@@ -75,8 +75,8 @@ std::vector<double> points_of(const study::SweepRow& row, double x) {
   return numbers;
 }
 
-/// Two tables for each value that has a trace: of the runs with contact, and of those that missed the organ.
-/// Columns: x, then the quantities of kShown.
+/// Two tables per curve: runs with contact, and runs that missed the organ. Columns: x, then the quantities
+/// of kShown.
 std::vector<PlotData> tables_of(const study::SweepResult& sweep, const View& view) {
   std::vector<PlotData> tables;
   for (const std::string& value : view.trace_values) {
@@ -90,7 +90,7 @@ std::vector<PlotData> tables_of(const study::SweepResult& sweep, const View& vie
       }
       if (!shown) continue;
       (row.missed_contact ? missed : touched)
-          .rows.push_back(points_of(row, place_of(sweep.axes[view.x_axis], row.settings[view.x_axis])));
+          .rows.push_back(points_of(row, axis_position(sweep.axes[view.x_axis], row.settings[view.x_axis])));
     }
     for (PlotData* table : {&touched, &missed}) {
       std::sort(table->rows.begin(), table->rows.end());
@@ -115,7 +115,7 @@ std::string x_axis_script(const study::Axis& axis) {
   }
   if (!axis.number())
     script += fmt::format("set xtics ({})\nset xrange [-0.5:{}.5]\n", tics, axis.values.size() - 1);
-  // even steps of the logarithm, as :log makes them
+  // detect logarithmic steps, as :log makes them
   if (axis.number() && axis.values.size() > 2) {
     const double first = *parse_number(axis.values[0]);
     const double ratio = *parse_number(axis.values[1]) / first;
@@ -126,7 +126,7 @@ std::string x_axis_script(const study::Axis& axis) {
   return script;
 }
 
-/// One pane a quantity; the values of the traces stand on the right, what is held above.
+/// One panel per quantity; the values of the curves are at the right, fixed values at the top.
 std::string script_of(const std::vector<PlotData>& tables, const View& view,
                       const study::SweepResult& sweep) {
   const bool several = view.trace_axis != kNoAxis;

@@ -6,11 +6,11 @@
 
 namespace palpate::report {
 
-/// [setup] Draws peak tissue force, depth at that peak, loading work and dissipated energy of a sweep with
-/// gnuplot to `file` (SVG): over the first axis of several values, a trace a value of the second, at most
-/// eight, at the first value of all others. Runs that failed are left out; those that missed the organ are
-/// crosses.
-/// @return why there is no figure, in words; empty: it is there. @throws InputError when it cannot be written
+/// [setup] Draws the results of a sweep with gnuplot to `file` (SVG): peak tissue force, depth at that peak,
+/// loading work and dissipated energy. The x axis is the first swept axis with several values; each value of
+/// the second one is a curve (at most eight); all other axes are at their first value. Failed runs are
+/// omitted; runs without contact are crosses.
+/// @return reason why there is no figure; empty: it exists. @throws InputError when it cannot be written
 [[nodiscard]] std::string draw_sweep(const study::SweepResult& sweep, const std::filesystem::path& file);
 
 }  // namespace palpate::report

@@ -26,7 +26,7 @@ std::string axis_name(std::size_t parameter) {
   return names[parameter];
 }
 
-/// An axis from `low` to `high`: with a logarithm over a factor 3, its tics 1, 2 and 5 times a power of ten.
+/// An axis from `low` to `high`: logarithmic beyond a factor 3, with tics at 1, 2 and 5 times powers of ten.
 std::string axis(const std::string& name, double low, double high) {
   constexpr double kLogarithmFrom = 3.0;
   std::string text = fmt::format("set {}range [{}:{}]\n", name, shortest(low), shortest(high));
@@ -47,8 +47,8 @@ std::string where(const identify::Sweep& sweep) {
   return sweep.specimen.empty() ? std::string("all together") : sweep.specimen;
 }
 
-/// Over the value that was held: error, then the other parameters as factors of the fit's own. Columns:
-/// value, error in percent, the same where the data leave it, four factors.
+/// Plots over the fixed value: the error, and the other parameters relative to the fit. Columns: value, error
+/// in percent, error within the confidence set, four ratios.
 std::string script(const identify::Sweep& sweep, double most, double lowest, double highest) {
   const double unit = identify::labels(0)[sweep.parameter].unit;
   const std::string upper = fmt::format(
@@ -71,7 +71,7 @@ plot 1 with lines lw 1 lc rgb '#555555' notitle)",
   return two_panes(560, "top center horizontal samplen 2 noopaque", 0.49, upper, lower);
 }
 
-/// The fitted parameters nearest to the fit's own value, which the others are told against.
+/// The swept point nearest to the fit, to which the other parameters are related.
 const identify::SweepPoint& nearest(const identify::Sweep& sweep) {
   return *std::min_element(sweep.points.begin(), sweep.points.end(),
                            [&sweep](const identify::SweepPoint& a, const identify::SweepPoint& b) {
@@ -82,7 +82,7 @@ const identify::SweepPoint& nearest(const identify::Sweep& sweep) {
 Figure draw(const identify::Sweep& sweep, const std::filesystem::path& file) {
   const identify::ParameterLabel label = identify::labels(0)[sweep.parameter];
   const identify::SweepPoint& centre = nearest(sweep);
-  constexpr double kRoom = 1.15;  // factor beside the lines
+  constexpr double kRoom = 1.15;  // margin of an axis, as a factor
   std::vector<std::vector<double>> rows;
   double most = 100.0 * sweep.best_nrmse;
   double lowest = 1.0;
@@ -123,9 +123,8 @@ void write_sweeps(Page& page, const std::vector<identify::Sweep>& sweeps,
   if (sweeps.empty()) return;
   page.section("sweeps", "Sweeps");
   page.paragraph(
-      "A parameter is held at value after value, each time with all others fitted again. A flat line says "
-      "that the "
-      "data do not tell this parameter: others stand in for it.");
+      "A parameter is fixed at a series of values, and all others are fitted again at each. A flat line "
+      "means that the data do not determine this parameter: others compensate it.");
   TableRows rows = {{"parameter", "of", "within the swept range"}};
   for (const identify::Sweep& sweep : sweeps) {
     rows.push_back(

@@ -7,9 +7,8 @@
 
 namespace palpate::report {
 
-/// [setup] A section with a picture of each sweep: error over the value that was held, the values that the
-/// data leave, and where the other parameters go. Writes sweep-1.svg and on into `folder`. Nothing for no
-/// sweeps.
+/// [setup] Adds a section with a figure per sweep: error over the fixed value, the confidence set, and the
+/// other parameters. Writes sweep-1.svg and so on into `folder`. Adds nothing when there are no sweeps.
 void write_sweeps(Page& page, const std::vector<identify::Sweep>& sweeps,
                   const std::filesystem::path& folder);
 

@@ -7,19 +7,19 @@ namespace palpate::report {
 
 inline constexpr double kMilli = 1e3;  // m to mm, N to mN
 
-/// [any] `value` with `digits` decimals, whatever the locale.
+/// [any] `value` with `digits` decimals, independent of the locale.
 [[nodiscard]] std::string fixed(double value, int digits);
 
-/// [any] A count with thousands separated by commas: 2,110.
+/// [any] A count with commas between thousands: 2,110.
 [[nodiscard]] std::string grouped(std::uint64_t value);
 
-/// [any] `text` with &, <, > and quotes replaced, for HTML text and attributes.
+/// [any] `text` with &, <, > and quotes escaped for HTML text and attributes.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 /// [any] RFC 4648 base64, padded.
 [[nodiscard]] std::string base64(std::string_view bytes);
 
-/// [any] "2011-07-01 12:00:00 UTC" of a time since 1970 [ns].
+/// [any] A time since 1970 [ns] as "2011-07-01 12:00:00 UTC".
 [[nodiscard]] std::string utc_time(std::int64_t unix_ns);
 
 }  // namespace palpate::report

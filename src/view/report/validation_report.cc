@@ -14,17 +14,16 @@
 namespace palpate::report {
 namespace {
 
-/// Words of one figure.
+/// Labels of one figure.
 struct Axes {
   std::string x;
   std::string y;
   std::string unit;
-  std::string jnd;  // what 7 % of the measured value are
-  std::string key;  // where the legend has room: left or right
+  std::string jnd;  // label for 7 % of the measured value
+  std::string key;  // side of the legend: left or right
 };
 
-/// The two curves, then their absolute error with 7 % of the measured value drawn in. Columns: x, measured,
-/// computed.
+/// Both curves, and their absolute error with 7 % of the measured value. Columns: x, measured, computed.
 std::string script(const Axes& axes, double largest_error) {
   const std::string upper =
       fmt::format(R"(set ylabel '{}, {}'; set yrange [*:*<1e9]; set offsets 0,0,graph 0.12,0
@@ -41,7 +40,7 @@ plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '
                    lower);
 }
 
-/// What one figure shows.
+/// Data of one figure.
 struct Curves {
   const std::string& name;
   const std::vector<double>& x;
@@ -53,7 +52,7 @@ struct Curves {
 
 Figure draw(const Curves& curves, bool sorted, const std::string& caption, const Axes& axes,
             const std::filesystem::path& file) {
-  constexpr std::size_t kMostRows = 2000;  // more would only make the picture large
+  constexpr std::size_t kMostRows = 2000;  // limits the size of the picture
   std::vector<std::vector<double>> all;
   for (std::size_t i = 0; i < curves.x.size(); ++i) {
     all.push_back(
@@ -61,7 +60,7 @@ Figure draw(const Curves& curves, bool sorted, const std::string& caption, const
   }
   if (sorted) sort_by_x(all);
   std::vector<std::vector<double>> rows;
-  double largest = 0.0;  // in the lower pane
+  double largest = 0.0;  // largest value in the lower panel
   for (std::size_t i = 0; i < all.size(); i += all.size() / kMostRows + 1) {
     rows.push_back(all[i]);
     largest = std::max({largest, std::abs(all[i][2] - all[i][1]), validate::kForceJnd * std::abs(all[i][1])});
@@ -101,16 +100,17 @@ std::string zeros_of(const validate::ZeroedErrors& with) {
 }
 
 TableRows error_table(const validate::Errors& ours, double cost_ns, const std::string& words,
-                      const std::vector<RivalResult>& rivals, double unit, const std::string& unit_name) {
+                      const std::vector<BaselineResult>& baselines, double unit,
+                      const std::string& unit_name) {
   TableRows rows = {{"law", "parameters", "RMS, " + unit_name, "largest, " + unit_name, "RMS, relative",
                      "one evaluation, ns"}};
   rows.push_back({"ours", escaped(words), brief(ours.rms / unit, 3), brief(ours.max / unit, 3),
                   percent(ours.nrmse), cost_ns > 0.0 ? brief(cost_ns, 3) : "not measured"});
-  for (const RivalResult& rival : rivals) {
-    const validate::Errors& errors = rival.fit.errors;
-    rows.push_back({validate::to_string(rival.fit.kind), escaped(rival.fit.parameters),
+  for (const BaselineResult& baseline : baselines) {
+    const validate::Errors& errors = baseline.fit.errors;
+    rows.push_back({validate::to_string(baseline.fit.kind), escaped(baseline.fit.parameters),
                     brief(errors.rms / unit, 3), brief(errors.max / unit, 3), percent(errors.nrmse),
-                    brief(rival.cost_ns, 3)});
+                    brief(baseline.cost_ns, 3)});
   }
   return rows;
 }
@@ -136,7 +136,7 @@ void write_summary(Page& page, const Validation& validation, const std::string& 
   }
   page.table(rows);
   if (validation.reach) {
-    const model::ReachParameters& reach = validation.reach->reach;
+    const model::FalloffRatios& reach = validation.reach->reach;
     page.paragraph(
         fmt::format("The reach was fitted to these profiles: c = {}, a = {}, s = {}, g = {}, p = {}{}",
                     brief(reach.contact_ratio, 3), brief(reach.first_bar_ratio, 3), brief(reach.bar_ratio, 3),
@@ -149,11 +149,11 @@ void write_summary(Page& page, const Validation& validation, const std::string& 
 }
 
 void write_set(Page& page, const std::string& name, std::size_t number, const Figure& figure,
-               const TableRows& table, bool rivals, const std::string& note) {
+               const TableRows& table, bool baselines, const std::string& note) {
   page.section("set-" + std::to_string(number), name);
   page.figures("one", {figure});
   page.table(table);
-  if (rivals) {
+  if (baselines) {
     page.paragraph("The other laws were each fitted to these very data; ours is the tissue as it was given.");
   }
   if (!note.empty()) page.paragraph(note);
@@ -171,14 +171,14 @@ void write_sets(Page& page, const Validation& validation, const std::filesystem:
               " points are deeper than the tissue's layers go: the law holds its largest force there.";
     }
     const TableRows table =
-        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.rivals, 1.0, "N");
-    write_set(page, set.ours.measured.name, number, figure, table, !set.rivals.empty(), note);
+        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.baselines, 1.0, "N");
+    write_set(page, set.ours.measured.name, number, figure, table, !set.baselines.empty(), note);
   }
   for (const ProfileSet& set : validation.profiles) {
     const Figure figure = draw_profile(set, file());
     const TableRows table =
-        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.rivals, kMillimetre, "mm");
-    write_set(page, set.ours.measured.name, number, figure, table, !set.rivals.empty(),
+        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.baselines, kMillimetre, "mm");
+    write_set(page, set.ours.measured.name, number, figure, table, !set.baselines.empty(),
               fmt::format("Tip of {} mm radius, {} mm deep.", brief(set.ours.tip_radius / kMillimetre, 3),
                           brief(set.ours.depth / kMillimetre, 3)));
   }
@@ -193,7 +193,7 @@ std::string zeros_text(const ForceSet& set) {
                                  zeros_of(set.zeros_fitted ? set.given : set.fitted));
   if (set.fitted.at_limit) {
     text +=
-        "  ! the fitted zeros lie where their search ends: cut off the way without contact, take off the "
+        "  ! the fitted zeros lie at a bound of their search: cut off motion without contact, subtract the "
         "sensor's zero\n";
   }
   return text;

@@ -1,4 +1,4 @@
-// The part of the report that says what was run.
+// The section of the report on the conditions of a run.
 #include <numbers>
 #include <string>
 #include <utility>
@@ -18,7 +18,7 @@ namespace {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-/// A number and its unit, without the rounding errors of a conversion from SI.
+/// A number and its unit, without rounding errors of the conversion from SI.
 std::string number(double value, const char* unit) {
   constexpr int kDigits = 12;
   return brief(value, kDigits) + (*unit == '\0' ? "" : " ") + unit;
@@ -34,15 +34,15 @@ std::string point_mm(const Vec3& p) {
   return fmt::format("{}, {}, {} mm", bare(p.x()), bare(p.y()), bare(p.z()));
 }
 
-std::string mesh_in_words(const geometry::TriangleMesh& mesh) {
+std::string mesh_text(const geometry::TriangleMesh& mesh) {
   const Vec3 size = geometry::bounds(mesh).size() * kMilli;
   return fmt::format("{} vertices, {} triangles, {} × {} × {} mm", grouped(mesh.vertices.size()),
                      grouped(mesh.triangles.size()), fixed(size.x(), 1), fixed(size.y(), 1),
                      fixed(size.z(), 1));
 }
 
-/// "breathing, 8 mm along 0, 0, 1, every 4 s".
-std::string motion_in_words(const std::vector<model::OrganMotionParameters>& motions) {
+/// Example: "breathing, 8 mm along 0, 0, 1, every 4 s".
+std::string motion_text(const std::vector<model::OrganMotionParameters>& motions) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   const auto vector = [](const Vec3& v) {
     return fmt::format("{}, {}, {}", fixed(v.x(), 2), fixed(v.y(), 2), fixed(v.z(), 2));
@@ -62,21 +62,21 @@ std::string motion_in_words(const std::vector<model::OrganMotionParameters>& mot
   return text;
 }
 
-Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
+Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
   Facts facts{
       {"scene", setup.name},
       {"task", setup.task == scene::Task::kPull ? "pull" : "press"},
-      {"organ", setup.organ_name + ": " + mesh_in_words(setup.organ)},
+      {"organ", setup.organ_name + ": " + mesh_text(setup.organ)},
       {"organ's position", point_mm(setup.organ_pose.position)},
   };
   if (!setup.organ_motion.empty()) {
-    facts.emplace_back("organ's motion", motion_in_words(setup.organ_motion));
+    facts.emplace_back("organ's motion", motion_text(setup.organ_motion));
   }
   for (const geometry::Tool& tool : setup.tools) {
     std::string text = tool.name;
     for (const geometry::ToolPart& part : tool.parts) {
       text += fmt::format("; {}{}: {}", part.is_jaw ? "jaw" : "part",
-                          part.name.empty() ? "" : " " + part.name, mesh_in_words(part.mesh));
+                          part.name.empty() ? "" : " " + part.name, mesh_text(part.mesh));
     }
     if (tool.tip_radius) text += "; tip radius " + millimetres(*tool.tip_radius);
     facts.emplace_back("tool", text);
@@ -102,7 +102,7 @@ Facts scene_facts(const scene::Setup& setup, const Analysis& analysis) {
   return facts;
 }
 
-Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
+Facts tissue_facts(const scene::Scene& setup, model::Direction direction) {
   const model::TissueParameters& tissue = setup.tissue;
   const model::SpringLaw law = law_of(setup, direction);
   Facts facts{
@@ -118,8 +118,8 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
     facts.emplace_back(field.label, number(field.in_force(tissue) / field.unit.si, field.unit.text));
   }
   for (const model::RelaxationTerm& term : tissue.relaxation) {
-    facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.share),
-                                                 number(term.time, "s")));
+    facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.g),
+                                                 number(term.tau, "s")));
   }
   if (tissue.source) {
     facts.emplace_back("fitted with",
@@ -128,7 +128,7 @@ Facts tissue_facts(const scene::Setup& setup, model::Direction direction) {
   return facts;
 }
 
-Facts other_facts(const scene::Setup& setup) {
+Facts other_facts(const scene::Scene& setup) {
   const noise::NoiseSettings& noise = setup.noise;
   const scene::SafetySetup& safety = setup.safety;
   return {
@@ -160,7 +160,7 @@ Facts run_facts(const record::RunFacts& facts) {
 
 }  // namespace
 
-void write_what_was_run(Page& page, const WorkedExperiment& worked) {
+void write_what_was_run(Page& page, const ExperimentResults& worked) {
   const record::Recording& recording = *worked.experiment->recording;
   page.heading("What was run");
   page.code(worked.experiment->command);
@@ -183,8 +183,8 @@ void write_what_was_run(Page& page, const WorkedExperiment& worked) {
     remarks.insert(remarks.end(), more.begin(), more.end());
   };
   add(recording.facts.remarks);
-  add(changes_in_words(recording));
-  for (const HandAnalysis& hand : worked.analysis.hands) add(status_in_words(hand.rows));
+  add(changes_text(recording));
+  for (const HandAnalysis& hand : worked.analysis.hands) add(status_text(hand.rows));
   if (!remarks.empty()) page.paragraph("<strong>Remarks</strong>");
   page.list(remarks);
 }

@@ -20,7 +20,7 @@ TriangleMesh unpacked(const std::string& archive, const std::string& name) {
   return unpack_mesh({reinterpret_cast<const unsigned char*>(archive.data()), archive.size()}, name);
 }
 
-/// A square rod bent to a ring: one handle.
+/// A square rod bent to a ring: genus 1.
 TriangleMesh ring() {
   TriangleMesh mesh;
   constexpr std::int32_t kAround = 8;
@@ -48,7 +48,7 @@ TEST(PackMesh, ExactMeshComesBackBitByBit) {
 
 TEST(PackMesh, MeshOnAGridKeepsItsShapeAndItsHandles) {
   std::string archive;
-  pack_mesh(archive, "ring", ring(), {.grid = 19});  // it checks the distance of each vertex
+  pack_mesh(archive, "ring", ring(), {.grid = 19});  // which checks the distance of each vertex
   const TriangleMesh back = unpacked(archive, "ring");
   EXPECT_EQ(back.triangles.size(), ring().triangles.size());
   EXPECT_TRUE(test::is_closed(back));

@@ -26,7 +26,7 @@ class Ball final : public ImplicitSolid {
 };
 const Bounds kAroundBall{Vec3::Constant(-0.0401), Vec3::Constant(0.0399)};
 
-/// A field's gradient against central differences.
+/// Compares a field's gradient with central differences.
 template <typename Field>
 void expect_gradient_fits(const Field& field, const Vec3& p, double tolerance) {
   constexpr double kStep = 1e-5;
@@ -97,9 +97,9 @@ TEST(Remesh, BallGetsTheExactCountOnTheSurfaceWithGoodTriangles) {
   }
 }
 
-TEST(Remesh, QuadruplingsMultiplyTheTrianglesByFourOnTheSurface) {
+TEST(Remesh, SubdivisionsMultiplyTheTrianglesByFourOnTheSurface) {
   const TriangleMesh start = polygonise(Ball(), kAroundBall, 0.003);
-  const TriangleMesh mesh = remesh(Ball(), start, {.vertices = 301, .quadruplings = 2});
+  const TriangleMesh mesh = remesh(Ball(), start, {.vertices = 301, .subdivisions = 2});
   EXPECT_EQ(mesh.triangles.size(), 16U * 598U);
   EXPECT_TRUE(test::is_closed(mesh));
   EXPECT_GT(test::smallest_angle(mesh), 30.0);
@@ -107,7 +107,7 @@ TEST(Remesh, QuadruplingsMultiplyTheTrianglesByFourOnTheSurface) {
 }
 
 TEST(Implicit, BlendHasNoStepInCurvatureWhereItBegins) {
-  // Along a the higher solid's share of the gradient starts as the square of what is left of the gap.
+  // The gradient weight of the larger value starts as the square of the remaining gap.
   const FieldValue b{2.0, Vec3::UnitY()};
   const auto share = [&](double a) { return unite({a, Vec3::UnitX()}, b, 1.0).gradient.y(); };
   EXPECT_DOUBLE_EQ(share(1.0), 0.0);
@@ -162,7 +162,7 @@ TEST(Remesh, CountThatNoClosedSurfaceHasIsRefused) {
   EXPECT_THROW((void)remesh(Ball(), start, {.vertices = 3}), InputError);
 }
 
-TEST(Loft, PrismHasItsVolumeAndIsTurnedOutwards) {
+TEST(Loft, PrismHasItsVolumeAndIsOrientedOutwards) {
   std::vector<std::vector<Vec3>> rings;
   for (const double z : {0.0, 1.0, 3.0}) rings.push_back({{0, 0, z}, {2, 0, z}, {2, 1, z}, {0, 1, z}});
   const TriangleMesh mesh = loft(rings, {1.0, 0.5, 0.0}, {1.0, 0.5, 3.0});

@@ -1,4 +1,4 @@
-// One range after another, where there are no threads.
+// Serial version of for_ranges(), for builds without threads.
 #include <algorithm>
 #include <cstddef>
 #include <functional>

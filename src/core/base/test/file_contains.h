@@ -7,7 +7,7 @@
 
 namespace palpate::test {
 
-/// Whether a file contains a text, such as the table of the documentation that is made from the code's.
+/// Whether a file contains a text, such as a table of the documentation that is generated from code.
 inline testing::AssertionResult file_contains(const std::string& file, const std::string& text) {
   std::stringstream content;
   content << std::ifstream(file).rdbuf();

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-// The known answers that come with Random123 (kat_vectors, philox4x32 10).
+// Known answers of Random123 (kat_vectors, philox4x32 10).
 TEST(Philox, ZeroCounterAndKeyGiveTheKnownAnswer) {
   constexpr PhiloxCounter kWant{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8};
   static_assert(philox4x32({0, 0, 0, 0}, {0, 0}) == kWant);

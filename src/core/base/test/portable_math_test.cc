@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-// |got - want| in units of the last place of the double nearest to `want`.
+// |got - want| in units in the last place of the double nearest to `want`.
 double ulps(double got, long double want) {
   const auto nearest = static_cast<double>(want);
   if (std::isinf(nearest)) return got == nearest ? 0.0 : kInfinity;
@@ -24,7 +24,7 @@ double ulps(double got, long double want) {
                              static_cast<long double>(unit));
 }
 
-// Every function but cos_of_turns is promised to 2 units in the last place.
+// Stated error of every function but cos_of_turns, in units in the last place.
 constexpr double kPromise = 2.0;
 constexpr int kSamples = 200'000;
 
@@ -100,7 +100,7 @@ TEST(PortableMath, Expm1AndLog1pAreRightAtTheirEdges) {
 TEST(PortableMath, LogIsWithinTwoUnitsOfLongDouble) {
   std::mt19937_64 random(2);
   double worst = 0.0;
-  for (int i = 0; i < 3 * kSamples; ++i) {  // every positive double, normal or not
+  for (int i = 0; i < 3 * kSamples; ++i) {  // all positive doubles, subnormal ones included
     const double x = std::bit_cast<double>(random() % 0x7ff0'0000'0000'0000ULL);
     if (x > 0.0) worst = std::max(worst, ulps(portable::log(x), std::log(static_cast<long double>(x))));
   }
@@ -143,7 +143,7 @@ TEST(PortableMath, SineAndCosineAreWithinTwoUnitsOfLongDouble) {
 }
 
 TEST(PortableMath, SineAndCosineHoldBesideTheirZeros) {
-  // The double nearest to n pi/2 lies within 1e-11 of a zero: all leading digits cancel.
+  // The double nearest to n pi/2 is within 1e-11 of a zero: all leading digits cancel.
   double worst = 0.0;
   for (int n = 1; n <= 63'000; ++n) {
     const double x = n * (portable::kPi / 2);
@@ -170,7 +170,7 @@ TEST(PortableMath, CosineOfTurnsIsWithinThreeUnitsOfLongDouble) {
   double worst = 0.0;
   for (int i = 0; i < kSamples; ++i) {
     const double turns = static_cast<double>(random() >> 11) * 0x1p-53;
-    // The oracle takes a sine of the exact distance from the nearer zero, at 1/4 or 3/4, so that it loses no
+    // The reference is a sine of the exact distance from the nearer zero, at 1/4 or 3/4, so that it loses no
     // digits.
     const long double left = static_cast<long double>(turns) - (turns < 0.5 ? 0.25L : 0.75L);
     const long double want = std::sin((turns < 0.5 ? -2.0L : 2.0L) * pi * left);
@@ -203,7 +203,7 @@ TEST(PortableMath, AcosIsWithinTwoUnitsOfLongDouble) {
     const double x = argument(random);
     worst = std::max(worst, ulps(portable::acos(x), std::acos(static_cast<long double>(x))));
   }
-  for (const double span : {1e-15, 1e-9, 1e-3}) {  // beside both ends, where the slope has no bound
+  for (const double span : {1e-15, 1e-9, 1e-3}) {  // near both ends, where the slope is unbounded
     std::uniform_real_distribution<double> gap(0.0, span);
     for (int i = 0; i < kSamples; ++i) {
       const double x = 1.0 - gap(random);
@@ -226,8 +226,8 @@ TEST(PortableMath, AcosClampsItsArgument) {
   }
 }
 
-// One hash over the bits of many results: the same for every compiler and level of optimisation, because the
-// number stands here.
+// One hash over the bits of many results. The constant makes it equal for every compiler and optimization
+// level.
 TEST(PortableMath, ResultsAreTheSameBitsInEveryBuild) {
   std::mt19937_64 random(5);
   std::uint64_t hash = 0xcbf2'9ce4'8422'2325ULL;  // FNV-1a

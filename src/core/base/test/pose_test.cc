@@ -30,7 +30,7 @@ TEST(RotationFromDegrees, TurnsAboutOneAxisRightHanded) {
   EXPECT_TRUE((rotation_from_degrees({0, 0, 90}) * Vec3::UnitX()).isApprox(Vec3::UnitY(), kTiny));
 }
 
-// By hand: y -> (x by 90) z -> (y by 90) x -> (z by 90) y; about the turned axes instead it would end
+// By hand: y -> (x by 90) z -> (y by 90) x -> (z by 90) y. Rotation about the turned axes would end
 // elsewhere.
 TEST(RotationFromDegrees, IsExtrinsicAboutXThenYThenZ) {
   EXPECT_TRUE((rotation_from_degrees({90, 90, 0}) * Vec3::UnitY()).isApprox(Vec3::UnitX(), kTiny));
@@ -60,7 +60,7 @@ TEST(Slerp, GivesBothEnds) {
   }
 }
 
-// By hand: from no turn to 80 degrees about z, a quarter of the way is 20 degrees about z.
+// By hand: a quarter of the way from no turn to 80 degrees about z is 20 degrees about z.
 TEST(Slerp, TurnsAtConstantSpeed) {
   const Quat a = rotation_from_degrees({0, 0, 0});
   const Quat b = rotation_from_degrees({0, 0, 80});
@@ -81,7 +81,7 @@ TEST(Slerp, TakesTheShorterArcWhateverTheSignOfTheQuaternion) {
 TEST(Slerp, StaysUnitAndFiniteForEqualAndNearlyEqualRotations) {
   const Quat a = rotation_from_degrees({10, 20, 30});
   EXPECT_LT((slerp(a, a, 0.37).coeffs() - a.coeffs()).norm(), kTiny);
-  for (const double gap : {1e-3, 3e-5, 1e-5, 1e-9}) {  // both sides of where the chord takes over
+  for (const double gap : {1e-3, 3e-5, 1e-5, 1e-9}) {  // on both sides of the limit between arc and chord
     const Quat b = rotation_about(Vec3::UnitX(), gap) * a;
     const Quat want = rotation_about(Vec3::UnitX(), 0.5 * gap) * a;
     EXPECT_LT((slerp(a, b, 0.5).coeffs() - want.coeffs()).norm(), 1e-13) << gap;

@@ -8,7 +8,8 @@
 
 namespace palpate::test {
 
-/// The one-line message with which `read` rejects a file of this name and content, from the file's name on.
+/// The one-line message with which `read` rejects a file of this name and content, beginning at the file's
+/// name.
 template <typename Read>
 std::string rejection_of(const std::string& name, const std::string& content, const Read& read) {
   const TemporaryFolder folder;

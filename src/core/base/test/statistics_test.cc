@@ -12,8 +12,8 @@ namespace {
 TEST(Quantile, IsTheSmallestValueThatTheShareDoesNotExceed) {
   const std::vector<double> five = {16.0, 1.0, 8.0, 4.0, 2.0};
   EXPECT_EQ(quantile(five, 0.0), 1.0);
-  EXPECT_EQ(quantile(five, 0.2), 1.0);   // one of five
-  EXPECT_EQ(quantile(five, 0.21), 2.0);  // more than one
+  EXPECT_EQ(quantile(five, 0.2), 1.0);   // exactly one fifth
+  EXPECT_EQ(quantile(five, 0.21), 2.0);  // more than one fifth
   EXPECT_EQ(quantile(five, 0.5), 4.0);
   EXPECT_EQ(quantile(five, 0.99), 16.0);
   EXPECT_EQ(quantile(five, 1.0), 16.0);

@@ -1,4 +1,4 @@
-// What is left out in a tick changes nothing: against plain loops over all points.
+// Skipping queries changes no result: comparison with plain loops over all points.
 #include "core/contact/distance_cache.h"
 
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/contact/contact_patch.h"
-#include "core/contact/sharing.h"
+#include "core/contact/load_sharing.h"
 #include "core/contact/test/rig.h"
 #include "palpate/builtin.h"
 
@@ -25,7 +25,7 @@ Quat random_turn(std::mt19937& random) {
   return Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
-/// A smooth way of a hand: the point `tip` of the part goes through the organ, along it and off it again.
+/// A smooth hand motion: the point `tip` of the part moves through the organ, along it and out again.
 Pose wander(double time, const Quat& turn, const Vec3& tip) {
   const Vec3 place(30e-3 * std::sin(2.1 * time), 25e-3 * std::sin(1.7 * time + 1.0),
                    22e-3 * std::sin(3.1 * time + 1.5));
@@ -42,7 +42,7 @@ TEST(DistanceCache, NearestIsThatOfAllPointsAlongAnyWay) {
     const Quat turn = random_turn(random);
     for (int tick = 0; tick < 1500; ++tick) {
       part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, {}, kReference);
-      if (tick % 7 != 0) continue;  // and after ticks in which nobody asked
+      if (tick % 7 != 0) continue;  // also after ticks without a query
       part.find_nearest();
       double nearest = std::numeric_limits<double>::infinity();
       for (std::size_t i = 0; i < points.size(); ++i) {
@@ -77,7 +77,7 @@ TEST(DistanceCache, NearestIsThatOfAllPointsTickByTickAndBoundsHold) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 p = part.point_S(i);
       const double distance = surface.nearest(p, -1).distance;
-      ASSERT_LE(part.least(i), distance + 1e-12);
+      ASSERT_LE(part.lower_bound(i), distance + 1e-12);
     }
   }
 }
@@ -112,7 +112,7 @@ TEST(DistanceCache, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
   EXPECT_GT(farther, 400);
 }
 
-/// Brings the part's tip straight up to the organ, from far below, until it is `depth` [m] inside.
+/// Moves the part's tip straight up from far below until it is `depth` [m] inside the organ.
 double height_of_depth(const OrganSurface& surface, const PartPoints& points, double depth) {
   DistanceCache part(surface, points);
   for (int step = 0; step < 2000; ++step) {
@@ -139,13 +139,13 @@ TEST(DistanceCache, FindsWhatGoesInAgainAfterAContactHasHeldItsPlace) {
   };
   go_to(deep - 4e-3, deep);
   ASSERT_GT(part.inside_count(), 0U);
-  // A contact that covers the place while the tool leaves: which points come out is not looked for.
+  // A proxy at this position while the tool leaves: clusters near it are deferred.
   contacts.push_back(part.nearest().point);
   go_to(deep, deep - 2e-3);
   contacts.clear();
   part.find_nearest();
   ASSERT_GT(part.nearest().distance, 0.0);
-  // The very next tick goes in again, slower than a hand that counts as placed anew.
+  // The next tick enters again, slower than a jump.
   part.move(place(Vec3(0.0, 0.0, deep)), kPeriod, {}, kReference);
   std::size_t inside = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -169,7 +169,7 @@ TEST(DistanceCache, IsRightAgainInTheTickInWhichAContactHasLeft) {
       if (contacts.empty()) contacts.push_back(surface.nearest(part.point_S(0), -1).point);
       continue;
     }
-    if (tick % 100 == 50) {  // it leaves: whether the nearest point is looked for before the next tick or not
+    if (tick % 100 == 50) {  // it ends: with or without a nearest-point query before the next tick
       contacts.clear();
       for (std::size_t i = 0; i < points.size(); ++i) {
         was_inside[i] = surface.nearest(part.point_S(i), -1).distance < kInside;
@@ -178,13 +178,13 @@ TEST(DistanceCache, IsRightAgainInTheTickInWhichAContactHasLeft) {
       continue;
     }
     if (tick % 100 > 51 && tick % 10 != 0) continue;
-    if (tick % 100 == 51) {  // what crossed before is no entry
+    if (tick % 100 == 51) {  // earlier crossings are no entries
       for (const EntryEvent& entry : part.entries()) EXPECT_FALSE(was_inside[entry.point]) << "tick " << tick;
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double distance = surface.nearest(part.point_S(i), -1).distance;
       ASSERT_EQ(part.is_inside(i), distance < kInside) << "tick " << tick << ", point " << i;
-      ASSERT_LE(part.least(i), distance + 1e-12);
+      ASSERT_LE(part.lower_bound(i), distance + 1e-12);
     }
     part.find_nearest();
     ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << "tick " << tick;
@@ -206,7 +206,7 @@ TEST(DistanceCache, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
       const bool now = surface.nearest(part.point_S(i), -1).distance < kInside;
       ASSERT_EQ(part.is_inside(i), now) << "tick " << tick << ", point " << i;
       inside += now ? 1U : 0U;
-      if (now && !was_inside[i] && tick > 0 && part.entries().size() < DistanceCache::kMostEntries) {
+      if (now && !was_inside[i] && tick > 0 && part.entries().size() < DistanceCache::kMaxEntries) {
         ++entered;
         EXPECT_TRUE(std::any_of(part.entries().begin(), part.entries().end(),
                                 [&](const EntryEvent& entry) { return entry.point == i; }));
@@ -218,7 +218,7 @@ TEST(DistanceCache, KnowsWhichPointsAreInsideAndFindsAllThatWentIn) {
   EXPECT_GT(entered, 50);
 }
 
-/// The rule of model.md, section 4, as a plain loop in double precision.
+/// The rule of docs/model.md, section 4, as a plain loop in double precision.
 ContactPatch plain_patch(const PartPoints& part, const Vec3& point, const Vec3& normal) {
   std::vector<double> depths(part.size());
   ContactPatch patch;
@@ -271,7 +271,7 @@ TEST(ContactPatch, IsThatOfAPlainLoopOverAllPointsToTheBitWhateverTheGuess) {
 TEST(ToolPoints, OfADensePartAreThinnedOutAndStandOutAsFar) {
   geometry::ToolPart coarse = geometry::make_tool("curved-forceps").parts.front();
   geometry::ToolPart dense = coarse;
-  for (int i = 0; i < 4; ++i) dense.mesh = geometry::quadruple(dense.mesh);
+  for (int i = 0; i < 4; ++i) dense.mesh = geometry::subdivide(dense.mesh);
   const PartPoints points = sample_part(dense, 0.0);
   ASSERT_GT(dense.mesh.vertices.size(), 40'000U);
   EXPECT_LE(points.size(), 2000U);
@@ -295,18 +295,19 @@ TEST(ToolPoints, OfADensePartAreThinnedOutAndStandOutAsFar) {
 }
 
 TEST(Sharing, DoesNotJumpWhenOneOfTwoCoincidentContactsHasLeft) {
-  // Two at one place, the second nearly gone, and a third 4 mm aside: as if the second were not there.
+  // Two coincident contacts, the second nearly faded out, and a third 4 mm away: as if the second did not
+  // exist.
   std::array<Load, 3> contacts;
   for (Load& contact : contacts) contact.elastic_force = 0.1;
   contacts[2].at.point = Vec3(4e-3, 0, 0);
   std::array<Load*, 3> three{&contacts[0], &contacts[1], &contacts[2]};
   contacts[1].fade_weight = 1e-9;
-  share_tissue(kReference, three);
+  share_load(kReference, three);
   const double with_first = contacts[0].share;
   const double with_third = contacts[2].share;
   EXPECT_NEAR(contacts[1].share, 0.0, 1e-8);
   std::array<Load*, 2> two{&contacts[0], &contacts[2]};
-  share_tissue(kReference, two);
+  share_load(kReference, two);
   EXPECT_NEAR(contacts[0].share, with_first, 1e-8);
   EXPECT_NEAR(contacts[2].share, with_third, 1e-8);
 }
@@ -317,7 +318,7 @@ TEST(Sharing, CoincidentContactsWeighAsOneWhileOneLeaves) {
   std::array<Load*, 2> both{&contacts[0], &contacts[1]};
   for (const double presence : {1.0, 0.7, 0.3, 0.01}) {
     contacts[1].fade_weight = presence;
-    share_tissue(kReference, both);
+    share_load(kReference, both);
     EXPECT_NEAR(contacts[0].share + contacts[1].share, 1.0, 1e-12);
   }
 }

@@ -1,4 +1,4 @@
-// Friction of one contact: the spring, its damper and the cone, on random slips.
+// Friction of one contact: spring, damper and cone, for random slips.
 #include <algorithm>
 #include <cstring>
 #include <random>
@@ -11,7 +11,7 @@
 namespace palpate::contact::test {
 namespace {
 
-/// A contact with a random slip, normal and normal force, and how the tool moves there in a tick.
+/// A contact with random slip, normal and normal force, and the tool's motion there in one tick.
 struct RandomSlip {
   Vec3 normal;
   FrictionSpring spring;

@@ -1,4 +1,4 @@
-// Either law and relaxation through the tick, and their exchange while a run goes on.
+// Both spring laws and relaxation in the tick, and their change during a run.
 #include <cmath>
 #include <random>
 #include <vector>
@@ -14,7 +14,7 @@ constexpr double kLawRadius = 3e-3;
 constexpr double kLawPeriod = 1e-3;
 const model::RelaxationTerms kTwoTerms = {{0.3, 0.1}, {0.25, 1.5}};
 
-/// A ball on a block with laws that the test exchanges.
+/// A ball on a block with laws that the test can change.
 struct Bench {
   explicit Bench(const model::TissueParameters& tissue)
       : world(block(Vec3(60e-3, 60e-3, 40e-3), 0.1), {one_part_tool(geometry::make_ball(kLawRadius, 320))},
@@ -32,13 +32,13 @@ struct Bench {
   const ToolResult& at(const Vec3& position) { return at(position, gripper); }
   const ToolResult& still() { return at(input.pose_W.position); }
 
-  /// Straight to `goal` in millimetre steps of 0.02 a tick.
+  /// Moves straight to `goal` in steps of 0.02 mm per tick.
   void go(const Vec3& goal) {
     const Vec3 from = input.pose_W.position;
     const int ticks = std::max(1, static_cast<int>(std::ceil((goal - from).norm() / 0.02e-3)));
     for (int i = 1; i <= ticks; ++i) at(from + (goal - from) * (static_cast<double>(i) / ticks));
   }
-  /// The lowest point this deep, once all depth counts.
+  /// Moves the ball's lowest point to this depth [m] and waits until all depth is admitted.
   void press(double depth) {
     go(Vec3(0, 0, -depth - lowest_z(geometry::make_ball(kLawRadius, 320))));
     for (int i = 0; i < 100; ++i) still();
@@ -57,7 +57,7 @@ struct Bench {
   double gripper = 1.0;
 };
 
-/// The layered law by its own sum, not by the code: layers fill in order.
+/// The layered law by an independent sum: layers fill in order.
 double layered_by_sum(const model::TissueParameters& t, double first_limit, double depth) {
   double force = 0.0;
   double limit = first_limit;
@@ -72,7 +72,7 @@ double layered_by_sum(const model::TissueParameters& t, double first_limit, doub
   return force;
 }
 
-/// The smooth law by Simpson's rule over its stiffness; ln K is linear between the layers' middles.
+/// The smooth law by Simpson's rule over its stiffness; ln K is linear between the middles of the layers.
 double smooth_by_quadrature(const model::TissueParameters& t, double first_limit, double depth) {
   const auto stiffness = [&](double d) {
     double limit = first_limit;
@@ -102,7 +102,7 @@ model::TissueParameters random_tissue(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   model::TissueParameters tissue = model::tissue_preset(kNames[random() % 4]);
   tissue.contact.friction = 0.0;
-  if (random() % 2 == 0) {  // else the preset as it is
+  if (random() % 2 == 0) {  // otherwise the unchanged preset
     tissue.k1 *= 0.3 + unit(random);
     tissue.beta = 1.2 + 3.0 * unit(random);
     tissue.q = 0.65 + 0.3 * unit(random);
@@ -158,13 +158,13 @@ TEST(Laws, PulledTheForceIsTheClosedFormOfEitherLawAtTheStretch) {
   }
 }
 
-/// F(t) = integral G(t - s) dF_e by the midpoint rule over samples that are a tick apart.
+/// F(t) = integral G(t - s) dF_e by the midpoint rule, one sample per tick.
 double by_convolution(const std::vector<double>& elastic, std::size_t end) {
   double force = 0.0;
   for (std::size_t i = 0; i < end; ++i) {
     const double age = (static_cast<double>(end - i) - 0.5) * kLawPeriod;
     double g = 1.0;
-    for (const model::RelaxationTerm& term : kTwoTerms) g -= term.share * (1.0 - std::exp(-age / term.time));
+    for (const model::RelaxationTerm& term : kTwoTerms) g -= term.g * (1.0 - std::exp(-age / term.tau));
     force += g * (elastic[i + 1] - elastic[i]);
   }
   return force;
@@ -199,7 +199,7 @@ TEST(Laws, AHeldPressRelaxesAsTheConvolutionOfEitherLaw) {
   expect_relaxation_of_a_held_press(model::LawKind::kSmooth);
 }
 
-/// The work that the hand puts in over a random way within a box of `low` to `high` is never below 0.
+/// The hand's work on a random path within the box from `low` to `high` is never negative.
 void expect_no_energy_back(Bench& bench, const Vec3& low, const Vec3& high, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -251,7 +251,7 @@ TEST(Laws, PulledAnyWayAndRelaxingNoEnergyComesBackThatWasNotPutIn) {
   }
 }
 
-// Stretched in 0.2 s, held for ten time constants and brought back.
+// Stretches in 0.2 s, holds for ten time constants and returns.
 TEST(Laws, AHeldStretchRelaxesAlongItsOwnDirectionAndANewHoldHasForgotten) {
   model::TissueParameters tissue = plain_tissue();
   tissue.relaxation = {{0.4, 0.5}};
@@ -263,7 +263,7 @@ TEST(Laws, AHeldStretchRelaxesAlongItsOwnDirectionAndANewHoldHasForgotten) {
   const double elastic = layered_by_sum(tissue, 8e-3, 4e-3);
   for (int i = 0; i < 5000; ++i) bench.still();
   EXPECT_NEAR(bench.result.force_W.z(), -0.6 * elastic, 1e-3 * elastic);
-  bench.go(touch);  // in 0.2 s: what was let go of along z pushes back along z and nowhere else
+  bench.go(touch);  // in 0.2 s: the relaxed part along z pushes back along z only
   EXPECT_GT(bench.result.force_W.z(), 0.2 * elastic);
   EXPECT_LT(bench.result.force_W.head<2>().norm(), 1e-9);
   bench.at(touch, 1.0);
@@ -296,7 +296,7 @@ TEST(Laws, ARelaxationThatIsNewHasLetNothingGoYetAndOneThatGoesGivesAllBack) {
   EXPECT_NEAR(bench.still().force_W.z(), elastic, 2e-3 * elastic);
   for (int i = 0; i < 1000; ++i) bench.still();
   EXPECT_NEAR(bench.result.force_W.z(), 0.7 * elastic, 1e-3 * elastic);
-  tissue.relaxation = kTwoTerms;  // the first goes on, the second begins
+  tissue.relaxation = kTwoTerms;  // the first term continues, the second begins
   bench.change(tissue);
   EXPECT_NEAR(bench.still().force_W.z(), 0.7 * elastic, 3e-3 * elastic);
   tissue.relaxation.clear();

@@ -1,4 +1,4 @@
-// How an organ is prepared: its averaged normals, the cache, and what neither depends on.
+// Preparation of an organ: averaged normals, the cache, and independence of the results from both.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -45,10 +45,11 @@ struct Surface {
   Sides sides;
 };
 
-/// The rule of docs/model.md once more, written plainly: triangles within reach by a flood over a set.
+/// An independent, plain version of the rule in docs/model.md: triangles within the radius by a flood over a
+/// set.
 class PlainRule final {
  public:
-  /// About `centre` on the surface, from `first`, the triangles there.
+  /// For `centre` on the surface; `first` are the triangles there.
   PlainRule(const Surface& surface, const Vec3& centre, std::vector<std::int32_t> first)
       : surface_(surface), centre_(centre), reached_(first.begin(), first.end()) {
     for (const std::int32_t t : first) reference_ += area_of(t);
@@ -64,7 +65,7 @@ class PlainRule final {
     }
   }
 
-  /// The normal with the same triangles where the centre is `aside` of where it was.
+  /// The normal at centre + `aside` for the same triangles.
   [[nodiscard]] Vec3 normal(const Vec3& aside = Vec3::Zero()) const {
     Vec3 sum = Vec3::Zero();
     for (const std::int32_t t : reached_) {
@@ -108,10 +109,10 @@ PlainRule rule_at_side(const Surface& surface, std::int32_t side) {
   return {surface, surface.mesh.vertices[at(surface.mesh.triangles[at(corner / 3)][at(corner % 3)])], fan};
 }
 
-/// How far fast normals are from the plain rule at some sides drawn by lot.
+/// Deviation of the fast normals from the plain rule at randomly chosen sides.
 struct Deviation {
   double angle = 0.0;  // largest [degrees]
-  double slope = 0.0;  // largest part of 1/kRadius along the surface, of nine in ten sides
+  double slope = 0.0;  // 90th percentile of the slope's error along the surface, times kRadius
 };
 
 Deviation deviation(const Surface& surface, const std::vector<NormalAndSlope>& normals, int draws) {
@@ -138,11 +139,11 @@ Deviation deviation(const Surface& surface, const std::vector<NormalAndSlope>& n
 }
 
 TriangleMesh divided(TriangleMesh mesh, int times) {
-  for (int i = 0; i < times; ++i) mesh = geometry::quadruple(mesh);
+  for (int i = 0; i < times; ++i) mesh = geometry::subdivide(mesh);
   return mesh;
 }
 
-/// Every vertex moved by chance, so that nothing is regular any more.
+/// Moves every vertex randomly, so that the mesh has no regular pattern.
 TriangleMesh shaken(TriangleMesh mesh, double by) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal(0.0, by);
@@ -172,7 +173,7 @@ TEST(AveragedNormals, AreThoseOfThePlainRuleWithAndWithoutGroups) {
 }
 
 TEST(AveragedNormals, AgreeOnUnevenMeshes) {
-  // Fine on one half, coarse on the other: single triangles beside groups.
+  // Fine on one half and coarse on the other: single triangles beside groups.
   TriangleMesh organ = geometry::make_ball(20e-3, 5120);
   for (Vec3& vertex : organ.vertices) vertex.z() *= vertex.z() > 0.0 ? 1.0 : 0.05;
   expect_the_rule("flattened ball", Surface(divided(organ, 1)));
@@ -195,17 +196,17 @@ TEST(AveragedNormals, OfRealOrgansAgreeWithinAHundredthOfADegree) {
   }
 }
 
-/// How far normals inside triangles are from the plain rule there on a finer mesh of the same shape, at
-/// places drawn by lot: the angle [degrees] that three in four of them do not reach.
+/// Deviation of normals inside triangles from the plain rule on a finer mesh of the same shape, at random
+/// points: 75th percentile [degrees].
 struct Within {
   double found = 0.0;
-  double straight = 0.0;  // of the straight line between the corners' normals
+  double straight = 0.0;  // of linear interpolation between the corners' normals
 };
 
 Within deviation_within(const TriangleMesh& organ) {
   const Surface surface(organ);
   const Surface fine(divided(surface.mesh, 2));
-  const geometry::SurfaceDistance distance(fine.mesh);
+  const geometry::SignedDistance distance(fine.mesh);
   const OrganSurface prepared(organ, kPreparedReference);
   const std::vector<NormalAndSlope> corners = averaged_normals(surface.view(), surface.sides, kRadius, 0.0);
   std::mt19937 random(5);
@@ -215,7 +216,8 @@ Within deviation_within(const TriangleMesh& organ) {
   std::vector<double> straight;
   while (found.size() < 100) {
     const std::size_t t = draw(random);
-    if (prepared.arrays().sharp_start[t] < prepared.arrays().sharp_start[t + 1]) continue;  // sides blend
+    // sides blend here
+    if (prepared.arrays().sharp_start[t] < prepared.arrays().sharp_start[t + 1]) continue;
     double b = share(random);
     double c = share(random);
     if (b + c > 1.0) std::tie(b, c) = std::pair(1.0 - b, 1.0 - c);
@@ -261,7 +263,7 @@ TEST(AveragedNormals, OfTwoTrianglesAreOneOnTheirEdge) {
   }
 }
 
-/// Hash of all that is prepared, face normals too.
+/// Hash of all prepared arrays, face normals included.
 std::string hash_of(const OrganArrays& arrays) {
   const auto rows = [](const auto& list) { return std::span(list.data(), list.size()); };
   ContentHasher hasher;
@@ -283,8 +285,8 @@ std::string prepared(const TriangleMesh& organ) {
 }
 
 TEST(Preparation, OfThisVersionGivesTheseBits) {
-  // When this fails because the arrays are to change: raise kArraysVersion (organ_arrays.cc) and put the new
-  // hashes here. Else caches of before are taken for the new arrays.
+  // If this fails because the arrays are meant to change, raise kArraysVersion (organ_arrays.cc) and put the
+  // new hashes here. Otherwise old caches would be used as new ones.
   EXPECT_EQ(prepared(geometry::make_ball(20e-3, 5120)), "a389ba5ad14bc7c9327c591247397fe1");
   EXPECT_EQ(prepared(geometry::make_ball(20e-3, 81920)), "fba290bc7ed25b2e00c96a95442b4771");
   EXPECT_EQ(prepared(test::block(Vec3(60e-3, 40e-3, 20e-3), 0.1)), "6f8411271de850e061a71785101e13ce");

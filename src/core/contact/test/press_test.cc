@@ -1,4 +1,4 @@
-// Press: the law at the depth of the tool's own deepest point, friction, edges, thin plates, starts.
+// Press: the law at the penetration depth, friction, edges, thin plates, starts of contacts.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -37,7 +37,7 @@ TEST(Press, BallGivesTheLawsForceAtItsDeepestPointWhateverTheTriangles) {
             << triangles << " triangles at " << depth;
         EXPECT_LT(result.force_W.head<2>().norm(), 0.01 * law(rig, depth));
         EXPECT_EQ(result.phase, Phase::kPress);
-        EXPECT_NEAR(result.depth, depth, 3e-6);  // the finest ball's points are thinned out
+        EXPECT_NEAR(result.depth, depth, 3e-6);  // the finest ball has only a part of its points sampled
       }
     }
   }
@@ -92,7 +92,7 @@ TEST(Press, StickingFrictionGivesBackNoMoreWorkThanWasPutIn) {
   }
 }
 
-/// A ball 6 mm deep in a block, under a hand that has held it still.
+/// A ball 6 mm deep in a block, held still.
 Rig pressed_ball(const model::TissueParameters& tissue) {
   const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
   Rig rig(block(kBox, 0.1), one_part_tool(ball), tissue);
@@ -104,7 +104,7 @@ Rig pressed_ball(const model::TissueParameters& tissue) {
 
 TEST(Press, AStuckContactMovedAlongTheSurfaceFeelsItsTangentialDampingTimesTheSpeed) {
   model::TissueParameters tissue = plain_tissue();
-  tissue.contact.friction = 5.0;  // it sticks
+  tissue.contact.friction = 5.0;  // no slip
   Rig without = pressed_ball(tissue);
   tissue.contact.tangential_damping = 2.0;
   Rig with = pressed_ball(tissue);
@@ -163,7 +163,7 @@ TEST(Press, AClosedTangentialCycleWithDampingGivesBackNoWorkAndTakesMoreThanWith
       EXPECT_GE(put_in[damped], -1e-12);
     }
   }
-  // c_t times the integral of v^2: of amplitude A and 1 s, A^2 (2 pi)^2/2 (1 + 4).
+  // c_t times the integral of v^2; for amplitude A over 1 s: A^2 (2 pi)^2/2 (1 + 4).
   EXPECT_NEAR(put_in[1] - put_in[0], 1.5 * 0.3e-3 * 0.3e-3 * 2.0 * M_PI * M_PI * 5.0, 1e-3 * put_in[1]);
 }
 
@@ -236,7 +236,7 @@ TEST(Press, AFastToolDoesNotPassThrough) {
   Rig rig(block(Vec3(60e-3, 60e-3, 2e-3), 0.1), one_part_tool(geometry::make_ball(3e-3, 1280)),
           plain_tissue());
   rig.tick(place(Vec3(0, 0, 8e-3)));
-  const ToolResult& result = rig.tick(place(Vec3(0, 0, -7e-3)));  // all of it below the plate, 15 m/s
+  const ToolResult& result = rig.tick(place(Vec3(0, 0, -7e-3)));  // completely below the plate, 15 m/s
   EXPECT_EQ(result.phase, Phase::kPress);
   EXPECT_NEAR(result.depth, 10e-3, 0.1e-3);
   EXPECT_GT(result.force_W.z(), 0.0);
@@ -250,7 +250,7 @@ TEST(Press, StartedOrPlacedInsideThereIsNoForceUntilItHasBeenOutside) {
   rig.move_to(Vec3(4e-3, 0, 5e-3), kSpeed);
   EXPECT_GT(rig.move_to(Vec3(4e-3, 0, -1e-3), kSpeed).force_W.z(), 0.0);
   rig.move_to(Vec3(4e-3, 0, 40e-3), 1.0);
-  EXPECT_EQ(rig.tick(place(Vec3(0, 0, -4e-3))).status & kJump, kJump);  // 44 m/s: no hand does that
+  EXPECT_EQ(rig.tick(place(Vec3(0, 0, -4e-3))).status & kJump, kJump);  // 44 m/s is a jump
   EXPECT_EQ(rig.hold(0.1).force_W, Vec3::Zero());
 }
 
@@ -285,8 +285,8 @@ TEST(Press, TheSameShapesAtFourTimesTheTrianglesGiveTheSameForceAndTorque) {
   const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 320);
   ToolResult results[2];
   for (int fine = 0; fine < 2; ++fine) {
-    Rig rig(fine != 0 ? geometry::quadruple(organ) : organ,
-            one_part_tool(fine != 0 ? geometry::quadruple(ball) : ball), plain_tissue());
+    Rig rig(fine != 0 ? geometry::subdivide(organ) : organ,
+            one_part_tool(fine != 0 ? geometry::subdivide(ball) : ball), plain_tissue());
     const double top = geometry::bounds(organ).high.z();
     rig.tick(place(Vec3(6e-3, 2e-3, top + 4e-3)));
     rig.move_to(Vec3(6e-3, 2e-3, top - 6e-3), 20e-3);
@@ -308,7 +308,7 @@ TEST(Press, NoContactIsLostInRandomMotion) {
   rig.tick(place(position));
   int inside = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Vec3 goal = 19e-3 * position.normalized();  // the ball's deepest point about 4 mm inside
+    const Vec3 goal = 19e-3 * position.normalized();  // the ball's deepest point is about 4 mm inside
     velocity += 0.04 * (goal - position) + 8e-4 * Vec3(normal(random), normal(random), normal(random)) -
                 0.01 * velocity;
     position += 1e-3 * velocity;
@@ -321,7 +321,7 @@ TEST(Press, NoContactIsLostInRandomMotion) {
   EXPECT_GT(inside, 5000);
 }
 
-/// A plate 34 mm long whose lower side bulges by 1.5 mm at its middle.
+/// A plate 34 mm long whose lower side bulges by 1.5 mm in the middle.
 geometry::TriangleMesh bulged_plate() {
   geometry::TriangleMesh plate = geometry::make_box(Vec3(34e-3, 4e-3, 2e-3), 0.5e-3);
   for (Vec3& v : plate.vertices) {
@@ -331,7 +331,7 @@ geometry::TriangleMesh bulged_plate() {
   return plate;
 }
 
-/// The plate with its bulge pressed 2 mm in, which then turns about it until its end is far deeper.
+/// The plate with its bulge pressed 2 mm in. It then turns about the bulge until its end is far deeper.
 class TurnedPlate final {
  public:
   TurnedPlate() : rig_(block(kBox, 1.0), one_part_tool(bulged_plate()), plain_tissue()) {
@@ -340,7 +340,7 @@ class TurnedPlate final {
     rig_.move_to(kPressed, kSpeed);
   }
 
-  /// From one angle to another [mrad], so much a tick.
+  /// Turns between two angles [mrad], `speed` [mrad] per tick.
   const ToolResult& turn(int from, int to, int speed = 1) {
     for (int angle = from; angle != to;) {
       angle += to > from ? speed : -speed;
@@ -354,10 +354,10 @@ class TurnedPlate final {
 
   const ToolResult& hold(double seconds) { return rig_.hold(seconds); }
 
-  /// Where the bulge's contact is, or the plate's only one.
+  /// Position of the bulge's contact, or of the only one.
   [[nodiscard]] Vec3 bulge() const { return rig_.result().views[0].point_S; }
   [[nodiscard]] double farthest() const { return farthest_; }
-  /// How deep the picture had the bulge when there last were two contacts [m].
+  /// The bulge's displayed depth when there last were two contacts [m].
   [[nodiscard]] double last_drawn() const { return last_drawn_; }
   [[nodiscard]] const StepMeter& steps() const { return steps_; }
 
@@ -388,7 +388,7 @@ TEST(Press, AContactThatHasLostItsDeepestPlaceToADeeperOneFadesBeforeItWalksTher
 TEST(Press, ALostContactGetsNoDeeperOnItsWay) {
   TurnedPlate plate;
   plate.turn(0, 200);
-  constexpr int kSpeed = 10;  // mrad a tick: the plate gets deeper faster than the contact fades
+  constexpr int kSpeed = 10;  // mrad per tick: the plate's depth grows faster than the contact fades
   int angle = 200;
   for (double before = 1.0; plate.turn(angle, angle + kSpeed, kSpeed).view_count == 2 && angle < 500;) {
     angle += kSpeed;
@@ -401,7 +401,7 @@ TEST(Press, ALostContactGetsNoDeeperOnItsWay) {
 }
 
 TEST(Press, AContactDoesNotStartWhereItWouldBeLostAtOnce) {
-  for (const int angle : {210, 215, 220, 240}) {  // mrad, at which the bulge has no deepest place of its own
+  for (const int angle : {210, 215, 220, 240}) {  // mrad; the bulge has no local maximum of depth there
     const Quat turned(Eigen::AngleAxisd(1e-3 * angle, Vec3::UnitY()));
     Rig rig(block(kBox, 1.0), one_part_tool(bulged_plate()), plain_tissue());
     rig.tick({turned, Vec3(0, 0, 15e-3)});
@@ -423,7 +423,7 @@ TEST(Press, ALostContactThatFindsADeepestPlaceAgainComesBack) {
   EXPECT_NEAR(again.force_W.norm(), before, 0.01 * before);
 }
 
-/// A plate whose lower side has two feet of 1 mm, 6 mm apart.
+/// A plate with two feet of 1 mm on its lower side, 6 mm apart.
 geometry::TriangleMesh plate_on_feet() {
   geometry::TriangleMesh plate = geometry::make_box(Vec3(14e-3, 4e-3, 2e-3), 0.25e-3);
   for (Vec3& v : plate.vertices) {
@@ -471,7 +471,7 @@ TEST(Press, ASlowTurnIsFollowedWhicheverWayTheContactWalkedLast) {
 TEST(Press, AMovedOrganIsFeltWhereItIs) {
   const geometry::TriangleMesh ball = geometry::make_ball(3e-3, 1280);
   Rig rig(block(kBox, 0.1), one_part_tool(ball), plain_tissue());
-  rig.organ_W = {rotation_from_degrees(Vec3(0, 90, 0)), Vec3(0.1, 0.0, 0.2)};  // its top now looks along +x
+  rig.organ_W = {rotation_from_degrees(Vec3(0, 90, 0)), Vec3(0.1, 0.0, 0.2)};  // its top faces +x
   rig.tick(place(Vec3(0.105, 0, 0.2)));
   rig.move_to(Vec3(0.101, 0, 0.2), kSpeed);
   const ToolResult& result = rig.hold(0.1);

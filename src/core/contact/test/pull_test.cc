@@ -1,4 +1,4 @@
-// Pull: closing on tissue, the stretch's force, letting go.
+// Pull: grasping tissue, force of the stretch, release.
 #include <gtest/gtest.h>
 
 #include "core/contact/test/rig.h"
@@ -15,7 +15,7 @@ void close_slowly(Rig& rig) {
   for (int i = 1; i <= 100; ++i) rig.tick(rig.pose(), 1.0 - 0.01 * i);
 }
 
-/// A ball (a tool without jaws sticks by the same rule) that touches the plate with its jaws open.
+/// A ball that touches the plate with the gripper open. A tool without jaws grasps by the same rule.
 Rig touching() {
   Rig rig(plate(), one_part_tool(geometry::make_ball(kGripRadius, 1280)), plain_tissue());
   rig.tick(place(Vec3(0, 0, 8e-3)), 1.0);
@@ -104,7 +104,7 @@ TEST(Pull, TwoJawsHoldTogetherAndTheTorqueIsTheAnchorsLever) {
     jaw.name = side < 0.0 ? "left" : "right";
     jaw.is_jaw = true;
     jaw.mesh = moved(geometry::make_box(Vec3(4e-3, 4e-3, 20e-3), 2e-3), Vec3(2.1e-3 * side, 0, -10e-3));
-    jaw.open_angle = -0.2 * side;  // their lower ends swing apart
+    jaw.open_angle = -0.2 * side;  // the lower ends swing apart
     tool.parts.push_back(jaw);
   }
   Rig rig(plate(), tool, plain_tissue());
@@ -113,7 +113,7 @@ TEST(Pull, TwoJawsHoldTogetherAndTheTorqueIsTheAnchorsLever) {
   close_slowly(rig);
   const ToolResult& result = rig.move_to(Vec3(5e-3, 2e-3, 24e-3), 10e-3);
   EXPECT_EQ(result.phase, Phase::kPull);
-  const Vec3 lever(0.0, 0.0, -20.2e-3);  // the anchor, carried, below the handle
+  const Vec3 lever(0.0, 0.0, -20.2e-3);  // the displaced anchor, below the handle
   const Vec3 torque = lever.cross(result.force_W);
   EXPECT_LT((result.torque_W - torque).norm(), 0.02 * torque.norm());
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A tool, an organ and a hand that moves the tool: what the contact tests share.
+// Test fixture of the contact tests: a tool, an organ and a hand that moves the tool.
 #include <algorithm>
 #include <functional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace palpate::contact::test {
 
-/// The hand-worked tissue of docs/model.md with a first layer of 8 mm, without friction and damping.
+/// The tissue of the example in docs/model.md with a first layer of 8 mm, without friction and damping.
 inline model::TissueParameters plain_tissue() {
   model::TissueParameters tissue;
   tissue.name = "plain";
@@ -48,14 +48,14 @@ inline geometry::TriangleMesh moved(geometry::TriangleMesh mesh, const Vec3& by)
 
 inline double lowest_z(const geometry::TriangleMesh& mesh) { return geometry::bounds(mesh).low.z(); }
 
-/// A box whose top face is at z = 0, middle of the top at the origin.
+/// A box whose top face has its middle at the origin.
 inline geometry::TriangleMesh block(const Vec3& size, double longest) {
   return moved(geometry::make_box(size, longest), Vec3(0.0, 0.0, -0.5 * size.z()));
 }
 
 inline Pose place(const Vec3& position) { return {Quat::Identity(), position}; }
 
-/// One tool on one organ, ticked by hand.
+/// One tool on one organ; the test runs the ticks.
 class Rig final {
  public:
   Rig(const geometry::TriangleMesh& organ, const geometry::Tool& tool, const model::TissueParameters& tissue,
@@ -107,7 +107,7 @@ class Rig final {
   std::function<void(const ToolResult&)> watch_;
 };
 
-/// The largest change of force and torque from one tick to the next, and the peaks.
+/// Largest change of force and torque between ticks, and their peaks.
 class StepMeter final {
  public:
   void operator()(const ToolResult& result) {
@@ -121,9 +121,9 @@ class StepMeter final {
     peak_force_ = std::max(peak_force_, force_.norm());
   }
 
-  /// Of the peak force.
+  /// Largest force step, relative to the peak force.
   [[nodiscard]] double force_step() const { return force_step_ / peak_force_; }
-  /// Of the peak force x 10 mm.
+  /// Largest torque step, relative to peak force x 10 mm.
   [[nodiscard]] double torque_step() const { return torque_step_ / (peak_force_ * 10e-3); }
   [[nodiscard]] double peak_force() const { return peak_force_; }
 

@@ -1,4 +1,4 @@
-// The organ's surface and the tool's points as contact sees them.
+// The prepared organ surface and the sampled tool points.
 #include <cmath>
 #include <random>
 
@@ -78,7 +78,7 @@ TEST(OrganSurface, AWalkOverAnEdgeGoesDownTheOtherSide) {
 
 TEST(ToolPoints, AreNeverFartherApartThanTwoMillimetresAndKeepTheMeshsVertices) {
   geometry::ToolPart part;
-  part.mesh = geometry::make_box(Vec3(4e-3, 4e-3, 100e-3), 1.0);  // long triangles, like a shaft's
+  part.mesh = geometry::make_box(Vec3(4e-3, 4e-3, 100e-3), 1.0);  // long triangles, like those of a shaft
   const PartPoints points = sample_part(part, 0.0);
   double area = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) area += points.area[i];
@@ -129,7 +129,7 @@ TEST(ContactPatch, LeavesOutWhatIsFartherThanTheReferenceRadiusFromTheAxis) {
   geometry::ToolPart part;
   part.mesh = geometry::make_box(Vec3(40e-3, 4e-3, 4e-3), 1e-3);
   geometry::transform(part.mesh,
-                      Pose{rotation_from_degrees(Vec3(0, 30, 0)), Vec3::Zero()});  // one end hangs low
+                      Pose{rotation_from_degrees(Vec3(0, 30, 0)), Vec3::Zero()});  // one end is lower
   const PartPoints points = sample_part(part, 0.0);
   double brute = 0.0;
   const Vec3 at(0, 0, 0);

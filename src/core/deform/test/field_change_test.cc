@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kShare = 0.015F;  // of the depth at which profiles end
+constexpr float kShare = 0.015F;  // fraction of the depth at which profiles end
 
 const ProfileTable& table() {
   static const ProfileTable profile({}, 0.2);
@@ -34,34 +34,34 @@ class Random {
   std::mt19937 bits_{7};
 };
 
-// A contact at the origin, its side part drawn `spread` times as wide.
+// A contact at the origin whose tangential part reaches `spread` times as far.
 ContactField field(const Vector3f& direction, float depth, float tip_radius, float spread) {
   ContactField f;
   f.normal_part = depth * direction.z() * Vector3f::UnitZ();
   f.side_part = depth * direction - f.normal_part;
   f.reach = static_cast<float>(
-      SurfaceProfile({}, static_cast<double>(depth), static_cast<double>(tip_radius)).reach());
+      DisplacementProfile({}, static_cast<double>(depth), static_cast<double>(tip_radius)).outer_radius());
   f.side_reach = spread * f.reach;
   f.lowered = f.lowered_side = kShare;
   f.limit = table().where(kShare) * f.side_reach;
   return f;
 }
 
-// A run of vertices at given distances from every contact, and where contacts bring them.
+// A block of vertices at given distances from every contact, and their displaced positions.
 class Vertices {
  public:
   explicit Vertices(Random& random, float from) {
     for (Vector3f& v : vertices_) v = random.between(from, 3.0F * from + 0.01F) * random.direction();
     normals_.fill(Vector3f::UnitZ());
   }
-  std::vector<LiveVertex> under(std::vector<ContactField> contacts) const {
+  std::vector<SurfaceVertex> under(std::vector<ContactField> contacts) const {
     const std::array<float, SurfaceBlocks::kBlock> excess{};
     std::vector<const ContactField*> all;
     for (ContactField& contact : contacts) {
       contact.excess = excess;
       all.push_back(&contact);
     }
-    std::vector<LiveVertex> out(vertices_.size());
+    std::vector<SurfaceVertex> out(vertices_.size());
     const SurfaceBlocks blocks(vertices_, normals_);
     blocks.rest(0, out.data());
     blocks.move(0, all, table(), out.data());
@@ -73,14 +73,14 @@ class Vertices {
   std::array<Vector3f, SurfaceBlocks::kBlock> normals_;
 };
 
-float largest_way(const std::vector<LiveVertex>& a, const std::vector<LiveVertex>& b) {
+float largest_way(const std::vector<SurfaceVertex>& a, const std::vector<SurfaceVertex>& b) {
   float largest = 0.0F;
   for (std::size_t v = 0; v < a.size(); ++v)
     largest = std::max(largest, (a[v].position - b[v].position).norm());
   return largest;
 }
 
-// Contacts at one place, before and after a random change of each; `cone`: how far their directions differ.
+// Contacts at one position before and after a random change of each. @param cone spread of their directions
 struct Scene {
   std::vector<ContactField> before, now;
 
@@ -102,14 +102,14 @@ struct Scene {
     std::vector<FieldChange> changes(before.size());
     std::vector<NearChange> near;
     for (std::size_t i = 0; i < before.size(); ++i) {
-      changes[i].take(&before[i], &now[i], 0.0F, table());
+      changes[i].set(&before[i], &now[i], 0.0F, table());
       if (distance < changes[i].limit()) near.push_back({&changes[i], distance});
     }
-    return most_moved(near);
+    return max_motion(near);
   }
 };
 
-// The largest share of the bound that a vertex moves, over random changes; above 1 it would be no bound.
+// Largest ratio of motion to bound over random changes; it must not exceed 1.
 float largest_share(int contacts, float cone, bool spread) {
   Random random;
   float largest = 0.0F;
@@ -127,7 +127,7 @@ float largest_share(int contacts, float cone, bool spread) {
 TEST(FieldChange, BoundsWhatOneContactsChangeMoves) {
   EXPECT_LT(largest_share(1, 0.0F, false), 1.0F);
   EXPECT_LT(largest_share(1, 0.0F, true), 1.0F);
-  EXPECT_GT(largest_share(1, 0.0F, false), 0.9F);  // and is not far above it
+  EXPECT_GT(largest_share(1, 0.0F, false), 0.9F);  // and the bound is tight
 }
 
 TEST(FieldChange, BoundsWhatContactsOfLikeDirectionsMoveTogether) {
@@ -149,10 +149,10 @@ TEST(FieldChange, BoundsWhatAContactThatComesOrGoesMoves) {
     const Vertices vertices(random, from);
     const float way = largest_way(vertices.under({pressed}), vertices.under({}));
     FieldChange change;
-    change.take(nullptr, &pressed, 0.0F, table());
-    EXPECT_GE(change.at(from).way, way) << from;
-    change.take(&pressed, nullptr, 0.0F, table());
-    EXPECT_GE(change.at(from).way, way) << from;
+    change.set(nullptr, &pressed, 0.0F, table());
+    EXPECT_GE(change.at(from).displacement, way) << from;
+    change.set(&pressed, nullptr, 0.0F, table());
+    EXPECT_GE(change.at(from).displacement, way) << from;
   }
 }
 
@@ -160,33 +160,33 @@ TEST(FieldChange, CountsByHowMuchDistancesChangeByThemselves) {
   const ContactField pressed = field(-Vector3f::UnitZ(), 0.008F, 0.003F, 1.0F);
   FieldChange change;
   const float drift = 0.0005F;
-  change.take(&pressed, &pressed, drift, table());
+  change.set(&pressed, &pressed, drift, table());
   EXPECT_FALSE(change.is_still());
   for (float r = 0.002F; r < 0.03F; r += 0.0007F) {
     const float u = table().at(r / pressed.reach).u;
     const float farther = table().at((r + drift) / pressed.reach).u;
-    EXPECT_GE(change.at(r).way, 0.008F * (u - farther)) << r;
+    EXPECT_GE(change.at(r).displacement, 0.008F * (u - farther)) << r;
   }
 }
 
 TEST(FieldChange, OfAContactThatStaysAsItIsIsNothing) {
   const ContactField pressed = field(-Vector3f::UnitZ(), 0.008F, 0.003F, 1.0F);
   FieldChange change;
-  change.take(&pressed, &pressed, 0.0F, table());
+  change.set(&pressed, &pressed, 0.0F, table());
   EXPECT_TRUE(change.is_still());
-  EXPECT_EQ(change.at(0.0F).way, 0.0F);
-  EXPECT_EQ(most_moved(std::vector<NearChange>{{&change, 0.0F}, {&change, 0.0F}}), 0.0F);
-  EXPECT_EQ(most_moved({}), 0.0F);
+  EXPECT_EQ(change.at(0.0F).displacement, 0.0F);
+  EXPECT_EQ(max_motion(std::vector<NearChange>{{&change, 0.0F}, {&change, 0.0F}}), 0.0F);
+  EXPECT_EQ(max_motion({}), 0.0F);
 }
 
 TEST(FieldChange, IsNothingBeyondItsLimit) {
   const ContactField shallow = field(-Vector3f::UnitZ(), 0.004F, 0.003F, 1.0F);
   const ContactField deep = field(-Vector3f::UnitZ(), 0.008F, 0.003F, 1.0F);
   FieldChange change;
-  change.take(&shallow, &deep, 0.0F, table());
+  change.set(&shallow, &deep, 0.0F, table());
   EXPECT_EQ(change.limit(), deep.limit);
-  EXPECT_GT(change.at(0.98F * deep.limit).way, 0.0F);
-  EXPECT_EQ(change.at(deep.limit).way, 0.0F);
+  EXPECT_GT(change.at(0.98F * deep.limit).displacement, 0.0F);
+  EXPECT_EQ(change.at(deep.limit).displacement, 0.0F);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 constexpr float kFar = 1e9F;
 constexpr int kAll = std::numeric_limits<int>::max();
 
-// A flat square of side 2 about the origin, its vertices moved about so that many triangles are obtuse.
+// A flat square of side 2 about the origin, with randomly moved vertices, so that many triangles are obtuse.
 geometry::TriangleMesh rough_plane(int divisions, double shake) {
   geometry::TriangleMesh mesh;
   std::mt19937 random(7);
@@ -25,7 +25,8 @@ geometry::TriangleMesh rough_plane(int divisions, double shake) {
   const double step = 2.0 / divisions;
   for (int j = 0; j <= divisions; ++j) {
     for (int i = 0; i <= divisions; ++i) {
-      const double x = -1.0 + step * (i + move(random));  // one after the other: arguments have no order
+      // separate statements, because the order of evaluation of arguments is unspecified
+      const double x = -1.0 + step * (i + move(random));
       mesh.vertices.emplace_back(x, -1.0 + step * (j + move(random)), 0.0);
     }
   }
@@ -40,7 +41,7 @@ geometry::TriangleMesh rough_plane(int divisions, double shake) {
   return mesh;
 }
 
-// A front from the surface's point nearest to p, as far as `limit` [m].
+// A front from the surface point nearest to p, up to `limit` [m].
 class Front {
  public:
   Front(const geometry::TriangleMesh& mesh, const Vec3& p, float limit)
@@ -63,11 +64,11 @@ class Front {
 };
 
 TEST(Geodesic, IsTheStraightDistanceOnAPlaneWithObtuseTriangles) {
-  // No vertex leaves its cell, but the triangles have angles up to 170 degrees.
+  // No vertex leaves its grid cell, but angles reach 170 degrees.
   const Front front(rough_plane(20, 0.32), Vec3(0.13, -0.07, 0.2), kFar);
   std::size_t within = 0;
   for (const std::int32_t v : (*front).settled()) {
-    if (front.straight(v) > 0.8) continue;  // nearer ways do not meet the ragged border
+    if (front.straight(v) > 0.8) continue;  // paths to nearer vertices do not meet the ragged border
     EXPECT_NEAR(front.at(v), front.straight(v), 1e-5);
     ++within;
   }
@@ -96,7 +97,7 @@ TEST(Geodesic, IsTheArcOnASphere) {
       const double arc = radius * std::acos(ball.vertices[v].normalized().dot(up));
       worst = std::max(worst, std::abs(front.at(static_cast<std::int32_t>(v)) - arc));
     }
-    // Half the circumference is pi R; edges alone would be wrong by 10 % of it however fine the mesh.
+    // Half the circumference is pi R. Distances along edges only would be 10 % too long on any mesh.
     EXPECT_LT(worst, error * 3.14159 * radius) << triangles;
   }
 }
@@ -114,11 +115,12 @@ TEST(Geodesic, GoesRoundTheEdgeOfABoxAndNotThroughIt) {
 
 TEST(Geodesic, StartsAtAVertex) {
   const geometry::TriangleMesh plane = rough_plane(10, 0.3);
-  const Front front(plane, plane.vertices[60], kFar);  // up to a limit, distances just below it may be long
+  // with a limit, distances just below it may be too long
+  const Front front(plane, plane.vertices[60], kFar);
   EXPECT_NEAR(front.at(60), 0.0, 1e-6);
   for (const std::int32_t v : (*front).settled()) {
     const double straight = (front.vertex(v) - plane.vertices[60]).norm();
-    if (straight > 0.6) continue;  // nearer ways do not meet the ragged border
+    if (straight > 0.6) continue;  // paths to nearer vertices do not meet the ragged border
     EXPECT_NEAR(front.at(v), straight, 1e-5);
   }
 }

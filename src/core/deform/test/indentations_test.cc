@@ -28,7 +28,7 @@ TEST(Indentations, AreTheContactsWithTipsNoBlunterThanWide) {
   EXPECT_EQ(found[0].depth, 0.004);
   EXPECT_EQ(found[0].tip_radius, 0.002);
   EXPECT_EQ(found[0].half_width, 0.0);
-  results[0].views[0].half_width = 0.0;  // not known
+  results[0].views[0].half_width = 0.0;  // unknown
   EXPECT_EQ(indentations_of(results)[0].tip_radius, 0.003);
 }
 

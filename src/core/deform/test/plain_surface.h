@@ -1,6 +1,6 @@
 #pragma once
-// The moving surface once more, written plainly: the oracle of SurfaceDeformer, LiveSurface and
-// GeodesicFront.
+// A plain reference implementation of the displaced surface, for tests of SurfaceDeformer, DeformedSurface
+// and GeodesicFront.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,36 +12,37 @@
 #include <Eigen/LU>
 
 #include "core/base/infinity.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/mesh.h"
 #include "palpate/surface.h"
 
 namespace palpate::deform::test {
 
-/// Where a point lies on a surface.
+/// A point on a surface.
 struct PlainPoint {
   std::int32_t triangle = -1;
   Vec3 point = Vec3::Zero();   // on that triangle [m]
-  Vec3 normal = Vec3::Zero();  // unit, vertex normals interpolated; zero where the surface has none
+  Vec3 normal = Vec3::Zero();  // unit, interpolated vertex normals; zero where the surface has none
 };
 
-/// Distances along a surface from one point of it, up to a limit.
+/// Geodesic distances from one point, up to a limit.
 ///
-/// A vertex takes the shortest of the ways through its triangles: the two other corners' distances place the
-/// source in the triangle's plane (unfolded), and the straight line from there counts when it crosses the
-/// edge between them (Novotni and Klein 2002); else the way along an edge. A vertex whose distance falls
-/// later is propagated again, so obtuse triangles and slivers need no special care, and a flat surface comes
-/// out exact. Along edges alone (Dijkstra) the distance would be up to 15 % too long, by direction.
+/// A vertex takes the shortest path through its triangles (Novotni and Klein 2002).
+/// The distances of the two other corners place the source in the unfolded plane of the triangle. The
+/// straight line from there counts when it crosses the edge between them; otherwise the path along an edge
+/// counts. A vertex whose distance falls later is propagated again, so obtuse triangles and slivers need no
+/// special treatment. Distances on a flat surface are exact. Distances along edges only (Dijkstra) would be
+/// up to 15 % too long.
 class PlainGeodesic final {
  public:
-  /// [setup] Copies the mesh and prepares adjacency. The mesh need be neither closed nor manifold.
+  /// [setup] Copies the mesh and prepares adjacency. The mesh may be open and non-manifold.
   explicit PlainGeodesic(const geometry::TriangleMesh& mesh);
 
-  /// [setup] The point of the surface nearest to p; of equally near triangles the first. O(triangles).
+  /// [setup] The surface point nearest to p; among equally near triangles the first. O(triangles).
   [[nodiscard]] PlainPoint nearest(const Vec3& p) const;
 
-  /// [setup] Computes the distances from `source` of all vertices nearer than `limit` [m]; the former
-  /// result is forgotten.
+  /// [setup] Computes the distances from `source` of all vertices nearer than `limit` [m]. Replaces the last
+  /// result.
   void compute(const PlainPoint& source, double limit);
 
   /// [any] Vertices nearer than the limit.
@@ -59,26 +60,26 @@ class PlainGeodesic final {
 
   geometry::TriangleMesh mesh_;
   std::vector<Vec3> normals_;
-  std::vector<std::int32_t> start_;     // of each vertex's triangles in incident_
+  std::vector<std::int32_t> start_;     // per vertex: start of its triangles in incident_
   std::vector<std::int32_t> incident_;  // triangles of each vertex
-  std::vector<double> distance_;        // infinity where not reached
+  std::vector<double> distance_;        // infinity if not reached
   std::vector<std::int32_t> reached_;
   std::vector<std::pair<double, std::int32_t>> queue_;  // heap, smallest first; may hold outdated entries
   double longest_edge_ = 0.0;                           // [m]
   double limit_ = 0.0;                                  // of propagation [m]
 };
 
-// m^8: of a vertex that hardly moves.
+// m^8; the weight of a vertex that hardly moves
 inline constexpr double kLeastWeight = 1e-200;
 
-// Improvements below this share of the distance are rounding and are not propagated again.
+// A distance that falls by less than this ratio has changed by rounding only and is not propagated.
 inline constexpr double kWorthwhile = 1.0 - 1e-9;
 
 inline std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-// Length of the straight way to c that crosses edge ab, given the distances of a and b; infinity when the
-// straight line does not cross it.
-inline double way_across(const Vec3& a, const Vec3& b, const Vec3& c, double distance_a, double distance_b) {
+// Length of the straight path to c across edge ab, from the distances of a and b; infinity when the straight
+// line misses the edge.
+inline double path_across(const Vec3& a, const Vec3& b, const Vec3& c, double distance_a, double distance_b) {
   const Vec3 edge = b - a;
   const double length = edge.norm();
   if (!(length > 0.0)) return kInfinity;
@@ -87,7 +88,7 @@ inline double way_across(const Vec3& a, const Vec3& b, const Vec3& c, double dis
   const double s_x = (distance_a * distance_a - distance_b * distance_b + length * length) / (2.0 * length);
   const double s_y_squared = distance_a * distance_a - s_x * s_x;
   if (s_y_squared < 0.0) return kInfinity;
-  const double s_y = std::sqrt(s_y_squared);  // below the edge, c above it
+  const double s_y = std::sqrt(s_y_squared);  // the source is below the edge, c above
   const double height = c_y + s_y;
   if (!(height > 0.0)) return kInfinity;
   const double crossing = s_x + (c_x - s_x) * s_y / height;
@@ -159,8 +160,8 @@ inline void PlainGeodesic::relax(std::int32_t from, std::int32_t known, std::int
   const Vec3& c = mesh_.vertices[index(to)];
   double distance = distance_[index(from)] + (c - a).norm();
   if (distance_[index(known)] < kInfinity) {
-    distance = std::min(distance, way_across(a, mesh_.vertices[index(known)], c, distance_[index(from)],
-                                             distance_[index(known)]));
+    distance = std::min(distance, path_across(a, mesh_.vertices[index(known)], c, distance_[index(from)],
+                                              distance_[index(known)]));
   }
   offer(to, distance);
 }
@@ -169,7 +170,7 @@ inline void PlainGeodesic::compute(const PlainPoint& source, double limit) {
   for (const std::int32_t v : reached_) distance_[index(v)] = kInfinity;
   reached_.clear();
   queue_.clear();
-  // The shortest way to a vertex below the limit may cross an edge whose far end lies beyond it.
+  // The shortest path to a vertex below the limit may cross an edge with an end beyond it.
   limit_ = limit + longest_edge_;
   if (source.triangle < 0) return;
   for (const std::int32_t v : mesh_.triangles[index(source.triangle)])
@@ -178,7 +179,7 @@ inline void PlainGeodesic::compute(const PlainPoint& source, double limit) {
     std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
     const auto [distance, v] = queue_.back();
     queue_.pop_back();
-    if (distance > distance_[index(v)]) continue;  // outdated
+    if (distance > distance_[index(v)]) continue;  // outdated entry
     for (std::int32_t i = start_[index(v)]; i < start_[index(v) + 1]; ++i) {
       const geometry::Triangle& t = mesh_.triangles[index(incident_[index(i)])];
       const std::size_t k = t[0] == v ? 0 : (t[1] == v ? 1 : 2);
@@ -195,24 +196,24 @@ inline void PlainGeodesic::compute(const PlainPoint& source, double limit) {
   });
 }
 
-/// The moving surface by its rules, vertex by vertex in double precision: what SurfaceDeformer is held
-/// against.
+/// The displaced surface by its rules, vertex by vertex in double precision: the reference for
+/// SurfaceDeformer.
 class PlainDeformer final {
  public:
   explicit PlainDeformer(const geometry::TriangleMesh& rest) : geodesic_(rest), sums_(rest.vertices.size()) {}
 
-  [[nodiscard]] std::vector<Vec3> deformed(const model::ReachParameters& reach,
+  [[nodiscard]] std::vector<Vec3> deformed(const model::FalloffRatios& reach,
                                            std::span<const Indentation> indentations, double rounding = 0.0) {
     std::vector<Vec3> vertices = geodesic_.mesh().vertices;
     sums_.assign(vertices.size(), {});
-    const std::vector<double> shares = shares_of_room(indentations);
+    const std::vector<double> shares = opposition_factors(indentations);
     for (std::size_t i = 0; i < indentations.size(); ++i) {
       Indentation indentation = indentations[i];
       indentation.depth *= shares[i];
       if (indentation.depth > 0.0) add(reach, indentation, rounding);
     }
     for (std::size_t v = 0; v < vertices.size(); ++v) {
-      const Sums& sums = sums_[v];
+      const BlendSums& sums = sums_[v];
       if (sums.weight == 0.0) continue;
       const Vec3 direction = sums.directions / sums.squares;
       vertices[v] += sums.length / sums.weight * mean_direction_gain(direction.squaredNorm()) * direction;
@@ -221,15 +222,15 @@ class PlainDeformer final {
   }
 
  private:
-  // Of the contacts that move a vertex.
-  struct Sums {
-    double weight = 0.0;             // of the lengths' eighth powers
-    double length = 0.0;             // of the lengths by those
-    double squares = 0.0;            // of the lengths' squares
-    Vec3 directions = Vec3::Zero();  // of the directions by those
+  // Sums over the contacts that move a vertex.
+  struct BlendSums {
+    double weight = 0.0;             // sum of u^8
+    double length = 0.0;             // sum of u^9
+    double squares = 0.0;            // sum of u^2
+    Vec3 directions = Vec3::Zero();  // directions weighted by u^2
   };
 
-  /// Distance [m] to the organ's far side; infinity where there is none.
+  /// Distance [m] to the organ's far side; infinity if there is no far side.
   [[nodiscard]] double thickness_behind(const Vec3& start, const Vec3& direction) const {
     double nearest = kInfinity;
     for (const geometry::Triangle& t : geodesic_.mesh().triangles) {
@@ -246,19 +247,20 @@ class PlainDeformer final {
     return nearest;
   }
 
-  void add(const model::ReachParameters& reach, const Indentation& indentation, double rounding) {
+  void add(const model::FalloffRatios& reach, const Indentation& indentation, double rounding) {
     const PlainPoint contact = geodesic_.nearest(indentation.point);
     const double along_normal = indentation.direction.dot(contact.normal);
     double depth = indentation.depth;
-    if (along_normal < 0.0) depth = held_back(depth, thickness_behind(contact.point, indentation.direction));
-    const SurfaceProfile profile(reach, depth, indentation.tip_radius, indentation.half_width);
+    if (along_normal < 0.0)
+      depth = limited_depth(depth, thickness_behind(contact.point, indentation.direction));
+    const DisplacementProfile profile(reach, depth, indentation.tip_radius, indentation.half_width);
     const Vec3 normal_part = along_normal * contact.normal;
     const Vec3 side_part = indentation.direction - normal_part;
-    const double fold = side_part.norm() * profile.steepest() / kSteepestSideways;
-    const SurfaceProfile side_profile = profile.widened(std::max(1.0, fold));
+    const double fold = side_part.norm() * profile.steepest() / kMaxTangentialSlope;
+    const DisplacementProfile side_profile = profile.widened(std::max(1.0, fold));
 
-    // The profile runs out at its reach, rounded at reach / (1 - rounding).
-    const double limit = side_profile.reach() / (1.0 - rounding);
+    // The profile ends at its reach, the rounded one at reach / (1 - rounding).
+    const double limit = side_profile.outer_radius() / (1.0 - rounding);
     geodesic_.compute(contact, limit);
     for (const std::int32_t v : geodesic_.reached()) {
       const double r = geodesic_.at(v);
@@ -268,7 +270,7 @@ class PlainDeformer final {
       if (!(length > 0.0)) continue;
       const double squared = length * length;
       const double weight = std::max(squared * squared * squared * squared, kLeastWeight);
-      Sums& sums = sums_[static_cast<std::size_t>(v)];
+      BlendSums& sums = sums_[static_cast<std::size_t>(v)];
       sums.weight += weight;
       sums.length += weight * length;
       sums.squares += squared;
@@ -277,7 +279,7 @@ class PlainDeformer final {
   }
 
   PlainGeodesic geodesic_;
-  std::vector<Sums> sums_;  // a vertex
+  std::vector<BlendSums> sums_;  // per vertex
 };
 
 }  // namespace palpate::deform::test

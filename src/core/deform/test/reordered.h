@@ -7,7 +7,7 @@
 
 namespace palpate::deform {
 
-/// The same surface with its vertices in another order, each named by where it was.
+/// The surface with its vertices in another order. @param order old index of each new vertex
 inline geometry::TriangleMesh reordered(const geometry::TriangleMesh& mesh,
                                         const std::vector<std::size_t>& order) {
   geometry::TriangleMesh ordered = mesh;

@@ -49,7 +49,7 @@ double longest_edge(const TriangleMesh& mesh) {
   return longest;
 }
 
-/// 1 for an equilateral triangle, towards 0 for a sliver: 4 sqrt(3) area / sum of squared edges.
+/// 1 for an equilateral triangle, near 0 for a sliver: 4 sqrt(3) area / sum of squared edges.
 double worst_shape(const TriangleMesh& mesh) {
   double worst = 1.0;
   for (const Triangle& triangle : mesh.triangles) {
@@ -114,7 +114,7 @@ TEST(Mesh, TransformTurnsThenMoves) {
 
 TEST(Mesh, EdgeNeighboursOfATetrahedron) {
   const auto neighbours = edge_neighbours(tetrahedron());
-  // Edge 0-2 of triangle 0 belongs to triangle 3, 2-1 to 2, 1-0 to 1.
+  // Edge 0-2 of triangle 0 is shared with triangle 3, 2-1 with 2, 1-0 with 1.
   EXPECT_EQ(neighbours[0], (std::array<std::int32_t, 3>{3, 2, 1}));
 }
 
@@ -135,7 +135,7 @@ TEST(Mesh, EdgeNeighboursRefuseThreeTrianglesAtAnEdge) {
 TEST(Mesh, EdgeNeighboursRefuseATriangleTurnedOver) {
   TriangleMesh mesh = tetrahedron();
   std::swap(mesh.triangles[2][0], mesh.triangles[2][1]);
-  EXPECT_THAT([&] { (void)edge_neighbours(mesh); }, ThrowsMessage<InputError>(HasSubstr("turned over")));
+  EXPECT_THAT([&] { (void)edge_neighbours(mesh); }, ThrowsMessage<InputError>(HasSubstr("inverted")));
 }
 
 TEST(Mesh, EdgeNeighboursRefuseAnIndexOutOfRange) {
@@ -175,12 +175,12 @@ TEST(Mesh, RefineLeavesAFineMeshAlone) {
 }
 
 TEST(Mesh, RefineSplitsNeedlesAcrossTheirLength) {
-  TriangleMesh needle;  // like a side of a long thin shaft
+  TriangleMesh needle;  // like the side of a long thin shaft
   needle.vertices = {{0, 0, 0}, {0.35, 0, 0}, {0.35, 0.0005, 0}};
   needle.triangles = {{0, 1, 2}};
   const TriangleMesh fine = refine(needle, 0.002);
   EXPECT_LE(longest_edge(fine), 0.002);
-  EXPECT_LT(fine.triangles.size(), 2U * 256U);  // two a step of at most 0.35 m / 256
+  EXPECT_LT(fine.triangles.size(), 2U * 256U);  // two per step of at most 0.35 m / 256
 }
 
 TEST(Mesh, RefineTakesOpenAndBranchingMeshes) {
@@ -212,9 +212,9 @@ TEST(Mesh, RefineGivesUpOnABoundlessMesh) {
   EXPECT_THAT([&] { (void)refine(mesh, 1e-3); }, ThrowsMessage<InputError>(HasSubstr("unit")));
 }
 
-TEST(Mesh, QuadrupleKeepsSurfaceAndClosedness) {
+TEST(Mesh, SubdivisionKeepsSurfaceAndClosedness) {
   const TriangleMesh coarse = make_ball(0.02, 80);
-  const TriangleMesh fine = quadruple(coarse);
+  const TriangleMesh fine = subdivide(coarse);
   EXPECT_EQ(fine.triangles.size(), 320U);
   EXPECT_EQ(fine.vertices.size(), 162U);  // V - E + F = 2
   EXPECT_EQ(boundary_edges(fine), 0);

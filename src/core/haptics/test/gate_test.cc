@@ -14,13 +14,13 @@ constexpr double kGateNaN = std::numeric_limits<double>::quiet_NaN();
 
 ForceCommand force_only(const Vec3& force) { return {force, Vec3::Zero(), 0.0}; }
 
-/// The gate as most tests use it: a device that does not move.
+/// The gate with a device that does not move.
 GateOutput pass(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
                 const Vec3& noise = Vec3::Zero(), Fault fault = Fault::kNone) {
   return pass_gate(limits, state, {.tissue = tissue, .noise = noise, .fault = fault});
 }
 
-/// The force that a hand feels before a fault.
+/// A gate that already writes this command.
 GateState holding(const GateLimits& limits, const ForceCommand& command) {
   GateState state;
   for (int i = 0; i < 100; ++i) (void)pass(limits, state, command, Vec3::Zero(), Fault::kNone);
@@ -177,13 +177,13 @@ TEST(Gate, AfterAResetAndAGoodTickAFaultTakesItsWholeFallAgain) {
   EXPECT_NEAR(state.force.z(), 4.5, 1e-12);
 }
 
-/// Ticks of a constant force through the gate of a device that gives 1 N without end.
+/// Ticks of a constant force through the gate of a device with 1 N of continuous force.
 struct Duty {
   GateLimits limits;
   GateState state;
-  std::uint32_t status = 0;  // of all ticks
+  std::uint32_t status = 0;  // OR of all ticks
   double squares = 0.0;
-  bool warm = false;  // the motors
+  bool warm = false;  // warm motors
 
   Duty() { limits.continuous_force = 1.0; }
   void hold(double force, int ticks) {
@@ -238,8 +238,8 @@ TEST(Duty, WarmMotorsLowerTheForceWithinSecondsByARampAndItComesBackSlowly) {
     before = duty.state.force.y();
   }
   EXPECT_NE(duty.status & kDutyLimited, 0U);
-  // The mean square approaches 1 N^2 with 1 s, pulled back with 60 s: the RMS load settles at (60/61)^(1/2),
-  // a share of 10 (1 - 0.9918) of the force.
+  // The mean square approaches 1 N^2 with 1 s and decays with 60 s, so the RMS load settles at (60/61)^(1/2),
+  // and the force at 10 (1 - 0.9918) of the tissue force.
   EXPECT_NEAR(duty.state.force.y(), 0.5 * 10.0 * (1.0 - std::sqrt(60.0 / 61.0)), 0.02);
   duty.warm = false;
   duty.hold(0.5, 60'000);

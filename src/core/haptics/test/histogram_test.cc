@@ -65,10 +65,10 @@ TEST(Histogram, ItsBucketsHoldAllValuesWithTheirUpperEdgesAscending) {
   for (const std::int64_t value : {5, 5, 2047, 2048, 1'000'000}) histogram.add(value);
   const std::vector<Histogram::Bucket> buckets = histogram.buckets();
   ASSERT_EQ(buckets.size(), 4u);
-  EXPECT_EQ(buckets[0].upper, 5);  // below 2^11 every number has its own bucket
+  EXPECT_EQ(buckets[0].upper, 5);  // below 2^11 each value has its own bucket
   EXPECT_EQ(buckets[0].count, 2u);
   EXPECT_EQ(buckets[1].upper, 2047);
-  EXPECT_EQ(buckets[2].upper, 2049);  // 2048 and 2049 share one
+  EXPECT_EQ(buckets[2].upper, 2049);  // 2048 and 2049 share a bucket
   EXPECT_GE(buckets[3].upper, 1'000'000);
   EXPECT_LE(buckets[3].upper, 1'001'000);
   EXPECT_TRUE(Histogram().buckets().empty());

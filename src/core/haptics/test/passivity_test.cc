@@ -18,58 +18,59 @@ DeviceMotion moved(double x) { return {Vec3(x, 0.0, 0.0), Vec3::Zero()}; }
 ForceCommand pushing(double x) { return {Vec3(x, 0.0, 0.0), Vec3::Zero(), 0.0}; }
 
 TEST(Passivity, TheObserverBooksForceTimesWayAndTorqueTimesTurn) {
-  EnergyAccount account;
-  book(account, {Vec3(-2.0, 0.0, 0.0), Vec3(0.0, 0.5, 0.0), 0.0}, Vec3::Zero(),
-       {Vec3(0.001, 0.0, 0.0), Vec3(0.0, -0.002, 0.0)});
-  EXPECT_DOUBLE_EQ(account.tissue, 0.002 + 0.001) << "against the force and the torque: put in";
-  EXPECT_EQ(account.noise, 0.0);
+  PassivityObserver observer;
+  observe_tissue(observer, {Vec3(-2.0, 0.0, 0.0), Vec3(0.0, 0.5, 0.0), 0.0}, Vec3::Zero(),
+                 {Vec3(0.001, 0.0, 0.0), Vec3(0.0, -0.002, 0.0)});
+  EXPECT_DOUBLE_EQ(observer.tissue, 0.002 + 0.001) << "against the force and the torque: put in";
+  EXPECT_EQ(observer.noise, 0.0);
 }
 
 TEST(Passivity, NoiseHasItsOwnAccount) {
-  EnergyAccount account;
-  book(account, pushing(-1.9), Vec3(0.1, 0.0, 0.0), moved(0.001));
-  book_noise(account, Vec3(0.1, 0.0, 0.0), moved(0.001), kPassivityPeriod);
-  EXPECT_DOUBLE_EQ(account.tissue, 0.002) << "the tissue's part of the force was -2 N";
-  EXPECT_DOUBLE_EQ(account.noise, 1e-4);
+  PassivityObserver observer;
+  observe_tissue(observer, pushing(-1.9), Vec3(0.1, 0.0, 0.0), moved(0.001));
+  observe_noise(observer, Vec3(0.1, 0.0, 0.0), moved(0.001), kPassivityPeriod);
+  EXPECT_DOUBLE_EQ(observer.tissue, 0.002) << "the tissue's part of the force was -2 N";
+  EXPECT_DOUBLE_EQ(observer.noise, 1e-4);
 }
 
 TEST(Passivity, OutsideASurplusIsForgivenAndADeficitIsNot) {
-  EnergyAccount account{0.5, 0.1, 0.0};
-  forgive_surplus(account);
-  EXPECT_EQ(account.tissue, 0.0);
-  account.tissue = -0.5;
-  forgive_surplus(account);
-  EXPECT_EQ(account.tissue, -0.5);
-  EXPECT_EQ(account.noise, 0.1);
+  PassivityObserver observer{0.5, 0.1, 0.0};
+  reset_surplus(observer);
+  EXPECT_EQ(observer.tissue, 0.0);
+  observer.tissue = -0.5;
+  reset_surplus(observer);
+  EXPECT_EQ(observer.tissue, -0.5);
+  EXPECT_EQ(observer.noise, 0.1);
 }
 
 TEST(Passivity, WithinTheLeewayNothingIsDone) {
   ForceCommand tissue = pushing(3.0);
-  EXPECT_FALSE(damp_deficit({-kEnergyLeeway, 0.0, 0.0}, moved(0.001), kPassivityPeriod, tissue));
+  EXPECT_FALSE(control_passivity({-kEnergyTolerance, 0.0, 0.0}, moved(0.001), kPassivityPeriod, tissue));
   EXPECT_EQ(tissue.force.x(), 3.0);
 }
 
 TEST(Passivity, ADeficitTakesWhatGivesMoreAndDampsInTheNextTick) {
   const double deficit = 1e-4;  // J
-  const double way = 2e-4;      // m in a tick: 0.2 m/s
+  const double way = 2e-4;      // m per tick: 0.2 m/s
   ForceCommand tissue = {Vec3(3.0, 1.0, 0.0), Vec3::Zero(), 0.0};
-  EXPECT_TRUE(damp_deficit({-deficit, 0.0, 0.0}, moved(way), kPassivityPeriod, tissue));
+  EXPECT_TRUE(control_passivity({-deficit, 0.0, 0.0}, moved(way), kPassivityPeriod, tissue));
   EXPECT_NEAR(tissue.force.x(), -deficit / way, 1e-12) << "over the same way again it takes the deficit";
   EXPECT_DOUBLE_EQ(tissue.force.y(), 1.0) << "across the way no work is done";
 }
 
 TEST(Passivity, DampingIsBounded) {
   ForceCommand tissue;
-  EXPECT_TRUE(damp_deficit({-1.0, 0.0, 0.0}, moved(1e-5), kPassivityPeriod, tissue));
-  EXPECT_NEAR(tissue.force.x(), -kMostDamping * 1e-5 / kPassivityPeriod, 1e-12);
+  EXPECT_TRUE(control_passivity({-1.0, 0.0, 0.0}, moved(1e-5), kPassivityPeriod, tissue));
+  EXPECT_NEAR(tissue.force.x(), -kMaxDamping * 1e-5 / kPassivityPeriod, 1e-12);
   ForceCommand turned;
-  EXPECT_TRUE(damp_deficit({-1.0, 0.0, 0.0}, {Vec3::Zero(), Vec3(0, 1e-5, 0)}, kPassivityPeriod, turned));
-  EXPECT_NEAR(turned.torque.y(), -kMostAngularDamping * 1e-5 / kPassivityPeriod, 1e-15);
+  EXPECT_TRUE(
+      control_passivity({-1.0, 0.0, 0.0}, {Vec3::Zero(), Vec3(0, 1e-5, 0)}, kPassivityPeriod, turned));
+  EXPECT_NEAR(turned.torque.y(), -kMaxAngularDamping * 1e-5 / kPassivityPeriod, 1e-15);
 }
 
 TEST(Passivity, ADeviceThatStandsStillIsLeftAlone) {
   ForceCommand tissue = pushing(3.0);
-  (void)damp_deficit({-1.0, 0.0, 0.0}, {}, kPassivityPeriod, tissue);
+  (void)control_passivity({-1.0, 0.0, 0.0}, {}, kPassivityPeriod, tissue);
   EXPECT_EQ(tissue.force.x(), 3.0);
 }
 
@@ -88,7 +89,7 @@ TEST(Passivity, WhatAMovingOrganDoesOnAHandThatGoesAlongIsItsOwnAffair) {
   EXPECT_NEAR(state.energy.tissue, 2e-4, 1e-15) << "pushed against a hand that stays, the tissue stores it";
 }
 
-/// Pushes a free mass with noise through the gate. @return J that it got, at most
+/// Pushes a free mass with noise through the gate. @return largest energy [J] that the mass received
 double given_by_noise(double sigma, double mass, int ticks, bool controlled) {
   noise::NoiseSettings settings;
   settings.gain = sigma * settings.threshold;
@@ -114,11 +115,11 @@ double given_by_noise(double sigma, double mass, int ticks, bool controlled) {
 
 TEST(Passivity, NoiseGivesNoMoreThanItsPowerAndTwiceItsLeeway) {
   constexpr int kTicks = 60'000;
-  const double allowed = kNoisePower * kTicks * kPassivityPeriod + 2.0 * kNoiseLeeway;
+  const double allowed = kNoisePower * kTicks * kPassivityPeriod + 2.0 * kNoiseEnergy;
   for (const double mass : {0.01, 0.02, 0.05}) {
-    EXPECT_LE(given_by_noise(noise::kMostSigma, mass, kTicks, true), allowed + 1e-4) << mass;
+    EXPECT_LE(given_by_noise(noise::kMaxSigma, mass, kTicks, true), allowed + 1e-4) << mass;
   }
-  EXPECT_GT(given_by_noise(noise::kMostSigma, 0.01, kTicks, false), 2.0 * allowed) << "the measure can fail";
+  EXPECT_GT(given_by_noise(noise::kMaxSigma, 0.01, kTicks, false), 2.0 * allowed) << "the measure can fail";
 }
 
 TEST(Passivity, NoiseOfTheDefaultStrengthIsNeverTouched) {
@@ -126,16 +127,16 @@ TEST(Passivity, NoiseOfTheDefaultStrengthIsNeverTouched) {
   EXPECT_EQ(given_by_noise(sigma, 0.05, 60'000, true), given_by_noise(sigma, 0.05, 60'000, false));
 }
 
-/// A mass thrown against a spring that is felt a tick late, through the gate.
+/// A mass thrown against a spring whose force comes a tick late, through the gate.
 struct Bounce {
   bool controlled = false;
   double stiffness = 0.0;  // N/m
   double mass = 0.0;       // kg
 
   struct Result {
-    double given = 0.0;         // J that the mass got more than it gave, at worst
-    double largest_tick = 0.0;  // J exchanged in one tick, at most
-    double speed_at_end = 0.0;  // m/s, largest in the last quarter
+    double given = 0.0;         // J, largest net energy that the mass received
+    double largest_tick = 0.0;  // J, largest energy exchanged in one tick
+    double speed_at_end = 0.0;  // m/s, largest speed in the last quarter
   };
 
   [[nodiscard]] Result run(int ticks) const {
@@ -155,7 +156,7 @@ struct Bounce {
       result.given = std::max(result.given, balance);
       result.largest_tick = std::max(result.largest_tick, std::abs(work));
       if (i > ticks * 3 / 4) result.speed_at_end = std::max(result.speed_at_end, std::abs(speed));
-      // A wall on both sides keeps the mass at the spring.
+      // A second wall returns the mass to the spring.
       const double force = x < 0.0 ? -stiffness * x : (x > 2e-3 ? -stiffness * (x - 2e-3) : 0.0);
       (void)pass_gate(limits, state,
                       {.tissue = pushing(force), .motion = moved(x - before), .controlled = controlled});
@@ -169,7 +170,7 @@ TEST(Passivity, WithTheControllerASampledSpringGivesNoMoreThanItGotButForTheStat
     for (const double mass : {0.05, 0.1, 0.25}) {
       const Bounce::Result open = Bounce{false, stiffness, mass}.run(20'000);
       const Bounce::Result damped = Bounce{true, stiffness, mass}.run(20'000);
-      const double bound = kEnergyLeeway + 2.0 * damped.largest_tick;
+      const double bound = kEnergyTolerance + 2.0 * damped.largest_tick;
       EXPECT_LE(damped.given, bound) << stiffness << " N/m, " << mass << " kg";
       EXPECT_GT(open.given, 10.0 * bound) << "the same without the controller shows that it is needed";
       EXPECT_LT(damped.speed_at_end, open.speed_at_end);
@@ -188,7 +189,7 @@ TEST(Passivity, OnADeviceThatIsOnlyObservedNothingIsDamped) {
 
 TEST(Passivity, TheGateBooksWhatItWroteNotWhatWasAskedFor) {
   GateState state;
-  GateLimits limits;  // 5 N a tick
+  GateLimits limits;  // 5 N per tick
   (void)pass_gate(limits, state, {.tissue = pushing(-8.0)});
   (void)pass_gate(limits, state, {.tissue = pushing(-8.0), .motion = moved(1e-3)});
   EXPECT_NEAR(state.energy.tissue, 5.0 * 1e-3, 1e-12);

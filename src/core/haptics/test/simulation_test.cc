@@ -3,10 +3,13 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
 #include "core/haptics/test/test_world.h"
+#include "core/model/tissue_fields.h"
+#include "palpate/error.h"
 
 namespace palpate::haptics {
 namespace {
@@ -172,6 +175,26 @@ TEST(Tick, ABadFirstSampleIsAFaultWithoutForce) {
   EXPECT_EQ(bench.rows[0].fault, static_cast<std::uint32_t>(Fault::kNotFinite));
   EXPECT_TRUE(all_finite(bench.rows[0]));
   EXPECT_EQ(norm(bench.rows[0].force), 0.0);
+}
+
+TEST(Tick, NoAllowedTissueNumberMakesAForceThatIsNotFinite) {
+  for (const model::TissueField& field : model::kTissueFields) {
+    if (field.key == std::string_view("reference_radius_mm")) continue;  // another preparation
+    for (const double value : {0.0, 5e-324, 1e-300, 1e-9, field.range.high, 1e6, 1e9, 1e300, 1e308}) {
+      model::TissueParameters tissue = model::tissue_preset("gallbladder");
+      field.at.set(tissue, value);
+      Bench bench(1, no_noise());
+      try {
+        bench.world = block_and_balls(1, 1000.0, no_noise(), tissue);
+      } catch (const ParameterError&) {
+        continue;  // refused
+      }
+      bench.state = SimulationState(bench.world);
+      bench.number = 240;
+      bench.press(200);
+      EXPECT_EQ(bench.rows[0].fault, 0u) << field.key << " = " << value;
+    }
+  }
 }
 
 TEST(Tick, AFaultOnOneHandLeavesTheOtherAlone) {

@@ -14,8 +14,8 @@ namespace {
 using model::Direction;
 using ::testing::HasSubstr;
 
-/// Two layers by hand: 100 N/m to 10 mm, then 4 e^(1/beta) = 8 times that with beta = 1 / ln 2. Along the
-/// surface it is soft.
+/// Two layers: 100 N/m to 10 mm, then 4 e^(1/beta) = 8 times that, with beta = 1 / ln 2. Soft along the
+/// surface.
 model::TissueParameters two_slopes() {
   model::TissueParameters tissue = model::tissue_preset("gallbladder");
   tissue.k1 = 100.0;
@@ -70,7 +70,8 @@ TEST(Stability, AFasterLoopNeedsLessDamping) {
   EXPECT_NEAR(needed(1e-3) - needed(2.5e-4), 800.0 * (1e-3 - 2.5e-4) / 2.0, 1e-12);
 }
 
-// ln K is linear from 100 N/m at 5 mm to 800 N/m at 14.5 mm, the layers' middles, and runs on to 15 mm.
+// ln K is linear from 100 N/m at 5 mm to 800 N/m at 14.5 mm, the middles of the layers, and continues to 15
+// mm.
 TEST(Stability, TheSmoothLawsOwnTangentCountsAndRelaxationTakesNothingOffIt) {
   model::TissueParameters smooth = two_slopes();
   smooth.law = model::LawKind::kSmooth;
@@ -134,9 +135,9 @@ TEST(Stability, WarningsSayTheFiguresAndWhatHelps) {
   const std::vector<std::string> warnings = stability_warnings(check, weak);
   ASSERT_EQ(warnings.size(), 2U);
   EXPECT_THAT(warnings[0],
-              HasSubstr("damping, 0.1 N s/m, is less than this tissue asks for at this rate, 0.9 N s/m"));
+              HasSubstr("damping, 0.1 N s/m, is less than this tissue needs at this rate, 0.9 N s/m"));
   EXPECT_THAT(warnings[0], HasSubstr("smaller workspace_scale"));
-  EXPECT_THAT(warnings[1], HasSubstr("800 N/m, is more than its friction and sensors can hold still, 0 N/m"));
+  EXPECT_THAT(warnings[1], HasSubstr("800 N/m, is more than its friction and sensors allow, 0 N/m"));
   EXPECT_TRUE(stability_warnings(StabilityCheck{}, weak).empty());
 }
 

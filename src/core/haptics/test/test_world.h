@@ -17,7 +17,7 @@ namespace palpate::haptics::test {
 
 inline constexpr double kBallRadius = 3e-3;  // m
 
-/// Prepares the block below once for all tests of a program, which make it with one tissue alone.
+/// Prepares the block below once per program; all tests use it with one tissue.
 inline contact::Preparation prepared_once() {
   static std::optional<contact::OrganArrays> kept;
   contact::Preparation how;
@@ -28,14 +28,15 @@ inline contact::Preparation prepared_once() {
   return how;
 }
 
-/// A 60 x 60 x 40 mm block whose top lies at z = 0, touched by a 3 mm ball in each hand.
-inline SimulationWorld block_and_balls(std::size_t hands, double rate_Hz, noise::NoiseSettings noise = {}) {
+/// A 60 x 60 x 40 mm block whose top is at z = 0, with a 3 mm ball in each hand.
+inline SimulationWorld block_and_balls(
+    std::size_t hands, double rate_Hz, noise::NoiseSettings noise = {},
+    const model::TissueParameters& tissue = model::tissue_preset("gallbladder")) {
   geometry::Tool ball{"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius};
   const geometry::TriangleMesh block = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
   const std::vector<geometry::Tool> tools(hands, ball);
   SimulationWorld world{
-      .contact =
-          contact::World(block, tools, model::tissue_preset("gallbladder"), 1.0 / rate_Hz, prepared_once()),
+      .contact = contact::World(block, tools, tissue, 1.0 / rate_Hz, prepared_once()),
       .noise = noise::TouchNoise(noise, rate_Hz),
       .limits = {20.0, 5000.0 / rate_Hz, 0.2, 50.0 / rate_Hz, 1.0 / rate_Hz},
       .mappings = std::vector<WorkspaceMapping>(hands),
@@ -51,14 +52,14 @@ inline noise::NoiseSettings no_noise() {
   return settings;
 }
 
-/// From 5 mm above the block straight down at 20 mm/s to 5 mm of depth, where it stays.
+/// A straight path from 5 mm above the block down to 5 mm of depth at 20 mm/s, then at rest.
 inline DeviceState pressing(double time) {
   DeviceState state;
   state.position_D = Vec3(0.001, 0.002, kBallRadius + std::max(-0.005, 0.005 - 0.02 * time));
   return state;
 }
 
-/// A device whose samples come from a function; remembers what was written.
+/// A device with samples from a function. It records the written commands.
 class FakeDevice final : public Device {
  public:
   explicit FakeDevice(std::function<DeviceState(std::uint64_t, double)> sample)
@@ -67,18 +68,18 @@ class FakeDevice final : public Device {
   DeviceState read(std::uint64_t tick, double time) noexcept override { return sample_(tick, time); }
   bool write(const ForceCommand& command) noexcept override {
     last = command;
-    if (heard) heard(command);
+    if (on_write) on_write(command);
     ++writes;
-    return writes != refuse_write;
+    return writes != failing_write;
   }
   void stop() noexcept override { ++stops; }
   [[nodiscard]] std::uint64_t last_tick(double) const noexcept override { return ~std::uint64_t{0}; }
 
   ForceCommand last;
-  std::function<void(const ForceCommand&)> heard;  // each command
+  std::function<void(const ForceCommand&)> on_write;  // called with each command
   std::uint64_t writes = 0;
-  std::uint64_t refuse_write = 0;  // number of the command that is refused; 0: none
-  std::atomic<int> stops{0};       // from any thread
+  std::uint64_t failing_write = 0;  // number of the write that fails; 0: none
+  std::atomic<int> stops{0};        // calls of stop(), from any thread
 
  private:
   std::function<DeviceState(std::uint64_t, double)> sample_;
@@ -101,7 +102,7 @@ class RowKeeper final : public TickObserver {
   std::int64_t started = 0;
 };
 
-/// Bit for bit, but for the two times.
+/// Bitwise equality, except for tick_ns and late_ns.
 inline bool same_bits(TickRow a, TickRow b) {
   a.tick_ns = b.tick_ns = 0;
   a.late_ns = b.late_ns = 0;

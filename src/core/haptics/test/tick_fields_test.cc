@@ -17,7 +17,7 @@ TEST(TickFields, EveryColumnHasANameOfItsOwn) {
   }
 }
 
-/// The table of docs/file-formats.md.
+/// The column table of docs/file-formats.md.
 std::string table_for_documentation() {
   std::string text = "| columns | meaning |\n|---|---|\n";
   for (const TickField& field : kTickFields) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// The tissue of the hand-worked cases in docs/model.md: f_1 = 0.09 N, f_2 = 0.470798 N.
+// The tissue of the examples in docs/model.md: f_1 = 0.09 N, f_2 = 0.470798 N.
 TissueParameters hand_worked() {
   TissueParameters tissue;
   tissue.name = "hand-worked";
@@ -25,16 +25,15 @@ TissueParameters hand_worked() {
   tissue.beta = 1.6;
   tissue.q = 0.7;
   tissue.rest_length = 10e-3;
-  tissue.max_length = 17e-3;  // L_1 = 7 mm when pulled
-  tissue.min_length = 5e-3;   // L_1 = 5 mm when pressed
+  tissue.max_length = 17e-3;  // L_1 = 7 mm in pull
+  tissue.min_length = 5e-3;   // L_1 = 5 mm in press
   tissue.t1 = 10e-6;
   return tissue;
 }
 
 LayeredSpringLaw pressed(double rate_Hz) { return {hand_worked(), Direction::kPress, 1.0 / rate_Hz}; }
 
-// Equations 3 to 5 as they stand, layer by layer with the C library: an oracle that shares no code with the
-// law.
+// Equations 3 to 5 layer by layer with the C library: a reference that shares no code with the law.
 struct Oracle {
   TissueParameters tissue;
   double first_limit;
@@ -61,7 +60,7 @@ struct Oracle {
   }
 };
 
-// Presets in both directions and random tissues, each at four rates.
+// Presets and random tissues in both directions, each at four rates.
 struct Case {
   TissueParameters tissue;
   Direction direction;
@@ -113,8 +112,8 @@ TEST(LayeredSpringLaw, HandWorkedForceInTheSecondLayer) {
   EXPECT_NEAR(state.stiffness, 134.5137, 1e-4);
 }
 
-// By hand: k_3 = 18 e^(2/1.6) = 18 x 3.490343 = 62.82617 N/m, 16 of them 1005.2188 N/m; layers 1 and 2 end at
-// 8.5 mm and 0.560798 N; at 10 mm 0.560798 + 1005.2188 x 0.0015 = 2.068626 N.
+// By hand: k_3 = 18 e^(2/1.6) = 18 x 3.490343 = 62.82617 N/m, times 16 springs 1005.2188 N/m. Layers 1 and 2
+// end at 8.5 mm and 0.560798 N; at 10 mm 0.560798 + 1005.2188 x 0.0015 = 2.068626 N.
 TEST(LayeredSpringLaw, HandWorkedDepthInTheThirdLayer) {
   const auto response = pressed(1000).force_at(10e-3);
   EXPECT_EQ(response.cutoff_layer, 3);
@@ -122,7 +121,7 @@ TEST(LayeredSpringLaw, HandWorkedDepthInTheThirdLayer) {
   EXPECT_NEAR(response.stiffness, 1005.2188, 1e-3);
 }
 
-// By hand: L_1 = 7 mm when pulled, f_1 = 0.126 N; at 8 mm 0.126 + 134.5137 x 0.001 = 0.2605137 N.
+// By hand: L_1 = 7 mm in pull, f_1 = 0.126 N; at 8 mm 0.126 + 134.5137 x 0.001 = 0.2605137 N.
 TEST(LayeredSpringLaw, HandWorkedPullHasItsOwnLimit) {
   const LayeredSpringLaw law(hand_worked(), Direction::kPull, 1e-3);
   EXPECT_NEAR(law.force_at(8e-3).force, 0.2605137, 1e-7);
@@ -222,7 +221,7 @@ TEST(LayeredSpringLaw, AJointBelongsToTheLayerBelow) {
   }
 }
 
-// Joints as a user types them, in millimetres: 8, 8 + 5.6, 8 + 5.6 + 3.92.
+// Joints as a user types them in millimetres: 8, 8 + 5.6, 8 + 5.6 + 3.92.
 TEST(LayeredSpringLaw, JointsTypedInMillimetresBelongToTheLayerBelow) {
   for (const char* name : {"gallbladder", "heart", "liver"}) {
     for (const Direction direction : {Direction::kPress, Direction::kPull}) {
@@ -232,7 +231,7 @@ TEST(LayeredSpringLaw, JointsTypedInMillimetresBelongToTheLayerBelow) {
       EXPECT_EQ(law.force_at(17.52 * 1e-3).cutoff_layer, 3);
     }
   }
-  // 12.75 x 1e-3 and 16.425 x 1e-3 are a rounding more than the sums of the limits, 7.5 + 5.25 and 3.675 mm
+  // 12.75 x 1e-3 and 16.425 x 1e-3 differ by rounding from the sums of the limits, 7.5 + 5.25 and 3.675 mm.
   const LayeredSpringLaw kidney(tissue_preset("kidney"), Direction::kPress, 1e-3);
   EXPECT_EQ(kidney.force_at(12.75 * 1e-3).cutoff_layer, 2);
   EXPECT_EQ(kidney.force_at(16.425 * 1e-3).cutoff_layer, 3);
@@ -247,7 +246,7 @@ TEST(LayeredSpringLaw, AgreesWithTheEquationsSummedLayerByLayer) {
     const Oracle oracle(c.tissue, c.direction, c.period);
     ASSERT_EQ(law.layers_allowed(), oracle.layers);
     for (int i = 0; i <= 60; ++i) {
-      const double depth = law.max_depth() * i / 50.0;  // to 1.2 times the largest
+      const double depth = law.max_depth() * i / 50.0;  // up to 1.2 times the largest depth
       const double want = oracle.force(depth);
       EXPECT_NEAR(law.force_at(depth).force, want, 1e-12 * (want + law.max_force() * 1e-3));
     }
@@ -353,7 +352,7 @@ TEST(LayeredSpringLaw, PastTheLastLayerForceAndDepthHold) {
   }
 }
 
-// The rule that every built-in tissue keeps (docs/tissues.md).
+// The rule for built-in tissues (docs/tissues.md).
 TEST(TissuePresets, StayStableToFifteenMillimetresAndEqualAtEveryRate) {
   for (const std::string name : {"gallbladder", "heart", "liver", "kidney"}) {
     for (const Direction direction : {Direction::kPress, Direction::kPull}) {
@@ -379,12 +378,12 @@ TEST(TissuePresets, StayStableToFifteenMillimetresAndEqualAtEveryRate) {
 TEST(TissuePresets, GallbladderGivesTwoPointThreeNewtonsAtFifteenMillimetres) {
   const LayeredSpringLaw law(tissue_preset("gallbladder"), Direction::kPress, 1e-3);
   EXPECT_NEAR(law.force_at(15e-3).force, 2.304582, 1e-5);
-  EXPECT_LE(law.force_at(17.5e-3).stiffness, 1.0e3 * 1.006);  // 1.0 N/mm to the digits given
+  EXPECT_LE(law.force_at(17.5e-3).stiffness, 1.0e3 * 1.006);  // 1.0 N/mm to the stated digits
   EXPECT_GT(law.force_at(17.53e-3).stiffness, 1.2e3);
 }
 
-// Modulus of an elastic incompressible half-space that a flat punch of radius 5 mm would feel as stiff at 10
-// mm: E = (F/D) (1 - 1/4)/(2 a).
+// Modulus of an elastic incompressible half-space with the same force at 10 mm under a flat punch of radius a
+// = 5 mm: E = (F/D) (1 - 1/4)/(2 a).
 double apparent_modulus(const std::string& name) {
   constexpr double kDepth = 10e-3;
   constexpr double kPunchRadius = 5e-3;

@@ -94,7 +94,7 @@ TEST(ShareOfWay, IsTwiceContinuouslyDifferentiable) {
       for (int i = 0; 0.01 + kStep * i < 2.2; ++i) {
         const double u = 0.01 + kStep * i;
         const double now = curvature(u);
-        // A jump of the curvature would show at once; the third derivative is below 60 / (1/3)^3 = 1620.
+        // A jump of the curvature would exceed this bound; the third derivative is below 60 / (1/3)^3 = 1620.
         ASSERT_NEAR(now, last, 2000.0 * kStep) << u;
         last = now;
       }
@@ -157,7 +157,7 @@ TEST(OrganMotion, TurnsAboutTheOrgansMiddleWhichStaysWhereItIs) {
   const Pose rest{Quat::Identity(), Vec3(0.1, 0, 0)};
   const Pose turned = motion.pose_at(rest, 1000, 1000.0);
   EXPECT_NEAR((turned * middle - Vec3(0.11, 0, 0)).norm(), 0.0, 1e-15);
-  // A point 10 mm beside the middle along x: by 30 degrees towards y.
+  // A point 10 mm from the middle along x turns by 30 degrees towards y.
   EXPECT_NEAR((turned * Vec3(0.02, 0, 0) - Vec3(0.11 + 0.01 * std::cos(kPi / 6.0), 0.005, 0)).norm(), 0.0,
               1e-15);
 }

@@ -22,8 +22,8 @@ TEST(Relaxation, NoTermsGiveTheElasticForce) {
   for (const double force : {0.0, 1.0, 0.3, 7.0}) EXPECT_EQ(none.next(state, force), force);
 }
 
-// A step of 2 N falls as 2 (1 - 0.3 (1 - e^(-t/0.2)) - 0.25 (1 - e^(-t/5))). The update takes the step for a
-// ramp over one sample, so it is made of a sample of next to no time.
+// A step of 2 N relaxes as 2 (1 - 0.3 (1 - e^(-t/0.2)) - 0.25 (1 - e^(-t/5))). The update treats a step as a
+// ramp over one sample, so the first sample is very short.
 TEST(Relaxation, AStepFallsAsThePronySeries) {
   Relaxation relaxation(kTwoTerms, 1e-12);
   RelaxationState state;
@@ -36,8 +36,8 @@ TEST(Relaxation, AStepFallsAsThePronySeries) {
   }
 }
 
-// A ramp of r N/s: F = r (lasting t + sum share time (1 - e^(-t/time))), exact at the samples however far
-// apart they are.
+// A ramp of r N/s: F = r ((1 - sum g_i) t + sum g_i tau_i (1 - e^(-t/tau_i))), exact at the samples for any
+// spacing.
 TEST(Relaxation, ARampIsExactAtAnyStep) {
   for (const double step : {1e-4, 0.05, 0.7}) {
     const Relaxation relaxation(kTwoTerms, step);
@@ -73,8 +73,8 @@ TEST(Relaxation, HeldForeverKeepsTheLastingShare) {
   EXPECT_NEAR(force, 0.45, 1e-12);
 }
 
-// Energy that a hand gets back over any way out and back is never more than it put in, for both laws, however
-// deep and fast, with the force of a contact that cannot pull (never below 0).
+// On any path out and back, a hand gets back no more energy than it put in. Both laws, at any depth and
+// speed, with the force of a contact that cannot pull (never below 0).
 template <typename Law>
 void expect_no_energy_back(const Law& law) {
   constexpr double kStep = 1e-3;
@@ -92,7 +92,7 @@ void expect_no_energy_back(const Law& law) {
     double target = 0.0;
     for (int n = 0; n < 20'000; ++n) {
       if (n % 97 == 0) target = 0.9 * law.max_depth() * share(random);
-      if (n > 19'500) target = 0.0;  // back out at the end
+      if (n > 19'500) target = 0.0;  // returns at the end
       const double next = depth + std::clamp(target - depth, -2e-4, 2e-4);
       const double after = std::max(0.0, relaxation.next(state, law.force_at(next).force));
       work += 0.5 * (force + after) * (next - depth);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSmoothNaN = std::numeric_limits<double>::quiet_NaN();
 
-// The tissue of the hand-worked cases in docs/model.md.
+// The tissue of the examples in docs/model.md.
 TissueParameters hand_worked_smooth() {
   TissueParameters tissue;
   tissue.k1 = 18.0;
@@ -22,12 +22,12 @@ TissueParameters hand_worked_smooth() {
   tissue.q = 0.7;
   tissue.rest_length = 10e-3;
   tissue.max_length = 17e-3;
-  tissue.min_length = 5e-3;  // L_1 = 5 mm when pressed
+  tissue.min_length = 5e-3;  // L_1 = 5 mm in press
   tissue.t1 = 10e-6;
   return tissue;
 }
 
-// At 0.04 ms only layers with T_i < T: 0 and 10 us (two layers), not 50 us.
+// At a period of 0.04 ms only layers with T_i < T count: 0 and 10 us (two layers), not 50 us.
 constexpr double kTwoLayers = 0.04e-3;
 constexpr double kOneLayer = 0.01e-3;
 
@@ -187,12 +187,12 @@ TEST(SmoothSpringLaw, RefusesWhatTheLayeredLawRefusesAndAForceWithoutEnd) {
   EXPECT_THROW(SmoothSpringLaw(tissue, Direction::kPress, 1e-3), ParameterError);
   tissue = hand_worked_smooth();
   EXPECT_THROW(SmoothSpringLaw(tissue, Direction::kPress, 0.0), ParameterError);
-  tissue.beta = 1e-2;  // the second layer's slope is 7e43 x 4 k_1, its end far above
-  tissue.q = 1e-3;     // the last piece grows over L_n/2 by nothing
+  tissue.beta = 1e-2;  // the second layer's slope is 7e43 x 4 k_1; its end is far above
+  tissue.q = 1e-3;     // the last piece hardly grows over L_n/2
   tissue.t1 = 1e-9;
   EXPECT_NO_THROW(SmoothSpringLaw(tissue, Direction::kPress, 1e-3));
   tissue.q = 1.9;
-  tissue.beta = 1.0 / 640.0;  // layer 2: e^640 = 8.7e277, finite; half a layer further it is not
+  tissue.beta = 1.0 / 640.0;  // layer 2: e^640 = 8.7e277 is finite; half a layer further it is not
   EXPECT_THROW(SmoothSpringLaw(tissue, Direction::kPress, 1e-3), ParameterError);
 }
 

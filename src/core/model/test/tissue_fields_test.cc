@@ -12,7 +12,7 @@
 namespace palpate::model {
 namespace {
 
-/// Bytes of the members that the fields of a section lead to.
+/// Bytes of the members that a section's fields cover.
 std::size_t bytes_of(std::string_view section) {
   std::size_t bytes = 0;
   for (const TissueField& field : kTissueFields) {
@@ -22,7 +22,7 @@ std::size_t bytes_of(std::string_view section) {
 }
 
 TEST(TissueFields, EveryNumberOfATissueHasALine) {
-  EXPECT_EQ(bytes_of("reach"), sizeof(ReachParameters));
+  EXPECT_EQ(bytes_of("reach"), sizeof(FalloffRatios));
   EXPECT_EQ(bytes_of("contact"), sizeof(ContactParameters));
   EXPECT_EQ(bytes_of(""), offsetof(TissueNumbers, law));
 }
@@ -57,7 +57,7 @@ TEST(TissueFields, WithoutAValueANumberThatMustBeGivenStaysAndAnotherIsDerived) 
 
 TEST(TissueFields, SlidersReachNoValueThatIsRefused) {
   for (const TissueField& field : kTissueFields) {
-    if (field.key == std::string_view("reference_radius_mm")) continue;  // has none
+    if (field.key == std::string_view("reference_radius_mm")) continue;  // no slider
     EXPECT_TRUE(field.range.contains(field.slider.low)) << field.key;
     EXPECT_TRUE(field.range.contains(field.slider.high)) << field.key;
     EXPECT_LT(field.slider.low, field.slider.high) << field.key;
@@ -70,12 +70,12 @@ std::string default_in_words(const TissueField& field) {
   return value ? shortest(*value / field.unit.si) : field.derived_text;
 }
 
-/// The table of docs/file-formats.md.
+/// The tissue table of docs/file-formats.md.
 std::string table_for_documentation() {
   std::string text = "| key | default | must be | meaning |\n|---|---|---|---|\n";
   for (const TissueField& field : kTissueFields) {
-    text += "| `" + field.path() + "` | " + default_in_words(field) + " | " + field.range.in_words() + " | " +
-            field.meaning + " |\n";
+    text += "| `" + field.path() + "` | " + default_in_words(field) + " | " + field.range.to_string() +
+            " | " + field.meaning + " |\n";
   }
   return text;
 }

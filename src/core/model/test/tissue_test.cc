@@ -18,7 +18,7 @@ constexpr double kTissueNaN = std::numeric_limits<double>::quiet_NaN();
 
 const std::vector<std::string> kPresetNames{"gallbladder", "heart", "liver", "kidney"};
 
-// One bad value of one field, and how the message shows it.
+// One bad value of one field, and its form in the message.
 struct BadValue {
   std::string field;
   std::string shown;
@@ -39,7 +39,7 @@ void expect_refused(const BadValue& bad) {
   }
 }
 
-// Every number that has to be finite and above 0, by its name in a tissue file, and SI per unit there.
+// Every number that must be finite and above 0, by its key in a tissue file, with the key's unit in SI.
 struct PositiveField {
   std::string name;
   double unit;
@@ -96,7 +96,7 @@ TEST(ValidateTissue, RefusesNegativeFrictionAndDampingButNotZero) {
 TEST(ValidateTissue, RefusesLengthsOutOfOrder) {
   const auto set_max = [](double value) { return [value](TissueParameters& t) { t.max_length = value; }; };
   const auto set_min = [](double value) { return [value](TissueParameters& t) { t.min_length = value; }; };
-  expect_refused({"max_length_mm", "14", set_max(14e-3)});  // as long as at rest
+  expect_refused({"max_length_mm", "14", set_max(14e-3)});  // equal to the rest length
   expect_refused({"max_length_mm", "2", set_max(2e-3)});
   expect_refused({"max_length_mm", "inf", set_max(kTissueInfinity)});
   expect_refused({"max_length_mm", "nan", set_max(kTissueNaN)});
@@ -105,7 +105,7 @@ TEST(ValidateTissue, RefusesLengthsOutOfOrder) {
   expect_refused({"min_length_mm", "-1", set_min(-1e-3)});
   expect_refused({"min_length_mm", "nan", set_min(kTissueNaN)});
   TissueParameters tissue = tissue_preset("heart");
-  tissue.min_length = 0.0;  // a spring may be pressed flat
+  tissue.min_length = 0.0;  // a spring may be compressed to length 0
   EXPECT_NO_THROW(validate(tissue));
 }
 

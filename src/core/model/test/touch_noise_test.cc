@@ -34,7 +34,7 @@ double mean_product(const std::vector<double>& a, const std::vector<double>& b, 
   return sum / static_cast<double>(a.size() - lag);
 }
 
-// Steady forces of a noise that is on, one a tick.
+// Forces of noise that is fully on, one per tick.
 std::vector<double> forces(const TouchNoise& noise, std::uint32_t hand, std::size_t ticks, double distance) {
   TouchNoise::State state;
   std::vector<double> out(ticks);
@@ -62,7 +62,7 @@ TEST(UnitSample, PassesKolmogorovSmirnovAgainstTheNormal) {
     largest = std::max({largest, std::fabs(normal - below),
                         std::fabs(normal - below - 1.0 / static_cast<double>(kMillion))});
   }
-  constexpr double kCritical = 1.63;  // at 1 %
+  constexpr double kCritical = 1.63;  // at the 1 % level
   EXPECT_LT(largest, kCritical / std::sqrt(static_cast<double>(kMillion)));
 }
 
@@ -97,7 +97,7 @@ TEST(UnitSample, HasAFlatSpectrum) {
       }
       power += (real * real + imaginary * imaginary) / (kSegment * static_cast<double>(kSegments));
     }
-    // the power of one segment is exponential, so its mean has this standard error
+    // The power of one segment has an exponential distribution, so its mean has this standard error.
     EXPECT_NEAR(power, 1.0, 4.0 / std::sqrt(static_cast<double>(kSegments))) << bin;
   }
 }
@@ -131,8 +131,8 @@ TEST(UnitSample, EveryBitOfSeedHandAndNumberCounts) {
   }
 }
 
-// Philox 4x32-10 at counter 0, key 0 is 6627e8d5 e169c58d bc57ac4c 9b00dbd8, so u1 = 0x6627e8d5e169c58d /
-// 2^64, u2 = 0xbc57ac4c9b00dbd8 / 2^64: the expected number is worked from these with the C library.
+// Philox 4x32-10 at counter 0, key 0 is 6627e8d5 e169c58d bc57ac4c 9b00dbd8. So u1 = 0x6627e8d5e169c58d /
+// 2^64 and u2 = 0xbc57ac4c9b00dbd8 / 2^64. The expected number is computed from these with the C library.
 TEST(UnitSample, IsBoxMullerOfTheKnownPhiloxWords) {
   const double u1 =
       std::ldexp(static_cast<double>(0x6627e8d5), -32) + std::ldexp(static_cast<double>(0xe169c58d), -64);
@@ -179,7 +179,7 @@ TEST(TouchNoise, SampleNumberIsTheFloorOfTheExactRatio) {
 }
 
 TEST(TouchNoise, IsBoundedAtSixSigma) {
-  // One sample in 5e8 is beyond 6 sigma; the first one of seed 1 was found by search.
+  // One sample in 5e8 is beyond 6 sigma; this is the first one of seed 1, found by search.
   constexpr std::uint64_t kBeyond = 195'688'102;
   ASSERT_GT(unit_sample(1, 0, kBeyond), 6.0);
   TouchNoise::State state;
@@ -247,7 +247,7 @@ TEST(TouchNoise, RefusesBadSettings) {
     expect_refused(good, bad, "rate_Hz");
   }
   NoiseSettings settings = good;
-  settings.rate_Hz = 1000.5;  // faster than the loop
+  settings.rate_Hz = 1000.5;  // above the loop rate
   expect_refused(settings, 1000.0, "rate_Hz");
   settings = good;
   settings.gain = 1e300;
@@ -257,7 +257,7 @@ TEST(TouchNoise, RefusesBadSettings) {
 
 TEST(TouchNoise, SigmaInContactHasACeiling) {
   NoiseSettings settings;
-  settings.gain = kMostSigma * settings.threshold;
+  settings.gain = kMaxSigma * settings.threshold;
   EXPECT_NO_THROW(validate(settings, 1000.0));
   EXPECT_THROW(validate(settings, 1000.0, 0.4), ParameterError) << "a device's own ceiling may be lower";
   settings.gain *= 1.001;

@@ -31,20 +31,20 @@ std::string first_line(std::string_view text) {
   return one_line(std::string(text.substr(0, std::min<std::size_t>(200, text.find_first_of("\r\n")))));
 }
 
-/// While it lives, keeps the first complaint about an index that the importer has bent into range instead of
-/// refusing it.
-class Complaints final : public Assimp::LogStream {
+/// While it exists, keeps the first message about an index that the importer corrected instead of rejecting
+/// it.
+class IndexWarnings final : public Assimp::LogStream {
  public:
-  Complaints() {
+  IndexWarnings() {
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
     Assimp::DefaultLogger::get()->attachStream(this, kLevels);
   }
-  ~Complaints() override {
+  ~IndexWarnings() override {
     Assimp::DefaultLogger::get()->detachStream(this, kLevels);
     Assimp::DefaultLogger::kill();
   }
-  Complaints(const Complaints&) = delete;
-  Complaints& operator=(const Complaints&) = delete;
+  IndexWarnings(const IndexWarnings&) = delete;
+  IndexWarnings& operator=(const IndexWarnings&) = delete;
 
   void write(const char* message) override {
     std::string text = first_line(message);
@@ -61,13 +61,13 @@ class Complaints final : public Assimp::LogStream {
   std::string first_;
 };
 
-/// Gives the importer the mesh file's bytes from memory, and lets it open regular files alone beside it (the
-/// buffers of a glTF file).
+/// Gives the importer the mesh file from memory. Lets it open other files, the buffers of a glTF file, only
+/// if they are regular.
 class CheckedFiles final : public Assimp::DefaultIOSystem {
  public:
   explicit CheckedFiles(const MeshFile& file) : file_(file) {}
 
-  /// The base class opens a file to see whether it is there, which waits for a FIFO.
+  /// The base class opens a file to test its existence, which blocks on a FIFO.
   bool Exists(const char* name) const override {
     std::error_code error;
     return std::filesystem::exists(name, error);
@@ -86,7 +86,7 @@ class CheckedFiles final : public Assimp::DefaultIOSystem {
       return nullptr;
     }
   }
-  /// Why the first file beside the mesh that was refused was refused; empty: none was.
+  /// The reason why the first other file was rejected; empty: none was.
   [[nodiscard]] const std::string& refusal() const { return refusal_; }
 
  private:
@@ -100,7 +100,7 @@ Mat4 matrix_of(const aiMatrix4x4& m) {
   return Eigen::Map<const Eigen::Matrix<float, 4, 4, Eigen::RowMajor>>(m[0]).cast<double>();
 }
 
-/// The 3DS importer turns the scene by -90 degrees about x, to its own y-up; this turns it back.
+/// The 3DS importer rotates the scene by -90 degrees about x, to y-up; this is the inverse.
 Mat4 axis_change_undone(MeshFormat format) {
   Mat4 undo = Mat4::Identity();
   if (format == MeshFormat::k3ds) {
@@ -136,9 +136,9 @@ class SceneReader final {
 
   void add_part(const aiMesh& part, const Mat4& to_file) {
     TriangleMesh& mesh = imported_.mesh;
-    if (mesh.triangles.size() + part.mNumFaces > kMostTriangles ||
-        mesh.vertices.size() + part.mNumVertices > 3 * kMostTriangles) {
-      throw InputError(fmt::format("{}: more than {} triangles", file_.path.string(), kMostTriangles));
+    if (mesh.triangles.size() + part.mNumFaces > kMaxTriangles ||
+        mesh.vertices.size() + part.mNumVertices > 3 * kMaxTriangles) {
+      throw InputError(fmt::format("{}: more than {} triangles", file_.path.string(), kMaxTriangles));
     }
     const bool is_mirrored = to_file.topLeftCorner<3, 3>().determinant() < 0.0;
     mirrored_ += is_mirrored ? 1 : 0;
@@ -148,8 +148,8 @@ class SceneReader final {
       const Eigen::Vector4d homogeneous(static_cast<double>(p.x), static_cast<double>(p.y),
                                         static_cast<double>(p.z), 1.0);
       mesh.vertices.emplace_back((to_file * homogeneous).head<3>());
-      // Parts within parts may have scaled it past what a file's own numbers can be.
-      if ((mesh.vertices.back().array().abs() <= kLargestCoordinate).all()) continue;  // false of NaN
+      // Nested transforms may have scaled it beyond what a file's numbers can be.
+      if ((mesh.vertices.back().array().abs() <= kLargestCoordinate).all()) continue;  // false for NaN
       throw InputError(fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)",
                                    file_.path.string(), mesh.vertices.size()));
     }
@@ -185,22 +185,22 @@ std::string cannot_read(const MeshFile& file, const std::string& why) {
 }
 
 ImportedMesh read_by_assimp(const MeshFile& file) {
-  const Complaints complaints;
+  const IndexWarnings index_warnings;
   Assimp::Importer importer;
-  auto* files = new CheckedFiles(file);  // the importer's from here on
+  auto* files = new CheckedFiles(file);  // now owned by the importer
   importer.SetIOHandler(files);
   const aiScene* scene = importer.ReadFile(file.path.string(), 0);
   if (scene == nullptr) {
     throw InputError(
         cannot_read(file, files->refusal().empty() ? importer.GetErrorString() : files->refusal()));
   }
-  if (!complaints.first().empty()) throw InputError(cannot_read(file, complaints.first()));
+  if (!index_warnings.first().empty()) throw InputError(cannot_read(file, index_warnings.first()));
   return SceneReader(file, *scene).run();
 }
 
-/// The importer believes how many keys a track declares.
+/// The importer trusts the number of keys that a track declares.
 void check_3ds_track(const MeshFile& file, std::size_t begin, std::size_t end) {
-  constexpr std::size_t kBeforeCount = 10;  // flags and what is not used
+  constexpr std::size_t kBeforeCount = 10;  // flags and unused bytes
   constexpr std::size_t kLeastKey = 6;      // bytes
   const std::string where = fmt::format("{}, byte {}: a track of key frames ", file.path.string(), begin);
   if (end - begin < kBeforeCount + 4) throw InputError(where + "is too short");
@@ -210,14 +210,14 @@ void check_3ds_track(const MeshFile& file, std::size_t begin, std::size_t end) {
   }
 }
 
-/// Chunks within chunks, down to the tracks of key frames. A chunk that is longer than what is left of the
-/// one around it is refused: the importer would read it to its end, and only then give up.
+/// Checks nested chunks, down to the tracks of key frames. Rejects a chunk that is longer than the rest of
+/// its parent: the importer would read all of it before it fails.
 void check_3ds_chunks(const MeshFile& file, std::size_t begin, std::size_t end, std::size_t depth) {
   constexpr std::size_t kHead = 6;
-  // The whole, its key frames, their nodes and the tracks of these: first and last number.
+  // The main chunk, its key frames, their nodes and the tracks of these: first and last identifier.
   constexpr std::array<std::array<unsigned, 2>, 4> kChunks{
       {{0x4D4D, 0x4D4D}, {0xB000, 0xB000}, {0xB001, 0xB007}, {0xB020, 0xB029}}};
-  constexpr unsigned kProject = 0xC23D;  // another number of the whole
+  constexpr unsigned kProject = 0xC23D;  // another identifier of the main chunk
   while (begin + kHead <= end) {
     const std::size_t length = little_endian_32(file.bytes, begin + 2);
     if (length < kHead || length > end - begin) {

@@ -1,12 +1,12 @@
 #pragma once
 #include "io/mesh_io/mesh_file.h"
 
-// One reader a format, each as import_mesh() says: [setup], @throws InputError.
+// One reader per format, with the contract of import_mesh(): [setup], @throws InputError.
 namespace palpate::geometry {
 
-/// STL, text or binary: a list of triangles with corners of their own.
+/// STL, text or binary: a list of triangles, each with its own three vertices.
 [[nodiscard]] ImportedMesh read_stl(const MeshFile& file);
-/// Vertices and faces; textures, normals, materials and groups are nothing to a surface.
+/// OBJ: vertices and faces. Ignores textures, normals, materials and groups.
 [[nodiscard]] ImportedMesh read_obj(const MeshFile& file);
 [[nodiscard]] ImportedMesh read_off(const MeshFile& file);
 /// PLY, text or binary of either byte order.
@@ -15,7 +15,7 @@ namespace palpate::geometry {
 [[nodiscard]] ImportedMesh read_vtk(const MeshFile& file);
 /// Gmsh's MSH of versions 2 and 4, text or binary.
 [[nodiscard]] ImportedMesh read_msh(const MeshFile& file);
-/// 3DS and glTF, by assimp after a check of what it would believe.
+/// 3DS and glTF, by assimp, after checks of the values that assimp trusts.
 [[nodiscard]] ImportedMesh read_3ds(const MeshFile& file);
 [[nodiscard]] ImportedMesh read_gltf(const MeshFile& file);
 

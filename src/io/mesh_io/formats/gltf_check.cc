@@ -26,13 +26,13 @@ constexpr int kDeepestGltfNode = 200;
 constexpr std::size_t kMostNodes = 100'000;
 constexpr std::size_t kMostValues = 4'000'000;            // of the JSON text, about 0.5 GB
 constexpr std::uint64_t kMostElements = 20'000'000;       // indices and vertices of all parts
-constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // numbers that only a count stands for
+constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // values that have a count but no buffer
 
-/// The JSON chunk of a .glb, which comes first.
+/// The JSON chunk of a .glb file, which is the first one.
 std::string_view json_of_glb(const MeshFile& file) {
   const std::string_view bytes = file.bytes;
   const auto refuse = [&](const std::string& words) { throw InputError(file.path.string() + ": " + words); };
-  constexpr std::size_t kHeader = 20;  // of the file 12, of the chunk 8
+  constexpr std::size_t kHeader = 20;  // 12 bytes of the file, 8 of the chunk
   if (bytes.size() < kHeader || bytes.substr(0, 4) != "glTF") {
     refuse("not a binary glTF: must start with \"glTF\" and a JSON chunk");
   }
@@ -67,7 +67,7 @@ class GltfCheck final {
     if (!root_.is_object()) refuse("not a JSON document");
   }
 
-  /// Of the buffers that are files of their own.
+  /// The names of the buffers that are separate files.
   [[nodiscard]] std::vector<std::string> buffer_names() const {
     std::vector<std::string> names;
     for (const json& buffer : list(root_, "buffers")) {
@@ -113,7 +113,7 @@ class GltfCheck final {
     return found != owner.end() && found->is_array() ? *found : kNone;
   }
 
-  /// Walks the tree as an importer would, a node once for each time that it is used.
+  /// Visits the tree of nodes like an importer, a node once per use.
   void check_nodes() const {
     const json& nodes = list(root_, "nodes");
     std::vector<std::pair<std::size_t, int>> open;  // node, depth
@@ -121,7 +121,7 @@ class GltfCheck final {
     const auto add = [&](const json& indices, int depth) {
       for (const json& index : indices) {
         if (++used > kMostNodes) refuse(fmt::format("its nodes are used more than {} times", kMostNodes));
-        if (!index.is_number_unsigned()) continue;  // the importer says so
+        if (!index.is_number_unsigned()) continue;  // the importer reports it
         if (index.get<std::uint64_t>() < nodes.size()) open.emplace_back(index.get<std::size_t>(), depth);
       }
     };
@@ -135,7 +135,7 @@ class GltfCheck final {
     }
   }
 
-  /// Dots and slashes written as codes.
+  /// Whether the name has percent-encoded dots or slashes.
   static bool hides_a_path(const std::string& name) {
     for (std::size_t at = name.find("%2"); at != std::string::npos; at = name.find("%2", at + 1)) {
       if (at + 2 < name.size() && std::string_view("eEfF").find(name[at + 2]) != std::string_view::npos)
@@ -144,7 +144,7 @@ class GltfCheck final {
     return false;
   }
 
-  /// Whether a link of the mesh's folder leads out of it.
+  /// Whether a symbolic link in the mesh's folder leads outside it.
   [[nodiscard]] bool leads_out(const std::filesystem::path& name) const {
     std::error_code error;
     const std::filesystem::path folder =
@@ -154,7 +154,7 @@ class GltfCheck final {
     return error || inside.empty() || *inside.begin() == "..";
   }
 
-  /// A buffer of a file of its own lies beside or below the mesh file: no other file is opened for it.
+  /// A buffer in its own file must be in or below the mesh file's folder; no other file is opened.
   void check_buffers() const {
     for (const std::string& name : buffer_names()) {
       const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
@@ -166,7 +166,7 @@ class GltfCheck final {
     }
   }
 
-  /// How many elements an accessor declares, none where that is no number; at most `most`.
+  /// The number of elements that an accessor declares, 0 if it is no number; at most `most`.
   static std::uint64_t count_of(const json& accessor, std::uint64_t most) {
     const auto count = accessor.is_object() ? accessor.find("count") : accessor.end();
     if (count == accessor.end() || !count->is_number_unsigned()) return 0;
@@ -184,7 +184,7 @@ class GltfCheck final {
     }
   }
 
-  /// The importer copies indices and vertices for each part, also where parts share them.
+  /// The importer copies indices and vertices of each part, even if parts share them.
   void check_parts() const {
     const json& accessors = list(root_, "accessors");
     std::uint64_t elements = 0;

@@ -18,7 +18,7 @@ namespace {
 constexpr NumberType kInt = NumberType::kInt32;
 constexpr std::size_t kLongestName = 64;  // of a section
 
-/// Gmsh reference manual, "MSH file format" and "Legacy formats".
+/// Reads MSH files: Gmsh reference manual, "MSH file format" and "Legacy formats".
 class MshReader final {
  public:
   explicit MshReader(const MeshFile& file) : scan_(file) {}
@@ -35,7 +35,7 @@ class MshReader final {
       const std::string end = "$End" + std::string(section.substr(1));
       if (section == "$Nodes") {
         if (!vertex_of_.empty()) scan_.refuse("$Nodes come twice");
-        const std::size_t place = scan_.place();
+        const std::size_t place = scan_.offset();
         begin_section();
         if (is_version_4()) {
           read_node_blocks();
@@ -65,7 +65,7 @@ class MshReader final {
  private:
   [[nodiscard]] bool is_version_4() const { return version_ >= 4.0; }
   [[nodiscard]] bool is_version_41() const { return version_ > 4.05; }
-  /// Of counts, and in version 4.1 of tags.
+  /// Type of counts, and in version 4.1 of tags.
   [[nodiscard]] NumberType tag_type() const { return is_version_41() ? NumberType::kUint64 : kInt; }
 
   void read_format() {
@@ -85,7 +85,7 @@ class MshReader final {
     scan_.expect("$EndMeshFormat");
   }
 
-  /// A 1 of four bytes tells it.
+  /// The header of a binary file has the number 1 in four bytes.
   void find_byte_order() {
     scan_.set_encoding(MeshScan::Encoding::kLittleEndian);
     scan_.leave_lines();
@@ -98,7 +98,7 @@ class MshReader final {
     }
   }
 
-  /// Version 2 has the count of a binary section as text, in a line before it.
+  /// In version 2 a binary section begins with a line of text, its count.
   void begin_section() {
     if (is_version_4() && scan_.is_binary()) scan_.leave_lines();
     scan_.reading("$Nodes or $Elements");
@@ -106,7 +106,7 @@ class MshReader final {
 
   std::size_t count(std::string_view of) { return scan_.as_count(scan_.whole(NumberType::kUint64), of); }
 
-  /// Number of blocks; then of all that is in them.
+  /// Reads the number of blocks, then `all`, the number of all their entries.
   std::size_t block_count(std::size_t& all, std::string_view of) {
     const std::size_t blocks = count("blocks");
     all = count(of);
@@ -116,7 +116,7 @@ class MshReader final {
     return blocks;
   }
 
-  /// Number of things in a block, of those that are still to come.
+  /// Number of entries in a block, of the `left` that remain.
   std::size_t count_in_block(std::size_t left, std::string_view of) {
     const std::size_t here = count(of);
     if (here <= left) return here;
@@ -153,11 +153,11 @@ class MshReader final {
       scan_.reading("a block of $Nodes");
       std::int64_t dimension = scan_.whole(kInt);
       const std::int64_t second = scan_.whole(kInt);
-      if (!is_version_41()) dimension = second;  // it has the tag first
+      if (!is_version_41()) dimension = second;  // its tag comes first
       const bool is_parametric = scan_.whole(kInt) != 0;
       const std::int64_t parameters = is_parametric ? std::clamp<std::int64_t>(dimension, 0, 3) : 0;
       const std::size_t here = count_in_block(left, "nodes");
-      if (is_version_41()) {  // all tags, then all coordinates
+      if (is_version_41()) {  // all tags precede all coordinates
         for (std::size_t n = 0; n < here; ++n) add_tag(scan_.whole(tag_type()));
       }
       for (std::size_t n = 0; n < here; ++n) {
@@ -170,12 +170,12 @@ class MshReader final {
     require_all(left, nodes, "nodes");
   }
 
-  /// The tag of the next vertex that has none.
+  /// Adds the tag of the next vertex.
   void add_tag(std::int64_t tag) {
     vertex_of_.emplace_back(tag, static_cast<std::int32_t>(vertex_of_.size()));
   }
 
-  /// @param place of $Nodes
+  /// @param place offset of $Nodes in the file, for the error
   void sort_tags(std::size_t place) {
     std::sort(vertex_of_.begin(), vertex_of_.end());
     const auto twin = std::adjacent_find(vertex_of_.begin(), vertex_of_.end(),

@@ -35,7 +35,7 @@ class ObjReader final {
  private:
   [[nodiscard]] std::int64_t count() const { return static_cast<std::int64_t>(surface_.vertices.size()); }
 
-  /// Indices count from 1, or backwards from the last vertex when negative; later vertices may be named too.
+  /// Indices count from 1; negative ones count backwards from the last vertex. Faces may use later vertices.
   void read_face() {
     corners_.clear();
     scan_.reading("face", ++faces_);
@@ -44,12 +44,12 @@ class ObjReader final {
       const std::optional<std::int64_t> index = whole_number(index_word);
       if (!index) scan_.refuse(fmt::format("\"{}\" is not a vertex index", excerpt(index_word, 40)));
       const bool is_named = *index != 0 && *index >= -count() && *index < INT32_MAX;
-      if (!is_named) scan_.refuse_index(*index, surface_.vertices.size(), 1, scan_.place());
+      if (!is_named) scan_.refuse_index(*index, surface_.vertices.size(), 1, scan_.offset());
       const std::int64_t absolute = *index > 0 ? *index : count() + 1 + *index;
       if (absolute > largest_) {
         largest_ = absolute;
         largest_face_ = faces_;
-        largest_at_ = scan_.place();
+        largest_at_ = scan_.offset();
       }
       corners_.push_back(static_cast<std::int32_t>(absolute - 1));
     }

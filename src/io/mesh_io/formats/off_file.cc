@@ -52,7 +52,7 @@ class OffReader final {
     if (scan_.rest_of_line().empty()) next_content();
   }
 
-  /// The next line that holds something besides a comment.
+  /// Goes to the next line that has more than a comment.
   void next_content() {
     while (scan_.next_line()) {
       if (!scan_.rest_of_line().empty()) return;

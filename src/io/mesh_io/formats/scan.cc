@@ -19,7 +19,7 @@ constexpr std::string_view kBlank = " \t\v\f\r\n";
 
 struct TypeFacts {
   std::size_t size;        // bytes
-  std::string_view names;  // each between blanks
+  std::string_view names;  // each between spaces
 };
 
 constexpr std::array<TypeFacts, 10> kTypes{{{1, " char int8 signed_char "},  // as in NumberType
@@ -195,7 +195,7 @@ void MeshScan::reading(std::string_view what, std::optional<std::size_t> number,
 }
 
 std::size_t MeshScan::least_bytes(NumberType type) const {
-  return is_binary() ? size_of(type) : 2;  // a digit and a blank, which the last number needs not
+  return is_binary() ? size_of(type) : 2;  // a digit and a space, except after the last
 }
 
 void MeshScan::require_room(std::size_t count, std::size_t bytes_each, std::string_view of) {
@@ -274,7 +274,7 @@ Vec3 MeshScan::point(NumberType type, std::size_t number, std::size_t count) {
 }
 
 void MeshScan::require_finite(const Vec3& point) const {
-  if ((point.array().abs() <= kLargestCoordinate).all()) return;  // false of NaN
+  if ((point.array().abs() <= kLargestCoordinate).all()) return;  // false for NaN
   refuse(item() + " is not finite (NaN, infinite or past 3.4e38)");
 }
 

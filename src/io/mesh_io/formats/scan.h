@@ -8,23 +8,23 @@
 
 #include "io/mesh_io/mesh_file.h"
 
-// Lines, words and numbers of a mesh file, for all readers of this folder.
+// Reads lines, words and numbers of a mesh file, for all readers in this folder.
 namespace palpate::geometry {
 
 enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
 
-/// @param at where four bytes follow
+/// @param at offset of the four bytes
 [[nodiscard]] std::uint32_t little_endian_32(std::string_view bytes, std::size_t at);
 
-/// Goes through a mesh file: words, from one line or over line ends, and numbers as text or bytes. Lines end
-/// in \n, \r\n or \r. All that throws throws InputError of one line with the file, the line (text) or byte
-/// (binary) of the last word or number, and what is wrong with it.
+/// Scans a mesh file: words, within a line or across lines, and numbers as text or bytes. Lines end in LF, CR
+/// LF or CR. Errors are an InputError of one line, with the file, the line (text) or byte (binary) of the
+/// last word or number, and the defect.
 class MeshScan final {
  public:
   enum class Encoding { kText, kLittleEndian, kBigEndian };
   enum class Lines {
     kPlain,
-    kCommented  // from # on a comment; a line that ends in \ goes on in the next
+    kCommented  // comments start with #; a line that ends in a backslash continues on the next
   };
 
   explicit MeshScan(const MeshFile& file, Lines lines = Lines::kPlain);
@@ -32,12 +32,12 @@ class MeshScan final {
   void set_encoding(Encoding encoding) { encoding_ = encoding; }
   [[nodiscard]] bool is_binary() const { return encoding_ != Encoding::kText; }
 
-  /// Goes to the next line; until leave_lines(), words are taken from this one alone. @return false at the
-  /// end
+  /// Goes to the next line. Until leave_lines(), words come from this line only. @return false at the end of
+  /// the file
   bool next_line();
-  /// What is left of the line, without blanks at its ends.
+  /// The rest of the line, without spaces at its ends.
   [[nodiscard]] std::string_view rest_of_line() const;
-  /// Goes behind the line; words are then taken over line ends.
+  /// Goes to the end of the line; then words may come from any following line.
   void leave_lines();
 
   /// The next word; empty at the end.
@@ -45,40 +45,40 @@ class MeshScan final {
   /// The next word without taking it.
   [[nodiscard]] std::string_view peek() const;
   void expect(std::string_view wanted);
-  /// Goes behind the next occurrence of `mark`.
+  /// Goes to the position after the next occurrence of `mark`.
   void skip_past(std::string_view mark);
 
-  /// The next word as a number of `of`; no more than the file has bytes.
+  /// The next word as a count of `of`; at most the file's size in bytes.
   std::size_t count(std::string_view of);
-  /// The same of a number that was read already.
+  /// Checks a count of `of` that was already read; at most the file's size in bytes.
   [[nodiscard]] std::size_t as_count(std::int64_t number, std::string_view of) const;
-  /// The next word as a type of numbers, by the names of PLY and VTK.
+  /// The next word as a number type, with the names of PLY and VTK.
   NumberType type();
 
-  /// What is read from here on, for messages: "face 2". @param what stays where it is; @param count of them;
-  /// 0: unknown
+  /// Sets what is being read, for messages: "face 2". @param what must outlive its use @param count number of
+  /// all such items, 0 if unknown
   void reading(std::string_view what, std::optional<std::size_t> number = std::nullopt,
                std::size_t count = 0);
   [[nodiscard]] std::size_t least_bytes(NumberType type) const;
-  /// Refuses a count of things for which too few bytes are left.
+  /// Rejects a count of items that need more bytes than the file has left.
   void require_room(std::size_t count, std::size_t bytes_each, std::string_view of);
   double real(NumberType type);
   std::int64_t whole(NumberType type);
-  /// Three finite coordinates of a vertex, in text rounded as the type would be.
+  /// Three finite coordinates of a vertex; in text rounded to the type.
   Vec3 point(NumberType type, std::size_t number, std::size_t count = 0);
   void require_finite(const Vec3& point) const;
-  /// A vertex index from 0.
+  /// A vertex index, counted from 0.
   std::int32_t index(NumberType type, std::size_t vertices);
-  /// Before a block of numbers behind a line of text: ends the line where they are bytes, and checks that so
-  /// many can be there.
+  /// Call before a block of numbers that follows a line of text. Ends the line of a binary block, and checks
+  /// that the file has enough bytes for the numbers.
   void begin_numbers(std::size_t numbers, NumberType type, std::string_view of);
   void skip_numbers(std::size_t numbers, NumberType type);
   void skip_bytes(std::size_t bytes);
 
-  /// @return where the last word or number begins [byte]
-  [[nodiscard]] std::size_t place() const { return last_; }
+  /// @return the offset [byte] of the last word or number
+  [[nodiscard]] std::size_t offset() const { return last_; }
   [[noreturn]] void refuse(const std::string& words) const { refuse_at(last_, words); }
-  /// Says what is being read, too.
+  /// Rejects the file; the message names the current item.
   [[noreturn]] void refuse_item(const std::string& words) const { refuse(item() + ": " + words); }
   [[noreturn]] void refuse_at(std::size_t place, const std::string& words) const;
   [[noreturn]] void refuse_index(std::int64_t index, std::size_t vertices, int first,
@@ -97,7 +97,7 @@ class MeshScan final {
   Lines lines_;
   Encoding encoding_ = Encoding::kText;
   std::size_t at_ = 0;
-  std::size_t limit_;     // of the words: the line's or the file's end
+  std::size_t limit_;     // end of the line or of the file, for words
   std::size_t next_ = 0;  // line
   std::size_t last_ = 0;
   std::string_view what_;

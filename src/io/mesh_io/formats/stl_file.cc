@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kHeader = 84;
 constexpr std::size_t kTriangle = 50;
 
-/// Each three corners are a triangle.
+/// Makes a triangle of each three corners.
 ImportedMesh as_triangles(std::vector<Vec3> corners) {
   ImportedMesh imported;
   imported.mesh.vertices = std::move(corners);
@@ -62,7 +62,8 @@ ImportedMesh read_binary(const MeshFile& file, std::size_t triangles) {
 
 }  // namespace
 
-/// Binary by its size, since many a binary file starts with "solid"; then text by its first word.
+/// A file is binary if its size matches, since many binary files start with "solid"; then the first word
+/// decides.
 ImportedMesh read_stl(const MeshFile& file) {
   const std::string& bytes = file.bytes;
   const std::size_t declared = bytes.size() >= kHeader ? little_endian_32(bytes, 80) : 0;

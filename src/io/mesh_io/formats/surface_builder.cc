@@ -17,10 +17,10 @@ namespace {
 constexpr std::size_t kMostVertices = 32'000'000;  // 0.8 GB
 constexpr std::size_t kMostFaces = 20'000'000;     // of solid cells, 0.8 GB
 constexpr std::size_t kMostCorners = 512;          // of a polygon
-constexpr std::uint64_t kMostSteps = 120'000'000;  // to cut all polygons, about 4 s
+constexpr std::uint64_t kMostSteps = 120'000'000;  // to triangulate all polygons, about 4 s
 
-// Numbers and order of nodes: the VTK User's Guide, "VTK File Formats", and the Gmsh reference manual, "Node
-// ordering". Both list corners first, and turn faces outwards alike but for the wedge.
+// Numbers and node orders: VTK User's Guide, "VTK File Formats"; Gmsh reference manual, "Node ordering". Both
+// list the corners first, and orient faces outwards alike except for the wedge.
 constexpr std::array<CellKind, 25> kKinds{{{1, 15, 1, Shape::kLine, "a point"},
                                            {2, 0, 0, Shape::kLine, "points"},
                                            {3, 1, 2, Shape::kLine, "a line"},
@@ -47,7 +47,7 @@ constexpr std::array<CellKind, 25> kKinds{{{1, 15, 1, Shape::kLine, "a point"},
                                            {27, 19, 13, Shape::kPyramid, "a quadratic pyramid"},
                                            {0, 14, 14, Shape::kPyramid, "a quadratic pyramid"}}};
 
-using Face = std::array<int, 4>;  // corners counter-clockwise from outside; a triangle's last is -1
+using Face = std::array<int, 4>;  // corners counter-clockwise seen from outside; a triangle's last is -1
 
 constexpr std::array<Face, 4> kTetrahedron{{{0, 2, 1, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {0, 3, 2, -1}}};
 constexpr std::array<Face, 6> kHexahedron{
@@ -109,7 +109,7 @@ void SurfaceBuilder::add_polygon(std::span<const std::int32_t> corners) {
         "too many polygons as large as this one of {} corners: cut them into triangles first", count));
   }
   triangles_ += count - 2;
-  if (triangles_ > kMostTriangles) scan_.refuse_item(fmt::format("more than {} triangles", kMostTriangles));
+  if (triangles_ > kMaxTriangles) scan_.refuse_item(fmt::format("more than {} triangles", kMaxTriangles));
   corners_.insert(corners_.end(), corners.begin(), corners.end());
   starts_.push_back(corners_.size());
 }
@@ -128,14 +128,14 @@ void SurfaceBuilder::add_cell(const CellKind& kind, std::span<const std::int32_t
     add_polygon(corners);
   } else {
     ++strips_;
-    for (std::size_t k = 0; k + 2 < corners.size(); ++k) {  // every second one is turned over
+    for (std::size_t k = 0; k + 2 < corners.size(); ++k) {  // every second triangle is reversed
       const std::size_t odd = k % 2;
       add_polygon(std::array{corners[k], corners[k + 1 + odd], corners[k + 2 - odd]});
     }
   }
 }
 
-/// A cell whose nodes are listed the other way round has a negative volume: then its faces are turned.
+/// A cell with reversed node order has a negative volume; its faces are then reversed.
 void SurfaceBuilder::add_solid(Shape shape, std::span<const std::int32_t> corners) {
   const std::span<const Face> faces = faces_of(shape);
   ++solids_;
@@ -150,7 +150,7 @@ void SurfaceBuilder::add_solid(Shape shape, std::span<const std::int32_t> corner
   }
   for (const Face& face : faces) {
     Quad quad{-1, -1, -1, -1};
-    auto end = quad.begin();  // a cell that names a node twice has faces with fewer corners
+    auto end = quad.begin();  // a degenerate cell has faces with fewer corners
     for (const int corner : face) {
       if (corner < 0) break;
       const std::int32_t vertex = corners[static_cast<std::size_t>(corner)];
@@ -164,9 +164,9 @@ void SurfaceBuilder::add_solid(Shape shape, std::span<const std::int32_t> corner
     scan_.refuse_item(fmt::format("more than {} faces of solid cells", kMostFaces));
 }
 
-/// Replaces the polygons by the faces that belong to one solid cell alone, in the order of the file.
+/// Replaces the polygons by the faces that belong to only one solid cell, in the order of the file.
 void SurfaceBuilder::take_outer_faces() {
-  say(starts_.size() - 1, "left out ", "flat cell", "flat cells", " beside the solid ones");
+  report(starts_.size() - 1, "skipped ", "flat cell", "flat cells", " among solid cells");
   corners_.clear();
   starts_.assign(1, 0);
   cut_ = strips_ = triangles_ = 0;
@@ -195,13 +195,13 @@ void SurfaceBuilder::take_outer_faces() {
                                           counted(outer.size(), "face", "faces")));
 }
 
-void SurfaceBuilder::say(std::size_t count, std::string_view done, std::string_view one,
-                         std::string_view more, std::string_view then) {
+void SurfaceBuilder::report(std::size_t count, std::string_view done, std::string_view one,
+                            std::string_view more, std::string_view then) {
   if (count > 0) imported_.repairs.push_back(fmt::format("{}{}{}", done, counted(count, one, more), then));
 }
 
 ImportedMesh SurfaceBuilder::take() {
-  say(curved_, "took the corners alone of ", "curved cell", "curved cells", "");
+  report(curved_, "used only the corners of ", "curved cell", "curved cells", "");
   if (solids_ > 0) take_outer_faces();
   TriangleMesh& mesh = imported_.mesh;
   mesh.vertices = std::move(vertices);
@@ -217,10 +217,10 @@ ImportedMesh SurfaceBuilder::take() {
       mesh.triangles.insert(mesh.triangles.end(), patch.begin(), patch.end());
     }
   }
-  if (solids_ > 0) drop_unused_vertices(mesh);  // the inner ones
-  say(strips_, "took ", "triangle strip", "triangle strips", " apart");
-  say(cut_, "cut ", "polygon", "polygons", " into triangles");
-  say(lines_, "dropped ", "line or point", "lines or points", "");
+  if (solids_ > 0) drop_unused_vertices(mesh);  // those inside the solid
+  report(strips_, "took ", "triangle strip", "triangle strips", " apart");
+  report(cut_, "cut ", "polygon", "polygons", " into triangles");
+  report(lines_, "dropped ", "line or point", "lines or points", "");
   return std::move(imported_);
 }
 

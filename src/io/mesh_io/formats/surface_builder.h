@@ -25,7 +25,7 @@ enum class Shape {
   kPyramid
 };
 
-/// A kind of cell. Its corners are its first nodes; those that follow bend it.
+/// A kind of cell. Its first nodes are the corners; further nodes make it curved and are ignored.
 struct CellKind {
   int vtk;            // VTK's number; 0: none
   int gmsh;           // Gmsh's number; 0: none
@@ -34,31 +34,32 @@ struct CellKind {
   std::string_view name;
 };
 
-/// @return nullptr for a cell that is not read
+/// @return nullptr for a cell that is not supported
 [[nodiscard]] const CellKind* vtk_kind(std::int64_t number);
 [[nodiscard]] const CellKind* gmsh_kind(std::int64_t number);
 
-/// Makes a triangle surface of what a reader finds. Polygons are cut into triangles; of solid cells the faces
-/// that belong to one cell alone are taken, turned outwards.
+/// Makes a triangle surface from the cells of a mesh file. Triangulates polygons. Of solid cells it takes the
+/// faces that belong to only one cell, oriented outwards.
 class SurfaceBuilder final {
  public:
   explicit SurfaceBuilder(const MeshScan& scan) : scan_(scan) {}
 
-  /// Vertices may follow the polygons that name them.
+  /// Polygons may be added before their vertices.
   std::vector<Vec3> vertices;
 
-  /// Before so many that the file is known to have room for. @throws InputError for more than 32 million
+  /// Reserves memory; the caller has checked `count` against the file's size. @throws InputError above 32
+  /// million
   void expect_vertices(std::size_t count);
-  /// @throws InputError for more than 32 million
+  /// @throws InputError above 32 million
   void add_vertex(const Vec3& vertex);
-  /// @throws InputError, at the scan's place, for a polygon that would take too long to cut, and more than 20
-  /// million triangles
+  /// @throws InputError, at the scan's position, for a polygon that takes too long to triangulate, and above
+  /// 20 million triangles
   void add_polygon(std::span<const std::int32_t> corners);
-  /// @param nodes vertices that are there already, as many as the kind has
+  /// @param nodes indices of vertices that were already added, as many as the kind has
   void add_cell(const CellKind& kind, std::span<const std::int32_t> nodes);
   void add_lines(std::size_t count) { lines_ += count; }
 
-  /// All polygons, or, where there are solid cells, their outer faces.
+  /// All polygons or, if there are solid cells, their outer faces.
   [[nodiscard]] ImportedMesh take();
 
  private:
@@ -66,8 +67,8 @@ class SurfaceBuilder final {
 
   void add_solid(Shape shape, std::span<const std::int32_t> corners);
   void take_outer_faces();
-  void say(std::size_t count, std::string_view done, std::string_view one, std::string_view more,
-           std::string_view then);
+  void report(std::size_t count, std::string_view done, std::string_view one, std::string_view more,
+              std::string_view then);
 
   const MeshScan& scan_;
   ImportedMesh imported_;
@@ -75,7 +76,7 @@ class SurfaceBuilder final {
   std::vector<std::size_t> starts_{0};  // polygon n has the corners from starts_[n] to starts_[n + 1]
   std::vector<Quad> faces_;             // of solid cells
   std::size_t triangles_ = 0;           // of all polygons
-  std::uint64_t steps_ = 0;             // to cut all polygons
+  std::uint64_t steps_ = 0;             // to triangulate all polygons
   std::size_t lines_ = 0;
   std::size_t strips_ = 0;
   std::size_t cut_ = 0;

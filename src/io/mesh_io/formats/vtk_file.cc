@@ -23,7 +23,7 @@ std::string upper(std::string_view word) {
   return text;
 }
 
-/// Cells as a file lists them: cell n has the corners from starts[n] to starts[n + 1].
+/// The cells of a file: cell n has the corners from starts[n] to starts[n + 1].
 struct Cells {
   std::vector<std::int32_t> corners;
   std::vector<std::size_t> starts{0};
@@ -80,7 +80,7 @@ class VtkReader final {
     if (encoding == "BINARY") scan_.set_encoding(MeshScan::Encoding::kBigEndian);
   }
 
-  /// @return false at the end of what matters
+  /// @return false after the last section that matters
   bool read_section() {
     const std::string name = upper(scan_.word());
     if (name.empty() || name == "CELL_DATA" || name == "POINT_DATA") return false;
@@ -103,7 +103,7 @@ class VtkReader final {
     return true;
   }
 
-  /// VTK's number of the cells in a section of POLYDATA; 0: it has none.
+  /// VTK's cell type for a section of POLYDATA; 0: none.
   static std::int64_t type_of(std::string_view section) {
     if (section == "VERTICES") return 2;
     if (section == "LINES") return 4;
@@ -133,7 +133,7 @@ class VtkReader final {
     for (std::size_t n = 1; n <= count; ++n) surface_.add_vertex(scan_.point(type, n, count));
   }
 
-  /// Passes over the rest of this line and all up to an empty one.
+  /// Skips the rest of this line and all lines up to an empty one.
   void skip_to_empty_line() {
     do {
       scan_.leave_lines();
@@ -151,7 +151,7 @@ class VtkReader final {
       section_ = "FIELD " + excerpt(scan_.word(), 40);
       const std::size_t components = scan_.count("components of " + section_);
       const std::size_t tuples =
-          scan_.count("tuples of " + section_);  // both at most the file's size: no overflow
+          scan_.count("tuples of " + section_);  // both are at most the file's size: no overflow
       const NumberType type = scan_.type();
       scan_.reading(section_);
       if (scan_.is_binary()) scan_.leave_lines();
@@ -163,7 +163,7 @@ class VtkReader final {
     return has_offsets_ ? read_offset_cells(name) : read_counted_cells(name);
   }
 
-  /// n, and how many numbers follow: of each cell its number of corners and the corners.
+  /// Reads n and the count of numbers that follow: for each cell its number of corners and the corners.
   Cells read_counted_cells(const std::string& name) {
     const std::size_t count = scan_.count("cells of " + name);
     const std::size_t numbers = scan_.count("numbers of " + name);
@@ -190,7 +190,7 @@ class VtkReader final {
     return cells;
   }
 
-  /// Version 5.1: number of offsets (one more than cells) and of corners, then both lists.
+  /// Version 5.1: the number of offsets (cells + 1) and of corners, then both lists.
   Cells read_offset_cells(const std::string& name) {
     const std::size_t offsets = scan_.count("offsets of " + name);
     const std::size_t corners = scan_.count("corners of " + name);
@@ -261,7 +261,7 @@ class VtkReader final {
   SurfaceBuilder surface_{scan_};
   Cells grid_;
   std::vector<const CellKind*> cell_types_;
-  std::string section_;  // that is being read
+  std::string section_;  // the current one
   bool has_points_ = false;
   bool has_offsets_ = false;
   bool is_grid_ = false;

@@ -10,18 +10,18 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostSteps = 300'000'000;  // about 3 s: a look at a node is one
-constexpr std::size_t kTestSteps = 10;           // of two triangles
+constexpr std::size_t kMostSteps = 300'000'000;  // about 3 s; a step is a visit of a node
+constexpr std::size_t kTestSteps = 10;           // of a test of two triangles
 constexpr std::size_t kMostPairs = 1'000'000;
 constexpr std::size_t kLeaf = 4;  // triangles
-// Volumes below this share of what their lengths could make are rounding.
+// Smaller volumes, relative to the product of their lengths, are rounding errors.
 constexpr double kRounding = 1e-12;
 
 struct Node {
   Box box;
   std::uint32_t begin = 0;  // of the order
   std::uint32_t end = 0;
-  std::uint32_t left = 0;  // child; 0: a leaf; the right child follows the left one
+  std::uint32_t left = 0;  // index of the left child, 0 for a leaf; the right child follows it
 };
 
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -75,7 +75,7 @@ class Search final {
     }
   }
 
-  /// For each triangle, those behind it in the tree's order whose boxes meet its own, from the root down.
+  /// For each triangle, tests those after it in the tree's order whose boxes overlap its own, from the root.
   void walk() {
     std::vector<std::uint32_t> open;
     for (std::uint32_t i = 0; i < order_.size(); ++i) {
@@ -121,7 +121,7 @@ class Search final {
     return kRounding * (size + 1e-3 * scale_) * size * size;
   }
 
-  /// Whether the corners of s lie on one side of t's plane (those on it do not count as across).
+  /// Whether all corners of s are on one side of t's plane; corners on the plane count for both sides.
   [[nodiscard]] bool all_on_one_side(const Triangle& s, const Triangle& t) const {
     const double slack = rounding(s, t);
     int above = 0;
@@ -134,7 +134,7 @@ class Search final {
     return above == 0 || below == 0;
   }
 
-  /// Whether an edge of s that has no corner in common with t goes through the inside of t.
+  /// Whether an edge of s that shares no corner with t passes through the interior of t.
   [[nodiscard]] bool edge_pierces(const Triangle& s, const Triangle& t) const {
     const double slack = rounding(s, t);
     const auto in_t = [&](std::int32_t v) { return std::count(t.begin(), t.end(), v) > 0; };

@@ -8,15 +8,15 @@
 
 namespace palpate::geometry {
 
-/// Triangles of one mesh that go through each other.
+/// Triangles of one mesh that intersect each other.
 struct Crossings {
   std::vector<std::array<std::uint32_t, 2>> pairs;  // of triangles, the smaller first, sorted
-  bool all = true;                                  // false: there were too many to look at them all
+  bool all = true;                                  // false: too many candidate pairs to test all
 };
 
-/// [setup] Finds all pairs of which an edge of one goes through the inside of the other by more than
-/// rounding; neighbours with a common edge and parts that lie in one plane do not count. Looks at no more
-/// than some ten million pairs whose boxes overlap, so that any mesh takes seconds.
+/// [setup] Finds all pairs of triangles where an edge of one passes through the interior of the other by more
+/// than rounding. Neighbours with a common edge and coplanar parts do not count. Tests at most some ten
+/// million pairs with overlapping boxes, so that any mesh takes seconds.
 [[nodiscard]] Crossings find_crossings(const TriangleMesh& mesh);
 
 }  // namespace palpate::geometry

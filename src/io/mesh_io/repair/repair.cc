@@ -24,18 +24,18 @@ namespace {
 constexpr double kWeld =
     1e-6;  // of the bounding box's diagonal: the rounding of 32-bit coordinates, and text
 
-// A hole is small when it has at most so many edges and spans at most so much of the bounding box's diagonal
-// ...
+// A hole is small when it has at most kMostHoleEdges edges and spans at most kMostHoleWidth of the bounding
+// box's diagonal, or when one or two triangles are missing (kFewHoleEdges) of at most kFewHoleArea of the
+// surface's area.
 constexpr std::size_t kMostHoleEdges = 200;
 constexpr double kMostHoleWidth = 0.2;
-// ... or when it is a missing triangle or two, of at most so much of the surface.
 constexpr std::size_t kFewHoleEdges = 4;
 constexpr double kFewHoleArea = 0.1;
 constexpr std::uint64_t kMostHoleSteps = 60'000'000;  // about 2 s
 
 std::string triangles(std::size_t count) { return counted(count, "triangle", "triangles"); }
 
-/// With three digits that count.
+/// In millimetres, with three significant digits.
 std::string millimetres(double metres) {
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), metres / kMillimetre,
@@ -45,7 +45,7 @@ std::string millimetres(double metres) {
   return shortest(rounded);
 }
 
-std::string place(const Vec3& p) {
+std::string position_text(const Vec3& p) {
   return fmt::format("({}, {}, {}) mm", millimetres(p.x()), millimetres(p.y()), millimetres(p.z()));
 }
 
@@ -60,7 +60,7 @@ class Repair final {
 
   RepairedSurface run() {
     drop_and_weld();
-    if (repaired_.refusal.empty()) part_and_turn();
+    if (repaired_.refusal.empty()) split_and_orient();
     if (repaired_.refusal.empty()) close_holes();
     if (repaired_.refusal.empty()) finish();
     repaired_.mesh = std::move(surface_.mesh);
@@ -68,39 +68,40 @@ class Repair final {
   }
 
  private:
-  void say(const std::string& words) { repaired_.repairs.push_back(words); }
-  /// "dropped 2 small components (6 triangles)", where there were any.
-  void say(const Done& done, std::string_view one, std::string_view more, std::string_view measure = "",
-           std::string_view why = "") {
+  void report(const std::string& words) { repaired_.repairs.push_back(words); }
+  /// Reports a repair, such as "dropped 2 small components (6 triangles)", if there was any.
+  void report(const RepairCount& done, std::string_view one, std::string_view more,
+              std::string_view measure = "", std::string_view why = "") {
     if (done.times == 0) return;
-    say(fmt::format("dropped {} ({}{}){}", counted(done.times, one, more), triangles(done.triangles), measure,
-                    why));
+    report(fmt::format("dropped {} ({}{}){}", counted(done.times, one, more), triangles(done.triangles),
+                       measure, why));
   }
   void refuse(const std::string& words) { repaired_.refusal = words; }
 
   void drop_and_weld() {
     if (const std::size_t count = drop_collapsed(surface_); count > 0) {
-      say(fmt::format("dropped {} that {} a vertex twice", triangles(count), count == 1 ? "names" : "name"));
+      report(
+          fmt::format("dropped {} that {} a vertex twice", triangles(count), count == 1 ? "names" : "name"));
     }
     std::size_t duplicates = drop_duplicates(surface_);
     const double tolerance = kWeld * bounds(surface_.mesh).size().norm();
     if (const std::size_t count = weld_boundaries(surface_, tolerance); count > 0) {
-      say(fmt::format("joined {} at boundaries less than {} mm apart", counted(count, "vertex", "vertices"),
-                      millimetres(tolerance)));
+      report(fmt::format("joined {} at boundaries less than {} mm apart",
+                         counted(count, "vertex", "vertices"), millimetres(tolerance)));
       duplicates += drop_duplicates(surface_);
     }
-    if (duplicates > 0) say("dropped " + counted(duplicates, "duplicate triangle", "duplicate triangles"));
-    say(drop_dangling_faces(surface_), "patch of dangling faces", "patches of dangling faces");
-    say(drop_internal_faces(surface_), "patch of internal faces", "patches of internal faces");
+    if (duplicates > 0) report("dropped " + counted(duplicates, "duplicate triangle", "duplicate triangles"));
+    report(drop_dangling_faces(surface_), "patch of dangling faces", "patches of dangling faces");
+    report(drop_internal_faces(surface_), "patch of internal faces", "patches of internal faces");
     if (surface_.mesh.triangles.empty()) refuse("no triangles are left");
   }
 
-  void part_and_turn() {
-    refuse_non_manifold(/*odd_alone=*/true);
+  void split_and_orient() {
+    refuse_non_manifold(/*odd_only=*/true);
     if (!repaired_.refusal.empty()) return;
     Opposites opposite = pair_half_edges(surface_);
     std::size_t added = split_bow_tie_vertices(surface_, opposite);
-    constexpr int kMostRounds = 4;  // a triangle may be at three such edges
+    constexpr int kMostRounds = 4;  // a triangle may have three such edges
     for (int round = 0; round < kMostRounds; ++round) {
       const std::size_t middles = split_non_manifold_edges(surface_, opposite);
       if (middles == 0) break;
@@ -108,29 +109,29 @@ class Repair final {
       added += middles + split_bow_tie_vertices(surface_, opposite);
     }
     if (added > 0) {
-      say("parted surfaces that touched, with " + counted(added, "new vertex", "new vertices"));
+      report("separated touching surfaces with " + counted(added, "new vertex", "new vertices"));
     }
     if (!orient_consistently(surface_, opposite)) {
-      return refuse("its surface has only one side: its triangles cannot all be turned outwards");
+      return refuse("its surface has only one side, so it has no outside");
     }
-    say(drop_small_open_components(surface_, opposite), "small open component", "small open components");
-    refuse_non_manifold(/*odd_alone=*/false);
+    report(drop_small_open_components(surface_, opposite), "small open component", "small open components");
+    refuse_non_manifold(/*odd_only=*/false);
   }
 
-  /// Refuses edges of more than two triangles, or those alone of which the number is odd: pairs cannot part
-  /// them.
-  void refuse_non_manifold(bool odd_alone) {
+  /// Rejects non-manifold edges, with odd_only only those with an odd number of triangles, which cannot be
+  /// paired.
+  void refuse_non_manifold(bool odd_only) {
     std::size_t count = 0;
     Vec3 at = Vec3::Zero();
     for_each_edge(
         sorted_half_edges(surface_.mesh.triangles), [&](const HalfEdge* first, const HalfEdge* last) {
-          if (last - first <= 2 || (odd_alone && (last - first) % 2 == 0)) return;
+          if (last - first <= 2 || (odd_only && (last - first) % 2 == 0)) return;
           if (count++ > 0) return;
           at = 0.5 * (surface_.point_at(first->corner) + surface_.point_at(next_corner(first->corner)));
         });
     if (count == 0) return;
     refuse(fmt::format("{} of more than two triangles (the first at {}) that are no dangling faces",
-                       counted(count, "edge", "edges"), place(at)));
+                       counted(count, "edge", "edges"), position_text(at)));
   }
 
   void close_holes() {
@@ -164,8 +165,8 @@ class Repair final {
       widest = std::max(widest, hole.width);
     }
     if (const std::size_t closed = holes.size() - large.size(); closed > 0) {
-      say(fmt::format("closed {} with {}{}{} mm across)", counted(closed, "hole", "holes"), triangles(added),
-                      closed == 1 ? " (" : " (the widest ", millimetres(widest)));
+      report(fmt::format("closed {} with {}{}{} mm across)", counted(closed, "hole", "holes"),
+                         triangles(added), closed == 1 ? " (" : " (the widest ", millimetres(widest)));
     }
     if (!large.empty()) refuse_holes(large, diagonal);
   }
@@ -177,25 +178,25 @@ class Repair final {
         "{} of {} edges, {} mm across, at {} (closed are those of up to {} edges and {} mm, a fifth of its "
         "diagonal)",
         holes.size() == 1 ? "a hole" : std::to_string(holes.size()) + " holes, the largest",
-        widest.loop.size(), millimetres(widest.width), place(widest.middle), kMostHoleEdges,
+        widest.loop.size(), millimetres(widest.width), position_text(widest.middle), kMostHoleEdges,
         millimetres(kMostHoleWidth * diagonal)));
   }
 
   void finish() {
     if (const std::size_t count = remove_slivers(surface_); count > 0) {
-      say("took out " + triangles(count) + " without area");
+      report("removed " + triangles(count) + " without area");
     }
-    const ComponentsDone components = sort_out_components(surface_);
+    const ComponentRepairs components = clean_components(surface_);
     const auto turned = static_cast<std::size_t>(
         std::count_if(surface_.marks.begin(), surface_.marks.end(),
-                      [](std::uint8_t mark) { return (mark & (kTurned | kAdded)) == kTurned; }));
+                      [](std::uint8_t mark) { return (mark & (kReversed | kAdded)) == kReversed; }));
     if (turned > 0) {
-      say(fmt::format("turned {}{} outwards", turned == surface_.marks.size() ? "all " : std::string(),
-                      triangles(turned)));
+      report(fmt::format("turned {}{} outwards", turned == surface_.marks.size() ? "all " : std::string(),
+                         triangles(turned)));
     }
-    say(components.small, "small component", "small components",
-        ", " + percent(components.small_share) + " of the volume");
-    say(components.inner, "inner shell", "inner shells", "", ": an organ is solid");
+    report(components.small, "small component", "small components",
+           ", " + percent(components.small_share) + " of the volume");
+    report(components.inner, "inner shell", "inner shells", "", ": an organ is solid");
     if (!components.refusal.empty()) return refuse(components.refusal);
     repaired_.crossing_pairs = components.crossing_pairs;
     if (components.crossing_pairs > 0) {

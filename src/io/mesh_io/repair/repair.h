@@ -7,25 +7,25 @@
 
 namespace palpate::geometry {
 
-/// A surface made fit to be an organ, or as far as that went.
+/// A surface after repair, and whether it can be an organ.
 struct RepairedSurface {
   TriangleMesh mesh;
-  std::vector<std::string> repairs;  // what was done, in words with counts
-  std::vector<std::string> remarks;  // what is left and does no harm
-  std::size_t crossing_pairs = 0;    // of triangles left that go through each other
-  std::string refusal;               // why it cannot be an organ; empty: it can
+  std::vector<std::string> repairs;  // a sentence for each kind of repair, with counts
+  std::vector<std::string> remarks;  // harmless defects that remain
+  std::size_t crossing_pairs = 0;    // pairs of triangles that still intersect
+  std::string refusal;               // why it cannot be an organ; empty if it can
 };
 
-/// [setup] Makes a triangle surface closed, manifold and turned outwards, with SurfaceDistance in mind: drops
-/// triangles that name a vertex twice, duplicates, dangling and internal faces, joins boundaries that meet,
-/// parts surfaces that touch in a vertex or an edge, turns triangles alike and outwards, closes small holes,
-/// takes out triangles without area, drops small components and inner shells. What it returns it leaves alone
-/// when called again. A mesh that needs nothing keeps its vertices and triangles and their order.
-/// docs/file-formats.md says what is small. All tolerances are shares of the mesh's own size.
+/// [setup] Makes a triangle surface closed, manifold and oriented outwards, as signed distances need it. It
+/// drops triangles that use a vertex twice, duplicates, dangling and internal faces. It welds boundaries,
+/// splits non-manifold edges and bow-tie vertices, orients triangles consistently, fills small holes, and
+/// removes slivers, small components and inner shells. Repairing twice gives the same result. A valid mesh
+/// keeps its vertices, triangles and their order. docs/file-formats.md defines "small"; all tolerances are
+/// relative to the mesh's size.
 [[nodiscard]] RepairedSurface repair_surface(TriangleMesh mesh);
 
-/// [setup] Repairs what was read from a file, adds what was done to its findings, and refuses what cannot be
-/// an organ all the same. @param name file, for the message. @throws InputError in words.
+/// [setup] Repairs a mesh from a file and adds the repairs to its findings. @param name file, for the message
+/// @throws InputError naming the defect of a mesh that cannot be an organ.
 [[nodiscard]] LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name);
 
 }  // namespace palpate::geometry

@@ -10,10 +10,10 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr double kSmall = 0.01;              // of the largest component's volume, or of the surface when open
+constexpr double kSmall = 0.01;  // of the largest component's volume; of an open one, of the surface's area
 constexpr std::size_t kMostComponents = 32;  // that are not small
-constexpr double kMostCrossing = 0.05;       // of the surface
-constexpr double kNoVolume = 1e-9;           // of the surface to the power of 3/2
+constexpr double kMostCrossing = 0.05;       // of the surface's area
+constexpr double kNoVolume = 1e-9;           // of the surface's area to the power of 3/2
 
 struct Component {
   double volume = 0.0;
@@ -22,12 +22,12 @@ struct Component {
   Box box;
 };
 
-/// The components by their smallest triangle; what no component is named by stays empty.
+/// The components, each at the index of its smallest triangle; other entries stay empty.
 std::vector<Component> measured(const WorkSurface& surface, const std::vector<std::uint32_t>& component_of) {
   std::vector<Component> components(component_of.size());
   for (std::uint32_t t = 0; t < component_of.size(); ++t) {
     Component& component = components[component_of[t]];
-    const Vec3& origin = surface.point_at(3 * component_of[t]);  // on the component, so that little cancels
+    const Vec3& origin = surface.point_at(3 * component_of[t]);  // on the component, against cancellation
     const Vec3 doubled = area_vector_doubled(surface.mesh, surface.mesh.triangles[t]);
     component.volume += (surface.point_at(3 * t) - origin).dot(doubled) / 6.0;
     component.area += 0.5 * doubled.norm();
@@ -45,9 +45,9 @@ void turn_outwards(WorkSurface& surface, const std::vector<std::uint32_t>& compo
   for (Component& component : components) component.volume = std::abs(component.volume);
 }
 
-Done drop_components(WorkSurface& surface, const std::vector<std::uint32_t>& component_of,
-                     const std::vector<std::uint8_t>& goes) {
-  Done done;
+RepairCount drop_components(WorkSurface& surface, const std::vector<std::uint32_t>& component_of,
+                            const std::vector<std::uint8_t>& goes) {
+  RepairCount done;
   std::vector<std::uint8_t> doomed(component_of.size());
   for (std::uint32_t t = 0; t < component_of.size(); ++t) {
     doomed[t] = goes[component_of[t]];
@@ -57,7 +57,7 @@ Done drop_components(WorkSurface& surface, const std::vector<std::uint32_t>& com
   return done;
 }
 
-/// Whether a point is inside a component, by its winding number.
+/// Whether a point is inside a component, by the winding number.
 bool is_inside(const WorkSurface& surface, const std::vector<std::uint32_t>& component_of,
                std::uint32_t component, const Vec3& p) {
   double half_angles = 0.0;
@@ -70,7 +70,7 @@ bool is_inside(const WorkSurface& surface, const std::vector<std::uint32_t>& com
   return half_angles > kHalfTurn;
 }
 
-void drop_small(WorkSurface& surface, ComponentsDone& done) {
+void drop_small(WorkSurface& surface, ComponentRepairs& done) {
   const std::vector<std::uint32_t> component_of = components_of(pair_half_edges(surface));
   std::vector<Component> components = measured(surface, component_of);
   turn_outwards(surface, component_of, components);
@@ -102,8 +102,9 @@ void drop_small(WorkSurface& surface, ComponentsDone& done) {
   }
 }
 
-/// Drops components inside others, unless they go through them.
-void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& component_of, ComponentsDone& done) {
+/// Drops components inside others, unless they intersect them.
+void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& component_of,
+                ComponentRepairs& done) {
   const std::vector<Component> components = measured(surface, component_of);
   std::vector<std::uint8_t> goes(components.size(), 0);
   for (std::uint32_t inner = 0; inner < components.size(); ++inner) {
@@ -119,7 +120,7 @@ void drop_inner(WorkSurface& surface, const std::vector<std::uint32_t>& componen
   done.kept -= done.inner.times;
 }
 
-void account_for(const WorkSurface& surface, const Crossings& crossings, ComponentsDone& done) {
+void account_for(const WorkSurface& surface, const Crossings& crossings, ComponentRepairs& done) {
   done.crossing_pairs = crossings.pairs.size();
   std::vector<std::uint8_t> crosses(surface.mesh.triangles.size(), 0);
   for (const auto& [s, t] : crossings.pairs) crosses[s] = crosses[t] = 1;
@@ -130,7 +131,7 @@ void account_for(const WorkSurface& surface, const Crossings& crossings, Compone
 
 }  // namespace
 
-Done drop_small_open_components(WorkSurface& surface, const Opposites& opposite) {
+RepairCount drop_small_open_components(WorkSurface& surface, const Opposites& opposite) {
   const std::vector<std::uint32_t> component_of = components_of(opposite);
   std::vector<double> area(component_of.size(), 0.0);
   std::vector<std::uint8_t> is_open(component_of.size(), 0);
@@ -149,8 +150,8 @@ Done drop_small_open_components(WorkSurface& surface, const Opposites& opposite)
   return drop_components(surface, component_of, is_open);
 }
 
-ComponentsDone sort_out_components(WorkSurface& surface) {
-  ComponentsDone done;
+ComponentRepairs clean_components(WorkSurface& surface) {
+  ComponentRepairs done;
   drop_small(surface, done);
   if (!done.refusal.empty()) return done;
   Crossings crossings = find_crossings(surface.mesh);

@@ -15,7 +15,7 @@ double area_of(const TriangleMesh& mesh, const Triangle& triangle) {
 }  // namespace
 
 std::vector<Hole> holes_of(const WorkSurface& surface, const Opposites& opposite) {
-  // A patch runs against the boundary, so from each boundary edge's end to its start.
+  // A patch runs opposite to the boundary: from each boundary edge's end to its start.
   std::vector<std::int32_t> next(surface.mesh.vertices.size(), -1);
   for (Corner c = 0; c < opposite.size(); ++c) {
     if (opposite[c] != kNoOpposite) continue;
@@ -45,13 +45,13 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
                                        const std::function<bool(std::int32_t, std::int32_t)>& may_join) {
   const std::size_t n = loop.size();
   if (n < 3) return {};
-  std::vector<double> least(n * n, 0.0);  // [i, j]: area that closes the loop from i to j
+  std::vector<double> least(n * n, 0.0);  // [i, j]: smallest area that closes the loop from i to j
   std::vector<std::size_t> split(n * n, 0);
   for (std::size_t span = 2; span < n; ++span) {
     for (std::size_t i = 0; i + span < n; ++i) {
       const std::size_t j = i + span;
       double best = kInfinity;
-      const bool is_own = i == 0 && j + 1 == n;  // the edge from the last to the first is the loop's own
+      const bool is_own = i == 0 && j + 1 == n;  // the edge from the last to the first vertex
       if (is_own || may_join(loop[i], loop[j])) {
         for (std::size_t m = i + 1; m < j; ++m) {
           const double rest = least[i * n + m] + least[m * n + j];

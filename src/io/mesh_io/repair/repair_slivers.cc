@@ -7,13 +7,13 @@
 namespace palpate::geometry {
 namespace {
 
-// A round looks at each sliver once; what one takes out may free the next.
+// A round tries each sliver once; removing one may make the next removable.
 constexpr int kMostRounds = 20;
-// An edge shorter than this share of its triangle's longest is shrunk to a point.
+// An edge shorter than this fraction of its triangle's longest edge is collapsed.
 constexpr double kNoLength = 4e-7;
 
-/// One round over all slivers. Triangles about a change are left alone until the next, since the opposite
-/// half-edges are of before.
+/// One round over all slivers. Triangles next to a change wait for the next round, since the opposite
+/// half-edges are computed once per round.
 class Round final {
  public:
   explicit Round(WorkSurface& surface)
@@ -26,7 +26,7 @@ class Round final {
   bool run() {
     bool changed = false;
     for (std::uint32_t t = 0; t < doomed_.size(); ++t) {
-      if (doomed_[t] != 0 || !is_flat(surface_.mesh, surface_.mesh.triangles[t])) continue;
+      if (doomed_[t] != 0 || !is_sliver(surface_.mesh, surface_.mesh.triangles[t])) continue;
       Corner shortest = 3 * t;
       Corner longest = 3 * t;
       for (Corner c = 3 * t + 1; c < 3 * t + 3; ++c) {
@@ -45,8 +45,8 @@ class Round final {
     return (surface_.point_at(next_corner(c)) - surface_.point_at(c)).norm();
   }
 
-  /// The triangles about the vertex of a corner, as their corners there; empty where the surface is open or
-  /// has changed.
+  /// The triangles around the vertex of a corner, as their corners there; empty where the surface is open or
+  /// already changed.
   [[nodiscard]] std::vector<Corner> ring(Corner start) const {
     std::vector<Corner> corners;
     Corner c = start;
@@ -68,8 +68,8 @@ class Round final {
     }
   }
 
-  /// Shrinks the edge of a corner to its start. The two ends may have no common neighbour but the two
-  /// opposite the edge: otherwise the surface would be pinched.
+  /// Collapses the edge of a corner to its start. Its ends may share only the two neighbours opposite the
+  /// edge: otherwise the surface would become non-manifold.
   bool shrink(Corner c) {
     const std::vector<Corner> about_kept = ring(c);
     const std::vector<Corner> about_gone = ring(next_corner(c));
@@ -88,7 +88,7 @@ class Round final {
     return true;
   }
 
-  /// Turns the edge of a corner to the other diagonal of its two triangles, where that leaves fewer slivers.
+  /// Flips the edge of a corner to the other diagonal of its two triangles, if that leaves fewer slivers.
   bool flip(Corner c) {
     const Corner across = opposite_[c];
     if (across == kNoOpposite) return false;
@@ -103,7 +103,7 @@ class Round final {
     for (const Corner corner : about_apex) {
       if (surface_.vertex_at(next_corner(corner)) == q) return false;
     }
-    const auto flat = [&](const Triangle& t) { return is_flat(surface_.mesh, t) ? 1 : 0; };
+    const auto flat = [&](const Triangle& t) { return is_sliver(surface_.mesh, t) ? 1 : 0; };
     const int before = 1 + flat(surface_.mesh.triangles[across / 3]);
     if (flat({a, q, p}) + flat({q, b, p}) >= before) return false;
     touch(about_apex);
@@ -121,7 +121,7 @@ class Round final {
 
 }  // namespace
 
-bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
+bool is_sliver(const TriangleMesh& mesh, const Triangle& triangle) {
   double longest_squared = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& a = mesh.vertices[static_cast<std::size_t>(triangle[k])];
@@ -131,18 +131,18 @@ bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
   return area_vector_doubled(mesh, triangle).norm() <= kFlat * longest_squared;
 }
 
-std::size_t count_flat(const TriangleMesh& mesh) {
+std::size_t count_slivers(const TriangleMesh& mesh) {
   return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
-                                                [&](const Triangle& t) { return is_flat(mesh, t); }));
+                                                [&](const Triangle& t) { return is_sliver(mesh, t); }));
 }
 
 std::size_t remove_slivers(WorkSurface& surface) {
-  const std::size_t before = count_flat(surface.mesh);
+  const std::size_t before = count_slivers(surface.mesh);
   if (before == 0) return 0;
   for (int round = 0; round < kMostRounds; ++round) {
     if (!Round(surface).run()) break;
   }
-  const std::size_t after = count_flat(surface.mesh);
+  const std::size_t after = count_slivers(surface.mesh);
   return before - std::min(before, after);
 }
 

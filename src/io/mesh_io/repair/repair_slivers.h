@@ -5,16 +5,17 @@
 
 namespace palpate::geometry {
 
-/// A triangle lower than this share of its longest edge has no area but the rounding of 32-bit coordinates.
+/// A triangle whose height is below this fraction of its longest edge is a sliver: its area is rounding of
+/// 32-bit coordinates.
 inline constexpr double kFlat = 2e-7;
 
-[[nodiscard]] bool is_flat(const TriangleMesh& mesh, const Triangle& triangle);
+[[nodiscard]] bool is_sliver(const TriangleMesh& mesh, const Triangle& triangle);
 
-[[nodiscard]] std::size_t count_flat(const TriangleMesh& mesh);
+[[nodiscard]] std::size_t count_slivers(const TriangleMesh& mesh);
 
-/// Takes triangles without area out of a closed, evenly turned surface: by shrinking an edge that has hardly
-/// a length, or by turning the longest edge to the other diagonal; both leave the surface where it is, closed
-/// and manifold. @return how many triangles without area went; those that neither way works for stay
+/// Removes slivers from a closed, consistently oriented surface: collapses very short edges, or flips the
+/// longest edge. The surface keeps its shape and stays closed and manifold. @return the number of removed
+/// slivers; slivers that neither operation removes stay
 std::size_t remove_slivers(WorkSurface& surface);
 
 }  // namespace palpate::geometry

@@ -14,28 +14,28 @@
 namespace palpate::geometry {
 namespace {
 
-/// Triangles that hang together by edges of exactly two.
+/// Triangles that are connected by manifold edges.
 struct Patch {
   double area = 0.0;
   bool has_boundary = false;
-  bool meets_others = false;  // at an edge of more than two
-  bool was_doubled = true;    // all of it
+  bool meets_others = false;  // at a non-manifold edge
+  bool was_doubled = true;    // true for all its triangles
 };
 
-/// One round of drop_patches(). @return what went
+/// One round of drop_patches(). @return the dropped patches
 template <typename IsDoomed>
-Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
+RepairCount drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   const std::size_t count = surface.mesh.triangles.size();
   DisjointSets sets(count);
   const std::vector<HalfEdge> half_edges = sorted_half_edges(surface.mesh.triangles);
   for_each_edge(half_edges, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) sets.unite(first[0].corner / 3, first[1].corner / 3);
   });
-  std::vector<Patch> patches(count);  // by their smallest triangle; the others empty
+  std::vector<Patch> patches(count);  // at the index of the smallest triangle; others empty
   for (std::uint32_t t = 0; t < count; ++t) {
     Patch& patch = patches[sets.find(t)];
     patch.area += surface.area(t);
-    if ((surface.marks[t] & kDoubled) == 0) patch.was_doubled = false;
+    if ((surface.marks[t] & kDuplicated) == 0) patch.was_doubled = false;
   }
   for_each_edge(half_edges, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 2) return;
@@ -48,7 +48,7 @@ Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
       std::max_element(patches.begin(), patches.end(),
                        [](const Patch& a, const Patch& b) { return a.area < b.area; }) -
       patches.begin());
-  Done done;
+  RepairCount done;
   std::vector<std::uint8_t> doomed(count, 0);
   for (std::uint32_t t = 0; t < count; ++t) {
     const std::uint32_t own = sets.find(t);
@@ -60,13 +60,13 @@ Done drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
   return done;
 }
 
-/// Drops patches at edges of more than two triangles, as long as that changes something.
+/// Drops patches at non-manifold edges until nothing changes.
 template <typename IsDoomed>
-Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
-  constexpr int kMostRounds = 8;  // what goes may uncover the next
-  Done done;
+RepairCount drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
+  constexpr int kMostRounds = 8;  // dropping one may make the next droppable
+  RepairCount done;
   for (int round = 0; round < kMostRounds; ++round) {
-    const Done once = drop_patches_once(surface, is_doomed);
+    const RepairCount once = drop_patches_once(surface, is_doomed);
     if (once.triangles == 0) break;
     done.times += once.times;
     done.triangles += once.triangles;
@@ -74,8 +74,8 @@ Done drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
   return done;
 }
 
-/// Grows with the angle from 0 to a full turn, 0 to 4, without a trigonometric function.
-double turn_of(double x, double y) {
+/// Grows with the angle from 0 to 4 for a full turn, without a trigonometric function.
+double pseudo_angle(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (!(sum > 0.0)) return 0.0;
   if (y >= 0.0) return x >= 0.0 ? y / sum : 1.0 - x / sum;
@@ -83,15 +83,15 @@ double turn_of(double x, double y) {
 }
 
 struct Spoke {
-  double turn;  // of the triangle about its edge
+  double turn;  // angle of the triangle around the edge, by pseudo_angle()
   Corner corner;
-  bool ascends;  // along the edge, from its smaller vertex to its larger one
+  bool ascends;  // along the edge, from its smaller to its larger vertex index
 };
 
-/// Pairs the sides of a non-manifold edge so that between two of a pair lies what is solid: seen along the
-/// edge and going round against the clock, solid begins at a side that descends and ends at one that ascends.
-/// Where the sides do not agree on that, the narrower wedges are taken for solid. Sides of one patch come
-/// before all that.
+/// Pairs the half-edges of a non-manifold edge so that each pair encloses solid. Seen along the edge and
+/// counter-clockwise, a solid begins at a descending half-edge and ends at an ascending one. Where the
+/// orientations contradict that, the narrower wedges count as solid. Half-edges of the same patch are paired
+/// first.
 void pair_around(const WorkSurface& surface, const HalfEdge* first, const HalfEdge* last,
                  DisjointSets& patches, Opposites& opposite) {
   const auto low = static_cast<std::int32_t>(first->edge >> 32);
@@ -103,7 +103,7 @@ void pair_around(const WorkSurface& surface, const HalfEdge* first, const HalfEd
     const Vec3 out = surface.point_at(previous_corner(side->corner)) - surface.point(low);
     const Vec3 across = out - axis.dot(out) * axis;
     if (u.isZero()) u = across.normalized();
-    spokes.push_back({turn_of(across.dot(u), across.dot(axis.cross(u))), side->corner,
+    spokes.push_back({pseudo_angle(across.dot(u), across.dot(axis.cross(u))), side->corner,
                       surface.vertex_at(side->corner) == low});
   }
   std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
@@ -145,7 +145,7 @@ double WorkSurface::area() const {
 
 void WorkSurface::turn(std::size_t triangle) {
   std::swap(mesh.triangles[triangle][1], mesh.triangles[triangle][2]);
-  marks[triangle] ^= kTurned;
+  marks[triangle] ^= kReversed;
 }
 
 std::size_t WorkSurface::drop(const std::vector<std::uint8_t>& doomed) {
@@ -185,7 +185,7 @@ double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double la = a.norm();
   const double lb = b.norm();
   const double lc = c.norm();
-  // Rounded to whole turns by the callers, so the last bit does not matter: not in a tick.
+  // The callers round the result to whole turns, so the last bit does not matter; not used in a tick.
   return std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
@@ -241,7 +241,7 @@ std::size_t drop_duplicates(WorkSurface& surface) {
   struct Face {
     Triangle sorted;
     std::uint32_t triangle;
-    bool is_even;  // an even number of swaps sorts it
+    bool is_even;  // sorted by an even number of swaps
   };
   std::vector<Face> faces(surface.mesh.triangles.size());
   for (std::uint32_t t = 0; t < faces.size(); ++t) {
@@ -261,7 +261,7 @@ std::size_t drop_duplicates(WorkSurface& surface) {
       continue;
     }
     doomed[faces[i].triangle] = 1;
-    if (faces[i].is_even != faces[first].is_even) surface.marks[faces[first].triangle] |= kDoubled;
+    if (faces[i].is_even != faces[first].is_even) surface.marks[faces[first].triangle] |= kDuplicated;
   }
   return surface.drop(doomed);
 }
@@ -275,8 +275,8 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
     is_open = true;
   });
   if (!is_open || !(tolerance > 0.0)) return 0;
-  std::unordered_map<Cell, std::int32_t, ThreeWordsHash> cells;  // the first vertex in each
-  const auto find_or_add = [&](std::int32_t vertex) {  // the first one before it that lies near, or itself
+  std::unordered_map<Cell, std::int32_t, ThreeWordsHash> cells;  // the first vertex of each cell
+  const auto find_or_add = [&](std::int32_t vertex) {  // an earlier vertex within the tolerance, or itself
     const Vec3& p = surface.point(vertex);
     const Cell home = cell_at(p, tolerance);
     for (int n = 0; n < 27; ++n) {
@@ -303,14 +303,14 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
   return joined;
 }
 
-Done drop_dangling_faces(WorkSurface& surface) {
+RepairCount drop_dangling_faces(WorkSurface& surface) {
   constexpr double kMostOfArea = 0.05;
   const double most = kMostOfArea * surface.area();
   return drop_patches(surface, [&](const Patch& p) { return p.has_boundary && p.area <= most; });
 }
 
-Done drop_internal_faces(WorkSurface& surface) {
-  const auto was_doubled = [](std::uint8_t mark) { return (mark & kDoubled) != 0; };
+RepairCount drop_internal_faces(WorkSurface& surface) {
+  const auto was_doubled = [](std::uint8_t mark) { return (mark & kDuplicated) != 0; };
   if (std::none_of(surface.marks.begin(), surface.marks.end(), was_doubled)) return {};
   return drop_patches(surface, [](const Patch& p) { return p.was_doubled; });
 }

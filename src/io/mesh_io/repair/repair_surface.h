@@ -8,17 +8,16 @@
 #include "core/geometry/half_edges.h"
 #include "palpate/mesh.h"
 
-// The mesh that is being repaired, its edges, and the steps that need no more than who meets whom; for
-// repair.cc.
+// The mesh under repair, its edges, and the repairs that need only its connectivity; for repair.cc.
 namespace palpate::geometry {
 
-inline constexpr std::uint8_t kTurned = 1;   // the other way round than in the input
-inline constexpr std::uint8_t kAdded = 2;    // not in the input
-inline constexpr std::uint8_t kDoubled = 4;  // was there twice, once each way round
+inline constexpr std::uint8_t kReversed = 1;    // reversed against the input
+inline constexpr std::uint8_t kAdded = 2;       // not in the input
+inline constexpr std::uint8_t kDuplicated = 4;  // in the input twice, with opposite orientations
 
 struct WorkSurface {
   TriangleMesh mesh;
-  std::vector<std::uint8_t> marks;  // of each triangle
+  std::vector<std::uint8_t> marks;  // one per triangle
 
   explicit WorkSurface(TriangleMesh whole) : mesh(std::move(whole)), marks(mesh.triangles.size(), 0) {}
 
@@ -36,19 +35,19 @@ struct WorkSurface {
     marks.push_back(mark);
   }
   void turn(std::size_t triangle);
-  /// Drops the triangles that are marked with anything but 0, and then the vertices that none uses.
-  /// @return how many triangles were dropped
+  /// Drops the triangles whose mark is not 0, then the unused vertices. @return the number of dropped
+  /// triangles
   std::size_t drop(const std::vector<std::uint8_t>& doomed);
 };
 
-/// Drops the vertices that no triangle uses. The others keep their order.
+/// Drops unused vertices. The others keep their order.
 void drop_unused_vertices(TriangleMesh& mesh);
 
-/// Half the solid angle at which a triangle is seen from the origin, positive from behind its outside. [van
-/// Oosterom and Strackee 1983]
+/// Half the solid angle of a triangle seen from the origin, positive from behind the triangle [van Oosterom
+/// and Strackee 1983].
 [[nodiscard]] double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// Axis-aligned box of what was added; empty at first.
+/// Axis-aligned bounding box of the added points; empty at first.
 struct Box {
   Vec3 low = Vec3::Constant(kInfinity);
   Vec3 high = Vec3::Constant(-kInfinity);
@@ -65,7 +64,7 @@ struct Box {
   }
 };
 
-/// Groups of triangles that hang together in some way; the smallest member names the group.
+/// Disjoint sets of triangles (union-find); the smallest member identifies the set.
 class DisjointSets final {
  public:
   explicit DisjointSets(std::size_t count);
@@ -76,44 +75,44 @@ class DisjointSets final {
   std::vector<std::uint32_t> parent_;
 };
 
-/// Two triangles at an edge, each with its corner of it, are of one fan about either end.
+/// Unites the fans of two triangles with a common edge, around both ends of the edge.
 void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, DisjointSets& fans);
 
 inline constexpr Corner kNoOpposite = 0xffffffffU;
 
-/// For each half-edge its opposite one, or kNoOpposite.
+/// The opposite half-edge of each half-edge, or kNoOpposite.
 using Opposites = std::vector<Corner>;
 
-/// Two half-edges of an edge are opposite; of a larger even number they are paired so that what lies between
-/// two is solid. Half-edges of an edge with a larger odd number have no opposite.
+/// The two half-edges of a manifold edge are opposite. A larger even number is paired so that each pair
+/// encloses solid. With a larger odd number they have no opposite.
 [[nodiscard]] Opposites pair_half_edges(const WorkSurface& surface);
 
-/// How often something was done, and to how many triangles.
-struct Done {
+/// How often a repair was made, and the number of its triangles.
+struct RepairCount {
   std::size_t times = 0;
   std::size_t triangles = 0;
 };
 
-/// Drops triangles that name a vertex twice. @return how many
+/// Drops triangles that use a vertex twice. @return their number
 std::size_t drop_collapsed(WorkSurface& surface);
-/// Of triangles with the same three vertices keeps the first. @return how many went
+/// Keeps the first of triangles with the same three vertices. @return the number of dropped ones
 std::size_t drop_duplicates(WorkSurface& surface);
-/// Joins vertices at boundaries that lie within `tolerance` [m]. @return how many went
+/// Welds boundary vertices within `tolerance` [m]. @return the number of removed vertices
 std::size_t weld_boundaries(WorkSurface& surface, double tolerance);
-/// At edges of more than two triangles drops patches that end in a boundary.
-Done drop_dangling_faces(WorkSurface& surface);
-/// At edges of more than two triangles drops patches that were there once each way round: faces between two
+/// Drops patches at non-manifold edges that have a boundary.
+RepairCount drop_dangling_faces(WorkSurface& surface);
+/// Drops patches at non-manifold edges whose triangles existed with both orientations: faces between two
 /// solids.
-Done drop_internal_faces(WorkSurface& surface);
-/// Gives each fan of triangles about a bow-tie vertex a vertex of its own. @return how many vertices came
+RepairCount drop_internal_faces(WorkSurface& surface);
+/// Gives each fan of triangles around a bow-tie vertex its own vertex. @return the number of new vertices
 std::size_t split_bow_tie_vertices(WorkSurface& surface, const Opposites& opposite);
-/// Where an edge is still of more than two triangles after that, cuts the triangles of each pair of
-/// half-edges in half at a middle of their own. @return how many middles came
+/// For edges that are still non-manifold after that: divides the triangles of each pair of half-edges at
+/// their own new midpoint. @return the number of new vertices
 std::size_t split_non_manifold_edges(WorkSurface& surface, const Opposites& opposite);
-/// Turns triangles so that all of one component agree, the fewer to the more. @return false for one-sided
-/// surfaces
+/// Orients the triangles of each component consistently; the minority is reversed. @return false for a
+/// one-sided surface
 bool orient_consistently(WorkSurface& surface, const Opposites& opposite);
-/// The component of each triangle, by its smallest triangle.
+/// The component of each triangle, identified by its smallest triangle.
 [[nodiscard]] std::vector<std::uint32_t> components_of(const Opposites& opposite);
 
 }  // namespace palpate::geometry

@@ -1,4 +1,4 @@
-// What read_mesh() finds of a surface, and what an organ must be.
+// Tests of the defects that read_mesh() finds, and of the requirements on an organ.
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -64,14 +64,13 @@ TEST(Findings, ABoundary) {
 TEST(Findings, ATriangleTurnedOver) {
   TriangleMesh mesh = make_ball(0.02, 320);
   std::swap(mesh.triangles[7][0], mesh.triangles[7][1]);
-  EXPECT_THAT(findings_of(mesh).defects,
-              ElementsAre("3 edges whose two triangles are turned against each other"));
+  EXPECT_THAT(findings_of(mesh).defects, ElementsAre("3 edges whose two triangles differ in orientation"));
 }
 
-TEST(Findings, ASurfaceTurnedInwards) {
+TEST(Findings, ASurfaceOrientedInwards) {
   TriangleMesh mesh = make_ball(0.02, 320);
   for (Triangle& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
-  EXPECT_THAT(findings_of(mesh).defects, ElementsAre("1 shell turned inwards"));
+  EXPECT_THAT(findings_of(mesh).defects, ElementsAre("1 shell oriented inwards"));
 }
 
 TEST(Findings, TwoBallsThatShareAVertex) {
@@ -80,7 +79,7 @@ TEST(Findings, TwoBallsThatShareAVertex) {
   for (const Vec3& vertex : other.vertices) mesh.vertices.emplace_back(2.0 * other.vertices[0] - vertex);
   for (const auto& [a, b, c] : other.triangles) {
     const auto moved = [](std::int32_t v) { return v == 0 ? 0 : v + 12; };
-    mesh.triangles.push_back({moved(a), moved(c), moved(b)});  // a point mirror turns triangles over
+    mesh.triangles.push_back({moved(a), moved(c), moved(b)});  // a point reflection reverses triangles
   }
   const MeshFindings findings = findings_of(mesh);
   EXPECT_TRUE(findings.closed);
@@ -115,17 +114,17 @@ TEST(Findings, ACavityIsNoDefectButAShellWithinAShellIs) {
               ElementsAre("1 shell inside another and not a cavity"));
 }
 
-TEST(Findings, SeparateShellsMustEachBeTurnedOutwards) {
+TEST(Findings, SeparateShellsMustEachBeOrientedOutwards) {
   EXPECT_THAT(findings_of(two_boxes({0.1, 0, 0}, false)).defects, IsEmpty());
   EXPECT_EQ(findings_of(two_boxes({0.1, 0, 0}, false)).shells, 2);
-  EXPECT_THAT(findings_of(two_boxes({0.1, 0, 0}, true)).defects, ElementsAre("1 shell turned inwards"));
+  EXPECT_THAT(findings_of(two_boxes({0.1, 0, 0}, true)).defects, ElementsAre("1 shell oriented inwards"));
 }
 
 TEST(RequireOrgan, TakesASoundMesh) {
   EXPECT_NO_THROW(require_organ(with_findings(make_ball(0.02, 320)), "ball"));
 }
 
-TEST(RequireOrgan, RefusesAnOpenMeshAndSaysWhatIsWrong) {
+TEST(RequireOrgan, RefusesAnOpenMeshAndReportsWhatIsWrong) {
   TriangleMesh mesh = make_ball(0.02, 320);
   mesh.triangles.pop_back();
   EXPECT_THAT([&] { require_organ(with_findings(mesh), "x.stl"); },

@@ -42,7 +42,7 @@ std::vector<MshForm> all_msh_forms() {
   return forms;
 }
 
-/// Writes Gmsh's files, independently of the reader. Nodes have tags from 10 on, in steps of 3.
+/// Writes MSH files, independently of the reader. Nodes have the tags 10, 13, 16, ...
 class MshWriter final {
  public:
   explicit MshWriter(const MshForm& form) : form_(form) {
@@ -64,7 +64,7 @@ class MshWriter final {
         number(static_cast<std::int32_t>(tag(n)));
         coordinates(points[n], {});
       }
-    } else {  // two blocks, the first of a curve with its parameter
+    } else {  // two blocks; the first is a curve with a parameter
       const std::size_t first = points.size() / 2;
       for (const std::size_t value : {std::size_t{2}, points.size()}) number(std::uint64_t{value});
       if (form_.version == "4.1")
@@ -174,7 +174,7 @@ std::string msh(const MshForm& form, const std::vector<Vec3>& points, const std:
 
 ImportedMesh read_msh_bytes(const std::string& bytes) { return read_msh({"a.msh", MeshFormat::kMsh, bytes}); }
 
-TEST(Msh, TakesTheSurfaceOfSolidElementsTurnedOutwards) {
+TEST(Msh, TakesTheSurfaceOfSolidElementsOrientedOutwards) {
   for (const MshForm& form : all_msh_forms()) {
     for (const Solid& solid : test::solids()) {
       if (solid.cells.front().gmsh == 0) continue;
@@ -190,7 +190,7 @@ TEST(Msh, TakesTheSurfaceOfSolidElementsTurnedOutwards) {
   }
 }
 
-TEST(Msh, IsReadByItsEndingWithItsUnitAndSaysWhatWasDone) {
+TEST(Msh, IsReadByItsEndingWithItsUnitAndReportsWhatWasDone) {
   const palpate::test::TemporaryFolder folder;
   const Solid solid = test::solids().front();
   const LoadedMesh loaded = read_mesh(
@@ -200,7 +200,7 @@ TEST(Msh, IsReadByItsEndingWithItsUnitAndSaysWhatWasDone) {
 }
 
 TEST(Msh, KeepsNoNodesFromWithinASolid) {
-  // A cube of 2 x 2 x 2 hexahedra: of its 27 nodes one lies within.
+  // A cube of 2 x 2 x 2 hexahedra: one of its 27 nodes is inside.
   std::vector<Vec3> points;
   for (int n = 0; n < 27; ++n) points.emplace_back(n % 3, n / 3 % 3, n / 9);
   std::vector<SolidCell> cells;
@@ -212,11 +212,11 @@ TEST(Msh, KeepsNoNodesFromWithinASolid) {
   EXPECT_NEAR(signed_volume(read.mesh), 8.0, 1e-12);
 }
 
-TEST(Msh, SaysThatCurvedElementsAreTakenByTheirCorners) {
+TEST(Msh, ReportsThatCurvedElementsAreTakenByTheirCorners) {
   const Solid solid = test::solids().back();
   EXPECT_THAT(
       read_msh_bytes(msh({"2.2", false, false}, solid.points, solid.cells)).repairs,
-      ElementsAre("took the corners alone of 1 curved cell", "took the surface of 1 solid cell: 4 faces"));
+      ElementsAre("used only the corners of 1 curved cell", "took the surface of 1 solid cell: 4 faces"));
 }
 
 TEST(Msh, TakesTrianglesAndQuadrilateralsAsASurfaceWhereNothingIsSolid) {
@@ -233,10 +233,10 @@ TEST(Msh, TakesTrianglesAndQuadrilateralsAsASurfaceWhereNothingIsSolid) {
 TEST(Msh, LeavesOutFlatElementsBesideSolidOnes) {
   const Solid solid = test::solids().front();
   std::vector<SolidCell> cells = solid.cells;
-  cells.push_back({5, 2, {1, 2, 3}});  // where two regions meet
+  cells.push_back({5, 2, {1, 2, 3}});  // the interface of two regions
   const ImportedMesh read = read_msh_bytes(msh({"2.2", false, false}, solid.points, cells));
   EXPECT_EQ(read.mesh.triangles.size(), 6U);
-  EXPECT_THAT(read.repairs, Contains("left out 1 flat cell beside the solid ones"));
+  EXPECT_THAT(read.repairs, Contains("skipped 1 flat cell among solid cells"));
 }
 
 TEST(Msh, IsRefusedWhereverItIsCutOff) {
@@ -277,7 +277,7 @@ void expect_msh_refused(const std::string& bytes, const std::string& place, cons
               ThrowsMessage<InputError>(AllOf(StartsWith("a.msh, " + place + ": "), HasSubstr(words))));
 }
 
-TEST(Msh, SaysLineFieldAndValueOfWhatItRefuses) {
+TEST(Msh, ReportsLineFieldAndValueOfWhatItRefuses) {
   const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
   const std::string nodes = head + "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n";
   expect_msh_refused("$NOD\n1\n", "line 1", "\"$NOD\": must be $MeshFormat here");
@@ -306,7 +306,7 @@ TEST(Msh, SaysLineFieldAndValueOfWhatItRefuses) {
                      "must be $EndElements here");
 }
 
-// Tags that are equal modulo the size of a hash table: a search would take minutes.
+// Tags that are equal modulo the size of a hash table: lookups in one would take minutes.
 TEST(Msh, IsReadWhateverTheTagsOfItsNodesHaveInCommon) {
   constexpr std::int64_t kNodes = 500'000;
   constexpr std::int64_t kTableSize = 520'241;

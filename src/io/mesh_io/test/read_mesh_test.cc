@@ -38,7 +38,8 @@ std::string big_endian(T value) {
   return bytes;
 }
 
-// A tetrahedron with a different length on each axis, so that swapped axes show. Volume 2 x 3 x 4 / 6 = 4.
+// A tetrahedron with a different length on each axis, so that swapped axes are detected. Volume 2 x 3 x 4 / 6
+// = 4.
 const std::vector<std::array<float, 3>> kVertices{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 4}};
 const std::vector<std::array<int, 3>> kTriangles{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 
@@ -216,7 +217,7 @@ TEST_F(ReadMesh, GltfWithItsBufferBesideIt) {
 }
 
 TEST_F(ReadMesh, NodeTransformsAreApplied) {
-  // The child is turned by 180 degrees about z, then moved by its parent.
+  // The child is rotated by 180 degrees about z, then translated by its parent.
   expect_tetrahedron(read("a.glb", glb(R"([{"children":[1],"translation":[10,20,30]},{"mesh":0}])")),
                      {10, 20, 30});
   const LoadedMesh turned =
@@ -225,7 +226,7 @@ TEST_F(ReadMesh, NodeTransformsAreApplied) {
   EXPECT_LT((bounds(turned.mesh).high - Vec3(10, 0, 4)).norm(), 1e-5);
 }
 
-TEST_F(ReadMesh, MirroredPartsStayTurnedOutwards) {
+TEST_F(ReadMesh, MirroredPartsStayOrientedOutwards) {
   const LoadedMesh loaded = read("a.glb", glb(R"([{"mesh":0,"scale":[-1,1,1]}])"));
   EXPECT_NEAR(loaded.findings.volume, 4.0, 1e-6);
   EXPECT_THAT(loaded.findings.repairs, Contains(HasSubstr("1 mirrored part")));
@@ -246,7 +247,7 @@ TEST_F(ReadMesh, AMissingUnitIsAnError) {
               ThrowsMessage<InputError>(HasSubstr("unit is missing")));
 }
 
-TEST_F(ReadMesh, DuplicateAndUnusedVerticesAreMergedOrDroppedAndSaid) {
+TEST_F(ReadMesh, DuplicateAndUnusedVerticesAreMergedOrDroppedAndReported) {
   const LoadedMesh loaded = read(
       "a.obj",
       "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 4\nv 0 0 -0\nv 2 0 0\nv 9 9 9\nf 1 3 2\nf 5 2 4\nf 6 3 4\nf 1 4 3\n");
@@ -261,7 +262,7 @@ TEST_F(ReadMesh, NearVerticesAreNotMerged) {
   EXPECT_EQ(read("a.obj", text).mesh.vertices.size(), 5U);
 }
 
-TEST_F(ReadMesh, PolygonsAreCutIntoTrianglesAndSaid) {
+TEST_F(ReadMesh, PolygonsAreCutIntoTrianglesAndReported) {
   const LoadedMesh loaded = read("a.obj",
                                  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\n"
                                  "f 1 4 3 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
@@ -271,13 +272,13 @@ TEST_F(ReadMesh, PolygonsAreCutIntoTrianglesAndSaid) {
   EXPECT_THAT(loaded.findings.repairs, ElementsAre("cut 1 polygon into triangles"));
 }
 
-TEST_F(ReadMesh, LinesBesideTrianglesAreDroppedAndSaid) {
+TEST_F(ReadMesh, LinesBesideTrianglesAreDroppedAndReported) {
   const LoadedMesh loaded = read("a.obj", kObj + "l 1 2\n");
   expect_tetrahedron(loaded);
   EXPECT_THAT(loaded.findings.repairs, Contains(HasSubstr("dropped 1 line or point")));
 }
 
-TEST_F(ReadMesh, AnOpenMeshIsReadAndItsDefectsAreSaid) {
+TEST_F(ReadMesh, AnOpenMeshIsReadAndItsDefectsAreReported) {
   const LoadedMesh loaded =
       read("a.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 4\nv 1 0 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 1 5 2\n");
   EXPECT_FALSE(loaded.findings.closed);
@@ -291,7 +292,7 @@ TEST_F(ReadMesh, RefusesWhatIsNoMeshFile) {
               ThrowsMessage<InputError>(HasSubstr("none.stl: there is no such file")));
   EXPECT_THAT([&] { (void)read_mesh(folder_.path(), LengthUnit::kMetre); },
               ThrowsMessage<InputError>(HasSubstr("is a folder, must be a mesh file")));
-  expect_refused("a.txt", "solid", "unknown ending \".txt\"");
+  expect_refused("a.txt", "solid", "unknown file name extension \".txt\"");
   for (const char* ending : {"stl", "obj", "ply", "off", "3ds", "gltf", "glb"}) {
     expect_refused(std::string("a.") + ending, "", "empty");
     expect_refused(std::string("b.") + ending, "#\n", "b.");
@@ -340,7 +341,7 @@ TEST_F(ReadMesh, RefusesNumbersThatAreNotFiniteAndNamesTheVertex) {
   std::string binary = binary_stl(kTriangles);
   binary.replace(84 + 50 + 12 + 24, 4, bytes_of(std::nanf("")));  // third corner of the second triangle
   expect_refused("b.stl", binary, "vertex 6 is not finite");
-  // parts within parts, each scaled within a file's numbers
+  // nested parts, each scaled by a valid number
   expect_refused("a.glb", glb(R"([{"children":[1],"scale":[1e30,1,1]},{"mesh":0,"scale":[1e30,1,1]}])"),
                  "is not finite (NaN, infinite or past 3.4e38)");
 }
@@ -449,7 +450,7 @@ TEST_F(ReadMesh, Refuses3dsChunksThatAreLongerThanTheOneAround) {
   const auto declares = [](std::string bytes, std::uint32_t length) {
     return bytes.replace(2, 4, bytes_of(length));
   };
-  // Beside it, so that the file does not end where the chunk around does: the importer would read on.
+  // A chunk beside it, so that the file does not end with the parent chunk: the importer would read on.
   const std::string beside = chunk(0x3D3D, std::string(64, '\0'));
   const std::string track = chunk(0xB020, std::string(34, '\0'));
   const auto with_track = [&](const std::string& one) {
@@ -485,7 +486,8 @@ TEST_F(ReadMesh, RefusesGltfBuffersOutsideItsFolder) {
   }
 }
 
-// Each would take minutes, and the last 4 GB, if what a line or a node costs grew with the file.
+// Each file would take minutes, and the last one 4 GB, if the cost of a line or a node grew with the file's
+// size.
 TEST_F(ReadMesh, TakesTimeAndMemoryThatGrowWithTheFileAlone) {
   std::string lines;
   for (int n = 0; n < 600'000; ++n) lines += "v 0 0 0\n";
@@ -503,7 +505,7 @@ TEST_F(ReadMesh, TakesTimeAndMemoryThatGrowWithTheFileAlone) {
   expect_refused("none.gltf", gltf_json(none + "]}]", R"({"byteLength":72})"), "used more than 100000 times");
 }
 
-// Places that a hash of multiplications would take minutes to tell apart: its last step back from one value.
+// Positions that collide in a multiplicative hash: its last step, inverted from one value.
 TEST_F(ReadMesh, MergesPlacesWhateverTheirBitsHaveInCommon) {
   constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15U;
   constexpr int kPlaces = 500'000;
@@ -514,7 +516,7 @@ TEST_F(ReadMesh, MergesPlacesWhateverTheirBitsHaveInCommon) {
     const std::uint64_t y = x + n;
     const std::uint64_t z = ((x * kFactor) ^ y) * kFactor;
     const std::uint64_t exponent = z >> 52U & 0x7ffU;
-    if (exponent < 1 || exponent > 1023 + 126) continue;  // not finite, or past what a mesh may have
+    if (exponent < 1 || exponent > 1023 + 126) continue;  // not finite, or too large for a mesh
     vertices += bytes_of(x) + bytes_of(y) + bytes_of(z);
     ++count;
   }
@@ -526,7 +528,7 @@ TEST_F(ReadMesh, MergesPlacesWhateverTheirBitsHaveInCommon) {
               ElementsAre("dropped 499997 vertices that no triangle uses"));
 }
 
-TEST_F(ReadMesh, SaysControlCharactersOfAFileAsBlanks) {
+TEST_F(ReadMesh, ReportsControlCharactersOfAFileAsBlanks) {
   expect_refused("a.vtk", "# vtk DataFile Version 3\1\1.0\na\nASCII\n", "version \"3  .0\"");
 }
 

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -30,7 +30,7 @@ void turn(Triangle& triangle) { std::swap(triangle[0], triangle[1]); }
 
 void turn_all(TriangleMesh& mesh) { std::for_each(mesh.triangles.begin(), mesh.triangles.end(), turn); }
 
-/// Adds `other`, scaled about its origin and moved.
+/// Adds `other`, scaled about its origin and translated.
 void add(TriangleMesh& mesh, const TriangleMesh& other, const Vec3& offset, double scale = 1.0) {
   const auto first = static_cast<std::int32_t>(mesh.vertices.size());
   for (const Vec3& v : other.vertices) mesh.vertices.emplace_back(scale * v + offset);
@@ -42,10 +42,10 @@ TriangleMesh ball() { return make_ball(0.02, 320); }
 TriangleMesh box() { return make_box({0.04, 0.04, 0.04}, 0.01); }
 
 void expect_sound(const TriangleMesh& mesh) {
-  EXPECT_TRUE(test::is_closed(mesh));  // throws where an edge is not of two that run opposite ways
+  EXPECT_TRUE(test::is_closed(mesh));  // throws unless each edge has two half-edges of opposite directions
   EXPECT_THAT(findings_of(mesh).defects, IsEmpty());
   EXPECT_GT(signed_volume(mesh), 0.0);
-  EXPECT_NO_THROW(SurfaceDistance{mesh});
+  EXPECT_NO_THROW(SignedDistance{mesh});
 }
 
 void expect_same(const TriangleMesh& a, const TriangleMesh& b) {
@@ -53,7 +53,7 @@ void expect_same(const TriangleMesh& a, const TriangleMesh& b) {
   EXPECT_EQ(a.vertices, b.vertices);
 }
 
-/// Repairs, expects a sound surface of the given volume and that a second repair does nothing.
+/// Repairs, expects a valid surface of the given volume, and that a second repair changes nothing.
 RepairedSurface repaired(const TriangleMesh& mesh, double volume, double share = 1e-9) {
   RepairedSurface first = repair_surface(mesh);
   EXPECT_EQ(first.refusal, "");
@@ -86,21 +86,21 @@ INSTANTIATE_TEST_SUITE_P(Each, BuiltinRepair, ::testing::ValuesIn(builtin_organ_
                            return name;
                          });
 
-TEST(Repair, TurnsASurfaceThatIsTurnedInwards) {
+TEST(Repair, OrientsASurfaceThatIsOrientedInwards) {
   TriangleMesh mesh = ball();
   turn_all(mesh);
   EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs,
               ElementsAre("turned all 320 triangles outwards"));
 }
 
-TEST(Repair, TurnsTheTrianglesThatAreTurnedAgainstTheRest) {
+TEST(Repair, OrientsTheTrianglesThatAreOrientedAgainstTheRest) {
   TriangleMesh mesh = ball();
   for (const std::size_t t : {3U, 77U, 78U, 200U}) turn(mesh.triangles[t]);
   const RepairedSurface result = repaired(mesh, signed_volume(ball()));
   EXPECT_THAT(result.repairs, ElementsAre("turned 4 triangles outwards"));
   expect_same(result.mesh, [] {
     TriangleMesh want = ball();
-    for (const std::size_t t : {3U, 77U, 78U, 200U})  // the same triangle, named from another corner
+    for (const std::size_t t : {3U, 77U, 78U, 200U})  // the same triangle from another corner
       std::rotate(want.triangles[t].begin(), want.triangles[t].begin() + 1, want.triangles[t].end());
     return want;
   }());
@@ -134,7 +134,7 @@ TEST(Repair, DropsDanglingFaces) {
               ElementsAre("dropped 1 patch of dangling faces (2 triangles)"));
 }
 
-/// A box and its mirror image on its right side; each brings its own side, so that the two lie on each other.
+/// A box and its mirror image at its right side; each has that side, so the two coincide.
 TriangleMesh two_boxes_with_a_side_in_common() {
   const TriangleMesh one = make_box({0.02, 0.02, 0.02}, 1.0);
   TriangleMesh mesh = one;
@@ -167,7 +167,7 @@ TEST(Repair, RefusesEdgesOfThreeTrianglesWhoseFacesNeitherDangleNorLieInside) {
     });
   };
   const auto end = mesh.triangles.begin() + static_cast<std::ptrdiff_t>(mesh.triangles.size() / 2);
-  mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), end, is_in_wall), end);  // one of the two sides
+  mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), end, is_in_wall), end);  // one side
   EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("4 edges of more than two triangles (the first at ("));
 }
 
@@ -180,12 +180,12 @@ TEST(Repair, PartsSolidsThatTouchInAVertex) {
     mesh.triangles.push_back({moved(a), moved(c), moved(b)});
   }
   const RepairedSurface result = repaired(mesh, 2.0 * signed_volume(other));
-  EXPECT_THAT(result.repairs, ElementsAre("parted surfaces that touched, with 1 new vertex"));
+  EXPECT_THAT(result.repairs, ElementsAre("separated touching surfaces with 1 new vertex"));
   EXPECT_THAT(result.remarks, ElementsAre("2 separate components"));
 }
 
-TEST(Repair, PartsSolidsThatTouchInAnEdgeWhicheverWayTheyAreTurned) {
-  TriangleMesh mesh;  // two tetrahedra with the edge 0-1 in common, volume 1/6 cm^3 each
+TEST(Repair, PartsSolidsThatTouchInAnEdgeWithAnyOrientation) {
+  TriangleMesh mesh;  // two tetrahedra with the common edge 0-1, volume 1/6 cm^3 each
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, -1}};
   for (Vec3& v : mesh.vertices) v *= 0.01;
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 4, 1}, {0, 1, 5}, {1, 4, 5}, {0, 5, 4}};
@@ -210,7 +210,7 @@ TEST(Repair, ClosesAMissingTriangleAsItWas) {
 }
 
 TEST(Repair, ClosesAHoleInAFlatSideWithoutChangingTheVolume) {
-  // The middle 4 x 2 squares of a side are missing; the smallest patch is flat.
+  // 4 x 2 squares in the middle of a side are missing; the smallest patch is flat.
   const TriangleMesh whole = make_box({0.04, 0.04, 0.04}, 0.0025);
   TriangleMesh mesh = whole;
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
@@ -223,7 +223,7 @@ TEST(Repair, ClosesAHoleInAFlatSideWithoutChangingTheVolume) {
   (void)repaired(mesh, signed_volume(whole));
 }
 
-TEST(Repair, RefusesALargeHoleAndSaysHowLargeAndWhere) {
+TEST(Repair, RefusesALargeHoleAndReportsHowLargeAndWhere) {
   TriangleMesh mesh = ball();
   std::erase_if(mesh.triangles,
                 [&](const Triangle& t) { return mesh.vertices[static_cast<std::size_t>(t[0])].z() > 0.005; });
@@ -252,7 +252,7 @@ TEST(Repair, JoinsBoundariesThatDifferByTheRoundingOfText) {
   TriangleMesh mesh;
   std::mt19937 random(1);
   std::uniform_real_distribution<double> rounding(-1e-9, 1e-9);
-  for (const Triangle& t : ball().triangles) {  // each with its own three vertices, hardly moved
+  for (const Triangle& t : ball().triangles) {  // each with its own three vertices, slightly moved
     const auto first = static_cast<std::int32_t>(mesh.vertices.size());
     for (const std::int32_t v : t) {
       mesh.vertices.emplace_back(ball().vertices[static_cast<std::size_t>(v)] +
@@ -280,7 +280,7 @@ TEST(Repair, JudgesAnOpenPatchAlikeHoweverFarOutItLies) {
 }
 
 TEST(Repair, TakesOutTrianglesWithoutAreaAndStaysClosed) {
-  // A vertex in the middle of an edge, used on one side only by a triangle without area.
+  // A vertex in the middle of an edge, used on one side only, by a triangle without area.
   TriangleMesh mesh = ball();
   const auto [a, b, c] = mesh.triangles[0];
   const auto middle = static_cast<std::int32_t>(mesh.vertices.size());
@@ -291,12 +291,12 @@ TEST(Repair, TakesOutTrianglesWithoutAreaAndStaysClosed) {
   mesh.triangles.push_back({middle, b, c});
   mesh.triangles.push_back({a, b, middle});
   const RepairedSurface result = repaired(mesh, signed_volume(ball()));
-  EXPECT_THAT(result.repairs, ElementsAre("took out 1 triangle without area"));
+  EXPECT_THAT(result.repairs, ElementsAre("removed 1 triangle without area"));
   EXPECT_EQ(result.mesh.triangles.size(), 322U);
 }
 
 TEST(Repair, ShrinksAnEdgeWithoutLength) {
-  // The vertex is there twice, 1e-10 m apart, with two splinters between.
+  // The vertex exists twice, 1e-10 m apart, with two slivers between.
   TriangleMesh mesh = ball();
   const std::int32_t v = mesh.triangles[0][0];
   const auto twin = static_cast<std::int32_t>(mesh.vertices.size());
@@ -306,7 +306,7 @@ TEST(Repair, ShrinksAnEdgeWithoutLength) {
     if (std::count(mesh.triangles[t].begin(), mesh.triangles[t].end(), v) > 0) around.push_back(t);
   }
   const auto neighbours = edge_neighbours(mesh);
-  // Hand the twin the first triangle and its neighbour across one edge at v; splinters close the two seams.
+  // Gives the second vertex to the first triangle; slivers close the two seams.
   Triangle& moved = mesh.triangles[around[0]];
   while (moved[0] != v) std::rotate(moved.begin(), moved.begin() + 1, moved.end());
   const auto [from, p, q] = moved;
@@ -315,11 +315,11 @@ TEST(Repair, ShrinksAnEdgeWithoutLength) {
   mesh.triangles.push_back({v, twin, q});
   ASSERT_TRUE(test::is_closed(mesh));
   const RepairedSurface result = repaired(mesh, signed_volume(ball()), 1e-6);
-  EXPECT_THAT(result.repairs, ElementsAre("took out 2 triangles without area"));
+  EXPECT_THAT(result.repairs, ElementsAre("removed 2 triangles without area"));
   EXPECT_EQ(result.mesh.vertices.size(), ball().vertices.size());
 }
 
-TEST(Repair, DropsInnerShellsWhicheverWayTheyAreTurned) {
+TEST(Repair, DropsInnerShellsWithAnyOrientation) {
   for (const bool is_turned : {false, true}) {
     TriangleMesh inner = ball();
     if (is_turned) turn_all(inner);
@@ -332,7 +332,7 @@ TEST(Repair, DropsInnerShellsWhicheverWayTheyAreTurned) {
   }
 }
 
-TEST(Repair, DropsSmallComponentsAndKeepsLargeOnesAndSaysSo) {
+TEST(Repair, DropsSmallComponentsAndKeepsLargeOnesAndReportsIt) {
   TriangleMesh mesh = ball();
   add(mesh, ball(), {0.05, 0.0, 0.0}, 0.1);
   add(mesh, ball(), {-0.05, 0.0, 0.0}, 0.5);
@@ -362,8 +362,8 @@ TEST(Repair, RefusesManyComponentsOfLikeSize) {
   EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("40 separate components"));
 }
 
-TEST(Repair, KeepsAFewCrossingTrianglesAndSaysSo) {
-  // One vertex is drawn along under the surface and out again 10 mm away.
+TEST(Repair, KeepsAFewCrossingTrianglesAndReportsIt) {
+  // One vertex is moved through the inside and out again, 10 mm away.
   TriangleMesh mesh = make_ball(0.02, 5120);
   Vec3& drawn = mesh.vertices[static_cast<std::size_t>(mesh.triangles[0][0])];
   const Vec3 aside = drawn.cross(Vec3(0.3, 0.5, 0.81)).normalized();
@@ -421,7 +421,7 @@ TEST(RepairOrgan, AddsToTheFindingsAndNamesTheFileWhenItRefuses) {
       ThrowsMessage<InputError>(HasSubstr("5 to 2000 mm")));
 }
 
-/// What happens to meshes on their way, any of it at random.
+/// Random damage of a mesh.
 class Damage final {
  public:
   Damage(const TriangleMesh& mesh, unsigned seed) : mesh_(mesh), random_(seed) {}
@@ -475,7 +475,7 @@ class Damage final {
     add(mesh_, make_ball(0.02 * bounds(mesh_).size().minCoeff(), 20), bounds(mesh_).high * 3.0);
   }
 
-  /// Takes away triangles that have no vertex in common with each other or with a dangling face.
+  /// Removes triangles that share no vertex with each other or with a dangling face.
   void remove_apart(std::size_t whole) {
     std::vector<int> uses(mesh_.vertices.size(), 0);
     for (std::size_t t = whole; t < mesh_.triangles.size(); ++t) {

@@ -6,7 +6,7 @@
 
 #include "palpate/mesh.h"
 
-// Solid cells by hand, with what their surface must be, for the tests of the readers.
+// Solid cells and their expected surfaces, for the tests of the readers.
 namespace palpate::geometry::test {
 
 struct SolidCell {
@@ -23,18 +23,18 @@ struct Solid {
   double volume;
 };
 
-/// The corners of a box of 2 x 3 x 4 in the order of a hexahedron, then the tip of a pyramid upon it.
+/// The corners of a 2 x 3 x 4 box in the order of a hexahedron, then the tip of a pyramid on it.
 inline std::vector<Vec3> box_points() {
   return {{0, 0, 0}, {2, 0, 0}, {2, 3, 0}, {0, 3, 0}, {0, 0, 4}, {2, 0, 4}, {2, 3, 4}, {0, 3, 4}, {1, 1, 6}};
 }
 
 inline std::vector<Solid> solids() {
-  // Volumes: of a tetrahedron a sixth of the determinant of its edges, here 1/6 and 2/6; of a box 2 x 3 x 4;
-  // of a wedge half a box; of a pyramid a third of its base times its height.
+  // Volumes: a tetrahedron has a sixth of the determinant of its edges, here 1/6 and 2/6. A box has 2 x 3 x
+  // 4, a wedge half of that. A pyramid has a third of its base times its height.
   const std::vector<Vec3> tetrahedra{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
   const SolidCell hexahedron{12, 5, {0, 1, 2, 3, 4, 5, 6, 7}};
   std::vector<Vec3> curved{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (int n = 0; n < 6; ++n) curved.emplace_back(0.5, 0.5, 0.1 * n);  // middles of its edges, anywhere
+  for (int n = 0; n < 6; ++n) curved.emplace_back(0.5, 0.5, 0.1 * n);  // midpoints of its edges, anywhere
   return {
       {"two tetrahedra that share a face",
        tetrahedra,

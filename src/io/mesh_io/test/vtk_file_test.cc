@@ -26,7 +26,7 @@ using testing::ThrowsMessage;
 
 ImportedMesh read(const std::string& bytes) { return read_vtk({"a.vtk", MeshFormat::kVtk, bytes}); }
 
-/// How a file is written.
+/// The form of a file.
 struct Form {
   bool is_binary = false;
   bool has_offsets = false;  // version 5.1
@@ -34,7 +34,7 @@ struct Form {
   bool is_grid = false;
 };
 
-/// Writes legacy VTK, independently of the reader.
+/// Writes legacy VTK files, independently of the reader.
 class Writer final {
  public:
   explicit Writer(Form form) : form_(form) {
@@ -188,7 +188,7 @@ TEST(Vtk, TakesStripsApartWithEverySecondTriangleTurned) {
 }
 
 TEST(Vtk, CutsPolygonsUpWhateverTheirShape) {
-  // An L of area 3; a fan from its first corner would lie outside it.
+  // An L of area 3; a fan from its first corner would leave it.
   for (const Form& form : all_forms()) {
     Writer writer(form);
     writer.points({{2, 1, 0}, {2, 0, 0}, {2, 2, 0}, {0, 0, 0}, {0, 2, 0}, {1, 1, 0}, {1, 2, 0}});
@@ -217,7 +217,7 @@ TEST(Vtk, ReadsPixelsAsTheSquaresTheyAre) {
     EXPECT_NEAR(area_vector_doubled(squares.mesh, t).z(), 1.0, 1e-12);
 }
 
-TEST(Vtk, TakesTheSurfaceOfSolidCellsTurnedOutwards) {
+TEST(Vtk, TakesTheSurfaceOfSolidCellsOrientedOutwards) {
   for (const Form& form : all_forms()) {
     if (!form.is_grid) continue;
     for (const test::Solid& solid : test::solids()) {
@@ -289,7 +289,7 @@ TEST(Vtk, IsRefusedOrReadWhereverItIsCutOff) {
         ASSERT_THAT(error.what(), AllOf(StartsWith("a.vtk, "), Not(HasSubstr("\n"))));
       }
     }
-    // Whole but for the last blanks or digits, or cut off before the first of the cells.
+    // Complete except for the last spaces or digits, or cut off before the first cell.
     EXPECT_LE(read_ones, 100U);
   }
 }
@@ -322,7 +322,7 @@ void expect_refused(const std::string& bytes, const std::string& place, const st
 const std::string kHead = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET POLYDATA\n";  // four lines
 const std::string kPoints = "POINTS 3 float\n0 0 0\n1 0 0\n0 1 0\n";                       // four more
 
-TEST(Vtk, SaysLineFieldAndValueOfWhatItRefuses) {
+TEST(Vtk, ReportsLineFieldAndValueOfWhatItRefuses) {
   expect_refused("<?xml version=\"1.0\"?>\n", "line 1", "save it as legacy VTK");
   expect_refused("# vtk DataFile Version 9.0\n", "line 1", "version \"9.0\"");
   expect_refused("# vtk DataFile Version 3.0\ntitle\nTEXT\n", "line 3", "ASCII or BINARY");
@@ -354,7 +354,7 @@ TEST(Vtk, SaysLineFieldAndValueOfWhatItRefuses) {
   expect_refused(kHead + kPoints + "QUADS 1 4\n", "line 9", "\"QUADS\" is not a part");
 }
 
-TEST(Vtk, SaysTheByteInABinaryFile) {
+TEST(Vtk, ReportsTheByteInABinaryFile) {
   Writer writer({true, false, false, false});
   writer.points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   const std::size_t begin = writer.bytes().size() + std::string("POLYGONS 1 4\n").size();

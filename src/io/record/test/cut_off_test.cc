@@ -24,7 +24,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Number of ticks handed to the recorder, shared with a child process.
+/// Number of ticks given to the recorder, shared with a child process.
 class SharedCount final {
  public:
   SharedCount()
@@ -41,9 +41,10 @@ class SharedCount final {
 
 constexpr std::uint64_t kTicksAChange = 7;
 
-/// What tissue and noise are from a tick on, of which every kTicksAChange-th has a change.
-haptics::LiveChange sample_change(std::uint64_t tick) {
-  haptics::LiveChange change = haptics::live_change(sample_setup(1).tissue, {}, haptics::kTissueChanged);
+/// Tissue and noise at a tick; every kTicksAChange-th tick has an update.
+haptics::ParameterUpdate sample_change(std::uint64_t tick) {
+  haptics::ParameterUpdate change =
+      haptics::parameter_update(sample_setup(1).tissue, {}, haptics::kTissueChanged);
   change.tick = tick;
   change.number = tick / kTicksAChange + 1;
   change.tissue.k1 = 10.0 + 1.0 / static_cast<double>(change.number);
@@ -64,7 +65,8 @@ haptics::LiveChange sample_change(std::uint64_t tick) {
   }
 }
 
-/// A recording whose process was killed after `ms` milliseconds of ticks. @return ticks handed over by then.
+/// A recording whose process was killed after `ms` milliseconds. @return the number of ticks given to the
+/// recorder until then
 std::uint64_t record_and_kill(const std::filesystem::path& file, std::size_t hands, int ms) {
   const SharedCount ticks;
   const pid_t child = ::fork();
@@ -84,7 +86,7 @@ void expect_rows_from_the_start(const Recording& recording, std::size_t hands) {
   }
 }
 
-/// The changes of every tick whose rows are there, whatever else.
+/// Expects the updates of all ticks whose rows can be read.
 void expect_all_changes(const Recording& recording, std::size_t hands) {
   const std::size_t ticks = recording.rows.size() / hands;
   ASSERT_GE(recording.changes.size(), (ticks + kTicksAChange - 1) / kTicksAChange);
@@ -162,7 +164,7 @@ TEST(Repair, WholeRecordingIsLeftUntouched) {
   EXPECT_EQ(contents(folder / "a.h5"), before);
 }
 
-/// Reads, repairs and reads again; whatever is wrong with the file, only InputError may come out.
+/// Reads, repairs and reads again; no damage may cause anything but an InputError.
 void expect_no_crash(const std::filesystem::path& file, std::size_t hands) {
   try {
     const Recording recording = read_recording(file);
@@ -227,8 +229,8 @@ TEST(Damaged, FlippedBytesNeverCrash) {
   }
 }
 
-/// In a child process: the recorder may write no more than `limit` bytes to a file. 0 when its failure is
-/// reported while rows still come, and again by finish().
+/// In a child process: the recorder may write at most `limit` bytes to a file. Returns 0 when its failure is
+/// reported during the run, and again by finish().
 int record_with_limit(const std::filesystem::path& file, rlim_t limit) {
   std::signal(SIGXFSZ, SIG_IGN);
   std::promise<std::string> reported;
@@ -265,7 +267,7 @@ TEST(DiskFull, IsReportedAtOnceAndWhatWasWrittenStaysReadable) {
   EXPECT_TRUE(opens_plainly(folder / "a.h5"));
 }
 
-/// The place in a file of the first row of /ticks from `row` on, which begins a chunk.
+/// The offset in a file of row `row` of /ticks, which begins a chunk.
 haddr_t place_of_chunk(const std::filesystem::path& file, hsize_t row) {
   const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   const hid_t ticks = H5Dopen2(id, "ticks", H5P_DEFAULT);
@@ -278,7 +280,7 @@ haddr_t place_of_chunk(const std::filesystem::path& file, hsize_t row) {
   return place;
 }
 
-/// Puts the rows into a dataset as it was before there were checksums.
+/// Rewrites the dataset of rows without checksums, as in older recordings.
 void remove_checksums(const std::filesystem::path& path) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   const hid_t ticks = H5Dopen2(file, "ticks", H5P_DEFAULT);
@@ -307,7 +309,7 @@ TEST(DamagedRecording, OneOfBeforeThereWereChecksumsOpensWithAllRows) {
   EXPECT_EQ(read_recording(folder / "a.h5").rows.size(), kRows);
 }
 
-TEST(DamagedRecording, AFlippedBitInARowIsToldAndRepairKeepsTheRowsBeforeItsChunk) {
+TEST(DamagedRecording, AFlippedBitInARowIsReportedAndRepairKeepsTheRowsBeforeItsChunk) {
   constexpr std::uint64_t kChunk = RecordingWriter::kChunkRows;
   for (const std::size_t member : {offsetof(haptics::TickRow, force), sizeof(haptics::TickRow) / 2}) {
     const TemporaryFolder folder;
@@ -330,7 +332,7 @@ TEST(DamagedRecording, AFlippedBitInARowIsToldAndRepairKeepsTheRowsBeforeItsChun
   }
 }
 
-/// Flips the lowest bit of the byte at `place` of a dataset's values.
+/// Flips the lowest bit of the byte at offset `place` of a dataset's values.
 void flip_bit(const std::filesystem::path& file, const char* dataset, std::size_t place) {
   const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   const hid_t set = H5Dopen2(id, dataset, H5P_DEFAULT);

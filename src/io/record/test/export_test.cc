@@ -115,7 +115,7 @@ TEST(Export, FileThatCannotBeWrittenIsNamed) {
   }
 }
 
-TEST(Export, FullDiskIsTold) {
+TEST(Export, FullDiskIsReported) {
   Recording recording;
   recording.rows.resize(10000);
   EXPECT_THROW(export_csv(recording, "/dev/full"), InputError);

@@ -22,14 +22,14 @@ haptics::TickRow row_of(std::uint64_t tick, std::uint32_t hand,
   return row;
 }
 
-scene::Setup two_hands() {
-  scene::Setup setup = sample_setup(2);
+scene::Scene two_hands() {
+  scene::Scene setup = sample_setup(2);
   setup.rate_Hz = 1000.0;
   return setup;
 }
 
 TEST(FlightRecorder, KeepsTwoSecondsBeforeTheFirstFaultAndAQuarterFromItOn) {
-  const scene::Setup setup = two_hands();
+  const scene::Scene setup = two_hands();
   FlightRecorder recorder(setup);
   for (std::uint64_t tick = 0; tick < 20'000; ++tick) {
     for (std::uint32_t hand = 0; hand < 2; ++hand) {
@@ -50,7 +50,7 @@ TEST(FlightRecorder, KeepsTwoSecondsBeforeTheFirstFaultAndAQuarterFromItOn) {
 }
 
 TEST(FlightRecorder, AShortRunIsKeptWhole) {
-  const scene::Setup setup = two_hands();
+  const scene::Scene setup = two_hands();
   FlightRecorder recorder(setup);
   for (std::uint64_t tick = 0; tick < 10; ++tick) {
     recorder.on_row(row_of(tick, 0));
@@ -62,7 +62,7 @@ TEST(FlightRecorder, AShortRunIsKeptWhole) {
 
 TEST(FlightRecorder, WritesARecordingThatOpens) {
   const TemporaryFolder folder;
-  const scene::Setup setup = two_hands();
+  const scene::Scene setup = two_hands();
   FlightRecorder recorder(setup);
   recorder.on_start(kStarted);
   for (std::uint64_t tick = 0; tick < 5000; ++tick) {
@@ -82,11 +82,11 @@ TEST(KeepFlight, PutsWhatLedToAFaultIntoTheUsersStateFolder) {
   const char* const before = std::getenv("XDG_STATE_HOME");
   const std::string kept = before == nullptr ? "" : before;
   setenv("XDG_STATE_HOME", folder.path().c_str(), 1);
-  const scene::Setup setup = two_hands();
+  const scene::Scene setup = two_hands();
   FlightRecorder recorder(setup);
   recorder.on_row(row_of(0, 0, haptics::Fault::kDevice));
   recorder.on_row(row_of(0, 1));
-  const std::filesystem::path file = keep_flight(recorder, {});
+  const std::filesystem::path file = write_flight_recording(recorder, {});
   if (before == nullptr) {
     unsetenv("XDG_STATE_HOME");
   } else {
@@ -97,7 +97,7 @@ TEST(KeepFlight, PutsWhatLedToAFaultIntoTheUsersStateFolder) {
 }
 
 TEST(FlightRecorder, AFolderThatIsNotThereIsNamed) {
-  const scene::Setup setup = two_hands();
+  const scene::Scene setup = two_hands();
   const FlightRecorder recorder(setup);
   EXPECT_THROW(recorder.write("/none/fault.h5", {}), InputError);
 }

@@ -25,7 +25,7 @@ std::string message_for(const std::filesystem::path& file) {
   return "no error";
 }
 
-/// A sound recording of 10 ticks, changed by `change`.
+/// A valid recording of 10 ticks, changed by `change`.
 std::filesystem::path changed_file(const TemporaryFolder& folder, const std::function<void(hid_t)>& change) {
   record_sample(folder / "a.h5", 10, 1);
   const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
@@ -172,7 +172,7 @@ TEST(ForeignFile, RowsOutOfOrderInACompleteRecordingAreRefused) {
 
 TEST(ForeignFile, BadSceneIsRefusedWithTheFilesName) {
   const TemporaryFolder folder;
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.rate_Hz = 0.0;
   {
     Recorder recorder(folder / "a.h5", setup, true);

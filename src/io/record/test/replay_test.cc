@@ -17,9 +17,9 @@ using ::testing::HasSubstr;
 
 constexpr double kReplayedBallRadius = 3e-3;  // m
 
-/// A ball in each hand over a block whose top is at z = 0.
-scene::Setup block_and_balls(std::size_t hands) {
-  scene::Setup setup;
+/// A ball in each hand above a block whose top is at z = 0.
+scene::Scene block_and_balls(std::size_t hands) {
+  scene::Scene setup;
   setup.name = "block and balls";
   setup.seed = 9;
   setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
@@ -34,7 +34,7 @@ scene::Setup block_and_balls(std::size_t hands) {
   return setup;
 }
 
-/// Presses at 20 mm/s from 2 mm above to 3 mm deep, each hand a bit beside the other.
+/// Presses at 20 mm/s from 2 mm above to 3 mm deep, with a lateral offset between hands.
 class PressingDevice final : public haptics::Device {
  public:
   explicit PressingDevice(double x) : x_(x) {}
@@ -51,8 +51,8 @@ class PressingDevice final : public haptics::Device {
   double x_;
 };
 
-/// What the loop published at every tick, and its rows by way of the recorder.
-Recording run(const scene::Setup& setup, std::uint64_t ticks) {
+/// The loop's rows of a run, recorded and read back.
+Recording run(const scene::Scene& setup, std::uint64_t ticks) {
   const TemporaryFolder folder;
   const haptics::SimulationWorld world = scene::make_world(setup);
   haptics::SimulationState state(world);
@@ -78,9 +78,9 @@ TEST(Replay, RecordedRunComesOutTheSameBitForBit) {
   EXPECT_EQ(result.hash, hash_rows(recording.rows));
 }
 
-/// The scene of block_and_balls() with an organ that breathes and beats.
-scene::Setup breathing_block() {
-  scene::Setup setup = block_and_balls(1);
+/// The scene of block_and_balls() with breathing and heartbeat.
+scene::Scene breathing_block() {
+  scene::Scene setup = block_and_balls(1);
   setup.organ_motion = {model::organ_motion_preset(model::OrganMotionKind::kBreathing),
                         model::organ_motion_preset(model::OrganMotionKind::kHeartbeat)};
   setup.organ_motion[0].phase = 0.3;
@@ -99,7 +99,7 @@ TEST(Replay, ARunOnAMovingOrganComesOutTheSameBitForBit) {
 }
 
 TEST(Replay, ARunOnASmoothTissueThatRelaxesComesOutTheSameBitForBit) {
-  scene::Setup setup = block_and_balls(2);
+  scene::Scene setup = block_and_balls(2);
   setup.tissue.law = model::LawKind::kSmooth;
   setup.tissue.relaxation = {{0.3, 0.05}, {0.2, 1.0 / 3.0}, {0.1, 7.0}};
   const Recording recording = run(setup, 600);
@@ -112,7 +112,7 @@ TEST(Replay, ARunOnASmoothTissueThatRelaxesComesOutTheSameBitForBit) {
 }
 
 TEST(SnapshotsAt, CarryTheOrgansPoseOfTheirTick) {
-  const scene::Setup setup = breathing_block();
+  const scene::Scene setup = breathing_block();
   const std::vector<haptics::Snapshot> snapshots = snapshots_at(run(setup, 1000), {0, 999});
   EXPECT_EQ(snapshots[0].organ_W.position, setup.organ_pose.position);
   const Pose moved = scene::organ_motion_of(setup).pose_at(setup.organ_pose, 999, setup.rate_Hz);
@@ -159,7 +159,7 @@ TEST(Replay, BitsCountNotValues) {
 TEST(Replay, HashGoesOnFromTheRowsBefore) {
   const haptics::TickRow rows[] = {sample_row(0, 0), sample_row(1, 0)};
   EXPECT_EQ(hash_rows(rows), hash_rows(std::span(rows + 1, 1), hash_rows(std::span(rows, 1))));
-  EXPECT_EQ(hash_rows({}), 14695981039346656037ULL);  // FNV-1a of nothing
+  EXPECT_EQ(hash_rows({}), 14695981039346656037ULL);  // FNV-1a of no bytes
 }
 
 TEST(SnapshotsAt, AreThoseOfTheTicksAskedFor) {

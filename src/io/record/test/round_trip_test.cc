@@ -27,8 +27,8 @@ void add_pose(const Pose& pose, std::vector<double>& out) {
              {pose.position.x(), pose.position.y(), pose.position.z(), q.w(), q.x(), q.y(), q.z()});
 }
 
-/// Every number of a scene but the meshes', in one list.
-std::vector<double> numbers(const scene::Setup& s) {
+/// All numbers of a scene except those of the meshes, in one list.
+std::vector<double> numbers(const scene::Scene& s) {
   const model::TissueParameters& t = s.tissue;
   std::vector<double> out = {s.rate_Hz,
                              t.source ? t.source->radius : -1,
@@ -40,7 +40,7 @@ std::vector<double> numbers(const scene::Setup& s) {
                              s.safety.max_torque,
                              s.safety.max_torque_slew};
   for (const model::TissueField& field : model::kTissueFields) out.push_back(field.at.get(t).value_or(-1));
-  for (const model::RelaxationTerm& term : t.relaxation) out.insert(out.end(), {term.share, term.time});
+  for (const model::RelaxationTerm& term : t.relaxation) out.insert(out.end(), {term.g, term.tau});
   add_pose(s.organ_pose, out);
   for (const geometry::Tool& tool : s.tools) {
     out.push_back(tool.tip_radius.value_or(-1));
@@ -62,8 +62,8 @@ std::vector<double> numbers(const scene::Setup& s) {
   return out;
 }
 
-/// Every word, flag and integer of a scene.
-std::vector<std::string> words(const scene::Setup& s) {
+/// All texts, flags and integers of a scene.
+std::vector<std::string> words(const scene::Scene& s) {
   std::vector<std::string> out = {s.name,
                                   model::to_string(s.tissue.law),
                                   s.task == scene::Task::kPull ? "pull" : "press",
@@ -92,8 +92,8 @@ void expect_same_mesh(const geometry::TriangleMesh& a, const geometry::TriangleM
 TEST(RoundTrip, SceneComesBackToTheBit) {
   const TemporaryFolder folder;
   record_sample(folder / "a.h5", 3, 2);
-  const scene::Setup want = sample_setup(2);
-  const scene::Setup got = read_recording(folder / "a.h5").setup;
+  const scene::Scene want = sample_setup(2);
+  const scene::Scene got = read_recording(folder / "a.h5").setup;
   EXPECT_EQ(words(got), words(want));
   EXPECT_EQ(bits(numbers(got)), bits(numbers(want)));
   expect_same_mesh(got.organ, want.organ);
@@ -105,18 +105,18 @@ TEST(RoundTrip, SceneComesBackToTheBit) {
 }
 
 TEST(RoundTrip, OptionalValuesThatAreNotGivenStayNotGiven) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.tissue.source.reset();
   setup.tissue.contact.tangential_stiffness.reset();
   setup.tools[0].tip_radius.reset();
-  const scene::Setup got = setup_from_json(setup_to_json(setup));
+  const scene::Scene got = setup_from_json(setup_to_json(setup));
   EXPECT_FALSE(got.tissue.source.has_value());
   EXPECT_FALSE(got.tissue.contact.tangential_stiffness.has_value());
   EXPECT_FALSE(got.tools[0].tip_radius.has_value());
 }
 
 TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   model::OrganMotionParameters motion;
   motion.kind = model::OrganMotionKind::kHeartbeat;
   motion.amplitude = 0.1 / 3;
@@ -126,7 +126,7 @@ TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {
   motion.period = 60.0 / 70.0;
   motion.phase = 1.0 / 3.0;
   setup.organ_motion = {motion, model::OrganMotionParameters{}};
-  const scene::Setup got = setup_from_json(setup_to_json(setup));
+  const scene::Scene got = setup_from_json(setup_to_json(setup));
   ASSERT_EQ(got.organ_motion.size(), 2U);
   EXPECT_EQ(got.organ_motion[0].kind, motion.kind);
   EXPECT_EQ(got.organ_motion[0].amplitude, motion.amplitude);
@@ -147,7 +147,7 @@ TEST(RoundTrip, ARecordingFromBeforeOrgansMovedHasAnOrganThatLiesStill) {
 }
 
 TEST(RoundTrip, AnEmulatedHandComesBackWithItsFaults) {
-  scene::Setup setup = sample_setup(2);
+  scene::Scene setup = sample_setup(2);
   scene::DeviceSetup& device = setup.devices[1];
   device.kind = "emulated";
   device.emulated.mass = 0.1 / 3;
@@ -155,7 +155,7 @@ TEST(RoundTrip, AnEmulatedHandComesBackWithItsFaults) {
   for (const scene::EmulatedFaultName& known : scene::emulated_fault_names()) {
     device.emulated.faults.push_back({known.kind, 1.0 / 3, 0.1, 7e-3});
   }
-  const scene::Setup got = setup_from_json(setup_to_json(setup));
+  const scene::Scene got = setup_from_json(setup_to_json(setup));
   const scene::EmulatedHand& hand = got.devices[1].emulated;
   EXPECT_EQ(hand.mass, 0.1 / 3);
   EXPECT_EQ(hand.grip.stiffness, 123.4);
@@ -171,7 +171,7 @@ TEST(RoundTrip, AnEmulatedHandComesBackWithItsFaults) {
 }
 
 TEST(RoundTrip, AFaultOfAnUnknownKindIsRefused) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.devices[0].kind = "emulated";
   setup.devices[0].emulated.faults.push_back({});
   std::string text = setup_to_json(setup);
@@ -180,18 +180,18 @@ TEST(RoundTrip, AFaultOfAnUnknownKindIsRefused) {
 }
 
 TEST(RoundTrip, LawAndRelaxationComeBack) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.tissue.law = model::LawKind::kSmooth;
   setup.tissue.relaxation = {{0.1, 0.1 + 0.2}, {0.3, 7.0}};
   const model::TissueParameters got = setup_from_json(setup_to_json(setup)).tissue;
   EXPECT_EQ(got.law, model::LawKind::kSmooth);
   ASSERT_EQ(got.relaxation.size(), 2U);
-  EXPECT_EQ(got.relaxation[0].share, 0.1);
-  EXPECT_EQ(got.relaxation[0].time, 0.1 + 0.2);
+  EXPECT_EQ(got.relaxation[0].g, 0.1);
+  EXPECT_EQ(got.relaxation[0].tau, 0.1 + 0.2);
 }
 
-/// The tissue of a scene that was recorded before these keys were written.
-model::TissueParameters tissue_without(const scene::Setup& setup, const std::vector<std::string>& keys) {
+/// The tissue of a recorded scene without these keys, as older recordings have it.
+model::TissueParameters tissue_without(const scene::Scene& setup, const std::vector<std::string>& keys) {
   std::string text = setup_to_json(setup);
   for (const std::string& key : keys) {
     const std::size_t at = text.find("\"" + key + "\"");
@@ -202,7 +202,7 @@ model::TissueParameters tissue_without(const scene::Setup& setup, const std::vec
 }
 
 TEST(RoundTrip, ARecordingFromBeforeThereWereLawsHasThePapersWithoutRelaxation) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.tissue.law = model::LawKind::kSmooth;
   setup.tissue.relaxation = {{0.1, 0.3}};
   const model::TissueParameters got = tissue_without(setup, {"law", "relaxation"});
@@ -211,7 +211,7 @@ TEST(RoundTrip, ARecordingFromBeforeThereWereLawsHasThePapersWithoutRelaxation) 
 }
 
 TEST(RoundTrip, ANumberThatAnOldRecordingLacksHasItsDefault) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.tissue.reach.depth_exponent = 0.4;
   setup.tissue.contact.tangential_damping = 0.75;
   EXPECT_EQ(tissue_without(setup, {"depth_exponent"}).reach.depth_exponent, 0.5);
@@ -220,7 +220,7 @@ TEST(RoundTrip, ANumberThatAnOldRecordingLacksHasItsDefault) {
 }
 
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.organ_motion.emplace_back();
   std::string text = setup_to_json(setup);
   text.replace(text.find("breathing"), 9, "digesting");
@@ -260,7 +260,8 @@ TEST_P(RoundTripRows, ComeBackToTheBit) {
   }
 }
 
-// None, one, a chunk (1024) and its neighbours, more than the ring (8192), hands that do not divide a chunk.
+// No row, one, a chunk (1024) and its neighbours, more than the ring (8192), hands that do not divide a
+// chunk.
 INSTANTIATE_TEST_SUITE_P(Sizes, RoundTripRows,
                          ::testing::Values(std::pair{0, 1}, std::pair{1, 1}, std::pair{1023, 1},
                                            std::pair{1024, 1}, std::pair{1025, 1}, std::pair{60000, 1},

@@ -25,8 +25,8 @@ inline geometry::TriangleMesh tetrahedron(double size) {
 }
 
 /// A scene in which no field has its default, with numbers that need all their digits.
-inline scene::Setup sample_setup(std::size_t hands) {
-  scene::Setup setup;
+inline scene::Scene sample_setup(std::size_t hands) {
+  scene::Scene setup;
   setup.name = "an odd \"name\"\nwith \xc3\xa4";
   setup.task = scene::Task::kPull;
   setup.rate_Hz = 1000.0;
@@ -80,7 +80,7 @@ inline scene::Setup sample_setup(std::size_t hands) {
   return setup;
 }
 
-/// A row whose every column is different from every other row's.
+/// A row whose columns all differ from those of every other row.
 inline haptics::TickRow sample_row(std::uint64_t tick, std::uint32_t hand) {
   haptics::TickRow row;
   row.tick = tick;
@@ -114,13 +114,13 @@ inline haptics::TickRow sample_row(std::uint64_t tick, std::uint32_t hand) {
 }
 
 inline bool same_bits(const haptics::TickRow& a, const haptics::TickRow& b) {
-  // The bits are what is compared: doubles too.
+  // Compares bits, also of doubles.
   return std::memcmp(&a, &b, sizeof(a)) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
 }
 
 inline constexpr std::int64_t kStarted = 1'700'000'000'123'456'789;
 
-/// An offline recording of `ticks` ticks, finished in good order.
+/// An offline recording of `ticks` ticks, finished properly.
 inline void record_sample(const std::filesystem::path& file, std::uint64_t ticks, std::size_t hands) {
   Recorder recorder(file, sample_setup(hands), true);
   recorder.on_start(kStarted);
@@ -141,7 +141,7 @@ inline void record_sample(const std::filesystem::path& file, std::uint64_t ticks
   recorder.finish(report);
 }
 
-/// Whether a tool that knows nothing of recordings can open the file.
+/// Whether a plain HDF5 tool can open the file.
 inline bool opens_plainly(const std::filesystem::path& file) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);

@@ -19,9 +19,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// A scene whose organ beats and whose device fails, as JSON with `from` replaced by `to`.
+/// A scene with heartbeat and a failing device, as JSON with `from` replaced by `to`.
 std::string changed(const std::string& from, const std::string& to) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.organ_motion.resize(1);
   setup.organ_motion[0].kind = model::OrganMotionKind::kHeartbeat;
   setup.devices[0].kind = "emulated";
@@ -67,20 +67,20 @@ TEST(SceneJson, AKeyThatIsMissingAndTextThatIsNoJsonAreRefusedInTheScene) {
 }
 
 TEST(SceneJson, ALibraryThatARecordingNamesIsForgottenSoThatNothingRunFromItLoadsCode) {
-  scene::Setup setup = sample_setup(2);
+  scene::Scene setup = sample_setup(2);
   setup.devices.resize(2);
   setup.devices[0].kind = "forcedimension";
   setup.devices[0].path = "/tmp/libevil.so";
   setup.devices[1].kind = "scripted";
   setup.devices[1].path = "press.csv";
-  const scene::Setup read = setup_from_json(setup_to_json(setup));
+  const scene::Scene read = setup_from_json(setup_to_json(setup));
   EXPECT_EQ(read.devices[0].kind, "forcedimension");
   EXPECT_EQ(read.devices[0].path, "");
   EXPECT_EQ(read.devices[1].path, "press.csv");
 }
 
 TEST(SceneJson, ASeedOrButtonThatIsNoWholeNumberOfItsRangeIsRefusedByName) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.noise.seed = 77;
   const std::string written = setup_to_json(setup);
   const auto with = [&written](const std::string& name, const std::string& value, const std::string& other) {
@@ -101,7 +101,7 @@ TEST(SceneJson, ASeedOrButtonThatIsNoWholeNumberOfItsRangeIsRefusedByName) {
 }
 
 TEST(SceneJson, TheLargestSeedIsReadBack) {
-  scene::Setup setup = sample_setup(1);
+  scene::Scene setup = sample_setup(1);
   setup.seed = std::numeric_limits<std::uint64_t>::max();
   EXPECT_EQ(setup_from_json(setup_to_json(setup)).seed, setup.seed);
 }

@@ -20,13 +20,13 @@
 namespace palpate::scene {
 namespace {
 
-/// The tool hung over the organ at one row: heights in the world by brute force over all vertices.
+/// The tool and the organ at one row: heights in the world, by brute force over all vertices.
 struct Hanging {
   double lowest = std::numeric_limits<double>::infinity();
   Vec3 tip = Vec3::Zero();
 };
 
-Hanging hang(const Setup& setup, std::size_t hand, const PathRow& row, double gripper) {
+Hanging hang(const Scene& setup, std::size_t hand, const PathRow& row, double gripper) {
   const DeviceSetup& device = setup.devices[hand];
   const Pose handle = device.base * Pose{row.orientation, device.workspace_scale * row.position};
   Hanging result;
@@ -41,8 +41,8 @@ Hanging hang(const Setup& setup, std::size_t hand, const PathRow& row, double gr
   return result;
 }
 
-/// Height of the organ's surface over (x, y), by all triangles.
-double surface_height(const Setup& setup, double x, double y) {
+/// Height of the organ's surface at (x, y), by brute force over all triangles.
+double surface_height(const Scene& setup, double x, double y) {
   geometry::TriangleMesh organ = setup.organ;
   geometry::transform(organ, setup.organ_pose);
   double height = -std::numeric_limits<double>::infinity();
@@ -61,13 +61,13 @@ double surface_height(const Setup& setup, double x, double y) {
   return height;
 }
 
-Vec3 middle_of(const Setup& setup) {
+Vec3 middle_of(const Scene& setup) {
   geometry::TriangleMesh organ = setup.organ;
   geometry::transform(organ, setup.organ_pose);
   return geometry::bounds(organ).middle();
 }
 
-double lowest_over_time(const Setup& setup, const ToolPath& path) {
+double lowest_over_time(const Scene& setup, const ToolPath& path) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const PathRow& row : path.rows()) lowest = std::min(lowest, hang(setup, 0, row, 0.0).lowest);
   return lowest;
@@ -87,9 +87,9 @@ void expect_calm(const ToolPath& path) {
 
 TEST(DefaultPath, PressStarts10MmClearReaches12MmHoldsASecondAndComesBack) {
   for (const std::string organ : {"gallbladder", "liver", "kidney", "ball", "box"}) {
-    Request request;
+    Overrides request;
     request.organ = organ;
-    const scene::Setup setup = load(request);
+    const scene::Scene setup = load(request);
     const ToolPath path = default_path(setup, 0);
     const Vec3 middle = middle_of(setup);
     const double surface = surface_height(setup, middle.x(), middle.y());
@@ -105,21 +105,21 @@ TEST(DefaultPath, PressStarts10MmClearReaches12MmHoldsASecondAndComesBack) {
 }
 
 TEST(DefaultPath, TheTipComesDownOnTheOrgansMiddleWithItsZAxisDown) {
-  Request request;
+  Overrides request;
   request.tools = {"sphere:3"};
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   const ToolPath path = default_path(setup, 0);
   const PathRow& first = path.rows().front();
   const Vec3 middle = middle_of(setup);
-  EXPECT_NEAR(first.position.x(), middle.x(), 0.3e-3);  // the lowest vertices of a ball lie about its pole
+  EXPECT_NEAR(first.position.x(), middle.x(), 0.3e-3);  // the lowest vertices of a ball are around its pole
   EXPECT_NEAR(first.position.y(), middle.y(), 0.3e-3);
   EXPECT_NEAR((first.orientation * Vec3(0.0, 0.0, 1.0) - Vec3(0.0, 0.0, -1.0)).norm(), 0.0, 1e-15);
 }
 
 TEST(DefaultPath, PullClosesAtTouchLifts12MmHoldsAndLetsGo) {
-  Request request;
+  Overrides request;
   request.task = "pull";
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   const ToolPath path = default_path(setup, 0);
   const Vec3 middle = middle_of(setup);
   const double surface = surface_height(setup, middle.x(), middle.y());
@@ -150,8 +150,8 @@ TEST(DefaultPath, PullClosesAtTouchLifts12MmHoldsAndLetsGo) {
 }
 
 TEST(DefaultPath, IsGivenInTheDevicesFrame) {
-  scene::Setup plain = load({});
-  scene::Setup mapped = plain;
+  scene::Scene plain = load({});
+  scene::Scene mapped = plain;
   mapped.devices[0].workspace_scale = 2.0;
   mapped.devices[0].base = {rotation_from_degrees({10.0, 20.0, 30.0}), {0.1, -0.2, 0.3}};
   const ToolPath a = default_path(plain, 0);
@@ -166,7 +166,7 @@ TEST(DefaultPath, IsGivenInTheDevicesFrame) {
 }
 
 TEST(DefaultPath, FollowsTheOrgansPose) {
-  scene::Setup setup = load({});
+  scene::Scene setup = load({});
   setup.organ_pose = {rotation_from_degrees({90.0, 0.0, 0.0}), {0.5, 0.0, -0.1}};
   const ToolPath path = default_path(setup, 0);
   const Vec3 middle = middle_of(setup);
@@ -175,7 +175,7 @@ TEST(DefaultPath, FollowsTheOrgansPose) {
 }
 
 TEST(DefaultPath, TwoHandsComeDownSideBySide) {
-  scene::Setup setup = load({});
+  scene::Scene setup = load({});
   setup.tools.push_back(setup.tools[0]);
   setup.devices.push_back(setup.devices[0]);
   const Vec3 left = default_path(setup, 0).rows().front().position;
@@ -186,7 +186,7 @@ TEST(DefaultPath, TwoHandsComeDownSideBySide) {
 }
 
 TEST(DefaultPath, RefusesAnOpenOrgan) {
-  scene::Setup setup = load({});
+  scene::Scene setup = load({});
   setup.organ.triangles.pop_back();
   EXPECT_THROW((void)default_path(setup, 0), InputError);
 }
@@ -194,7 +194,7 @@ TEST(DefaultPath, RefusesAnOpenOrgan) {
 constexpr int kAround = 48;
 constexpr int kAcross = 24;
 
-/// The surface of a ring: section(v) = {outwards, up} [m] turned about z, counter-clockwise in v.
+/// The surface of a ring: section(v) = {radial, axial} [m], revolved about z, counter-clockwise in v.
 geometry::TriangleMesh ring(const std::function<std::array<double, 2>(double)>& section) {
   geometry::TriangleMesh mesh;
   for (int i = 0; i < kAround; ++i) {
@@ -216,7 +216,7 @@ geometry::TriangleMesh torus(double radius, double thickness) {
   });
 }
 
-/// An ellipsoid whose long axis follows a circle of `bend` [m].
+/// An ellipsoid whose long axis follows a circle of radius `bend` [m].
 geometry::TriangleMesh banana(double half_length, double half_width, double bend) {
   geometry::TriangleMesh mesh = geometry::make_ball(1.0, 1280);
   for (Vec3& v : mesh.vertices) {
@@ -227,24 +227,24 @@ geometry::TriangleMesh banana(double half_length, double half_width, double bend
   return mesh;
 }
 
-scene::Setup press_of(const geometry::TriangleMesh& organ, const Vec3& turned_deg = Vec3::Zero(),
+scene::Scene press_of(const geometry::TriangleMesh& organ, const Vec3& turned_deg = Vec3::Zero(),
                       const std::string& tool = "curved-forceps") {
-  Request request;
+  Overrides request;
   request.tools = {tool};
-  scene::Setup setup = load(request);
+  scene::Scene setup = load(request);
   setup.organ = organ;
   setup.organ_pose.rotation = rotation_from_degrees(turned_deg);
   return setup;
 }
 
-/// The tool at the deepest point of its path, by contact itself.
+/// The tool at the deepest point of its path, computed by contact itself.
 struct Pressed {
   std::uint32_t status_at_start = 0;
   double depth = 0.0;  // m
-  double angle = 0.0;  // degrees, between the way and the normal
+  double angle = 0.0;  // degrees, between the motion and the normal
 };
 
-Pressed pressed(const scene::Setup& setup, const ToolPath& path) {
+Pressed pressed(const scene::Scene& setup, const ToolPath& path) {
   const haptics::SimulationWorld world = make_world(setup, {});
   contact::State state(world.contact);
   contact::ToolResult result;
@@ -261,8 +261,8 @@ Pressed pressed(const scene::Setup& setup, const ToolPath& path) {
   return pressed;
 }
 
-/// Turns of the surface around `p` by the solid angles of all triangles: 1 inside, 0 outside
-/// [van Oosterom and Strackee 1983].
+/// Winding number of the surface around `p`, from the solid angles of all triangles: 1 inside, 0 outside [van
+/// Oosterom and Strackee 1983].
 double turns_around(const geometry::TriangleMesh& mesh, const Vec3& p) {
   double sum = 0.0;
   for (const geometry::Triangle& t : mesh.triangles) {
@@ -279,7 +279,7 @@ double turns_around(const geometry::TriangleMesh& mesh, const Vec3& p) {
   return sum / (4.0 * portable::kPi);
 }
 
-int points_inside(const scene::Setup& setup, const PathRow& row) {
+int points_inside(const scene::Scene& setup, const PathRow& row) {
   geometry::TriangleMesh organ = setup.organ;
   geometry::transform(organ, setup.organ_pose);
   const Pose handle{row.orientation, row.position};
@@ -316,7 +316,7 @@ TEST(DefaultPath, OnAnyShapeToolAndShaftStartOutsideAndAPressReachesItsDepthSqua
   for (const std::string tool : {"curved-forceps", "straight-forceps"}) {
     for (const Shape& shape : shapes()) {
       SCOPED_TRACE(tool + std::string(" on a ") + shape.name);
-      const scene::Setup setup = press_of(shape.mesh, shape.turned_deg, tool);
+      const scene::Scene setup = press_of(shape.mesh, shape.turned_deg, tool);
       const ToolPath path = default_path(setup, 0);
       EXPECT_EQ(points_inside(setup, path.rows().front()), 0);
       const Pressed press = pressed(setup, path);
@@ -327,7 +327,8 @@ TEST(DefaultPath, OnAnyShapeToolAndShaftStartOutsideAndAPressReachesItsDepthSqua
   }
 }
 
-/// A tube that is flat in its bore alone, where no instrument gets in squarely: outside it is all ridges.
+/// A tube that is flat only in its bore, where no instrument can press along the normal; its outside is
+/// ridged.
 geometry::TriangleMesh ridged_tube() {
   return ring([](double v) {
     const auto j = static_cast<int>(std::lround(v * kAcross / (2.0 * portable::kPi)));
@@ -337,18 +338,18 @@ geometry::TriangleMesh ridged_tube() {
 }
 
 TEST(DefaultPath, NoToolStartsInsideAnOrganThatIsFlatOnlyWhereItCannotGetTo) {
-  const scene::Setup setup = press_of(ridged_tube(), {90.0, 0.0, 0.0});
+  const scene::Scene setup = press_of(ridged_tube(), {90.0, 0.0, 0.0});
   const ToolPath path = default_path(setup, 0);
   EXPECT_EQ(points_inside(setup, path.rows().front()), 0);
 }
 
-TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsSaid) {
-  const scene::Setup setup = press_of(torus(40e-3, 12e-3));
+TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsReported) {
+  const scene::Scene setup = press_of(torus(40e-3, 12e-3));
   const ToolPath path = default_path(setup, 0);
   const double way = (path.at(0.5 * path.end_time()).position - path.rows().front().position).norm();
   const double depth = way - 10e-3;
   EXPECT_GE(depth, 3e-3);
-  EXPECT_LT(depth, 6.5e-3);  // half of its section: farther in, another side is nearer
+  EXPECT_LT(depth, 6.5e-3);  // half of its section: deeper inside, another side is nearer
   const Pressed press = pressed(setup, path);
   EXPECT_NEAR(press.depth, depth, 0.05 * depth);
   EXPECT_LT(press.angle, 20.0);
@@ -358,14 +359,14 @@ TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsSaid) {
 }
 
 TEST(DefaultPath, AnOrganThatIsPressedLessDeepIsPressedFromAboveItsMiddleWhereThatIsGood) {
-  const scene::Setup setup = press_of(geometry::make_ball(12e-3, 5120));
+  const scene::Scene setup = press_of(geometry::make_ball(12e-3, 5120));
   const ToolPath path = default_path(setup, 0);
   EXPECT_THAT(default_path_remarks(setup), testing::ElementsAre(testing::HasSubstr("mm deep")));
   for (const PathRow& row : {path.rows().front(), path.at(0.5 * path.end_time())})
     EXPECT_LT((row.orientation * Vec3::UnitZ() + Vec3::UnitZ()).norm(), 1e-9);
 }
 
-/// Each triangle with six of no area around it.
+/// Adds six triangles without area around each triangle.
 geometry::TriangleMesh with_flat_triangles(const geometry::TriangleMesh& mesh) {
   geometry::TriangleMesh result{mesh.vertices, {}};
   for (const geometry::Triangle& t : mesh.triangles) {
@@ -390,16 +391,16 @@ TEST(DefaultPath, TrianglesWithoutAreaHideNothingOfTheSurfaceBeyondThem) {
   EXPECT_EQ(default_path_remarks(press_of(with_flat_triangles(ball))), plain);
 }
 
-TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsSaid) {
-  const scene::Setup setup = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
+TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsReported) {
+  const scene::Scene setup = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
   EXPECT_THAT(default_path_remarks(setup),
               testing::ElementsAre(testing::HasSubstr(
                   "the organ is 6 mm thick where the default path presses it 12 mm deep")));
 }
 
-TEST(DefaultPath, NothingIsSaidOfAThickOrganOrOfAPathFromAFile) {
+TEST(DefaultPath, NothingIsReportedForAThickOrganOrOfAPathFromAFile) {
   EXPECT_THAT(default_path_remarks(load({})), testing::IsEmpty());
-  scene::Setup setup = press_of(torus(40e-3, 12e-3));
+  scene::Scene setup = press_of(torus(40e-3, 12e-3));
   setup.devices[0].path = "press.csv";
   EXPECT_THAT(default_path_remarks(setup), testing::IsEmpty());
 }

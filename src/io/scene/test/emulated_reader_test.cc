@@ -93,7 +93,7 @@ TEST(EmulatedReader, RefusesWhatIsOutOfRangeOrGivenTwice) {
               HasSubstr("device.grip_N_per_m = -1: must be a number >= 0"));
   EXPECT_THAT(emulated_error_in(kind + "grip_N_s_per_m = 1e9\n"), HasSubstr("device.grip_N_s_per_m"));
   EXPECT_THAT(emulated_error_in(kind + "grip = \"light\"\ngrip_N_per_m = 50\n"),
-              HasSubstr(":8: device.grip_N_per_m = 50: stands beside grip, give only one of them"));
+              HasSubstr(":8: device.grip_N_per_m = 50: excludes grip, give only one of them"));
   const std::string fault = kind + "[[device.fault]]\n";
   EXPECT_THAT(emulated_error_in(fault + "time_s = 1\n"),
               HasSubstr("device.fault.kind: missing, must be freeze, drop-out"));
@@ -124,7 +124,7 @@ TEST(EmulatedReader, RefusesItsKeysForOtherKindsOfDevice) {
 
 TEST(EmulatedReader, AnEmulatedDevicesDynamicsAreAlwaysKnownAndAnothersOnlyWhenGiven) {
   const TemporaryFolder folder;
-  Request request;
+  Overrides request;
   request.scene = folder.write("press.toml", kShortEmulated + "kind = \"emulated\"\nfriction_N = 0.2\n");
   const DeviceDynamics emulated = load(request).devices.front().dynamics;
   EXPECT_EQ(emulated.damping, 1.5);

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr double kOpening = 0.25;  // rad
 
-/// A slab-like jaw, 2 x 2 x 20 mm, from the pivot to +z, its middle at (x, y).
+/// A box-shaped jaw, 2 x 2 x 20 mm, from the pivot towards +z, with its centre at (x, y).
 geometry::ToolPart jaw_at(double x, double y) {
   geometry::ToolPart jaw;
   jaw.is_jaw = true;
@@ -40,7 +40,7 @@ Vec3 tip(const geometry::ToolPart& jaw, double gripper) {
   return sum / count;
 }
 
-Stated stated(const std::filesystem::path& file) { return {file.string(), "s.toml:4: tool.mesh", {}}; }
+LocatedString stated(const std::filesystem::path& file) { return {file.string(), "s.toml:4: tool.mesh", {}}; }
 
 const std::string kTetrahedron =
     "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";  // an OBJ file
@@ -57,7 +57,7 @@ TEST(OpenApart, TurnsEachJawAwayFromTheOtherWhicheverSideItIsOn) {
 }
 
 TEST(OpenApart, WorksForJawsThatBothLieOnOneSideOfTheirPivot) {
-  std::vector<geometry::ToolPart> jaws = {jaw_at(0.0, -3e-3), jaw_at(0.0, -5e-3)};  // curved to -y
+  std::vector<geometry::ToolPart> jaws = {jaw_at(0.0, -3e-3), jaw_at(0.0, -5e-3)};  // both on the side of -y
   open_apart(jaws);
   EXPECT_GT(tip(jaws[0], 1.0).y() - tip(jaws[1], 1.0).y(), 10e-3);
 }
@@ -70,8 +70,8 @@ TEST(OpenApart, LeavesASingleJawAsItIs) {
 }
 
 TEST(LoadInstrument, MakesABallOfTheRadiusInTheName) {
-  ToolDescription description;
-  description.mesh = Stated{"sphere:3.5", "s.toml:4: tool.mesh", {}};
+  ToolTable description;
+  description.mesh = LocatedString{"sphere:3.5", "s.toml:4: tool.mesh", {}};
   MeshNotes notes;
   const geometry::Tool tool = load_instrument(description, notes);
   ASSERT_EQ(tool.parts.size(), 1U);
@@ -82,8 +82,8 @@ TEST(LoadInstrument, MakesABallOfTheRadiusInTheName) {
 
 TEST(LoadInstrument, RefusesBallsWithoutAGoodRadius) {
   for (const std::string bad : {"", "0", "-3", "nan", "inf", "3mm", "1e9"}) {
-    ToolDescription description;
-    description.mesh = Stated{"sphere:" + bad, "s.toml:4: tool.mesh", {}};
+    ToolTable description;
+    description.mesh = LocatedString{"sphere:" + bad, "s.toml:4: tool.mesh", {}};
     MeshNotes notes;
     EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
                 HasSubstr("s.toml:4: tool.mesh: tool \"sphere:" + bad + "\": the radius"));
@@ -92,12 +92,12 @@ TEST(LoadInstrument, RefusesBallsWithoutAGoodRadius) {
 
 TEST(LoadInstrument, PlacesMeshesPivotsAndAxesByTheMount) {
   const TemporaryFolder folder;
-  ToolDescription description;
+  ToolTable description;
   description.mesh = stated(folder.write("shaft.obj", kTetrahedron));
   description.unit = LengthUnit::kMillimetre;
   description.mount = {rotation_from_degrees({0.0, 0.0, 90.0}), {0.0, 0.0, 5e-3}};
   description.tip_radius = 2e-3;
-  JawDescription jaw;
+  JawTable jaw;
   jaw.mesh = stated(folder.write("jaw.obj", kTetrahedron));
   jaw.pivot = {1e-3, 0.0, 0.0};
   jaw.axis = Vec3::UnitX();
@@ -120,9 +120,9 @@ TEST(LoadInstrument, PlacesMeshesPivotsAndAxesByTheMount) {
   EXPECT_EQ(tool.tip_radius, 2e-3);
 }
 
-TEST(LoadInstrument, SaysOfAnOpenMeshThatItIsUsedAllTheSame) {
+TEST(LoadInstrument, ReportsOfAnOpenMeshThatItIsUsedAllTheSame) {
   const TemporaryFolder folder;
-  ToolDescription description;
+  ToolTable description;
   description.unit = LengthUnit::kMillimetre;
   description.mesh = stated(folder.write("open.obj", kTetrahedron.substr(0, kTetrahedron.rfind("f 2 3 4"))));
   MeshNotes notes;
@@ -133,8 +133,8 @@ TEST(LoadInstrument, SaysOfAnOpenMeshThatItIsUsedAllTheSame) {
 TEST(LoadInstrument, RefusesUnknownNamesMissingUnitsAndTooManyParts) {
   const TemporaryFolder folder;
   MeshNotes notes;
-  ToolDescription description;
-  description.mesh = Stated{"scissors", "s.toml:4: tool.mesh", {}};
+  ToolTable description;
+  description.mesh = LocatedString{"scissors", "s.toml:4: tool.mesh", {}};
   EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("s.toml:4: tool.mesh = \"scissors\": must be curved-forceps"));
   description.mesh = stated(folder.write("shaft.obj", kTetrahedron));
@@ -145,7 +145,7 @@ TEST(LoadInstrument, RefusesUnknownNamesMissingUnitsAndTooManyParts) {
   EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
               HasSubstr("its unit is missing, give --tool-unit: mm, cm, m or in"));
   description.unit = LengthUnit::kMillimetre;
-  JawDescription jaw;
+  JawTable jaw;
   jaw.mesh = *description.mesh;
   description.jaws = {jaw, jaw, jaw};
   EXPECT_THAT(error_of([&] { (void)load_instrument(description, notes); }),
@@ -155,16 +155,16 @@ TEST(LoadInstrument, RefusesUnknownNamesMissingUnitsAndTooManyParts) {
               HasSubstr("= \"left\": must be a file"));
 }
 
-/// The real instruments, where there is a folder of them.
+/// Real instruments, if the environment names a folder of them.
 TEST(LoadInstrument, JawsOfRealInstrumentsGivenByFlagsOpenApart) {
   const char* data = std::getenv("PALPATE_DATA");
-  if (data == nullptr) return;  // nothing to check without the files
+  if (data == nullptr) return;  // without the files there is nothing to check
   for (const std::string name : {"maryland_dissector", "atraumatic_forceps"}) {
-    ToolDescription description;
+    ToolTable description;
     description.unit = LengthUnit::kMillimetre;
     description.jaws_by_flags = true;
     for (const std::string side : {"left", "right"}) {
-      JawDescription jaw;
+      JawTable jaw;
       jaw.mesh = {std::string(data) + "/instruments/" + name + "_jaw_" + side + ".stl", "--tool", {}};
       jaw.open_angle = kOpening;
       description.jaws.push_back(jaw);

@@ -24,18 +24,18 @@ const std::string kBox =
     "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 "
     "5 8\n";
 
-Request scene(const std::filesystem::path& file) {
-  Request request;
+Overrides scene(const std::filesystem::path& file) {
+  Overrides request;
   request.scene = file;
   return request;
 }
 
-std::string error_in(const Request& request) {
+std::string error_in(const Overrides& request) {
   return error_of([&] { (void)load(request); });
 }
 
 TEST(Load, NothingAskedForIsTheGallbladderPress) {
-  const scene::Setup setup = load({});
+  const scene::Scene setup = load({});
   EXPECT_EQ(setup.name, "gallbladder press");
   EXPECT_EQ(setup.task, Task::kPress);
   EXPECT_EQ(setup.organ_name, "gallbladder");
@@ -51,9 +51,9 @@ TEST(Load, NothingAskedForIsTheGallbladderPress) {
 }
 
 TEST(Load, TaskPullAloneIsTheHeart) {
-  Request request;
+  Overrides request;
   request.task = "pull";
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   EXPECT_EQ(setup.name, "heart pull");
   EXPECT_EQ(setup.task, Task::kPull);
   EXPECT_EQ(setup.organ_name, "heart");
@@ -62,7 +62,7 @@ TEST(Load, TaskPullAloneIsTheHeart) {
 }
 
 TEST(Load, TissueDefaultsToTheOrgansOwnThenToTheTasks) {
-  Request request;
+  Overrides request;
   request.organ = "heart";
   EXPECT_EQ(load(request).tissue.name, "heart");
   request.organ = "heart-30k";
@@ -81,7 +81,7 @@ TEST(Load, TissueDefaultsToTheOrgansOwnThenToTheTasks) {
 
 TEST(Load, TakesATissueOfTheSmoothLawThatRelaxes) {
   const TemporaryFolder folder;
-  Request request;
+  Overrides request;
   request.task = "press";
   request.tissue = folder
                        .write("soft.toml",
@@ -92,7 +92,7 @@ TEST(Load, TakesATissueOfTheSmoothLawThatRelaxes) {
   const model::TissueParameters tissue = load(request).tissue;
   EXPECT_EQ(tissue.law, model::LawKind::kSmooth);
   ASSERT_EQ(tissue.relaxation.size(), 1U);
-  EXPECT_EQ(tissue.relaxation[0].time, 1.5);
+  EXPECT_EQ(tissue.relaxation[0].tau, 1.5);
 }
 
 TEST(Load, ReadsFilesRelativeToTheScene) {
@@ -102,7 +102,7 @@ TEST(Load, ReadsFilesRelativeToTheScene) {
                      "[tissue]\nk1_N_per_m=10\nbeta=1\nq=0.5\nrest_length_mm=10\nmax_length_mm=12\n"
                      "min_length_mm=5\nt1_us=1\n");
   (void)folder.write("way.csv", "time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1\n");
-  const scene::Setup setup =
+  const scene::Scene setup =
       load(scene(folder.write("s.toml",
                               "[scene]\ntask=\"pull\"\n[organ]\nmesh=\"box.obj\"\nunit=\"mm\"\n"
                               "tissue=\"soft.toml\"\n[tool]\nmesh=\"sphere:3\"\n"
@@ -120,7 +120,7 @@ TEST(Load, FlagsOverrideTheScene) {
   const TemporaryFolder folder;
   const auto box = folder.write("box.obj", kBox);
   const auto way = folder.write("way.csv", "time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1\n");
-  Request request = scene(
+  Overrides request = scene(
       folder.write("s.toml", kShortLoaded + "[scene]\nname = \"mine\"\n[device]\nworkspace_scale = 2\n"));
   request.task = "pull";
   request.organ = box.string();
@@ -131,7 +131,7 @@ TEST(Load, FlagsOverrideTheScene) {
   request.rate_Hz = 2000.0;
   request.seed = 99;
   request.no_noise = true;
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   EXPECT_EQ(setup.name, "mine");
   EXPECT_EQ(setup.task, Task::kPull);
   EXPECT_EQ(setup.organ.triangles.size(), 12U);
@@ -153,10 +153,10 @@ TEST(Load, SeveralToolFlagsAreJawsThatOpenApart) {
                          " 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
         .string();
   };
-  Request request;
+  Overrides request;
   request.tools = {jaw("a.obj", "0", "2"), jaw("b.obj", "-0.1", "-2")};
   request.tool_unit = "mm";
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   ASSERT_EQ(setup.tools.size(), 1U);
   ASSERT_EQ(setup.tools[0].parts.size(), 2U);
   double gap = 0.0;
@@ -170,13 +170,13 @@ TEST(Load, SeveralToolFlagsAreJawsThatOpenApart) {
 }
 
 TEST(Load, ANoiseClockThatIsNotGivenNeverRunsFasterThanTheLoop) {
-  Request request;
+  Overrides request;
   request.rate_Hz = 500.0;
   EXPECT_EQ(load(request).noise.rate_Hz, 500.0);
   request.rate_Hz = 4000.0;
   EXPECT_EQ(load(request).noise.rate_Hz, 1000.0);
   const TemporaryFolder folder;
-  const Request given =
+  const Overrides given =
       scene(folder.write("s.toml", kShortLoaded + "[scene]\nrate_Hz = 500\n[noise]\nrate_Hz = 600\n"));
   EXPECT_THAT(error_in(given),
               HasSubstr("s.toml:8: noise.rate_Hz = 600: must be at most the loop's rate, 500 Hz"));
@@ -184,47 +184,48 @@ TEST(Load, ANoiseClockThatIsNotGivenNeverRunsFasterThanTheLoop) {
 
 TEST(Load, RefusesBadFlagsByTheirName) {
   const auto with = [](auto change) {
-    Request request;
+    Overrides request;
     change(request);
     return error_in(request);
   };
-  EXPECT_EQ(with([](Request& r) { r.task = "cut"; }), "--task = \"cut\": must be press or pull");
-  EXPECT_THAT(with([](Request& r) { r.organ = "lung"; }),
+  EXPECT_EQ(with([](Overrides& r) { r.task = "cut"; }), "--task = \"cut\": must be press or pull");
+  EXPECT_THAT(with([](Overrides& r) { r.organ = "lung"; }),
               HasSubstr("--organ = \"lung\": must be gallbladder"));
-  EXPECT_THAT(with([](Request& r) { r.organ = "./lung.stl"; }),
+  EXPECT_THAT(with([](Overrides& r) { r.organ = "./lung.stl"; }),
               HasSubstr("--organ = \"./lung.stl\": its unit is missing, give --organ-unit"));
-  EXPECT_EQ(with([](Request& r) { r.organ_unit = "feet"; }),
+  EXPECT_EQ(with([](Overrides& r) { r.organ_unit = "feet"; }),
             "--organ-unit = \"feet\": must be mm, cm, m or in");
-  EXPECT_EQ(with([](Request& r) { r.tool_unit = "feet"; }),
+  EXPECT_EQ(with([](Overrides& r) { r.tool_unit = "feet"; }),
             "--tool-unit = \"feet\": must be mm, cm, m or in");
-  EXPECT_THAT(with([](Request& r) {
+  EXPECT_THAT(with([](Overrides& r) {
                 r.organ = "/no/such/lung.stl";
                 r.organ_unit = "mm";
               }),
               HasSubstr("--organ: /no/such/lung.stl"));
-  EXPECT_THAT(with([](Request& r) { r.tissue = "bone"; }), HasSubstr("--tissue: "));
-  EXPECT_THAT(with([](Request& r) { r.tissue = "/no/such.toml"; }),
+  EXPECT_THAT(with([](Overrides& r) { r.tissue = "bone"; }), HasSubstr("--tissue: "));
+  EXPECT_THAT(with([](Overrides& r) { r.tissue = "/no/such.toml"; }),
               HasSubstr("--tissue: /no/such.toml: there is no such file"));
-  EXPECT_THAT(with([](Request& r) { r.tools = {"scissors"}; }), HasSubstr("--tool = \"scissors\": must be"));
+  EXPECT_THAT(with([](Overrides& r) { r.tools = {"scissors"}; }),
+              HasSubstr("--tool = \"scissors\": must be"));
   for (const double rate : {0.0, -1.0, 99.0, 20001.0, std::numeric_limits<double>::quiet_NaN(),
                             std::numeric_limits<double>::infinity()}) {
-    EXPECT_THAT(with([rate](Request& r) { r.rate_Hz = rate; }), HasSubstr("--rate-Hz = "));
+    EXPECT_THAT(with([rate](Overrides& r) { r.rate_Hz = rate; }), HasSubstr("--rate-Hz = "));
   }
-  EXPECT_THAT(with([](Request& r) { r.scene = "/no/such.toml"; }),
+  EXPECT_THAT(with([](Overrides& r) { r.scene = "/no/such.toml"; }),
               HasSubstr("/no/such.toml: there is no such file"));
 }
 
 TEST(Load, ATouchIsNamedAndItsNameIsNoFile) {
-  Request request;
+  Overrides request;
   request.device = "touch:Left Device";
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   EXPECT_EQ(setup.devices[0].kind, "touch");
   EXPECT_EQ(setup.devices[0].path, "Left Device");
 }
 
 TEST(Load, RefusesDevicesItCannotOpen) {
   const auto with = [](const std::string& device) {
-    Request request;
+    Overrides request;
     request.device = device;
     return error_in(request);
   };
@@ -249,20 +250,20 @@ TEST(Load, ALibraryIsNamedByItsAbsolutePathOnTheCommandLineAndNeverByAScene) {
               file.string() + ":7: device.path = \"" + named +
                   "\": must be left out: a scene may not name a library; link it into ~/.config/palpate, or "
                   "give its absolute path on the command line (docs/devices.md)");
-    Request text;
+    Overrides text;
     text.scene_text = SceneText{kShortLoaded + device, folder.path()};
     EXPECT_THAT(error_in(text), HasSubstr("a scene may not name a library"));
   }
-  Request request;
+  Overrides request;
   request.device = "forcedimension:" + library;
   EXPECT_EQ(load(request).devices[0].path, library);
   request.device = "forcedimension:libevil.so";
   EXPECT_THAT(error_in(request), HasSubstr("--device = \"libevil.so\": must be an absolute path"));
 }
 
-/// What a scene in that folder is refused with when its files must lie there too.
+/// The error of a scene in that folder when its files must be inside the folder too.
 std::string error_when_kept_inside(const TemporaryFolder& folder, const std::string& content) {
-  Request request = scene(folder.write("s.toml", content));
+  Overrides request = scene(folder.write("s.toml", content));
   request.files_below = folder.path();
   return error_in(request);
 }
@@ -291,7 +292,7 @@ TEST(Load, ASceneKeptToAFolderNamesNoFileOutsideAndQuotesNone) {
       EXPECT_THAT(error, Not(HasSubstr("secret")));
     }
   }
-  Request request = scene(file);
+  Overrides request = scene(file);
   request.files_below = folder.path();
   EXPECT_EQ(error_in(request), "scene = \"" + file + "\": must be a file below " + folder.path().string());
 }
@@ -302,7 +303,7 @@ TEST(Load, ASceneKeptToAFolderTakesItsFilesBuiltInNamesAndAddresses) {
   (void)folder.write("meshes/box.obj", kBox);
   std::filesystem::create_symlink("meshes/box.obj", folder / "same.obj");
   for (const char* mesh : {"meshes/box.obj", "same.obj", "meshes/../same.obj"}) {
-    Request request = scene(folder.write(
+    Overrides request = scene(folder.write(
         "s.toml", "[organ]\nmesh = \"" + std::string(mesh) +
                       "\"\nunit = \"mm\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:3\"\n[device]\n"
                       "kind = \"haply\"\npath = \"ws://localhost:10001\"\n"));
@@ -346,11 +347,11 @@ TEST(Load, RefusesWhatAScenesFilesDoWrong) {
 
 TEST(Load, RepairsAnOrganAndKeepsWhatWasDone) {
   const TemporaryFolder folder;
-  Request request;
+  Overrides request;
   const auto damaged = folder.write("box.obj", kBox + "f 1 2 3\nf 1 1 2\n");
   request.organ = damaged.string();
   request.organ_unit = "mm";
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   EXPECT_EQ(setup.organ.triangles.size(), 12U);
   EXPECT_THAT(setup.repairs,
               testing::ElementsAre(damaged.string() + ": dropped 1 triangle with two corners in one place",
@@ -361,7 +362,7 @@ TEST(Load, RepairsAnOrganAndKeepsWhatWasDone) {
 TEST(Load, RefusesOrgansThatAreTooLargeOrCannotBeRepaired) {
   const TemporaryFolder folder;
   const auto box = folder.write("box.obj", kBox);
-  Request request;
+  Overrides request;
   request.organ = box.string();
   request.organ_unit = "m";  // 40 m
   EXPECT_THAT(error_in(request), HasSubstr("--organ: "));
@@ -379,10 +380,10 @@ TEST(Load, RefusesHandsThatDoNotMatchUp) {
   EXPECT_EQ(load(scene(folder.write("s.toml", organ + tool + tool))).devices.size(), 2U);
   EXPECT_EQ(load(scene(folder.write("s.toml", organ + tool + tool + device + device))).tools.size(), 2U);
   EXPECT_THAT(error_in(scene(folder.write("s.toml", organ + tool + tool + device))),
-              HasSubstr("there are 1 devices for 2 tools, must be one a tool"));
+              HasSubstr("there are 1 devices for 2 tools, must be one per tool"));
   EXPECT_THAT(error_in(scene(folder.write("s.toml", organ + tool + tool + tool + tool + tool))),
               HasSubstr("there are 5 tools, must be at most 4"));
-  Request request = scene(folder.write("s.toml", organ + tool + tool));
+  Overrides request = scene(folder.write("s.toml", organ + tool + tool));
   request.tools = {"sphere:2"};
   EXPECT_THAT(error_in(request), HasSubstr("--tool = \"sphere:2\": the scene has several tools"));
   request.tools.clear();

@@ -1,4 +1,4 @@
-// Prepared organs that are kept in a folder.
+// The cache of prepared organs in a folder.
 #include "io/scene/organ_cache.h"
 
 #include <cmath>
@@ -106,9 +106,9 @@ TEST(OrganCache, ReplacesADamagedFile) {
     std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
     std::string remark;
     EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
-    EXPECT_NE(remark.find("made anew"), std::string::npos);
+    EXPECT_NE(remark.find("computed again"), std::string::npos);
     EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
-    EXPECT_NE(remark.find("taken from the cache"), std::string::npos);  // it was mended
+    EXPECT_NE(remark.find("taken from the cache"), std::string::npos);  // the damaged file was replaced
   }
 }
 
@@ -183,7 +183,7 @@ TEST(OrganCache, UsesNoFolderThatOthersOwnOrMayWriteTo) {
   fs::permissions(cache, fs::perms::group_write, fs::perm_options::add);
   EXPECT_NE(why_distrusted().find("other users may write to it (chmod go-w"), std::string::npos);
   fs::permissions(cache, fs::perms::group_write, fs::perm_options::remove);
-  if (geteuid() != 0) return;  // root alone can give a folder away
+  if (geteuid() != 0) return;  // only root can change a folder's owner
   ASSERT_EQ(chown(cache.c_str(), 1234, 1234), 0);
   EXPECT_NE(why_distrusted().find("belongs to another user"), std::string::npos);
 }
@@ -196,11 +196,11 @@ TEST(OrganCache, UsesNoFileThatOthersOwnOrMayWriteTo) {
   fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
   std::string remark;
   EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
-  EXPECT_NE(remark.find("made anew"), std::string::npos);
-  if (geteuid() != 0) return;  // root alone can give a file away
+  EXPECT_NE(remark.find("computed again"), std::string::npos);
+  if (geteuid() != 0) return;  // only root can change a file's owner
   ASSERT_EQ(chown(file.c_str(), 1234, 1234), 0);
   EXPECT_EQ(prepared(organ, folder.path(), kCachedReference, &remark), fresh);
-  EXPECT_NE(remark.find("made anew"), std::string::npos);
+  EXPECT_NE(remark.find("computed again"), std::string::npos);
 }
 
 TEST(OrganCache, WithoutAFolderThatCanBeWrittenIsNoError) {

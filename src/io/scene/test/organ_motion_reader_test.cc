@@ -116,13 +116,13 @@ TEST(OrganMotionTable, RefusesMotionsThatAreTooFastOrTooManyTogether) {
 
 TEST(OrganMotionFlag, ReplacesTheMotionsOfTheScene) {
   const TemporaryFolder folder;
-  Request request;
+  Overrides request;
   request.scene = folder.write("s.toml", kScene + "[organ.motion]\nkind = \"breathing\"\namplitude_mm = 5\n");
   EXPECT_DOUBLE_EQ(load(request).organ_motion.at(0).amplitude, 0.005);
   request.organ_motion = {"none"};
   EXPECT_TRUE(load(request).organ_motion.empty());
   request.organ_motion = {"heartbeat", "breathing"};
-  const scene::Setup setup = load(request);
+  const scene::Scene setup = load(request);
   ASSERT_EQ(setup.organ_motion.size(), 2U);
   EXPECT_EQ(setup.organ_motion[0].kind, OrganMotionKind::kHeartbeat);
   EXPECT_DOUBLE_EQ(setup.organ_motion[1].amplitude, 0.010);

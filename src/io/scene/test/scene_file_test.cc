@@ -19,7 +19,7 @@ const double kScenePi = std::acos(-1.0);
 const std::string kShort =
     "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"curved-forceps\"\n";  // four lines
 
-SceneDescription described(const std::string& content) {
+SceneFile described(const std::string& content) {
   const TemporaryFolder folder;
   return read_scene_file(folder.write("press.toml", content));
 }
@@ -34,7 +34,7 @@ std::string scene_error_in(const std::string& content) {
 }
 
 TEST(SceneFile, ReadsEveryFieldIntoSi) {
-  const SceneDescription scene = described(R"(
+  const SceneFile scene = described(R"(
 [scene]
 name = "a pull"
 task = "pull"
@@ -84,7 +84,7 @@ max_slew_N_m_per_ms = 0.02
   EXPECT_EQ(scene.tissue->value, "soft.toml");
   EXPECT_NEAR((scene.organ_pose * Vec3(1.0, 0.0, 0.0) - Vec3(0.001, 0.9975, 0.003)).norm(), 0.0, 1e-15);
   ASSERT_EQ(scene.tools.size(), 1U);
-  const ToolDescription& tool = scene.tools[0];
+  const ToolTable& tool = scene.tools[0];
   EXPECT_EQ(tool.mesh->value, "shaft.stl");
   EXPECT_EQ(tool.unit, LengthUnit::kMillimetre);
   EXPECT_DOUBLE_EQ(tool.mount.position.z(), 0.010);
@@ -114,7 +114,7 @@ max_slew_N_m_per_ms = 0.02
 }
 
 TEST(SceneFile, DefaultsAllThatIsNotRequired) {
-  const SceneDescription scene = described(kShort);
+  const SceneFile scene = described(kShort);
   EXPECT_EQ(scene.name, "press");
   EXPECT_EQ(scene.task, Task::kPress);
   EXPECT_EQ(scene.rate_Hz, 1000.0);
@@ -133,7 +133,7 @@ TEST(SceneFile, DefaultsAllThatIsNotRequired) {
 }
 
 TEST(SceneFile, TakesToolsAndDevicesAsArraysOfTables) {
-  const SceneDescription scene = described(R"([organ]
+  const SceneFile scene = described(R"([organ]
 mesh = "heart"
 [[tool]]
 mesh = "sphere:3"
@@ -156,7 +156,7 @@ path = "old.h5"
 }
 
 TEST(SceneFile, NoiseLevelMayBeAShareOfTheUsersThreshold) {
-  const SceneDescription scene =
+  const SceneFile scene =
       described(kShort + "[noise]\nuser_threshold_N = 0.02\nshare_of_threshold = 0.5\nthreshold_mm = 4\n");
   EXPECT_DOUBLE_EQ(scene.noise.gain, 0.5 * 0.02 * 0.004);  // sigma in contact K/d0 = 10 mN
   EXPECT_DOUBLE_EQ(described(kShort + "[noise]\nuser_threshold_N = 0.02\n").noise.gain, 0.6 * 0.02 * 0.005);
@@ -215,7 +215,8 @@ TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {
             ":7: noise.share_of_threshold = 1.2: must be"},
            {"[noise]\nshare_of_threshold = 0.6",
             ":6: noise.share_of_threshold = 0.6: needs user_threshold_N"},
-           {"[noise]\ngain_N_m = 1e-5\nuser_threshold_N = 0.02", ":6: noise.gain_N_m = 1e-05: stands beside"},
+           {"[noise]\ngain_N_m = 1e-5\nuser_threshold_N = 0.02",
+            ":6: noise.gain_N_m = 1e-05: excludes user_threshold_N"},
            {"[safety]\nmax_force_N = 0", ":6: safety.max_force_N = 0: must be a number > 0 and <= 50"},
            {"[safety]\nmax_force_N = 1214", ":6: safety.max_force_N = 1214: must be a number > 0 and <= 50"},
            {"[safety]\nmax_slew_N_per_ms = -1",

@@ -14,8 +14,8 @@ using test::error_of;
 using test::TemporaryFolder;
 using testing::HasSubstr;
 
-Setup loaded(const TemporaryFolder& folder, const std::vector<Setting>& settings) {
-  Request request;
+Scene loaded(const TemporaryFolder& folder, const std::vector<Setting>& settings) {
+  Overrides request;
   request.scene = folder.write("press.toml", "[organ]\nmesh = \"box\"\n[[tool]]\nmesh = \"sphere:3\"\n");
   request.settings = settings;
   return load(request);
@@ -41,7 +41,7 @@ TEST(SceneKeys, ASettingTakesThePlaceOfTheScenesValue) {
   EXPECT_EQ(setup.tissue.law, model::LawKind::kSmooth);
 }
 
-TEST(SceneKeys, AValueThatDoesNotSuitTheOthersIsToldWithItsKey) {
+TEST(SceneKeys, AValueThatDoesNotSuitTheOthersIsReportedWithItsKey) {
   const TemporaryFolder folder;
   EXPECT_THAT(error_of([&] {
                 (void)loaded(folder, {{"device.mass_kg", "1"}});
@@ -62,12 +62,12 @@ TEST(SceneKeys, AValueThatDoesNotSuitTheOthersIsToldWithItsKey) {
 }
 
 TEST(SceneKeys, NeedASceneFile) {
-  Request request;
+  Overrides request;
   request.settings = {{"path.speed", "2"}};
   EXPECT_EQ(error_of([&] { (void)load(request); }), "--set path.speed: needs a scene file");
 }
 
-/// A key that no reader knew would be an unknown key of the file.
+/// A key that no reader knows would be reported as an unknown key.
 TEST(SceneKeys, EachIsKnownToTheReadersOfAScene) {
   const TemporaryFolder folder;
   for (const SceneKey& key : scene_keys()) {

@@ -168,10 +168,10 @@ TEST(TissueFile, ReadsLawAndRelaxation) {
                                "[[tissue.relaxation]]\nshare = 0.2\ntime_s = 20\n"));
   EXPECT_EQ(tissue.law, model::LawKind::kSmooth);
   ASSERT_EQ(tissue.relaxation.size(), 2U);
-  EXPECT_EQ(tissue.relaxation[0].share, 0.3);
-  EXPECT_EQ(tissue.relaxation[0].time, 1.5);
-  EXPECT_EQ(tissue.relaxation[1].share, 0.2);
-  EXPECT_EQ(tissue.relaxation[1].time, 20.0);
+  EXPECT_EQ(tissue.relaxation[0].g, 0.3);
+  EXPECT_EQ(tissue.relaxation[0].tau, 1.5);
+  EXPECT_EQ(tissue.relaxation[1].g, 0.2);
+  EXPECT_EQ(tissue.relaxation[1].tau, 20.0);
 }
 
 TEST(TissueFile, IsLayeredAndDoesNotRelaxUnlessItSaysSo) {
@@ -207,8 +207,8 @@ TEST(TissueFile, WrittenLawAndRelaxationReadBackTheSame) {
   const model::TissueParameters back = read_tissue_file(folder.write("back.toml", to_toml(tissue)));
   EXPECT_EQ(back.law, model::LawKind::kSmooth);
   ASSERT_EQ(back.relaxation.size(), 2U);
-  EXPECT_EQ(back.relaxation[1].share, 0.2);
-  EXPECT_EQ(back.relaxation[1].time, 7.0);
+  EXPECT_EQ(back.relaxation[1].g, 0.2);
+  EXPECT_EQ(back.relaxation[1].tau, 7.0);
 }
 
 TEST(TissueFile, RefusesTextThatIsNotTomlWithItsLine) {

@@ -46,7 +46,7 @@ TEST(ToolPath, InterpolatesPositionAndGripperLinearly) {
   EXPECT_DOUBLE_EQ(quarter.gripper, 0.75);
 }
 
-/// Rows by chance, at uneven times.
+/// Random rows at uneven times.
 ToolPath random_cubic(std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> between(-1.0, 1.0);
@@ -93,7 +93,7 @@ TEST(ToolPath, ACubicsVelocityIsContinuousAndItsPositionsDerivative) {
   }
 }
 
-// At both ends it begins and ends at rest, so only the pieces between are straight.
+// The path starts and ends at rest, so only the inner segments are straight.
 TEST(ToolPath, ACubicAtConstantSpeedIsTheStraightLine) {
   std::vector<PathRow> rows;
   for (int i = 0; i < 6; ++i) rows.push_back(row(0.1 * i, Vec3(1.0, -2.0, 3.0) * i));

@@ -9,18 +9,19 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "io/mesh_io/repair/crossings.h"
 #include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
 
-// The built-in shapes at three resolutions: the paper's counts, about 30,000 and about 300,000 triangles.
+// Tests of the built-in shapes at three resolutions: the paper's counts, about 30,000 and about 300,000
+// triangles.
 namespace palpate::geometry {
 namespace {
 
 constexpr double kFineMm = 1e-3;
 
-/// Read once a program.
+/// Each organ is read once per program.
 const TriangleMesh& organ(const std::string& name) {
   static std::map<std::string, TriangleMesh> read;
   const auto found = read.find(name);
@@ -59,16 +60,16 @@ void expect_even_triangles(const TriangleMesh& mesh) {
   EXPECT_GT(angles[angles.size() / 2], 50.0);
 }
 
-/// Farthest vertex of `from`, of every `step`, from the surface `to` [m].
-double farthest(const TriangleMesh& from, const SurfaceDistance& to, std::size_t step) {
+/// The largest distance [m] of every `step`-th vertex of `from` to the surface `to`.
+double farthest(const TriangleMesh& from, const SignedDistance& to, std::size_t step) {
   double most = 0.0;
   for (std::size_t v = 0; v < from.vertices.size(); v += step) {
     most = std::max(most, std::abs(to.nearest(from.vertices[v]).distance));
   }
   return most;
 }
-double apart(const TriangleMesh& a, const SurfaceDistance& to_a, const TriangleMesh& b,
-             const SurfaceDistance& to_b) {
+double apart(const TriangleMesh& a, const SignedDistance& to_a, const TriangleMesh& b,
+             const SignedDistance& to_b) {
   const auto step = [](const TriangleMesh& m) { return 1 + m.vertices.size() / 5000; };
   return std::max(farthest(a, to_b, step(a)), farthest(b, to_a, step(b)));
 }
@@ -85,7 +86,7 @@ class FineOrgan : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Each, FineOrgan, ::testing::Values("gallbladder", "heart", "liver", "kidney"),
                          [](const auto& each) { return each.param; });
 
-TEST_P(FineOrgan, IsOneClosedShellOfItsCountTurnedOutwardsWithEvenTriangles) {
+TEST_P(FineOrgan, IsOneClosedShellOfItsCountOrientedOutwardsWithEvenTriangles) {
   for (const auto& [ending, count] : {std::pair{"-30k", 30000U}, std::pair{"-300k", 300000U}}) {
     SCOPED_TRACE(ending);
     expect_even_closed_shell(organ(GetParam() + ending), 2);
@@ -97,17 +98,17 @@ TEST_P(FineOrgan, HasNoTriangleThatGoesThroughAnother) {
   EXPECT_EQ(find_crossings(organ(GetParam() + "-30k")).pairs.size(), 0U);
 }
 
-// The duct's lumen and the smaller coronary vessels are left out at the paper's counts, and the coarse
+// Meshes with the paper's counts lack the duct's lumen and the smaller coronary vessels, and their coarse
 // triangles do not reach the bottom of the clefts between the vessels.
 TEST_P(FineOrgan, HasOneShapeAtAllResolutions) {
   const TriangleMesh& finest = organ(GetParam() + "-300k");
   const TriangleMesh& fine = organ(GetParam() + "-30k");
   const TriangleMesh& coarse = organ(GetParam());
-  const SurfaceDistance to_finest(finest);
-  EXPECT_LT(apart(fine, SurfaceDistance(fine), finest, to_finest), 0.7 * kFineMm);
+  const SignedDistance to_finest(finest);
+  EXPECT_LT(apart(fine, SignedDistance(fine), finest, to_finest), 0.7 * kFineMm);
   EXPECT_LT(farthest(coarse, to_finest, 1), 1.5 * kFineMm);
-  // The liver's coarse triangles are twice as long as the others'.
-  EXPECT_LT(apart(coarse, SurfaceDistance(coarse), finest, to_finest),
+  // The liver's coarse triangles are twice as long as those of the other organs.
+  EXPECT_LT(apart(coarse, SignedDistance(coarse), finest, to_finest),
             (GetParam() == "liver" ? 3.6 : 2.7) * kFineMm);
 }
 
@@ -126,7 +127,7 @@ TEST(FineTool, EveryPartIsOneClosedShellWithEvenTrianglesAndTheShaftHasTwoRings)
   }
 }
 
-/// All parts in one mesh, the jaws opened.
+/// All parts of a tool in one mesh, with the jaws at `gripper`.
 TriangleMesh assembled(const Tool& tool, double gripper) {
   TriangleMesh all;
   for (const ToolPart& part : tool.parts) {
@@ -154,9 +155,9 @@ TEST(FineTool, AllResolutionsHaveJawsOfOneShapeAndTheFinerTwoTheShaftToo) {
     const Tool& finest = tool(name + "-300k");
     for (std::size_t k = 0; k < 3; ++k) {
       SCOPED_TRACE(name + " " + finest.parts[k].name);
-      const SurfaceDistance to_finest(finest.parts[k].mesh);
+      const SignedDistance to_finest(finest.parts[k].mesh);
       const auto apart_from_finest = [&](const TriangleMesh& mesh) {
-        return apart(mesh, SurfaceDistance(mesh), finest.parts[k].mesh, to_finest);
+        return apart(mesh, SignedDistance(mesh), finest.parts[k].mesh, to_finest);
       };
       EXPECT_LT(apart_from_finest(tool(name + "-30k").parts[k].mesh), 0.3 * kFineMm);
       if (k < 2) {

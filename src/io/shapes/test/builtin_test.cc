@@ -41,7 +41,7 @@ const TriangleMesh& kidney() {
   return mesh;
 }
 
-// At the paper's counts; builtin_fine_test.cc looks at the finer ones.
+// With the paper's counts; builtin_fine_test.cc tests the finer ones.
 const std::vector<std::string> kOrgans{"gallbladder", "heart", "liver", "kidney", "ball", "box"};
 const std::vector<std::string> kTools{"curved-forceps", "straight-forceps"};
 
@@ -67,7 +67,7 @@ TEST(BuiltinOrgan, LiverHas7000TrianglesAndKidney6000) {
   EXPECT_EQ(kidney().triangles.size(), 6000U);
 }
 
-TEST(BuiltinOrgan, EveryOneIsOneClosedShellTurnedOutwardsAboutTheOrigin) {
+TEST(BuiltinOrgan, EveryOneIsOneClosedShellOrientedOutwardsAboutTheOrigin) {
   for (const std::string& name : kOrgans) {
     SCOPED_TRACE(name);
     const TriangleMesh mesh = make_organ(name);
@@ -90,7 +90,7 @@ TEST(BuiltinOrgan, EdgesAreEven) {
   EXPECT_LT(large.longest / large.shortest, 12.0);
   EXPECT_LT(large.longest, 10.0 * kMm);
   const test::EdgeLengths largest = test::edge_lengths(liver());
-  EXPECT_LT(largest.longest / largest.shortest, 18.0);  // its vessels are thin beside it
+  EXPECT_LT(largest.longest / largest.shortest, 18.0);  // compared with the organ its vessels are thin
   EXPECT_LT(largest.longest, 14.0 * kMm);
   const test::EdgeLengths bean = test::edge_lengths(kidney());
   EXPECT_LT(bean.longest / bean.shortest, 8.0);
@@ -104,7 +104,7 @@ TEST(BuiltinOrgan, NoTriangleGoesThroughAnother) {
   EXPECT_EQ(crossings(kidney(), kidney()), 0);
 }
 
-TEST(BuiltinOrgan, NoFoldAtACommonCornerEither) {  // which the count above passes over
+TEST(BuiltinOrgan, NoFoldAtACommonCornerEither) {  // which the test above does not count
   for (const std::string& name : kOrgans)
     EXPECT_EQ(find_crossings(make_organ(name)).pairs.size(), 0U) << name;
 }
@@ -116,14 +116,14 @@ TEST(BuiltinOrgan, SizesAndVolumesAreThoseOfTheBody) {
   EXPECT_NEAR(signed_volume(gallbladder()), 45e-6, 10e-6);  // 30 to 50 ml when filled
   const Vec3 beat = bounds(heart()).size();
   EXPECT_NEAR(beat.maxCoeff(), 124.0 * kMm, 8.0 * kMm);
-  EXPECT_NEAR(signed_volume(heart()), 330e-6, 60e-6);  // some 300 g of muscle, with stumps that are filled
+  EXPECT_NEAR(signed_volume(heart()), 330e-6, 60e-6);  // about 300 g of muscle, and solid stumps of vessels
 }
 
-/// The default path comes down on the middle of the bounding box.
+/// The default path presses at the centre of the bounding box.
 void expect_broad_wall_under_the_tool(const TriangleMesh& mesh, double radius, double least_thickness) {
   for (int i = -2; i <= 2; ++i) {
     for (int j = -2; j <= 2; ++j) {
-      // Off the mesh's own edges by an odd amount.
+      // An odd offset from the mesh's edges.
       const double x = 0.5 * radius * i + 1.3e-5;
       const double y = 0.5 * radius * j + 2.7e-5;
       const std::vector<Hit> hits = hits_from_above(mesh, x, y);
@@ -236,7 +236,7 @@ TEST(BuiltinTool, OpeningPartsDoNotGoThroughEachOther) {
   }
 }
 
-/// Least distance between vertices of the jaws' inner sides beyond the hinge.
+/// The smallest distance between vertices of the jaws' inner sides, beyond the hinge.
 double gap_between_jaws(const Tool& tool, double from_z) {
   double least = 1.0;
   for (const Vec3& a : tool.parts[0].mesh.vertices) {

@@ -9,9 +9,8 @@
 #include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
 
-// What anatomy says of liver and kidney, looked for on their meshes, in the frames of
-// tools/make_shapes/liver.h and kidney.h. That they are sound surfaces is tested with the other built-in
-// shapes.
+// Tests anatomical features of liver and kidney on their meshes, in the frames of tools/make_shapes/liver.h
+// and kidney.h. The tests of the built-in shapes check that the surfaces are valid.
 namespace palpate::geometry {
 namespace {
 
@@ -20,8 +19,7 @@ using test::hits_from_above;
 
 constexpr double kLiverMm = 1e-3;
 
-/// A built-in organ in the frame of its formula, which has the middle of the organ's bounding box at `middle`
-/// [mm].
+/// A built-in organ in the frame of its formula; `middle` [mm] is the centre of its bounding box there.
 TriangleMesh moved_organ(const char* name, const Vec3& middle) {
   TriangleMesh mesh = make_organ(name);
   for (Vec3& v : mesh.vertices) v += kLiverMm * middle;
@@ -41,12 +39,12 @@ class Liver : public ::testing::Test {
     const std::vector<Hit> hits = hits_from_above(upright_, x * kLiverMm + 1.3e-5, -z * kLiverMm + 2.7e-5);
     return hits.empty() ? NAN : hits.back().z / kLiverMm;
   }
-  /// From the front wall to the next one behind it [mm] at (x, y) [mm]; 0: beside it.
+  /// Distance [mm] from the front wall to the next one behind it at (x, y) [mm]; 0 beside the organ.
   [[nodiscard]] double thickness(double x, double y) const {
     const std::vector<Hit> hits = hits_from_above(mesh_, x * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5);
     return hits.empty() ? 0.0 : (hits[0].z - hits.at(1).z) / kLiverMm;
   }
-  /// The lower margin's height [mm] at x [mm], from far below in steps of 1 mm.
+  /// Height [mm] of the lower margin at x [mm], searched from below in steps of 1 mm.
   [[nodiscard]] double margin(double x) const {
     double y = -110.0;
     while (thickness(x, y) <= 0.0 && y < 100.0) y += 1.0;
@@ -54,11 +52,10 @@ class Liver : public ::testing::Test {
   }
 
   TriangleMesh mesh_ = moved_organ("liver", {-0.800214, 4.906109, -5.067389});
-  TriangleMesh upright_ = turned(mesh_, (Mat3() << 1, 0, 0, 0, 0, -1, 0, 1, 0).finished());  // +y is up now
+  TriangleMesh upright_ = turned(mesh_, (Mat3() << 1, 0, 0, 0, 0, -1, 0, 1, 0).finished());  // +y is up
 };
 
-// Gray's Anatomy, 41st ed.: the greatest breadth is 200 to 225 mm and the height 150 to 175 mm; some 1,500
-// ml.
+// Gray's Anatomy, 41st ed.: greatest breadth 200 to 225 mm, height 150 to 175 mm; about 1,500 ml.
 TEST_F(Liver, IsOfAnAdultsSize) {
   const Vec3 size = bounds(mesh_).size() / kLiverMm;
   EXPECT_NEAR(size.x(), 220.0, 10.0);
@@ -74,7 +71,7 @@ TEST_F(Liver, RightLobeIsTheLargerAndTheLeftOneEndsInAThinTip) {
   EXPECT_LT(margin(45.0), margin(85.0) - 10.0);
 }
 
-/// By how much the surface turns [deg] within 7 mm of a place [mm].
+/// Largest angle [deg] between normals of the surface within 7 mm of a point [mm].
 double turn_near(const TriangleMesh& mesh, const Vec3& place) {
   std::vector<Vec3> normals;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -122,7 +119,7 @@ TEST_F(Liver, GallbladdersFossaIsEmptyAndOpensAtTheMargin) {
 }
 
 TEST_F(Liver, QuadrateAndCaudateLobeStandOutBeforeAndBehindThePorta) {
-  const double porta = visceral(0.0, -4.0) - 0.5 * 4.0;  // freed of the surface's slope along z
+  const double porta = visceral(0.0, -4.0) - 0.5 * 4.0;  // minus the slope of the surface along z
   EXPECT_GT(porta - (visceral(8.0, 21.0) + 0.5 * 21.0), 5.0);
   EXPECT_GT(visceral(27.0, -1.0) - (visceral(14.0, -40.0) + 0.5 * -39.0), 15.0);
 }
@@ -137,7 +134,7 @@ TEST_F(Liver, KidneyAndStomachPressIntoIt) {
 
 TEST(FineLiver, VenaCavaIsOpenAtBothEndsAndPortalVeinBelow) {
   const TriangleMesh mesh = fine_liver();
-  // Vertices at the bottom of each lumen: inside the wall's ring, sunk below it.
+  // Vertices at the bottom of each lumen: inside the ring of the wall, below it.
   const auto sunk = [&mesh](const Vec3& end_mm, const Vec3& out) {
     double middle = 1.0;
     double ring = -1.0;
@@ -169,21 +166,21 @@ TEST(FineLiver, FalciformLigamentsStumpRunsOverTheFront) {
 
 class Kidney : public ::testing::Test {
  protected:
-  /// Where a line along x comes in from the body's middle, at (y, z) [mm].
+  /// First hit of a line along x from the middle of the body, at (y, z) [mm].
   [[nodiscard]] Hit from_the_middle(double y, double z) const {
     return hits_from_above(sideways_, -z * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5).at(0);
   }
-  /// How far it reaches outwards (-x) at (y, z) [mm].
+  /// How far the kidney extends outwards (-x) at (y, z) [mm].
   [[nodiscard]] double outer(double y, double z) const {
     return -hits_from_above(sideways_, -z * kLiverMm + 1.3e-5, y * kLiverMm + 2.7e-5).back().z / kLiverMm;
   }
 
   TriangleMesh mesh_ = moved_organ("kidney", {3.877033, 0.095891, 0.262458});
-  TriangleMesh sideways_ = turned(mesh_, (Mat3() << 0, 0, -1, 0, 1, 0, 1, 0, 0).finished());  // +x is up now
+  TriangleMesh sideways_ = turned(mesh_, (Mat3() << 0, 0, -1, 0, 1, 0, 1, 0, 0).finished());  // +x is up
 };
 
-// Gray's Anatomy, 41st ed.: 110 mm long, 60 mm wide, 30 to 40 mm thick; with its vessels' stumps a little
-// wider here.
+// Gray's Anatomy, 41st ed.: 110 mm long, 60 mm wide, 30 to 40 mm thick; here wider because of the stumps of
+// its vessels.
 TEST_F(Kidney, IsOfAnAdultsSize) {
   const Vec3 size = bounds(mesh_).size() / kLiverMm;
   EXPECT_NEAR(size.y(), 110.0, 5.0);
@@ -194,14 +191,14 @@ TEST_F(Kidney, IsOfAnAdultsSize) {
 
 TEST_F(Kidney, IsABeanWithItsHilumTowardsTheMiddle) {
   const double poles = 0.5 * (from_the_middle(32.0, 0.0).z + from_the_middle(-32.0, 0.0).z) / kLiverMm;
-  const double hilum = from_the_middle(-2.0, 12.0).z / kLiverMm;  // the lip before the vein
+  const double hilum = from_the_middle(-2.0, 12.0).z / kLiverMm;  // the lip in front of the vein
   EXPECT_GT(poles - hilum, 8.0);
   EXPECT_GT(outer(0.0, 0.0) - 0.5 * (outer(36.0, 0.0) + outer(-36.0, 0.0)), 6.0);
 }
 
 TEST_F(Kidney, VeinArteryAndUreterAreCutAcrossFromFrontToBack) {
   const auto expect_cut = [this](double y, double z, double radius, double end) {
-    // The rim's place above, below, before and behind the lumen.
+    // Points of the rim above, below, in front of and behind the lumen.
     for (const Vec3& side : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
       double most = 0.0;
       for (const Vec3& v : mesh_.vertices) {
@@ -226,7 +223,7 @@ TEST_F(Kidney, OuterBorderShowsTheLobesItGrewFrom) {
   int dents = 0;
   for (int step = -38; step <= 38; ++step) {
     const double y = step;
-    // Below the chord over 12 mm, although the border as a whole is convex.
+    // Below a chord of 12 mm, although the border as a whole is convex.
     if (outer(y, 6.0) < 0.5 * (outer(y - 6.0, 6.0) + outer(y + 6.0, 6.0))) ++dents;
   }
   EXPECT_GE(dents, 4);

@@ -16,7 +16,7 @@
 namespace palpate::geometry {
 namespace {
 
-// The golden hashes and the keys of prepared organs depend on every bit of the built-in meshes.
+// The golden hashes and the cache keys of prepared organs depend on every bit of the built-in meshes.
 TEST(MeshArchive, GivesTheMeshesWhoseHashesTheMaintainersToolWrote) {
   std::ifstream list(PALPATE_SHAPES_LIST);
   std::string name;
@@ -34,7 +34,7 @@ TEST(MeshArchive, GivesTheMeshesWhoseHashesTheMaintainersToolWrote) {
     hasher.add(std::span(mesh.vertices)).add(std::span(mesh.triangles));
     EXPECT_EQ(hasher.hash().hexadecimal(), hash);
   }
-  EXPECT_EQ(meshes, 27);  // four organs, four jaws and a shaft, each three times
+  EXPECT_EQ(meshes, 27);  // four organs, four jaws and a shaft, each at three resolutions
 }
 
 TEST(MeshArchive, NameThatItDoesNotHaveIsRefused) {

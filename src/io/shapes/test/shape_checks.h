@@ -9,7 +9,7 @@
 
 #include "palpate/mesh.h"
 
-/// Brute-force checks of meshes that are made by code.
+/// Brute-force checks of generated meshes.
 namespace palpate::geometry::test {
 
 inline const Vec3& corner(const TriangleMesh& mesh, std::size_t t, std::size_t k) {
@@ -24,7 +24,7 @@ inline bool is_closed(const TriangleMesh& mesh) {
   return true;
 }
 
-/// Number of pieces that hang together by edges.
+/// Number of components that are connected by edges.
 inline int shells(const TriangleMesh& mesh) {
   const auto neighbours = edge_neighbours(mesh);
   std::vector<bool> seen(mesh.triangles.size(), false);
@@ -47,12 +47,12 @@ inline int shells(const TriangleMesh& mesh) {
   return count;
 }
 
-/// V - E + F of a closed mesh: 2 for each shell without handles.
+/// Euler characteristic V - E + F of a closed mesh: 2 for each component without handles.
 inline int euler(const TriangleMesh& mesh) {
   return static_cast<int>(mesh.vertices.size()) - static_cast<int>(mesh.triangles.size()) / 2;
 }
 
-/// [deg]
+/// The smallest angle of all triangles [deg].
 inline double smallest_angle(const TriangleMesh& mesh) {
   double least = 180.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -85,7 +85,7 @@ inline double volume_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
   return (b - a).cross(c - a).dot(d - a);
 }
 
-/// Whether the segment p q goes through the inside of triangle a b c, by more than rounding.
+/// Whether the segment p q passes through the interior of triangle a b c, by more than rounding.
 inline bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const double scale = (q - p).norm() + (b - a).norm() + (c - a).norm();
   const double rounding = 1e-12 * scale * scale * scale;
@@ -125,8 +125,8 @@ inline bool share_vertex(const Triangle& a, const Triangle& b) {
                      [&b](std::int32_t v) { return std::find(b.begin(), b.end(), v) != b.end(); });
 }
 
-/// Pairs of triangles, of two meshes or (with itself) of one, that go through each other. The second's are
-/// sorted by where they begin along x, so that only those are looked at whose stretches of x overlap.
+/// Number of intersecting pairs of triangles of two meshes, or of one mesh with itself. The second mesh's
+/// triangles are sorted by their smallest x, so that only those with overlapping x ranges are tested.
 inline int crossings(const TriangleMesh& m, const TriangleMesh& n) {
   const bool same = &m == &n;
   struct Boxed {
@@ -156,7 +156,7 @@ inline int crossings(const TriangleMesh& m, const TriangleMesh& n) {
   return count;
 }
 
-/// Where the line through (x, y) along z meets the surface, from the top down, with the unit normals there.
+/// An intersection of a line along z with a surface, with the unit normal there.
 struct Hit {
   double z = 0.0;
   Vec3 normal = Vec3::Zero();

@@ -36,7 +36,7 @@ fs::path written(const TemporaryFolder& folder) {
   return folder / "arrays";
 }
 
-/// Whether the file gives back exactly what was written; anything else must be refused.
+/// Whether the file reads back exactly as written; any other file must be rejected.
 bool whole(const fs::path& file) {
   const auto reader = ArrayFileReader::open(file, kKey);
   if (!reader) return false;
@@ -58,7 +58,7 @@ std::string bytes_of(const fs::path& file) {
 TEST(ArrayFile, GivesBackWhatWasPutIn) {
   const TemporaryFolder folder;
   EXPECT_TRUE(whole(written(folder)));
-  EXPECT_EQ(folder.entries(), 1U);  // no temporary file is left
+  EXPECT_EQ(folder.entries(), 1U);  // the temporary file is removed
 }
 
 TEST(ArrayFile, IsRefusedUnderAnotherKeyNameOrElementSize) {
@@ -79,7 +79,7 @@ TEST(ArrayFile, IsRefusedWhenAnyByteIsChanged) {
   for (std::size_t i = 0; i < good.size(); i += i < 128 || i + 256 > good.size() ? 1 : 61) {
     std::string bad = good;
     bad[i] = static_cast<char>(bad[i] ^ static_cast<char>(1U << (random() % 8U)));
-    // Only what fills up to the next array may change unseen, and then all values are the same.
+    // Only a flip in the padding between arrays may stay undetected; the values are then unchanged.
     refused += whole(folder.write("bad", bad)) ? 0 : 1;
   }
   EXPECT_GT(refused, 400);

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
 
-/// Sets a variable of the environment, and puts it back.
+/// Sets an environment variable and restores it.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) {
@@ -73,7 +73,8 @@ TEST(CacheFolder, IsTheUsersByTheXdgRule) {
   EXPECT_EQ(folder_of(nullptr, "/x/cache", "/h"), "/x/cache/palpate");
   EXPECT_EQ(folder_of(nullptr, nullptr, "/h"), "/h/.cache/palpate");
   EXPECT_EQ(folder_of(nullptr, "", "/h"), "/h/.cache/palpate");
-  EXPECT_EQ(folder_of(nullptr, "relative", "/h"), "/h/.cache/palpate");  // as the rule says: ignored
+  EXPECT_EQ(folder_of(nullptr, "relative", "/h"),
+            "/h/.cache/palpate");  // relative: ignored
   EXPECT_TRUE(folder_of(nullptr, nullptr, nullptr).empty());
 }
 

@@ -55,7 +55,7 @@ TEST(CsvTable, PassesOverCommentsBlankLinesByteOrderMarkAndCarriageReturns) {
 TEST(CsvTable, RefusesHeadersThatAreMissingUnknownIncompleteOrTwice) {
   EXPECT_EQ(error_in("1,2\n"), "a.csv:1: the header is missing: the first line must name depth_mm");
   EXPECT_EQ(error_in("time_s,depthmm\n"), "a.csv:1: column \"depthmm\": unknown, did you mean depth_mm?");
-  EXPECT_THAT(error_in("depth_mm,wholly\n"), HasSubstr("known are time_s, depth_mm and specimen"));
+  EXPECT_THAT(error_in("depth_mm,wholly\n"), HasSubstr("valid are time_s, depth_mm and specimen"));
   EXPECT_EQ(error_in("time_s\n"), "a.csv:1: depth_mm: missing, the header must name depth_mm");
   EXPECT_EQ(error_in("depth_mm,depth_mm\n"), "a.csv:1: depth_mm: stands twice, must stand once");
 }
@@ -92,7 +92,7 @@ TEST(CsvTable, RefusesAnEmptyName) {
   EXPECT_EQ(error_in("depth_mm,specimen\n1,\n"), "a.csv:2: specimen: empty, must be a name");
 }
 
-TEST(CsvTable, TellsDecimalCommasAndSemicolonsFromBadRows) {
+TEST(CsvTable, DistinguishesDecimalCommasAndSemicolonsFromBadRows) {
   EXPECT_THAT(error_in("time_s;depth_mm\n0,5;0,1\n"), HasSubstr("a.csv:1: semicolons"));
   EXPECT_THAT(error_in(kHeader + "0,5,0,1\n"), HasSubstr("a decimal comma must be a point"));
 }

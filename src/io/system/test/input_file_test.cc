@@ -76,7 +76,7 @@ TEST(InputFile, RefusesWhatGrowsBeyondItsKindWhileItIsRead) {
   EXPECT_THROW((void)file.read_rest(), InputError);
 }
 
-TEST(InputFile, TellsAMissingFile) {
+TEST(InputFile, ReportsAMissingFile) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal_of(folder / "none"), "there is no such file");
   (void)folder.write("a", "");

@@ -21,12 +21,12 @@ using test::TemporaryFolder;
 using testing::EndsWith;
 using testing::HasSubstr;
 
-/// What refuse_overwriting() says of one output and one input.
+/// The message of require_no_overwrite() for one output and one input.
 std::string overwriting(const fs::path& output, const fs::path& input) {
   const std::array<NamedFile, 1> outputs{{{"--csv", output}}};
   const std::array<NamedFile, 1> inputs{{{"recording", input}}};
   try {
-    refuse_overwriting(outputs, inputs);
+    require_no_overwrite(outputs, inputs);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -59,7 +59,7 @@ TEST(OutputFile, IsRefusedWhenAnotherOutputIsTheSameFileThatIsNotThereYet) {
   const TemporaryFolder folder;
   fs::create_symlink("new", folder / "link");
   const std::array<NamedFile, 2> outputs{{{"--record", folder / "new"}, {"--screenshot", folder / "link"}}};
-  EXPECT_THAT([&] { refuse_overwriting(outputs, {}); },
+  EXPECT_THAT([&] { require_no_overwrite(outputs, {}); },
               testing::ThrowsMessage<InputError>(HasSubstr("which is written too")));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A folder for the files of one test; every module's tests may include it.
+// A folder for the files of one test, for the tests of all modules.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,7 +10,7 @@
 
 namespace palpate::test {
 
-/// An empty folder of a test's own, gone with it.
+/// An empty folder, removed by its destructor.
 class TemporaryFolder : public ScratchFolder {
  public:
   TemporaryFolder() : ScratchFolder("palpate-test-") {

@@ -41,7 +41,7 @@ TEST(TemporaryFile, IsItsOwnersAloneOrAsTheUmaskAllows) {
   EXPECT_EQ(std::filesystem::status(shared).permissions(), std::filesystem::perms(0644));
 }
 
-TEST(TemporaryFile, InNoFolderIsToldAndLeavesTheName) {
+TEST(TemporaryFile, InNoFolderIsReportedAndLeavesTheName) {
   std::string path = "/nowhere/a.";
   EXPECT_EQ(open_temporary_file(path), -1);
   EXPECT_EQ(path, "/nowhere/a.");

@@ -68,7 +68,7 @@ TEST(WholeNumberRange, OneBesideTheRangeIsRefused) {
   EXPECT_THAT(refusal<std::uint8_t>("256"), ::testing::StartsWith("count is 256, "));
 }
 
-TEST(WholeNumberRange, ALongTextIsSaidInPart) {
+TEST(WholeNumberRange, ALongTextIsReportedInPart) {
   EXPECT_LT(refusal<int>('"' + std::string(10'000, 'a') + '"').size(), 200U);
 }
 

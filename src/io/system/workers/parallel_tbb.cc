@@ -1,4 +1,4 @@
-// On all processors, by TBB.
+// Parallel loops on all processors, by TBB.
 #include <algorithm>
 #include <cstddef>
 #include <functional>

@@ -95,13 +95,13 @@ TEST(ReplayDevice, GivesTheSamplesOfItsHandAndHoldsTheLast) {
 TEST(ReplayDevice, RefusesARecordingWithoutTicks) { EXPECT_THROW(ReplayDevice({}), InputError); }
 
 /// A scene without meshes: enough for a device that follows a file.
-scene::Setup bare_setup(const std::string& kind, const std::string& path) {
-  scene::Setup setup;
+scene::Scene bare_setup(const std::string& kind, const std::string& path) {
+  scene::Scene setup;
   setup.devices.push_back({kind, path, 1.0, {}});
   return setup;
 }
 
-std::string error_of(const scene::Setup& setup, std::size_t hand) {
+std::string error_of(const scene::Scene& setup, std::size_t hand) {
   try {
     (void)open_device(setup, hand);
   } catch (const InputError& error) {
@@ -139,7 +139,7 @@ TEST(OpenDevice, FollowsAPathFile) {
 }
 
 TEST(OpenDevice, MakesItsOwnPathWhenNoneIsGiven) {
-  const scene::Setup setup = scene::load({});
+  const scene::Scene setup = scene::load({});
   const auto device = open_device(setup, 0);
   const scene::ToolPath path = scene::default_path(setup, 0);
   EXPECT_EQ(device->read(1000, 1.0).position_D, path.at(1.0).position);
@@ -149,7 +149,7 @@ TEST(OpenDevice, MakesItsOwnPathWhenNoneIsGiven) {
 
 TEST(OpenDevice, RefusesAPullAlongAPathWithoutGripper) {
   const TemporaryFile file(".csv", "time_s,x_m,y_m,z_m\n0,1,2,3\n");
-  scene::Setup setup = bare_setup("scripted", file.name());
+  scene::Scene setup = bare_setup("scripted", file.name());
   setup.task = scene::Task::kPull;
   EXPECT_THAT(error_of(setup, 0), HasSubstr(file.name() + ": gripper: missing"));
 }

@@ -21,7 +21,7 @@ scene::ToolPath press_once() {
 
 TEST(EmulatedRun, TheForceFeedsBackSoTheHandStopsAboveWhereItWantsToBe) {
   for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
-    scene::Setup setup = test::block_and_hand();
+    scene::Scene setup = test::block_and_hand();
     setup.noise.enabled = false;
     setup.devices[0].emulated.grip = grip;
     EmulatedDevice device(press_once(), setup.devices[0], setup.rate_Hz);
@@ -34,7 +34,7 @@ TEST(EmulatedRun, TheForceFeedsBackSoTheHandStopsAboveWhereItWantsToBe) {
 }
 
 TEST(EmulatedRun, ARecordedRunWithAFaultAndAResetReplaysBitForBit) {
-  const scene::Setup setup = test::block_and_hand({{scene::EmulatedFaultKind::kNotANumber, 1.8, 0.05, 8e-3},
+  const scene::Scene setup = test::block_and_hand({{scene::EmulatedFaultKind::kNotANumber, 1.8, 0.05, 8e-3},
                                                    {scene::EmulatedFaultKind::kLate, 2.2, 0.1, 8e-3}});
   EmulatedDevice device(press_once(), setup.devices[0], setup.rate_Hz);
   test::WithResets user(device, {2000});
@@ -49,7 +49,7 @@ TEST(EmulatedRun, ARecordedRunWithAFaultAndAResetReplaysBitForBit) {
 }
 
 TEST(EmulatedRun, RealTimeAndOfflineGiveTheSameRows) {
-  const scene::Setup setup = test::block_and_hand();
+  const scene::Scene setup = test::block_and_hand();
   const auto rows_of = [&](bool offline) {
     EmulatedDevice device(press_once(), setup.devices[0], setup.rate_Hz);
     return test::run_through(setup, device, offline);
@@ -65,11 +65,11 @@ TEST(EmulatedRun, RealTimeAndOfflineGiveTheSameRows) {
 }
 
 TEST(EmulatedRun, WithoutAPathItWaitsASecondAndThenFollowsTheDefaultOne) {
-  scene::Request request;
+  scene::Overrides request;
   request.organ = "box";
   request.tools = {"sphere:3"};
   request.device = "emulated";
-  const scene::Setup setup = scene::load(request);
+  const scene::Scene setup = scene::load(request);
   const auto device = open_device(setup, 0);
   const scene::ToolPath path = scene::default_path(setup, 0);
   EXPECT_EQ(device->last_tick(1000.0),

@@ -45,7 +45,7 @@ struct Outcome {
 };
 
 Outcome run_with(EmulatedFaultKind kind, double duration, std::vector<std::uint64_t> resets) {
-  const scene::Setup setup = test::block_and_hand({{kind, kFaultTime, duration, 8e-3}});
+  const scene::Scene setup = test::block_and_hand({{kind, kFaultTime, duration, 8e-3}});
   EmulatedDevice device(press_twice(), setup.devices[0], setup.rate_Hz);
   test::WithResets user(device, std::move(resets));
   Outcome outcome;

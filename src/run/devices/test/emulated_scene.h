@@ -15,8 +15,8 @@ inline constexpr double kBallRadius = 3e-3;  // m
 inline constexpr double kRate = 1000.0;      // Hz
 
 /// A 60 x 60 x 40 mm block whose top lies at z = 0, and a 3 mm ball in one emulated hand.
-inline scene::Setup block_and_hand(std::vector<scene::EmulatedFault> faults = {}) {
-  scene::Setup setup;
+inline scene::Scene block_and_hand(std::vector<scene::EmulatedFault> faults = {}) {
+  scene::Scene setup;
   setup.name = "block";
   setup.rate_Hz = kRate;
   setup.organ_name = "box";
@@ -84,7 +84,7 @@ class Rows final : public haptics::TickObserver {
 };
 
 /// Runs a device to its last tick, offline or not. @return the rows
-inline std::vector<haptics::TickRow> run_through(const scene::Setup& setup, haptics::Device& device,
+inline std::vector<haptics::TickRow> run_through(const scene::Scene& setup, haptics::Device& device,
                                                  bool offline = true) {
   const haptics::SimulationWorld world = scene::make_world(setup);
   haptics::SimulationState state(world);

@@ -200,9 +200,9 @@ TEST(EmulatedDevice, SaysWhichFaultItHadLast) {
   EmulatedDevice device(still_at(Vec3::Zero()), with_fault(EmulatedFaultKind::kDropOut, 0.1, 0.0),
                         kEmulatedRate);
   run(device, 0, 100);
-  EXPECT_EQ(device.trouble(), "");
+  EXPECT_EQ(device.last_error(), "");
   run(device, 100, 200);
-  EXPECT_THAT(device.trouble(), HasSubstr("\"drop-out\""));
+  EXPECT_THAT(device.last_error(), HasSubstr("\"drop-out\""));
 }
 
 TEST(EmulatedDevice, EndsHalfASecondAfterThePathsLastRow) {
@@ -216,7 +216,7 @@ TEST(EmulatedDevice, RefusesFiguresOutOfTheirRange) {
   const auto made = [](void (*spoil)(scene::DeviceSetup&)) {
     scene::DeviceSetup setup = emulated();
     spoil(setup);
-    return EmulatedDevice(still_at(Vec3::Zero()), setup, kEmulatedRate).trouble();
+    return EmulatedDevice(still_at(Vec3::Zero()), setup, kEmulatedRate).last_error();
   };
   EXPECT_THROW(made([](scene::DeviceSetup& s) { s.emulated.mass = 0.0; }), ParameterError);
   EXPECT_THROW(made([](scene::DeviceSetup& s) { s.emulated.mass = std::nan(""); }), ParameterError);

@@ -119,7 +119,7 @@ struct FaultCase {
   void (*inject)(stand_in::Device&);
   std::uint64_t seen_within;  // ticks: at once, the status every 2 ms, an old sample after 5 ms
   Fault recorded;
-  const char* words;  // part of trouble(); empty: the device itself knows of none
+  const char* words;  // part of last_error(); empty: the device itself knows of none
 };
 
 std::ostream& operator<<(std::ostream& out, const FaultCase& fault) { return out << fault.name; }
@@ -223,7 +223,7 @@ TEST_P(ForceDimensionSafety, AFaultTakesTheForceAwayIn10MsAndAResetBringsItBackW
   ASSERT_EQ(hand.rows.size(), kTicks) << "the run goes on";
   EXPECT_NEAR(hand.forces[kDhdFaultTick], kHandForce, 0.05) << "the tissue carries the hand";
   EXPECT_EQ(report.fault, GetParam().recorded);
-  EXPECT_THAT(device.trouble(), HasSubstr(GetParam().words));
+  EXPECT_THAT(device.last_error(), HasSubstr(GetParam().words));
   const std::uint64_t ticks_to_zero = check_fall(hand);
   hand.forces.resize(kDhdFaultTick);
   check_return(device, largest_step_of(hand.forces));

@@ -178,7 +178,7 @@ TEST_F(ForceDimension, GivesOneSampleInItsOwnFrame) {
   EXPECT_EQ(state.buttons, 5U);
   EXPECT_EQ(state.age, 0.0);
   EXPECT_EQ(state.fault, haptics::Fault::kNone);
-  EXPECT_EQ(device.trouble(), "");
+  EXPECT_EQ(device.last_error(), "");
   EXPECT_EQ(device.last_tick(1000.0), ~std::uint64_t{0});
   EXPECT_EQ(device.description(), "stand-in.7 (" + dhd_.path + ", 3.17.1.0)");
 }
@@ -250,7 +250,7 @@ TEST_F(ForceDimension, ALibraryWithOnlyWhatIsRequiredIsEnough) {
   bare.device(0).pose_result = -1;
   bare.device(0).error = 7;
   EXPECT_EQ(first.read(1, 0.001).fault, haptics::Fault::kDevice);
-  EXPECT_EQ(first.trouble(), "the device could not be read: the vendor's error 7");
+  EXPECT_EQ(first.last_error(), "the device could not be read: the vendor's error 7");
 }
 
 TEST_F(ForceDimension, WritesForceTorqueAndGripperForceAsTheyAre) {
@@ -270,7 +270,7 @@ TEST_F(ForceDimension, ASaturatedMotorIsNoError) {
   hardware_.write_result = 2;
   EXPECT_TRUE(device.write({Vec3(0.0, 0.0, 30.0), Vec3::Zero(), 0.0}));
   EXPECT_EQ(device.read(1, 0.001).fault, haptics::Fault::kNone);
-  EXPECT_EQ(device.trouble(), "");
+  EXPECT_EQ(device.last_error(), "");
 }
 
 TEST_F(ForceDimension, ATimeGuardedSampleIsNoErrorAndGrowsOlder) {
@@ -286,7 +286,7 @@ TEST_F(ForceDimension, ATimeGuardedSampleIsNoErrorAndGrowsOlder) {
   EXPECT_EQ(device.read(20, 0.005).age, 0.005);
   hardware_.pose_result = 0;
   EXPECT_EQ(device.read(21, 0.00525).age, 0.0);
-  EXPECT_EQ(device.trouble(), "");
+  EXPECT_EQ(device.last_error(), "");
 }
 
 TEST_F(ForceDimension, AFailedReadIsADeviceFaultWithTheVendorsWords) {
@@ -295,13 +295,13 @@ TEST_F(ForceDimension, AFailedReadIsADeviceFaultWithTheVendorsWords) {
   for (int* result : {&hardware_.pose_result, &hardware_.velocity_result}) {
     *result = -1;
     EXPECT_EQ(device.read(1, 0.001).fault, haptics::Fault::kDevice);
-    EXPECT_EQ(device.trouble(), "the device could not be read: the stand-in lost its cable");
+    EXPECT_EQ(device.last_error(), "the device could not be read: the stand-in lost its cable");
     *result = 0;
     EXPECT_EQ(device.read(2, 0.002).fault, haptics::Fault::kNone);
   }
   hardware_.status_result = -1;
   EXPECT_EQ(device.read(10, 0.010).fault, haptics::Fault::kDevice);
-  EXPECT_EQ(device.trouble(), "the device's status could not be read: the stand-in lost its cable");
+  EXPECT_EQ(device.last_error(), "the device's status could not be read: the stand-in lost its cable");
 }
 
 TEST_F(ForceDimension, ARefusedForceIsToldToTheLoopAndInWords) {
@@ -309,7 +309,7 @@ TEST_F(ForceDimension, ARefusedForceIsToldToTheLoopAndInWords) {
   hardware_.error = 3;
   hardware_.write_result = -1;
   EXPECT_FALSE(device.write({}));
-  EXPECT_EQ(device.trouble(), "the device refused a force: the stand-in's other error");
+  EXPECT_EQ(device.last_error(), "the device refused a force: the stand-in's other error");
 }
 
 TEST_F(ForceDimension, AStatusThatSwitchedTheForceOffIsAFaultWithItsCause) {
@@ -328,12 +328,12 @@ TEST_F(ForceDimension, AStatusThatSwitchedTheForceOffIsAFaultWithItsCause) {
   for (const auto& cause : causes) {
     hardware_.force_off_cause = cause.first;
     EXPECT_EQ(read(), haptics::Fault::kForceOff);
-    EXPECT_THAT(device.trouble(), HasSubstr(cause.second));
+    EXPECT_THAT(device.last_error(), HasSubstr(cause.second));
     hardware_.force_off_cause = 0;
     EXPECT_EQ(read(), haptics::Fault::kForceOff) << "until the force is on again";
     hardware_.force_on = true;
     EXPECT_EQ(read(), haptics::Fault::kNone);
-    EXPECT_THAT(device.trouble(), HasSubstr("switched its force off")) << "what was last wrong";
+    EXPECT_THAT(device.last_error(), HasSubstr("switched its force off")) << "what was last wrong";
   }
 }
 
@@ -341,11 +341,11 @@ TEST_F(ForceDimension, LossOfPowerOrCalibrationIsToldAsSuch) {
   ForceDimensionDevice device(dhd_.path, 0);
   hardware_.powered = false;
   EXPECT_EQ(device.read(4, 0.004).fault, haptics::Fault::kForceOff);
-  EXPECT_THAT(device.trouble(), HasSubstr("no power"));
+  EXPECT_THAT(device.last_error(), HasSubstr("no power"));
   hardware_.powered = true;
   hardware_.uncalibrated = true;
   EXPECT_EQ(device.read(8, 0.008).fault, haptics::Fault::kForceOff);
-  EXPECT_THAT(device.trouble(), HasSubstr("not calibrated"));
+  EXPECT_THAT(device.last_error(), HasSubstr("not calibrated"));
 }
 
 TEST_F(ForceDimension, TheStatusIsSeenWithinTwoMilliseconds) {
@@ -381,7 +381,7 @@ TEST_F(ForceDimension, TroubleIsReadFromAnotherThreadWhileTheLoopReads) {
   hardware_.error = 2;
   std::thread other([&device] {
     for (int i = 0; i < 1000; ++i) {
-      const std::string words = device.trouble();
+      const std::string words = device.last_error();
       EXPECT_TRUE(words.empty() || words == "the device could not be read: the stand-in lost its cable")
           << words;
     }
@@ -425,7 +425,7 @@ TEST_F(ForceDimension, TwoHandsTakeTheDevicesInTheirOrder) {
   dhd_.library->count = 2;
   dhd_.device(0).position[0] = 0.01;
   dhd_.device(1).position[0] = 0.02;
-  scene::Setup setup;
+  scene::Scene setup;
   setup.devices.resize(3);
   setup.devices[0].kind = "forcedimension";
   setup.devices[0].path = dhd_.path;

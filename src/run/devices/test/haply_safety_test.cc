@@ -132,7 +132,7 @@ std::vector<TickRow> run_haply_with(const HaplyCase& bad) {
   times.retry = 20'000'000;
   HaplyDevice device(service.address(), 0, times);
   InStep stepped(device, world);
-  scene::Setup setup = test::block_and_hand();
+  scene::Scene setup = test::block_and_hand();
   setup.devices[0].kind = "haply";
   return test::run_through(setup, stepped);
 }

@@ -77,7 +77,7 @@ TEST(Haply, GivesTheServicesNewestStateAndPassesTheForceOn) {
   EXPECT_TRUE(eventually([&] { return service.force() == Vec3(1.0, 2.0, -3.5); }));
   EXPECT_EQ(read(device).fault, Fault::kNone);
   EXPECT_TRUE(eventually([&] { return read(device).age < 0.5; }));
-  EXPECT_EQ(device.trouble(), "");
+  EXPECT_EQ(device.last_error(), "");
   EXPECT_EQ(service.connections(), 1U);
 }
 
@@ -144,7 +144,7 @@ TEST(Haply, ASlowServiceLetsTheSampleAge) {
   EXPECT_TRUE(eventually([&] { return read(device).age > 0.02; }));
   EXPECT_TRUE(eventually([&] { return service.received().size() > 3; })) << "one after the other";
   EXPECT_EQ(read(device).fault, Fault::kNone);
-  EXPECT_EQ(device.trouble(), "");
+  EXPECT_EQ(device.last_error(), "");
 }
 
 TEST(Haply, ASilentServiceLetsTheSampleAgeAndIsGivenUpInTheEnd) {
@@ -154,7 +154,7 @@ TEST(Haply, ASilentServiceLetsTheSampleAgeAndIsGivenUpInTheEnd) {
   HaplyDevice device(service.address(), 0, times);
   EXPECT_TRUE(eventually([&] { return read(device).age > 0.05; }));
   EXPECT_TRUE(eventually([&] { return read(device).fault == Fault::kDevice; }));
-  EXPECT_THAT(device.trouble(), HasSubstr("the service gave no reply for 300 ms"));
+  EXPECT_THAT(device.last_error(), HasSubstr("the service gave no reply for 300 ms"));
   EXPECT_TRUE(eventually([&] { return service.connections() >= 2; })) << "it tries again";
 }
 
@@ -179,7 +179,7 @@ TEST(Haply, AMalformedReplyIsADeviceFaultInWordsUntilTheNextGoodOne) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     which = i;
     ASSERT_TRUE(eventually([&] { return read(device).fault == Fault::kDevice; })) << cases[i].second;
-    EXPECT_THAT(device.trouble(), AllOf(StartsWith(service.address()), HasSubstr(cases[i].second)));
+    EXPECT_THAT(device.last_error(), AllOf(StartsWith(service.address()), HasSubstr(cases[i].second)));
     EXPECT_EQ(read(device).position_D, Vec3(0.01, 0.02, 0.03)) << "the last good one";
     which = cases.size();
     ASSERT_TRUE(eventually([&] { return read(device).fault == Fault::kNone; })) << cases[i].second;
@@ -197,7 +197,7 @@ void expect_fault_and_recovery(const Answer& last, const std::string& words) {
   service.hold_back(true);
   now = true;
   EXPECT_TRUE(eventually([&] { return read(device).fault == Fault::kDevice; })) << words;
-  EXPECT_THAT(device.trouble(), HasSubstr(words));
+  EXPECT_THAT(device.last_error(), HasSubstr(words));
   EXPECT_EQ(read(device).position_D, Vec3(0.01, 0.02, 0.03)) << "the last good one";
   service.hold_back(false);
   EXPECT_TRUE(eventually([&] { return read(device).fault == Fault::kNone; })) << words;
@@ -226,8 +226,8 @@ TEST(Haply, AServiceThatIsGoneIsToldInWords) {
   std::optional<HaplyService> service(std::in_place, one_arm());
   HaplyDevice device(service->address(), 0, patient());
   service.reset();
-  EXPECT_TRUE(eventually([&] { return device.trouble().find("connection refused") != std::string::npos; }))
-      << device.trouble();
+  EXPECT_TRUE(eventually([&] { return device.last_error().find("connection refused") != std::string::npos; }))
+      << device.last_error();
   EXPECT_EQ(read(device).fault, Fault::kDevice);
   EXPECT_TRUE(pushed_arm(device, Vec3(1.0, 0.0, 0.0))) << "the sample says that it is gone";
   device.stop();
@@ -243,8 +243,8 @@ TEST(Haply, AnotherArmThanBeforeIsNotTaken) {
   service.greet_with(json{{"inverse3", {test::arm_json("0001", Vec3::Zero())}}}.dump());
   closes = true;
   EXPECT_TRUE(eventually([&] {
-    return device.trouble().find("inverse3 \"04BA\": missing") != std::string::npos;
-  })) << device.trouble();
+    return device.last_error().find("inverse3 \"04BA\": missing") != std::string::npos;
+  })) << device.last_error();
   EXPECT_EQ(read(device).fault, Fault::kDevice);
   EXPECT_EQ(read(device).position_D, Vec3(0.01, 0.02, 0.03)) << "the last good one";
 }
@@ -255,7 +255,7 @@ TEST(Haply, AnArmWithoutPowerHasItsForceOff) {
   HaplyService service(one_arm(), [&](std::size_t) { return Answer{off.dump()}; });
   HaplyDevice device(service.address(), 0, patient());
   EXPECT_TRUE(eventually([&] { return read(device).fault == Fault::kForceOff; }));
-  EXPECT_THAT(device.trouble(), HasSubstr("Inverse3 04BA: it has no power supply"));
+  EXPECT_THAT(device.last_error(), HasSubstr("Inverse3 04BA: it has no power supply"));
 }
 
 TEST(Haply, TheDestructorSendsZeroAndSaysFarewell) {
@@ -339,7 +339,7 @@ TEST(Haply, TwoHandsTakeTheServicesArmsAndGripsInOrder) {
             {test::grip_json("g", Quat::Identity(), false), test::grip_json("h", turned, true)}}}
           .dump();
   HaplyService service(both, [&](std::size_t) { return Answer{both}; });
-  scene::Setup setup;
+  scene::Scene setup;
   setup.devices.push_back({"haply", service.address(), 1.0, {}});
   setup.devices.push_back({"haply", service.address() + "/", 1.0, {}});
   const auto left = open_device(setup, 0);

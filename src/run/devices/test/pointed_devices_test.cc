@@ -94,10 +94,10 @@ TEST(MouseDevice, DrawsFarAndSenselessTargetsInToItsReach) {
 
 TEST(MouseDevice, AWindowThatIsGoneIsAFaultInWords) {
   MouseDevice mouse(start_at(Vec3::Zero()), kRate);
-  EXPECT_EQ(mouse.trouble(), "");
+  EXPECT_EQ(mouse.last_error(), "");
   say(mouse, Vec3::Zero(), 1.0, false);
   EXPECT_EQ(after(mouse, 1).fault, haptics::Fault::kDevice);
-  EXPECT_NE(mouse.trouble().find("window"), std::string::npos);
+  EXPECT_NE(mouse.last_error().find("window"), std::string::npos);
   EXPECT_EQ(mouse.last_tick(kRate), ~std::uint64_t{0});
   EXPECT_TRUE(mouse.write({}));
 }
@@ -126,10 +126,10 @@ TEST(GamepadDevice, UnpluggedItIsAFaultInWordsAndStandsStill) {
   const haptics::DeviceState sample = after(pad, 1000);
   EXPECT_EQ(sample.fault, haptics::Fault::kDevice);
   EXPECT_LT((sample.position_D - pressed).norm(), 1e-6);
-  EXPECT_NE(pad.trouble().find("no gamepad is connected"), std::string::npos);
+  EXPECT_NE(pad.last_error().find("no gamepad is connected"), std::string::npos);
   say(pad, {.gripper = 1.0});
   EXPECT_EQ(after(pad, 1).fault, haptics::Fault::kNone);
-  EXPECT_EQ(pad.trouble(), "");
+  EXPECT_EQ(pad.last_error(), "");
 }
 
 TEST(GamepadDevice, TheSticksDoNotLeadOutOfReach) {

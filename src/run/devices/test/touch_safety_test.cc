@@ -140,10 +140,10 @@ std::vector<TickRow> run_touch_with(const TouchCase& bad, std::string& trouble) 
   TouchDevice device("");
   hd.set([](HdWorld& world) { world.stepped = true; });
   TouchInStep stepped(device, hd, bad);
-  scene::Setup setup = test::block_and_hand();
+  scene::Scene setup = test::block_and_hand();
   setup.devices[0].kind = "touch";
   std::vector<TickRow> rows = test::run_through(setup, stepped);
-  trouble = device.trouble();
+  trouble = device.last_error();
   hd.set([](HdWorld& world) { world.stepped = false; });
   return rows;
 }

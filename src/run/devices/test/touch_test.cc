@@ -103,7 +103,7 @@ TEST_F(Touch, BearsWhatItsModelBearsAndNoMoreThanItTellsItself) {
 TEST_F(Touch, OpensTheDefaultDeviceWithItsForceOnAtOneKilohertz) {
   const TouchDevice device("");
   EXPECT_EQ(device.description(), "Stand-in Touch (serial number 1234, driver 4.0), at most 3.3 N");
-  EXPECT_EQ(device.trouble(), "");
+  EXPECT_EQ(device.last_error(), "");
   hd_.set([](const HdWorld& world) {
     EXPECT_TRUE(world.arms[0].force_enabled);
     EXPECT_EQ(world.rate, 1000U);
@@ -247,7 +247,7 @@ TEST_F(Touch, ASilentSchedulersSampleGrowsOlderByTheClock) {
   const double old = device.read(1, 0.001).age;
   EXPECT_GE(old - young, 0.008);
   EXPECT_LE(old - young, 1e-9 * static_cast<double>(monotonic_ns() - begun) + 1e-3);
-  EXPECT_THAT(device.trouble(), HasSubstr("too slowly or none"));
+  EXPECT_THAT(device.last_error(), HasSubstr("too slowly or none"));
   EXPECT_EQ(device.read(2, 0.002).fault, Fault::kNone) << "the loop makes a fault of the age";
   let_run();
 }
@@ -279,7 +279,7 @@ TEST_F(Touch, TheTemperatureIsAskedForSeldomAndAnArmThatTellsNoneIsInOrder) {
   }
   EXPECT_GE(monotonic_ns() - begun, 2 * TouchScheduler::kTemperatureEvery) << "the third one";
   EXPECT_EQ(silent.read(0, 0.0).fault, Fault::kNone);
-  EXPECT_EQ(silent.trouble(), "");
+  EXPECT_EQ(silent.last_error(), "");
   EXPECT_EQ(telling.read(0, 0.0).fault, Fault::kNone);
 }
 
@@ -306,14 +306,14 @@ TEST_F(Touch, TheInkwellAndAReleasedStylusTakeTheForceAway) {
   EXPECT_THAT(force_at_the_arm(), ElementsAre(0.0, 1.0, 0.0));
   hd_.arm([](HdArm& arm) { arm.in_inkwell = true; });
   give_in_vain(device, Vec3(0.0, 0.0, 1.0));
-  EXPECT_THAT(device.trouble(), HasSubstr("in the inkwell: take it out"));
+  EXPECT_THAT(device.last_error(), HasSubstr("in the inkwell: take it out"));
   EXPECT_EQ(device.read(1, 0.001).fault, Fault::kForceOff);
   hd_.arm([](HdArm& arm) {
     arm.in_inkwell = false;
     arm.held = false;
   });
   give_in_vain(device, Vec3(0.0, 0.0, 1.0));
-  EXPECT_THAT(device.trouble(), HasSubstr("was let go: hold it"));
+  EXPECT_THAT(device.last_error(), HasSubstr("was let go: hold it"));
   EXPECT_EQ(device.read(2, 0.002).fault, Fault::kForceOff);
   let_run();
 }
@@ -359,8 +359,8 @@ TEST_F(Touch, AnErrorIsThatOfTheArmItNames) {
   hd_.arm([](HdArm& arm) { arm.frame_error = 0x0302; }, 1);
   hd_.step();
   hd_.arm([](HdArm& arm) { arm.frame_error = 0; }, 1);
-  EXPECT_THAT(left.trouble(), HasSubstr("does not communicate"));
-  EXPECT_EQ(right.trouble(), "");
+  EXPECT_THAT(left.last_error(), HasSubstr("does not communicate"));
+  EXPECT_EQ(right.last_error(), "");
   EXPECT_EQ(right.read(1, 0.001).fault, Fault::kNone);
   EXPECT_EQ(left.read(1, 0.001).fault, Fault::kDevice);
   std::this_thread::sleep_for(std::chrono::nanoseconds(TouchScheduler::kErrorShown));
@@ -391,7 +391,7 @@ TEST_F(Touch, EachErrorAtTheOpeningIsToldWithWhatToDo) {
       {0x0600, "install the licence"}, {0x0777, "OpenHaptics error 0x0777: switch the arm off and on"},
   };
   for (const auto& [code, mend] : errors) {
-    EXPECT_THAT(words_of_hd_error(code), HasSubstr(mend));
+    EXPECT_THAT(describe_hd_error(code), HasSubstr(mend));
     hd_.arm([code = code](HdArm& arm) { arm.init_error = code; });
     EXPECT_THAT(touch_refusal(),
                 AllOf(HasSubstr("device touch: the default device cannot be opened: "), HasSubstr(mend)));
@@ -472,7 +472,7 @@ TEST_F(Touch, IsOpenedByAScenesHandsAndOutsideAScene) {
   EXPECT_TRUE(scene::find_device_kind("touch")->held);
   EXPECT_FALSE(scene::find_device_kind("touch")->torque);
   hd_.arm([](HdArm& arm) { arm.position[0] = 20.0; }, 1);
-  scene::Setup setup;
+  scene::Scene setup;
   setup.devices.resize(2);
   for (scene::DeviceSetup& device : setup.devices) device.kind = "touch";
   setup.devices[1].path = "Left";

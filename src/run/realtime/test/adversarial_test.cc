@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/haptics/prepared_change.h"
+#include "core/haptics/prepared_update.h"
 #include "core/haptics/test/test_world.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 
 namespace palpate::haptics {
 namespace {
@@ -110,8 +110,8 @@ void change_tissue(const SimulationWorld& world, SimulationState& state, std::mt
     tissue.relaxation.push_back({0.33 * unit(random) + 1e-6, 1e-3 + unit(random)});
   }
   const LiveNoise noise{random() % 2 == 0, 1e-4 * unit(random), 1e-3 + 1e-2 * unit(random)};
-  apply_change(world, state,
-               prepare_change(world, live_change(tissue, noise, kTissueChanged | kNoiseChanged)));
+  apply_update(world, state,
+               prepare_update(world, parameter_update(tissue, noise, kTissueChanged | kNoiseChanged)));
 }
 
 /// @param changes whether tissue and noise change every 150 samples

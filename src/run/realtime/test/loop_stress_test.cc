@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/ring.h"
+#include "core/base/spsc_queue.h"
 #include "core/haptics/test/test_world.h"
 #include "io/system/clock.h"
 #include "run/realtime/loop.h"
@@ -57,7 +57,7 @@ struct Onlookers final : TickObserver {
   void on_tick(const TickState& now) noexcept override { progress.store(now.tick + 1); }
 
   SnapshotPublisher publisher;
-  Ring<FaultSeen> news{64};
+  SpscQueue<FaultSeen> news{64};
   std::atomic<std::uint64_t> progress{0};
   RunControl control;
   std::uint64_t snapshots = 0;  // of the drawing thread

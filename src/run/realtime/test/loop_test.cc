@@ -197,7 +197,7 @@ TEST(Loop, AfterAStopByTheWatchdogNoForceIsWrittenUntilTheGatesOwnIsZero) {
     if (tick == 449) sleep_until_ns(monotonic_ns() + 2 * kStallAfter);
     return pressing(time);
   });
-  device.heard = [&](const ForceCommand& command) { written.push_back(command.force.norm()); };
+  device.on_write = [&](const ForceCommand& command) { written.push_back(command.force.norm()); };
   LoopOptions options{.ticks = 500};
   options.stalled_after_ns = kStallAfter;
   const Outcome outcome = run_with(device, options);
@@ -258,9 +258,10 @@ TEST(Loop, APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
 }
 
 TEST(Loop, SaysPausesInTenthsOfASecond) {
-  EXPECT_EQ(told_pauses(1, 300'000'000), "the run was paused once, for 0.3 s; its times leave that out");
-  EXPECT_EQ(told_pauses(2, 2'260'000'000), "the run was paused 2 times, for 2.3 s; its times leave that out");
-  EXPECT_EQ(told_pauses(1, 49'000'000),
+  EXPECT_EQ(describe_pauses(1, 300'000'000), "the run was paused once, for 0.3 s; its times leave that out");
+  EXPECT_EQ(describe_pauses(2, 2'260'000'000),
+            "the run was paused 2 times, for 2.3 s; its times leave that out");
+  EXPECT_EQ(describe_pauses(1, 49'000'000),
             "the run was paused once, for less than 0.1 s; its times leave that out");
 }
 
@@ -409,7 +410,7 @@ TEST(Loop, RunsOnTheCoreThatIsAskedForAndRefusesOneThatIsNotThere) {
 
 TEST(Loop, ARefusedCommandIsADeviceFaultAtTheNextTick) {
   FakeDevice device = presser();
-  device.refuse_write = 450;
+  device.failing_write = 450;
   const Outcome outcome = run_with(device, {.ticks = 500, .offline = true});
   EXPECT_EQ(outcome.rows[449].fault, 0u);
   EXPECT_EQ(outcome.rows[450].fault, static_cast<std::uint32_t>(Fault::kDevice));

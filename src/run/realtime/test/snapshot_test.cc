@@ -7,7 +7,7 @@
 
 #include "core/haptics/test/test_world.h"
 #include "io/system/clock.h"
-#include "palpate/live_changes.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/tick_observer.h"
 #include "run/realtime/loop.h"
 
@@ -41,12 +41,12 @@ TEST(Snapshot, CarriesFaultsParametersAndTheTimeOfItsTick) {
   const SimulationWorld world = block_and_balls(1, 1000.0);
   SimulationState state(world);
   model::TissueParameters tissue = model::tissue_preset("gallbladder");
-  LiveChanges updates(world, tissue, {});
+  ParameterUpdates updates(world, tissue, {});
   tissue.reach.bar_ratio = 1.5 * tissue.reach.bar_ratio;
   (void)updates.offer(tissue);
   RunControl control(&updates);
   FakeDevice device([](std::uint64_t, double time) { return pressing(time); });
-  device.refuse_write = 30;
+  device.failing_write = 30;
   Device* devices[] = {&device};
   SnapshotPublisher publisher;
   const std::int64_t before = monotonic_ns();

@@ -68,14 +68,14 @@ TEST(Watchdog, KeepsTheFirstStopsAndCountsTheRest) {
   FakeDevice device = still();
   Device* devices[] = {&device};
   Watchdog watchdog(devices, 1);
-  const auto most = static_cast<int>(WatchdogStop::kMostKept);
+  const auto most = static_cast<int>(WatchdogStop::kMaxKept);
   for (int i = 0; i < most + 3; ++i) {
     watchdog.beat(static_cast<std::uint64_t>(i), monotonic_ns());
     ASSERT_TRUE(stopped(device, i + 1));
   }
   const std::vector<WatchdogStop> kept = watchdog.finish();
-  EXPECT_EQ(kept.size(), WatchdogStop::kMostKept);
-  EXPECT_EQ(watchdog.stops(), WatchdogStop::kMostKept + 3);
+  EXPECT_EQ(kept.size(), WatchdogStop::kMaxKept);
+  EXPECT_EQ(watchdog.stops(), WatchdogStop::kMaxKept + 3);
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ namespace {
 using haptics::DeviceState;
 
 /// A ball over a block, in a scripted hand.
-scene::Setup block() {
-  scene::Setup setup = devices::test::block_and_hand();
+scene::Scene block() {
+  scene::Scene setup = devices::test::block_and_hand();
   setup.devices[0].kind = "scripted";
   return setup;
 }
@@ -116,7 +116,7 @@ TEST(Session, TheLimitsFollowADeviceThatBearsLessThanTheSceneAsksForAndTheUserHe
   const test::TemporaryFolder folder;
   auto arm = std::make_unique<WeakArm>(weak_abilities());
   const WeakArm& felt = *arm;
-  scene::Setup setup = block();
+  scene::Scene setup = block();
   setup.noise.enabled = false;
   setup.noise.gain = 0.0;
   Session session(setup, with(std::move(arm), 0.5));
@@ -133,7 +133,7 @@ TEST(Session, TheLimitsFollowADeviceThatBearsLessThanTheSceneAsksForAndTheUserHe
 }
 
 TEST(Session, TheUserHearsThatAnOrganIsTooThinForTheDefaultPath) {
-  scene::Setup setup = block();
+  scene::Scene setup = block();
   setup.organ = geometry::make_box({100e-3, 100e-3, 5e-3}, 10e-3);
   const RunResult result = Session(setup).run({.offline = true});
   EXPECT_THAT(result.scene_remarks, testing::Contains(testing::HasSubstr("the organ is 5 mm thick where")));
@@ -146,7 +146,7 @@ TEST(Session, AFittedDeviceFeelsTheTissueNoStifferThanItBears) {
   const auto most_force = [&](bool fit, const std::filesystem::path& file) {
     auto arm = std::make_unique<WeakArm>(abilities);
     const WeakArm& felt = *arm;
-    scene::Setup setup = block();
+    scene::Scene setup = block();
     setup.noise.enabled = false;
     setup.devices[0].fit = fit;
     Session session(setup, with(std::move(arm), 0.5));

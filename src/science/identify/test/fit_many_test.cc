@@ -18,7 +18,7 @@
 namespace palpate::identify {
 namespace {
 
-/// F = 0.05 (exp(d/4 mm) - 1) N to 12 mm in 24 points, 1 % noise.
+/// F = 0.05 (exp(d/4 mm) - 1) N up to 12 mm in 24 points, with 1 % noise.
 Specimen measured_curve(std::uint32_t number) {
   Random random(5, number, 0);
   Specimen specimen;
@@ -68,8 +68,8 @@ std::vector<std::string> lines_in(const std::string& file) {
 
 TEST(FitRecord, ReadsBackToTheBit) {
   const SpecimenFit fit = plain_fit();
-  const SpecimenFit back = fit_of(line_of("key", fit));
-  EXPECT_EQ(line_of("key", back), line_of("key", fit));
+  const SpecimenFit back = parse_record_line(record_line("key", fit));
+  EXPECT_EQ(record_line("key", back), record_line("key", fit));
   EXPECT_EQ(back.name, fit.name);
   EXPECT_EQ(back.law, fit.law);
   EXPECT_EQ(back.estimates[0].value, 0.1 + 0.2);
@@ -86,9 +86,9 @@ TEST(FitRecord, ReadsBackToTheBit) {
 }
 
 TEST(FitRecord, RefusesWhatIsNoWholeLine) {
-  const std::string line = line_of("key", plain_fit());
-  EXPECT_THROW((void)fit_of(line.substr(0, line.size() / 2)), InputError);
-  EXPECT_THROW((void)fit_of("{}"), InputError);
+  const std::string line = record_line("key", plain_fit());
+  EXPECT_THROW((void)parse_record_line(line.substr(0, line.size() / 2)), InputError);
+  EXPECT_THROW((void)parse_record_line("{}"), InputError);
   EXPECT_THROW((void)doubles_of("seven b"), InputError);
   EXPECT_THROW((void)specimens_of("short"), InputError);
 }
@@ -98,32 +98,33 @@ TEST(FitRecord, RefusesACurveWithColumnsOfDifferentLength) {
        {&Curve::time, &Curve::displacement, &Curve::measured, &Curve::fitted, &Curve::low, &Curve::high}) {
     SpecimenFit fit = plain_fit();
     (fit.curve.*column).push_back(0.1);
-    EXPECT_THROW((void)fit_of(line_of("key", fit)), InputError);
+    EXPECT_THROW((void)parse_record_line(record_line("key", fit)), InputError);
   }
 }
 
 TEST(FitRecord, ACountThatIsNoWholeNumberIsRefusedByName) {
-  const std::string plain = line_of("key", plain_fit());
+  const std::string plain = record_line("key", plain_fit());
   for (const std::string count : {"layers_allowed", "layers_reached", "terms", "points", "rows"}) {
     const std::string field = '"' + count + "\":";
     const std::string line = std::regex_replace(plain, std::regex(field + "\\d+"), field + "1e30");
-    EXPECT_THAT([&] { (void)fit_of(line); }, ::testing::ThrowsMessage<InputError>(::testing::StartsWith(
-                                                 count + " is 1e+30, want a whole number")));
+    EXPECT_THAT([&] { (void)parse_record_line(line); },
+                ::testing::ThrowsMessage<InputError>(
+                    ::testing::StartsWith(count + " is 1e+30, want a whole number")));
   }
 }
 
 TEST(FitRecord, AKeyChangesWithDataFlagsAndNumber) {
   const Specimen specimen = measured_curve(1);
   const Settings settings;
-  const std::string key = key_of(specimen, settings, 0);
-  EXPECT_EQ(key_of(specimen, settings, 0), key);
+  const std::string key = record_key(specimen, settings, 0);
+  EXPECT_EQ(record_key(specimen, settings, 0), key);
   Specimen other = specimen;
   other.force[3] = std::nextafter(other.force[3], 1.0);
-  EXPECT_NE(key_of(other, settings, 0), key);
+  EXPECT_NE(record_key(other, settings, 0), key);
   Settings more = settings;
   more.bootstrap = 1;
-  EXPECT_NE(key_of(specimen, more, 0), key);
-  EXPECT_NE(key_of(specimen, settings, 1), key);
+  EXPECT_NE(record_key(specimen, more, 0), key);
+  EXPECT_NE(record_key(specimen, settings, 1), key);
 }
 
 TEST(FitRecord, SpecimensGoBetweenRanksUnchanged) {
@@ -142,7 +143,7 @@ TEST(FitMany, GoesOnWhereABrokenOffRunWas) {
   const std::vector<Specimen> specimens = {measured_curve(1), measured_curve(2)};
   Settings settings;
   settings.bootstrap = 2;
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   const ManyFits whole = fit_many(specimens, settings, alone, file, {});
   EXPECT_EQ(whole.resumed, 0U);
   const std::vector<std::string> lines = lines_in(file);
@@ -151,7 +152,7 @@ TEST(FitMany, GoesOnWhereABrokenOffRunWas) {
   const ManyFits again = fit_many(specimens, settings, alone, file, {});
   EXPECT_EQ(again.resumed, 1U);
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(line_of("", again.specimens[i]), line_of("", whole.specimens[i])) << i;
+    EXPECT_EQ(record_line("", again.specimens[i]), record_line("", whole.specimens[i])) << i;
   }
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(again.pooled.estimates[i].interval.low, whole.pooled.estimates[i].interval.low) << i;
@@ -162,7 +163,7 @@ TEST(FitMany, NamesASpecimenThatCannotBeFitted) {
   Specimen few = measured_curve(1);
   few.force.resize(4);
   few.displacement.resize(4);
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   EXPECT_THROW((void)fit_many({few}, Settings{}, alone, "", {}), InputError);
   EXPECT_THROW((void)fit_many({measured_curve(1)}, Settings{}, alone, "/nowhere/fits.jsonl", {}), InputError);
 }

@@ -38,7 +38,8 @@ double force_of(LawKind law, double depth) {
   return model::LayeredSpringLaw(truth(), Direction::kPress, 1e-3).force_at(depth).force;
 }
 
-/// To 15 mm; first contact at 0.1 mm, sensor 5 mN off; noise in shares of the range.
+/// A specimen of that tissue to 15 mm: first contact at 0.1 mm, sensor offset 5 mN, noise as a fraction of
+/// the range.
 Specimen curve(LawKind law, double noise, std::uint32_t number, int points = 60) {
   Random random(99, number, 0);
   Specimen specimen;
@@ -73,7 +74,7 @@ TEST(FitSpecimen, FindsTheParametersOfCurvesWithoutNoise) {
   }
 }
 
-// Of five noisy curves a law each, all with fixed seeds: an interval of 95 % misses one parameter in twenty.
+// Five noisy curves per law with fixed seeds: a 95 % interval misses one parameter in twenty.
 TEST(FitSpecimen, IntervalsHoldTheTruth) {
   const double wanted[] = {20.0, 1.8, 0.7, 6e-3, 1e-4, 5e-3};
   for (const LawKind law : {LawKind::kLayered, LawKind::kSmooth}) {
@@ -105,8 +106,7 @@ TEST(FitSpecimen, GivesTheSameBitsTwice) {
   }
 }
 
-// What the outliers do, apart from what the noise does: beside the fit of the same curve without the two
-// points.
+// The effect of the outliers alone: compared with the fit of the same curve without these two points.
 TEST(FitSpecimen, OutliersHardlyCountAndAreTold) {
   constexpr double kNoise = 0.005;
   Specimen specimen = curve(LawKind::kSmooth, kNoise, 4);
@@ -128,7 +128,7 @@ TEST(FitSpecimen, OutliersHardlyCountAndAreTold) {
   EXPECT_THAT(fit.warnings, testing::Contains(testing::HasSubstr("2 points lie far off the curve")));
 }
 
-// A robot that counts from where it is 3 mm deep, with a sensor that is 0.2 N off.
+// A robot whose displacement starts 3 mm deep, with a sensor offset of 0.2 N.
 TEST(FitSpecimen, FitsACurveThatBeginsAfterContact) {
   Specimen late;
   late.name = "late";
@@ -154,7 +154,7 @@ TEST(FitSpecimen, SaysThatDataDoNotHaveTheLawsShape) {
 }
 
 TEST(FitSpecimen, SaysWhatTheDataDoNotDetermine) {
-  Specimen line;  // the first layer alone: any beta and q
+  Specimen line;  // only the first layer: beta and q are arbitrary
   line.name = "line";
   for (int i = 1; i <= 30; ++i) {
     line.displacement.push_back(1e-3 * i / 10);
@@ -165,7 +165,7 @@ TEST(FitSpecimen, SaysWhatTheDataDoNotDetermine) {
   EXPECT_THAT(fit.warnings, testing::Contains(testing::HasSubstr("measure to about")));
 }
 
-/// Pressed in 1 s, then held, with so many points a second.
+/// Pressed in 1 s, then held, with the given number of points per second.
 Specimen press_and_hold(LawKind law, const std::vector<model::RelaxationTerm>& terms, int rate_Hz,
                         int points) {
   const model::Relaxation relaxation(terms, 1.0 / rate_Hz);
@@ -201,7 +201,7 @@ TEST(FitSpecimen, FindsRelaxationOfAPressAndHold) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(exact.size())) / range, 0.03);
 }
 
-// The curvature's intervals go with the terms that they belong to.
+// The intervals of the covariance belong to the correct relaxation terms.
 TEST(FitSpecimen, OrdersRelaxationTermsByTheirTimes) {
   Settings settings = settings_for(LawKind::kSmooth);
   settings.relaxation = true;
@@ -257,7 +257,7 @@ TEST(FitPooled, OneSetOfParametersForSpecimensWithOffsetsOfTheirOwn) {
   EXPECT_NO_THROW(model::validate(pooled.tissue));
 }
 
-// Three lines of 20 N/m, 3 mm deep: L_1 is at least 3 mm, and any beta and q make the same curve.
+// Three straight lines of 20 N/m, 3 mm deep: L_1 is at least 3 mm, and beta and q have no effect.
 TEST(FitPooled, TheIntervalOfWhatNoSpecimenTellsIsAllThatWasTried) {
   std::vector<Specimen> specimens;
   std::vector<SpecimenFit> fits;

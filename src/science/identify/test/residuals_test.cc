@@ -11,7 +11,7 @@
 namespace palpate::identify {
 namespace {
 
-/// A loss that bends most residuals and points of other weights.
+/// A problem whose loss reduces most residuals, with unequal weights of the points.
 Problem bent_problem(const Specimen& specimen) {
   Settings settings;
   settings.law = model::LawKind::kSmooth;
@@ -58,7 +58,7 @@ TEST(Residuals, TheSensorsZeroMovesThemAlikeAndALossThemLess) {
   problem.loss_scale = std::numeric_limits<double>::infinity();
   const std::vector<double> plain = jacobian(problem, part, shared, Point{0.0, 0.0});
   const std::size_t columns = shared.size() + kOwnParameters;
-  const std::size_t offset = columns - 1;  // the sensor's zero, in shares of the range of force
+  const std::size_t offset = columns - 1;  // the sensor offset, as a fraction of the force range
   for (std::size_t r = 0; r < specimen.size(); ++r) {
     EXPECT_NEAR(plain[r * columns + offset], std::sqrt(part.weight[r]), 1e-9) << r;
     EXPECT_LE(std::abs(with_loss[r * columns + offset]), plain[r * columns + offset] + 1e-9) << r;

@@ -16,7 +16,7 @@ namespace {
 using palpate::test::TemporaryFolder;
 using testing::HasSubstr;
 
-/// Ten rows that can be fitted, then `more`.
+/// Ten valid rows, then `more`.
 std::string rows(const std::string& more = "") {
   std::string text;
   for (int i = 0; i < 10; ++i) text += std::to_string(i) + ",0." + std::to_string(i) + "\n";
@@ -84,7 +84,8 @@ TEST(ReadSpecimens, LeavesOutRowsOfZerosInTimeToo) {
   EXPECT_EQ(all[0].empty_rows, 2U);
 }
 
-// 17 rows pressed and let go, the force on the way back 40 % of that on the way in: hysteresis is no noise.
+// 17 rows of loading and unloading; the unloading force is 40 % of the loading force. Hysteresis is not
+// noise.
 TEST(ReadSpecimens, TakesALoadingAndUnloadingCurveOfFewRows) {
   std::string text = "time_s,displacement_mm,force_N\n";
   for (int i = 0; i < 17; ++i) {

@@ -9,16 +9,16 @@
 
 namespace palpate::identify {
 
-/// Two springs one after the other.
+/// Two layers that are compressed one after the other.
 struct Springs {
   double first = 20.0;    // N/m
-  double second = 100.0;  // N/m, past the knot
+  double second = 100.0;  // N/m, beyond the knot
   double knot = 4e-3;     // m
   double deepest = 8e-3;  // m
   double noise = 2e-3;    // N, standard deviation
 };
 
-/// 40 points of them. @param number of the noise
+/// A specimen of 40 points. @param number seed of the noise
 inline Specimen springs(const Springs& of, std::uint32_t number) {
   constexpr int kPoints = 40;
   Random random(11, number, 0);
@@ -33,7 +33,7 @@ inline Specimen springs(const Springs& of, std::uint32_t number) {
   return specimen;
 }
 
-/// Two springs by chance: the second 2.5 to 9 times as stiff, noise of 0.1 to 2 % of the range of force.
+/// Random springs: the second 2.5 to 9 times as stiff, noise of 0.1 to 2 % of the force range.
 inline Springs random_springs(std::uint32_t number) {
   Random random(12, number, 0);
   const auto between = [&random](double low, double high) { return low + random.uniform() * (high - low); };

@@ -20,20 +20,20 @@ namespace {
 constexpr std::size_t kQ = 2;
 constexpr std::size_t kLimit = 3;
 
-/// Two springs one after the other: 20 N/m to 4 mm, 100 N/m from there to 8 mm; noise of 2 mN.
+/// Two layers: 20 N/m up to 4 mm, then 100 N/m up to 8 mm; noise of 2 mN.
 Specimen bent(std::uint32_t number) { return springs({}, number); }
 
 ManyFits fits_of(const std::vector<Specimen>& specimens) {
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   return fit_many(specimens, Settings{}, alone, "", {});
 }
 
 Sweeps sweeps_of(const std::vector<Specimen>& specimens, const ManyFits& fits, const std::string& request) {
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   return sweep_many(specimens, fits, sweep_requests("--sweep", request), Settings{}, alone, "", {});
 }
 
-/// What a line with `point` says when it is read, "" when it is taken.
+/// The error message for a line with `point`; "" when the line is valid.
 std::string refused(const std::string& values, const std::string& point) {
   const std::string line =
       R"({"best_nrmse":0.1,"found_better":false,"values":)" + values + R"(,"points_swept":[)" + point + "]}";
@@ -58,18 +58,18 @@ TEST(SweepLine, WithoutItsPointsTheirParametersOrAWholeNumberOfThemIsRefused) {
 TEST(SweepLine, AParameterOfTheLawThatIsNotGreaterThanZeroIsRefused) {
   EXPECT_EQ(refused("1", "[0.0,0.2,1.0,0.5,1,2,3,4]"), "sweep's line: a parameter is 0.0, want a number > 0");
   EXPECT_EQ(refused("1", "[1,0.2,1.0,0.5,1,2,-3,4]"), "sweep's line: a parameter is -3, want a number > 0");
-  EXPECT_EQ(refused("1", "[1,0.2,1.0,0.5,1,2,3,4,0.0]"), "");  // relaxation's may be
+  EXPECT_EQ(refused("1", "[1,0.2,1.0,0.5,1,2,3,4,0.0]"), "");  // relaxation parameters may be 0
 }
 
 TEST(Sweep, AParameterThatTheDataTellIsBoundedOnBothSides) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const Sweeps sweeps = sweeps_of(specimens, fits, "limit_mm=1.5:9:25");
-  ASSERT_EQ(sweeps.all.size(), 1U);  // one specimen: nothing to pool
+  ASSERT_EQ(sweeps.all.size(), 1U);  // one specimen: no pooled sweep
   const Sweep& sweep = sweeps.all.front();
   EXPECT_EQ(sweep.specimen, "bent 1");
   EXPECT_EQ(sweep.parameter, kLimit);
-  ASSERT_GE(sweep.points.size(), 26U);  // 25, and the fit's own
+  ASSERT_GE(sweep.points.size(), 26U);  // 25, and the value of the fit
   EXPECT_FALSE(sweep.open_below);
   EXPECT_FALSE(sweep.open_above);
   EXPECT_FALSE(sweep.found_better);
@@ -79,14 +79,14 @@ TEST(Sweep, AParameterThatTheDataTellIsBoundedOnBothSides) {
     EXPECT_GE(point.nrmse, sweep.best_nrmse * (1.0 - 1e-3)) << point.value;
     EXPECT_NEAR(point.others[kLimit], point.value, 1e-12);
     const Interval& interval = fits.specimens.front().estimates[kLimit].interval;
-    // which holds every value that the test leaves, and ends where that was found to a tenth of the way
+    // the interval contains each value of the confidence set; its end is accurate to a tenth of its length
     const bool inside = point.value > 0.95 * interval.low && point.value < 1.05 * interval.high;
     EXPECT_TRUE(inside || !point.within_95) << point.value;
   }
 }
 
-// A corner of the law that passes a data point makes a minimum of its own: the fits of these two curves
-// once ended in one of them, up to 4 % above the lowest.
+// A corner of the law that passes a data point makes a local optimum. The fits of these two curves once ended
+// in one of them, up to 4 % above the global one.
 TEST(Sweep, NoValueFitsBetterThanTheFitOfACurveWithManyMinima) {
   for (const std::uint32_t number : {5U, 12U}) {
     const std::vector<Specimen> specimens = {bent(number)};
@@ -107,8 +107,9 @@ TEST(Sweep, NoValueFitsClearlyBetterThanTheFitOfRandomSprings) {
   }
 }
 
-/// RMS over the range of force of the best o + k max(0, d - c), |c| at most `farthest`: least squares in o
-/// and k for each of 400 c.
+/// RMS error, divided by the force range, of the best o + k max(0, d - c) with
+/// c
+/// <= `farthest`: least squares in o and k for each of 400 values of c.
 double best_spring(const Specimen& specimen, double farthest) {
   const auto n = static_cast<double>(specimen.size());
   double least = 1e300;
@@ -129,8 +130,8 @@ double best_spring(const Specimen& specimen, double farthest) {
   return std::sqrt(least) / (*strong - *weak);
 }
 
-// With L_1 at 12 mm, past all of the data, one spring is left; its first contact may move by a quarter of the
-// range at most, and is held by what is usual.
+// With L_1 = 12 mm, beyond all data, one spring remains. Its first contact may move by a quarter of the
+// range, and its prior limits it.
 TEST(Sweep, TheErrorIsThatOfTheBestCurveWithThatValue) {
   const Specimen specimen = bent(2);
   const Sweeps sweeps = sweeps_of({specimen}, fits_of({specimen}), "limit_mm=2:12:3");
@@ -139,7 +140,7 @@ TEST(Sweep, TheErrorIsThatOfTheBestCurveWithThatValue) {
   EXPECT_LT(nrmse, 1.01 * best_spring(specimen, 0.0));
 }
 
-// A thin weak layer before the first, between 4 and 5 N/m, fits this curve nearly as well as 21 N/m do.
+// A thin soft first layer, between 4 and 5 N/m, fits this curve nearly as well as 21 N/m.
 TEST(Sweep, FindsWhatTheDataLeaveBetweenItsValues) {
   const std::vector<Specimen> specimens = {bent(12)};
   const ManyFits fits = fits_of(specimens);
@@ -154,7 +155,8 @@ TEST(Sweep, FindsWhatTheDataLeaveBetweenItsValues) {
 }
 
 TEST(Sweep, AgreesWithIntervalsOnMinimaFarFromTheBest) {
-  for (std::uint32_t number = 0; number < 3; ++number) {  // one near 4.3 N/m, which the data rule out
+  for (std::uint32_t number = 0; number < 3; ++number) {  // one has an optimum near 4.3 N/m that the data
+                                                          // reject
     const std::vector<Specimen> specimens = {bent(number)};
     const ManyFits fits = fits_of(specimens);
     EXPECT_GT(fits.specimens.front().estimates[0].interval.low, 18.0) << number;
@@ -171,11 +173,11 @@ TEST(Sweep, AParameterThatNoDataTellStaysOpenAtBothEnds) {
     specimens.push_back(bent(n));
     for (std::size_t i = 0; i < specimens.back().size(); ++i) {
       const double depth = specimens.back().displacement[i];
-      if (depth > 4e-3) specimens.back().force[i] -= 80.0 * (depth - 4e-3);  // 20 N/m all the way
+      if (depth > 4e-3) specimens.back().force[i] -= 80.0 * (depth - 4e-3);  // 20 N/m throughout
     }
   }
   const Sweeps sweeps = sweeps_of(specimens, fits_of(specimens), "q=0.1:2.5:9");
-  ASSERT_EQ(sweeps.all.size(), 3U);  // each, then both together
+  ASSERT_EQ(sweeps.all.size(), 3U);  // one for each, then the pooled one
   EXPECT_EQ(sweeps.all[2].specimen, "");
   for (const Sweep& sweep : sweeps.all) {
     EXPECT_EQ(sweep.parameter, kQ);
@@ -201,13 +203,13 @@ TEST(Sweep, GoesOnWhereABrokenOffRunWas) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:5");
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   EXPECT_EQ(whole.resumed, 0U);
   std::string text;
   {
     std::ifstream in(file);
-    std::getline(in, text);  // ends a line that might have been cut off
+    std::getline(in, text);  // terminates a line that might have been cut off
     std::getline(in, text);
   }
   std::ofstream(file, std::ios::trunc) << text << "\n{\"key\": \"cut o";
@@ -241,7 +243,7 @@ TEST(Sweep, ComputesAgainWhatALineOfTheResultsFileLacks) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:2:5");
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   std::string emptied;
   {
@@ -263,7 +265,7 @@ TEST(Sweep, RefusesLinesThatSayThemselvesThatTheyHaveNoValues) {
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
   const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:3");
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   (void)sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   std::string emptied;
   {

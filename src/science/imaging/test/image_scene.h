@@ -1,5 +1,6 @@
 #pragma once
-// Side views with a known answer, drawn by an own small renderer that shares no code with the measurement.
+// Synthetic side views with a known displacement, drawn by a small renderer that shares no code with the
+// measurement.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,35 +17,37 @@
 
 namespace palpate::imaging::test {
 
-/// A tissue body under a background, pressed by a ball on a shaft. Lengths in pixels but where said; y down.
+/// A tissue body in front of a background, pressed by a ball on a shaft. Lengths in pixels unless stated; y
+/// down.
 struct SideView {
   int width = 900;
   int height = 460;
   double mm_per_px = 0.1;
-  double surface_y = 200.0;  // of the flat surface, in the picture's middle column
-  double dome = 0.0;         // rows that the surface falls a (column/width)^2 from the middle
+  double surface_y = 200.0;  // of the flat surface, in the middle column
+  double dome = 0.0;         // the surface falls by a (column/width)^2 rows from the middle
   double centre_x = 450.0;   // of the contact
   double depth_mm = 6.0;     // D; negative: pulled
   double tip_mm = 3.0;       // R
-  double above = 0.75;       // brightness, share of white
+  double above = 0.75;       // brightness, 1 = white
   double below = 0.40;
   double texture = 0.02;  // of both, standard deviation
-  double uneven = 0.0;    // the light at the right is this much dimmer than at the left
-  double turn = 0.0;      // rad, of the camera
-  double shift_x = 0.0;   // of the camera
+  double uneven = 0.0;    // relative decrease of the light from left to right
+  double turn = 0.0;      // rad, rotation of the camera
+  double shift_x = 0.0;   // shift of the camera
   double shift_y = 0.0;
   bool instrument = true;
   double instrument_light = 0.15;
-  std::vector<double> bars;  // columns where something stands in front of the line
+  std::vector<double> bars;  // columns where an object hides the line
   double bar_width = 40.0;
-  std::vector<std::array<double, 3>> spots;  // column, rows below the line, radius: specular
+  std::vector<std::array<double, 3>> spots;  // highlights: column, rows below the line, radius
   double blur = 0.0;                         // px, standard deviation
-  double noise = 0.0;                        // share of white
-  int jpeg = 0;                              // quality; 0: not compressed
+  double noise = 0.0;                        // 1 = white
+  int jpeg = 0;                              // quality; 0: no compression
   std::uint32_t seed = 1;
 };
 
-/// Radii and weights of model.md, section 3, written once more: c = 1.1, a = 0.43, s = 1.8, g = 0.58. Pixels.
+/// Radii and weights of model.md, section 3, implemented independently: c = 1.1, a = 0.43, s = 1.8, g = 0.58.
+/// Pixels.
 struct Bowl {
   explicit Bowl(const SideView& view) : depth_px(view.depth_mm / view.mm_per_px) {
     const double r1 = 1.1 * std::sqrt(view.tip_mm * std::abs(view.depth_mm)) / view.mm_per_px;
@@ -81,7 +84,7 @@ inline double surface_row(const SideView& view, const Bowl& bowl, double x) {
   return rest_row(view, x) + bowl.u(std::abs(x - view.centre_x));
 }
 
-/// Smooth noise of unit size: bilinear between random values on a lattice.
+/// Smooth noise of unit size: bilinear interpolation of random lattice values.
 inline double lattice_noise(double x, double y, double cell, std::uint32_t seed) {
   const double fx = std::floor(x / cell);
   const double fy = std::floor(y / cell);
@@ -98,13 +101,13 @@ inline double lattice_noise(double x, double y, double cell, std::uint32_t seed)
          v * ((1 - u) * value(fx, fy + 1) + u * value(fx + 1, fy + 1));
 }
 
-/// Of a pixel at a distance inside an edge; at 5 pixels it is 1 to the last bit.
+/// Coverage of a pixel at a distance inside an edge; exactly 1 at 5 pixels.
 inline double coverage(double distance) {
   if (std::abs(distance) > 5.0) return distance > 0.0 ? 1.0 : 0.0;
   return 0.5 * std::erfc(-distance / (0.5 * std::sqrt(2.0)));
 }
 
-/// Brightness of the scene at a place, before the camera.
+/// Brightness of the scene at a point, before the camera.
 inline double light_at(const SideView& view, const Bowl& bowl, double x, double y) {
   const double row = surface_row(view, bowl, x);
   const double slope = 0.5 * (surface_row(view, bowl, x + 1.0) - surface_row(view, bowl, x - 1.0));
@@ -162,7 +165,7 @@ inline void blur(std::vector<float>& gray, int width, int height, double sigma) 
   }
 }
 
-/// Compressed and read back, by libjpeg both ways; luma only.
+/// Compressed and decoded by libjpeg; luma only.
 inline std::vector<unsigned char> as_jpeg(const std::vector<unsigned char>& gray, int width, int height,
                                           int quality) {
   jpeg_compress_struct jpeg{};
@@ -222,7 +225,7 @@ inline Picture picture_of(const std::vector<unsigned char>& gray, int width, int
   return picture;
 }
 
-/// The photograph: scene, camera, blur, noise, eight bits, compression.
+/// The photograph: scene, camera, blur, noise, 8 bits, compression.
 inline Picture photograph(const SideView& view) {
   const Bowl bowl(view);
   std::vector<float> light;

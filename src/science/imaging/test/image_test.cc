@@ -1,4 +1,4 @@
-// What is measured in pictures with a known answer, and what is refused.
+// Measurements in pictures with a known answer, and rejected pictures.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -49,7 +49,7 @@ ImageMeasurement measure(const SideView& before, const SideView& after,
   return measure_pictures(test::photograph(before), test::photograph(after), with, "before.png", "after.png");
 }
 
-/// The words of a refusal; empty when there was none.
+/// The error message of a rejected pair; empty when it was accepted.
 std::string refusal(const Picture& before, const Picture& after, const ImageSettings& with = settings()) {
   try {
     (void)measure_pictures(before, after, with, "before.png", "after.png");
@@ -163,7 +163,7 @@ TEST(Image, RefusesDifferentSizes) {
 
 TEST(Image, RefusesTwoEquallyPlausibleLines) {
   Picture striped = test::photograph(rest());
-  for (int y = 330; y < striped.height; ++y) {  // the table under the tissue, as bright as what is above it
+  for (int y = 330; y < striped.height; ++y) {  // a table under the tissue, as bright as the background
     for (int x = 0; x < striped.width; ++x) {
       striped.gray[static_cast<std::size_t>(y) * static_cast<std::size_t>(striped.width) +
                    static_cast<std::size_t>(x)] = 0.75F;
@@ -233,7 +233,7 @@ TEST(ImageFile, RefusesWhatItCannotRead) {
   EXPECT_THROW((void)read_picture(folder / "none.png"), InputError);
   std::ofstream(folder / "text.png") << "not a picture";
   EXPECT_THROW((void)read_picture(folder / "text.png"), InputError);
-  // a PNG that says it is 60000 x 60000 pixels, in 33 bytes
+  // a PNG of 33 bytes that declares 60000 x 60000 pixels
   const unsigned char huge[] = {0x89, 'P',  'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a, 0,    0,    0,
                                 13,   'I',  'H', 'D', 'R',  0,    0,    0xea, 0x60, 0,    0,
                                 0xea, 0x60, 8,   2,   0,    0,    0,    0x3e, 0x2c, 0x9d, 0x0f};
@@ -247,7 +247,7 @@ TEST(Robust, TheMostPointsWin) {
   std::vector<double> y;
   for (int i = 0; i < 30; ++i) {
     x.push_back(i);
-    y.push_back(i % 3 == 0 ? 100.0 + i : 2.0 + 0.5 * i);  // every third elsewhere
+    y.push_back(i % 3 == 0 ? 100.0 + i : 2.0 + 0.5 * i);  // every third value is an outlier
   }
   const std::vector<double> line = robust_polynomial(x, y, 1, 0.1);
   EXPECT_NEAR(line[0], 2.0, 1e-2);

@@ -31,7 +31,7 @@ double between(identify::Random& random, double low, double high) {
   return low + (high - low) * random.uniform();
 }
 
-/// Both views alike.
+/// Applies a change to both views.
 template <typename Change>
 void both(Pair& pair, const Change& change) {
   change(pair.before);
@@ -65,7 +65,7 @@ struct Outcome {
   std::string why;
   double median_error = 0.0;  // px
   double p95_error = 0.0;
-  double held = 0.0;         // share of points within their stated uncertainty
+  double held = 0.0;         // fraction of points within their stated uncertainty
   double uncertainty = 0.0;  // px, median
   int confidence = 0;
 };
@@ -159,7 +159,7 @@ const std::vector<Kind>& kinds() {
   return all;
 }
 
-/// PALPATE_IMAGE_TRIALS pairs a kind (default 4: CI's share); tools/update_image_accuracy asks for more.
+/// PALPATE_IMAGE_TRIALS pairs per kind (default 4, for CI); tools/update_image_accuracy uses more.
 int trials() {
   const char* asked = std::getenv("PALPATE_IMAGE_TRIALS");
   return asked == nullptr ? 4 : std::max(1, std::atoi(asked));

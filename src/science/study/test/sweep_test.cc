@@ -35,8 +35,7 @@ std::string error_of_axis(const std::string& text) {
   return "";
 }
 
-/// A ball of 3 mm that comes down 2 mm into a block, without noise, friction and damping, in 0.4 s and goes
-/// back.
+/// A ball of 3 mm that presses 2 mm into a block, without noise, friction and damping, in 0.4 s and returns.
 class Bench final {
  public:
   Bench() {
@@ -82,7 +81,7 @@ class Bench final {
 };
 
 SweepResult swept(const SweepRequest& request) {
-  tasks::Ranks alone;
+  tasks::Communicator alone;
   return run_sweep(request, alone, {});
 }
 
@@ -120,7 +119,7 @@ TEST(Axis, TakesAListOfNumbersTruthsOrTexts) {
 TEST(Axis, TakesAKeyWithoutItsUnit) {
   EXPECT_EQ(parse_axis("--set", "tissue.k1=10").key, "tissue.k1_N_per_m");
   EXPECT_EQ(parse_axis("--set", "device.damping=1").key, "device.damping_N_s_per_m");
-  EXPECT_EQ(parse_axis("--set", "device.grip=light").key, "device.grip");  // not grip_N_per_m
+  EXPECT_EQ(parse_axis("--set", "device.grip=light").key, "device.grip");  // must not match grip_N_per_m
 }
 
 TEST(Axis, AWrongKeyIsToldTheRightOne) {
@@ -167,9 +166,9 @@ TEST(Sweep, EachRunHasItsOwnValues) {
   const Bench bench;
   const SweepResult result = swept(bench.request({"tissue.k1=10,20", "path.speed=1,4"}));
   const auto force = [&result](std::size_t run) { return quantity(result.rows[run], "peak_tissue_force_N"); };
-  EXPECT_NEAR(force(2), 2.0 * force(0), 1e-9);  // stiffness scales an elastic force
+  EXPECT_NEAR(force(2), 2.0 * force(0), 1e-9);  // an elastic force is proportional to stiffness
   EXPECT_NEAR(force(1), force(0), 1e-2 * force(0));
-  EXPECT_NEAR(quantity(result.rows[0], "contact_time_s"), 0.2, 0.003);  // 2 of 4 mm, both ways
+  EXPECT_NEAR(quantity(result.rows[0], "contact_time_s"), 0.2, 0.003);  // 2 of 4 mm, in both directions
   EXPECT_NEAR(quantity(result.rows[1], "contact_time_s"), 0.05, 0.003);
 }
 
@@ -178,9 +177,9 @@ TEST(Sweep, AnElasticPressGivesItsWorkBack) {
   const SweepResult result = swept(bench.request({"tissue.contact.damping=0,5"}));
   const auto of = [&result](std::size_t run, const char* name) { return quantity(result.rows[run], name); };
   EXPECT_GT(of(0, "loading_work_mJ"), 0.0);
-  EXPECT_LT(of(0, "loading_work_mJ"), of(0, "peak_tissue_force_N") * 2.0);  // its force rises over the 2 mm
+  EXPECT_LT(of(0, "loading_work_mJ"), of(0, "peak_tissue_force_N") * 2.0);  // the force rises over the 2 mm
   EXPECT_LT(std::abs(of(0, "dissipated_energy_mJ")), 0.02 * of(0, "loading_work_mJ"));
-  // a damper of 5 N s/m at 0.02 m/s over 2 mm there; on the way back it never pulls
+  // a damper of 5 N s/m at 0.02 m/s over 2 mm inwards; it never pulls on the way back
   EXPECT_GT(of(1, "dissipated_energy_mJ"), 0.5 * 5.0 * 0.02 * 2.0);
   EXPECT_LT(of(1, "dissipated_energy_mJ"), 1.1 * 5.0 * 0.02 * 4.0);
 }
@@ -311,7 +310,7 @@ TEST(Sweep, ALargeWholeNumberIsExactInTheHdf5File) {
   const hid_t seeds = H5Dopen2(opened, "scene.seed", H5P_DEFAULT);
   std::uint64_t seed = 0;
   EXPECT_GE(H5Dread(seeds, H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &seed), 0);
-  EXPECT_EQ(seed, 9007199254740993U);  // no double is that
+  EXPECT_EQ(seed, 9007199254740993U);  // not representable as double
   H5Dclose(seeds);
   H5Fclose(opened);
 }

@@ -1,32 +1,32 @@
-// The ranks of an mpirun. A library of its own, loaded by make_ranks(), so that the program needs no MPI
-// where it runs alone.
+// The ranks of an mpirun. A separate library, loaded by make_communicator(), so that a single process needs
+// no MPI.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 #include <mpi.h>
 
-#include "science/tasks/ranks.h"
+#include "science/tasks/communicator.h"
 
 namespace {
 
 using palpate::tasks::Message;
 
-class MpiRanks final : public palpate::tasks::Ranks {
+class MpiCommunicator final : public palpate::tasks::Communicator {
  public:
-  MpiRanks() {
+  MpiCommunicator() {
     int provided = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
   }
-  ~MpiRanks() override { MPI_Finalize(); }
+  ~MpiCommunicator() override { MPI_Finalize(); }
 
   [[nodiscard]] int rank() const override { return rank_; }
   [[nodiscard]] int size() const override { return size_; }
 
   std::string broadcast(std::string bytes) override {
-    constexpr std::size_t kPiece = 1 << 30;  // bytes: MPI counts in int
+    constexpr std::size_t kPiece = 1 << 30;  // bytes: MPI counts are of type int
     std::uint64_t size = bytes.size();
     MPI_Bcast(&size, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
     bytes.resize(size);
@@ -64,5 +64,5 @@ class MpiRanks final : public palpate::tasks::Ranks {
 
 }  // namespace
 
-/// [setup] All ranks, to be deleted by the caller. Once a process.
-extern "C" palpate::tasks::Ranks* palpate_make_mpi_ranks() { return new MpiRanks; }
+/// [setup] Communicator of all ranks, to be deleted by the caller. Once per process.
+extern "C" palpate::tasks::Communicator* palpate_make_mpi_ranks() { return new MpiCommunicator; }

@@ -15,8 +15,8 @@
 
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
+#include "science/tasks/communicator.h"
 #include "science/tasks/for_each_task.h"
-#include "science/tasks/ranks.h"
 #include "science/tasks/record.h"
 
 namespace palpate::tasks {
@@ -52,7 +52,7 @@ class Mailboxes final {
   std::vector<std::deque<Message>> broadcasts_;
 };
 
-class ThreadRank final : public Ranks {
+class ThreadRank final : public Communicator {
  public:
   ThreadRank(Mailboxes& boxes, int rank) : boxes_(boxes), rank_(rank) {}
   [[nodiscard]] int rank() const override { return rank_; }
@@ -70,7 +70,7 @@ class ThreadRank final : public Ranks {
   int rank_;
 };
 
-/// What every rank returns of a call that all make.
+/// Results of a collective call on all ranks.
 template <typename Call>
 std::vector<std::string> on_ranks(int count, const Call& call) {
   Mailboxes boxes(count);
@@ -119,7 +119,7 @@ TEST(ForEachTask, ReturnsTheResultsInTheOrderOfTheTasks) {
 
 TEST(ForEachTask, GivesEveryRankTheSameOnAnyNumberOfRanks) {
   for (const int count : {1, 2, 3, 9}) {
-    const auto each = on_ranks(count, [](Ranks& ranks) {
+    const auto each = on_ranks(count, [](Communicator& ranks) {
       const auto cube = [](std::size_t i) { return std::to_string(i * i * i); };
       std::string all;
       for (const std::size_t tasks : {0U, 1U, 5U, 0U, 5U}) {
@@ -133,7 +133,7 @@ TEST(ForEachTask, GivesEveryRankTheSameOnAnyNumberOfRanks) {
 
 TEST(ForEachTask, TellsTheFirstRankOfEachTaskOnce) {
   std::vector<std::size_t> told;
-  (void)on_ranks(3, [&told](Ranks& ranks) {
+  (void)on_ranks(3, [&told](Communicator& ranks) {
     Tasks tasks{7, [](std::size_t) { return std::string("x"); }};
     tasks.done = [&](std::size_t i) {
       EXPECT_EQ(ranks.rank(), 0);
@@ -147,7 +147,7 @@ TEST(ForEachTask, TellsTheFirstRankOfEachTaskOnce) {
 
 TEST(ForEachTask, ThrowsTheFirstTasksErrorOnEveryRankWhenAllAreDone) {
   std::atomic<int> runs{0};
-  const auto each = on_ranks(3, [&runs](Ranks& ranks) -> std::string {
+  const auto each = on_ranks(3, [&runs](Communicator& ranks) -> std::string {
     const auto run = [&runs](std::size_t i) -> std::string {
       ++runs;
       if (i == 2 || i == 5) throw std::runtime_error("task " + std::to_string(i) + " cannot be done");
@@ -170,7 +170,7 @@ TEST(Record, ABrokenOffCalculationGoesOnFromItOnAnyNumberOfRanks) {
     const std::string file = (folder.path() / "record.jsonl").string();
     std::ofstream(file) << line_of(1) << '\n' << line_of(3) << '\n' << line_of(0).substr(0, 9);
     std::atomic<int> runs{0};
-    const auto each = on_ranks(count, [&](Ranks& ranks) {
+    const auto each = on_ranks(count, [&](Communicator& ranks) {
       Record record(file, ranks, [](const std::string&) {});
       const TaskResults found = for_each_task(&ranks, recorded_squares(5, runs), &record);
       return joined(found.results) + std::to_string(found.resumed);
@@ -180,14 +180,14 @@ TEST(Record, ABrokenOffCalculationGoesOnFromItOnAnyNumberOfRanks) {
     EXPECT_THAT(each, testing::Each(testing::StrEq(all)));
     EXPECT_EQ(runs, 3);
     const auto lines = read_record(file, [](const std::string&) {});
-    EXPECT_EQ(lines.size(), 5U);  // also those that were added after the line that was cut off
+    EXPECT_EQ(lines.size(), 5U);  // includes lines added after the truncated one
   }
 }
 
 TEST(Record, DoesNotKeepATaskThatFailed) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "record.jsonl").string();
-  Ranks alone;
+  Communicator alone;
   Record record(file, alone, [](const std::string&) {});
   Tasks tasks{2, [](std::size_t i) { return i == 0 ? throw InputError("no") : line_of(i); },
               [](std::size_t i) { return "k" + std::to_string(i); }};
@@ -207,7 +207,7 @@ TEST(Record, ALineThatIsNotAResultIsNotTaken) {
 }
 
 TEST(Record, AFileThatCannotBeWrittenIsToldOnEveryRank) {
-  const auto each = on_ranks(2, [](Ranks& ranks) -> std::string {
+  const auto each = on_ranks(2, [](Communicator& ranks) -> std::string {
     try {
       const Record record("/nowhere/record.jsonl", ranks, [](const std::string&) {});
     } catch (const InputError& error) {
@@ -218,7 +218,7 @@ TEST(Record, AFileThatCannotBeWrittenIsToldOnEveryRank) {
   EXPECT_THAT(each, testing::Each(testing::StrEq("/nowhere/record.jsonl: cannot be written")));
 }
 
-/// While it lives, no file of this process grows beyond some bytes.
+/// Limits the size of all files of this process during its lifetime.
 class SmallFiles final {
  public:
   explicit SmallFiles(rlim_t bytes) {
@@ -238,7 +238,7 @@ class SmallFiles final {
 TEST(Record, ALineThatCannotBeAppendedIsRemembered) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "record.jsonl").string();
-  Ranks alone;
+  Communicator alone;
   Record record(file, alone, [](const std::string&) {});
   record.add(line_of(0));
   EXPECT_EQ(record.failure(), "");
@@ -252,10 +252,10 @@ TEST(Record, ALineThatCannotBeAppendedIsRemembered) {
               testing::ThrowsMessage<InputError>("no; " + record.failure()));
 }
 
-TEST(Ranks, WhatTheFirstThrowsIsThrownOnEveryRank) {
-  const auto each = on_ranks(3, [](Ranks& ranks) -> std::string {
+TEST(Communicator, WhatTheFirstThrowsIsThrownOnEveryRank) {
+  const auto each = on_ranks(3, [](Communicator& ranks) -> std::string {
     try {
-      on_first(ranks, [&ranks] { throw std::runtime_error("rank " + std::to_string(ranks.rank())); });
+      on_rank_zero(ranks, [&ranks] { throw std::runtime_error("rank " + std::to_string(ranks.rank())); });
     } catch (const InputError& error) {
       return error.what();
     }
@@ -264,13 +264,13 @@ TEST(Ranks, WhatTheFirstThrowsIsThrownOnEveryRank) {
   EXPECT_THAT(each, testing::Each(testing::StrEq("rank 0")));
 }
 
-TEST(Ranks, ReadsTheLaunchersEnvironment) {
+TEST(Communicator, ReadsTheLaunchersEnvironment) {
   EXPECT_EQ(launch_of_environment().size, 1);
   setenv("PMI_SIZE", "4", 1);
   setenv("PMI_RANK", "2", 1);
   EXPECT_EQ(launch_of_environment().size, 4);
   EXPECT_EQ(launch_of_environment().rank, 2);
-  EXPECT_THROW((void)make_ranks(), InputError);  // palpate_mpi.so is not beside the tests
+  EXPECT_THROW((void)make_communicator(), InputError);  // palpate_mpi.so is not beside the tests
   setenv("PMI_SIZE", "many", 1);
   EXPECT_EQ(launch_of_environment().size, 1);
   unsetenv("PMI_SIZE");

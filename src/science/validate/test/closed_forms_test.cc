@@ -5,14 +5,14 @@
 namespace palpate::validate {
 namespace {
 
-// By hand: E* = 12 kPa, R = 4 mm, depth 1 mm: sqrt(R) = 0.063245553, depth^1.5 = 3.1622777e-5;
-// 16000 x 0.063245553 x 3.1622777e-5 = 0.032 N; contact radius sqrt(4e-6) = 2 mm.
+// By hand: E* = 12 kPa, R = 4 mm, depth 1 mm: sqrt(R) = 0.063245553, depth^1.5 = 3.1622777e-5; 16000 x
+// 0.063245553 x 3.1622777e-5 = 0.032 N; contact radius sqrt(4e-6) = 2 mm.
 TEST(ClosedForms, HertzGivesTheForceAndTheContactComputedByHand) {
   EXPECT_NEAR(hertz_force(12e3, 4e-3, 1e-3), 0.032, 1e-12);
   EXPECT_NEAR(hertz_contact_radius(4e-3, 1e-3), 2e-3, 1e-15);
 }
 
-// At the rim half the depth, from either side; at r = 2 a: (1/pi) (sqrt(3) - 2 pi/6) = 0.2179955.
+// At the rim half the depth, from both sides; at r = 2 a: (1/pi) (sqrt(3) - 2 pi/6) = 0.2179955.
 TEST(ClosedForms, HertzSurfaceIsTheBallInsideAndFallsOutside) {
   EXPECT_DOUBLE_EQ(hertz_displacement(1e-3, 2e-3, 0.0), 1e-3);
   EXPECT_NEAR(hertz_displacement(1e-3, 2e-3, 1e-3), 0.875e-3, 1e-15);

@@ -78,7 +78,7 @@ TEST(ReadDeformations, RefusesWhatNoProfileCanBeComparedWith) {
               HasSubstr("does not fall"));
 }
 
-// Seven places into three: the first two, the next two and the last three.
+// Seven points reduced to three: means of the first two, the next two and the last three.
 TEST(ThinnedDeformation, HasTheMeansOfNeighboursComputedByHand) {
   Deformation seven;
   seven.distance = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
@@ -89,7 +89,7 @@ TEST(ThinnedDeformation, HasTheMeansOfNeighboursComputedByHand) {
   EXPECT_EQ(thinned(seven, 7).distance, seven.distance);
 }
 
-// Whatever the order of the rows and the side of the contact, the same deformation comes out.
+// The result does not depend on the order of the rows and the side of the contact.
 TEST(ReadDeformations, DoesNotDependOnTheOrderOfRows) {
   for (std::uint32_t trial = 0; trial < 50; ++trial) {
     std::vector<std::string> lines;
@@ -99,7 +99,7 @@ TEST(ReadDeformations, DoesNotDependOnTheOrderOfRows) {
     }
     std::string rising = "r_mm,u_mm\n";
     for (const std::string& line : lines) rising += line;
-    std::string turned = "r_mm,u_mm\n";  // every k-th row, k without a common factor with 20
+    std::string turned = "r_mm,u_mm\n";  // every k-th row, where k and 20 are coprime
     const std::size_t step = trial % 2 == 0 ? 7 : 11;
     for (std::size_t i = 0; i < lines.size(); ++i) turned += lines[(i * step + trial) % lines.size()];
     const Deformation first = read_deformation_text(rising)[0];

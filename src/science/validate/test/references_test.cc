@@ -1,4 +1,4 @@
-// The model against finite elements: palpate/fit/test/references, made by tools/update_references.
+// The model against finite elements: the references are made by tools/update_references.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -9,14 +9,14 @@
 #include "palpate/identify.h"
 #include "palpate/validate.h"
 #include "science/validate/closed_forms.h"
-#include "science/validate/reach_fit.h"
+#include "science/validate/falloff_fit.h"
 
 namespace palpate::validate {
 namespace {
 
-constexpr double kRadius = 5e-3;  // m, of the ball
+constexpr double kRadius = 5e-3;  // m, radius of the ball
 
-/// A reference's file: "-profiles.csv" or "-force.csv" after its name.
+/// File of a reference: its name followed by "-profiles.csv" or "-force.csv".
 std::string file_of(const std::string& name, const char* ending) {
   std::string file = PALPATE_REFERENCES;
   file += '/';
@@ -24,9 +24,9 @@ std::string file_of(const std::string& name, const char* ending) {
   return file += ending;
 }
 
-/// The profiles of a reference at depths from `from` to `to`, m.
-std::vector<ReachSample> reference_samples_of(const std::string& name, double from, double to) {
-  std::vector<ReachSample> samples;
+/// The profiles of a reference at depths from `from` to `to` [m].
+std::vector<ProfileSample> reference_samples_of(const std::string& name, double from, double to) {
+  std::vector<ProfileSample> samples;
   for (const Deformation& profile : read_deformations(file_of(name, "-profiles.csv"))) {
     if (profile.depth > from - 1e-9 && profile.depth < to + 1e-9) {
       samples.push_back({profile, profile.depth, kRadius});
@@ -36,27 +36,27 @@ std::vector<ReachSample> reference_samples_of(const std::string& name, double fr
   return samples;
 }
 
-/// The largest error over the profiles, in shares of their depth, each with a reach of its own.
-double worst_alone(const std::vector<ReachSample>& samples, const SurfaceRule& rule = {}) {
+/// Largest error over the profiles, as a fraction of their depth, with falloff ratios fitted to each.
+double worst_alone(const std::vector<ProfileSample>& samples, const SurfaceRule& rule = {}) {
   double worst = 0.0;
-  for (const ReachSample& sample : samples) {
-    const double error = fit_reach({sample}, rule).nrmse.front();
+  for (const ProfileSample& sample : samples) {
+    const double error = fit_falloff({sample}, rule).nrmse.front();
     std::printf("%s, own reach: %.2f %%\n", sample.deformation.name.c_str(), 100.0 * error);
     worst = std::max(worst, error);
   }
   return worst;
 }
 
-/// The same with one reach for all of them.
-double worst_together(const std::vector<ReachSample>& samples, const SurfaceRule& rule = {}) {
-  const ReachFit fit = fit_reach(samples, rule);
+/// Largest error with the same falloff ratios for all profiles.
+double worst_together(const std::vector<ProfileSample>& samples, const SurfaceRule& rule = {}) {
+  const FalloffFit fit = fit_falloff(samples, rule);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     std::printf("%s, one reach: %.2f %%\n", samples[i].deformation.name.c_str(), 100.0 * fit.nrmse[i]);
   }
   return *std::max_element(fit.nrmse.begin(), fit.nrmse.end());
 }
 
-/// What a fit of the smooth law leaves of a force, in shares of its range.
+/// Error of a fit of the smooth law, as a fraction of the force range.
 double smooth_error(const std::string& name) {
   identify::Settings settings;
   settings.law = model::LawKind::kSmooth;
@@ -66,7 +66,8 @@ double smooth_error(const std::string& name) {
   return error;
 }
 
-// A block is stiffer than a half-space, but less than 5 % where the contact is small, and there Hertz holds.
+// A block is stiffer than a half-space, but by less than 5 % where the contact is small; Hertz's law holds
+// there.
 TEST(References, BlockIsNearHertzWhereThePressIsShallow) {
   for (const double nu : {0.45, 0.49}) {
     const std::string name = nu < 0.47 ? "block-nu45" : "block-nu49";
@@ -87,7 +88,7 @@ TEST(References, BlockHasTheProfileOfOneReachForAllDepthsDownToSixMillimetres) {
   EXPECT_LT(worst_together(reference_samples_of("block-nu49", 1e-3, 6e-3)), 0.02);
 }
 
-// Deeper than the ball's radius u(r) alone misses the goal of 1 %: docs/validation.md says by how much.
+// Deeper than the ball's radius u(r) misses the goal of 1 %; docs/validation.md gives the error.
 TEST(References, BlockStaysNearTheProfileBeyondTheBallsRadius) {
   EXPECT_LT(worst_alone(reference_samples_of("block-nu45", 8e-3, 10e-3)), 0.03);
   EXPECT_LT(worst_alone(reference_samples_of("block-nu49", 8e-3, 10e-3)), 0.03);

@@ -9,12 +9,12 @@
 namespace palpate::validate {
 namespace {
 
-/// What u(r) gives for a reach under a ball of 5 mm.
-Deformation profile_of(const model::ReachParameters& reach, double depth) {
+/// u(r) for given falloff ratios under a ball of 5 mm.
+Deformation profile_of(const model::FalloffRatios& reach, double depth) {
   Deformation made;
   made.name = "side";
   made.depth = depth;
-  const deform::SurfaceProfile profile(reach, depth, 5e-3, 5e-3);
+  const deform::DisplacementProfile profile(reach, depth, 5e-3, 5e-3);
   for (int i = 0; i <= 60; ++i) {
     made.distance.push_back(i * 0.5e-3);
     made.displacement.push_back(profile.at(made.distance.back()));
@@ -30,7 +30,7 @@ Validation of_liver() {
 
 TEST(CompareProfiles, FindsNoErrorInTheTissuesOwnProfiles) {
   Validation validation = of_liver();
-  const model::ReachParameters reach = validation.law.tissue.reach;
+  const model::FalloffRatios reach = validation.law.tissue.reach;
   compare_profiles({profile_of(reach, 2e-3), profile_of(reach, 4e-3)}, {0.0, 4e-3}, 5e-3, false, validation);
   ASSERT_EQ(validation.profiles.size(), 2U);
   EXPECT_EQ(validation.profiles[0].ours.depth, 2e-3) << "its own";
@@ -41,7 +41,7 @@ TEST(CompareProfiles, FindsNoErrorInTheTissuesOwnProfiles) {
 
 TEST(CompareProfiles, ComparesWithTheReachThatItFittedFirst) {
   Validation validation = of_liver();
-  const model::ReachParameters wide{1.3, 0.5, 1.7, 0.6};
+  const model::FalloffRatios wide{1.3, 0.5, 1.7, 0.6};
   compare_profiles({profile_of(wide, 2e-3), profile_of(wide, 4e-3)}, {0.0, 0.0}, 5e-3, true, validation);
   ASSERT_TRUE(validation.reach.has_value());
   EXPECT_EQ(validation.law.tissue.reach.contact_ratio, validation.reach->reach.contact_ratio);
@@ -65,14 +65,14 @@ TEST(CompareProfiles, RefusesAProfileWithoutDepth) {
   EXPECT_THROW(compare_profiles({without}, {0.0}, 5e-3, false, validation), InputError);
 }
 
-TEST(CompareWithRivals, FitsEachAndSaysWhatAnEvaluationCosts) {
+TEST(CompareWithBaselines, FitsEachAndSaysWhatAnEvaluationCosts) {
   Validation validation = of_liver();
   compare_profiles({profile_of(validation.law.tissue.reach, 3e-3)}, {0.0}, 5e-3, false, validation);
-  compare_with_rivals({RivalKind::kHertz, RivalKind::kLinear}, validation);
-  ASSERT_EQ(validation.profiles[0].rivals.size(), 2U);
-  for (const RivalResult& rival : validation.profiles[0].rivals) {
-    EXPECT_GT(rival.cost_ns, 0.0);
-    EXPECT_GT(rival.fit.errors.rms, validation.profiles[0].ours.errors.rms);
+  compare_with_baselines({BaselineKind::kHertz, BaselineKind::kLinear}, validation);
+  ASSERT_EQ(validation.profiles[0].baselines.size(), 2U);
+  for (const BaselineResult& baseline : validation.profiles[0].baselines) {
+    EXPECT_GT(baseline.cost_ns, 0.0);
+    EXPECT_GT(baseline.fit.errors.rms, validation.profiles[0].ours.errors.rms);
   }
   EXPECT_GT(validation.profiles[0].cost_ns, 0.0);
 }

@@ -11,7 +11,7 @@
 namespace palpate::validate {
 namespace {
 
-/// One layer that never ends within the data: 50 N/m.
+/// A single layer longer than the data: 50 N/m.
 Law line_law() {
   Law law;
   law.tissue.name = "line";
@@ -25,7 +25,7 @@ Law line_law() {
   return law;
 }
 
-/// Forces of line_law() to 10 mm for a tool that touches at 0.2 mm and a sensor that shows 5 mN without load.
+/// Forces of line_law() to 10 mm, with first contact at 0.2 mm and a sensor offset of 5 mN.
 identify::Specimen shifted_line() {
   identify::Specimen made;
   made.name = "line";
@@ -45,8 +45,8 @@ TEST(FitZeros, FindsTheFirstContactAndTheSensorsZero) {
   EXPECT_LT(compare_force(shifted_line(), line_law(), fit.zeros).errors.nrmse, 1e-5);
 }
 
-// A fifth of the points lies 0.3 N too high; the rest scatters by 1 mN, up and down in turn. Past contact a
-// straight line tells offset - k c alone, 5 mN - 50 N/m x 0.2 mm; least squares would find it 60 mN higher.
+// A fifth of the points is 0.3 N too high; the rest alternates by +-1 mN. Beyond contact a straight line
+// determines only offset - k c, 5 mN - 50 N/m x 0.2 mm; least squares would give 60 mN more.
 TEST(FitZeros, IsHardlyDrawnByOutliers) {
   identify::Specimen specimen = shifted_line();
   for (std::size_t i = 0; i < specimen.size(); ++i) specimen.force[i] += i % 2 == 0 ? 1e-3 : -1e-3;
@@ -55,14 +55,14 @@ TEST(FitZeros, IsHardlyDrawnByOutliers) {
   EXPECT_NEAR(fit.zeros.force - 50.0 * fit.zeros.first_contact, -5e-3, 1e-3);
 }
 
-// Displacements may count from anywhere: 20 mm before this tissue's first contact is one such place.
+// Displacements may start anywhere, here 20 mm before first contact with this tissue.
 TEST(FitZeros, TakesDisplacementsThatCountFromElsewhere) {
   identify::Specimen specimen = shifted_line();
   for (double& displacement : specimen.displacement) displacement += 20e-3;
   EXPECT_NEAR(fit_zeros(specimen, line_law()).zeros.first_contact, 20.2e-3, 1e-5);
 }
 
-// The search goes a quarter of the range, 2.5 mm; this tool touches at 4 mm.
+// The search covers a quarter of the range, 2.5 mm; first contact is at 4 mm.
 TEST(FitZeros, SaysThatTheDataBeginElsewhere) {
   identify::Specimen specimen = shifted_line();
   for (std::size_t i = 0; i < specimen.size(); ++i) {

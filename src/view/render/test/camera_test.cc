@@ -80,7 +80,7 @@ TEST(FrameContact, LooksAtTheToolFromTheSide) {
 }
 
 TEST(FrameContact, DoesNotLookThroughTheOrgan) {
-  // A step: the contact lies beside a wall that stands in front (towards -y, the preferred side).
+  // A step: the contact lies behind a wall that stands towards -y, the preferred direction of view.
   geometry::TriangleMesh step = geometry::make_box(Vec3(0.1, 0.1, 0.02), 0.02);
   geometry::TriangleMesh wall = geometry::make_box(Vec3(0.1, 0.02, 0.06), 0.02);
   const auto offset = static_cast<std::int32_t>(step.vertices.size());

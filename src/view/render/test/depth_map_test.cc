@@ -14,7 +14,7 @@ constexpr int kSide = DepthMap::kSide;
 
 TEST(DepthMap, ATriangleCoversTheCellsInsideItAtItsDepthAndNoOthers) {
   DepthMap map;
-  // Rows and columns 10 to 30 with i + j <= 40; the depth grows by 1 mm a row.
+  // Rows and columns 10 to 30 with i + j <= 40; the depth increases by 1 mm per row.
   map.add_triangle(Vector3f(10, 10, 0.010F), Vector3f(30, 10, 0.030F), Vector3f(10, 30, 0.010F), 1.0F);
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {
@@ -78,7 +78,7 @@ TEST(DepthMap, EveningOutKeepsAPlaneAndSpreadsACellOverItsNeighbours) {
   map.add_triangle(Vector3f(-50, -50, 0.001F), Vector3f(250, -50, 0.001F), Vector3f(-50, 250, 0.001F), 1.0F);
   map.add_triangle(Vector3f(39.7F, 39.7F, 0.010F), Vector3f(40.6F, 39.7F, 0.010F),
                    Vector3f(39.7F, 40.6F, 0.010F), 1.0F);
-  map.even_out(1);
+  map.smooth(1);
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {
       const bool near = std::abs(i - 40) <= 1 && std::abs(j - 40) <= 1;

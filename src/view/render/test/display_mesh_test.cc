@@ -29,7 +29,7 @@ TEST(RefineSmoothly, MakesACoarseBallRound) {
   const geometry::TriangleMesh fine = refine_smoothly(coarse, shorter_than(0.002));
   EXPECT_TRUE(closed(fine));
   for (const Vec3& v : fine.vertices) EXPECT_NEAR(v.norm(), radius, 0.002 * radius);
-  // The flat triangles are up to 1 - cos(9 degrees) = 1.2 % inside.
+  // The flat triangles lie up to 1 - cos(9 degrees) = 1.2 % of the radius inside the sphere.
   for (std::size_t v = 0; v < coarse.vertices.size(); ++v) EXPECT_EQ(fine.vertices[v], coarse.vertices[v]);
 }
 
@@ -67,7 +67,7 @@ TEST(EvenOut, MovesNoVertexByMoreThanTheLimitAndNoSharpOne) {
   for (std::size_t v = 0; v < box.vertices.size(); ++v)
     box.vertices[v] *= 1.0 + 0.002 * std::sin(static_cast<double>(v));
   const geometry::TriangleMesh before = box;
-  even_out(box, 5e-5, 50.0);
+  smooth_bumps(box, 5e-5, 50.0);
   double largest = 0.0;
   for (std::size_t v = 0; v < box.vertices.size(); ++v)
     largest = std::max(largest, (box.vertices[v] - before.vertices[v]).norm());
@@ -114,7 +114,7 @@ TEST(OrganPicture, MovesTheSurfaceUnderTheContactByTheDepth) {
   OrganPicture organ(geometry::make_ball(0.03, 1280), {});
   organ.update(deform::indentations_of(with_view(0.010).hand_results()));
   double lowest = 1.0;
-  for (const deform::LiveVertex& vertex : organ.vertices()) {
+  for (const deform::SurfaceVertex& vertex : organ.vertices()) {
     const Vec3 v = vertex.position.cast<double>();
     if (std::hypot(v.x(), v.y()) < 0.0007 && v.z() > 0.0) lowest = std::min(lowest, v.z());
   }

@@ -16,7 +16,8 @@ std::size_t pixel_at(const Image& image, int x, int y) {
          (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
 }
 
-/// The first column from the right in which the row has a colour that is neither the ground's nor a grey.
+/// Column of the colour bar: the first from the right whose colour in this row is neither background nor
+/// grey.
 int bar_column(const Image& image, int y) {
   for (int x = image.width - 1; x >= 0; --x) {
     const std::uint8_t* pixel = &image.rgb[pixel_at(image, x, y)];
@@ -38,7 +39,7 @@ TEST(MapLegend, ColoursRunFromDarkBlueOverGreenToYellow) {
 TEST(MapLegend, ItsBarIsYellowAboveAndDarkBelowAndLeavesTheLeftAlone) {
   Image image = grey(800, 600);
   draw_map_legend(image, 0.012);
-  const int top = 3 * 9 * 2 + 1;  // three lines of 9 squares of 2 pixels
+  const int top = 3 * 9 * 2 + 1;  // three lines of 9 squares of 2 pixels each
   const int x = bar_column(image, top);
   ASSERT_GT(x, 600);
   const std::uint8_t* bottom = &image.rgb[pixel_at(image, x, top + 600 * 2 / 5 - 3)];

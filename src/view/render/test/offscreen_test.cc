@@ -71,7 +71,7 @@ double brightness(const Image& image, int x, int y) {
   return (c.red + c.green + c.blue) / 3.0;
 }
 
-// Where the camera sees a point, in pixels from the top left.
+// Projection of a point, in pixels from the top left corner.
 std::array<int, 2> pixel_of(const Camera& camera, const Vec3& p) {
   const Vec3 back = (camera.eye - camera.target).normalized();
   const Vec3 right = camera.up.cross(back).normalized();
@@ -82,7 +82,7 @@ std::array<int, 2> pixel_of(const Camera& camera, const Vec3& p) {
           static_cast<int>(0.5 * kPictureHeight - scale * (p - camera.eye).dot(up))};
 }
 
-// One renderer for all tests: starting OpenGL takes longer than a small picture.
+// One renderer for all tests: starting OpenGL takes longer than rendering a small picture.
 class Offscreen : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -124,7 +124,7 @@ TEST_F(Offscreen, ShowsTheOrganInItsColourBeforeAGreyBackground) {
 TEST_F(Offscreen, IsTheOrgansSizeOnThePicture) {
   const Camera camera = front_camera();
   const Image image = liver_->draw(far_tool(), camera);
-  // Seen from distance d, a ball fills a cone of half angle asin(R/d).
+  // From distance d, a ball of radius R covers a cone of half angle asin(R/d).
   const double distance = camera.eye.norm();
   const double radius_px = 0.5 * kPictureHeight /
                            std::tan(0.5 * camera.vertical_view_deg * 3.14159265 / 180.0) *
@@ -161,7 +161,7 @@ TEST_F(Offscreen, APressChangesThePictureAroundTheContactAndNotFarAway) {
 }
 
 TEST_F(Offscreen, ThePressedTopIsLowerByTheDepth) {
-  // Level with the contact, the outline's top row over the contact falls by D.
+  // With the camera level with the contact, the top row of the outline over the contact falls by D.
   Camera camera;
   camera.eye = Vec3(0, -0.25, kBall);
   camera.target = Vec3(0, 0, kBall);
@@ -214,7 +214,7 @@ TEST_F(Offscreen, AJawTurnsWithTheGripper) {
   for (Vec3& v : jaw.mesh.vertices) v.z() += 0.015;
   jaw.is_jaw = true;
   jaw.axis = Vec3::UnitY();
-  jaw.open_angle = 3.14159265 / 2.0;  // from +z to +x
+  jaw.open_angle = 3.14159265 / 2.0;  // rotates from +z to +x
   OffscreenRenderer renderer(subject, kPictureWidth, kPictureHeight);
   haptics::Snapshot snapshot = far_tool();
   snapshot.tools[0].pose_W.position = Vec3(0.0, -0.035, 0.01);
@@ -309,7 +309,7 @@ TEST_F(Offscreen, WhatACloseUpShowsOfALargeOrganBeyondTheShadowMapIsLit) {
   OffscreenRenderer renderer(subject, kPictureWidth, kPictureHeight);
   const Image image = renderer.draw(far_tool(), camera);
   const double middle = brightness(image, kPictureWidth / 2, kPictureHeight / 2);
-  // To the right and far away, where the key lamp's light comes later than at the map's edge.
+  // On the right and far away, beyond the edge of the shadow map.
   EXPECT_GT(brightness(image, kPictureWidth - 20, 20), 0.7 * middle);
   EXPECT_GT(brightness(image, kPictureWidth - 5, 30), 0.7 * middle);
 }

@@ -32,7 +32,7 @@ TEST(QualityChoice, ThreeSlowPicturesInARowAreEnough) {
 
 TEST(QualityChoice, TheFirstPictureOfALevelDoesNotCount) {
   QualityChoice choice;
-  choice.add(400.0);  // shaders are compiled
+  choice.add(400.0);  // includes the compilation of shaders
   add(choice, 1000, 30.0);
   EXPECT_EQ(choice.now(), Quality::kBalanced);
 }
@@ -50,7 +50,8 @@ TEST(QualityChoice, ComesBackWhenThereIsRoomAndDoesNotSwing) {
   int changes = 0;
   Quality before = choice.now();
   for (int i = 0; i < 4000; ++i) {
-    choice.add(choice.now() == Quality::kBalanced ? 45.0 : 15.0);  // never fits, but the lower one seems easy
+    choice.add(choice.now() == Quality::kBalanced ? 45.0 : 15.0);  // always over the budget, while the lower
+                                                                   // level is far below it
     if (choice.now() != before) ++changes;
     before = choice.now();
   }

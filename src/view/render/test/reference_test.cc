@@ -1,4 +1,5 @@
-// Whole pictures against committed ones, by a measure that every way of spoiling a picture must fail.
+// Compares whole pictures with committed references. The measure must reject every deliberate defect tested
+// here.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -10,7 +11,7 @@
 #include <png.h>
 
 #include "core/contact/contact.h"
-#include "core/geometry/surface_distance.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/builtin.h"
 #include "palpate/offscreen.h"
 #include "palpate/surface.h"
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 200;
-constexpr int kBlock = 4;  // pixels: what another Mesa draws one pixel aside must not count
+constexpr int kBlock = 4;  // pixels: insensitive to outlines that another Mesa version draws one pixel aside
 
 struct Scene {
   std::string name;
@@ -33,14 +34,14 @@ struct Scene {
   Vec3 normal = Vec3::UnitZ();
 };
 
-// The place of an organ that a tool from above meets first, over its middle.
+// The point of an organ that a tool from above touches first, over its middle.
 geometry::NearestPoint top_of(const geometry::TriangleMesh& organ) {
   const geometry::Bounds box = geometry::bounds(organ);
-  return geometry::SurfaceDistance(organ).nearest(
+  return geometry::SignedDistance(organ).nearest(
       Vec3(box.middle().x(), box.middle().y(), box.high.z() + 0.02));
 }
 
-// A ball pressed into the gallbladder, through contact itself: 8 mm, in steps that no hand exceeds.
+// A ball pressed 8 mm into the gallbladder by the contact computation, in small steps.
 Scene pressed_gallbladder() {
   Scene scene{"gallbladder-pressed", {}, {}};
   scene.subject.organ = geometry::make_organ("gallbladder");
@@ -52,7 +53,7 @@ Scene pressed_gallbladder() {
   contact::State state(world);
   contact::ToolInput input;
   for (int step = 0; step <= 600; ++step) {
-    const double height = 0.004 - 2e-5 * step;  // of the ball's lowest point: to -8 mm
+    const double height = 0.004 - 2e-5 * step;  // of the ball's lowest point; ends at -8 mm
     input.pose_W.position = top.point + (height + 0.003) * top.normal;
     contact::advance(world, Pose{}, std::span(&input, 1), state, std::span(scene.snapshot.results.data(), 1));
   }
@@ -63,7 +64,7 @@ Scene pressed_gallbladder() {
   return scene;
 }
 
-// The heart's wall drawn out by 10 mm.
+// The heart's wall pulled out by 10 mm.
 Scene pulled_heart() {
   Scene scene{"heart-pulled", {}, {}};
   scene.subject.organ = geometry::make_organ("heart");
@@ -104,9 +105,9 @@ Image read_reference(const std::string& name) {
   return image;
 }
 
-// Of means over blocks of 4 x 4 pixels: the mean difference in any channel, the share of blocks that differ
-// by more than a person overlooks, and whether as much as kPatch x kPatch of them do side by side. An outline
-// drawn one pixel aside is a line of such blocks; a thing that is missing, however small, is a patch.
+// Differences between means over blocks of 4 x 4 pixels: the mean in any channel, the fraction of clearly
+// different blocks, and whether these fill a square of kPatch x kPatch blocks. An outline shifted by one
+// pixel gives a line of such blocks; a missing object, however small, gives a square.
 struct Difference {
   double mean = 0.0;
   double clear_share = 0.0;
@@ -114,7 +115,7 @@ struct Difference {
   [[nodiscard]] bool tolerable() const { return mean < 1.5 && clear_share < 0.01 && !patch; }
 };
 
-// The largest difference in any channel between the means of two pictures over one block.
+// Largest difference in any channel between the block means of two pictures.
 double block_difference(const Image& a, const Image& b, int x, int y) {
   double largest = 0.0;
   for (int c = 0; c < 3; ++c) {
@@ -134,7 +135,8 @@ Difference difference(const Image& a, const Image& b) {
   constexpr int kPatch = 3;
   constexpr int kColumns = kWidth / kBlock;
   Difference result;
-  std::vector<int> clear;  // of each block: side of the largest square of clear blocks that ends there
+  std::vector<int> clear;  // per block: side of the largest square of clearly different blocks that ends
+                           // there
   for (int y = 0; y + kBlock <= kHeight; y += kBlock) {
     for (int x = 0; x + kBlock <= kWidth; x += kBlock) {
       const double own = block_difference(a, b, x, y);
@@ -153,13 +155,13 @@ Difference difference(const Image& a, const Image& b) {
   return result;
 }
 
-/// A scene and its picture.
+/// A scene and its rendered picture.
 struct Drawn {
   Scene scene;
   Image image;
 };
 
-/// Drawn once a program. @param name gallbladder or heart
+/// Rendered once per program. @param name gallbladder or heart
 const Drawn& drawn_once(const std::string& name) {
   static std::map<std::string, Drawn> drawn;
   const auto found = drawn.find(name);
@@ -235,7 +237,7 @@ TEST_P(Reference, TheQuickPicturesShowTheSame) {
 INSTANTIATE_TEST_SUITE_P(Both, Reference, testing::Values("gallbladder", "heart"),
                          [](const auto& info) { return std::string(info.param); });
 
-// The contact's depth as felt against the surface as drawn, along the contact's direction through its point.
+// Distance from the tool's contact point to the displayed surface, along the contact's direction.
 double drawn_depth(const OrganPicture& organ, const contact::ContactView& view) {
   const Vec3 start = view.point_S - 0.02 * view.direction_S;
   double nearest = 1.0;
@@ -269,7 +271,7 @@ TEST(DrawnSurface, UnderTheToolAgreesWithTheHapticDepthToAFifthOfAMillimetre) {
       for (int i = 0; i < 40; ++i)
         organ.update(deform::indentations_of(scene.snapshot.hand_results()),
                      imprints_of(scene.snapshot, shapes));
-      // Pulled out, the surface comes first where the ray starts outside: measured from the other end.
+      // For a pull, the ray from outside meets the surface first: measure from the other end.
       contact::ContactView along = view;
       if (view.pull) along.direction_S = -view.direction_S;
       const double drawn = drawn_depth(organ, along) * (view.pull ? -1.0 : 1.0);

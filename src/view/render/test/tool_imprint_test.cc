@@ -12,7 +12,7 @@ namespace {
 constexpr double kRadius = 0.003;
 constexpr double kDepth = 0.008;
 
-// What is pressed: a plane at rest or a place above it.
+// Lowering of a point: on the plane at rest, or displaced above it.
 double lowering(const ToolImprint& imprint, const Vec3& now, const Vec3& rest, const Vec3& normal) {
   return static_cast<double>(imprint.lowering(now.cast<float>(), rest.cast<float>(), normal.cast<float>()));
 }
@@ -24,7 +24,7 @@ std::vector<Vec3> corners_of(const geometry::TriangleMesh& mesh, const Vec3& off
   return corners;
 }
 
-// A ball pressed kDepth deep into the plane z = 0.
+// Imprint of a ball pressed kDepth into the plane z = 0.
 ToolImprint ball_imprint() {
   return {corners_of(geometry::make_ball(kRadius, 20480), Vec3(0, 0, kRadius - kDepth)), Vec3::Zero(),
           -Vec3::UnitZ(), kDepth};
@@ -58,7 +58,7 @@ TEST(ToolImprint, LeavesWhatIsBelowTheTool) {
 
 TEST(ToolImprint, NeverLowersByMoreThanTheDepthInAll) {
   const ToolImprint imprint = ball_imprint();
-  // A lobe that stood 5 mm higher than the contact, and one already lowered by 6 mm.
+  // A vertex that was 5 mm above the contact, and one that is already lowered by 6 mm.
   const Vec3 high(0, 0, 0.005);
   EXPECT_LE(lowering(imprint, high, high, Vec3::UnitZ()), kDepth);
   EXPECT_LE(lowering(imprint, Vec3(0, 0, -0.001), high, Vec3::UnitZ()), kDepth - 0.006);
@@ -78,7 +78,7 @@ TEST(ToolImprint, LeavesASurfaceThatFacesAway) {
 }
 
 TEST(ToolImprint, LeavesWhatIsFarFromTheContact) {
-  // A bar 100 mm long, lying 2 mm deep.
+  // A bar of 100 mm length, pressed 2 mm deep.
   const std::vector<Vec3> bar = corners_of(geometry::make_box(Vec3(0.1, 0.004, 0.004), 0.05), Vec3::Zero());
   const ToolImprint imprint(bar, Vec3::Zero(), -Vec3::UnitZ(), 0.002);
   EXPECT_GT(lowering(imprint, Vec3(0.01, 0, 0), Vec3(0.01, 0, 0), Vec3::UnitZ()), 0.0014);

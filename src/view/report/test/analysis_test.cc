@@ -14,21 +14,22 @@ using test::SyntheticRecording;
 TEST(Analysis, FindsTheMomentsOfAPress) {
   const record::Recording recording = SyntheticRecording::make();
   const HandAnalysis hand = analyse(recording).hands.at(0);
-  ASSERT_TRUE(hand.moments.contact);
-  // 10 of 22 mm in 1.5 s: the surface is reached at 0.6818 s, the first tick beneath it is 682.
-  EXPECT_EQ(hand.rows[hand.moments.touch].tick, 682U);
-  EXPECT_EQ(hand.rows[hand.moments.rest].tick, 341U);
-  EXPECT_EQ(hand.rows[hand.moments.deepest].tick, 1500U);
-  EXPECT_EQ(hand.rows[hand.moments.after].tick, 3999U);
+  ASSERT_TRUE(hand.key_ticks.contact);
+  // The path goes 22 mm in 1.5 s and meets the surface after 10 mm, at 0.6818 s: the first tick below it is
+  // 682.
+  EXPECT_EQ(hand.rows[hand.key_ticks.touch].tick, 682U);
+  EXPECT_EQ(hand.rows[hand.key_ticks.rest].tick, 341U);
+  EXPECT_EQ(hand.rows[hand.key_ticks.deepest].tick, 1500U);
+  EXPECT_EQ(hand.rows[hand.key_ticks.after].tick, 3999U);
   EXPECT_DOUBLE_EQ(hand.peak_depth, SyntheticRecording::kDeepest);
 }
 
 TEST(Analysis, WithoutContactItTakesTheNearestTick) {
   const record::Recording recording = SyntheticRecording::make(true, 500);
   const HandAnalysis hand = analyse(recording).hands.at(0);
-  EXPECT_FALSE(hand.moments.contact);
-  EXPECT_EQ(hand.moments.touch, 499U);
-  EXPECT_EQ(hand.moments.deepest, 499U);
+  EXPECT_FALSE(hand.key_ticks.contact);
+  EXPECT_EQ(hand.key_ticks.touch, 499U);
+  EXPECT_EQ(hand.key_ticks.deepest, 499U);
   EXPECT_EQ(hand.peak_depth, 0.0);
 }
 
@@ -46,10 +47,10 @@ TEST(Analysis, AForceOnALawThatRelaxesAndIsChangedWhileItRanDepartsByNothing) {
   tissue.relaxation = {{0.4, 0.3}};
   model::TissueParameters stiffer = tissue;
   stiffer.k1 *= 2.0;
-  recording.changes.push_back(haptics::live_change(stiffer, {}, haptics::kTissueChanged));
-  recording.changes.back().tick = 1700;  // while it is held
+  recording.changes.push_back(haptics::parameter_update(stiffer, {}, haptics::kTissueChanged));
+  recording.changes.back().tick = 1700;  // during the hold
   const model::SmoothSpringLaw law(tissue, model::Direction::kPress, 1e-3);
-  // dq/dt = dF_e/dt - q / 0.3 s, by Euler's rule; twice the stiffness is twice the elastic force.
+  // dq/dt = dF_e/dt - q / 0.3 s, by Euler's method; twice the stiffness gives twice the elastic force.
   double kept = 0.0;
   double before = 0.0;
   for (haptics::TickRow& row : recording.rows) {
@@ -68,7 +69,7 @@ TEST(Analysis, AForceOnALawThatRelaxesAndIsChangedWhileItRanDepartsByNothing) {
 
 TEST(Analysis, NoiseThatIsChangedCountsUpToThere) {
   record::Recording recording = SyntheticRecording::make();
-  recording.changes.push_back(haptics::live_change(recording.setup.tissue, {}, haptics::kNoiseChanged));
+  recording.changes.push_back(haptics::parameter_update(recording.setup.tissue, {}, haptics::kNoiseChanged));
   recording.changes.back().tick = 1000;
   EXPECT_EQ(analyse(recording).hands.at(0).unit_noise.size(), 1000U);
 }
@@ -112,7 +113,7 @@ TEST(Analysis, NoNoiseLeavesNoSamples) {
 
 TEST(Analysis, MissedDeadlinesOfACutOffRecordingAreCountedFromTheRows) {
   record::Recording recording = SyntheticRecording::make();
-  EXPECT_EQ(analyse(recording).missed, 3U);  // the loop's own account
+  EXPECT_EQ(analyse(recording).missed, 3U);  // the loop's own count
   recording.facts.complete = false;
   recording.rows[5].late_ns = 1'000'000;
   recording.rows[9].late_ns = 999'999;
@@ -147,7 +148,7 @@ TEST(Analysis, SaysStatusBitsAndFaultsInWords) {
   rows[2].status = haptics::kForceClamped | contact::kGripReleased;
   rows[3].status = haptics::kForceClamped;
   rows[4].fault = 1;
-  const std::vector<std::string> words = status_in_words(rows);
+  const std::vector<std::string> words = status_text(rows);
   ASSERT_EQ(words.size(), 3U);
   EXPECT_EQ(words[0], "the grip let go, past its limit (1 ticks)");
   EXPECT_EQ(words[1], "the force was clamped at max_force_N (2 ticks)");
@@ -162,8 +163,8 @@ TEST(Analysis, SaysOfEachFaultWhenItWasLatchedWhyAndWhenItWasReset) {
   }
   for (const std::size_t i : {3U, 4U}) rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStalled);
   for (const std::size_t i : {7U, 8U, 9U}) rows[i].fault = static_cast<std::uint32_t>(haptics::Fault::kStale);
-  rows[9].events = haptics::kResetFault;  // and at once latched anew
-  const std::vector<std::string> words = faults_in_words(rows);
+  rows[9].events = haptics::kResetFault;  // and latched again at once
+  const std::vector<std::string> words = faults_text(rows);
   ASSERT_EQ(words.size(), 3U);
   EXPECT_EQ(words[0],
             "fault at tick 3 (0.003 s): the loop stood still for 20 ms (stalled-loop); zero force from there "
@@ -176,7 +177,7 @@ TEST(Analysis, SaysOfEachFaultWhenItWasLatchedWhyAndWhenItWasReset) {
       words[2],
       "fault at tick 9 (0.009 s): the device gave no new sample for 5 ms (stale-sample); zero force from "
       "there on");
-  EXPECT_TRUE(faults_in_words(std::vector<haptics::TickRow>(3)).empty());
+  EXPECT_TRUE(faults_text(std::vector<haptics::TickRow>(3)).empty());
 }
 
 TEST(Analysis, TakesTheLoopsOwnCountsOfTimesWhereThereAreSomeAndElseTheRows) {

@@ -33,7 +33,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 constexpr ReportOptions kNoPictures{false, 0, 0};
 
-/// One report of two experiments, without pictures of organ and tool, for all tests here.
+/// One report of two experiments, without rendered pictures, for all tests here.
 class Report : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -78,7 +78,7 @@ TEST(ReportOfAMovingOrgan, SaysTheMotionAndPlotsTheOrgansWayBesideTheDepth) {
   EXPECT_THAT(html,
               HasSubstr("heartbeat, 3 mm along (0.00, 0.00, 1.00), 4.0° about (0.00, 0.00, 1.00), every "
                         "0.857 s"));
-  EXPECT_THAT(html, HasSubstr("how far the organ&#39;s middle is from its place at rest"));
+  EXPECT_THAT(html, HasSubstr("displacement of the organ&#39;s centre"));
   const std::string figure = read(folder.path() / "1-over-time.svg");
   EXPECT_THAT(figure, HasSubstr("organ (mm)"));
   EXPECT_THAT(figure, HasSubstr("turned (°, right)"));

@@ -112,7 +112,7 @@ TEST(NormalCheck, TellsMeanDeviationAndDistanceOfAKnownSample) {
   EXPECT_EQ(check.count, 2U);
   EXPECT_DOUBLE_EQ(check.mean, 0.0);
   EXPECT_DOUBLE_EQ(check.standard_deviation, std::sqrt(2.0));
-  // Phi(1) = 0.841344746; the empirical function is 1/2 just below it.
+  // Phi(1) = 0.841344746; the empirical distribution function just below 1 is 1/2.
   EXPECT_NEAR(check.ks_distance, 0.341344746, 1e-9);
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using palpate::test::TemporaryFolder;
 
-/// Two runs whose quantities all are `value`.
+/// Two runs with all quantities equal to `value`.
 study::SweepResult sweep_of(double value) {
   study::SweepResult sweep;
   sweep.axes = {{"tissue.k1_N_per_m", scene::KeyType::kNumber, {"10", "20"}}};

@@ -14,8 +14,8 @@
 
 namespace palpate::report::test {
 
-/// A recording made by formulas instead of a run: a ball of 5 mm goes into the top of a box, from 10 mm clear
-/// to 12 mm of depth at 1.5 s, holds and comes back; the force is the law's and the noise the model's.
+/// A recording computed from formulas: a ball of 5 mm moves into the top of a box, from 10 mm above it to a
+/// depth of 12 mm at 1.5 s, holds and returns. The force follows the law, the noise its model.
 class SyntheticRecording final {
  public:
   static constexpr double kRate = 1000.0;
@@ -24,7 +24,7 @@ class SyntheticRecording final {
   static constexpr double kClear = 10e-3;
   static constexpr double kDeepest = 12e-3;
 
-  /// Height of the ball's lowest point over the box's top [m].
+  /// Height of the ball's lowest point above the box's top [m].
   static double height(double time) {
     const double path = kClear + kDeepest;
     if (time < 1.5) return kClear - path * time / 1.5;
@@ -34,7 +34,7 @@ class SyntheticRecording final {
 
   static record::Recording make(bool noise = true, int ticks = 4000) {
     record::Recording recording;
-    scene::Setup& setup = recording.setup;
+    scene::Scene& setup = recording.setup;
     setup.name = "synthetic press";
     setup.organ_name = "box <60 x 60>";
     setup.organ = geometry::make_box(Vec3(60e-3, 60e-3, 40e-3), 10e-3);

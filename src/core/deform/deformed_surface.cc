@@ -1,0 +1,381 @@
+#include "core/deform/deformed_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/index.h"
+#include "core/base/infinity.h"
+
+namespace palpate::deform {
+namespace {
+
+using Eigen::Matrix3f;
+using Eigen::Vector3f;
+
+// m; a contact within this of one of the last frame is the same contact
+constexpr float kSameContact = 8e-3F;
+// m; a new front starts when the contact is farther than this from its front's source
+constexpr float kNewFront = 1.5e-3F;
+// m; largest error of a vertex that is not computed again, with a margin for rounding to the stated 0.05 mm
+constexpr float kMaxError = 0.045e-3F;
+constexpr float kAlwaysWithin = 8e-3F;         // m from a contact; nearer vertices are always computed again
+constexpr float kEarliestEnd = 0.9F;           // u/D; the profile is cut off at most at this value
+constexpr double kImprintReach = 20e-3;        // m; fronts under a press go at least this far, for is_near()
+constexpr std::size_t kMaxContacts = 24;       // kept with their fronts
+constexpr double kFreeShareOfThickness = 0.7;  // as in limited_depth()
+
+std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh) {
+  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
+  for (const geometry::Triangle& t : mesh.triangles) {
+    const std::array<Vec3, 3> edge = {mesh.vertices[at(t[1])] - mesh.vertices[at(t[0])],
+                                      mesh.vertices[at(t[2])] - mesh.vertices[at(t[1])],
+                                      mesh.vertices[at(t[0])] - mesh.vertices[at(t[2])]};
+    const Vec3 area = edge[0].cross(edge[1]);
+    const double doubled = area.norm();
+    if (!(doubled > 0.0)) continue;
+    for (std::size_t k = 0; k < 3; ++k)
+      sums[at(t[k])] += (std::atan2(doubled, -edge[k].dot(edge[(k + 2) % 3])) / doubled) * area;
+  }
+  std::vector<Vector3f> normals;
+  normals.reserve(sums.size());
+  for (const Vec3& sum : sums) normals.emplace_back(sum.normalized().cast<float>());
+  return normals;
+}
+
+// Appends a range; merges it with the last one if they touch.
+void append(std::vector<DeformedSurface::Range>& ranges, DeformedSurface::Range range) {
+  if (!ranges.empty() && ranges.back().first + ranges.back().count == range.first) {
+    ranges.back().count += range.count;
+  } else {
+    ranges.push_back(range);
+  }
+}
+
+}  // namespace
+
+// One contact with its geodesic front. It is kept while the contact stays near.
+struct DeformedSurface::TrackedContact {
+  explicit TrackedContact(const FrontSurface& surface) : front(surface), next(surface) {}
+
+  GeodesicFront front;
+  GeodesicFront next;
+  bool begun = false;
+  bool next_runs = false;
+  bool used = false;
+  bool was_used = false;  // in the last frame
+  std::uint64_t last_used = 0;
+  contact::SurfacePoint place;
+  ContactField field;
+  float wanted = 0.0F;  // distance that the front must reach [m]
+
+  // Per block: smallest geodesic distance from the front's source; infinity where the front has not come.
+  std::vector<float> least;
+  std::size_t noted = 0;  // settled vertices that `least` includes
+  float noted_to = 0.0F;  // front radius at that time [m]
+  ContactField before;    // the field of the last frame
+  float slack_before = 0.0F;
+  FieldChange change;
+  float slack = 0.0F;    // a vertex may be nearer than `least` by this much, now or in the last frame [m]
+  bool is_anew = false;  // the drawn vertices belong to another front
+
+  // Distance [m] of the contact from the front's source.
+  [[nodiscard]] float distance_from_source() const { return (field.point - front.source()).norm(); }
+  // A vertex may be nearer to the contact than to the front's source by this much [m].
+  [[nodiscard]] float closing_bound() const {
+    return distance_from_source() + std::max(0.0F, field.own_excess);
+  }
+};
+
+DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::FalloffRatios& reach,
+                                 double rounding, float least_share)
+    : rest_(std::move(rest)),
+      grid_(rest_),
+      surface_(rest_),
+      reach_(reach),
+      profile_(reach, rounding),
+      least_share_(least_share),
+      end_(profile_.where(least_share)),
+      rest_normals_(angle_weighted_normals(rest_)),
+      blocks_(surface_.vertices, rest_normals_),
+      vertices_(rest_.vertices.size()),
+      state_(blocks_.count()) {
+  for (std::size_t block = 0; block < blocks_.count(); ++block)
+    blocks_.rest(block, &vertices_[blocks_.first(block)]);
+}
+
+DeformedSurface::~DeformedSurface() = default;
+
+std::vector<std::int32_t> DeformedSurface::moved() const {
+  std::vector<std::int32_t> moved;
+  for (std::size_t v = 0; v < vertices_.size(); ++v)
+    if (vertices_[v].position != surface_.vertices[v]) moved.push_back(static_cast<std::int32_t>(v));
+  return moved;
+}
+
+SurfaceVertex& DeformedSurface::move(std::int32_t vertex) {
+  state_[at(vertex) / SurfaceBlocks::kBlock] = {true, true, true};
+  return vertices_[at(vertex)];
+}
+
+const std::vector<DeformedSurface::Range>& DeformedSurface::take_changes() {
+  changes_.clear();
+  for (std::size_t block = 0; block < blocks_.count(); ++block) {
+    if (!state_[block].changed) continue;
+    state_[block].changed = false;
+    append(changes_, {blocks_.first(block), blocks_.size(block)});
+  }
+  return changes_;
+}
+
+const std::vector<DeformedSurface::Range>& DeformedSurface::near(std::size_t i, double radius) {
+  near_.clear();
+  if (i >= now_.size() || now_[i] == nullptr) return near_;
+  for (std::size_t block = 0; block < blocks_.count(); ++block) {
+    if (blocks_.near(block, now_[i]->field.point, static_cast<float>(radius)))
+      append(near_, {blocks_.first(block), blocks_.size(block)});
+  }
+  return near_;
+}
+
+bool DeformedSurface::is_near(std::size_t i, std::int32_t vertex, double radius) const noexcept {
+  return now_[i]->front.distance_of(vertex) < static_cast<float>(radius) + now_[i]->distance_from_source();
+}
+
+void DeformedSurface::begin_frame() {
+  ++frame_;
+  for (const auto& contact : contacts_) {
+    contact->was_used = contact->used;
+    contact->used = false;
+    contact->is_anew = false;
+    contact->before = contact->field;
+    contact->slack_before = contact->closing_bound();
+  }
+  now_.clear();
+  growing_ = false;
+}
+
+Vector3f DeformedSurface::normal_at(const contact::SurfacePoint& place) const {
+  // Barycentric weights from the areas opposite to each corner.
+  const geometry::Triangle& corners = rest_.triangles[at(place.triangle)];
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 u = rest_.vertices[at(corners[(k + 1) % 3])] - place.point;
+    const Vec3 v = rest_.vertices[at(corners[(k + 2) % 3])] - place.point;
+    sum += u.cross(v).norm() * rest_normals_[at(corners[k])].cast<double>();
+  }
+  return sum.normalized().cast<float>();
+}
+
+DeformedSurface::TrackedContact& DeformedSurface::contact_for(const contact::SurfacePoint& place) {
+  const Vector3f point = place.point.cast<float>();
+  TrackedContact* best = nullptr;
+  float nearest = kSameContact;
+  for (const auto& contact : contacts_) {
+    const float way = (contact->field.point - point).norm();
+    if (contact->used || way >= nearest) continue;
+    nearest = way;
+    best = contact.get();
+  }
+  if (best == nullptr && contacts_.size() >= kMaxContacts) {
+    for (const auto& contact : contacts_)
+      if (!contact->used && (best == nullptr || contact->last_used < best->last_used)) best = contact.get();
+    if (best != nullptr) best->begun = false;
+  }
+  if (best == nullptr) {
+    contacts_.push_back(std::make_unique<TrackedContact>(surface_));
+    best = contacts_.back().get();
+  }
+  return *best;
+}
+
+void DeformedSurface::prepare(TrackedContact& contact, const Indentation& indentation,
+                              const contact::SurfacePoint& place) {
+  contact.used = true;
+  contact.last_used = frame_;
+  contact.place = place;
+  ContactField& field = contact.field;
+  field.point = place.point.cast<float>();
+  const Vector3f normal = normal_at(place);
+  const Vector3f direction = indentation.direction.cast<float>();
+  const float along_normal = direction.dot(normal);
+  double depth = indentation.depth;
+  if (along_normal < 0.0F)
+    depth = limited_depth(depth,
+                          grid_.far_side(place.point, indentation.direction, depth / kFreeShareOfThickness));
+  const DisplacementProfile profile(reach_, depth, indentation.tip_radius, indentation.half_width);
+  const auto drawn = static_cast<float>(depth);
+  field.normal_part = drawn * along_normal * normal;
+  field.side_part = drawn * direction - field.normal_part;
+  const double side_share = static_cast<double>(field.side_part.norm()) / depth;
+  const double fold = std::max(1.0, side_share * profile.steepest() / kMaxTangentialSlope);
+  field.reach = static_cast<float>(profile.outer_radius());
+  field.side_reach = static_cast<float>(fold * profile.outer_radius());
+  field.limit = end_ * field.side_reach;
+  contact.wanted =
+      along_normal < 0.0F ? std::max(field.limit, static_cast<float>(kImprintReach)) : field.limit;
+}
+
+int DeformedSurface::run_fronts(TrackedContact& contact, int steps, bool settle) {
+  const geometry::Triangle& corners = rest_.triangles[at(contact.place.triangle)];
+  if (!contact.begun || settle) {
+    contact.front.begin(corners, contact.field.point);
+    contact.field.own_excess = 0.0F;
+    contact.begun = true;
+    contact.is_anew = true;
+    contact.next_runs = false;
+  } else if (contact.distance_from_source() > kNewFront && !contact.next_runs) {
+    contact.next.begin(corners, contact.field.point);
+    contact.next_runs = true;
+  }
+  const float shifted = contact.wanted + contact.closing_bound();
+  int taken = contact.front.advance(shifted, steps);
+  if (contact.next_runs) {
+    const float wanted = std::min(shifted, contact.front.radius());
+    taken += contact.next.advance(wanted, steps - taken);
+    if (contact.next.radius() >= wanted) {
+      std::swap(contact.front, contact.next);
+      contact.is_anew = true;
+      contact.next_runs = false;
+    }
+  }
+  growing_ = growing_ || contact.next_runs ||
+             contact.front.radius() < contact.wanted + contact.distance_from_source();
+  return taken;
+}
+
+void DeformedSurface::lower_to_front(TrackedContact& contact) {
+  ContactField& field = contact.field;
+  field.excess = contact.front.excess();
+  float least = kInfinityF;
+  for (const std::int32_t v : rest_.triangles[at(contact.place.triangle)])
+    least = std::min(least, field.excess[at(v)]);
+  field.own_excess = std::isfinite(least) ? least : 0.0F;
+  // The displacement must end where the front ends.
+  const float end = contact.front.radius() - contact.closing_bound();
+  const auto lowered = [this, end](float reach) {
+    return std::clamp(profile_.at(std::max(0.0F, end) / reach).u, least_share_, kEarliestEnd);
+  };
+  field.lowered = lowered(field.reach);
+  field.lowered_side = lowered(field.side_reach);
+}
+
+void DeformedSurface::update_least_distances(TrackedContact& contact) {
+  if (contact.is_anew) {
+    contact.least.assign(blocks_.count(), kInfinityF);
+    contact.noted = 0;
+    contact.noted_to = 0.0F;
+  }
+  // The profile ended where the front ended, so vertices settled since then do not move yet. That does not
+  // hold in a front's first steps and behind obtuse triangles, where vertices settle late.
+  const bool had_ended = std::max(contact.before.lowered, contact.before.lowered_side) < kEarliestEnd;
+  const float ended_at = had_ended ? contact.noted_to : kInfinityF;
+  const std::span<const std::int32_t> settled = contact.front.settled();
+  for (const std::int32_t v : settled.subspan(contact.noted)) {
+    const std::size_t block = at(v) / SurfaceBlocks::kBlock;
+    const float distance = contact.front.distance_of(v);
+    contact.least[block] = std::min(contact.least[block], distance);
+    if (distance < ended_at) state_[block].error = kInfinityF;
+  }
+  contact.noted = settled.size();
+  contact.noted_to = contact.front.radius();
+}
+
+void DeformedSurface::update_change(TrackedContact& contact) {
+  const ContactField& now = contact.field;
+  const ContactField& before = contact.before;
+  float drift = 0.0F;
+  contact.slack = 0.0F;
+  if (contact.used) contact.slack = contact.closing_bound();
+  if (contact.was_used) contact.slack = std::max(contact.slack, contact.slack_before);
+  if (contact.used && contact.was_used) {
+    drift = (now.point - before.point).norm() + std::abs(now.own_excess - before.own_excess);
+  }
+  contact.change.set(contact.was_used ? &before : nullptr, contact.used ? &now : nullptr, drift, profile_);
+}
+
+float DeformedSurface::added_error(std::size_t block) {
+  near_changes_.clear();
+  for (const TrackedContact* contact : changing_) {
+    if (contact->is_anew && contact->was_used) {
+      if (blocks_.near(block, contact->before.point, contact->before.limit) ||
+          (contact->used && blocks_.near(block, contact->field.point, contact->field.limit)))
+        return kInfinityF;
+      continue;
+    }
+    const float distance = contact->least[block] - contact->slack;
+    if (distance < contact->change.limit()) near_changes_.push_back({&contact->change, distance});
+  }
+  return max_motion(near_changes_);
+}
+
+void DeformedSurface::find_changes() {
+  changing_.clear();
+  bool any = false;
+  for (const auto& contact : contacts_) {
+    if (!contact->used && !contact->was_used) continue;
+    update_change(*contact);
+    changing_.push_back(contact.get());
+    any = any || contact->is_anew || !contact->change.is_still();
+  }
+  if (!any) changing_.clear();
+}
+
+void DeformedSurface::move_blocks(bool settle) {
+  std::vector<const ContactField*> fields;
+  for (const TrackedContact* contact : now_)
+    if (contact != nullptr) fields.push_back(&contact->field);
+  std::vector<const ContactField*> near;
+  for (std::size_t block = 0; block < blocks_.count(); ++block) {
+    near.clear();
+    bool close = false;
+    for (const ContactField* field : fields) {
+      if (!blocks_.near(block, field->point, field->limit)) continue;
+      near.push_back(field);
+      close = close || blocks_.near(block, field->point, kAlwaysWithin);
+    }
+    BlockState& state = state_[block];
+    SurfaceVertex* const out = &vertices_[blocks_.first(block)];
+    if (near.empty()) {
+      if (state.moved) {
+        blocks_.rest(block, out);
+        state.changed = true;
+      }
+      state = {false, false, state.changed, 0.0F};
+      continue;
+    }
+    if (!settle && !state.lowered) {
+      state.error += added_error(block);
+      if (state.error <= (close ? 0.0F : kMaxError)) continue;
+    }
+    const bool moves = blocks_.move(block, near, profile_, out);
+    state = {moves, false, state.changed || state.moved || moves, 0.0F};
+  }
+}
+
+void DeformedSurface::update(std::span<const Indentation> indentations, int steps) {
+  begin_frame();
+  const bool settle = steps == kSettle;
+  int left = steps;
+  const std::vector<double> shares = opposition_factors(indentations);
+  for (std::size_t i = 0; i < indentations.size(); ++i) {
+    Indentation indentation = indentations[i];
+    indentation.depth *= shares[i];
+    now_.push_back(nullptr);
+    if (!(indentation.depth > 0.0)) continue;
+    const contact::SurfacePoint place = grid_.nearest(indentation.point);
+    if (place.triangle < 0) continue;
+    TrackedContact& contact = contact_for(place);
+    prepare(contact, indentation, place);
+    const int taken = run_fronts(contact, left, settle);
+    lower_to_front(contact);
+    update_least_distances(contact);
+    if (!settle) left -= std::min(left, taken);
+    now_.back() = &contact;
+  }
+  find_changes();
+  move_blocks(settle);
+}
+
+}  // namespace palpate::deform

@@ -1,0 +1,114 @@
+#include "palpate/parameter_updates.h"
+
+#include <cmath>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/haptics/prepared_update.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
+
+namespace palpate::haptics {
+namespace {
+
+LiveNoise noise_of_world(const SimulationWorld& world) {
+  const noise::NoiseSettings& settings = world.noise.settings();
+  return {settings.enabled, settings.gain, settings.threshold};
+}
+
+std::string in_mm(double metres) { return shortest(metres / kMillimetre) + " mm"; }
+
+}  // namespace
+
+PreparedUpdate prepare_update(const SimulationWorld& world, const ParameterUpdate& values) {
+  const model::TissueParameters tissue = tissue_of(values);
+  model::validate(tissue);
+  const double prepared_for = world.contact.tissue().contact.reference_radius;
+  if (tissue.contact.reference_radius != prepared_for) {
+    throw InputError("contact.reference_radius_mm = " + in_mm(tissue.contact.reference_radius) +
+                     ": the organ was prepared for " + in_mm(prepared_for) +
+                     ", which cannot change during a run");
+  }
+  noise::NoiseSettings settings = world.noise.settings();
+  settings.gain = values.noise.gain;
+  settings.threshold = values.noise.threshold;
+  noise::validate(settings, world.rate_Hz, world.limits.max_sigma());
+  return {values, contact::TissueLaws(tissue, 1.0 / world.rate_Hz)};
+}
+
+void apply_update(const SimulationWorld& world, SimulationState& state,
+                  const PreparedUpdate& change) noexcept {
+  const ParameterUpdate& values = change.values;
+  if ((values.what & kTissueChanged) != 0) {
+    contact::change_tissue(world.contact, state.contact, change.laws);
+    state.reach = values.tissue.reach;
+  }
+  if ((values.what & kNoiseChanged) != 0) {
+    state.noise_enabled = values.noise.enabled;
+    state.noise_crossfade = {values.noise.gain, values.noise.threshold,
+                             static_cast<std::uint32_t>(std::ceil(noise::TouchNoise::kFade * world.rate_Hz))};
+  }
+  state.change = values.number;
+}
+
+ParameterUpdates::ParameterUpdates(const SimulationWorld& world, const model::TissueParameters& tissue,
+                                   Warnings warnings)
+    : world_(world),
+      warnings_(std::move(warnings)),
+      tissue_(tissue),
+      noise_(noise_of_world(world)),
+      slots_(kMaxWaiting, prepare_update(world, parameter_update(tissue, noise_of_world(world), 0))) {}
+
+ParameterUpdates::~ParameterUpdates() = default;
+
+void ParameterUpdates::hand_over(ParameterUpdate values) {
+  values.number = offered_ + 1;
+  PreparedUpdate prepared = prepare_update(world_, values);
+  const std::uint64_t head = head_.load(std::memory_order_relaxed);
+  if (head - tail_.load(std::memory_order_acquire) == kMaxWaiting) {
+    throw InputError("change of tissue or noise: the loop has not taken the last " +
+                     std::to_string(kMaxWaiting) + " changes yet; try again when it has");
+  }
+  slots_[head % kMaxWaiting] = prepared;
+  offered_ = values.number;
+  head_.store(head + 1, std::memory_order_release);
+}
+
+ParameterUpdates::Accepted ParameterUpdates::offer(const model::TissueParameters& tissue) {
+  const std::lock_guard lock(callers_);
+  model::validate(tissue);
+  Accepted accepted;
+  if (warnings_) accepted.warnings = warnings_(tissue);
+  hand_over(parameter_update(tissue, noise_, kTissueChanged));
+  tissue_ = tissue;
+  accepted.number = offered_;
+  return accepted;
+}
+
+ParameterUpdates::Accepted ParameterUpdates::offer(const LiveNoise& noise) {
+  const std::lock_guard lock(callers_);
+  hand_over(parameter_update(tissue_, noise, kNoiseChanged));
+  noise_ = noise;
+  return {offered_, {}};
+}
+
+model::TissueParameters ParameterUpdates::tissue() const {
+  const std::lock_guard lock(callers_);
+  return tissue_;
+}
+
+LiveNoise ParameterUpdates::noise() const {
+  const std::lock_guard lock(callers_);
+  return noise_;
+}
+
+const PreparedUpdate* ParameterUpdates::waiting() const noexcept {
+  const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+  return tail == head_.load(std::memory_order_acquire) ? nullptr : &slots_[tail % kMaxWaiting];
+}
+
+void ParameterUpdates::taken() noexcept {
+  tail_.store(tail_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+}
+
+}  // namespace palpate::haptics
